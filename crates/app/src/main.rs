@@ -1,0 +1,3 @@
+//! The `foveal` program.
+
+fn main() {}

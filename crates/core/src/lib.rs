@@ -1,0 +1,6 @@
+//! Every decision of Foveal, as pure functions: no file, socket, clock, thread or GPU.
+
+#![forbid(unsafe_code)]
+
+pub mod asset;
+pub mod units;

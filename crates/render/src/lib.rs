@@ -1,0 +1,1 @@
+//! Draws what is resident: planes in, picture out.

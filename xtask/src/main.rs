@@ -1,0 +1,3 @@
+//! Checks the rules of the repository.
+
+fn main() {}
