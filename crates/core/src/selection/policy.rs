@@ -1,0 +1,327 @@
+//! Which level does each policy give each part of the picture?
+
+use super::level_map::LevelMap;
+use super::need::{CellBounds, Probe, level_of_footprint, probes};
+use super::neighbours::neighbours;
+use crate::asset::tile_grid::{Tile, TileGrid};
+use crate::gaze::sample::GazeSample;
+use crate::perception::acuity::AcuityModel;
+use crate::units::{Ppd, Radians};
+use crate::view::axes::angle_between;
+use crate::view::eye_view::EyeView;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// How levels are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Policy {
+    /// Every finest tile: the baseline of all ratios.
+    Full,
+    /// Only the coarsest level: the other end.
+    Coarsest,
+    /// What is in view plus a margin at display density, the rest coarsest: what the industry
+    /// ships.
+    Viewport,
+    /// Seed 000 on panoramas: the gaze's cell finest, its neighbours middle, the rest coarsest.
+    Grid,
+    /// The coarsest level that still meets the eye's limit everywhere in a cell.
+    Acuity,
+}
+
+/// Which cells the `grid` policy shows at the finest level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EdgeRule {
+    /// Every cell within the margin of the gaze, borders included.
+    #[default]
+    Conservative,
+    /// Only the cell that the gaze is in.
+    Single,
+}
+
+/// A policy with its parameters; written into session logs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PolicyConfig {
+    /// The rule.
+    pub policy: Policy,
+    /// The eye of `acuity`.
+    pub acuity: AcuityModel,
+    /// `acuity`: radius round the gaze within which everything is finest and beyond which
+    /// eccentricity counts.
+    pub safety_disc: Radians,
+    /// `viewport`: what is kept fine around the view.
+    pub margin: Radians,
+    /// `grid`: which cells are finest.
+    pub edge_rule: EdgeRule,
+    /// `grid`: how near a cell must be to the gaze to be finest.
+    pub edge_margin: Radians,
+    /// `grid`: how many cells of the lowest level, in index order, count as noisy and are promoted
+    /// to the middle level.
+    pub noisy_cells: u32,
+}
+
+impl PolicyConfig {
+    /// A policy with its default parameters.
+    #[must_use]
+    pub fn new(policy: Policy) -> Self {
+        Self {
+            policy,
+            acuity: AcuityModel::LINEAR,
+            safety_disc: Radians(0.0),
+            margin: Radians::from_degrees(10.0),
+            edge_rule: EdgeRule::Conservative,
+            edge_margin: Radians(0.0),
+            noisy_cells: 0,
+        }
+    }
+}
+
+/// What selection knows of the viewer at one display time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Where the eye looks when the picture is shown.
+    pub gaze: GazeSample,
+    /// What shows the picture; without it nothing is cut to the display's density.
+    pub view: Option<EyeView>,
+}
+
+/// What was chosen for one frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Selection {
+    /// The level at which each cell is shown.
+    pub levels: LevelMap,
+    /// The tiles that takes, coarsest first.
+    pub tiles: Vec<Tile>,
+}
+
+/// Chooses levels on one grid by one policy.
+#[derive(Clone, Debug)]
+pub struct Selector {
+    grid: TileGrid,
+    config: PolicyConfig,
+    cells: Vec<CellBounds>,
+}
+
+impl Selector {
+    /// A selector; costs 81 directions a cell, once.
+    #[must_use]
+    pub fn new(grid: TileGrid, config: PolicyConfig) -> Self {
+        let cells = grid
+            .tiles_of(0)
+            .map(|cell| CellBounds::new(&grid, cell))
+            .collect();
+        Self {
+            grid,
+            config,
+            cells,
+        }
+    }
+
+    /// The grid it chooses on.
+    #[must_use]
+    pub fn grid(&self) -> &TileGrid {
+        &self.grid
+    }
+
+    /// The choice for one moment. A pure function; about 1 ms for a 16K cube under `acuity`.
+    ///
+    /// # Panics
+    /// `viewport` needs a view.
+    #[must_use]
+    pub fn select(&self, moment: &Moment) -> Selection {
+        let mut levels = match self.config.policy {
+            Policy::Full => LevelMap::filled(&self.grid, 0),
+            Policy::Coarsest => LevelMap::filled(&self.grid, self.grid.coarsest()),
+            Policy::Viewport => self.viewport(moment),
+            Policy::Grid => self.seed_grid(&moment.gaze),
+            Policy::Acuity => self.acuity(moment),
+        };
+        let tiles = levels.cover(&self.grid);
+        Selection { levels, tiles }
+    }
+
+    fn viewport(&self, moment: &Moment) -> LevelMap {
+        let view = moment.view.as_ref();
+        assert!(
+            view.is_some(),
+            "the viewport policy chooses by what is in view"
+        );
+        let margin = self.config.margin;
+        LevelMap::from_cells(&self.grid, |cell| {
+            let Some(view) = view else {
+                return self.grid.coarsest();
+            };
+            let seen = probes(&self.grid, cell).filter(|probe| in_view(view, probe, margin));
+            let level = seen
+                .map(|probe| level_of_footprint(&self.grid, display_footprint(view, &probe)))
+                .min();
+            level.unwrap_or(self.grid.coarsest())
+        })
+    }
+
+    /// Seed 000, framework 2: an acuity matrix by neighbourhood (Kastner 2016, section 4.2).
+    fn seed_grid(&self, gaze: &GazeSample) -> LevelMap {
+        let grid = &self.grid;
+        let mut levels = LevelMap::filled(grid, grid.coarsest());
+        let middle = grid.levels / 2;
+        let finest = self.cells_at_gaze(gaze.gaze_in_content);
+        for cell in &finest {
+            levels.refine(grid, *cell, 0);
+            neighbours(grid, *cell)
+                .into_iter()
+                .for_each(|next| levels.refine(grid, next, middle));
+        }
+        let lowest: Vec<Tile> = grid
+            .tiles_of(0)
+            .filter(|cell| levels.level(grid, *cell) == grid.coarsest())
+            .take(self.config.noisy_cells as usize)
+            .collect();
+        lowest
+            .into_iter()
+            .for_each(|cell| levels.refine(grid, cell, middle));
+        levels
+    }
+
+    fn cells_at_gaze(&self, gaze: DVec3) -> Vec<Tile> {
+        let Some((face, place)) = self.grid.surface.locate(gaze) else {
+            return Vec::new();
+        };
+        match self.config.edge_rule {
+            EdgeRule::Single => vec![self.grid.cell_at(face, place)],
+            EdgeRule::Conservative => {
+                let margin = self.config.edge_margin.0 + 1e-9;
+                let near = |cell: &Tile| angle_to_cell(&self.grid, *cell, gaze).0 <= margin;
+                let mut cells: Vec<Tile> = self.grid.tiles_of(0).filter(near).collect();
+                if cells.is_empty() {
+                    cells.push(self.grid.cell_at(face, place));
+                }
+                cells
+            }
+        }
+    }
+
+    fn acuity(&self, moment: &Moment) -> LevelMap {
+        let mut cells = self.cells.iter();
+        LevelMap::from_cells(&self.grid, |_| {
+            cells
+                .next()
+                .map_or(0, |bounds| self.acuity_level(bounds, moment))
+        })
+    }
+
+    fn acuity_level(&self, bounds: &CellBounds, moment: &Moment) -> u8 {
+        let gaze = &moment.gaze;
+        let nearest = bounds.least_eccentricity(gaze.gaze_in_content);
+        let coarsest = self.grid.coarsest();
+        let beyond = self.beyond_disc(nearest, gaze);
+        let best = self.config.acuity.best_acuity(beyond).0;
+        let disc = self.disc_footprint(nearest, bounds.least_ppd());
+        let least = (bounds.least_ppd().0 / (2.0 * best)).min(disc);
+        if level_of_footprint(&self.grid, least) == coarsest {
+            return coarsest;
+        }
+        let allowed = |probe: Probe| {
+            let footprint = self.acuity_footprint(gaze, &probe);
+            level_of_footprint(
+                &self.grid,
+                footprint.max(self.display_limit(moment, &probe)),
+            )
+        };
+        probes(&self.grid, bounds.cell)
+            .map(allowed)
+            .min()
+            .unwrap_or(0)
+    }
+
+    /// Level-0 pixels that a texel may span at a place before this eye could tell: the density of
+    /// the content over twice the highest frequency that is resolved there.
+    ///
+    /// Eccentricity counts from the edge of the safety disc and the gaze's spread: whoever is off
+    /// by that much still sees no coarser texel than the model allows.
+    fn acuity_footprint(&self, gaze: &GazeSample, probe: &Probe) -> f64 {
+        let eccentricity = angle_between(gaze.gaze_in_content, probe.direction);
+        let beyond = self.beyond_disc(eccentricity, gaze);
+        let disc = self.disc_footprint(eccentricity, probe.ppd);
+        // The nearest direction to the gaze that an eye off by the disc's radius could look along.
+        let toward = toward(gaze.gaze_in_content, probe.direction, eccentricity, beyond);
+        let acuity = self.config.acuity.acuity(toward, probe.direction);
+        (probe.ppd.0 / (2.0 * acuity.0)).min(disc)
+    }
+
+    fn beyond_disc(&self, eccentricity: Radians, gaze: &GazeSample) -> Radians {
+        Radians((eccentricity.0 - self.config.safety_disc.0 - gaze.spread.0).max(0.0))
+    }
+
+    /// The footprint that keeps the safety disc at the finest level: 1 inside, and outside no more
+    /// than the reconstruction can fade from before it reaches the disc.
+    fn disc_footprint(&self, eccentricity: Radians, ppd: Ppd) -> f64 {
+        let disc = self.config.safety_disc;
+        if disc.0 <= 0.0 {
+            return f64::MAX;
+        }
+        let outside = Radians((eccentricity.0 - disc.0).max(0.0)).to_degrees();
+        1.0 + outside * ppd.0 / self.grid.blend_pixels()
+    }
+
+    /// The footprint under which the display shows no difference; the safety disc is exempt.
+    fn display_limit(&self, moment: &Moment, probe: &Probe) -> f64 {
+        let eccentricity = angle_between(moment.gaze.gaze_in_content, probe.direction);
+        let limit = moment
+            .view
+            .map_or(0.0, |view| display_footprint(&view, probe));
+        limit.min(self.disc_footprint(eccentricity, probe.ppd))
+    }
+}
+
+/// The direction on the way from `gaze` to `direction` that is `left` from the latter.
+fn toward(gaze: DVec3, direction: DVec3, eccentricity: Radians, left: Radians) -> DVec3 {
+    if left >= eccentricity {
+        return gaze;
+    }
+    if left.0 <= 0.0 {
+        return direction;
+    }
+    let sin = libm::sin(eccentricity.0);
+    let (from, to) = (
+        libm::sin(left.0) / sin,
+        libm::sin(eccentricity.0 - left.0) / sin,
+    );
+    (gaze * from + direction * to).normalize()
+}
+
+/// Level-0 pixels under one pixel of the display at the place of a probe.
+fn display_footprint(view: &EyeView, probe: &Probe) -> f64 {
+    probe.ppd.0 / view.ppd_towards(probe.direction).0
+}
+
+fn in_view(view: &EyeView, probe: &Probe, margin: Radians) -> bool {
+    let depth = probe.direction.dot(view.axes.forward);
+    let across = libm::atan2(probe.direction.dot(view.axes.right), depth);
+    let down = libm::atan2(probe.direction.dot(view.axes.down), depth);
+    let reach = |tangent: f64| libm::atan(tangent) + margin.0;
+    let field = view.field;
+    (-reach(field.left)..=reach(field.right)).contains(&across)
+        && (-reach(field.up)..=reach(field.down)).contains(&down)
+}
+
+/// Angle between a direction and the nearest place of a cell; 0 inside, borders included.
+fn angle_to_cell(grid: &TileGrid, cell: Tile, direction: DVec3) -> Radians {
+    let surface = &grid.surface;
+    let axes = surface.axes(u32::from(cell.face));
+    let depth = direction.dot(axes.forward);
+    if depth <= 1e-9 {
+        return Radians(core::f64::consts::PI);
+    }
+    let tangent = [
+        direction.dot(axes.right) / depth,
+        direction.dot(axes.down) / depth,
+    ];
+    let (from, size) = (grid.origin(cell), grid.covered(cell));
+    let nearest = [0, 1].map(|k| {
+        let side = f64::from(surface.size[k]);
+        let place = (tangent[k] / surface.tangents[k] + 1.0) / 2.0 * side;
+        place.clamp(f64::from(from[k]), f64::from(from[k] + size[k]))
+    });
+    angle_between(direction, surface.direction(u32::from(cell.face), nearest))
+}
