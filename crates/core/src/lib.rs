@@ -4,3 +4,4 @@
 
 pub mod asset;
 pub mod units;
+pub mod view;

@@ -1,4 +1,8 @@
 //! What can be sent and shown: pictures, tiles, units and the pack that holds them.
 
 pub mod codec;
+pub mod order;
+pub mod pack;
 pub mod picture;
+pub mod tile_grid;
+pub mod unit;

@@ -26,7 +26,11 @@ impl Picture {
             let [w, h] = plane_size(width, height, p);
             vec![yuv[p]; w as usize * h as usize]
         });
-        Self { width, height, planes }
+        Self {
+            width,
+            height,
+            planes,
+        }
     }
 
     /// Size in samples of plane `p` (0 is Y, 1 is U, 2 is V).
@@ -50,7 +54,10 @@ impl Picture {
     /// `x` and `y` must be even, or chroma would shift by half a sample.
     #[must_use]
     pub fn crop(&self, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> Self {
-        assert!(x % 2 == 0 && y % 2 == 0, "a crop at an odd offset shifts chroma: {x},{y}");
+        assert!(
+            x % 2 == 0 && y % 2 == 0,
+            "a crop at an odd offset shifts chroma: {x},{y}"
+        );
         let planes = [0, 1, 2].map(|p| {
             let half = u32::from(p > 0);
             let [from_w, from_h] = self.plane_size(p);
@@ -66,14 +73,22 @@ impl Picture {
             }
             out
         });
-        Self { width, height, planes }
+        Self {
+            width,
+            height,
+            planes,
+        }
     }
 }
 
 /// Size in samples of plane `p` of a 4:2:0 picture: chroma is half, rounded up.
 #[must_use]
 pub fn plane_size(width: u32, height: u32, p: usize) -> [u32; 2] {
-    if p == 0 { [width, height] } else { [width.div_ceil(2), height.div_ceil(2)] }
+    if p == 0 {
+        [width, height]
+    } else {
+        [width.div_ceil(2), height.div_ceil(2)]
+    }
 }
 
 /// Which linear combination of R, G, B the Y plane holds.

@@ -1,0 +1,150 @@
+//! What does a pack say about its content?
+
+use super::{MAX_FRAMES, MAX_GROUP, PackError};
+use crate::asset::codec::Codec;
+use crate::asset::picture::Colour;
+use crate::asset::tile_grid::{Cut, TileGrid};
+use crate::view::surface::{Projection, Screen, Surface};
+use serde::{Deserialize, Serialize};
+
+/// The JSON description of a video pack.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Description {
+    /// Program and version that wrote the pack.
+    pub generator: String,
+    /// Flat or cube.
+    pub projection: Projection,
+    /// Pixels of one face at level 0.
+    pub size: [u32; 2],
+    /// How faces are cut into tiles.
+    pub cut: Cut,
+    /// Number of levels.
+    pub levels: u8,
+    /// Linear ratio between levels.
+    pub ratio: u32,
+    /// Codec of every tile.
+    pub codec: Codec,
+    /// Quantiser or quality of each level, finest first.
+    pub quality: Vec<u8>,
+    /// Frames in a full group of each level, finest first; each a multiple of those before it.
+    pub groups: Vec<u32>,
+    /// Number of frames.
+    pub frames: u32,
+    /// Nominal frames per second, as numerator and denominator; exact times are in the side table
+    /// `frame_times`.
+    pub frame_rate: [u32; 2],
+    /// How planes become colours.
+    pub colour: Colour,
+    /// What the pack was made from.
+    pub source: Source,
+    /// Side tables.
+    #[serde(default)]
+    pub tables: Vec<TableEntry>,
+}
+
+/// What a pack was made from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Source {
+    /// File name without its folder.
+    pub name: String,
+    /// Pixels of the source picture, after rotation.
+    pub size: [u32; 2],
+    /// Bytes of the source file.
+    pub bytes: u64,
+    /// Codec of the source.
+    pub codec: String,
+}
+
+/// Where a side table lies.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TableEntry {
+    /// What it holds.
+    pub name: String,
+    /// Version of its layout.
+    pub version: u32,
+    /// First byte in the file.
+    pub offset: u64,
+    /// Its length in bytes.
+    pub bytes: u64,
+    /// Its checksum.
+    pub crc32c: u32,
+}
+
+impl Description {
+    /// Reads the JSON of a description; trailing spaces are padding.
+    pub fn parse(bytes: &[u8]) -> Result<Self, PackError> {
+        let description: Self = serde_json::from_slice(bytes)
+            .map_err(|e| PackError::new("description", e, "the JSON of docs/formats/pack.md"))?;
+        description.check()?;
+        Ok(description)
+    }
+
+    /// Whether every field is in range.
+    pub fn check(&self) -> Result<(), PackError> {
+        self.grid(Screen::default())
+            .check()
+            .map_err(|e| PackError::new("description: size, cut, levels, ratio", e, "a grid"))?;
+        let square = self.size[0] == self.size[1];
+        if self.projection == Projection::Cube && !square {
+            let found = format!("{}x{}", self.size[0], self.size[1]);
+            return Err(PackError::new(
+                "description.size",
+                found,
+                "square cube faces",
+            ));
+        }
+        if self.frames == 0 || self.frames > MAX_FRAMES {
+            let most = format!("1 to {MAX_FRAMES}");
+            return Err(PackError::new("description.frames", self.frames, most));
+        }
+        if self.frame_rate.contains(&0) {
+            let found = format!("{:?}", self.frame_rate);
+            return Err(PackError::new(
+                "description.frame_rate",
+                found,
+                "positive numbers",
+            ));
+        }
+        let levels = usize::from(self.levels);
+        if self.groups.len() != levels || self.quality.len() != levels {
+            let found = format!("{} and {} entries", self.groups.len(), self.quality.len());
+            let expected = format!("{levels}, one a level");
+            return Err(PackError::new(
+                "description.groups, quality",
+                found,
+                expected,
+            ));
+        }
+        let in_range = self.groups.iter().all(|g| (1..=MAX_GROUP).contains(g));
+        if !in_range || self.groups.windows(2).any(|pair| pair[1] % pair[0] != 0) {
+            let expected = format!("1 to {MAX_GROUP}, each a multiple of the one before");
+            return Err(PackError::new(
+                "description.groups",
+                format!("{:?}", self.groups),
+                expected,
+            ));
+        }
+        Ok(())
+    }
+
+    /// The tile grid, with flat content filling `screen`.
+    #[must_use]
+    pub fn grid(&self, screen: Screen) -> TileGrid {
+        let surface = match self.projection {
+            Projection::Flat => Surface::flat(self.size, screen),
+            Projection::Cube => Surface::cube(self.size[0]),
+        };
+        TileGrid {
+            surface,
+            cut: self.cut,
+            levels: self.levels,
+            ratio: self.ratio,
+        }
+    }
+
+    /// Frames per second.
+    #[must_use]
+    pub fn fps(&self) -> f64 {
+        f64::from(self.frame_rate[0]) / f64::from(self.frame_rate[1])
+    }
+}

@@ -1,0 +1,217 @@
+//! Does a pack read back as it was written, and is every damage found?
+
+use super::*;
+use crate::asset::codec::Codec;
+use crate::asset::picture::{Colour, Matrix};
+use crate::asset::tile_grid::{Cut, Tile};
+use crate::asset::unit::UnitId;
+use crate::view::surface::Projection;
+
+fn description() -> Description {
+    Description {
+        generator: "test".into(),
+        projection: Projection::Flat,
+        size: [100, 60],
+        cut: Cut::Tile(32),
+        levels: 3,
+        ratio: 2,
+        codec: Codec::Png,
+        quality: vec![0; 3],
+        groups: vec![2, 4, 4],
+        frames: 7,
+        frame_rate: [30, 1],
+        colour: Colour {
+            matrix: Matrix::Bt709,
+            full_range: false,
+            chroma_left: true,
+        },
+        source: Source {
+            name: "a.mkv".into(),
+            size: [100, 60],
+            bytes: 9,
+            codec: "x".into(),
+        },
+        tables: vec![],
+    }
+}
+
+/// A whole small pack with chunks of pseudo-random bytes.
+fn pack_bytes() -> Vec<u8> {
+    let description = description();
+    let layout = index::Layout::new(&description).unwrap();
+    let mut builder = PackBuilder::new(&description);
+    let mut chunks = Vec::new();
+    for level in (0..3).rev() {
+        let group = description.groups[usize::from(level)];
+        for first in (0..description.frames).step_by(group as usize) {
+            for tile in layout.grid.tiles_of(level) {
+                let frames = group.min(description.frames - first);
+                let units: Vec<Vec<u8>> = (0..frames)
+                    .map(|f| vec![(f * 31 + u32::from(tile.x)) as u8; 3 + f as usize])
+                    .collect();
+                chunks.extend(builder.push(tile, first, &units));
+            }
+        }
+    }
+    let table = SideTable {
+        name: "frame_times".into(),
+        version: 1,
+        bytes: vec![5; 56],
+    };
+    let finished = builder.finish(description, &[table]).unwrap();
+    [finished.head, chunks, finished.tail].concat()
+}
+
+fn read(bytes: &[u8]) -> Result<(Header, Pack), PackError> {
+    let header = Header::parse(bytes)?;
+    let description = &bytes[HEADER_BYTES..][..header.description_bytes as usize];
+    let index = &bytes[header.index_offset as usize..][..header.index_bytes as usize];
+    Ok((header, Pack::parse(&header, description, index)?))
+}
+
+#[test]
+fn a_pack_reads_back_as_it_was_written() {
+    let bytes = pack_bytes();
+    let (header, pack) = read(&bytes).unwrap();
+    assert_eq!(header.file_bytes, bytes.len() as u64);
+    pack.check_coverage(&header).unwrap();
+    for unit in pack.units() {
+        let (tile, frames) = (pack.tile_of(unit), pack.frames_of(unit));
+        for frame in frames.clone() {
+            assert_eq!(pack.unit(tile, frame), unit);
+        }
+        let entry = pack.entry(unit);
+        let chunk = &bytes[entry.offset as usize..][..entry.bytes as usize];
+        check_crc("chunk", chunk, entry.crc32c).unwrap();
+        let units = split_chunk(chunk, frames.len()).unwrap();
+        for (f, unit) in units.iter().enumerate() {
+            assert_eq!(*unit, vec![(f * 31 + usize::from(tile.x)) as u8; 3 + f]);
+        }
+    }
+    assert_eq!(pack.description().tables[0].bytes, 56);
+    assert!(parse_anything(&bytes));
+}
+
+#[test]
+fn units_of_the_coarsest_level_come_first() {
+    let (_, pack) = read(&pack_bytes()).unwrap();
+    assert_eq!(
+        pack.tile_of(UnitId(0)),
+        Tile {
+            level: 2,
+            face: 0,
+            x: 0,
+            y: 0
+        }
+    );
+    let levels: Vec<u8> = pack.units().map(|unit| pack.tile_of(unit).level).collect();
+    assert!(levels.windows(2).all(|pair| pair[0] >= pair[1]));
+}
+
+#[test]
+fn every_flipped_byte_outside_the_chunks_is_found() {
+    let good = pack_bytes();
+    let (header, pack) = read(&good).unwrap();
+    let table = pack.description().tables[0].clone();
+    for place in 0..good.len() {
+        let mut bad = good.clone();
+        bad[place] ^= 0x40;
+        let in_chunk = (header.data_offset()..header.index_offset).contains(&(place as u64));
+        let chunk_fails = || {
+            pack.units().any(|unit| {
+                let e = pack.entry(unit);
+                let chunk = &bad[e.offset as usize..][..e.bytes as usize];
+                check_crc("chunk", chunk, e.crc32c).is_err()
+            })
+        };
+        let table_fails = || {
+            let bytes = &bad[table.offset as usize..][..table.bytes as usize];
+            check_crc("table", bytes, table.crc32c).is_err()
+        };
+        let found = if in_chunk {
+            chunk_fails()
+        } else {
+            read(&bad).is_err() || table_fails()
+        };
+        assert!(found, "byte {place}");
+    }
+}
+
+#[test]
+fn a_truncated_pack_is_refused_without_panicking() {
+    let good = pack_bytes();
+    for length in 0..good.len() {
+        assert!(!parse_anything(&good[..length]));
+    }
+}
+
+#[test]
+fn a_generated_corpus_of_damaged_packs_never_panics() {
+    let good = pack_bytes();
+    let mut state = 1u64;
+    for _ in 0..4000 {
+        let mut bad = good.clone();
+        for _ in 0..4 {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            let place = (state >> 33) as usize % bad.len();
+            bad[place] = (state >> 24) as u8;
+        }
+        // Make the outer checksums right again, so that what lies behind them is reached.
+        repair_checksums(&mut bad);
+        let _ = parse_anything(&bad);
+    }
+}
+
+fn repair_checksums(bytes: &mut [u8]) {
+    let description = HEADER_BYTES..HEADER_BYTES + (u32_at(bytes, 12) as usize).min(4096);
+    if let Some(part) = bytes.get(description) {
+        let crc = crc32c::crc32c(part);
+        bytes[16..20].copy_from_slice(&crc.to_le_bytes());
+    }
+    let crc = crc32c::crc32c(&bytes[..60]);
+    bytes[60..64].copy_from_slice(&crc.to_le_bytes());
+}
+
+#[test]
+fn a_missing_or_doubled_unit_is_refused_when_building() {
+    let description = description();
+    let mut builder = PackBuilder::new(&description);
+    let tile = Tile {
+        level: 2,
+        face: 0,
+        x: 0,
+        y: 0,
+    };
+    builder.push(tile, 0, &[vec![1]]);
+    let error = builder.finish(description.clone(), &[]).unwrap_err();
+    assert!(error.to_string().contains("no unit"), "{error}");
+    let mut builder = PackBuilder::new(&description);
+    builder.push(tile, 0, &[vec![1]]);
+    builder.push(tile, 0, &[vec![1]]);
+    assert!(
+        builder
+            .finish(description, &[])
+            .unwrap_err()
+            .to_string()
+            .contains("twice")
+    );
+}
+
+#[test]
+fn absurd_sizes_are_refused_before_anything_is_allocated() {
+    let mut huge = description();
+    huge.frames = MAX_FRAMES;
+    huge.size = [65_536, 65_536];
+    huge.cut = Cut::Tile(64);
+    let json = serde_json::to_vec(&huge).unwrap();
+    let header = Header {
+        description_bytes: json.len() as u32,
+        description_crc: crc32c::crc32c(&json),
+        index_offset: 64 + json.len() as u64,
+        index_bytes: 0,
+        file_bytes: 64 + json.len() as u64,
+    };
+    assert!(Pack::parse(&header, &json, &[]).is_err());
+}

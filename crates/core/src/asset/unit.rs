@@ -1,0 +1,12 @@
+//! What is the smallest thing that can be sent?
+
+use serde::{Deserialize, Serialize};
+
+/// One refinement step of any kind of content: its number is its place in the pack's index, so the
+/// bytes of a unit are found in constant time.
+///
+/// For video a unit is a tile at a level over one group of pictures; having it lets the client
+/// show that region at that level for those frames. Units of coarser levels come first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct UnitId(pub u32);

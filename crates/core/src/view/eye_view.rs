@@ -1,0 +1,164 @@
+//! Which ray belongs to a pixel of what shows the picture?
+
+use super::axes::Axes;
+use super::surface::{Projection, Surface};
+use crate::units::{Ppd, Radians};
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// A view: an orientation, a field of view and pixels. A window, a headset eye and a screenshot are
+/// all views; the contract between display and content is the ray of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EyeView {
+    /// Orientation in world space.
+    pub axes: Axes,
+    /// Field of view as tangents at unit distance.
+    pub field: Field,
+    /// Columns and rows of the picture.
+    pub size: [u32; 2],
+}
+
+/// Tangents of the four half angles of a field of view, each measured outwards from the axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Field {
+    /// To the left.
+    pub left: f64,
+    /// To the right.
+    pub right: f64,
+    /// Up.
+    pub up: f64,
+    /// Down.
+    pub down: f64,
+}
+
+impl Field {
+    /// A symmetric field with the given half tangents.
+    #[must_use]
+    pub fn symmetric([x, y]: [f64; 2]) -> Self {
+        Self {
+            left: x,
+            right: x,
+            up: y,
+            down: y,
+        }
+    }
+
+    /// A symmetric field `across` wide whose pixels are square in a picture of `size`.
+    #[must_use]
+    pub fn across(across: Radians, size: [u32; 2]) -> Self {
+        let x = libm::tan(across.0 / 2.0);
+        Self::symmetric([x, x * f64::from(size[1]) / f64::from(size[0])])
+    }
+}
+
+impl EyeView {
+    /// The view that flat content fills exactly, at `size` pixels.
+    #[must_use]
+    pub fn filling(surface: &Surface, size: [u32; 2]) -> Self {
+        Self {
+            axes: Axes::FRONT,
+            field: Field::symmetric(surface.tangents),
+            size,
+        }
+    }
+
+    /// World ray of a place in the picture (pixel centres at +0.5), not normalised.
+    #[must_use]
+    pub fn ray(&self, place: [f64; 2]) -> DVec3 {
+        let m = self.ray_from_pixel();
+        m * DVec3::new(place[0], place[1], 1.0)
+    }
+
+    /// The matrix that turns (column, row, 1) into a world ray.
+    #[must_use]
+    pub fn ray_from_pixel(&self) -> DMat3 {
+        let f = self.field;
+        let step_x = self.axes.right * ((f.left + f.right) / f64::from(self.size[0]));
+        let step_y = self.axes.down * ((f.up + f.down) / f64::from(self.size[1]));
+        DMat3::from_cols(step_x, step_y, self.axes.at([-f.left, -f.up]))
+    }
+
+    /// The matrix that turns (column, row, 1) into what the reconstruct passes look up: the world
+    /// ray on a cube; on flat content the homogeneous place in level-0 pixels, exactly the identity
+    /// when the view shows the content pixel for pixel.
+    #[must_use]
+    pub fn content_from_pixel(&self, surface: &Surface) -> DMat3 {
+        let rays = self.ray_from_pixel();
+        if surface.projection == Projection::Cube {
+            return rays;
+        }
+        let face = surface.axes(0);
+        let [half_w, half_h] = surface.size.map(|s| f64::from(s) / 2.0);
+        let row_x = face.right * (half_w / surface.tangents[0]) + face.forward * half_w;
+        let row_y = face.down * (half_h / surface.tangents[1]) + face.forward * half_h;
+        let place_from_ray = DMat3::from_cols(row_x, row_y, face.forward).transpose();
+        let m = place_from_ray * rays;
+        let m = m * (1.0 / m.z_axis.z);
+        DMat3::from_cols_array(&m.to_cols_array().map(snap))
+    }
+
+    /// The place in the picture where a world direction appears, when it is in front of the eye.
+    #[must_use]
+    pub fn place(&self, direction: DVec3) -> Option<[f64; 2]> {
+        let depth = direction.dot(self.axes.forward);
+        if depth <= 1e-9 {
+            return None;
+        }
+        let f = self.field;
+        let a = direction.dot(self.axes.right) / depth;
+        let b = direction.dot(self.axes.down) / depth;
+        Some([
+            (a + f.left) / (f.left + f.right) * f64::from(self.size[0]),
+            (b + f.up) / (f.up + f.down) * f64::from(self.size[1]),
+        ])
+    }
+
+    /// Pixels per degree at the axis, along the denser direction.
+    #[must_use]
+    pub fn ppd(&self) -> Ppd {
+        let f = self.field;
+        let pitch_x = (f.left + f.right) / f64::from(self.size[0]);
+        let pitch_y = (f.up + f.down) / f64::from(self.size[1]);
+        Ppd(1.0 / Radians(pitch_x.min(pitch_y)).to_degrees())
+    }
+}
+
+/// Removes the last rounding errors from entries that are whole numbers, so that a view that shows
+/// content pixel for pixel samples exactly at pixel centres.
+fn snap(value: f64) -> f64 {
+    let whole = libm::round(value);
+    if (value - whole).abs() < 1e-9 {
+        whole
+    } else {
+        value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::surface::Screen;
+
+    #[test]
+    fn a_filling_view_maps_pixels_onto_themselves_exactly() {
+        for size in [[1920, 1080], [1281, 721], [33, 7]] {
+            let surface = Surface::flat(size, Screen::default());
+            let view = EyeView::filling(&surface, size);
+            assert_eq!(view.content_from_pixel(&surface), DMat3::IDENTITY);
+        }
+    }
+
+    #[test]
+    fn a_ray_comes_back_to_its_pixel() {
+        let size = [640, 480];
+        let view = EyeView {
+            axes: Axes::from_yaw_pitch_roll(Radians(0.4), Radians(-0.2), Radians(0.1)),
+            field: Field::across(Radians(1.7), size),
+            size,
+        };
+        for place in [[0.5, 0.5], [320.0, 240.0], [639.5, 13.5]] {
+            let back = view.place(view.ray(place).normalize()).unwrap();
+            assert!((back[0] - place[0]).abs() < 1e-9 && (back[1] - place[1]).abs() < 1e-9);
+        }
+    }
+}

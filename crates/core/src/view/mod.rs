@@ -1,0 +1,5 @@
+//! Where does a pixel point? Axes, the surfaces that content lies on, and the views that show it.
+
+pub mod axes;
+pub mod eye_view;
+pub mod surface;
