@@ -1,0 +1,7 @@
+//! Does any sequence of bytes, read as a session log, panic or allocate without bound?
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|data: &[u8]| foveal_core::selection::session::parse_anything(data));

@@ -1,0 +1,7 @@
+//! Does any sequence of bytes, read as a gaze trace, panic or allocate without bound?
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|data: &[u8]| foveal_core::gaze::trace::parse_anything(data));
