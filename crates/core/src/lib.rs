@@ -3,5 +3,7 @@
 #![forbid(unsafe_code)]
 
 pub mod asset;
+pub mod gaze;
+pub mod perception;
 pub mod units;
 pub mod view;

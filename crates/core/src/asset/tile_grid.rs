@@ -234,6 +234,37 @@ impl TileGrid {
         self.tile_size(first)
     }
 
+    /// Level-0 pixels over which the reconstruction lets the footprint of a texel grow by one
+    /// level-0 pixel where levels meet.
+    ///
+    /// Four where cells are large enough that a fade stays within the neighbouring cell.
+    #[must_use]
+    pub fn blend_pixels(&self) -> f64 {
+        let [w, h] = self.span(0).map(f64::from);
+        let largest_growth = f64::from(self.scale(self.coarsest())) - 1.0;
+        if largest_growth > 0.0 {
+            (w.min(h) / largest_growth).min(4.0)
+        } else {
+            4.0
+        }
+    }
+
+    /// The cell at a place of a face in level-0 pixels; places beyond the border go to the nearest.
+    #[must_use]
+    pub fn cell_at(&self, face: u32, place: [f64; 2]) -> Tile {
+        let (span, cells) = (self.span(0), self.cells());
+        let index = |k: usize| {
+            let cell = libm::floor(place[k] / f64::from(span[k]));
+            cell.clamp(0.0, f64::from(cells[k] - 1)) as u16
+        };
+        Tile {
+            level: 0,
+            face: face as u8,
+            x: index(0),
+            y: index(1),
+        }
+    }
+
     /// The tile of `level` that covers a cell.
     #[must_use]
     pub fn tile_over(&self, cell: Tile, level: u8) -> Tile {

@@ -1,0 +1,5 @@
+//! Where does the eye look? Samples, recorded traces and a simulated scan path.
+
+pub mod sample;
+pub mod scan;
+pub mod trace;
