@@ -10,10 +10,14 @@ use crate::{tidy, wasm};
 /// What a step does: nothing to say, or why it failed.
 pub(crate) type Outcome = Result<(), String>;
 
-/// The folder that holds the workspace.
+/// The folder that holds the workspace. Cargo says at run time where xtask's manifest is; what was
+/// compiled in may be another clone's, where two of them share a target folder.
 pub(crate) fn repository_root() -> PathBuf {
-    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
-    manifest.parent().unwrap_or(manifest).to_path_buf()
+    let here = env::var_os("CARGO_MANIFEST_DIR").unwrap_or(env!("CARGO_MANIFEST_DIR").into());
+    let manifest = PathBuf::from(here);
+    manifest
+        .parent()
+        .map_or(PathBuf::from("."), Path::to_path_buf)
 }
 
 /// Cargo in the repository root, as a user's shell would start it: without what `cargo run` tells
