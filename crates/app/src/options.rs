@@ -116,7 +116,8 @@ pub(crate) struct ViewOptions {
     #[arg(long, value_name = "DEG", default_value_t = 100.0)]
     fov: f64,
     /// Flat content: diagonal in inches and distance in metres of the screen it fills.
-    #[arg(long, value_name = "INCHES,METRES", value_parser = parse_screen, default_value = "24,0.6")]
+    #[arg(long, value_name = "INCHES,METRES", value_parser = parse_screen)]
+    #[arg(default_value = "24,0.6")]
     pub(crate) screen: Screen,
 }
 
