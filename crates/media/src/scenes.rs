@@ -1,0 +1,1 @@
+//! Which pictures and files do the tests of this crate read?
