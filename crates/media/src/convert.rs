@@ -57,19 +57,28 @@ impl Converter {
         this.set(c"srcw", width)?;
         this.set(c"srch", height)?;
         this.set(c"src_format", format_number(from.format))?;
-        this.set(c"src_h_chr_pos", if from.chroma_left { 0 } else { CHROMA_BETWEEN })?;
+        this.set(
+            c"src_h_chr_pos",
+            if from.chroma_left { 0 } else { CHROMA_BETWEEN },
+        )?;
         this.set(c"src_v_chr_pos", CHROMA_BETWEEN)?;
         this.set(c"dstw", width)?;
         this.set(c"dsth", height)?;
         this.set(c"dst_format", format_number(to.format))?;
-        this.set(c"dst_h_chr_pos", if to.chroma_left { 0 } else { CHROMA_BETWEEN })?;
+        this.set(
+            c"dst_h_chr_pos",
+            if to.chroma_left { 0 } else { CHROMA_BETWEEN },
+        )?;
         this.set(c"dst_v_chr_pos", CHROMA_BETWEEN)?;
         this.set(c"sws_flags", i64::from(flags))?;
         // SAFETY: the context is alive and has its sizes and formats; the tables are static.
         unsafe {
             let status = ffi::sws_init_context(context, std::ptr::null_mut(), std::ptr::null_mut());
             if status < 0 {
-                return Err(format!("no conversion {:?} to {:?}", from.format, to.format));
+                return Err(format!(
+                    "no conversion {:?} to {:?}",
+                    from.format, to.format
+                ));
             }
             // It answers -1 where there is nothing to set (a conversion within RGB).
             ffi::sws_setColorspaceDetails(
@@ -113,7 +122,10 @@ impl Converter {
             )
         };
         if i64::from(lines) != i64::from(self.to.size[1]) {
-            return Err(format!("the conversion wrote {lines} of {} lines", self.to.size[1]));
+            return Err(format!(
+                "the conversion wrote {lines} of {} lines",
+                self.to.size[1]
+            ));
         }
         Ok(output)
     }
@@ -121,9 +133,12 @@ impl Converter {
     #[allow(unsafe_code)] // Options of swscale have no safe call.
     fn set(&self, name: &CStr, value: i64) -> Result<(), String> {
         // SAFETY: the context is alive and begins with its AVClass, as av_opt_set_int asks.
-        let status =
-            unsafe { ffi::av_opt_set_int(self.context.cast(), name.as_ptr(), value, 0) };
-        if status < 0 { Err(format!("swscale refuses {name:?} = {value}")) } else { Ok(()) }
+        let status = unsafe { ffi::av_opt_set_int(self.context.cast(), name.as_ptr(), value, 0) };
+        if status < 0 {
+            Err(format!("swscale refuses {name:?} = {value}"))
+        } else {
+            Ok(())
+        }
     }
 }
 

@@ -52,7 +52,12 @@ impl GroupDecoder {
             found: reason,
             expected: "an FFmpeg built with it".to_owned(),
         })?;
-        Ok(Self { codec, size, decoder, started: false })
+        Ok(Self {
+            codec,
+            size,
+            decoder,
+            started: false,
+        })
     }
 
     /// Forgets the pictures so far; the next access unit must be a key frame.
@@ -100,8 +105,14 @@ impl GroupDecoder {
         packet.set_pts(Some(number));
         decoder.send_packet(&packet).map_err(|e| e.to_string())?;
         let mut frame = Video::empty();
-        decoder.receive_frame(&mut frame).map_err(|e| format!("no picture: {e}"))?;
-        if decoder.receive_frame(&mut Video::empty()).err().is_none_or(|e| !wants_more(e)) {
+        decoder
+            .receive_frame(&mut frame)
+            .map_err(|e| format!("no picture: {e}"))?;
+        if decoder
+            .receive_frame(&mut Video::empty())
+            .err()
+            .is_none_or(|e| !wants_more(e))
+        {
             return Err("more than one picture".to_owned());
         }
         check_frame(&frame, self.codec, size)?;
@@ -123,7 +134,9 @@ fn open_decoder(name: &str, size: [u32; 2]) -> Result<decoder::Video, String> {
     let mut options = av::Dictionary::new();
     // A damaged header cannot ask for more memory than the picture needs.
     options.set("max_pixels", &(width * height).to_string());
-    let opened = decoder.open_as_with(codec, options).and_then(decoder::Opened::video);
+    let opened = decoder
+        .open_as_with(codec, options)
+        .and_then(decoder::Opened::video);
     opened.map_err(|e| e.to_string())
 }
 
@@ -136,9 +149,16 @@ fn check_frame(frame: &Video, codec: Codec, size: [u32; 2]) -> Result<(), String
             frame.height()
         ));
     }
-    let format = if codec == Codec::Vp9 { Pixel::YUV420P } else { Pixel::YUVJ420P };
+    let format = if codec == Codec::Vp9 {
+        Pixel::YUV420P
+    } else {
+        Pixel::YUVJ420P
+    };
     if frame.format() != format {
-        return Err(format!("the pixel format is {:?}, expected {format:?}", frame.format()));
+        return Err(format!(
+            "the pixel format is {:?}, expected {format:?}",
+            frame.format()
+        ));
     }
     if frame.is_corrupt() || frame.has_decode_errors() {
         return Err("the decoder had to guess parts of the picture".to_owned());
@@ -149,5 +169,6 @@ fn check_frame(frame: &Video, codec: Codec, size: [u32; 2]) -> Result<(), String
 /// Whether a VP9 frame of profile 0 is a key frame: frame marker 2, profile 0, no repeated frame,
 /// frame type 0 (VP9 bitstream specification, section 6.2).
 fn is_vp9_key(unit: &[u8]) -> bool {
-    unit.first().is_some_and(|byte| byte & 0b1111_1100 == 0b1000_0000)
+    unit.first()
+        .is_some_and(|byte| byte & 0b1111_1100 == 0b1000_0000)
 }

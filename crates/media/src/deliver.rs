@@ -34,8 +34,17 @@ impl Delivery {
         let layout = layout_of(first, is_jpeg)?;
         let full_range = layout.full_range && !is_rgb(first.format());
         let chroma_left = layout.chroma_left || !orientation.is_upright();
-        let colour = Colour { matrix: layout.matrix, full_range, chroma_left };
-        Ok(Self { orientation, is_jpeg, colour, steps: None })
+        let colour = Colour {
+            matrix: layout.matrix,
+            full_range,
+            chroma_left,
+        };
+        Ok(Self {
+            orientation,
+            is_jpeg,
+            colour,
+            steps: None,
+        })
     }
 
     /// How frames are turned.
@@ -73,12 +82,25 @@ impl Delivery {
     /// Palettes go through RGB, whose matrix swscale lets us choose; turned pictures through 4:4:4,
     /// where chroma sits on luma and turns with it.
     fn build_steps(&self, from: Layout) -> Result<(Vec<Converter>, Vec<Converter>), String> {
-        let Colour { matrix, full_range, chroma_left } = self.colour;
-        let to = |format, size| Layout { format, size, matrix, full_range, chroma_left };
+        let Colour {
+            matrix,
+            full_range,
+            chroma_left,
+        } = self.colour;
+        let to = |format, size| Layout {
+            format,
+            size,
+            matrix,
+            full_range,
+            chroma_left,
+        };
         let mut before = Vec::new();
         let mut start = from;
         if has_palette(from.format) {
-            let rgb = Layout { format: Pixel::RGB24, ..from };
+            let rgb = Layout {
+                format: Pixel::RGB24,
+                ..from
+            };
             before.push(Converter::new(from, rgb)?);
             start = rgb;
         }
@@ -89,13 +111,20 @@ impl Delivery {
         before.push(Converter::new(start, to(Pixel::YUV444P, from.size))?);
         let turned = self.orientation.turned_size(from.size);
         let full = to(Pixel::YUV444P, turned);
-        Ok((before, vec![Converter::new(full, to(Pixel::YUV420P, turned))?]))
+        Ok((
+            before,
+            vec![Converter::new(full, to(Pixel::YUV420P, turned))?],
+        ))
     }
 }
 
 fn run_all(steps: &mut [Converter], frame: &Video) -> Result<Video, String> {
-    let (first, others) = steps.split_first_mut().ok_or("a conversion without steps")?;
-    others.iter_mut().try_fold(first.run(frame)?, |current, step| step.run(&current))
+    let (first, others) = steps
+        .split_first_mut()
+        .ok_or("a conversion without steps")?;
+    others
+        .iter_mut()
+        .try_fold(first.run(frame)?, |current, step| step.run(&current))
 }
 
 fn turn(frame: &Video, orientation: Orientation) -> Result<Video, String> {
@@ -103,7 +132,11 @@ fn turn(frame: &Video, orientation: Orientation) -> Result<Video, String> {
     let mut turned = new_frame(Pixel::YUV444P, orientation.turned_size(size))?;
     for p in 0..3 {
         let stride = turned.stride(p);
-        orientation.turn((frame.data(p), frame.stride(p)), size, (turned.data_mut(p), stride));
+        orientation.turn(
+            (frame.data(p), frame.stride(p)),
+            size,
+            (turned.data_mut(p), stride),
+        );
     }
     Ok(turned)
 }
@@ -111,8 +144,10 @@ fn turn(frame: &Video, orientation: Orientation) -> Result<Video, String> {
 fn layout_of(frame: &Video, is_jpeg: bool) -> Result<Layout, String> {
     let format = frame.format();
     let rgb = is_rgb(format);
-    let is_full_by_format =
-        matches!(format, Pixel::YUVJ420P | Pixel::YUVJ422P | Pixel::YUVJ444P | Pixel::YUVJ440P);
+    let is_full_by_format = matches!(
+        format,
+        Pixel::YUVJ420P | Pixel::YUVJ422P | Pixel::YUVJ444P | Pixel::YUVJ440P
+    );
     let full_range = match frame.color_range() {
         color::Range::JPEG => true,
         color::Range::MPEG => rgb || is_full_by_format,
@@ -125,14 +160,23 @@ fn layout_of(frame: &Video, is_jpeg: bool) -> Result<Layout, String> {
     };
     let matrix = matrix_of(frame.color_space(), rgb, frame.height())?;
     let size = [frame.width(), frame.height()];
-    Ok(Layout { format, size, matrix, full_range, chroma_left })
+    Ok(Layout {
+        format,
+        size,
+        matrix,
+        full_range,
+        chroma_left,
+    })
 }
 
 /// The matrix of the delivered planes; RGB and video that names none follow the height.
 fn matrix_of(space: color::Space, rgb: bool, height: u32) -> Result<Matrix, String> {
     use color::Space;
-    let by_height =
-        if height >= HIGH_DEFINITION_LINES { Matrix::Bt709 } else { Matrix::Bt601 };
+    let by_height = if height >= HIGH_DEFINITION_LINES {
+        Matrix::Bt709
+    } else {
+        Matrix::Bt601
+    };
     match space {
         _ if rgb => Ok(by_height),
         Space::Unspecified | Space::Reserved | Space::RGB => Ok(by_height),
@@ -163,11 +207,15 @@ fn is_grey(format: Pixel) -> bool {
 
 /// Whether the format has an alpha plane or channel: grey or colour plus one.
 pub(crate) fn has_alpha(format: Pixel) -> bool {
-    format.descriptor().is_some_and(|d| matches!(d.nb_components(), 2 | 4))
+    format
+        .descriptor()
+        .is_some_and(|d| matches!(d.nb_components(), 2 | 4))
 }
 
 #[allow(unsafe_code)] // The descriptor's flags have no safe call.
 fn descriptor_flags(format: Pixel) -> u64 {
     // SAFETY: descriptors are static constants of libavutil.
-    format.descriptor().map_or(0, |descriptor| unsafe { (*descriptor.as_ptr()).flags })
+    format
+        .descriptor()
+        .map_or(0, |descriptor| unsafe { (*descriptor.as_ptr()).flags })
 }

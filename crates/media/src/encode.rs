@@ -73,7 +73,11 @@ pub fn encode_group(
     start();
     let size = check_pictures(pictures)?;
     check_settings(settings)?;
-    let failed = |picture, reason| MediaError::Encode { codec: settings.codec.name(), picture, reason };
+    let failed = |picture, reason| MediaError::Encode {
+        codec: settings.codec.name(),
+        picture,
+        reason,
+    };
     if settings.codec == Codec::Png {
         let compression = match settings.speed {
             Speed::Fast => png::Compression::Fast,
@@ -104,18 +108,30 @@ fn check_pictures(pictures: &[Picture]) -> Result<[u32; 2], MediaError> {
         expected: expected.to_owned(),
     };
     let Some(first) = pictures.first() else {
-        return Err(refused("the group".to_owned(), "empty".to_owned(), "at least one picture"));
+        return Err(refused(
+            "the group".to_owned(),
+            "empty".to_owned(),
+            "at least one picture",
+        ));
     };
     let size = [first.width, first.height];
     if size.iter().any(|side| !(1..=LARGEST_SIDE).contains(side)) {
         let found = format!("{} x {}", size[0], size[1]);
-        return Err(refused("the size of picture 0".to_owned(), found, "sides of 1 to 65535"));
+        return Err(refused(
+            "the size of picture 0".to_owned(),
+            found,
+            "sides of 1 to 65535",
+        ));
     }
     for (i, picture) in pictures.iter().enumerate() {
         if [picture.width, picture.height] != size || !picture.is_consistent() {
             let found = format!("{} x {}", picture.width, picture.height);
             let expected = format!("{} x {} with planes of that size", size[0], size[1]);
-            return Err(refused(format!("the size of picture {i}"), found, &expected));
+            return Err(refused(
+                format!("the size of picture {i}"),
+                found,
+                &expected,
+            ));
         }
     }
     Ok(size)
@@ -222,13 +238,22 @@ fn encode_one(
         return Err("the picture has not the encoder's size".to_owned());
     }
     let mut frame = frame_from_picture(picture, encoder.format())?;
-    frame.set_kind(if index == 0 { picture::Type::I } else { picture::Type::None });
+    frame.set_kind(if index == 0 {
+        picture::Type::I
+    } else {
+        picture::Type::None
+    });
     frame.set_pts(i64::try_from(index).ok());
     encoder.send_frame(&frame).map_err(|e| e.to_string())?;
     let mut packet = Packet::empty();
-    encoder.receive_packet(&mut packet).map_err(|e| format!("no access unit: {e}"))?;
+    encoder
+        .receive_packet(&mut packet)
+        .map_err(|e| format!("no access unit: {e}"))?;
     if packet.is_key() != is_key {
-        return Err(format!("its key flag is {}, expected {is_key}", packet.is_key()));
+        return Err(format!(
+            "its key flag is {}, expected {is_key}",
+            packet.is_key()
+        ));
     }
     match packet.data() {
         Some(data) if !data.is_empty() => Ok(data.to_vec()),

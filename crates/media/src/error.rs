@@ -36,15 +36,17 @@ pub enum MediaError {
         /// The kinds of the streams that it has.
         found: String,
     },
-    /// The video stream ends before its first frame.
+    /// The video stream ends or breaks before its first frame.
     #[error(
-        "{}: its video stream holds no frame; the file is cut short or its recording was empty, \
-         so copy or record it again",
+        "{}: no frame of its video stream can be read ({reason}); copy the file again if it was cut \
+         short, or record it again",
         path.display()
     )]
     NoFrames {
         /// The file.
         path: PathBuf,
+        /// What FFmpeg said.
+        reason: String,
     },
     /// The file asks for something that Foveal does not do.
     #[error("{}: {field} is {found}, which is not supported; {next}", path.display())]

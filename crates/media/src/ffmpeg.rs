@@ -52,7 +52,10 @@ pub(crate) fn open_encoder(
         (status, av::Dictionary::own(raw))
     };
     if status < 0 {
-        return Err(format!("the encoder does not open: {}", av::Error::from(status)));
+        return Err(format!(
+            "the encoder does not open: {}",
+            av::Error::from(status)
+        ));
     }
     match left.iter().next() {
         Some((key, _)) => Err(format!("the encoder does not know the option {key}")),

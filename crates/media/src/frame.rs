@@ -34,7 +34,10 @@ pub(crate) fn frame_from_picture(picture: &Picture, format: Pixel) -> Result<Vid
 /// The frame as a picture; refuses other formats than 8-bit 4:2:0 and frames stored bottom up.
 pub(crate) fn picture_from_frame(frame: &Video) -> Result<Picture, String> {
     if !is_420(frame.format()) {
-        return Err(format!("the pixel format is {:?}, expected 8-bit 4:2:0", frame.format()));
+        return Err(format!(
+            "the pixel format is {:?}, expected 8-bit 4:2:0",
+            frame.format()
+        ));
     }
     if !rows_run_down(frame) {
         return Err("the frame's rows run upwards".to_owned());
@@ -48,7 +51,11 @@ pub(crate) fn picture_from_frame(frame: &Video) -> Result<Picture, String> {
         }
         plane
     });
-    Ok(Picture { width, height, planes })
+    Ok(Picture {
+        width,
+        height,
+        planes,
+    })
 }
 
 /// Whether each of the three planes has a positive row step of at least its width (decoders of raw

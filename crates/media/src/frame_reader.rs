@@ -9,6 +9,7 @@ use av::frame::Video;
 use av::{Packet, decoder};
 use ffmpeg_next as av;
 
+use crate::cut_short::is_cut_matroska;
 use crate::error::MediaError;
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
 use crate::source;
@@ -23,25 +24,40 @@ pub(crate) struct FrameReader {
     decoder: decoder::Video,
     /// Why the packets ended before the file did; told once the good frames are out.
     failure: Option<String>,
+    /// The container does not report that it is cut, so that this is told at its end.
+    is_cut: bool,
 }
 
 impl FrameReader {
-    /// Opens the file and the decoder of its video stream.
-    pub(crate) fn open(path: &Path) -> Result<Self, MediaError> {
+    /// Opens the file, which is `bytes` long, and the decoder of its video stream.
+    pub(crate) fn open(path: &Path, bytes: u64) -> Result<Self, MediaError> {
         start();
-        let cannot_open = |reason| MediaError::Open { path: path.to_owned(), reason };
+        let cannot_open = |reason| MediaError::Open {
+            path: path.to_owned(),
+            reason,
+        };
         let absolute = path_for_ffmpeg(path).map_err(cannot_open)?;
-        let input = av::format::input(&absolute)
-            .map_err(|e| MediaError::NotVideo { path: path.to_owned(), reason: e.to_string() })?;
+        let not_video = |reason| MediaError::NotVideo {
+            path: path.to_owned(),
+            reason,
+        };
+        let input = av::format::input(&absolute).map_err(|e| not_video(e.to_string()))?;
         // FFmpeg draws text files as pictures of a terminal; nobody means that.
         if input.format().name() == "tty" {
-            let reason = "it is a text file".to_owned();
-            return Err(MediaError::NotVideo { path: path.to_owned(), reason });
+            return Err(not_video("it is a text file".to_owned()));
         }
         let Some(stream) = source::video_stream(&input) else {
             let found = source::stream_kinds(&input);
-            return Err(MediaError::NoVideoStream { path: path.to_owned(), found });
+            return Err(MediaError::NoVideoStream {
+                path: path.to_owned(),
+                found,
+            });
         };
+        if stream.parameters().id() == av::codec::Id::None {
+            return Err(not_video(
+                "it does not say how its pictures are coded".to_owned(),
+            ));
+        }
         let decoder = open_decoder(&stream).map_err(|e| MediaError::Unsupported {
             path: path.to_owned(),
             field: "the video codec",
@@ -49,7 +65,14 @@ impl FrameReader {
             next: "convert the file with `ffmpeg -i FILE OUT.mp4`, or check that it is whole",
         })?;
         let stream = stream.index();
-        Ok(Self { input, stream, decoder, failure: None })
+        let is_cut = is_cut_matroska(path, bytes);
+        Ok(Self {
+            input,
+            stream,
+            decoder,
+            failure: None,
+            is_cut,
+        })
     }
 
     /// The file.
@@ -95,6 +118,7 @@ impl FrameReader {
                 // Some containers hold packets without data, which decoders refuse.
                 Ok(()) if packet.size() == 0 => {}
                 Ok(()) => return self.decoder.send_packet(&packet).map_err(|e| e.to_string()),
+                Err(av::Error::Eof) if self.is_cut => return self.end(Some("it ends too early")),
                 Err(av::Error::Eof) => return self.end(None),
                 Err(e) => return self.end(Some(&e.to_string())),
             }

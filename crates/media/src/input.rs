@@ -56,26 +56,43 @@ impl VideoInput {
     /// colour matrix that a picture cannot hold.
     pub fn open(path: &Path) -> Result<Self, MediaError> {
         let bytes = file_bytes(path)?;
-        let mut reader = FrameReader::open(path)?;
-        let no_frames = || MediaError::NoFrames { path: path.to_owned() };
-        let first = match reader.next_frame() {
-            Ok(frame) => frame.ok_or_else(no_frames)?,
-            Err(reason) => return Err(broken(path, 0, 0, reason)),
+        let mut reader = FrameReader::open(path, bytes)?;
+        let no_frames = |reason| MediaError::NoFrames {
+            path: path.to_owned(),
+            reason,
         };
-        let stream = reader.stream().ok_or_else(no_frames)?;
+        let first = reader.next_frame().map_err(no_frames)?;
+        let first = first.ok_or_else(|| no_frames("it is empty".to_owned()))?;
+        let stream = reader
+            .stream()
+            .ok_or_else(|| no_frames("it is gone".to_owned()))?;
         let orientation = orientation_of(path, &stream)?;
         let is_jpeg = reader.decoder().id() == av::codec::Id::MJPEG;
         let delivery = Delivery::new(&first, orientation, is_jpeg).map_err(|found| {
             let (path, field) = (path.to_owned(), "the colour matrix");
             let next = "convert it with `ffmpeg -i FILE -vf scale=out_color_matrix=bt709 OUT`";
-            MediaError::Unsupported { path, field, found, next }
+            MediaError::Unsupported {
+                path,
+                field,
+                found,
+                next,
+            }
         })?;
         let coded_size = [first.width(), first.height()];
         let info = describe(&reader, &stream, &first, &delivery, bytes);
         let timeline = Timeline::new(stream.time_base(), info.frame_rate);
         let path = path.to_owned();
         let first = Some(first);
-        Ok(Self { path, info, reader, delivery, timeline, coded_size, first, delivered: 0 })
+        Ok(Self {
+            path,
+            info,
+            reader,
+            delivery,
+            timeline,
+            coded_size,
+            first,
+            delivered: 0,
+        })
     }
 
     /// What is known of the file.
@@ -94,25 +111,36 @@ impl VideoInput {
             Some(frame) => Ok(Some(frame)),
             None => self.reader.next_frame(),
         };
-        let Some(frame) = next.map_err(|reason| self.broken(reason))? else { return Ok(None) };
+        let Some(frame) = next.map_err(|reason| self.broken(reason))? else {
+            return Ok(None);
+        };
         let size = [frame.width(), frame.height()];
         if size != self.coded_size {
             let (path, from) = (self.path.clone(), self.coded_size);
-            return Err(MediaError::SizeChange { path, frame: self.delivered, from, to: size });
+            return Err(MediaError::SizeChange {
+                path,
+                frame: self.delivered,
+                from,
+                to: size,
+            });
         }
-        let picture = self.delivery.picture(&frame).map_err(|reason| self.broken(reason))?;
+        let picture = self
+            .delivery
+            .picture(&frame)
+            .map_err(|reason| self.broken(reason))?;
         let time_ns = self.timeline.time_ns(frame.timestamp());
         self.delivered += 1;
         Ok(Some(TimedPicture { picture, time_ns }))
     }
 
     fn broken(&self, reason: String) -> MediaError {
-        broken(&self.path, self.delivered, self.timeline.predicted_ns(), reason)
+        MediaError::Broken {
+            path: self.path.clone(),
+            frame: self.delivered,
+            seconds: self.timeline.predicted_ns() as f64 / 1e9,
+            reason,
+        }
     }
-}
-
-fn broken(path: &Path, frame: u64, time_ns: i64, reason: String) -> MediaError {
-    MediaError::Broken { path: path.to_owned(), frame, seconds: time_ns as f64 / 1e9, reason }
 }
 
 /// What the container and the first frame tell.
@@ -123,7 +151,9 @@ fn describe(
     delivery: &Delivery,
     bytes: u64,
 ) -> SourceInfo {
-    let [width, height] = delivery.orientation().turned_size([first.width(), first.height()]);
+    let [width, height] = delivery
+        .orientation()
+        .turned_size([first.width(), first.height()]);
     let is_image = source::is_image_format(reader.input());
     let frame_rate = source::frame_rate_of(stream);
     let seconds = source::seconds_of(reader.input(), stream).filter(|_| !is_image);
@@ -139,22 +169,35 @@ fn describe(
         spherical: spherical_of(stream),
         stereo: stereo_of(stream),
         has_alpha: has_second_stream || has_alpha(first.format()),
-        codec: reader.decoder().codec().map_or_else(String::new, |c| c.name().to_owned()),
-        pixel_format: first.format().descriptor().map_or("unknown", |d| d.name()).to_owned(),
+        codec: reader
+            .decoder()
+            .codec()
+            .map_or_else(String::new, |c| c.name().to_owned()),
+        pixel_format: first
+            .format()
+            .descriptor()
+            .map_or("unknown", |d| d.name())
+            .to_owned(),
         bytes,
         looks_still: is_image || stream.frames() == 1,
     }
 }
 
 fn file_bytes(path: &Path) -> Result<u64, MediaError> {
-    let cannot_open = |reason| MediaError::Open { path: path.to_owned(), reason };
+    let cannot_open = |reason| MediaError::Open {
+        path: path.to_owned(),
+        reason,
+    };
     let about = std::fs::metadata(path).map_err(|e| cannot_open(e.to_string()))?;
     if !about.is_file() {
         return Err(cannot_open("it is not a file".to_owned()));
     }
     if about.len() == 0 {
         let reason = "it is empty".to_owned();
-        return Err(MediaError::NotVideo { path: path.to_owned(), reason });
+        return Err(MediaError::NotVideo {
+            path: path.to_owned(),
+            reason,
+        });
     }
     Ok(about.len())
 }

@@ -1,12 +1,14 @@
 //! Turns files into packs and packs into frames.
 
 mod convert;
+mod cut_short;
 pub mod decode;
 mod deliver;
 pub mod encode;
 pub mod error;
 mod ffmpeg;
 mod frame;
+mod frame_file;
 mod frame_reader;
 pub mod input;
 mod orientation;
@@ -17,7 +19,11 @@ mod timeline;
 pub mod write_clip;
 
 #[cfg(test)]
+mod broken_tests;
+#[cfg(test)]
 mod codec_tests;
+#[cfg(test)]
+mod format_tests;
 #[cfg(test)]
 mod input_tests;
 #[cfg(test)]

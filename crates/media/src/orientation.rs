@@ -25,8 +25,16 @@ impl Orientation {
         let [a, b, c, d] = [element(0)?, element(1)?, element(3)?, element(4)?];
         let zero = |n: i32| n.saturating_abs() < NEARLY_ZERO;
         match (zero(a) && zero(d), zero(b) && zero(c)) {
-            (false, true) => Some(Self { transpose: false, mirror_x: a < 0, mirror_y: d < 0 }),
-            (true, false) => Some(Self { transpose: true, mirror_x: c < 0, mirror_y: b < 0 }),
+            (false, true) => Some(Self {
+                transpose: false,
+                mirror_x: a < 0,
+                mirror_y: d < 0,
+            }),
+            (true, false) => Some(Self {
+                transpose: true,
+                mirror_x: c < 0,
+                mirror_y: b < 0,
+            }),
             _ => None,
         }
     }
@@ -38,7 +46,11 @@ impl Orientation {
 
     /// Width and height after turning.
     pub(crate) fn turned_size(self, [width, height]: [u32; 2]) -> [u32; 2] {
-        if self.transpose { [height, width] } else { [width, height] }
+        if self.transpose {
+            [height, width]
+        } else {
+            [width, height]
+        }
     }
 
     /// Writes the plane `from` (`size` samples, `from_stride` bytes a row) turned into `to`.
@@ -67,10 +79,20 @@ mod tests {
     /// The display matrix of a clockwise turn: (1, 0) goes to (cos, sin) with y down.
     pub(crate) fn matrix(cos: i32, sin: i32) -> Vec<u8> {
         let one = 1 << 16;
-        [cos * one, sin * one, 0, -sin * one, cos * one, 0, 0, 0, 1 << 30]
-            .iter()
-            .flat_map(|n: &i32| n.to_ne_bytes())
-            .collect()
+        [
+            cos * one,
+            sin * one,
+            0,
+            -sin * one,
+            cos * one,
+            0,
+            0,
+            0,
+            1 << 30,
+        ]
+        .iter()
+        .flat_map(|n: &i32| n.to_ne_bytes())
+        .collect()
     }
 
     fn turned(cos: i32, sin: i32) -> Vec<u8> {
@@ -91,8 +113,10 @@ mod tests {
 
     #[test]
     fn slanted_short_and_empty_matrices_are_refused() {
-        let slanted: Vec<u8> =
-            [46341i32, 46341, 0, -46341, 46341, 0, 0, 0, 1].iter().flat_map(|n| n.to_ne_bytes()).collect();
+        let slanted: Vec<u8> = [46341i32, 46341, 0, -46341, 46341, 0, 0, 0, 1]
+            .iter()
+            .flat_map(|n| n.to_ne_bytes())
+            .collect();
         assert_eq!(Orientation::from_display_matrix(&slanted), None);
         assert_eq!(Orientation::from_display_matrix(&slanted[..15]), None);
         assert_eq!(Orientation::from_display_matrix(&[0; 36]), None);

@@ -48,15 +48,26 @@ pub struct SourceInfo {
 pub(crate) fn video_stream(input: &Input) -> Option<Stream<'_>> {
     let is_cover = |stream: &Stream| stream.disposition().contains(Disposition::ATTACHED_PIC);
     let is_video = |stream: &Stream| stream.parameters().medium() == Type::Video;
-    let best = input.streams().best(Type::Video).filter(|stream| !is_cover(stream));
-    best.or_else(|| input.streams().find(|stream| is_video(stream) && !is_cover(stream)))
+    let best = input
+        .streams()
+        .best(Type::Video)
+        .filter(|stream| !is_cover(stream));
+    best.or_else(|| {
+        input
+            .streams()
+            .find(|stream| is_video(stream) && !is_cover(stream))
+    })
 }
 
 /// The kinds of the file's streams, for a message.
 pub(crate) fn stream_kinds(input: &Input) -> String {
     let kind = |stream: Stream| format!("{:?}", stream.parameters().medium()).to_lowercase();
     let kinds: Vec<String> = input.streams().map(kind).collect();
-    if kinds.is_empty() { "no stream at all".to_owned() } else { kinds.join(", ") }
+    if kinds.is_empty() {
+        "no stream at all".to_owned()
+    } else {
+        kinds.join(", ")
+    }
 }
 
 /// Average frames a second; both numbers are positive.
@@ -75,14 +86,20 @@ pub(crate) fn seconds_of(input: &Input, stream: &Stream) -> Option<f64> {
     let tick = f64::from(stream.time_base());
     let own = stream.duration() as f64 * tick;
     let whole = input.duration() as f64 / f64::from(av::ffi::AV_TIME_BASE);
-    [own, whole].into_iter().find(|seconds| *seconds > 0.0 && seconds.is_finite())
+    [own, whole]
+        .into_iter()
+        .find(|seconds| *seconds > 0.0 && seconds.is_finite())
 }
 
 /// Number of frames that the container names, or else length times rate.
 pub(crate) fn frames_of(stream: &Stream, seconds: Option<f64>, rate: [i32; 2]) -> Option<u64> {
     match u64::try_from(stream.frames()) {
         Ok(frames) if frames > 0 => Some(frames),
-        _ => seconds.map(|s| (s * f64::from(rate[0]) / f64::from(rate[1])).round().max(1.0) as u64),
+        _ => seconds.map(|s| {
+            (s * f64::from(rate[0]) / f64::from(rate[1]))
+                .round()
+                .max(1.0) as u64
+        }),
     }
 }
 

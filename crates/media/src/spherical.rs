@@ -41,7 +41,10 @@ impl Spherical {
     /// Whether the picture shows the front half of the sphere (180-degree video).
     #[must_use]
     pub fn is_half(&self) -> bool {
-        let Projection::EquirectPart { cut: [left, top, right, bottom] } = self.projection else {
+        let Projection::EquirectPart {
+            cut: [left, top, right, bottom],
+        } = self.projection
+        else {
             return false;
         };
         let near = |value: f64, wanted: f64| (value - wanted).abs() < HALF_TOLERANCE;
@@ -58,10 +61,17 @@ impl Spherical {
         let projection = match word(0)? {
             0 => Projection::Equirect,
             1 => Projection::Cube { padding: word(8)? },
-            2 => Projection::EquirectPart { cut: [part(4)?, part(5)?, part(6)?, part(7)?] },
+            2 => Projection::EquirectPart {
+                cut: [part(4)?, part(5)?, part(6)?, part(7)?],
+            },
             _ => return None,
         };
-        Some(Self { projection, yaw_deg: angle(1)?, pitch_deg: angle(2)?, roll_deg: angle(3)? })
+        Some(Self {
+            projection,
+            yaw_deg: angle(1)?,
+            pitch_deg: angle(2)?,
+            roll_deg: angle(3)?,
+        })
     }
 }
 
@@ -94,12 +104,17 @@ impl Stereo {
             2 => StereoLayout::TopBottom,
             _ => StereoLayout::Other,
         };
-        Some(Self { layout, right_first: words_at(bytes, 1)? & 1 == 1 })
+        Some(Self {
+            layout,
+            right_first: words_at(bytes, 1)? & 1 == 1,
+        })
     }
 }
 
 fn words_at(bytes: &[u8], i: usize) -> Option<u32> {
-    Some(u32::from_ne_bytes(bytes.get(4 * i..4 * i + 4)?.try_into().ok()?))
+    Some(u32::from_ne_bytes(
+        bytes.get(4 * i..4 * i + 4)?.try_into().ok()?,
+    ))
 }
 
 /// The projection that the stream names, if it does.
@@ -114,5 +129,8 @@ pub(crate) fn stereo_of(stream: &Stream) -> Option<Stereo> {
 
 /// A copy of the stream's side data of one kind.
 pub(crate) fn side_data_of(stream: &Stream, kind: Type) -> Option<Vec<u8>> {
-    stream.side_data().find(|data| data.kind() == kind).map(|data| data.data().to_vec())
+    stream
+        .side_data()
+        .find(|data| data.kind() == kind)
+        .map(|data| data.data().to_vec())
 }

@@ -47,23 +47,39 @@ pub(crate) fn picture_from_png(file: &[u8], size: [u32; 2]) -> Result<Picture, S
     let row = size[0] as usize;
     let wanted = [size[0], stacked_height(size)];
     let bytes = row * wanted[1] as usize;
-    let limits = png::Limits { bytes: 4 * bytes + READER_ALLOWANCE };
+    let limits = png::Limits {
+        bytes: 4 * bytes + READER_ALLOWANCE,
+    };
     let decoder = png::Decoder::new_with_limits(Cursor::new(file), limits);
     let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
     let header = reader.info();
     if [header.width, header.height] != wanted {
         let [w, h] = wanted;
-        return Err(format!("the PNG is {} x {}, expected {w} x {h}", header.width, header.height));
+        return Err(format!(
+            "the PNG is {} x {}, expected {w} x {h}",
+            header.width, header.height
+        ));
     }
     if reader.output_color_type() != (png::ColorType::Grayscale, png::BitDepth::Eight) {
-        return Err(format!("the PNG is {:?}, expected 8-bit grey", reader.output_color_type()));
+        return Err(format!(
+            "the PNG is {:?}, expected 8-bit grey",
+            reader.output_color_type()
+        ));
     }
     let mut grey = vec![0; bytes];
     reader.next_frame(&mut grey).map_err(|e| e.to_string())?;
     let mut rows = grey.chunks_exact(row);
     let planes = [0, 1, 2].map(|p| {
         let [w, h] = plane_size(size[0], size[1], p).map(|n| n as usize);
-        rows.by_ref().take(h).flat_map(|samples| &samples[..w]).copied().collect()
+        rows.by_ref()
+            .take(h)
+            .flat_map(|samples| &samples[..w])
+            .copied()
+            .collect()
     });
-    Ok(Picture { width: size[0], height: size[1], planes })
+    Ok(Picture {
+        width: size[0],
+        height: size[1],
+        planes,
+    })
 }

@@ -22,12 +22,18 @@ impl Timeline {
         let [frames, seconds] = frame_rate.map(|n| i64::from(n.max(1)));
         let tick = Rational(tick.0.max(1), tick.1.max(1));
         let frame_ns = (seconds * 1_000_000_000 / frames).max(1);
-        Self { tick, frame_ns, origin_ns: None, last_ns: None }
+        Self {
+            tick,
+            frame_ns,
+            origin_ns: None,
+            last_ns: None,
+        }
     }
 
     /// When the next frame is due if it keeps the average frame rate, nanoseconds.
     pub(crate) fn predicted_ns(&self) -> i64 {
-        self.last_ns.map_or(0, |last| last.saturating_add(self.frame_ns))
+        self.last_ns
+            .map_or(0, |last| last.saturating_add(self.frame_ns))
     }
 
     /// The time of the next frame in nanoseconds after the first; a missing stamp, or one that does
@@ -47,7 +53,11 @@ impl Timeline {
                 if last - time > DISCONTINUITY_NS {
                     self.origin_ns = Some(stamp - i128::from(predicted));
                 }
-                if time > last { i64::try_from(time).unwrap_or(predicted) } else { predicted }
+                if time > last {
+                    i64::try_from(time).unwrap_or(predicted)
+                } else {
+                    predicted
+                }
             }
         };
         self.last_ns = Some(time);
@@ -69,12 +79,18 @@ mod tests {
 
     fn times(stamps: &[Option<i64>]) -> Vec<i64> {
         let mut timeline = Timeline::new(Rational(1, 1000), [25, 1]);
-        stamps.iter().map(|&stamp| timeline.time_ns(stamp)).collect()
+        stamps
+            .iter()
+            .map(|&stamp| timeline.time_ns(stamp))
+            .collect()
     }
 
     #[test]
     fn uneven_stamps_are_kept() {
-        assert_eq!(times(&[Some(500), Some(510), Some(600)]), [0, 10 * MS, 100 * MS]);
+        assert_eq!(
+            times(&[Some(500), Some(510), Some(600)]),
+            [0, 10 * MS, 100 * MS]
+        );
     }
 
     #[test]
