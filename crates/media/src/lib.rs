@@ -1,1 +1,3 @@
 //! Turns files into packs and packs into frames.
+
+pub mod pyramid;
