@@ -12,6 +12,7 @@ mod frame_file;
 mod frame_reader;
 pub mod input;
 mod orientation;
+pub mod pyramid;
 pub mod source;
 pub mod spherical;
 mod stacked_png;
