@@ -138,3 +138,44 @@ fn clips_refuse_what_they_cannot_hold() {
             .contains("no picture")
     );
 }
+
+#[test]
+fn damage_in_the_middle_is_told_with_its_frame() {
+    let pictures = group([128, 128], 40, 3);
+    for (ending, codec) in [
+        ("mkv", ClipCodec::H264(20)),
+        ("mp4", ClipCodec::H264(20)),
+        ("avi", ClipCodec::Mjpeg(3)),
+    ] {
+        let mut bytes = std::fs::read(&*write_clip(ending, codec, &pictures)).unwrap();
+        let middle = bytes.len() / 2;
+        for byte in &mut bytes[middle..middle + 300] {
+            *byte ^= 0x5A;
+        }
+        let frames = read(&Scratch::holding(ending, &bytes))
+            .1
+            .map(|pictures| pictures.len());
+        assert!(
+            matches!(frames, Err(MediaError::Broken { frame: 5..35, .. })),
+            "{ending} {codec:?} {frames:?}"
+        );
+    }
+}
+
+#[test]
+fn a_cut_image_is_refused() {
+    for (encoder, ending, format) in [
+        ("png", "png", Pixel::RGB24),
+        ("mjpeg", "jpg", Pixel::YUVJ420P),
+        ("bmp", "bmp", Pixel::BGR24),
+        ("tiff", "tif", Pixel::RGB24),
+    ] {
+        let noise = |_: u32, _: usize, x: usize, y: usize| (x * x + 7 * x * y) as u8;
+        let path = write_raw(&raw(encoder, ending, format, [200, 200]), 1, noise);
+        let whole = std::fs::read(&*path).unwrap();
+        for tenths in [0, 1, 5, 9] {
+            let cut = Scratch::holding(ending, &whole[..whole.len() * tenths / 10]);
+            assert!(VideoInput::open(&cut).is_err(), "{ending} {tenths}/10");
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! How do pictures become one closed group of access units?
 //!
 //! A fresh encoder for every group, so that a group is a pure function of its pictures and its
-//! settings: libvpx carries search thresholds and its golden-frame cadence across forced key frames.
+//! settings: libvpx carries search thresholds and its golden-frame cadence across forced keys.
 
 use av::encoder::video::{Encoder, Video};
 use av::format::Pixel;
@@ -56,8 +56,8 @@ pub struct EncodeSettings {
 /// use foveal_media::{EncodeSettings, Speed, encode_group};
 ///
 /// let grey = Picture::filled(64, 48, [128, 128, 128]);
-/// let settings =
-///     EncodeSettings { codec: Codec::Png, quality: 0, frame_rate: [30, 1], speed: Speed::Default };
+/// let speed = Speed::Default;
+/// let settings = EncodeSettings { codec: Codec::Png, quality: 0, frame_rate: [30, 1], speed };
 /// let units = encode_group(&settings, &[grey.clone(), grey])?;
 /// assert_eq!(units.len(), 2);
 /// # Ok::<(), foveal_media::MediaError>(())

@@ -38,8 +38,8 @@ pub enum MediaError {
     },
     /// The video stream ends or breaks before its first frame.
     #[error(
-        "{}: no frame of its video stream can be read ({reason}); copy the file again if it was cut \
-         short, or record it again",
+        "{}: no frame of its video stream can be read ({reason}); copy the file again if it was \
+         cut short, or record it again",
         path.display()
     )]
     NoFrames {

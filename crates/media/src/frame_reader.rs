@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use av::codec::threading;
+use av::codec::{Id, threading};
 use av::format::context::Input;
 use av::format::stream::Stream;
 use av::frame::Video;
@@ -17,6 +17,13 @@ use crate::source;
 /// More threads than this only cost memory: each holds a frame.
 const MOST_THREADS: usize = 16;
 
+/// Decoders that otherwise conceal damage, in silence or, with threads, at times. Others (TIFF's)
+/// take it as an order to refuse harmless oddities.
+const TOLD_TO_EXPLODE: [Id; 4] = [Id::H264, Id::HEVC, Id::MJPEG, Id::PNG];
+/// A stream that was cut out of a longer one may begin with packets that lean on what is gone; so
+/// many are passed over before the first frame.
+const MOST_EARLY_ERRORS: u32 = 64;
+
 /// The video stream of an open file.
 pub(crate) struct FrameReader {
     input: Input,
@@ -26,6 +33,10 @@ pub(crate) struct FrameReader {
     failure: Option<String>,
     /// The container does not report that it is cut, so that this is told at its end.
     is_cut: bool,
+    /// Whether a frame has come out.
+    has_begun: bool,
+    early_errors: u32,
+    early_error: Option<String>,
 }
 
 impl FrameReader {
@@ -53,7 +64,7 @@ impl FrameReader {
                 found,
             });
         };
-        if stream.parameters().id() == av::codec::Id::None {
+        if stream.parameters().id() == Id::None {
             return Err(not_video(
                 "it does not say how its pictures are coded".to_owned(),
             ));
@@ -72,6 +83,9 @@ impl FrameReader {
             decoder,
             failure: None,
             is_cut,
+            has_begun: false,
+            early_errors: 0,
+            early_error: None,
         })
     }
 
@@ -93,17 +107,36 @@ impl FrameReader {
     /// The next frame in the order of display, None after the last. Frames before a break are
     /// delivered first, then the break is told once.
     pub(crate) fn next_frame(&mut self) -> Result<Option<Video>, String> {
-        let mut frame = Video::empty();
         loop {
-            match self.decoder.receive_frame(&mut frame) {
-                Ok(()) if frame.is_corrupt() || frame.has_decode_errors() => {
-                    return Err("the decoder had to guess parts of the picture".to_owned());
+            match self.step() {
+                Ok(Step::Fed) => {}
+                Ok(Step::Frame(frame)) => {
+                    self.has_begun = true;
+                    return Ok(Some(frame));
                 }
-                Ok(()) => return Ok(Some(frame)),
-                Err(av::Error::Eof) => return self.failure.take().map_or(Ok(None), Err),
-                Err(e) if wants_more(e) => self.feed()?,
-                Err(e) => return Err(e.to_string()),
+                Ok(Step::End) => {
+                    let early = self.early_error.take().filter(|_| !self.has_begun);
+                    return self.failure.take().or(early).map_or(Ok(None), Err);
+                }
+                Err(reason) if !self.has_begun && self.early_errors < MOST_EARLY_ERRORS => {
+                    self.early_errors += 1;
+                    self.early_error = Some(reason);
+                }
+                Err(reason) => return Err(reason),
             }
+        }
+    }
+
+    fn step(&mut self) -> Result<Step, String> {
+        let mut frame = Video::empty();
+        match self.decoder.receive_frame(&mut frame) {
+            Ok(()) if frame.is_corrupt() || frame.has_decode_errors() => {
+                Err("the decoder had to guess parts of the picture".to_owned())
+            }
+            Ok(()) => Ok(Step::Frame(frame)),
+            Err(av::Error::Eof) => Ok(Step::End),
+            Err(e) if wants_more(e) => self.feed().map(|()| Step::Fed),
+            Err(e) => Err(e.to_string()),
         }
     }
 
@@ -131,6 +164,13 @@ impl FrameReader {
     }
 }
 
+/// What one turn of the decoder brought.
+enum Step {
+    Frame(Video),
+    Fed,
+    End,
+}
+
 fn open_decoder(stream: &Stream) -> Result<decoder::Video, av::Error> {
     let mut context = av::codec::Context::from_parameters(stream.parameters())?;
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
@@ -141,5 +181,8 @@ fn open_decoder(stream: &Stream) -> Result<decoder::Video, av::Error> {
     });
     let mut decoder = context.decoder();
     decoder.set_packet_time_base(stream.time_base());
+    if TOLD_TO_EXPLODE.contains(&decoder.id()) {
+        decoder.check(decoder::Check::EXPLODE);
+    }
     decoder.video()
 }

@@ -13,7 +13,7 @@ use crate::ffmpeg::start;
 use crate::frame::frame_from_picture;
 use crate::frame_file::{FrameFile, ReadyEncoder, not_written};
 
-/// Key frames of a clip in codecs that predict, frames apart: a player can jump about twice a second.
+/// Key frames of a clip in codecs that predict, frames apart: a player can jump twice a second.
 const CLIP_KEY_DISTANCE: u32 = 15;
 
 /// Below this, FFmpeg's FFV1 writes pictures in slices that it reads back as zeros; pixels.
