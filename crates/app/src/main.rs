@@ -1,8 +1,12 @@
 //! The `foveal` program: which command runs?
 
+mod info;
 mod options;
 mod output;
+mod prepare;
+mod replay;
 mod select;
+mod verify;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -17,13 +21,32 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Turn content into a pack.
+    #[command(subcommand)]
+    Prepare(Prepare),
+    /// What is in a pack.
+    Info(info::InfoArgs),
+    /// Is every byte of a pack as it was written.
+    Verify(verify::VerifyArgs),
     /// What would be chosen, without content: levels, pixels, shares.
     Select(select::SelectArgs),
+    /// Make the selection of a logged session again and compare.
+    Replay(replay::ReplayArgs),
+}
+
+#[derive(Debug, Subcommand)]
+enum Prepare {
+    /// Flat or 360° video, or a still picture.
+    Video(prepare::PrepareVideoArgs),
 }
 
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
+        Command::Prepare(Prepare::Video(args)) => prepare::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Verify(args) => verify::run(&args),
         Command::Select(args) => select::run(&args),
+        Command::Replay(args) => replay::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

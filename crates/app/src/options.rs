@@ -200,17 +200,8 @@ impl CutOptions {
         match (self.grid, self.tile) {
             (Some(grid), _) => Cut::Grid(grid),
             (None, Some(tile)) => Cut::Tile(tile),
-            (None, None) => Cut::Tile(default_tile(width)),
+            (None, None) => Cut::pyramid_for(width),
         }
-    }
-}
-
-/// Tile size for content of a width: 256 px from 12K on, 512 px below, 128 px below 2K.
-pub(crate) fn default_tile(width: u32) -> u32 {
-    match width {
-        12_000.. => 256,
-        2_000.. => 512,
-        _ => 128,
     }
 }
 

@@ -3,6 +3,7 @@
 //! Results go to stdout: text for people, or with `--json` exactly one JSON object. Everything else
 //! goes to stderr.
 
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
@@ -25,4 +26,29 @@ pub(crate) fn result(json: bool, result: &impl Serialize, text: &str) -> anyhow:
 pub(crate) fn fail(error: &anyhow::Error) -> ExitCode {
     eprintln!("foveal: {error:#}");
     ExitCode::from(1)
+}
+
+/// What a progress bar counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Counting {
+    Frames,
+    Bytes,
+}
+
+/// A progress bar with rate and time left on a terminal; silent in a pipe. Without a length it
+/// counts up.
+pub(crate) fn bar(length: Option<u64>, counting: Counting) -> ProgressBar {
+    let bar = match length {
+        Some(length) => ProgressBar::new(length),
+        None => ProgressBar::no_length(),
+    };
+    let template = match (counting, length) {
+        (Counting::Frames, Some(_)) => "{wide_bar} {pos}/{len} frames, {per_sec}, {eta} left",
+        (Counting::Frames, None) => "{spinner} {pos} frames, {per_sec}",
+        (Counting::Bytes, _) => "{wide_bar} {bytes}/{total_bytes}, {bytes_per_sec}, {eta} left",
+    };
+    match ProgressStyle::with_template(template) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
 }

@@ -16,6 +16,19 @@ pub enum Cut {
     Grid([u32; 2]),
 }
 
+impl Cut {
+    /// The pyramid for content of this many pixels across (around, for a sphere): tiles of 256 px
+    /// from 12K on, 512 px below, to keep streams few, 128 px below 2K, where the fovea is small.
+    #[must_use]
+    pub fn pyramid_for(width: u32) -> Self {
+        match width {
+            12_000.. => Self::Tile(256),
+            2_000.. => Self::Tile(512),
+            _ => Self::Tile(128),
+        }
+    }
+}
+
 /// One tile of a picture, without time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Tile {
