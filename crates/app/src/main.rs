@@ -1,11 +1,16 @@
 //! The `foveal` program: which command runs?
 
+mod canvas;
+mod gaze;
 mod info;
 mod options;
 mod output;
+mod picture_file;
+mod player;
 mod prepare;
 mod replay;
 mod select;
+mod simulate;
 mod verify;
 
 use clap::{Parser, Subcommand};
@@ -30,6 +35,8 @@ enum Command {
     Verify(verify::VerifyArgs),
     /// What would be chosen, without content: levels, pixels, shares.
     Select(select::SelectArgs),
+    /// Play a pack headless: pictures of what the eye gets, figures, and a log.
+    Simulate(simulate::SimulateArgs),
     /// Make the selection of a logged session again and compare.
     Replay(replay::ReplayArgs),
 }
@@ -46,6 +53,7 @@ fn main() -> ExitCode {
         Command::Info(args) => info::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Select(args) => select::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
         Command::Replay(args) => replay::run(&args),
     };
     match result {

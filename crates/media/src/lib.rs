@@ -3,6 +3,7 @@
 mod convert;
 mod cut_short;
 pub mod decode;
+pub mod decode_pool;
 mod deliver;
 pub mod encode;
 pub mod error;
@@ -15,6 +16,7 @@ mod orientation;
 pub mod pack_file;
 mod pack_writer;
 mod parallel;
+pub mod picture_from_rgba;
 pub mod prepare;
 pub mod pyramid;
 pub mod source;
