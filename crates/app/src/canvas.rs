@@ -31,11 +31,7 @@ pub(crate) enum Canvas {
 
 impl Canvas {
     /// A canvas for the tiles of `grid`.
-    pub(crate) fn new(
-        name: RendererName,
-        grid: &TileGrid,
-        colour: Colour,
-    ) -> anyhow::Result<Self> {
+    pub(crate) fn new(name: RendererName, grid: &TileGrid, colour: Colour) -> anyhow::Result<Self> {
         Ok(match name {
             RendererName::Gpu => {
                 let gpu = Gpu::open_blocking().context("or give --renderer cpu")?;
@@ -56,10 +52,15 @@ impl Canvas {
     }
 
     /// Makes a tile of a source frame resident.
-    pub(crate) fn upload(&mut self, tile: Tile, frame: u32, picture: Picture) -> anyhow::Result<()> {
+    pub(crate) fn upload(
+        &mut self,
+        tile: Tile,
+        frame: u32,
+        picture: Picture,
+    ) -> anyhow::Result<()> {
         match self {
             Self::Gpu(renderer) => renderer.tiles().upload(tile, frame, &picture)?,
-            Self::Cpu(tiles) => tiles.upload(tile, frame, picture)?,
+            Self::Cpu(tiles) => tiles.upload(tile, frame, &picture)?,
             Self::None => {}
         }
         Ok(())
@@ -78,8 +79,7 @@ impl Canvas {
     pub(crate) fn wrong_frame_tiles(&mut self) -> usize {
         match self {
             Self::Gpu(renderer) => renderer.tiles().wrong_frame_tiles(),
-            Self::Cpu(tiles) => tiles.wrong_frame_tiles(),
-            Self::None => 0,
+            _ => 0,
         }
     }
 

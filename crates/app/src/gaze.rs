@@ -30,8 +30,9 @@ pub(crate) fn parse_gaze(text: &str) -> anyhow::Result<GazeChoice> {
         "center" | "centre" => Ok(GazeChoice::At([0.0, 0.0])),
         "scan" => Ok(GazeChoice::Scan),
         _ => {
-            let [yaw, pitch] = parse_pair(text)
-                .map_err(|_| anyhow!("expected YAW,PITCH in degrees, center, scan or trace:FILE"))?;
+            let [yaw, pitch] = parse_pair(text).map_err(|_| {
+                anyhow!("expected YAW,PITCH in degrees, center, scan or trace:FILE")
+            })?;
             if pitch.abs() > 90.0 || yaw.abs() > 36_000.0 {
                 bail!("a pitch beyond 90 degrees, or a yaw beyond 36000");
             }
@@ -77,7 +78,11 @@ impl GazeSource {
             }
         };
         let head_moves = surface.projection == Projection::Cube;
-        Ok(Self { path, head: FollowingHead::default(), head_moves })
+        Ok(Self {
+            path,
+            head: FollowingHead::default(),
+            head_moves,
+        })
     }
 
     /// The gaze and the head at a time; times must not decrease. On flat content the head stays
@@ -86,7 +91,10 @@ impl GazeSource {
         let sample = match &self.path {
             GazePath::At(sample) => GazeSample { time, ..*sample },
             GazePath::Scan(path) => path.at(time).0,
-            GazePath::Trace(trace) => GazeSample { time, ..trace.at(time) },
+            GazePath::Trace(trace) => GazeSample {
+                time,
+                ..trace.at(time)
+            },
         };
         let head = match (self.head_moves, sample.head) {
             (false, _) => HeadPose::default(),

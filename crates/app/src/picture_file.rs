@@ -26,7 +26,11 @@ fn encode_png(image: &RgbaImage, out: impl std::io::Write) -> anyhow::Result<()>
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fast);
     let mut writer = encoder.write_header()?;
-    let rgb: Vec<u8> = image.pixels.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+    let rgb: Vec<u8> = image
+        .pixels
+        .chunks_exact(4)
+        .flat_map(|p| [p[0], p[1], p[2]])
+        .collect();
     writer.write_image_data(&rgb)?;
     Ok(writer.finish()?)
 }

@@ -113,15 +113,27 @@ impl Player {
 
     /// The head of this run's session log.
     pub(crate) fn session_head(&self) -> SessionHead {
-        let name = self.file.path().file_name().unwrap_or_default().to_string_lossy();
+        let name = self
+            .file
+            .path()
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy();
         SessionHead::new(&name, &self.selector, self.config.clone(), &self.view)
     }
 
     /// Selects, decodes and uploads one frame for where the eye looks at its time.
-    pub(crate) fn play(&mut self, frame: u32, source: &mut GazeSource) -> anyhow::Result<FrameReport> {
+    pub(crate) fn play(
+        &mut self,
+        frame: u32,
+        source: &mut GazeSource,
+    ) -> anyhow::Result<FrameReport> {
         let (gaze, head) = source.at(self.time(frame));
         let view = self.turned(head);
-        let selection = self.selector.select(&Moment { gaze, view: Some(view) });
+        let selection = self.selector.select(&Moment {
+            gaze,
+            view: Some(view),
+        });
         let wanted = self.with_coarsest(&selection);
         let begun = Instant::now();
         let period = self.period(frame);
@@ -136,8 +148,10 @@ impl Player {
         let (tiles, failed_tiles) = self.make_resident(frame, decoded)?;
         let upload = begun.elapsed();
         let pixels: u64 = wanted.iter().map(|tile| self.grid.tile_pixels(*tile)).sum();
-        let level_changes =
-            self.before.as_ref().map_or(0, |before| selection.levels.changes_from(before));
+        let level_changes = self
+            .before
+            .as_ref()
+            .map_or(0, |before| selection.levels.changes_from(before));
         let session = SessionFrame::new(frame, &gaze, head, &self.grid, &selection);
         self.before = Some(selection.levels);
         Ok(FrameReport {
@@ -162,14 +176,20 @@ impl Player {
     fn turned(&self, head: HeadPose) -> EyeView {
         match self.grid.surface.projection {
             Projection::Flat => self.view,
-            Projection::Cube => EyeView { axes: head.axes(), ..self.view },
+            Projection::Cube => EyeView {
+                axes: head.axes(),
+                ..self.view
+            },
         }
     }
 
     /// Nominal time that a frame is shown.
     fn period(&self, frame: u32) -> Duration {
         let frame = frame as usize;
-        let next = self.times_ns.get(frame + 1).map(|next| next - self.times_ns[frame]);
+        let next = self
+            .times_ns
+            .get(frame + 1)
+            .map(|next| next - self.times_ns[frame]);
         let nominal = 1e9 / self.file.pack().description().fps();
         Duration::from_nanos(next.map_or(nominal as u64, |ns| ns.max(1) as u64))
     }
@@ -177,7 +197,11 @@ impl Player {
     /// The chosen tiles and the whole coarsest level, which is always resident.
     fn with_coarsest(&self, selection: &Selection) -> Vec<Tile> {
         let coarsest = self.grid.coarsest();
-        let finer = selection.tiles.iter().copied().filter(|tile| tile.level != coarsest);
+        let finer = selection
+            .tiles
+            .iter()
+            .copied()
+            .filter(|tile| tile.level != coarsest);
         self.grid.tiles_of(coarsest).chain(finer).collect()
     }
 
@@ -200,12 +224,16 @@ impl Player {
             })
             .collect();
         order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        order.iter().for_each(|(_, _, tile)| self.pool.request(*tile, frame));
+        order
+            .iter()
+            .for_each(|(_, _, tile)| self.pool.request(*tile, frame));
         let mut base = order.iter().filter(|(finer, ..)| *finer == 0).count();
         let mut done = Vec::with_capacity(wanted.len());
         while done.len() < wanted.len() {
             let deadline = (self.paced && base == 0).then_some(deadline);
-            let Some(tile) = self.pool.receive(deadline) else { break };
+            let Some(tile) = self.pool.receive(deadline) else {
+                break;
+            };
             // Tiles of an earlier frame that came too late for it.
             if tile.frame != frame {
                 continue;

@@ -35,7 +35,12 @@ pub(crate) struct SimulateArgs {
     /// The pack.
     pack: PathBuf,
     /// YAW,PITCH in degrees, center, scan, or trace:FILE.
-    #[arg(long, value_name = "G", default_value = "scan", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "G",
+        default_value = "scan",
+        allow_hyphen_values = true
+    )]
     #[arg(value_parser = parse_gaze)]
     gaze: GazeChoice,
     #[command(flatten)]
@@ -102,7 +107,10 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let about = file.pack().description();
     let frames = args.frames.unwrap_or(about.frames).min(about.frames);
     if args.frames.is_some_and(|asked| asked > frames) {
-        eprintln!("{}: has {frames} frames, so {frames} are played", args.pack.display());
+        eprintln!(
+            "{}: has {frames} frames, so {frames} are played",
+            args.pack.display()
+        );
     }
     let fps = about.frame_rate;
     let surface = about.grid(args.view.screen).surface;
@@ -149,7 +157,10 @@ pub(crate) fn default_jobs() -> usize {
 pub(crate) fn session(player: &Player, reports: &[FrameReport]) -> Session {
     Session {
         head: player.session_head(),
-        frames: reports.iter().map(|report| report.session.clone()).collect(),
+        frames: reports
+            .iter()
+            .map(|report| report.session.clone())
+            .collect(),
     }
 }
 
@@ -161,7 +172,10 @@ pub(crate) fn summarise(
     session: &str,
 ) -> RunSummary {
     let count = reports.len().max(1) as f64;
-    let mut decode_ms: Vec<f64> = reports.iter().map(|r| r.decode.as_secs_f64() * 1e3).collect();
+    let mut decode_ms: Vec<f64> = reports
+        .iter()
+        .map(|r| r.decode.as_secs_f64() * 1e3)
+        .collect();
     decode_ms.sort_by(f64::total_cmp);
     let p95 = (decode_ms.len() * 95).div_ceil(100).max(1) - 1;
     RunSummary {
@@ -242,7 +256,10 @@ fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
 
 /// The marks of a heat map: levels, borders, and a ring of 2.5° (the fovea) round the gaze.
 pub(crate) fn marks(report: &FrameReport) -> Overlay {
-    let gaze = report.view.place(report.gaze.gaze_in_content).unwrap_or([-1e6; 2]);
+    let gaze = report
+        .view
+        .place(report.gaze.gaze_in_content)
+        .unwrap_or([-1e6; 2]);
     let radius = report.view.ppd_towards(report.gaze.gaze_in_content).0 * 2.5;
     Overlay {
         gaze: gaze.map(|place| place as f32),
@@ -260,14 +277,21 @@ struct PictureSink<'a> {
 }
 
 /// Colour of written videos: what RGB becomes.
-const VIDEO_COLOUR: Colour =
-    Colour { matrix: Matrix::Bt709, full_range: false, chroma_left: false };
+const VIDEO_COLOUR: Colour = Colour {
+    matrix: Matrix::Bt709,
+    full_range: false,
+    chroma_left: false,
+};
 /// Quantiser of written videos: visually lossless.
 const VIDEO_QUALITY: u8 = 16;
 
 impl<'a> PictureSink<'a> {
     fn new(args: &'a SimulateArgs, frame_rate: [u32; 2]) -> Self {
-        Self { args, frame_rate, video: None }
+        Self {
+            args,
+            frame_rate,
+            video: None,
+        }
     }
 
     fn frame(&mut self, player: &mut Player, report: &FrameReport) -> anyhow::Result<()> {
@@ -310,4 +334,3 @@ impl<'a> PictureSink<'a> {
         Ok(self.video.map_or(Ok(()), ClipWriter::finish)?)
     }
 }
-

@@ -12,8 +12,11 @@ pub fn picture_from_rgba(rgba: &[u8], [width, height]: [u32; 2], colour: Colour)
     let (w, h) = (width as usize, height as usize);
     assert_eq!(rgba.len(), w * h * 4, "an RGBA picture of {width}x{height}");
     let [kr, kb] = colour.matrix.luma_weights();
-    let (black, luma, chroma) =
-        if colour.full_range { (0.0, 255.0, 255.0) } else { (16.0, 219.0, 224.0) };
+    let (black, luma, chroma) = if colour.full_range {
+        (0.0, 255.0, 255.0)
+    } else {
+        (16.0, 219.0, 224.0)
+    };
     let pixel = |x: usize, y: usize| {
         let at = (y.min(h - 1) * w + x.min(w - 1)) * 4;
         [0, 1, 2].map(|c| f32::from(rgba[at + c]) / 255.0)
@@ -29,7 +32,9 @@ pub fn picture_from_rgba(rgba: &[u8], [width, height]: [u32; 2], colour: Colour)
     for y in 0..half_h {
         for x in 0..half_w {
             let corners = [(0, 0), (1, 0), (0, 1), (1, 1)];
-            let sum = corners.map(|(i, j)| pixel(2 * x + i, 2 * y + j)).into_iter();
+            let sum = corners
+                .map(|(i, j)| pixel(2 * x + i, 2 * y + j))
+                .into_iter();
             let mean = sum.fold([0.0; 3], |a, b| [0, 1, 2].map(|c| a[c] + b[c] / 4.0));
             let grey = luma_of(mean);
             let code = |side: f32, weight: f32| {
@@ -49,7 +54,11 @@ mod tests {
 
     #[test]
     fn primary_colours_have_their_code_values() {
-        let colour = Colour { matrix: Matrix::Bt709, full_range: false, chroma_left: false };
+        let colour = Colour {
+            matrix: Matrix::Bt709,
+            full_range: false,
+            chroma_left: false,
+        };
         for (rgb, yuv) in [
             ([255, 255, 255], [235, 128, 128]),
             ([0, 0, 0], [16, 128, 128]),

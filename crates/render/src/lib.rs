@@ -1,1 +1,29 @@
-//! Draws what is resident: planes in, picture out.
+//! Resident tiles in, pictures out: the GPU side of Foveal, on wgpu, native and in the browser.
+//!
+//! A caller opens a [`Gpu`], makes a [`Renderer`] for a tile grid, uploads decoded tiles into its
+//! [`TileStore`] and draws views. Every pass is one WGSL file in `shaders/` with a CPU twin of the
+//! same name in [`twin`], which also draws without a GPU.
+
+#![forbid(unsafe_code)]
+
+mod atlas;
+mod device;
+mod error;
+mod frame;
+mod image;
+mod level_map;
+pub mod params;
+mod passes;
+mod readback;
+mod reduce;
+mod residency;
+pub mod shaders;
+pub mod twin;
+
+pub use device::Gpu;
+pub use error::RenderError;
+pub use frame::Renderer;
+pub use image::RgbaImage;
+pub use params::Overlay;
+pub use readback::ReadBack;
+pub use residency::TileStore;

@@ -39,7 +39,11 @@ impl FollowingHead {
 fn facing(direction: DVec3) -> HeadPose {
     let (yaw, pitch) = yaw_pitch_from_direction(direction);
     let steepest = Radians::from_degrees(STEEPEST_DEG).0;
-    HeadPose { yaw, pitch: Radians(pitch.0.clamp(-steepest, steepest)), roll: Radians(0.0) }
+    HeadPose {
+        yaw,
+        pitch: Radians(pitch.0.clamp(-steepest, steepest)),
+        roll: Radians(0.0),
+    }
 }
 
 fn turned(from: HeadPose, to: HeadPose, share: f64) -> HeadPose {
@@ -49,7 +53,10 @@ fn turned(from: HeadPose, to: HeadPose, share: f64) -> HeadPose {
     if sin < 1e-9 {
         return to;
     }
-    let weights = [libm::sin((1.0 - share) * angle) / sin, libm::sin(share * angle) / sin];
+    let weights = [
+        libm::sin((1.0 - share) * angle) / sin,
+        libm::sin(share * angle) / sin,
+    ];
     facing((a * weights[0] + b * weights[1]).normalize())
 }
 
@@ -70,9 +77,8 @@ mod tests {
 
     #[test]
     fn a_head_turns_the_short_way_round() {
-        let at = |degrees: f64| {
-            direction_from_yaw_pitch(Radians::from_degrees(degrees), Radians(0.0))
-        };
+        let at =
+            |degrees: f64| direction_from_yaw_pitch(Radians::from_degrees(degrees), Radians(0.0));
         let mut head = FollowingHead::default();
         head.follow(at(170.0), Seconds(0.0));
         let yaw = head.follow(at(-170.0), Seconds(0.1)).yaw.to_degrees();

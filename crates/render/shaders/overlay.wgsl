@@ -1,0 +1,63 @@
+// Which level does each place show, and where is the gaze?
+//
+// Drawn over a reconstructed picture by blending; reads the same tables. Warm is fine, blue coarse.
+
+struct Overlay {
+    gaze: vec2f,
+    gaze_radius: f32,
+    heat: f32,
+    borders: f32,
+    unused: f32,
+}
+
+@group(0) @binding(8) var<uniform> marks: Overlay;
+
+// Diverging colours from red (0) over yellow to blue (1): ColorBrewer's RdYlBu.
+fn ramp(at: f32) -> vec3f {
+    let red = vec3f(0.843, 0.098, 0.110);
+    let orange = vec3f(0.992, 0.682, 0.380);
+    let yellow = vec3f(1.0, 1.0, 0.749);
+    let sky = vec3f(0.671, 0.851, 0.914);
+    let blue = vec3f(0.173, 0.482, 0.714);
+    let x = clamp(at, 0.0, 1.0) * 4.0;
+    let warm = mix(mix(red, orange, clamp(x, 0.0, 1.0)), yellow, clamp(x - 1.0, 0.0, 1.0));
+    return mix(mix(warm, sky, clamp(x - 2.0, 0.0, 1.0)), blue, clamp(x - 3.0, 0.0, 1.0));
+}
+
+// Share of a pixel that a line of `width` covers whose middle is `away`, all in output pixels.
+fn line(away: f32, width: f32) -> f32 {
+    return clamp(0.5 * width + 0.5 - away, 0.0, 1.0);
+}
+
+// Output pixels to the nearest border of the tile that shows a place.
+fn to_border(seen: Seen) -> f32 {
+    let tile = source_at(level_at(seen.face, seen.place), seen.face, seen.place);
+    let away = min(seen.place - tile.low, tile.high - seen.place);
+    return min(away.x, away.y) / seen.footprint;
+}
+
+// Red, green, blue and coverage of colour `over` on top of `under`, both with straight alpha.
+fn over(under: vec4f, colour: vec3f, cover: f32) -> vec4f {
+    let alpha = cover + under.a * (1.0 - cover);
+    let sum = colour * cover + under.rgb * under.a * (1.0 - cover);
+    return vec4f(sum / max(alpha, 0.001), alpha);
+}
+
+@fragment
+fn overlay(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    var drawn = vec4f(0.0);
+    let seen = seen_by(position.xy);
+    if (seen.inside) {
+        let own = tiles.levels[level_at(seen.face, seen.place)].scale;
+        let footprint = shown_footprint(seen.face, seen.place, seen.footprint, own);
+        let level = level_of(footprint) / max(f32(tiles.coarsest), 1.0);
+        drawn = over(drawn, ramp(level), marks.heat);
+        drawn = over(drawn, vec3f(0.05), line(to_border(seen), 1.0) * marks.borders);
+    }
+    if (marks.gaze_radius > 0.0) {
+        let away = abs(length(position.xy - marks.gaze) - marks.gaze_radius);
+        drawn = over(drawn, vec3f(0.0), line(away, 4.0) * 0.6);
+        drawn = over(drawn, vec3f(1.0), line(away, 2.0));
+    }
+    return drawn;
+}

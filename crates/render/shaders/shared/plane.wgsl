@@ -1,0 +1,23 @@
+// What surrounds the one face of flat content? Nothing: its border samples repeat.
+
+fn seen_by(pixel: vec2f) -> Seen {
+    let here = view.content_from_pixel * vec3f(pixel, 1.0);
+    let right = here + view.content_from_pixel[0];
+    let down = here + view.content_from_pixel[1];
+    let place = here.xy / here.z;
+    let inside = here.z > 0.0 && all(place >= vec2f(0.0)) && all(place < tiles.size);
+    let footprint = display_footprint(right.xy / right.z - place, down.xy / down.z - place);
+    return Seen(inside, 0u, place, footprint);
+}
+
+fn widened_across(face: u32, place: vec2f, known: f32) -> f32 {
+    return known;
+}
+
+fn beyond_edges(face: u32, axis: Axis, k: u32) -> vec2f {
+    return vec2f(axis.pitch);
+}
+
+fn fetch_tap(plane: u32, level: u32, face: u32, x: Tap, y: Tap) -> vec2f {
+    return fetch(plane, level, face, vec2f(x.within, y.within));
+}

@@ -1,0 +1,29 @@
+// Which pixels are drawn? All of them: one triangle that covers the picture.
+
+struct View {
+    // Turns (column, row, 1) into a homogeneous place on flat content, into a ray on a cube.
+    content_from_pixel: mat3x3f,
+}
+
+@group(0) @binding(7) var<uniform> view: View;
+
+@vertex
+fn cover(@builtin(vertex_index) corner: u32) -> @builtin(position) vec4f {
+    let x = select(-1.0, 3.0, corner == 1u);
+    let y = select(-1.0, 3.0, corner == 2u);
+    return vec4f(x, y, 0.0, 1.0);
+}
+
+// What a pixel shows: a place on a face in level-0 pixels, and the level-0 pixels under the pixel
+// on a side (at least 1).
+struct Seen {
+    inside: bool,
+    face: u32,
+    place: vec2f,
+    footprint: f32,
+}
+
+// Geometric mean of the stretch of the parallelogram that one step right and one step down span.
+fn display_footprint(right: vec2f, down: vec2f) -> f32 {
+    return max(sqrt(abs(right.x * down.y - right.y * down.x)), 1.0);
+}

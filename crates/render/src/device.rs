@@ -1,0 +1,95 @@
+//! Which GPU draws, and how is it reached?
+
+use crate::error::RenderError;
+
+/// A device with its queue, and the name of the adapter behind it.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    /// Makes textures and pipelines.
+    pub device: wgpu::Device,
+    /// Takes commands.
+    pub queue: wgpu::Queue,
+    adapter: String,
+}
+
+impl Gpu {
+    /// Opens the best adapter, a software one when there is nothing better.
+    ///
+    /// The device's limits are WebGPU's defaults, or less where the adapter has less: what runs
+    /// here runs in a browser.
+    ///
+    /// ```
+    /// # #[cfg(not(target_arch = "wasm32"))] {
+    /// let gpu = pollster::block_on(foveal_render::Gpu::open())?;
+    /// println!("draws with {}", gpu.adapter_name());
+    /// # }
+    /// # Ok::<(), foveal_render::RenderError>(())
+    /// ```
+    pub async fn open() -> Result<Self, RenderError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+            flags: wgpu::InstanceFlags::empty(),
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        });
+        let adapter = Self::request_adapter(&instance).await?;
+        let name = describe(&adapter.get_info());
+        let (device, queue) = adapter
+            .request_device(&wgpu::DeviceDescriptor {
+                label: Some("foveal"),
+                required_limits: wgpu::Limits::default().or_worse_values_from(&adapter.limits()),
+                ..wgpu::DeviceDescriptor::default()
+            })
+            .await
+            .map_err(|reason| RenderError::NoDevice {
+                adapter: name.clone(),
+                reason: reason.to_string(),
+            })?;
+        Ok(Self {
+            device,
+            queue,
+            adapter: name,
+        })
+    }
+
+    /// [`Self::open`], waited for.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn open_blocking() -> Result<Self, RenderError> {
+        pollster::block_on(Self::open())
+    }
+
+    /// Draws on a device that a window already opened.
+    #[must_use]
+    pub fn from_parts(device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        let adapter = describe(&device.adapter_info());
+        Self {
+            device,
+            queue,
+            adapter,
+        }
+    }
+
+    /// Name, driver and interface of the adapter, for people.
+    #[must_use]
+    pub fn adapter_name(&self) -> &str {
+        &self.adapter
+    }
+
+    async fn request_adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, RenderError> {
+        let mut options = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..wgpu::RequestAdapterOptions::default()
+        };
+        if let Ok(adapter) = instance.request_adapter(&options).await {
+            return Ok(adapter);
+        }
+        options.force_fallback_adapter = true;
+        instance
+            .request_adapter(&options)
+            .await
+            .map_err(|reason| RenderError::NoAdapter(reason.to_string()))
+    }
+}
+
+fn describe(info: &wgpu::AdapterInfo) -> String {
+    let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
+    format!("{} ({}, {})", info.name, driver.trim(), info.backend)
+}

@@ -1,0 +1,244 @@
+//! Which numbers do the shaders and their twins need to find a sample?
+//!
+//! The structs here have the layout of the WGSL structs of the same name; `tests/shaders.rs`
+//! compares them.
+
+use bytemuck::{Pod, Zeroable};
+use foveal_core::asset::picture::Colour;
+use foveal_core::asset::tile_grid::{Cut, MAX_LEVELS, TileGrid};
+use foveal_core::view::eye_view::EyeView;
+
+/// Level-0 pixels over which the shown footprint grows by one, at most: slower than this, a ramp
+/// costs sharpness; faster, the eye finds the border of a tile.
+const GROWTH_MOST: f32 = 4.0;
+
+/// One level of the grid.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LevelParams {
+    /// Level-0 pixels under a tile.
+    pub span: [f32; 2],
+    /// Columns and rows of tiles on a face.
+    pub tiles: [u32; 2],
+    /// Level-0 pixels under a pixel, on a side.
+    pub scale: f32,
+    /// Where a chroma sample lies across the two luma columns that it stands for, 0 to 1.
+    pub chroma_offset: f32,
+    /// First entry of the level in the page table.
+    pub first_slot: u32,
+    /// Keeps the size a multiple of eight.
+    pub unused: u32,
+}
+
+/// What stays the same from frame to frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct TileParams {
+    /// Levels, finest first; entries beyond the coarsest are 0.
+    pub levels: [LevelParams; MAX_LEVELS as usize],
+    /// Level-0 pixels of a face.
+    pub size: [f32; 2],
+    /// Level-0 pixels over which the samples of a level are evenly spaced: a face of a pyramid, a
+    /// cell of a grid.
+    pub segment: [f32; 2],
+    /// Columns and rows of cells on a face.
+    pub cells: [u32; 2],
+    /// Pixels from one tile of the coarsest level to the next in its texture.
+    pub base_step: [u32; 2],
+    /// Pixels of a slot of the atlas.
+    pub slot: [u32; 2],
+    /// Slots in a layer, columns and rows.
+    pub slots_across: [u32; 2],
+    /// Segments on a face, columns and rows.
+    pub segments: [u32; 2],
+    /// Index of the coarsest level.
+    pub coarsest: u32,
+    /// Octaves between neighbouring levels: 1 or 2.
+    pub octaves: u32,
+    /// Level-0 pixels over which the shown footprint grows by one.
+    pub growth: f32,
+    /// Level-0 pixels under a pixel of the coarsest level, on a side.
+    pub coarsest_scale: f32,
+    /// Keeps the rows that follow at a multiple of sixteen.
+    pub unused: [u32; 2],
+    /// Rows that turn (Y, U, V, 1) into red, green, blue, all 0 to 1.
+    pub rgb_from_yuv: [[f32; 4]; 3],
+}
+
+/// What a view shows.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct ViewParams {
+    /// Columns of the matrix that turns (column, row, 1) into a homogeneous place or a ray.
+    pub content_from_pixel: [[f32; 4]; 3],
+}
+
+/// What the overlay draws.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Overlay {
+    /// Place of the gaze in output pixels.
+    pub gaze: [f32; 2],
+    /// Radius of the ring round the gaze in output pixels; 0 draws none.
+    pub gaze_radius: f32,
+    /// How much of the level's colour covers the picture, 0 to 1.
+    pub heat: f32,
+    /// How much of a border's colour covers the picture, 0 to 1; 0 draws none.
+    pub borders: f32,
+    /// Keeps the size a multiple of eight.
+    pub unused: f32,
+}
+
+impl Default for Overlay {
+    fn default() -> Self {
+        Self {
+            gaze: [0.0; 2],
+            gaze_radius: 0.0,
+            heat: 0.6,
+            borders: 0.0,
+            unused: 0.0,
+        }
+    }
+}
+
+impl ViewParams {
+    /// The parameters of `view` on the surface of `grid`.
+    #[must_use]
+    pub fn new(view: &EyeView, grid: &TileGrid) -> Self {
+        let m = view.content_from_pixel(&grid.surface);
+        let column = |c: glam::DVec3| [c.x as f32, c.y as f32, c.z as f32, 0.0];
+        Self {
+            content_from_pixel: [column(m.x_axis), column(m.y_axis), column(m.z_axis)],
+        }
+    }
+}
+
+impl TileParams {
+    /// The parameters of `grid`, with tiles of `colour` in an atlas of `shape`.
+    #[must_use]
+    pub(crate) fn new(grid: &TileGrid, colour: Colour, shape: &SlotShape) -> Self {
+        let coarsest = grid.tile_at(grid.coarsest(), 0);
+        let size = grid.surface.size.map(|s| s as f32);
+        Self {
+            levels: levels(grid, colour),
+            size,
+            segment: match grid.cut {
+                Cut::Tile(_) => size,
+                Cut::Grid(_) => grid.span(0).map(|s| s as f32),
+            },
+            cells: grid.cells(),
+            base_step: grid.tile_size(coarsest).map(|s| s.next_multiple_of(2)),
+            slot: shape.slot,
+            slots_across: shape.across,
+            segments: match grid.cut {
+                Cut::Tile(_) => [1; 2],
+                Cut::Grid(_) => grid.cells(),
+            },
+            coarsest: u32::from(grid.coarsest()),
+            octaves: grid.ratio.trailing_zeros(),
+            growth: growth(grid),
+            coarsest_scale: grid.scale(grid.coarsest()) as f32,
+            unused: [0; 2],
+            rgb_from_yuv: rgb_from_yuv(colour),
+        }
+    }
+}
+
+fn levels(grid: &TileGrid, colour: Colour) -> [LevelParams; MAX_LEVELS as usize] {
+    let mut levels = [LevelParams::default(); MAX_LEVELS as usize];
+    // Luma position of chroma sample k is 2k + shift, in luma columns of its own level.
+    let mut shift = if colour.chroma_left { 0.0 } else { 0.5 };
+    let mut first_slot = 0;
+    for level in 0..grid.levels {
+        levels[usize::from(level)] = LevelParams {
+            span: grid.span(level).map(|s| s as f32),
+            tiles: grid.tiles(level),
+            scale: grid.scale(level) as f32,
+            chroma_offset: (shift + 0.5) / 2.0,
+            first_slot,
+            unused: 0,
+        };
+        shift = 0.5 - (0.5 - shift) / grid.ratio as f32;
+        first_slot += grid.tiles_in_level(level);
+    }
+    levels
+}
+
+/// Slow enough that the ramp from the coarsest level to the finest fits into one cell.
+fn growth(grid: &TileGrid) -> f32 {
+    let rise = grid.scale(grid.coarsest()) - 1;
+    let span = grid.span(0);
+    let cell = [0, 1].map(|k| span[k].min(grid.surface.size[k]));
+    if rise == 0 {
+        return GROWTH_MOST;
+    }
+    GROWTH_MOST.min(cell[0].min(cell[1]) as f32 / rise as f32)
+}
+
+/// ITU-T H.273, equations 35 to 43: limited or full range, then the matrix of the luma weights.
+fn rgb_from_yuv(colour: Colour) -> [[f32; 4]; 3] {
+    let [kr, kb] = colour.matrix.luma_weights().map(f64::from);
+    let kg = 1.0 - kr - kb;
+    let (luma, black, chroma) = if colour.full_range {
+        (1.0, 0.0, 1.0)
+    } else {
+        (255.0 / 219.0, 16.0 / 255.0, 255.0 / 224.0)
+    };
+    let (red, blue) = (2.0 * (1.0 - kr) * chroma, 2.0 * (1.0 - kb) * chroma);
+    let grey = 128.0 / 255.0;
+    let row = |u: f64, v: f64| {
+        [luma, u, v, -luma * black - grey * (u + v)].map(|coefficient| coefficient as f32)
+    };
+    [
+        row(0.0, red),
+        row(-blue * kb / kg, -red * kr / kg),
+        row(blue, 0.0),
+    ]
+}
+
+/// How the atlas is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SlotShape {
+    /// Pixels of a slot: the largest tile, and room for its reductions.
+    pub(crate) slot: [u32; 2],
+    /// Slots in a layer, columns and rows.
+    pub(crate) across: [u32; 2],
+    /// Mips of the atlas: a tile, then its reductions to half, quarter, ...
+    pub(crate) mips: u32,
+}
+
+/// Pixels that a layer of the atlas has on a side, at least, when there are tiles to fill it.
+const LAYER_SIDE: u32 = 1024;
+
+impl SlotShape {
+    /// Room for any tile of `grid` but the coarsest.
+    pub(crate) fn new(grid: &TileGrid) -> Self {
+        // The coarsest level is never in the atlas, and never looked for there.
+        let octaves = grid.ratio.trailing_zeros() * u32::from(grid.coarsest().saturating_sub(1));
+        let unit = 2 << octaves;
+        let aligned = match grid.cut {
+            Cut::Grid(_) => true,
+            Cut::Tile(px) => px % unit == 0 || grid.tiles(0) == [1, 1],
+        };
+        let spare = if aligned { 0 } else { unit };
+        let slot = grid
+            .largest_tile()
+            .map(|side| side.next_multiple_of(unit) + spare);
+        let tiles = grid.tiles(0);
+        Self {
+            slot,
+            across: [0, 1].map(|k| LAYER_SIDE.div_ceil(slot[k]).min(tiles[k]).max(1)),
+            mips: octaves + 1,
+        }
+    }
+
+    /// Pixels of a layer.
+    pub(crate) fn layer(&self) -> [u32; 2] {
+        [0, 1].map(|k| self.slot[k] * self.across[k])
+    }
+
+    /// Slots in a layer.
+    pub(crate) fn slots(&self) -> u32 {
+        self.across[0] * self.across[1]
+    }
+}

@@ -1,0 +1,197 @@
+//! How is a pass drawn?
+
+use crate::device::Gpu;
+use crate::params::{Overlay, ViewParams};
+use crate::residency::TileStore;
+use crate::shaders::Shader;
+
+/// Format of every picture drawn.
+pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// A full-screen pass over the resident tiles, with its own parameters.
+pub(crate) struct Pass {
+    name: &'static str,
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    view: wgpu::Buffer,
+    marks: Option<wgpu::Buffer>,
+    bound: Option<(u64, wgpu::BindGroup)>,
+}
+
+impl Pass {
+    /// A pass that replaces the picture.
+    pub(crate) fn new(gpu: &Gpu, shader: &Shader) -> Self {
+        Self::build(gpu, shader, None)
+    }
+
+    /// A pass that blends over the picture and takes [`Overlay`] parameters.
+    pub(crate) fn over(gpu: &Gpu, shader: &Shader) -> Self {
+        let mut blend = wgpu::BlendState::ALPHA_BLENDING;
+        // The picture stays opaque whatever is drawn over it.
+        blend.alpha = wgpu::BlendComponent {
+            src_factor: wgpu::BlendFactor::Zero,
+            dst_factor: wgpu::BlendFactor::One,
+            operation: wgpu::BlendOperation::Add,
+        };
+        Self::build(gpu, shader, Some(blend))
+    }
+
+    fn build(gpu: &Gpu, shader: &Shader, blend: Option<wgpu::BlendState>) -> Self {
+        let has_marks = blend.is_some();
+        let layout = layout(gpu, has_marks);
+        let module = gpu
+            .device
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(shader.name),
+                source: wgpu::ShaderSource::Wgsl(shader.text.as_str().into()),
+            });
+        let pipeline_layout = gpu
+            .device
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(shader.name),
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 0,
+            });
+        let pipeline = gpu
+            .device
+            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(shader.name),
+                layout: Some(&pipeline_layout),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some("cover"),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: None,
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some(shader.name),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    targets: &[Some(wgpu::ColorTargetState {
+                        format: FORMAT,
+                        blend,
+                        write_mask: wgpu::ColorWrites::ALL,
+                    })],
+                }),
+                multiview_mask: None,
+                cache: None,
+            });
+        let uniform = |size: usize| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(shader.name),
+                size: size as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        Self {
+            name: shader.name,
+            pipeline,
+            layout,
+            view: uniform(size_of::<ViewParams>()),
+            marks: has_marks.then(|| uniform(size_of::<Overlay>())),
+            bound: None,
+        }
+    }
+
+    /// Orders the pass over the whole of `target`.
+    pub(crate) fn draw(
+        &mut self,
+        gpu: &Gpu,
+        tiles: &TileStore,
+        target: &wgpu::TextureView,
+        view: &ViewParams,
+        marks: Option<&Overlay>,
+    ) {
+        gpu.queue
+            .write_buffer(&self.view, 0, bytemuck::bytes_of(view));
+        if let (Some(buffer), Some(marks)) = (&self.marks, marks) {
+            gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(marks));
+        }
+        if self
+            .bound
+            .as_ref()
+            .is_none_or(|(bound, _)| *bound != tiles.generation())
+        {
+            self.bound = Some((tiles.generation(), self.bind(gpu, tiles)));
+        }
+        let load = match self.marks {
+            Some(_) => wgpu::LoadOp::Load,
+            None => wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+        };
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(self.name),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: target,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load,
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, self.bound.as_ref().map(|(_, group)| group), &[]);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        gpu.queue.submit([encoder.finish()]);
+    }
+
+    fn bind(&self, gpu: &Gpu, tiles: &TileStore) -> wgpu::BindGroup {
+        let (buffers, textures) = tiles.bindings();
+        let mut resources: Vec<wgpu::BindingResource<'_>> = Vec::new();
+        resources.extend(buffers.map(wgpu::Buffer::as_entire_binding));
+        resources.extend(textures.iter().map(wgpu::BindingResource::TextureView));
+        resources.push(self.view.as_entire_binding());
+        resources.extend(self.marks.as_ref().map(wgpu::Buffer::as_entire_binding));
+        let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(self.name),
+            layout: &self.layout,
+            entries: &entries,
+        })
+    }
+}
+
+/// The bindings of `shaders/shared/tiles.wgsl`, then the view, then the marks.
+fn layout(gpu: &Gpu, has_marks: bool) -> wgpu::BindGroupLayout {
+    let buffer = |ty| wgpu::BindingType::Buffer {
+        ty,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let uniform = buffer(wgpu::BufferBindingType::Uniform);
+    let storage = buffer(wgpu::BufferBindingType::Storage { read_only: true });
+    let texture = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Float { filterable: false },
+        view_dimension: wgpu::TextureViewDimension::D2Array,
+        multisampled: false,
+    };
+    let mut types = vec![
+        uniform, storage, storage, texture, texture, texture, texture, uniform,
+    ];
+    types.extend(has_marks.then_some(uniform));
+    let entries: Vec<wgpu::BindGroupLayoutEntry> = (0..)
+        .zip(types)
+        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::FRAGMENT,
+            ty,
+            count: None,
+        })
+        .collect();
+    gpu.device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("tiles and view"),
+            entries: &entries,
+        })
+}

@@ -1,0 +1,303 @@
+//! Which tiles are on the GPU, and which of them may be shown together?
+
+use crate::atlas::Atlas;
+use crate::level_map::{contains, level_map};
+use crate::params::TileParams;
+use crate::{device::Gpu, error::RenderError, reduce::pyramid};
+use foveal_core::asset::picture::{Colour, Picture};
+use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use std::collections::{HashMap, HashSet};
+
+/// The GPU's copy of the resident tiles.
+///
+/// All tiles of a picture come from one source frame: a tile of the atlas is shown only in the
+/// frame that it was uploaded for, and its place falls back to the coarsest level until then.
+pub struct TileStore {
+    gpu: Gpu,
+    grid: TileGrid,
+    atlas: Atlas,
+    tables: Tables,
+    resident: HashMap<Tile, Resident>,
+    base_frames: Vec<Option<u32>>,
+    free: Vec<u32>,
+    frame: u32,
+    clock: u64,
+    map_is_stale: bool,
+    /// Counts the textures made, so that who binds them notices a growth.
+    generation: u64,
+}
+
+/// A tile in a slot.
+#[derive(Clone, Copy, Debug)]
+struct Resident {
+    slot: u32,
+    frame: u32,
+    touched: u64,
+}
+
+/// What the shaders look up: the uniform, the page table, the level of every cell.
+struct Tables {
+    params: wgpu::Buffer,
+    slots: wgpu::Buffer,
+    level_map: wgpu::Buffer,
+    /// Slot + 1 of every (level, rank), 0 for absent.
+    slot_of: Vec<u32>,
+    first_slot: Vec<u32>,
+    stale_slots: Option<[usize; 2]>,
+    shown_level: Vec<u32>,
+}
+
+impl TileStore {
+    /// An empty store whose atlas grows to at most `layers` texture layers (256 at most).
+    pub(crate) fn new(
+        gpu: &Gpu,
+        grid: &TileGrid,
+        colour: Colour,
+        layers: u32,
+    ) -> Result<Self, RenderError> {
+        let atlas = Atlas::new(gpu, grid, layers)?;
+        let slots = if grid.levels > 1 { atlas.slots() } else { 0 };
+        Ok(Self {
+            gpu: gpu.clone(),
+            grid: *grid,
+            tables: Tables::new(gpu, grid, colour),
+            atlas,
+            resident: HashMap::new(),
+            base_frames: vec![None; grid.tiles_in_level(grid.coarsest()) as usize],
+            free: (0..slots).rev().collect(),
+            frame: 0,
+            clock: 0,
+            map_is_stale: true,
+            generation: 0,
+        })
+    }
+
+    /// From now on source frame `frame` is shown: only tiles uploaded for it are.
+    pub fn begin_frame(&mut self, frame: u32) {
+        self.map_is_stale |= frame != self.frame;
+        self.frame = frame;
+    }
+
+    /// Makes `tile` of source frame `frame` resident, in place of the same tile of another frame.
+    ///
+    /// At the bound of the atlas the tile that was uploaded longest ago makes room.
+    pub fn upload(&mut self, tile: Tile, frame: u32, picture: &Picture) -> Result<(), RenderError> {
+        check(&self.grid, tile, picture)?;
+        self.map_is_stale = true;
+        let planes = [0, 1, 2].map(|p| pyramid(&self.grid, tile, picture, p));
+        if tile.level == self.grid.coarsest() {
+            let samples = [0, 1, 2].map(|p| &planes[p][0]);
+            self.atlas.write_base(&self.gpu, &self.grid, tile, samples);
+            self.base_frames[self.grid.rank(tile) as usize] = Some(frame);
+            return Ok(());
+        }
+        let slot = self.slot_for(tile);
+        let octaves = self.grid.ratio.trailing_zeros();
+        self.atlas.write_slot(&self.gpu, slot, octaves, &planes);
+        self.clock += 1;
+        let touched = self.clock;
+        self.resident.insert(
+            tile,
+            Resident {
+                slot,
+                frame,
+                touched,
+            },
+        );
+        self.tables.set(&self.grid, tile, slot + 1);
+        Ok(())
+    }
+
+    /// Evicts every tile that is not in `wanted`; the coarsest level always stays.
+    pub fn retain(&mut self, wanted: &[Tile]) {
+        let wanted: HashSet<Tile> = wanted.iter().copied().collect();
+        let mut gone: Vec<Tile> = self.resident.keys().copied().collect();
+        gone.retain(|tile| !wanted.contains(tile));
+        gone.sort_unstable();
+        for tile in gone {
+            if let Some(slot) = self.evict(tile) {
+                self.free.push(slot);
+            }
+        }
+    }
+
+    /// The tiles in the atlas, in order.
+    #[must_use]
+    pub fn resident(&self) -> Vec<Tile> {
+        let mut tiles: Vec<Tile> = self.resident.keys().copied().collect();
+        tiles.sort_unstable();
+        tiles
+    }
+
+    /// The finest level shown over every cell: face-major, then rows, then columns.
+    #[must_use]
+    pub fn level_map(&self) -> Vec<u32> {
+        let shown = self.resident.iter().filter(|(_, r)| r.frame == self.frame);
+        level_map(&self.grid, shown.map(|(&tile, _)| tile))
+    }
+
+    /// Tiles that hold another source frame than the one shown, or none: those of the atlas are
+    /// not drawn, those of the coarsest level are, for want of anything else.
+    #[must_use]
+    pub fn wrong_frame_tiles(&self) -> usize {
+        let base = self
+            .base_frames
+            .iter()
+            .filter(|&&f| f != Some(self.frame))
+            .count();
+        base + self
+            .resident
+            .values()
+            .filter(|r| r.frame != self.frame)
+            .count()
+    }
+
+    /// Bytes of GPU memory allocated for textures and tables.
+    #[must_use]
+    pub fn gpu_bytes(&self) -> u64 {
+        self.atlas.bytes() + self.tables.bytes()
+    }
+
+    /// Sends the tables that changed; call before the draw.
+    pub(crate) fn flush(&mut self) {
+        if std::mem::take(&mut self.map_is_stale) {
+            let map = self.level_map();
+            self.tables.set_level_map(&self.gpu, map);
+        }
+        self.tables.flush(&self.gpu);
+    }
+
+    /// Changes whenever the textures do.
+    pub(crate) fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// What the shaders bind, in the order of `shaders/shared/tiles.wgsl`.
+    pub(crate) fn bindings(&self) -> ([&wgpu::Buffer; 3], [wgpu::TextureView; 4]) {
+        let [atlas_luma, atlas_chroma] = self.atlas.tiles.views();
+        let [base_luma, base_chroma] = self.atlas.base.views();
+        let tables = &self.tables;
+        (
+            [&tables.params, &tables.slots, &tables.level_map],
+            [atlas_luma, atlas_chroma, base_luma, base_chroma],
+        )
+    }
+
+    fn evict(&mut self, tile: Tile) -> Option<u32> {
+        let gone = self.resident.remove(&tile)?;
+        self.tables.set(&self.grid, tile, 0);
+        self.map_is_stale = true;
+        Some(gone.slot)
+    }
+
+    fn slot_for(&mut self, tile: Tile) -> u32 {
+        if let Some(resident) = self.resident.get(&tile) {
+            return resident.slot;
+        }
+        if self.free.is_empty() {
+            let before = self.atlas.slots();
+            if self.atlas.grow(&self.gpu) {
+                self.generation += 1;
+                self.free.extend((before..self.atlas.slots()).rev());
+            }
+        }
+        if let Some(slot) = self.free.pop() {
+            return slot;
+        }
+        let oldest = self.resident.iter().min_by_key(|(_, r)| r.touched);
+        let oldest = oldest.map(|(&tile, _)| tile);
+        let slot = oldest.and_then(|tile| self.evict(tile));
+        assert!(
+            slot.is_some(),
+            "an atlas without a free slot holds at least one tile"
+        );
+        slot.unwrap_or(0)
+    }
+}
+
+/// Whether `picture` is what the grid expects at `tile`.
+pub(crate) fn check(grid: &TileGrid, tile: Tile, picture: &Picture) -> Result<(), RenderError> {
+    if !contains(grid, tile) {
+        return Err(RenderError::NoSuchTile(tile));
+    }
+    let expected = grid.tile_size(tile);
+    let found = [picture.width, picture.height];
+    if expected != found || !picture.is_consistent() {
+        return Err(RenderError::TileSize {
+            tile,
+            expected,
+            found,
+            planes: [0, 1, 2].map(|p| picture.planes[p].len()),
+        });
+    }
+    Ok(())
+}
+
+impl Tables {
+    fn new(gpu: &Gpu, grid: &TileGrid, colour: Colour) -> Self {
+        let shape = crate::params::SlotShape::new(grid);
+        let params = TileParams::new(grid, colour, &shape);
+        let mut first_slot = Vec::new();
+        let mut entries = 0;
+        for level in 0..grid.levels {
+            first_slot.push(entries);
+            entries += grid.tiles_in_level(level);
+        }
+        let buffer = |label, size: usize, usage| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: size as u64,
+                usage: usage | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        let storage = wgpu::BufferUsages::STORAGE;
+        let cells = grid.tiles_in_level(0) as usize;
+        let made = Self {
+            params: buffer(
+                "tiles",
+                size_of::<TileParams>(),
+                wgpu::BufferUsages::UNIFORM,
+            ),
+            slots: buffer("slots", entries as usize * 4, storage),
+            level_map: buffer("level map", cells * 4, storage),
+            slot_of: vec![0; entries as usize],
+            first_slot: first_slot.iter().map(|&first| first as u32).collect(),
+            stale_slots: None,
+            shown_level: Vec::new(),
+        };
+        gpu.queue
+            .write_buffer(&made.params, 0, bytemuck::bytes_of(&params));
+        made
+    }
+
+    fn set(&mut self, grid: &TileGrid, tile: Tile, entry: u32) {
+        let first = self.first_slot[usize::from(tile.level)];
+        let at = (first + grid.rank(tile)) as usize;
+        if self.slot_of[at] == entry {
+            return;
+        }
+        self.slot_of[at] = entry;
+        let [low, high] = self.stale_slots.unwrap_or([at, at]);
+        self.stale_slots = Some([low.min(at), high.max(at)]);
+    }
+
+    fn set_level_map(&mut self, gpu: &Gpu, map: Vec<u32>) {
+        if map != self.shown_level {
+            gpu.queue
+                .write_buffer(&self.level_map, 0, bytemuck::cast_slice(&map));
+            self.shown_level = map;
+        }
+    }
+
+    fn flush(&mut self, gpu: &Gpu) {
+        if let Some([low, high]) = self.stale_slots.take() {
+            let changed = bytemuck::cast_slice(&self.slot_of[low..=high]);
+            gpu.queue.write_buffer(&self.slots, low as u64 * 4, changed);
+        }
+    }
+
+    fn bytes(&self) -> u64 {
+        self.params.size() + self.slots.size() + self.level_map.size()
+    }
+}

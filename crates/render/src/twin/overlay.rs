@@ -1,0 +1,67 @@
+//! Which level does each place show, and where is the gaze? Twin of `shaders/overlay.wgsl`.
+
+use super::footprint::{level_of, shown_footprint};
+use super::screen::Seen;
+use super::tiles::{TwinTiles, level_at, source_at};
+use super::{cube, mix, plane};
+use crate::params::Overlay;
+use foveal_core::view::surface::Projection;
+use glam::{Mat3, Vec2, Vec3, Vec4};
+
+fn ramp(at: f32) -> Vec3 {
+    let red = Vec3::new(0.843, 0.098, 0.110);
+    let orange = Vec3::new(0.992, 0.682, 0.380);
+    let yellow = Vec3::new(1.0, 1.0, 0.749);
+    let sky = Vec3::new(0.671, 0.851, 0.914);
+    let blue = Vec3::new(0.173, 0.482, 0.714);
+    let x = at.clamp(0.0, 1.0) * 4.0;
+    let warm = mix(
+        mix(red, orange, x.clamp(0.0, 1.0)),
+        yellow,
+        (x - 1.0).clamp(0.0, 1.0),
+    );
+    mix(
+        mix(warm, sky, (x - 2.0).clamp(0.0, 1.0)),
+        blue,
+        (x - 3.0).clamp(0.0, 1.0),
+    )
+}
+
+fn line(away: f32, width: f32) -> f32 {
+    (0.5 * width + 0.5 - away).clamp(0.0, 1.0)
+}
+
+fn to_border(tiles: &TwinTiles, seen: &Seen) -> f32 {
+    let level = level_at(tiles, seen.face, seen.place);
+    let tile = source_at(tiles, level, seen.face, seen.place);
+    let away = (seen.place - tile.low).min(tile.high - seen.place);
+    away.x.min(away.y) / seen.footprint
+}
+
+fn over(under: Vec4, colour: Vec3, cover: f32) -> Vec4 {
+    let alpha = cover + under.w * (1.0 - cover);
+    let sum = colour * cover + under.truncate() * under.w * (1.0 - cover);
+    (sum / alpha.max(0.001)).extend(alpha)
+}
+
+pub(super) fn overlay(tiles: &TwinTiles, view: &Mat3, marks: &Overlay, position: Vec2) -> Vec4 {
+    let mut drawn = Vec4::ZERO;
+    let seen = match tiles.grid.surface.projection {
+        Projection::Flat => plane::seen_by(tiles, view, position),
+        Projection::Cube => cube::seen_by(tiles, view, position),
+    };
+    if seen.inside {
+        let own = tiles.level(level_at(tiles, seen.face, seen.place)).scale;
+        let footprint = shown_footprint(tiles, seen.face, seen.place, seen.footprint, own);
+        let level = level_of(tiles, footprint) / (tiles.params.coarsest as f32).max(1.0);
+        drawn = over(drawn, ramp(level), marks.heat);
+        let border = line(to_border(tiles, &seen), 1.0) * marks.borders;
+        drawn = over(drawn, Vec3::splat(0.05), border);
+    }
+    if marks.gaze_radius > 0.0 {
+        let away = ((position - Vec2::from(marks.gaze)).length() - marks.gaze_radius).abs();
+        drawn = over(drawn, Vec3::ZERO, line(away, 4.0) * 0.6);
+        drawn = over(drawn, Vec3::ONE, line(away, 2.0));
+    }
+    drawn
+}

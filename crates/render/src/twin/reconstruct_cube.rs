@@ -1,0 +1,11 @@
+//! Which colour does a pixel of a view into a cube get? Twin of `shaders/reconstruct_cube.wgsl`.
+
+use super::cube::seen_by;
+use super::picture::picture_at;
+use super::tiles::TwinTiles;
+use glam::{Mat3, Vec2, Vec4};
+
+pub(super) fn reconstruct_cube(tiles: &TwinTiles, view: &Mat3, position: Vec2) -> Vec4 {
+    let seen = seen_by(tiles, view, position);
+    picture_at(tiles, seen.face, seen.place, seen.footprint).extend(1.0)
+}

@@ -1,0 +1,15 @@
+//! Which colour does a pixel of a view on flat content get? Twin of
+//! `shaders/reconstruct_plane.wgsl`.
+
+use super::picture::picture_at;
+use super::plane::seen_by;
+use super::tiles::TwinTiles;
+use glam::{Mat3, Vec2, Vec4};
+
+pub(super) fn reconstruct_plane(tiles: &TwinTiles, view: &Mat3, position: Vec2) -> Vec4 {
+    let seen = seen_by(tiles, view, position);
+    if !seen.inside {
+        return Vec4::new(0.0, 0.0, 0.0, 1.0);
+    }
+    picture_at(tiles, seen.face, seen.place, seen.footprint).extend(1.0)
+}

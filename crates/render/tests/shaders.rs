@@ -1,0 +1,110 @@
+//! Is every shader valid, and laid out as the Rust structs are?
+
+use foveal_core::view::surface::Projection;
+use foveal_render::params::{LevelParams, Overlay, TileParams, ViewParams};
+use foveal_render::shaders::{Shader, overlay, reconstruct};
+use naga::proc::Layouter;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{Module, TypeInner};
+use std::mem::offset_of;
+
+fn all() -> Vec<(Shader, Projection)> {
+    [Projection::Flat, Projection::Cube]
+        .into_iter()
+        .flat_map(|p| [(reconstruct(p), p), (overlay(p), p)])
+        .collect()
+}
+
+fn parsed(shader: &Shader) -> Module {
+    naga::front::wgsl::parse_str(&shader.text)
+        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader.text)))
+}
+
+/// Size of a struct and the offsets of its members.
+fn layout(module: &Module, name: &str) -> (u32, Vec<(String, u32)>) {
+    let mut layouter = Layouter::default();
+    layouter.update(module.to_ctx()).unwrap();
+    let (handle, ty) = module
+        .types
+        .iter()
+        .find(|(_, ty)| ty.name.as_deref() == Some(name))
+        .unwrap_or_else(|| panic!("no struct {name}"));
+    let TypeInner::Struct { members, .. } = &ty.inner else {
+        panic!("{name} is no struct")
+    };
+    let members = members
+        .iter()
+        .map(|m| (m.name.clone().unwrap(), m.offset))
+        .collect();
+    (layouter[handle].size, members)
+}
+
+#[test]
+fn every_shader_is_valid_with_no_capability_that_a_browser_lacks() {
+    for (shader, projection) in all() {
+        let module = parsed(&shader);
+        Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{} {projection:?}: {e:?}", shader.name));
+        let entries: Vec<&str> = module
+            .entry_points
+            .iter()
+            .map(|e| e.name.as_str())
+            .collect();
+        assert_eq!(entries, ["cover", shader.name]);
+        assert!(
+            !shader.text.contains("enable "),
+            "directives differ between naga and browsers"
+        );
+    }
+}
+
+macro_rules! same_layout {
+    ($module:expr, $name:literal, $ty:ty, [$($field:ident),*]) => {
+        let expected = vec![$((stringify!($field).to_owned(), offset_of!($ty, $field) as u32)),*];
+        assert_eq!(layout(&$module, $name), (size_of::<$ty>() as u32, expected), $name);
+    };
+}
+
+#[test]
+fn uniforms_have_one_layout_in_rust_and_in_wgsl() {
+    for (shader, _) in all() {
+        let module = parsed(&shader);
+        same_layout!(
+            module,
+            "Level",
+            LevelParams,
+            [span, tiles, scale, chroma_offset, first_slot, unused]
+        );
+        same_layout!(
+            module,
+            "Tiles",
+            TileParams,
+            [
+                levels,
+                size,
+                segment,
+                cells,
+                base_step,
+                slot,
+                slots_across,
+                segments,
+                coarsest,
+                octaves,
+                growth,
+                coarsest_scale,
+                unused,
+                rgb_from_yuv
+            ]
+        );
+        same_layout!(module, "View", ViewParams, [content_from_pixel]);
+        if shader.name == "overlay" {
+            same_layout!(
+                module,
+                "Overlay",
+                Overlay,
+                [gaze, gaze_radius, heat, borders, unused]
+            );
+        }
+    }
+}
