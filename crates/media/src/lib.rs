@@ -1,3 +1,4 @@
 //! Turns files into packs and packs into frames.
 
 pub mod pyramid;
+pub mod sphere;
