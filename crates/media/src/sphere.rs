@@ -54,11 +54,19 @@ pub fn face_size_for(width: u32, coverage: Coverage) -> u32 {
 
 /// Resamples equirectangular pictures of one size onto cubes of one size.
 ///
-/// The filter is a windowed sinc of [`kernel::REACH`] samples of the coarser grid to either side,
-/// widened where the source is denser than the face: by up to 4/pi at a face's centre, and along
-/// longitude by one over the distance from the pole, to at most 1/12 of a row a tap's unit at the
-/// rim of a cap of 24 face samples around each pole. Within the cap each sample counts by its place
-/// on the face, across the pole too.
+/// The filter is a sinc under a Kaiser window, six samples of the coarser grid to either side. It
+/// widens where the source is denser than the face: to 4/pi at a face's centre, and along longitude
+/// to one over the distance from the pole, which ends at the rim of a cap of 24 face samples around
+/// each pole. Within the cap every sample counts by its place on the face, across the pole too.
+///
+/// ```
+/// use foveal_core::asset::picture::Picture;
+/// use foveal_media::sphere::{Coverage, CubeSampler, face_size_for};
+/// let sphere = Picture::filled(256, 128, [90, 128, 128]);
+/// let sampler = CubeSampler::new([256, 128], face_size_for(256, Coverage::Full), Coverage::Full, true);
+/// let faces = sampler.cube_from_equirect(&sphere, 2);
+/// assert_eq!(faces[4], Picture::filled(64, 64, [90, 128, 128]));
+/// ```
 pub struct CubeSampler {
     size: [u32; 2],
     face: u32,
@@ -67,26 +75,30 @@ pub struct CubeSampler {
     kernel: Kernel,
 }
 
-/// Columns of the upright faces in one part of the work.
-const STRIP: usize = 32;
+/// Columns of half an upright face, or rows of a quarter of the top face, in one part of the work.
+const STRIP: usize = 16;
 
-/// Rows of the top and bottom faces in one part of the work.
-const ROWS: usize = 32;
+/// Index of the top face.
+const TOP: usize = 4;
 
-/// A finished rectangle of one plane of one face.
+/// Index of the bottom face.
+const BOTTOM: usize = 5;
+
+/// A finished rectangle of a plane of one face.
 struct Block {
     face: usize,
-    plane: usize,
     at: [usize; 2],
     width: usize,
     samples: Vec<u8>,
 }
 
-/// What one part of the work makes.
+/// Which samples one part of the work makes: those like columns `start..` of the front face, or
+/// like rows `start..` of the top face.
 #[derive(Clone, Copy)]
-enum Part {
-    Sides { plane: usize, start: usize },
-    Poles { plane: usize, start: usize },
+struct Part {
+    plane: usize,
+    poles: bool,
+    start: usize,
 }
 
 impl CubeSampler {
@@ -101,7 +113,7 @@ impl CubeSampler {
     pub fn new(size: [u32; 2], face: u32, coverage: Coverage, chroma_left: bool) -> Self {
         assert!(size[0] > 0 && size[1] > 0, "a picture of {size:?} pixels");
         assert!(
-            face > 0 && face % 2 == 0,
+            face > 0 && face.is_multiple_of(2),
             "a face of {face} pixels halves its chroma unevenly"
         );
         Self {
@@ -129,19 +141,25 @@ impl CubeSampler {
         let caps =
             [0, 1, 2].map(|p: usize| [0, 1].map(|pole| Cap::new(&planes[p], &self.kernel, pole)));
         let parts = self.parts();
-        let blocks = parallel::in_parallel(jobs, parts.len(), |part| match parts[part] {
-            Part::Sides { plane, start } => self.side_blocks(&planes[plane], plane, start),
-            Part::Poles { plane, start } => {
-                self.pole_blocks(&planes[plane], &caps[plane], plane, start)
-            }
+        let parts_of_planes = parallel::in_parallel(jobs, parts.len(), |part| {
+            let Part {
+                plane: p,
+                poles,
+                start,
+            } = parts[part];
+            let (plane, kernel) = (&planes[p], &self.kernel);
+            let range = start..(start + STRIP).min(plane.face.div_ceil(2));
+            let blocks = if poles {
+                poles::pole_blocks(plane, kernel, &caps[p], range)
+            } else {
+                sides::side_blocks(plane, kernel, range)
+            };
+            (p, blocks)
         });
         let mut faces = CUBE_FACES.map(|_| Picture::filled(self.face, self.face, [16, 128, 128]));
-        for block in blocks.iter().flatten() {
-            let [x, y] = block.at;
-            let face_width = planes[block.plane].face;
-            let out = &mut faces[block.face].planes[block.plane];
-            for (row, samples) in block.samples.chunks_exact(block.width).enumerate() {
-                out[(y + row) * face_width + x..][..block.width].copy_from_slice(samples);
+        for (p, blocks) in parts_of_planes {
+            for block in blocks {
+                block.write_to(&mut faces[block.face].planes[p], planes[p].face);
             }
         }
         if self.coverage == Coverage::FrontHalf {
@@ -168,68 +186,25 @@ impl CubeSampler {
     fn parts(&self) -> Vec<Part> {
         let mut parts = Vec::new();
         for plane in 0..3 {
-            let face = self.face as usize >> usize::from(plane > 0);
-            parts.extend(
-                (0..face)
-                    .step_by(ROWS)
-                    .map(|start| Part::Poles { plane, start }),
-            );
-            parts.extend(
-                (0..face)
-                    .step_by(STRIP)
-                    .map(|start| Part::Sides { plane, start }),
-            );
+            let half = (self.face as usize >> usize::from(plane > 0)).div_ceil(2);
+            for poles in [true, false] {
+                parts.extend((0..half).step_by(STRIP).map(|start| Part {
+                    plane,
+                    poles,
+                    start,
+                }));
+            }
         }
         parts
     }
+}
 
-    fn side_blocks(&self, source: &Plane, plane: usize, start: usize) -> Vec<Block> {
-        let columns = start..(start + STRIP).min(source.face);
-        let width = columns.len();
-        let strips = sides::side_strips(source, &self.kernel, columns);
-        let block = |(face, samples)| Block {
-            face,
-            plane,
-            at: [start, 0],
-            width,
-            samples,
-        };
-        strips.into_iter().enumerate().map(block).collect()
-    }
-
-    fn pole_blocks(
-        &self,
-        source: &Plane,
-        caps: &[Cap; 2],
-        plane: usize,
-        start: usize,
-    ) -> Vec<Block> {
-        let width = source.face;
-        let rows = start..(start + ROWS).min(width);
-        let below = width - rows.end;
-        let [top, mirrored] = poles::pole_rows(source, &self.kernel, caps, rows);
-        let bottom = mirrored
-            .chunks_exact(width)
-            .rev()
-            .flatten()
-            .copied()
-            .collect();
-        vec![
-            Block {
-                face: 4,
-                plane,
-                at: [0, start],
-                width,
-                samples: top,
-            },
-            Block {
-                face: 5,
-                plane,
-                at: [0, below],
-                width,
-                samples: bottom,
-            },
-        ]
+impl Block {
+    fn write_to(&self, plane: &mut [u8], face_size: usize) {
+        let [x, y] = self.at;
+        for (row, samples) in self.samples.chunks_exact(self.width).enumerate() {
+            plane[(y + row) * face_size + x..][..self.width].copy_from_slice(samples);
+        }
     }
 }
 

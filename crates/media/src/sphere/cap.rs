@@ -11,6 +11,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Spacing of samples along a circle, in face samples.
 const SPACING: f64 = 0.6;
 
+/// Corrections of the areas of the first two circles: the midpoint rule over `r g(r)` from r = 0 is
+/// h²/24 g(0) too large, and g(0) is (9 g(h/2) - g(3h/2)) / 8 for an even g.
+const POLE_RULE: [f64; 2] = [1.0 - 9.0 / 8.0 / 12.0, 1.0 + 1.0 / 8.0 / 36.0];
+
 /// The samples around one pole.
 pub(super) struct Cap {
     circles: Vec<Circle>,
@@ -40,18 +44,25 @@ impl Cap {
         let step = PI / plane.height as f64;
         let mut circles = Vec::new();
         for row in 0..plane.height {
-            let angle = (row as f64 + 0.5) * step;
+            // The one row of the smallest plane lies at 90°, where a face has no place for it.
+            let from_pole = (row as f64 + 0.5) * step;
+            let angle = if row == 0 {
+                from_pole.min(1.4)
+            } else {
+                from_pole
+            };
             let radius = libm::tan(angle) * scale;
-            if radius > rim || angle >= FRAC_PI_2 {
+            if row > 0 && (radius > rim || angle >= FRAC_PI_2) {
                 break;
             }
+            let cos = libm::cos(angle);
+            let correction = POLE_RULE.get(row).unwrap_or(&1.0);
+            let depth = step / (cos * cos) * scale * correction;
             let row = if pole == 0 {
                 row
             } else {
                 plane.height - 1 - row
             };
-            let cos = libm::cos(angle);
-            let depth = step / (cos * cos) * scale;
             circles.push(Circle::new(plane, kernel, row, [radius, depth], stretch));
         }
         Self {

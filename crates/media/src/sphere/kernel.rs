@@ -23,33 +23,31 @@ const ONE: i32 = 1 << 14;
 
 /// The kernel as a table over distances in 0..=REACH, zero from there on.
 pub(super) struct Kernel {
-    table: Vec<f32>,
+    table: Box<[f32; END + 1]>,
 }
 
 impl Kernel {
     /// Builds the table.
     pub(super) fn new() -> Self {
-        let mut table: Vec<f32> = (0..END)
-            .map(|entry| {
-                let x = entry as f64 / f64::from(STEPS);
-                let window = bessel_i0(BETA * (1.0 - (x / REACH) * (x / REACH)).sqrt());
-                let angle = std::f64::consts::PI * x;
-                let sinc = if entry == 0 {
-                    1.0
-                } else {
-                    libm::sin(angle) / angle
-                };
-                (sinc * window / bessel_i0(BETA)) as f32
-            })
-            .collect();
-        table.push(0.0);
+        let mut table = Box::new([0.0; END + 1]);
+        for (entry, weight) in table[..END].iter_mut().enumerate() {
+            let x = entry as f64 / f64::from(STEPS);
+            let window = bessel_i0(BETA * (1.0 - (x / REACH) * (x / REACH)).sqrt());
+            let angle = std::f64::consts::PI * x;
+            let sinc = if entry == 0 {
+                1.0
+            } else {
+                libm::sin(angle) / angle
+            };
+            *weight = (sinc * window / bessel_i0(BETA)) as f32;
+        }
         Self { table }
     }
 
     /// Weight at a distance in samples of the coarser grid; of either sign, zero beyond the kernel.
     #[inline]
     pub(super) fn at(&self, distance: f32) -> f32 {
-        self.table[((distance.abs() * STEPS + 0.5) as usize).min(END)]
+        self.table[entry(distance * STEPS)]
     }
 
     /// Weights of the samples around `position` for a kernel `stretch` samples wide a unit.
@@ -58,34 +56,47 @@ impl Kernel {
     /// of [`LANES`]. Returns the index of the first sample.
     pub(super) fn weigh(&self, position: f64, stretch: f64, taps: &mut Taps) -> i64 {
         let reach = REACH * stretch;
-        let first = (position - reach).ceil();
-        let count = (position + reach - first) as usize + 1;
-        let padded = count.next_multiple_of(LANES);
-        taps.exact.clear();
+        let mut first = (position - reach) as i64;
+        first += i64::from((first as f64) < position - reach);
+        let offset = position - first as f64;
+        let padded = ((offset + reach) as usize + 1).next_multiple_of(LANES);
+        taps.exact.resize(padded, 0.0);
+        taps.fixed.resize(padded, 0);
         let step = f64::from(STEPS) / stretch;
-        let (start, step) = (((first - position) * step) as f32, step as f32);
+        let (start, step) = ((-offset * step) as f32, step as f32);
         let mut sum = 0.0;
-        for tap in 0..padded {
-            let entry = ((start + tap as f32 * step).abs() + 0.5) as usize;
-            let weight = self.table[entry.min(END)];
-            sum += weight;
-            taps.exact.push(weight);
+        for (tap, weight) in taps.exact.iter_mut().enumerate() {
+            *weight = self.table[entry(start + tap as f32 * step)];
+            sum += *weight;
         }
         let scale = ONE as f32 / sum;
-        taps.fixed.clear();
-        // Truncation after a positive offset rounds alike on every machine and vectorises.
-        let round = |weight: &f32| ((weight * scale + 32768.5) as i32 - 32768) as i16;
-        taps.fixed.extend(taps.exact.iter().map(round));
-        let total: i32 = taps.fixed.iter().map(|&tap| i32::from(tap)).sum();
-        let middle = (position - first).round() as usize;
-        taps.fixed[middle.min(padded - 1)] += (ONE - total) as i16;
-        first as i64
+        let mut total = 0;
+        for (fixed, weight) in taps.fixed.iter_mut().zip(&taps.exact) {
+            *fixed = rounded(weight * scale) as i16;
+            total += i32::from(*fixed);
+        }
+        taps.fixed[((offset + 0.5) as usize).min(padded - 1)] += (ONE - total) as i16;
+        first
     }
 
     /// Most taps that [`Self::weigh`] gives for `stretch`.
     pub(super) fn most_taps(stretch: f64) -> usize {
         ((2.0 * REACH * stretch) as usize + 2).next_multiple_of(LANES)
     }
+}
+
+/// Index into the table of a signed distance in table steps.
+#[inline]
+fn entry(distance: f32) -> usize {
+    (rounded(distance.abs()) as usize).min(END)
+}
+
+/// The nearest integer of a number within 2^22, for a few cycles on any machine: the last bits of
+/// the mantissa once 1.5 * 2^23 is added.
+#[inline]
+fn rounded(number: f32) -> i32 {
+    const SHIFT: f32 = 12_582_912.0;
+    ((number + SHIFT).to_bits() as i32) - (SHIFT.to_bits() as i32)
 }
 
 /// Weights of one output sample; kept to reuse the memory.
@@ -98,29 +109,13 @@ pub(super) struct Taps {
 
 /// Sum of `samples` times `taps`, which come in multiples of [`LANES`].
 #[inline]
-pub(super) fn dot_bytes(samples: &[u8], taps: &[i16]) -> i32 {
+pub(super) fn dot<S: Copy + Into<i32>>(samples: &[S], taps: &[i16]) -> i32 {
     let (taps, _) = taps.as_chunks::<LANES>();
     let (samples, _) = samples.as_chunks::<LANES>();
-    let mut sums = [0i32; LANES / 2];
+    let mut sums = [0i32; LANES];
     for (samples, taps) in samples.iter().zip(taps) {
-        let product = |k: usize| i32::from(samples[k]) * i32::from(taps[k]);
-        for (lane, sum) in sums.iter_mut().enumerate() {
-            *sum += product(2 * lane) + product(2 * lane + 1);
-        }
-    }
-    sums.iter().sum()
-}
-
-/// As [`dot_bytes`] for 16-bit samples.
-#[inline]
-pub(super) fn dot_words(samples: &[i16], taps: &[i16]) -> i32 {
-    let (taps, _) = taps.as_chunks::<LANES>();
-    let (samples, _) = samples.as_chunks::<LANES>();
-    let mut sums = [0i32; LANES / 2];
-    for (samples, taps) in samples.iter().zip(taps) {
-        let product = |k: usize| i32::from(samples[k]) * i32::from(taps[k]);
-        for (lane, sum) in sums.iter_mut().enumerate() {
-            *sum += product(2 * lane) + product(2 * lane + 1);
+        for (sum, (sample, tap)) in sums.iter_mut().zip(samples.iter().zip(taps)) {
+            *sum += (*sample).into() * i32::from(*tap);
         }
     }
     sums.iter().sum()

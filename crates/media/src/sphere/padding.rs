@@ -4,7 +4,7 @@
 //! near its own edge too, so margins are filled from margins: first with the nearest sample, then
 //! three times with the kernel, after which they no longer change.
 
-use super::kernel::{Kernel, Taps, code_value, dot_bytes, keep_six_bits};
+use super::kernel::{Kernel, Taps, code_value, dot, keep_six_bits};
 use foveal_core::view::surface::Surface;
 
 /// Rounds of filling the margins with the kernel.
@@ -72,7 +72,7 @@ impl PaddedCube {
         for (row, &weight) in (y..).zip(&down.fixed) {
             let row = (row.max(0) as usize).min(side - 1);
             let samples = &self.faces[face as usize][row * side + x..];
-            sum += keep_six_bits(dot_bytes(samples, &along.fixed)) * i32::from(weight);
+            sum += keep_six_bits(dot(samples, &along.fixed)) * i32::from(weight);
         }
         code_value(sum)
     }

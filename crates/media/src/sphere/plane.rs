@@ -60,11 +60,16 @@ impl Plane {
         this
     }
 
-    /// `count` samples of a row from `column` on, which may be any number of turns away.
+    /// `count` samples of a row from a [`Self::wrapped`] column on.
     #[inline]
-    pub(super) fn taps(&self, row: usize, column: i64, count: usize) -> &[u8] {
-        let column = column.rem_euclid(self.width as i64) as usize;
+    pub(super) fn taps(&self, row: usize, column: usize, count: usize) -> &[u8] {
         &self.samples[row * self.stride + column..][..count]
+    }
+
+    /// The same column within the first turn.
+    #[inline]
+    pub(super) fn wrapped(&self, column: i64) -> usize {
+        column.rem_euclid(self.width as i64) as usize
     }
 
     /// One turn of a row.
@@ -100,23 +105,30 @@ impl Plane {
         self.height as f64 * 2.0 / PI / self.face as f64
     }
 
-    /// How much wider than a face sample the kernel must be at a pole so as not to fall between
-    /// the rows.
+    /// How much wider than a face sample the kernel must be in the cap so as not to fall between
+    /// rows, which lie up to 1.15 times as far apart at its rim as at the pole.
     pub(super) fn pole_stretch(&self) -> f64 {
-        (1.0 / self.rows_per_step()).max(1.0)
+        (1.15 / self.rows_per_step()).max(1.0)
     }
 
     /// Radius around a pole, in tangents, within which the grid of longitudes bends too much under
     /// a kernel, so that [`super::cap`] takes over.
     pub(super) fn cap_radius(&self) -> f64 {
-        CAP * self.pole_stretch() * 2.0 / self.face as f64
+        let sample = self.pole_stretch() * 2.0 / self.face as f64;
+        (CAP * sample).min(WIDEST_CAP).max(SMALLEST_CAP * sample)
     }
 
     /// Columns a face sample at the border of the cap: the most that any kernel outside it spans.
     fn yaw_stretch_at_cap(&self) -> f64 {
-        self.width as f64 / TAU / (CAP * self.pole_stretch())
+        self.width as f64 / PI / self.face as f64 / self.cap_radius()
     }
 }
 
 /// Radius of the polar cap in face samples: an arc of [`REACH`] samples bends by 0.75 there.
 const CAP: f64 = 4.0 * REACH;
+
+/// Most radius in tangents: farther out rows lie too far apart on the face for a kernel of one size.
+const WIDEST_CAP: f64 = 0.3;
+
+/// Least radius in face samples, so that no kernel outside the cap reaches the pole.
+const SMALLEST_CAP: f64 = REACH + 2.0;

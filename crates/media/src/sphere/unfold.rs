@@ -23,7 +23,10 @@ const ROWS: usize = 16;
 #[must_use]
 pub fn equirect_from_cube(cube: &[Picture; 6], size: [u32; 2], jobs: usize) -> Picture {
     let side = cube[0].width;
-    assert!(side > 0 && side % 2 == 0, "a face of {side} pixels");
+    assert!(
+        side > 0 && side.is_multiple_of(2),
+        "a face of {side} pixels"
+    );
     for face in cube {
         assert_eq!(
             [face.width, face.height],
