@@ -19,4 +19,28 @@ mod parallel;
 pub mod picture_from_rgba;
 pub mod prepare;
 pub mod pyramid;
+pub mod source;
 pub mod sphere;
+pub mod spherical;
+mod stacked_png;
+mod timeline;
+pub mod write_clip;
+
+#[cfg(test)]
+mod broken_tests;
+#[cfg(test)]
+mod codec_tests;
+#[cfg(test)]
+mod format_tests;
+#[cfg(test)]
+mod input_tests;
+#[cfg(test)]
+mod scenes;
+
+pub use decode::GroupDecoder;
+pub use encode::{EncodeSettings, Speed, encode_group};
+pub use error::MediaError;
+pub use input::{TimedPicture, VideoInput};
+pub use source::SourceInfo;
+pub use spherical::{Projection, Spherical, Stereo, StereoLayout};
+pub use write_clip::{ClipCodec, ClipFormat, ClipWriter};

@@ -1,35 +1,41 @@
-//! How is independent work spread over threads without changing its result?
+//! How does work that falls into independent parts use all cores?
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// `work` on every item, on up to `jobs` threads; results in the order of the items.
-pub(crate) fn in_parallel<T: Send, R: Send>(
+/// The results of `work(0)` to `work(count - 1)` in that order, computed by `jobs` threads.
+///
+/// Each part is computed by one thread alone, so the results do not depend on `jobs`.
+pub(crate) fn in_parallel<T: Send>(
     jobs: usize,
-    items: &mut [T],
-    work: impl Fn(&mut T) -> R + Sync,
-) -> Vec<R> {
+    count: usize,
+    work: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
     let next = AtomicUsize::new(0);
-    let slots: Vec<Mutex<(&mut T, Option<R>)>> = items
-        .iter_mut()
-        .map(|item| Mutex::new((item, None)))
-        .collect();
-    let worker = || {
-        // Each index is handed out once, so no lock is ever waited for.
-        while let Some(slot) = slots.get(next.fetch_add(1, Ordering::Relaxed)) {
-            if let Ok(mut slot) = slot.lock() {
-                slot.1 = Some(work(slot.0));
+    let take = || {
+        let mut done = Vec::new();
+        loop {
+            let part = next.fetch_add(1, Ordering::Relaxed);
+            if part >= count {
+                return done;
             }
+            done.push((part, work(part)));
         }
     };
-    std::thread::scope(|scope| {
-        for _ in 1..jobs.clamp(1, slots.len().max(1)) {
-            scope.spawn(worker);
+    let mut all = std::thread::scope(|scope| {
+        let others: Vec<_> = (1..jobs.clamp(1, count.max(1)))
+            .map(|_| scope.spawn(take))
+            .collect();
+        let mut all = take();
+        for other in others {
+            match other.join() {
+                Ok(done) => all.extend(done),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
         }
-        worker();
+        all
     });
-    let done = slots.into_iter().filter_map(|slot| slot.into_inner().ok());
-    done.filter_map(|(_, result)| result).collect()
+    all.sort_unstable_by_key(|&(part, _)| part);
+    all.into_iter().map(|(_, result)| result).collect()
 }
 
 #[cfg(test)]
@@ -37,12 +43,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn results_come_in_the_order_of_the_items_for_any_number_of_threads() {
-        for jobs in [1, 2, 7, 100] {
-            let mut items: Vec<u32> = (0..50).collect();
-            let squares = in_parallel(jobs, &mut items, |n| *n * *n);
+    fn results_come_in_order_for_any_number_of_threads() {
+        for jobs in [0, 1, 2, 7, 100] {
+            let squares = in_parallel(jobs, 50, |n| n * n);
             assert_eq!(squares, (0..50).map(|n| n * n).collect::<Vec<_>>());
         }
-        assert!(in_parallel(4, &mut [] as &mut [u32], |n| *n).is_empty());
+        assert!(in_parallel(4, 0, |n| n).is_empty());
     }
 }

@@ -6,7 +6,6 @@
 mod cap;
 mod kernel;
 mod padding;
-pub(crate) mod parallel;
 mod plane;
 mod poles;
 mod sides;
@@ -15,6 +14,7 @@ mod unfold;
 #[cfg(test)]
 mod tests;
 
+use crate::parallel::in_parallel;
 use cap::Cap;
 use foveal_core::asset::picture::Picture;
 use foveal_core::view::surface::CUBE_FACES;
@@ -141,7 +141,7 @@ impl CubeSampler {
         let caps =
             [0, 1, 2].map(|p: usize| [0, 1].map(|pole| Cap::new(&planes[p], &self.kernel, pole)));
         let parts = self.parts();
-        let parts_of_planes = parallel::in_parallel(jobs, parts.len(), |part| {
+        let parts_of_planes = in_parallel(jobs, parts.len(), |part| {
             let Part {
                 plane: p,
                 poles,

@@ -65,7 +65,9 @@ impl Cutter {
         let mut levels = Vec::new();
         for level in 0..self.grid.levels {
             if level > 0 {
-                faces = in_parallel(self.jobs, &mut faces, |face| halve(face, self.grid.ratio));
+                faces = in_parallel(self.jobs, faces.len(), |face| {
+                    halve(&faces[face], self.grid.ratio)
+                });
             }
             let scale = self.grid.scale(level);
             let cut = |tile: Tile| {
@@ -84,8 +86,9 @@ impl Cutter {
         };
         let mut levels: Vec<Vec<Picture>> = vec![self.grid.tiles_of(0).map(cut).collect()];
         for level in 1..usize::from(self.grid.levels) {
-            let coarser = in_parallel(self.jobs, &mut levels[level - 1], |cell| {
-                halve(cell, self.grid.ratio)
+            let finer = &levels[level - 1];
+            let coarser = in_parallel(self.jobs, finer.len(), |cell| {
+                halve(&finer[cell], self.grid.ratio)
             });
             levels.push(coarser);
         }

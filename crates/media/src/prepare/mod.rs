@@ -261,9 +261,10 @@ impl<'a> Coder<'a> {
                 .map(|n| n.min(i32::MAX as u32) as i32),
             speed: self.plan.speed,
         };
-        let units = in_parallel(self.plan.jobs, waiting, |group| {
-            encode_group(&settings, &std::mem::take(group))
+        let units = in_parallel(self.plan.jobs, waiting.len(), |rank| {
+            encode_group(&settings, &waiting[rank])
         });
+        waiting.iter_mut().for_each(Vec::clear);
         for (rank, access_units) in units.into_iter().enumerate() {
             let access_units = access_units?;
             self.bytes += access_units

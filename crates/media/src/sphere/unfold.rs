@@ -2,7 +2,7 @@
 
 use super::kernel::{Kernel, Taps};
 use super::padding::PaddedCube;
-use super::parallel::in_parallel;
+use crate::parallel::in_parallel;
 use foveal_core::asset::picture::{Picture, plane_size};
 use foveal_core::units::Radians;
 use foveal_core::view::axes::direction_from_yaw_pitch;
