@@ -177,7 +177,7 @@ impl PrepareVideoArgs {
             _ => "the number of frames is not known".to_owned(),
         };
         let text = format!(
-            "{all}; {:.1} ms and {:.1} kB a frame, measured on {rehearsed} frames (nothing written)",
+            "{all}; {:.1} ms and {:.1} kB a frame by {rehearsed} frames (nothing written)",
             seconds_per_frame * 1e3,
             bytes_per_frame / 1e3,
         );
