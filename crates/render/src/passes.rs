@@ -177,7 +177,7 @@ fn layout(gpu: &Gpu, has_marks: bool) -> wgpu::BindGroupLayout {
         multisampled: false,
     };
     let mut types = vec![
-        uniform, storage, storage, texture, texture, texture, texture, uniform,
+        uniform, storage, texture, texture, texture, texture, uniform,
     ];
     types.extend(has_marks.then_some(uniform));
     let entries: Vec<wgpu::BindGroupLayoutEntry> = (0..)

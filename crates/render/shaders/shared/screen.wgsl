@@ -5,7 +5,7 @@ struct View {
     content_from_pixel: mat3x3f,
 }
 
-@group(0) @binding(7) var<uniform> view: View;
+@group(0) @binding(6) var<uniform> view: View;
 
 @vertex
 fn cover(@builtin(vertex_index) corner: u32) -> @builtin(position) vec4f {
