@@ -4,7 +4,7 @@ use super::PrepareError;
 use crate::encode::Speed;
 use crate::source::SourceInfo;
 use crate::sphere::{Coverage, face_size_for};
-use crate::spherical::{Projection as SourceProjection, StereoLayout};
+use crate::spherical::{Projection as SourceProjection, Spherical, StereoLayout};
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::{Description, Source};
 use foveal_core::asset::picture::Colour;
@@ -231,22 +231,7 @@ fn surround(
         )));
     }
     if let Some(spherical) = &info.spherical {
-        let is_half = spherical.is_half();
-        return match spherical.projection {
-            SourceProjection::Equirect => {
-                notes.push("360° by its spherical metadata".to_owned());
-                Ok(Surround::Equirect(Coverage::Full))
-            }
-            SourceProjection::EquirectPart { .. } if is_half => {
-                notes.push("180° by its spherical metadata".to_owned());
-                Ok(Surround::Equirect(Coverage::FrontHalf))
-            }
-            _ => Err(PrepareError::Option(format!(
-                "{} is a cube or a part of a sphere by its metadata, which cannot be prepared; \
-                 make it equirectangular with FFmpeg's filter v360, or give --projection flat",
-                input.display()
-            ))),
-        };
+        return surround_by_metadata(input, spherical, notes);
     }
     let twice_as_wide = info.width == 2 * info.height;
     let name = input
@@ -275,4 +260,29 @@ fn surround(
     };
     notes.push(format!("taken for flat by its size{hint}"));
     Ok(Surround::Flat)
+}
+
+fn surround_by_metadata(
+    input: &Path,
+    spherical: &Spherical,
+    notes: &mut Vec<String>,
+) -> Result<Surround, PrepareError> {
+    if [spherical.yaw_deg, spherical.pitch_deg, spherical.roll_deg] != [0.0; 3] {
+        notes.push("the turn of the sphere in its metadata is not applied".to_owned());
+    }
+    match spherical.projection {
+        SourceProjection::Equirect => {
+            notes.push("360° by its spherical metadata".to_owned());
+            Ok(Surround::Equirect(Coverage::Full))
+        }
+        SourceProjection::EquirectPart { .. } if spherical.is_half() => {
+            notes.push("180° by its spherical metadata".to_owned());
+            Ok(Surround::Equirect(Coverage::FrontHalf))
+        }
+        _ => Err(PrepareError::Option(format!(
+            "{} is a cube or a part of a sphere by its metadata, which cannot be prepared; make \
+             it equirectangular with FFmpeg's filter v360, or give --projection flat",
+            input.display()
+        ))),
+    }
 }
