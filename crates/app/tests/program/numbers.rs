@@ -12,17 +12,26 @@ use foveal_core::view::surface::{Projection, Screen, Surface};
 use foveal_media::generate::numbered_tiles;
 use serde_json::Value;
 
-/// Frames a second: so many that a paced run cannot have every tile in time, and few enough that
-/// a scan path moves.
-const FRAME_RATE: [i32; 2] = [90, 1];
-const FRAMES: u32 = 36;
+const FRAMES: u32 = 18;
+
+/// Bursts of three frames a millisecond apart, which a paced run cannot have every tile of in time,
+/// with pauses in which the scan path moves on.
+const BURST: u64 = 3;
+const PAUSE_MS: u64 = 150;
 /// Frames that the CPU draws, which takes its time.
-const FRAMES_ON_CPU: u32 = 6;
+const FRAMES_ON_CPU: u32 = 4;
 
 /// A flat clip whose every cell carries the number of its frame.
 fn numbered_flat(size: [u32; 2], frames: u32) -> Vec<Picture> {
     let numbered = |frame| numbered_tiles(size, CELL, u64::from(frame));
     (0..frames).map(numbered).collect()
+}
+
+fn write_bursts(folder: &Folder, pictures: &[Picture]) -> String {
+    let ticks: Vec<u64> = (0..pictures.len() as u64)
+        .map(|frame| frame / BURST * PAUSE_MS + frame % BURST)
+        .collect();
+    write_clip_at(folder, "a.mkv", pictures, [1000, 1], &ticks)
 }
 
 /// Reads the number of every cell of every picture; returns how many cells were read in all.
@@ -82,8 +91,8 @@ fn assert_one_frame_a_picture(folder: &Folder, pack: &str, surface: &Surface, vi
 #[test]
 fn every_tile_of_a_flat_picture_is_of_the_frame_shown() {
     let folder = Folder::new();
-    let size = [640, 384];
-    let clip = write_clip_at(&folder, "a.mkv", &numbered_flat(size, FRAMES), FRAME_RATE);
+    let size = [448, 256];
+    let clip = write_bursts(&folder, &numbered_flat(size, FRAMES));
     let pack = folder.name("a.foveal");
     done(&[
         "prepare", "video", &clip, "--out", &pack, "--tile", "64", "--levels", "3",
@@ -96,11 +105,11 @@ fn every_tile_of_a_flat_picture_is_of_the_frame_shown() {
 #[test]
 fn every_tile_of_a_picture_around_the_viewer_is_of_the_frame_shown() {
     let folder = Folder::new();
-    let clip = write_clip_at(&folder, "a.mkv", &numbered_sphere(256, FRAMES), FRAME_RATE);
+    let clip = write_bursts(&folder, &numbered_sphere(256, FRAMES));
     let pack = folder.name("a.foveal");
     let how = ["--projection", "equirect", "--tile", "64", "--levels", "3"];
     done(&[&["prepare", "video", &clip, "--out", &pack], &how[..]].concat());
-    let size = [512, 320];
+    let size = [400, 250];
     let view = EyeView {
         axes: Axes::FRONT,
         field: Field::across(Radians::from_degrees(100.0), size),
@@ -114,7 +123,7 @@ fn even_the_coarsest_level_carries_numbers_that_can_be_read() {
     let surface = Surface::flat([128, 64], Screen::default());
     let view = EyeView::filling(&surface, surface.size);
     let folder = Folder::new();
-    let clip = write_clip_at(&folder, "a.mkv", &numbered_flat([128, 64], 3), [25, 1]);
+    let clip = write_bursts(&folder, &numbered_flat([128, 64], 3));
     let (pack, out) = (folder.name("a.foveal"), folder.name("out"));
     done(&[
         "prepare", "video", &clip, "--out", &pack, "--tile", "64", "--levels", "3",

@@ -20,15 +20,17 @@ pub(crate) const VIDEO: Colour = Colour {
 
 /// Writes pictures as a lossless clip of 25 frames a second.
 pub(crate) fn write_clip(folder: &Folder, name: &str, pictures: &[Picture]) -> String {
-    write_clip_at(folder, name, pictures, [25, 1])
+    let ticks: Vec<u64> = (0..pictures.len() as u64).collect();
+    write_clip_at(folder, name, pictures, [25, 1], &ticks)
 }
 
-/// Writes pictures as a lossless clip.
+/// Writes pictures as a lossless clip, each shown at its tick of the frame rate.
 pub(crate) fn write_clip_at(
     folder: &Folder,
     name: &str,
     pictures: &[Picture],
     frame_rate: [i32; 2],
+    ticks: &[u64],
 ) -> String {
     let path = folder.name(name);
     let format = ClipFormat {
@@ -38,7 +40,9 @@ pub(crate) fn write_clip_at(
         colour: VIDEO,
     };
     let mut clip = ClipWriter::create(Path::new(&path), &format).unwrap();
-    pictures.iter().for_each(|p| clip.push(p).unwrap());
+    for (picture, tick) in pictures.iter().zip(ticks) {
+        clip.push_at(picture, *tick).unwrap();
+    }
     clip.finish().unwrap();
     path
 }
