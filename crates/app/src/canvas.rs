@@ -91,6 +91,24 @@ impl Canvas {
         }
     }
 
+    /// The samples of a resident tile, as whatever draws holds them.
+    pub(crate) fn read_tile(&mut self, tile: Tile) -> anyhow::Result<Option<Picture>> {
+        Ok(match self {
+            Self::Gpu(renderer) => Some(renderer.tiles().read_tile(tile)?),
+            Self::Cpu(tiles) => tiles.read_tile(tile),
+            Self::None => None,
+        })
+    }
+
+    /// What draws, for people.
+    pub(crate) fn name(&self) -> &str {
+        match self {
+            Self::Gpu(renderer) => renderer.gpu().adapter_name(),
+            Self::Cpu(_) => "the CPU twin",
+            Self::None => "nothing",
+        }
+    }
+
     /// The picture that a view shows, with `marks` over it if there are any; `None` when nothing
     /// draws.
     pub(crate) fn picture(

@@ -17,6 +17,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::{Projection, Screen};
 use foveal_media::decode_pool::{DecodePool, DecodedTile};
 use foveal_media::pack_file::PackFile;
+use foveal_render::RgbaImage;
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -104,6 +105,13 @@ impl Player {
     /// The tiles of the pack.
     pub(crate) fn grid(&self) -> &TileGrid {
         &self.grid
+    }
+
+    /// A resident tile by itself, in its own pixels; `None` when nothing draws.
+    pub(crate) fn read_tile(&mut self, tile: Tile) -> anyhow::Result<Option<RgbaImage>> {
+        let colour = self.file.pack().description().colour;
+        let picture = self.canvas.read_tile(tile)?;
+        Ok(picture.map(|picture| RgbaImage::from_planes(&picture, colour)))
     }
 
     /// Media time of a frame.

@@ -219,8 +219,8 @@ impl RunSummary {
     }
 }
 
-/// One line a frame.
-fn csv(reports: &[FrameReport]) -> String {
+/// The figures of a run as CSV, one line a frame.
+pub(crate) fn csv(reports: &[FrameReport]) -> String {
     let mut text = "frame,time_s,gaze_yaw_deg,gaze_pitch_deg,head_yaw_deg,head_pitch_deg,tiles,\
                     pixels,share,decoded_pixels,new_bytes,decode_ms,upload_ms,late,level_changes\n"
         .to_owned();
@@ -250,7 +250,7 @@ fn csv(reports: &[FrameReport]) -> String {
     text
 }
 
-fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
+pub(crate) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
     std::fs::write(path, text).with_context(|| format!("{}: cannot be written", path.display()))
 }
 
