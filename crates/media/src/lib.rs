@@ -11,6 +11,7 @@ mod ffmpeg;
 mod frame;
 mod frame_file;
 mod frame_reader;
+pub mod generate;
 pub mod input;
 mod orientation;
 pub mod pack_file;

@@ -1,7 +1,8 @@
 //! How does an equirectangular picture become a cube, and a cube an equirectangular picture?
 //!
-//! Faces lie as in [`foveal_core::view::surface::CUBE_FACES`]. Column `u` in [0, 1) of a full sphere
-//! is yaw `(u - 0.5) * 2 pi`, row `v` is pitch `(0.5 - v) * pi`, and samples lie at half integers.
+//! Faces lie as in [`foveal_core::view::surface::CUBE_FACES`]. Column `u` in [0, 1) of a full
+//! sphere is yaw `(u - 0.5) * 2 pi`, row `v` is pitch `(0.5 - v) * pi`, and samples lie at half
+//! integers.
 
 mod cap;
 mod kernel;
@@ -31,8 +32,8 @@ pub enum Coverage {
     FrontHalf,
 }
 
-/// Face size that keeps the pixels of a turn: the next multiple of 16 that is not below a quarter of
-/// a full sphere's width.
+/// Face size that keeps the pixels of a turn: the next multiple of 16 that is not below a quarter
+/// of a full sphere's width.
 ///
 /// A face spans 90° in `n` pixels, `n / 2` a radian at its centre and `n` at the middle of an edge;
 /// the source has `2 n / pi`. So a face's centre keeps 0.79 of the source's density and its edges
@@ -63,7 +64,8 @@ pub fn face_size_for(width: u32, coverage: Coverage) -> u32 {
 /// use foveal_core::asset::picture::Picture;
 /// use foveal_media::sphere::{Coverage, CubeSampler, face_size_for};
 /// let sphere = Picture::filled(256, 128, [90, 128, 128]);
-/// let sampler = CubeSampler::new([256, 128], face_size_for(256, Coverage::Full), Coverage::Full, true);
+/// let face = face_size_for(256, Coverage::Full);
+/// let sampler = CubeSampler::new([256, 128], face, Coverage::Full, true);
 /// let faces = sampler.cube_from_equirect(&sphere, 2);
 /// assert_eq!(faces[4], Picture::filled(64, 64, [90, 128, 128]));
 /// ```
@@ -170,7 +172,8 @@ impl CubeSampler {
 
     /// Plane `p` of the source, ready to be read across its borders.
     fn plane(&self, picture: &Picture, p: usize) -> Plane {
-        // A sample on the left luma sample of its pair lies a quarter of a column left of its place.
+        // A sample on the left luma sample of its pair lies a quarter of a column left of its
+        // place.
         let shift = if p > 0 && self.chroma_left { 0.25 } else { 0.0 };
         let face = self.face as usize >> usize::from(p > 0);
         Plane::new(

@@ -2,7 +2,8 @@
 
 use super::FRAMES;
 use super::content::Prepared;
-use super::moment::{Moment, Pictures};
+use super::moment::Moment;
+use super::pictures::Pictures;
 use crate::canvas::RendererName;
 use crate::gaze::{GazeChoice, GazeSource};
 use crate::options::ViewOptions;

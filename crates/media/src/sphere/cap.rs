@@ -1,8 +1,8 @@
 //! What does a face show around a pole?
 //!
 //! Each source row near the pole is brought to about 0.6 face samples of spacing along its circle;
-//! then every sample counts by its place on the face and the area it stands for. So a row beyond the
-//! pole counts where it lies, on the other side.
+//! then every sample counts by its place on the face and the area it stands for. So a row beyond
+//! the pole counts where it lies, on the other side.
 
 use super::kernel::{Kernel, REACH};
 use super::plane::Plane;

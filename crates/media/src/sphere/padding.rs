@@ -1,8 +1,8 @@
 //! What lies beyond the edge of a cube face, on the face's own grid?
 //!
-//! The plane of a face is continued with what its neighbours show there. A neighbour is interpolated
-//! near its own edge too, so margins are filled from margins: first with the nearest sample, then
-//! three times with the kernel, after which they no longer change.
+//! The plane of a face is continued with what its neighbours show there. A neighbour is
+//! interpolated near its own edge too, so margins are filled from margins: first with the nearest
+//! sample, then three times with the kernel, after which they no longer change.
 
 use super::kernel::{Kernel, Taps, code_value, dot, keep_six_bits};
 use foveal_core::view::surface::Surface;

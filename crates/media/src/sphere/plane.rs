@@ -127,7 +127,8 @@ impl Plane {
 /// Radius of the polar cap in face samples: an arc of [`REACH`] samples bends by 0.75 there.
 const CAP: f64 = 4.0 * REACH;
 
-/// Most radius in tangents: farther out rows lie too far apart on the face for a kernel of one size.
+/// Most radius in tangents: farther out rows lie too far apart on the face for a kernel of one
+/// size.
 const WIDEST_CAP: f64 = 0.3;
 
 /// Least radius in face samples, so that no kernel outside the cap reaches the pole.

@@ -2,9 +2,9 @@
 //!
 //! Rows of the source are circles there. The filter works along longitude and latitude, stretched
 //! along longitude by the reciprocal of the distance from the pole, up to the rim of the polar cap;
-//! inside it, where circles bend under the kernel, [`super::cap`] weighs every sample by its place on
-//! the face. Both faces are mirror images of each other, and a quarter turn of a face is a quarter of
-//! a row: eight samples share their weights.
+//! inside it, where circles bend under the kernel, [`super::cap`] weighs every sample by its place
+//! on the face. Both faces are mirror images of each other, and a quarter turn of a face is a
+//! quarter of a row: eight samples share their weights.
 
 use super::cap::Cap;
 use super::kernel::{Kernel, Taps, code_value, dot, keep_six_bits};

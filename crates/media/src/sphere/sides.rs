@@ -1,8 +1,9 @@
 //! How do the four upright faces get their samples?
 //!
 //! A column of an upright face has one longitude, so the filter is exactly separable: first along
-//! each row of the source to that longitude, then down the column. The latitudes of a column are the
-//! same on all four faces and in the column mirrored left to right: eight samples share their weights.
+//! each row of the source to that longitude, then down the column. The latitudes of a column are
+//! the same on all four faces and in the column mirrored left to right: eight samples share their
+//! weights.
 
 use super::Block;
 use super::kernel::{Kernel, LANES, REACH, Taps, code_value, dot, keep_six_bits};

@@ -13,8 +13,8 @@ use std::f64::consts::{PI, TAU};
 /// Rows in one part of the work.
 const ROWS: usize = 16;
 
-/// The whole sphere of `cube` at `size` pixels, with chroma sited between luma samples; the same for
-/// any number of threads `jobs`.
+/// The whole sphere of `cube` at `size` pixels, with chroma sited between luma samples; the same
+/// for any number of threads `jobs`.
 ///
 /// The filter is that of [`super::CubeSampler`] and reads across the edges of the cube.
 ///
