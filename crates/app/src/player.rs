@@ -2,7 +2,7 @@
 //!
 //! Select, decode, upload: the one path that every command that plays a pack goes through.
 
-use crate::canvas::{Canvas, RendererName};
+use crate::canvas::{Canvas, Drawing};
 use crate::gaze::GazeSource;
 use anyhow::{Context, bail};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
@@ -42,7 +42,7 @@ pub(crate) struct PlayerOptions {
     pub(crate) config: PolicyConfig,
     pub(crate) view: EyeView,
     pub(crate) screen: Screen,
-    pub(crate) renderer: RendererName,
+    pub(crate) drawing: Drawing,
     /// Show a frame when its time is over, complete or not.
     pub(crate) paced: bool,
     /// Decoding threads.
@@ -91,7 +91,7 @@ impl Player {
             selector: Selector::new(grid, options.config.clone()),
             config: options.config,
             pool: DecodePool::new(Arc::clone(&file), options.jobs),
-            canvas: Canvas::new(options.renderer, &grid, about.colour)?,
+            canvas: Canvas::new(&options.drawing, &grid, about.colour)?,
             view: options.view,
             grid,
             times_ns,

@@ -1,6 +1,6 @@
 //! What does an eye get from a pack, and what did that take?
 
-use crate::canvas::RendererName;
+use crate::canvas::{Drawing, RendererName};
 use crate::gaze::{GazeChoice, GazeSource, parse_gaze};
 use crate::options::{PolicyOptions, ViewOptions};
 use crate::output;
@@ -120,7 +120,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             config: args.policy.config()?,
             view: args.view.eye_view(&surface)?,
             screen: args.view.screen,
-            renderer: args.renderer,
+            drawing: Drawing::open(args.renderer)?,
             paced: args.paced,
             jobs: args.jobs.unwrap_or_else(default_jobs),
         },

@@ -42,12 +42,6 @@ impl Renderer {
         })
     }
 
-    /// What draws.
-    #[must_use]
-    pub fn gpu(&self) -> &Gpu {
-        &self.gpu
-    }
-
     /// The resident tiles, to upload to and to evict from.
     pub fn tiles(&mut self) -> &mut TileStore {
         &mut self.tiles

@@ -1,7 +1,7 @@
 //! What is in the atlas at one moment?
 //!
-//! The resident tiles as they are held, side by side, finest level first, each level on rows of its
-//! own and framed in its colour of the heat map.
+//! The resident tiles as they are held, side by side, finest level first, each framed in the colour
+//! that its level has in the heat map.
 
 use super::colours::of_level;
 use crate::player::Player;
@@ -14,7 +14,7 @@ const FRAME: u32 = 2;
 /// Pixels between frames.
 const GAP: u32 = 4;
 /// Highest sheet, over its width.
-const HIGHEST: f64 = 0.75;
+const HIGHEST: f64 = 0.5;
 /// Times that tiles may be shown smaller than they are, on a side.
 const SHRUNK: [u32; 6] = [1, 2, 3, 4, 6, 8];
 /// Colour between tiles.
@@ -43,14 +43,14 @@ pub(super) fn of(player: &mut Player, tiles: &[Tile], width: u32) -> anyhow::Res
         tiles.iter().map(shrunk).collect()
     };
     let fits = |by: &u32| {
-        let [_, h] = layout(&tiles, &sizes(*by), width).size;
+        let [_, h] = layout(&sizes(*by), width).size;
         f64::from(h) <= f64::from(width) * HIGHEST
     };
     let by = SHRUNK
         .into_iter()
         .find(fits)
         .unwrap_or(SHRUNK[SHRUNK.len() - 1]);
-    let layout = layout(&tiles, &sizes(by), width);
+    let layout = layout(&sizes(by), width);
     let mut image = RgbaImage::black(layout.size);
     fill(&mut image, [0, 0], layout.size, PAPER);
     for (tile, at) in tiles.iter().zip(layout.places) {
@@ -68,14 +68,13 @@ pub(super) fn of(player: &mut Player, tiles: &[Tile], width: u32) -> anyhow::Res
     Ok(Sheet { image, shrunk: by })
 }
 
-/// Rows from the left, a new one for every level; as wide as the widest row.
-fn layout(tiles: &[Tile], sizes: &[[u32; 2]], width: u32) -> Layout {
+/// Rows from the left; as wide as the widest.
+fn layout(sizes: &[[u32; 2]], width: u32) -> Layout {
     let (mut at, mut row_height, mut widest) = ([GAP, GAP], 0, 0);
-    let mut places = Vec::with_capacity(tiles.len());
-    for (index, (tile, size)) in tiles.iter().zip(sizes).enumerate() {
+    let mut places = Vec::with_capacity(sizes.len());
+    for size in sizes {
         let [w, h] = size.map(|side| side + 2 * FRAME);
-        let new_level = index > 0 && tiles[index - 1].level != tile.level;
-        if new_level || (at[0] > GAP && at[0] + w + GAP > width) {
+        if at[0] > GAP && at[0] + w + GAP > width {
             at = [GAP, at[1] + row_height + GAP];
             row_height = 0;
         }

@@ -1,6 +1,7 @@
 //! What is known of a content before it is played?
 
 use super::FRAMES;
+use super::figures::frames;
 use super::report::escape;
 use super::run::Played;
 use foveal_core::asset::tile_grid::Cut;
@@ -8,13 +9,10 @@ use foveal_core::view::surface::Projection;
 
 /// Source, pack, licence and notes as paragraphs.
 pub(super) fn paragraphs(played: &Played) -> String {
-    let content = &played.content;
-    let licence = content.licence.map(|licence| format!("{licence}."));
-    let notes = notes(played).into_iter();
-    let soft = [Some(pack(played)), licence]
+    let licence = played.content.licence.map(|licence| format!("{licence}."));
+    let soft = [Some(pack(played)), notes(played), licence]
         .into_iter()
-        .flatten()
-        .chain(notes);
+        .flatten();
     let soft: String = soft
         .map(|text| format!("<p class=\"soft\">{}</p>\n", escape(&text)))
         .collect();
@@ -34,10 +32,9 @@ fn source(played: &Played) -> String {
     } else {
         &about.source.name
     };
-    let frames = played.times.len();
-    let many = if frames == 1 { "" } else { "s" };
-    let fps = about.fps();
-    format!("{origin}: {w}×{h}, {kind}, {frames} frame{many} at {fps:.2} a second.")
+    let frames = frames(&played.runs);
+    let fps = rate(about.fps());
+    format!("{origin}: {w}×{h}, {kind}, {frames} at {fps} a second.")
 }
 
 /// How the pack is cut and coded, and how long that took.
@@ -53,24 +50,25 @@ fn pack(played: &Played) -> String {
         None => "prepared by an earlier run and used again".to_owned(),
     };
     format!(
-        "Pack: {}, {} levels, {cut}, {} units, {:.1} MB from {:.1} MB; {took}.",
-        about.codec.name(),
+        "Pack: {}, {} levels, {cut}, {} units, {} from {}; {took}.",
+        about.codec.name().to_uppercase(),
         about.levels,
         file.pack().units().count(),
-        file.bytes() as f64 / 1e6,
-        about.source.bytes as f64 / 1e6,
+        size(file.bytes()),
+        size(about.source.bytes),
     )
 }
 
-fn notes(played: &Played) -> Vec<String> {
+/// What a reader should know, where there is something.
+fn notes(played: &Played) -> Option<String> {
     let content = &played.content;
     let about = content.file.pack().description();
     let mut notes = Vec::new();
     if about.frames == FRAMES && !content.generated {
-        notes.push(format!("At most the first {FRAMES} frames are played."));
+        notes.push(format!("Only its first {FRAMES} frames are played."));
     }
-    if !content.generated {
-        notes.extend(content.notes.iter().map(|note| format!("It is {note}.")));
+    if !content.generated && !content.notes.is_empty() {
+        notes.push(format!("Found on preparing: {}.", content.notes.join("; ")));
     }
     if about.projection == Projection::Flat {
         notes.push(
@@ -79,5 +77,18 @@ fn notes(played: &Played) -> Vec<String> {
                 .to_owned(),
         );
     }
-    notes
+    (!notes.is_empty()).then(|| notes.join(" "))
+}
+
+fn size(bytes: u64) -> String {
+    match bytes {
+        1_000_000.. => format!("{:.1} MB", bytes as f64 / 1e6),
+        _ => format!("{:.1} kB", bytes as f64 / 1e3),
+    }
+}
+
+/// Frames a second with two decimals at most.
+fn rate(fps: f64) -> String {
+    let text = format!("{fps:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

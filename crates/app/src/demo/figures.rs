@@ -80,6 +80,16 @@ pub(super) fn rows(runs: &[PolicyRun]) -> Vec<Row> {
             .collect(),
         opens_group: of == Cost::Pixels && baseline == FULL,
     };
+    let amount = |what, unit, value: &dyn Fn(&RunSummary) -> f64| {
+        let values: Vec<f64> = runs.iter().map(|run| value(&run.summary)).collect();
+        let decimals = decimals(&values);
+        Row {
+            what,
+            unit,
+            cells: values.iter().map(|v| format!("{v:.decimals$}")).collect(),
+            opens_group: false,
+        }
+    };
     let percent = |share: f64| format!("{:.2}", share * 100.0);
     vec![
         row("Pixels a frame, mean", "%", &|s| {
@@ -88,25 +98,33 @@ pub(super) fn rows(runs: &[PolicyRun]) -> Vec<Row> {
         row("Pixels a frame, most", "%", &|s| {
             percent(s.pixels_share_max)
         }),
-        row("Fetched", "MB", &|s| format!("{:.2}", s.bytes as f64 / 1e6)),
-        row("Decoded", "MPix", &|s| {
-            format!("{:.1}", s.decoded_megapixels)
-        }),
-        row("Decoding a frame, mean", "ms", &|s| {
-            format!("{:.1}", s.decode_ms_mean)
-        }),
-        row("Decoding a frame, 95th percentile", "ms", &|s| {
-            format!("{:.1}", s.decode_ms_p95)
+        amount("Fetched", "MB", &|s| s.bytes as f64 / 1e6),
+        amount("Decoded", "MPix", &|s| s.decoded_megapixels),
+        amount("Decoding a frame, mean", "ms", &|s| s.decode_ms_mean),
+        amount("Decoding a frame, 95th percentile", "ms", &|s| {
+            s.decode_ms_p95
         }),
         row("Late frames", "", &|s| s.late_frames.to_string()),
-        row("GPU memory", "MB", &|s| {
-            format!("{:.1}", s.gpu_bytes as f64 / 1e6)
-        }),
+        amount("GPU memory", "MB", &|s| s.gpu_bytes as f64 / 1e6),
         over("Pixels, of full", Cost::Pixels, FULL),
         over("Pixels, of viewport", Cost::Pixels, VIEWPORT),
         over("Decoding time, of full", Cost::DecodeTime, FULL),
         over("Decoding time, of viewport", Cost::DecodeTime, VIEWPORT),
     ]
+}
+
+/// Decimals that show three digits of the largest value, at most four.
+fn decimals(values: &[f64]) -> usize {
+    let largest = values.iter().copied().fold(0.0, f64::max).max(1e-9);
+    (2.0 - largest.log10().floor()).clamp(0.0, 4.0) as usize
+}
+
+/// How many frames were played, in words.
+pub(super) fn frames(runs: &[PolicyRun]) -> String {
+    match runs.first().map_or(0, |run| run.reports.len()) {
+        1 => "1 frame".to_owned(),
+        frames => format!("{frames} frames"),
+    }
 }
 
 /// The table for a terminal.

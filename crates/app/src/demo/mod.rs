@@ -16,7 +16,7 @@ mod plots;
 mod report;
 mod run;
 
-use crate::canvas::RendererName;
+use crate::canvas::{Drawing, RendererName};
 use crate::options::ViewOptions;
 use crate::output;
 use crate::simulate::write_text;
@@ -71,9 +71,10 @@ pub(crate) fn run(args: &DemoArgs) -> anyhow::Result<()> {
     contents.iter().try_for_each(content::Content::check)?;
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("--out {}: the folder cannot be made", args.out.display()))?;
+    let drawing = Drawing::open(args.renderer)?;
     let conditions = Conditions {
         view: &args.view,
-        renderer: args.renderer,
+        drawing: &drawing,
         seed: args.seed,
     };
     let budget = PICTURE_BYTES / contents.len();
@@ -82,8 +83,7 @@ pub(crate) fn run(args: &DemoArgs) -> anyhow::Result<()> {
         let prepared = content.prepare(&args.out)?;
         played.push(play(prepared, &conditions, &args.out, budget)?);
     }
-    let gpu = played.first().map(|played| played.pictures.adapter.clone());
-    let machine = Machine::here(gpu.unwrap_or_default());
+    let machine = Machine::here(drawing.name().to_owned());
     let report = args.out.join("report.html");
     write_text(&report, &report::page(&played, &machine, args.seed))?;
     let summary = Summary {
@@ -107,9 +107,9 @@ fn by_policy(played: &Played) -> (&str, BTreeMap<&str, Figures<'_>>) {
 fn text(played: &[Played], machine: &Machine, report: &Path) -> String {
     let mut text = machine.text();
     for one in played {
-        let frames = one.times.len();
-        text += &format!("\n\n{}, {frames} frames\n", one.content.name);
-        text += &figures::text(&one.runs);
+        let frames = figures::frames(&one.runs);
+        text += &format!("\n\n{}, {frames}\n", one.content.name);
+        text += figures::text(&one.runs).trim_end();
     }
-    text + &format!("\n{}", report.display())
+    text + &format!("\n\n{}", report.display())
 }

@@ -15,6 +15,8 @@ const SHARE_OF_RUN: f64 = 0.6;
 pub(super) struct Moment {
     /// Frame of the content.
     pub(super) frame: u32,
+    /// Whether the eye landed there a moment before.
+    pub(super) landed: bool,
     /// Whether the gaze turned since the frame before, of every frame.
     pub(super) moving: Vec<bool>,
 }
@@ -28,16 +30,17 @@ impl Moment {
             .collect();
         let landed = |at: &usize| *at >= 2 && !moving[*at] && !moving[*at - 1] && moving[*at - 2];
         let target = reports.len() as f64 * SHARE_OF_RUN;
-        let frame = (0..reports.len())
+        let chosen = (0..reports.len())
             .filter(landed)
             .filter(|at| is_in_view(&reports[*at]))
             .min_by(|a, b| {
                 let away = |at: usize| (at as f64 - target).abs();
                 away(*a).total_cmp(&away(*b))
-            })
-            .unwrap_or(reports.len().saturating_sub(1));
+            });
+        let last = reports.len().saturating_sub(1);
         Self {
-            frame: frame as u32,
+            frame: chosen.unwrap_or(last) as u32,
+            landed: chosen.is_some(),
             moving,
         }
     }

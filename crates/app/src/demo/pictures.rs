@@ -32,8 +32,6 @@ pub(super) struct Pictures {
     pub(super) error: [f64; 2],
     /// How many times smaller than stored the atlas shows its tiles, on a side.
     pub(super) atlas_shrunk: u32,
-    /// What drew.
-    pub(super) adapter: String,
 }
 
 /// A player that shows one frame.
@@ -89,7 +87,6 @@ impl Pictures {
             heat_map: png(&heat_map)?,
             atlas: png(&sheet.image)?,
             atlas_shrunk: sheet.shrunk,
-            adapter: foveated.player.canvas.name().to_owned(),
         })
     }
 

@@ -7,12 +7,14 @@ use std::fmt::Write as _;
 /// Units of the drawing, which the page scales: width, height.
 const SIZE: [f64; 2] = [420.0, 224.0];
 /// Margins: left for numbers, top, right for labels, bottom for time.
-const LEFT: f64 = 42.0;
+const LEFT: f64 = 46.0;
 const TOP: f64 = 10.0;
 const RIGHT: f64 = 72.0;
 const BOTTOM: f64 = 34.0;
 /// Steps between numbers of an axis, at least this many.
 const STEPS: f64 = 4.0;
+/// Steps by which the highest figure may pass the last number of its axis.
+const OVERSHOOT: f64 = 0.2;
 /// Least distance between the labels of two lines.
 const LABEL_HEIGHT: f64 = 14.0;
 /// A run of one frame is drawn this long, in seconds.
@@ -43,7 +45,7 @@ pub(super) struct Layer {
 /// Lines over time, each labelled at its end with its class; `title` is for those who cannot see.
 pub(super) fn lines(title: &str, run: &Run<'_>, lines: &[Line<'_>]) -> String {
     let highest = lines.iter().flat_map(|line| &line.values);
-    let plane = Plane::new(run, highest.copied().fold(0.0, f64::max));
+    let plane = Plane::new(run, highest.copied().fold(0.0, f64::max), 0.0);
     let mut svg = plane.begin(title, run);
     let mut labels: Vec<(f64, &str)> = Vec::new();
     for line in lines {
@@ -64,7 +66,7 @@ pub(super) fn lines(title: &str, run: &Run<'_>, lines: &[Line<'_>]) -> String {
     svg + "</svg>"
 }
 
-/// Areas on top of each other over time, the first at the bottom.
+/// Areas of counts on top of each other over time, the first at the bottom.
 pub(super) fn stack(title: &str, run: &Run<'_>, layers: &[Layer]) -> String {
     let frames = run.times.len();
     let mut sums = vec![vec![0.0; frames]];
@@ -75,7 +77,7 @@ pub(super) fn stack(title: &str, run: &Run<'_>, layers: &[Layer]) -> String {
         sums.push(top);
     }
     let highest = sums[sums.len() - 1].iter().copied().fold(0.0, f64::max);
-    let plane = Plane::new(run, highest);
+    let plane = Plane::new(run, highest, 1.0);
     let mut svg = plane.begin(title, run);
     for (layer, edges) in layers.iter().zip(sums.windows(2)) {
         let (below, above) = (plane.points(&edges[0]), plane.points(&edges[1]));
@@ -99,7 +101,8 @@ struct Plane {
 }
 
 impl Plane {
-    fn new(run: &Run<'_>, highest: f64) -> Self {
+    /// A plane up to `highest` or a little more, its numbers at least `least_step` apart.
+    fn new(run: &Run<'_>, highest: f64, least_step: f64) -> Self {
         let last = run.times.last().copied().unwrap_or(0.0);
         let seconds = last.max(SHORTEST_S);
         let mut times = run.times.to_vec();
@@ -107,11 +110,12 @@ impl Plane {
         if times.len() == 1 {
             times.push(seconds);
         }
-        let step = nice_step(highest / STEPS);
+        let step = nice_step(highest / STEPS).max(least_step);
         Self {
             times,
             seconds,
-            most: (highest / step).ceil().max(1.0) * step,
+            // What passes the last number by a little needs no other number above it.
+            most: ((highest / step - OVERSHOOT).ceil().max(1.0) * step).max(highest),
             step,
         }
     }
@@ -205,13 +209,19 @@ fn ticks(most: f64, step: f64) -> Vec<(f64, String)> {
     (0..=count).map(tick).collect()
 }
 
-/// Labels moved apart until none covers another, those below pushed up from the lowest.
+/// Labels moved apart until none covers another: up from the lowest, then down from the top of the
+/// plane where that is not enough.
 fn spread(mut labels: Vec<(f64, &str)>) -> Vec<(f64, &str)> {
     labels.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut lowest = f64::INFINITY;
     for (y, _) in &mut labels {
         *y = y.min(lowest);
         lowest = *y - LABEL_HEIGHT;
+    }
+    let mut highest = TOP;
+    for (y, _) in labels.iter_mut().rev() {
+        *y = y.max(highest);
+        highest = *y + LABEL_HEIGHT;
     }
     labels
 }
@@ -236,9 +246,12 @@ mod tests {
 
     #[test]
     fn labels_never_cover_each_other() {
-        let labels = spread(vec![(100.0, "a"), (99.0, "b"), (101.0, "c"), (20.0, "d")]);
-        for pair in labels.windows(2) {
-            assert!(pair[0].0 - pair[1].0 >= LABEL_HEIGHT);
+        let near_the_middle = vec![(100.0, "a"), (99.0, "b"), (101.0, "c"), (20.0, "d")];
+        let at_the_top = vec![(TOP, "a"), (TOP, "b"), (TOP + 1.0, "c")];
+        for labels in [near_the_middle, at_the_top] {
+            for pair in spread(labels).windows(2) {
+                assert!(pair[0].0 - pair[1].0 >= LABEL_HEIGHT && pair[1].0 >= TOP);
+            }
         }
     }
 
@@ -258,6 +271,6 @@ mod tests {
                 values,
             }],
         );
-        assert!(svg.contains("NaN") == false && svg.contains("polyline"));
+        assert!(!svg.contains("NaN") && svg.contains("polyline"));
     }
 }

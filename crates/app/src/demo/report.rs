@@ -2,7 +2,7 @@
 //!
 //! The page holds all it shows: style, plots and pictures; it loads nothing and runs no script.
 
-use super::figures::{Cost, ratio, rows};
+use super::figures::{Cost, frames, ratio, rows};
 use super::machine::Machine;
 use super::pictures::{AMPLIFIED, Png};
 use super::run::{ACUITY, FULL, Played, VIEWPORT};
@@ -73,15 +73,19 @@ fn pictures(played: &Played) -> String {
         1 => "pixel for pixel".to_owned(),
         by => format!("{by} times smaller than held, on a side"),
     };
+    let landed = if played.moment.landed {
+        ", a moment after the eye has landed"
+    } else {
+        ""
+    };
+    let foveated = if p.error == [0.0, 0.0] {
+        "What <code>acuity</code> shows: the same, since the eye resolves all of it here."
+    } else {
+        "What <code>acuity</code> shows: look for blur far from the gaze, and for none near it."
+    };
     let figures = [
         picture("", &p.full, "Full", "Every tile at the finest level."),
-        picture(
-            "",
-            &p.foveated,
-            "Foveated",
-            "What <code>acuity</code> shows: look for blur far from the gaze, and for none near \
-             it.",
-        ),
+        picture("", &p.foveated, "Foveated", foveated),
         picture(
             "",
             &p.heat_map,
@@ -109,7 +113,7 @@ fn pictures(played: &Played) -> String {
         ),
     ];
     format!(
-        "<h3>Frame {frame}, a moment after the eye has landed</h3>\n\
+        "<h3>Frame {frame}{landed}</h3>\n\
          <div class=\"pictures\">\n{}</div>\n{}",
         figures.concat(),
         level_key(played)
@@ -185,9 +189,9 @@ fn table(played: &Played) -> String {
         })
         .collect();
     format!(
-        "<h3>Figures of {} frames</h3>\n<table>\n<thead><tr><th></th>{head}</tr></thead>\n\
+        "<h3>Figures of {}</h3>\n<table>\n<thead><tr><th></th>{head}</tr></thead>\n\
          <tbody>\n{body}</tbody>\n</table>\n",
-        played.times.len()
+        frames(runs)
     )
 }
 
@@ -205,8 +209,9 @@ fn how_to_read(seed: u64) -> String {
          <p>Pixels are those of all tiles of a frame, over the pixels of the finest level. \
          Decoding time runs from asking for the tiles of a frame until the last one is there, on \
          all cores; a frame is late when that takes longer than it is shown. Bytes count each \
-         tile’s group of pictures once, when it is first needed. All figures come from one run on \
-         the machine named above; other work on it shows in the times.</p>\n\
+         tile’s group of pictures once, when it is first needed. The policies take turns \
+         frame by frame in one run on the machine named above, so that other work on it touches \
+         them alike.</p>\n\
          <p>Not measured: a network, which is left out (nothing waits for bytes); uploading and \
          drawing; sound; the delay and the error of a real eye tracker; and whether a person \
          would see the difference, which the pictures on this page cannot tell, since you look at \

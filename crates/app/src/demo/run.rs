@@ -4,7 +4,7 @@ use super::FRAMES;
 use super::content::Prepared;
 use super::moment::Moment;
 use super::pictures::Pictures;
-use crate::canvas::RendererName;
+use crate::canvas::Drawing;
 use crate::gaze::{GazeChoice, GazeSource};
 use crate::options::ViewOptions;
 use crate::output::{self, Counting};
@@ -27,7 +27,7 @@ pub(super) const ACUITY: usize = 2;
 /// How all content is played.
 pub(super) struct Conditions<'a> {
     pub(super) view: &'a ViewOptions,
-    pub(super) renderer: RendererName,
+    pub(super) drawing: &'a Drawing,
     pub(super) seed: u64,
 }
 
@@ -48,19 +48,19 @@ pub(super) struct Played {
     pub(super) pictures: Pictures,
 }
 
-/// Plays content under every policy, one after the other in this run, then makes the pictures.
+/// Plays content under every policy in this one run, then makes the pictures.
 pub(super) fn play(
     content: Prepared,
     conditions: &Conditions<'_>,
     out: &Path,
     budget: usize,
 ) -> anyhow::Result<Played> {
-    let name = content.name.clone();
     let stage = Stage::new(content, conditions);
+    let name = &stage.content.name;
     let mut runs = Vec::new();
-    for policy in POLICIES {
-        let folder = out.join(format!("{name}-{}", word(policy)));
-        runs.push(stage.play_under(policy, &folder)?);
+    for run in stage.play()? {
+        let folder = out.join(format!("{name}-{}", word(run.policy)));
+        runs.push(run.finish(&folder)?);
     }
     let times = runs[ACUITY].reports.iter();
     let times = times.map(|report| report.session.time_s.0).collect();
@@ -112,7 +112,7 @@ impl<'a> Stage<'a> {
             config: PolicyConfig::new(policy),
             view: view.eye_view(&surface)?,
             screen: view.screen,
-            renderer: self.conditions.renderer,
+            drawing: self.conditions.drawing.clone(),
             paced: false,
             jobs: default_jobs(),
         };
@@ -122,23 +122,54 @@ impl<'a> Stage<'a> {
         Ok((player, gaze))
     }
 
-    fn play_under(&self, policy: Policy, folder: &Path) -> anyhow::Result<PolicyRun> {
-        let name = word(policy);
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
-        eprintln!("{}: plays under {name}", self.content.name);
-        let (mut player, mut gaze) = self.player(policy)?;
+    /// All policies take turns, frame by frame and each first as often, so that other work on the
+    /// machine touches all alike.
+    fn play(&self) -> anyhow::Result<Vec<Run>> {
+        let start = |policy| {
+            let (player, gaze) = self.player(policy)?;
+            Ok(Run {
+                policy,
+                player,
+                gaze,
+                reports: Vec::new(),
+            })
+        };
+        let runs = POLICIES.into_iter().map(start);
+        let mut runs = runs.collect::<anyhow::Result<Vec<Run>>>()?;
+        let words = POLICIES.map(word).join(", ");
+        eprintln!("{}: plays under {words}", self.content.name);
         let bar = output::bar(Some(u64::from(self.frames)), Counting::Frames);
-        let mut reports = Vec::new();
         for frame in 0..self.frames {
-            reports.push(player.play(frame, &mut gaze)?);
+            for turn in 0..runs.len() {
+                let run = &mut runs[(frame as usize + turn) % POLICIES.len()];
+                run.reports.push(run.player.play(frame, &mut run.gaze)?);
+            }
             bar.inc(1);
         }
         bar.finish_and_clear();
-        let log = session(&player, &reports).write();
+        Ok(runs)
+    }
+}
+
+/// A run that goes on.
+struct Run {
+    policy: Policy,
+    player: Player,
+    gaze: GazeSource,
+    reports: Vec<FrameReport>,
+}
+
+impl Run {
+    /// Writes its log and its figures, and sums it up.
+    fn finish(mut self, folder: &Path) -> anyhow::Result<PolicyRun> {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+        let reports = self.reports;
+        let log = session(&self.player, &reports).write();
         write_text(&folder.join("session.jsonl"), &log)?;
         write_text(&folder.join("frames.csv"), &csv(&reports))?;
-        let summary = summarise(name, &reports, player.canvas.gpu_bytes(), &log);
+        let gpu_bytes = self.player.canvas.gpu_bytes();
+        let summary = summarise(word(self.policy), &reports, gpu_bytes, &log);
         Ok(PolicyRun { summary, reports })
     }
 }
