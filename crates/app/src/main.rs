@@ -51,6 +51,7 @@ enum Prepare {
 }
 
 fn main() -> ExitCode {
+    quiet_without_display();
     let result = match Cli::parse().command {
         Command::Prepare(Prepare::Video(args)) => prepare::run(&args),
         Command::Info(args) => info::run(&args),
@@ -63,5 +64,21 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => output::fail(&error),
+    }
+}
+
+/// Mesa's device-select layer complains on stderr when there is no display to ask; wgpu chooses the
+/// device itself.
+fn quiet_without_display() {
+    let has = |name| std::env::var_os(name).is_some();
+    if !has("DISPLAY") && !has("WAYLAND_DISPLAY") && !has("NODEVICE_SELECT") {
+        #[allow(
+            unsafe_code,
+            reason = "changing the environment is unsafe beside other threads"
+        )]
+        // SAFETY: the first statement of main; no other thread has begun.
+        unsafe {
+            std::env::set_var("NODEVICE_SELECT", "1");
+        }
     }
 }

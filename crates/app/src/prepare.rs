@@ -9,7 +9,7 @@ use foveal_core::asset::codec::Codec;
 use foveal_core::asset::tile_grid::Cut;
 use foveal_media::VideoInput;
 use foveal_media::encode::Speed;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack_file::{PackFile, partial_path};
 use foveal_media::prepare::{Plan, PrepareSettings, Progress, ProjectionChoice, prepare, rehearse};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -177,7 +177,7 @@ impl PrepareVideoArgs {
             _ => "the number of frames is not known".to_owned(),
         };
         let text = format!(
-            "{all}; {:.1} ms and {:.1} kB a frame, measured on {rehearsed} frames (nothing written)",
+            "{all}; {:.1} ms and {:.1} kB a frame by {rehearsed} frames (nothing written)",
             seconds_per_frame * 1e3,
             bytes_per_frame / 1e3,
         );
@@ -185,15 +185,15 @@ impl PrepareVideoArgs {
     }
 }
 
-/// Writing the pack over its own source would destroy the source.
+/// Writing the pack over its own source, or growing it there, would destroy the source.
 fn refuse_to_overwrite_input(input: &Path, out: &Path) -> anyhow::Result<()> {
-    let same = match (input.canonicalize(), out.canonicalize()) {
-        (Ok(input), Ok(out)) => input == out,
+    let is_input = |path: &Path| match (input.canonicalize(), path.canonicalize()) {
+        (Ok(input), Ok(path)) => input == path,
         _ => false,
     };
-    if same {
+    if is_input(out) || is_input(&partial_path(out)) {
         bail!(
-            "--out {} is the input itself; choose another name",
+            "--out {} is the input itself, or grows where it lies; choose another name",
             out.display()
         );
     }

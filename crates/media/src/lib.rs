@@ -32,9 +32,13 @@ mod broken_tests;
 #[cfg(test)]
 mod codec_tests;
 #[cfg(test)]
+mod decode_pool_tests;
+#[cfg(test)]
 mod format_tests;
 #[cfg(test)]
 mod input_tests;
+#[cfg(test)]
+mod pack_tests;
 #[cfg(test)]
 mod scenes;
 

@@ -243,6 +243,14 @@ impl PackFile {
     }
 }
 
+/// The file in which the pack of this name grows until it is whole.
+#[must_use]
+pub fn partial_path(pack: &Path) -> PathBuf {
+    let mut name = pack.file_name().unwrap_or_default().to_owned();
+    name.push(".partial");
+    pack.with_file_name(name)
+}
+
 /// Name of the side table that holds the time of every frame.
 pub(crate) const FRAME_TIMES: &str = "frame_times";
 

@@ -1,10 +1,10 @@
 //! How does a pack get onto disk whole or not at all?
 
-use crate::pack_file::PackFileError;
+use crate::pack_file::{PackFileError, partial_path};
 use foveal_core::asset::pack::{Description, PackBuilder, SideTable};
 use foveal_core::asset::tile_grid::Tile;
 use std::fs::File;
-use std::io::{BufWriter, Seek, SeekFrom, Write};
+use std::io::{BufWriter, Error, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Writes a pack beside its final name and renames it when it is whole: a `prepare` that fails or
@@ -22,13 +22,14 @@ impl PackWriter {
     /// Begins a pack of about this description: the number of frames and the side tables may
     /// still change.
     pub(crate) fn create(path: &Path, draft: &Description) -> Result<Self, PackFileError> {
-        let mut name = path.file_name().unwrap_or_default().to_owned();
-        name.push(".partial");
-        let partial = path.with_file_name(name);
+        let partial = partial_path(path);
         let builder = PackBuilder::new(draft);
         let begin = || {
-            if path.is_dir() {
-                return Err(std::io::ErrorKind::IsADirectory.into());
+            // A rename would put the pack in the place of a device such as /dev/null.
+            match std::fs::metadata(path) {
+                Ok(there) if there.is_dir() => return Err(ErrorKind::IsADirectory.into()),
+                Ok(there) if !there.is_file() => return Err(Error::other("it is no plain file")),
+                _ => {}
             }
             let mut file = File::create(&partial)?;
             file.seek(SeekFrom::Start(builder.data_offset()))?;
@@ -90,7 +91,7 @@ impl PackWriter {
         Ok(self.bytes + parts.tail.len() as u64)
     }
 
-    fn refused(&self, source: std::io::Error) -> PackFileError {
+    fn refused(&self, source: Error) -> PackFileError {
         PackFileError::Io {
             path: self.path.clone(),
             what: format!(

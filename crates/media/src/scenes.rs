@@ -7,9 +7,13 @@ use av::format::Pixel;
 use ffmpeg_next as av;
 use foveal_core::asset::picture::{Colour, Matrix, Picture, plane_size};
 
-use crate::encode::new_encoder;
+use foveal_core::asset::codec::Codec;
+use foveal_core::asset::tile_grid::Cut;
+
+use crate::encode::{Speed, new_encoder};
 use crate::frame::new_frame;
 use crate::frame_file::{FrameFile, ReadyEncoder};
+use crate::prepare::{Plan, PrepareError, PrepareSettings, ProjectionChoice, prepare};
 use crate::write_clip::{ClipCodec, ClipFormat, ClipWriter};
 use crate::{MediaError, TimedPicture, VideoInput};
 
@@ -185,4 +189,33 @@ pub(crate) fn read_one(path: &Path) -> (VideoInput, Picture) {
         [picture.width, picture.height]
     );
     (input, picture)
+}
+
+/// How the packs of tests are made: small tiles, three levels.
+pub(crate) fn settings(projection: ProjectionChoice, codec: Codec) -> PrepareSettings {
+    PrepareSettings {
+        projection,
+        cut: Some(Cut::Tile(32)),
+        levels: Some(3),
+        ratio: 2,
+        codec,
+        quality: None,
+        speed: Speed::Default,
+        jobs: 2,
+        most_frames: None,
+    }
+}
+
+/// What would be made of a file.
+pub(crate) fn plan_of(input: &Path, settings: &PrepareSettings) -> Result<Plan, PrepareError> {
+    let info = VideoInput::open(input)?.info().clone();
+    Plan::new(input, &info, settings)
+}
+
+/// The pack of a file.
+pub(crate) fn prepared(input: &Path, settings: &PrepareSettings) -> Scratch {
+    let plan = plan_of(input, settings).unwrap();
+    let out = Scratch::new("foveal");
+    prepare(input, &out, &plan, &mut |_| {}).unwrap();
+    out
 }

@@ -10,7 +10,7 @@ struct Overlay {
     unused: f32,
 }
 
-@group(0) @binding(8) var<uniform> marks: Overlay;
+@group(0) @binding(7) var<uniform> marks: Overlay;
 
 // Diverging colours from red (0) over yellow to blue (1): ColorBrewer's RdYlBu.
 fn ramp(at: f32) -> vec3f {
@@ -31,7 +31,8 @@ fn line(away: f32, width: f32) -> f32 {
 
 // Output pixels to the nearest border of the tile that shows a place.
 fn to_border(seen: Seen) -> f32 {
-    let tile = source_at(level_at(seen.face, seen.place), seen.face, seen.place);
+    let shown = shown_in(seen.face, cell_at(seen.place));
+    let tile = source_at(level_in(shown), seen.face, seen.place, shown);
     let away = min(seen.place - tile.low, tile.high - seen.place);
     return min(away.x, away.y) / seen.footprint;
 }
@@ -48,7 +49,7 @@ fn overlay(@builtin(position) position: vec4f) -> @location(0) vec4f {
     var drawn = vec4f(0.0);
     let seen = seen_by(position.xy);
     if (seen.inside) {
-        let own = tiles.levels[level_at(seen.face, seen.place)].scale;
+        let own = scale_of(level_in(shown_in(seen.face, cell_at(seen.place))));
         let footprint = shown_footprint(seen.face, seen.place, seen.footprint, own);
         let level = level_of(footprint) / max(f32(tiles.coarsest), 1.0);
         drawn = over(drawn, ramp(level), marks.heat);

@@ -164,7 +164,7 @@ impl Atlas {
         let mips = if coarsest > 0 { shape.mips } else { 1 };
         Ok(Self {
             shape,
-            most_layers: most_layers.clamp(1, limits.max_texture_array_layers),
+            most_layers: most_layers.clamp(1, limits.max_texture_array_layers.min(256)),
             layers: 1,
             tiles: Planes::new(gpu, "tile atlas", layer, [1, mips]),
             base: Planes::new(gpu, "coarsest level", base, [grid.faces(), 1]),
@@ -174,6 +174,13 @@ impl Atlas {
     /// Slots that exist now.
     pub(crate) fn slots(&self) -> u32 {
         self.layers * self.shape.slots()
+    }
+
+    /// Column, row and layer of a slot, each less than 256.
+    pub(crate) fn place(&self, slot: u32) -> [u32; 3] {
+        let rank = slot % self.shape.slots();
+        let across = self.shape.across[0];
+        [rank % across, rank / across, slot / self.shape.slots()]
     }
 
     /// Adds a layer, keeping what is there; false at the bound.
@@ -246,13 +253,10 @@ impl Atlas {
     }
 
     fn slot_place(&self, slot: u32) -> SlotPlace {
-        let rank = slot % self.shape.slots();
+        let [column, row, layer] = self.place(slot);
         SlotPlace {
-            at: [
-                rank % self.shape.across[0] * self.shape.slot[0],
-                rank / self.shape.across[0] * self.shape.slot[1],
-            ],
-            layer: slot / self.shape.slots(),
+            at: [column * self.shape.slot[0], row * self.shape.slot[1]],
+            layer,
         }
     }
 

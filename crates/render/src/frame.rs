@@ -4,7 +4,7 @@
 //! then draw. Everything else in this crate serves it.
 
 use crate::params::{Overlay, ViewParams};
-use crate::passes::{FORMAT, Pass};
+use crate::passes::{Pass, Target};
 use crate::readback::ReadBack;
 use crate::residency::TileStore;
 use crate::{device::Gpu, error::RenderError, image::RgbaImage, shaders};
@@ -19,7 +19,7 @@ pub struct Renderer {
     tiles: TileStore,
     reconstruct: Pass,
     overlay: Option<Pass>,
-    output: Option<wgpu::Texture>,
+    output: Target,
 }
 
 impl Renderer {
@@ -38,7 +38,7 @@ impl Renderer {
             tiles: TileStore::new(gpu, grid, colour, layers)?,
             reconstruct: Pass::new(gpu, &shader),
             overlay: None,
-            output: None,
+            output: Target::new(gpu, [1, 1]),
         })
     }
 
@@ -56,19 +56,16 @@ impl Renderer {
     ) -> Result<&wgpu::Texture, RenderError> {
         self.tiles.flush();
         self.fit_output(view.size)?;
-        let output = self.output.as_ref();
-        let output = output.ok_or_else(|| RenderError::ReadBack("no output".to_owned()))?;
-        let target = output.create_view(&wgpu::TextureViewDescriptor::default());
         let params = ViewParams::new(view, &self.grid);
         self.reconstruct
-            .draw(&self.gpu, &self.tiles, &target, &params, None);
+            .draw(&self.gpu, &self.tiles, &self.output, &params, None);
         if marks.is_some() {
             let overlay = self.overlay.get_or_insert_with(|| {
                 Pass::over(&self.gpu, &shaders::overlay(self.grid.surface.projection))
             });
-            overlay.draw(&self.gpu, &self.tiles, &target, &params, marks);
+            overlay.draw(&self.gpu, &self.tiles, &self.output, &params, marks);
         }
-        Ok(output)
+        Ok(&self.output.picture)
     }
 
     /// [`Self::draw`], with the picture on its way back to the CPU.
@@ -79,7 +76,7 @@ impl Renderer {
     ) -> Result<ReadBack, RenderError> {
         let gpu = self.gpu.clone();
         let texture = self.draw(view, marks)?;
-        Ok(ReadBack::start(&gpu, texture, view.size))
+        Ok(ReadBack::start(&gpu, texture))
     }
 
     /// The picture that `view` shows; blocks until it is there.
@@ -109,32 +106,18 @@ impl Renderer {
     }
 
     fn fit_output(&mut self, size: [u32; 2]) -> Result<(), RenderError> {
-        let fits = |texture: &wgpu::Texture| [texture.width(), texture.height()] == size;
-        if self.output.as_ref().is_some_and(fits) {
-            return Ok(());
-        }
-        let most = self.gpu.device.limits().max_texture_dimension_2d;
-        let side = size[0].max(size[1]);
+        let size = size.map(|side| side.max(1));
+        let (side, most) = (
+            size[0].max(size[1]),
+            self.gpu.device.limits().max_texture_dimension_2d,
+        );
         if side > most {
             let what = "the picture";
             return Err(RenderError::TooLarge { what, side, most });
         }
-        self.output = Some(self.gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("picture"),
-            size: wgpu::Extent3d {
-                width: size[0].max(1),
-                height: size[1].max(1),
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                | wgpu::TextureUsages::COPY_SRC
-                | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        }));
+        if self.output.size() != size {
+            self.output = Target::new(&self.gpu, size);
+        }
         Ok(())
     }
 }

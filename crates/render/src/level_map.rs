@@ -1,27 +1,38 @@
-//! Which level does every cell show?
+//! What is shown over every cell?
 
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
 
-/// The finest of `tiles` over every cell, the coarsest level where there is none; face-major, then
-/// rows, then columns.
+/// Bits of an entry that hold the level; the rest is the caller's.
+pub(crate) const LEVEL_BITS: u32 = 4;
+
+/// For every cell the entry of the finest of `tiles` over it, the coarsest level where there is
+/// none; face-major, then rows, then columns. An entry's low bits are its tile's level.
 #[must_use]
-pub(crate) fn level_map(grid: &TileGrid, tiles: impl IntoIterator<Item = Tile>) -> Vec<u32> {
+pub(crate) fn shown_map(grid: &TileGrid, tiles: impl IntoIterator<Item = (Tile, u32)>) -> Vec<u32> {
     let cells = grid.tiles_in_level(0) as usize;
     let mut map = vec![u32::from(grid.coarsest()); cells];
     let [columns, rows] = grid.cells();
     let cell_span = grid.span(0);
-    for tile in tiles {
+    for (tile, entry) in tiles {
         let (origin, covered) = (grid.origin(tile), grid.covered(tile));
         let from = [0, 1].map(|k| origin[k] / cell_span[k]);
         let to = [0, 1].map(|k| (origin[k] + covered[k]).div_ceil(cell_span[k]));
         for y in from[1]..to[1] {
             let row = ((u32::from(tile.face) * rows + y) * columns) as usize;
-            for entry in &mut map[row + from[0] as usize..row + to[0] as usize] {
-                *entry = (*entry).min(u32::from(tile.level));
+            for shown in &mut map[row + from[0] as usize..row + to[0] as usize] {
+                if level_in(entry) < level_in(*shown) {
+                    *shown = entry;
+                }
             }
         }
     }
     map
+}
+
+/// The level of an entry.
+#[must_use]
+pub(crate) fn level_in(entry: u32) -> u32 {
+    entry & ((1 << LEVEL_BITS) - 1)
 }
 
 /// Whether the grid has this tile.

@@ -5,60 +5,46 @@
 
 use bytemuck::{Pod, Zeroable};
 use foveal_core::asset::picture::Colour;
-use foveal_core::asset::tile_grid::{Cut, MAX_LEVELS, TileGrid};
+use foveal_core::asset::tile_grid::{Cut, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 
 /// Level-0 pixels over which the shown footprint grows by one, at most: slower than this, a ramp
 /// costs sharpness; faster, the eye finds the border of a tile.
 const GROWTH_MOST: f32 = 4.0;
 
-/// One level of the grid.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct LevelParams {
-    /// Level-0 pixels under a tile.
-    pub span: [f32; 2],
-    /// Columns and rows of tiles on a face.
-    pub tiles: [u32; 2],
-    /// Level-0 pixels under a pixel, on a side.
-    pub scale: f32,
-    /// Where a chroma sample lies across the two luma columns that it stands for, 0 to 1.
-    pub chroma_offset: f32,
-    /// First entry of the level in the page table.
-    pub first_slot: u32,
-    /// Keeps the size a multiple of eight.
-    pub unused: u32,
-}
-
 /// What stays the same from frame to frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct TileParams {
-    /// Levels, finest first; entries beyond the coarsest are 0.
-    pub levels: [LevelParams; MAX_LEVELS as usize],
     /// Level-0 pixels of a face.
     pub size: [f32; 2],
     /// Level-0 pixels over which the samples of a level are evenly spaced: a face of a pyramid, a
     /// cell of a grid.
     pub segment: [f32; 2],
+    /// Level-0 pixels of a cell.
+    pub cell: [f32; 2],
+    /// Level-0 pixels under a tile of the coarsest level.
+    pub base_span: [f32; 2],
     /// Columns and rows of cells on a face.
     pub cells: [u32; 2],
+    /// Columns and rows of segments on a face.
+    pub segments: [u32; 2],
     /// Pixels from one tile of the coarsest level to the next in its texture.
     pub base_step: [u32; 2],
     /// Pixels of a slot of the atlas.
     pub slot: [u32; 2],
-    /// Slots in a layer, columns and rows.
-    pub slots_across: [u32; 2],
-    /// Segments on a face, columns and rows.
-    pub segments: [u32; 2],
     /// Index of the coarsest level.
     pub coarsest: u32,
     /// Octaves between neighbouring levels: 1 or 2.
     pub octaves: u32,
+    /// Octaves by which a tile covers more than one of the level before: as above, 0 in a grid.
+    pub span_octaves: u32,
     /// Level-0 pixels over which the shown footprint grows by one.
     pub growth: f32,
     /// Level-0 pixels under a pixel of the coarsest level, on a side.
     pub coarsest_scale: f32,
+    /// Where a chroma sample of level 0 lies across its two luma columns, 0 to 1.
+    pub chroma_offset: f32,
     /// Keeps the rows that follow at a multiple of sixteen.
     pub unused: [u32; 2],
     /// Rows that turn (Y, U, V, 1) into red, green, blue, all 0 to 1.
@@ -118,50 +104,32 @@ impl TileParams {
     #[must_use]
     pub(crate) fn new(grid: &TileGrid, colour: Colour, shape: &SlotShape) -> Self {
         let coarsest = grid.tile_at(grid.coarsest(), 0);
+        let octaves = grid.ratio.trailing_zeros();
         let size = grid.surface.size.map(|s| s as f32);
+        let cell = grid.span(0).map(|s| s as f32);
+        let (segment, segments, span_octaves) = match grid.cut {
+            Cut::Tile(_) => (size, [1; 2], octaves),
+            Cut::Grid(_) => (cell, grid.cells(), 0),
+        };
         Self {
-            levels: levels(grid, colour),
             size,
-            segment: match grid.cut {
-                Cut::Tile(_) => size,
-                Cut::Grid(_) => grid.span(0).map(|s| s as f32),
-            },
+            segment,
+            cell,
+            base_span: grid.span(grid.coarsest()).map(|s| s as f32),
             cells: grid.cells(),
+            segments,
             base_step: grid.tile_size(coarsest).map(|s| s.next_multiple_of(2)),
             slot: shape.slot,
-            slots_across: shape.across,
-            segments: match grid.cut {
-                Cut::Tile(_) => [1; 2],
-                Cut::Grid(_) => grid.cells(),
-            },
             coarsest: u32::from(grid.coarsest()),
-            octaves: grid.ratio.trailing_zeros(),
+            octaves,
+            span_octaves,
             growth: growth(grid),
             coarsest_scale: grid.scale(grid.coarsest()) as f32,
+            chroma_offset: if colour.chroma_left { 0.25 } else { 0.5 },
             unused: [0; 2],
             rgb_from_yuv: rgb_from_yuv(colour),
         }
     }
-}
-
-fn levels(grid: &TileGrid, colour: Colour) -> [LevelParams; MAX_LEVELS as usize] {
-    let mut levels = [LevelParams::default(); MAX_LEVELS as usize];
-    // Luma position of chroma sample k is 2k + shift, in luma columns of its own level.
-    let mut shift = if colour.chroma_left { 0.0 } else { 0.5 };
-    let mut first_slot = 0;
-    for level in 0..grid.levels {
-        levels[usize::from(level)] = LevelParams {
-            span: grid.span(level).map(|s| s as f32),
-            tiles: grid.tiles(level),
-            scale: grid.scale(level) as f32,
-            chroma_offset: (shift + 0.5) / 2.0,
-            first_slot,
-            unused: 0,
-        };
-        shift = 0.5 - (0.5 - shift) / grid.ratio as f32;
-        first_slot += grid.tiles_in_level(level);
-    }
-    levels
 }
 
 /// Slow enough that the ramp from the coarsest level to the finest fits into one cell.

@@ -8,10 +8,50 @@ use crate::shaders::Shader;
 /// Format of every picture drawn.
 pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
+const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth16Unorm;
+
+/// What passes draw on: a picture, and which of its pixels are drawn already.
+pub(crate) struct Target {
+    pub(crate) picture: wgpu::Texture,
+    views: [wgpu::TextureView; 2],
+}
+
+impl Target {
+    /// A target of `size` pixels, each at least 1.
+    pub(crate) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
+        let texture = |format, usage| {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("picture"),
+                size: wgpu::Extent3d {
+                    width: size[0],
+                    height: size[1],
+                    depth_or_array_layers: 1,
+                },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            })
+        };
+        let read = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING;
+        let picture = texture(FORMAT, read);
+        let depth = texture(DEPTH_FORMAT, wgpu::TextureUsages::empty());
+        let views = [&picture, &depth].map(|t| t.create_view(&Default::default()));
+        Self { picture, views }
+    }
+
+    /// Columns and rows.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        [self.picture.width(), self.picture.height()]
+    }
+}
+
 /// A full-screen pass over the resident tiles, with its own parameters.
 pub(crate) struct Pass {
     name: &'static str,
-    pipeline: wgpu::RenderPipeline,
+    steps: Vec<wgpu::RenderPipeline>,
     layout: wgpu::BindGroupLayout,
     view: wgpu::Buffer,
     marks: Option<wgpu::Buffer>,
@@ -45,40 +85,7 @@ impl Pass {
                 label: Some(shader.name),
                 source: wgpu::ShaderSource::Wgsl(shader.text.as_str().into()),
             });
-        let pipeline_layout = gpu
-            .device
-            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(shader.name),
-                bind_group_layouts: &[Some(&layout)],
-                immediate_size: 0,
-            });
-        let pipeline = gpu
-            .device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(shader.name),
-                layout: Some(&pipeline_layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("cover"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &[],
-                },
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: None,
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some(shader.name),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(wgpu::ColorTargetState {
-                        format: FORMAT,
-                        blend,
-                        write_mask: wgpu::ColorWrites::ALL,
-                    })],
-                }),
-                multiview_mask: None,
-                cache: None,
-            });
+        let step = |entries| pipeline(gpu, &module, &layout, entries, blend);
         let uniform = |size: usize| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(shader.name),
@@ -89,10 +96,10 @@ impl Pass {
         };
         Self {
             name: shader.name,
-            pipeline,
-            layout,
+            steps: shader.steps.iter().map(step).collect(),
             view: uniform(size_of::<ViewParams>()),
             marks: has_marks.then(|| uniform(size_of::<Overlay>())),
+            layout,
             bound: None,
         }
     }
@@ -102,7 +109,7 @@ impl Pass {
         &mut self,
         gpu: &Gpu,
         tiles: &TileStore,
-        target: &wgpu::TextureView,
+        target: &Target,
         view: &ViewParams,
         marks: Option<&Overlay>,
     ) {
@@ -122,11 +129,12 @@ impl Pass {
             Some(_) => wgpu::LoadOp::Load,
             None => wgpu::LoadOp::Clear(wgpu::Color::BLACK),
         };
+        let [picture, depth] = &target.views;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(self.name),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: target,
+                view: picture,
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations {
@@ -134,11 +142,21 @@ impl Pass {
                     store: wgpu::StoreOp::Store,
                 },
             })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
             ..wgpu::RenderPassDescriptor::default()
         });
-        pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, self.bound.as_ref().map(|(_, group)| group), &[]);
-        pass.draw(0..3, 0..1);
+        for step in &self.steps {
+            pass.set_pipeline(step);
+            pass.draw(0..3, 0..1);
+        }
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
     }
@@ -162,6 +180,54 @@ impl Pass {
     }
 }
 
+fn pipeline(
+    gpu: &Gpu,
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::BindGroupLayout,
+    [vertex, fragment]: &[&'static str; 2],
+    blend: Option<wgpu::BlendState>,
+) -> wgpu::RenderPipeline {
+    let layout = gpu
+        .device
+        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(fragment),
+            bind_group_layouts: &[Some(layout)],
+            immediate_size: 0,
+        });
+    gpu.device
+        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(fragment),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module,
+                entry_point: Some(vertex),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Less),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module,
+                entry_point: Some(fragment),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(wgpu::ColorTargetState {
+                    format: FORMAT,
+                    blend,
+                    write_mask: wgpu::ColorWrites::ALL,
+                })],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+}
+
 /// The bindings of `shaders/shared/tiles.wgsl`, then the view, then the marks.
 fn layout(gpu: &Gpu, has_marks: bool) -> wgpu::BindGroupLayout {
     let buffer = |ty| wgpu::BindingType::Buffer {
@@ -177,7 +243,7 @@ fn layout(gpu: &Gpu, has_marks: bool) -> wgpu::BindGroupLayout {
         multisampled: false,
     };
     let mut types = vec![
-        uniform, storage, storage, texture, texture, texture, texture, uniform,
+        uniform, storage, texture, texture, texture, texture, uniform,
     ];
     types.extend(has_marks.then_some(uniform));
     let entries: Vec<wgpu::BindGroupLayoutEntry> = (0..)

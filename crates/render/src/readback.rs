@@ -23,8 +23,9 @@ struct State {
 }
 
 impl ReadBack {
-    /// Orders the copy of an rgba8 texture of `size` pixels.
-    pub(crate) fn start(gpu: &Gpu, texture: &wgpu::Texture, size: [u32; 2]) -> Self {
+    /// Orders the copy of an rgba8 texture.
+    pub(crate) fn start(gpu: &Gpu, texture: &wgpu::Texture) -> Self {
+        let size = [texture.width(), texture.height()];
         let bytes_per_row = (size[0] * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("read back"),

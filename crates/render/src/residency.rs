@@ -1,8 +1,8 @@
 //! Which tiles are on the GPU, and which of them may be shown together?
 
 use crate::atlas::Atlas;
-use crate::level_map::{contains, level_map};
-use crate::params::TileParams;
+use crate::level_map::{LEVEL_BITS, contains, level_in, shown_map};
+use crate::params::{SlotShape, TileParams};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::read_tile::read_planes;
 use crate::{device::Gpu, error::RenderError, reduce::pyramid};
@@ -37,16 +37,11 @@ struct Resident {
     touched: u64,
 }
 
-/// What the shaders look up: the uniform, the page table, the level of every cell.
+/// What the shaders look up: the uniform, and what is shown over every cell.
 struct Tables {
     params: wgpu::Buffer,
-    slots: wgpu::Buffer,
-    level_map: wgpu::Buffer,
-    /// Slot + 1 of every (level, rank), 0 for absent.
-    slot_of: Vec<u32>,
-    first_slot: Vec<u32>,
-    stale_slots: Option<[usize; 2]>,
-    shown_level: Vec<u32>,
+    cells: wgpu::Buffer,
+    sent: Vec<u32>,
 }
 
 impl TileStore {
@@ -106,7 +101,6 @@ impl TileStore {
                 touched,
             },
         );
-        self.tables.set(&self.grid, tile, slot + 1);
         Ok(())
     }
 
@@ -134,8 +128,7 @@ impl TileStore {
     /// The finest level shown over every cell: face-major, then rows, then columns.
     #[must_use]
     pub fn level_map(&self) -> Vec<u32> {
-        let shown = self.resident.iter().filter(|(_, r)| r.frame == self.frame);
-        level_map(&self.grid, shown.map(|(&tile, _)| tile))
+        self.shown_map().into_iter().map(level_in).collect()
     }
 
     /// Tiles that hold another source frame than the one shown, or none: those of the atlas are
@@ -176,10 +169,20 @@ impl TileStore {
     /// Sends the tables that changed; call before the draw.
     pub(crate) fn flush(&mut self) {
         if std::mem::take(&mut self.map_is_stale) {
-            let map = self.level_map();
-            self.tables.set_level_map(&self.gpu, map);
+            let map = self.shown_map();
+            self.tables.send(&self.gpu, map);
         }
-        self.tables.flush(&self.gpu);
+    }
+
+    /// What the shaders look up at a cell: the level, and where the atlas holds its tile.
+    fn shown_map(&self) -> Vec<u32> {
+        let now = self.resident.iter().filter(|(_, r)| r.frame == self.frame);
+        let entry = |slot| {
+            let [column, row, layer] = self.atlas.place(slot);
+            (column | row << 8 | layer << 16) << LEVEL_BITS
+        };
+        let entries = now.map(|(&tile, r)| (tile, u32::from(tile.level) | entry(r.slot)));
+        shown_map(&self.grid, entries)
     }
 
     /// Changes whenever the textures do.
@@ -188,19 +191,18 @@ impl TileStore {
     }
 
     /// What the shaders bind, in the order of `shaders/shared/tiles.wgsl`.
-    pub(crate) fn bindings(&self) -> ([&wgpu::Buffer; 3], [wgpu::TextureView; 4]) {
+    pub(crate) fn bindings(&self) -> ([&wgpu::Buffer; 2], [wgpu::TextureView; 4]) {
         let [atlas_luma, atlas_chroma] = self.atlas.tiles.views();
         let [base_luma, base_chroma] = self.atlas.base.views();
         let tables = &self.tables;
         (
-            [&tables.params, &tables.slots, &tables.level_map],
+            [&tables.params, &tables.cells],
             [atlas_luma, atlas_chroma, base_luma, base_chroma],
         )
     }
 
     fn evict(&mut self, tile: Tile) -> Option<u32> {
         let gone = self.resident.remove(&tile)?;
-        self.tables.set(&self.grid, tile, 0);
         self.map_is_stale = true;
         Some(gone.slot)
     }
@@ -250,14 +252,7 @@ pub(crate) fn check(grid: &TileGrid, tile: Tile, picture: &Picture) -> Result<()
 
 impl Tables {
     fn new(gpu: &Gpu, grid: &TileGrid, colour: Colour) -> Self {
-        let shape = crate::params::SlotShape::new(grid);
-        let params = TileParams::new(grid, colour, &shape);
-        let mut first_slot = Vec::new();
-        let mut entries = 0;
-        for level in 0..grid.levels {
-            first_slot.push(entries);
-            entries += grid.tiles_in_level(level);
-        }
+        let params = TileParams::new(grid, colour, &SlotShape::new(grid));
         let buffer = |label, size: usize, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -266,53 +261,27 @@ impl Tables {
                 mapped_at_creation: false,
             })
         };
-        let storage = wgpu::BufferUsages::STORAGE;
         let cells = grid.tiles_in_level(0) as usize;
+        let uniform = wgpu::BufferUsages::UNIFORM;
         let made = Self {
-            params: buffer(
-                "tiles",
-                size_of::<TileParams>(),
-                wgpu::BufferUsages::UNIFORM,
-            ),
-            slots: buffer("slots", entries as usize * 4, storage),
-            level_map: buffer("level map", cells * 4, storage),
-            slot_of: vec![0; entries as usize],
-            first_slot: first_slot.iter().map(|&first| first as u32).collect(),
-            stale_slots: None,
-            shown_level: Vec::new(),
+            params: buffer("tiles", size_of::<TileParams>(), uniform),
+            cells: buffer("cells", cells * 4, wgpu::BufferUsages::STORAGE),
+            sent: Vec::new(),
         };
         gpu.queue
             .write_buffer(&made.params, 0, bytemuck::bytes_of(&params));
         made
     }
 
-    fn set(&mut self, grid: &TileGrid, tile: Tile, entry: u32) {
-        let first = self.first_slot[usize::from(tile.level)];
-        let at = (first + grid.rank(tile)) as usize;
-        if self.slot_of[at] == entry {
-            return;
-        }
-        self.slot_of[at] = entry;
-        let [low, high] = self.stale_slots.unwrap_or([at, at]);
-        self.stale_slots = Some([low.min(at), high.max(at)]);
-    }
-
-    fn set_level_map(&mut self, gpu: &Gpu, map: Vec<u32>) {
-        if map != self.shown_level {
+    fn send(&mut self, gpu: &Gpu, map: Vec<u32>) {
+        if map != self.sent {
             gpu.queue
-                .write_buffer(&self.level_map, 0, bytemuck::cast_slice(&map));
-            self.shown_level = map;
-        }
-    }
-
-    fn flush(&mut self, gpu: &Gpu) {
-        if let Some([low, high]) = self.stale_slots.take() {
-            let changed = bytemuck::cast_slice(&self.slot_of[low..=high]);
-            gpu.queue.write_buffer(&self.slots, low as u64 * 4, changed);
+                .write_buffer(&self.cells, 0, bytemuck::cast_slice(&map));
+            self.sent = map;
         }
     }
 
     fn bytes(&self) -> u64 {
-        self.params.size() + self.slots.size() + self.level_map.size()
+        self.params.size() + self.cells.size()
     }
 }

@@ -16,11 +16,13 @@ const RECONSTRUCT_PLANE: &str = include_str!("../shaders/reconstruct_plane.wgsl"
 const RECONSTRUCT_CUBE: &str = include_str!("../shaders/reconstruct_cube.wgsl");
 const OVERLAY: &str = include_str!("../shaders/overlay.wgsl");
 
-/// A shader's text and the name of its fragment entry; the vertex entry of all is `cover`.
+/// A shader's text and its entries.
 #[derive(Clone, Debug)]
 pub struct Shader {
-    /// Name of the pass and of the fragment entry.
+    /// Name of the pass.
     pub name: &'static str,
+    /// Vertex and fragment entries of each step, in the order in which they are drawn.
+    pub steps: &'static [[&'static str; 2]],
     /// WGSL.
     pub text: String,
 }
@@ -29,16 +31,22 @@ pub struct Shader {
 #[must_use]
 pub fn reconstruct(projection: Projection) -> Shader {
     match projection {
-        Projection::Flat => joined(
-            "reconstruct_plane",
-            PLANE,
-            &[COLOUR, PICTURE, RECONSTRUCT_PLANE],
-        ),
-        Projection::Cube => joined(
-            "reconstruct_cube",
-            CUBE,
-            &[COLOUR, PICTURE, RECONSTRUCT_CUBE],
-        ),
+        Projection::Flat => Shader {
+            name: "reconstruct_plane",
+            steps: &[
+                ["cover", "reconstruct_plane_inside"],
+                ["cover_rest", "reconstruct_plane"],
+            ],
+            text: joined(PLANE, &[COLOUR, PICTURE, RECONSTRUCT_PLANE]),
+        },
+        Projection::Cube => Shader {
+            name: "reconstruct_cube",
+            steps: &[
+                ["cover", "reconstruct_cube_inside"],
+                ["cover_rest", "reconstruct_cube"],
+            ],
+            text: joined(CUBE, &[COLOUR, PICTURE, RECONSTRUCT_CUBE]),
+        },
     }
 }
 
@@ -49,13 +57,14 @@ pub fn overlay(projection: Projection) -> Shader {
         Projection::Flat => PLANE,
         Projection::Cube => CUBE,
     };
-    joined("overlay", surroundings, &[OVERLAY])
+    Shader {
+        name: "overlay",
+        steps: &[["cover", "overlay"]],
+        text: joined(surroundings, &[OVERLAY]),
+    }
 }
 
-fn joined(name: &'static str, surroundings: &str, entry: &[&str]) -> Shader {
+fn joined(surroundings: &str, entry: &[&str]) -> String {
     let shared = [SCREEN, TILES, LATTICE, FOOTPRINT, surroundings];
-    Shader {
-        name,
-        text: [shared.as_slice(), entry].concat().join("\n"),
-    }
+    [shared.as_slice(), entry].concat().join("\n")
 }

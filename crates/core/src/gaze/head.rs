@@ -1,7 +1,7 @@
 //! Where does the head point when only the gaze is known?
 //!
 //! A head follows the eyes: it turns towards the gaze with a lag, so that a saccade leaves the
-//! centre of the view and the view then catches up. A stand-in for a recorded head, no model of one.
+//! centre of the view and the view then catches up. A stand-in for a recorded head, not a model.
 
 use super::sample::HeadPose;
 use crate::units::{Radians, Seconds};

@@ -1,3 +1,5 @@
+//! Does a scene look the same from everywhere it is drawn, and do numbers survive?
+
 use super::*;
 use crate::pyramid::halve;
 use crate::sphere::{Coverage, CubeSampler};

@@ -77,6 +77,10 @@ static FONT: [[u8; 7]; 128] = {
 /// Coverage of a letter at (`x`, `y`) dots right of and below its top left corner, for a pixel of
 /// `footprint` dots.
 pub(super) fn letter(letter: u8, x: f32, y: f32, footprint: f32) -> f32 {
+    let grey = ((footprint - 1.0) / 2.0).clamp(0.0, 1.0);
+    if !(-1.0..=6.0).contains(&x) || !(-1.0..=8.0).contains(&y) {
+        return MEAN * grey;
+    }
     let (x, y) = (x - 0.5, y - 0.5);
     let (left, top) = (floor(x), floor(y));
     let (u, v) = (x - left as f32, y - top as f32);
@@ -95,7 +99,6 @@ pub(super) fn letter(letter: u8, x: f32, y: f32, footprint: f32) -> f32 {
     let joined = above + (below - above) * v;
     let sharpness = 1.0 / footprint.clamp(0.05, 1.0);
     let sharp = ((joined - EDGE) * sharpness + 0.5).clamp(0.0, 1.0);
-    let grey = ((footprint - 1.0) / 2.0).clamp(0.0, 1.0);
     sharp + (MEAN - sharp) * grey
 }
 

@@ -81,12 +81,10 @@ pub(super) fn noise(x: f32, y: f32) -> f32 {
     let (u, v) = (x - left as f32, y - top as f32);
     let (u, v) = (u * u * (3.0 - 2.0 * u), v * v * (3.0 - 2.0 * v));
     let wrapped = |k: i32| k as usize & (PERIOD - 1);
-    let columns = [left, left + 1].map(|k| usize::from(BYTES[wrapped(k)]));
-    let rows = [top, top + 1].map(wrapped);
-    let [above, below] = rows.map(|row| {
-        let [near, next] = columns.map(|column| VALUES[column + row]);
-        near + (next - near) * u
-    });
+    let near = usize::from(BYTES[wrapped(left)]);
+    let next = usize::from(BYTES[wrapped(left + 1)]);
+    let along = |row: usize| VALUES[near + row] + (VALUES[next + row] - VALUES[near + row]) * u;
+    let (above, below) = (along(wrapped(top)), along(wrapped(top + 1)));
     above + (below - above) * v
 }
 

@@ -43,6 +43,19 @@ pub(super) struct Near<'a> {
 /// Entries of a ridge's table around the horizon.
 const RIDGE: usize = 8192;
 
+/// Colours of floor tiles; dark letters on the first, fourth and sixth, light ones on the others.
+const GLAZES: [Rgb; 6] = [
+    [0.85, 0.76, 0.62],
+    [0.72, 0.42, 0.30],
+    [0.24, 0.42, 0.47],
+    [0.80, 0.62, 0.34],
+    [0.36, 0.30, 0.36],
+    [0.64, 0.66, 0.52],
+];
+
+/// What floor tiles say.
+const SIGNS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
+
 /// Stones on a side of a floor tile.
 const STONES: f32 = 18.0;
 
@@ -57,6 +70,8 @@ struct Line {
     dot: f32,
     /// Dots a second to the left.
     speed: f32,
+    /// Dots around the world: a whole number of repetitions of the text, so that the turn closes.
+    around: f32,
     text: &'static [u8],
 }
 
@@ -99,12 +114,18 @@ const LINES: [Line; 6] = [
     ),
 ];
 
-/// A line from its top and dot in degrees.
+/// A line from its top and dot in degrees, with letters about as wide as high at its own pitch.
 const fn line(top: f32, dot: f32, speed: f32, text: &'static [u8]) -> Line {
+    let pitch = (top - 3.5 * dot) * DEGREE;
+    let level = 1.0 - pitch * pitch / 2.0 + pitch * pitch * pitch * pitch / 24.0;
+    let repeat = text.len() as f32 * ADVANCE;
+    let times = (360.0 * level / dot / repeat + 0.5) as u32;
+    assert!(times > 0, "a line is longer than its turn");
     Line {
         top: top * DEGREE,
         dot: dot * DEGREE,
         speed,
+        around: repeat * times as f32,
         text,
     }
 }
@@ -116,12 +137,14 @@ const BANDS: [[f32; 2]; 2] = [
 ];
 
 /// Between two colours, `t` of the second.
-pub(super) fn mix(a: Rgb, b: Rgb, t: f32) -> Rgb {
-    [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * t)
+#[inline]
+pub(super) fn mix([r, g, b]: Rgb, [red, green, blue]: Rgb, t: f32) -> Rgb {
+    [r + (red - r) * t, g + (green - g) * t, b + (blue - b) * t]
 }
 
-fn scaled(a: Rgb, by: f32) -> Rgb {
-    a.map(|k| k * by)
+#[inline]
+fn scaled([r, g, b]: Rgb, by: f32) -> Rgb {
+    [r * by, g * by, b * by]
 }
 
 impl World {
@@ -216,36 +239,36 @@ impl World {
         let [along, across] = [reach(x), reach(z)];
         let footprint = along.max(across);
         let (column, row) = (floor(u), floor(v));
-        let (in_u, in_v) = (u - column as f32, v - row as f32);
         let chance = byte_at(column, row);
-        const GLAZES: [Rgb; 6] = [
-            [0.85, 0.76, 0.62],
-            [0.72, 0.42, 0.30],
-            [0.24, 0.42, 0.47],
-            [0.80, 0.62, 0.34],
-            [0.36, 0.30, 0.36],
-            [0.64, 0.66, 0.52],
-        ];
         let glaze = GLAZES[usize::from(chance) % 6];
         let ink = if matches!(chance % 6, 0 | 3 | 5) {
             0.35
         } else {
             1.9
         };
-        let sign = b"ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"[usize::from(byte_at(row, column)) % 36];
-        let (dot_x, dot_y) = ((in_u - 0.5) * 11.0 + 2.5, (in_v - 0.5) * 11.0 + 3.5);
-        let inked = text::letter(sign, dot_x, dot_y, footprint * 11.0);
-        let inked = inked * (1.0 - step(0.1, 0.3, footprint));
-        let tile = mix(glaze, scaled(glaze, ink).map(|k| k.min(0.96)), inked * 0.85);
+        let near = 1.0 - step(0.1, 0.3, footprint);
+        let mut tile = glaze;
+        if near > 0.0 {
+            let sign = SIGNS[usize::from(byte_at(row, column)) % SIGNS.len()];
+            // A letter of 5 by 7 dots in the middle of 11 by 11.
+            let dot_x = (u - column as f32 - 0.5) * 11.0 + 2.5;
+            let dot_y = (v - row as f32 - 0.5) * 11.0 + 3.5;
+            let inked = near * text::letter(sign, dot_x, dot_y, footprint * 11.0);
+            let dyed = scaled(glaze, ink).map(|k| k.min(0.96));
+            tile = mix(glaze, dyed, inked * 0.85);
+        }
         // Far tiles are finer than a pixel: their mean.
         let tile = mix(tile, [0.6, 0.53, 0.43], step(0.35, 1.0, footprint));
         // Each tile is a mosaic of 18 by 18 stones, each a little lighter or darker.
         let (stone_u, stone_v) = (u * STONES, v * STONES);
         let stone = f32::from(byte_at(floor(stone_u) * 7, floor(stone_v) * 5)) / 255.0 - 0.5;
         let seen = visible(0.6 * STONES, footprint);
-        let tile = scaled(tile, 1.0 + 0.22 * stone * seen);
-        let gap = joints([stone_u, stone_v], 0.10, [along * STONES, across * STONES]);
-        let tile = scaled(tile, 1.0 - 0.35 * gap);
+        let gap = if footprint * STONES > 8.0 {
+            0.19
+        } else {
+            joints([stone_u, stone_v], 0.10, [along * STONES, across * STONES])
+        };
+        let tile = scaled(tile, (1.0 + 0.22 * stone * seen) * (1.0 - 0.35 * gap));
         let joint = joints([u, v], 0.05, [along, across]);
         let grain = 1.0 + 0.30 * fractal(u * 3.0, v * 3.0, footprint * 3.0);
         let lit = scaled(mix(tile, [0.20, 0.17, 0.18], joint * 0.9), grain);
@@ -288,12 +311,7 @@ impl World {
             if !(-1.0..LINE).contains(&y) {
                 continue;
             }
-            // A whole number of repetitions, so that the turn closes.
-            let repeat = line.text.len() as f32 * ADVANCE;
-            let middle = line.top - 3.5 * line.dot;
-            let around = TAU * libm::cosf(middle) / line.dot / repeat;
-            let dots = repeat * around.max(1.0).round();
-            let x = (ray.yaw / TAU + 0.5) * dots + self.seconds * line.speed;
+            let x = (ray.yaw / TAU + 0.5) * line.around + self.seconds * line.speed;
             let inked = text::line(line.text, x, y, ray.pixel / line.dot);
             colour = mix(colour, [0.99, 0.95, 0.84], inked * 0.95);
         }

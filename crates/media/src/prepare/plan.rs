@@ -107,14 +107,7 @@ impl Plan {
         let cut = settings.cut.unwrap_or(Cut::pyramid_for(width));
         let grid = TileGrid::new(surface, cut, levels, settings.ratio)
             .map_err(|error| PrepareError::Option(error.to_string()))?;
-        if info.has_alpha {
-            notes.push("its transparency is dropped".to_owned());
-        }
-        if !info.pixel_format.starts_with("yuv420p") && !info.pixel_format.starts_with("yuvj420p")
-            || info.pixel_format.contains("10")
-        {
-            notes.push(format!("{} is brought to 8-bit 4:2:0", info.pixel_format));
-        }
+        notes.extend(losses(info));
         // JPEG stores planes as full range whatever the source has.
         let stretch_to_full_range = settings.codec == Codec::Jpeg && !info.colour.full_range;
         let colour = Colour {
@@ -166,6 +159,18 @@ impl Plan {
             stretch_to_full_range,
         })
     }
+}
+
+/// What of the input does not reach the pack.
+fn losses(info: &SourceInfo) -> Vec<String> {
+    let mut notes = Vec::new();
+    if info.has_alpha {
+        notes.push("its transparency is dropped".to_owned());
+    }
+    if info.pixel_format != "yuv420p" && info.pixel_format != "yuvj420p" {
+        notes.push(format!("{} is brought to 8-bit 4:2:0", info.pixel_format));
+    }
+    notes
 }
 
 fn surface(info: &SourceInfo, surround: Surround) -> Surface {
@@ -238,7 +243,7 @@ fn surround(
             }
             _ => Err(PrepareError::Option(format!(
                 "{} is a cube or a part of a sphere by its metadata, which cannot be prepared; \
-                 convert it to equirectangular with FFmpeg's filter v360, or give --projection flat",
+                 make it equirectangular with FFmpeg's filter v360, or give --projection flat",
                 input.display()
             ))),
         };

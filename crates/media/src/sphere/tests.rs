@@ -1,3 +1,5 @@
+//! Does the sphere survive the way to the cube and back?
+
 use super::*;
 use foveal_core::asset::picture::plane_size;
 use foveal_core::units::Radians;

@@ -9,18 +9,17 @@ struct Axes {
     down: vec3f,
 }
 
+// The four faces around the horizon are quarter turns of the first; top and bottom look up and down.
 fn axes_of(face: u32) -> Axes {
-    let x = vec3f(1.0, 0.0, 0.0);
-    let y = vec3f(0.0, 1.0, 0.0);
-    let z = vec3f(0.0, 0.0, 1.0);
-    switch face {
-        case 0u: { return Axes(-z, x, -y); }
-        case 1u: { return Axes(x, z, -y); }
-        case 2u: { return Axes(z, -x, -y); }
-        case 3u: { return Axes(-x, -z, -y); }
-        case 4u: { return Axes(y, x, -z); }
-        default: { return Axes(-y, x, z); }
-    }
+    let turn = f32(face);
+    let cosine = 1.0 - min(turn, 4.0 - turn);
+    let sine = (2.0 - turn) * f32(face & 1u);
+    let up = 9.0 - 2.0 * turn;
+    let is_polar = face > 3u;
+    let forward = select(vec3f(sine, 0.0, -cosine), vec3f(0.0, up, 0.0), is_polar);
+    let right = select(vec3f(cosine, 0.0, sine), vec3f(1.0, 0.0, 0.0), is_polar);
+    let down = select(vec3f(0.0, -1.0, 0.0), vec3f(0.0, 0.0, -up), is_polar);
+    return Axes(forward, right, down);
 }
 
 fn cube_face(ray: vec3f) -> u32 {
@@ -52,11 +51,17 @@ fn seen_by(pixel: vec2f) -> Seen {
     return Seen(true, face, place, display_footprint(right - place, down - place));
 }
 
-// A place, and the border of its face that it came over: the low or the high one.
+// Bit face * 4 + k * 2 + high: whether the neighbour over the low or high border of axis k touches
+// the face with a high border of its own.
+const TOUCHES_HIGH = 0xf019d5u;
+
+fn touches_high(face: u32, k: u32, high: u32) -> bool {
+    return ((TOUCHES_HIGH >> (face * 4u + k * 2u + high)) & 1u) != 0u;
+}
+
 struct Neighbour {
     face: u32,
     place: vec2f,
-    high: bool,
 }
 
 // A place on the plane of the neighbour over the low or high border of axis k, with the neighbour
@@ -64,66 +69,63 @@ struct Neighbour {
 fn neighbour(face: u32, place: vec2f, k: u32, high: bool) -> Neighbour {
     let axes = axes_of(face);
     let tangent = place * 2.0 / tiles.size - 1.0;
+    let across = select(tangent.x, tangent.y, k == 1u);
+    let along = select(axes.down * tangent.y, axes.right * tangent.x, k == 1u);
     let side = select(-1.0, 1.0, high);
     let outward = select(axes.right, axes.down, k == 1u) * side;
-    let along = select(axes.down, axes.right, k == 1u) * tangent[1u - k];
-    let depth = tangent[k] * side - 1.0;
+    let depth = across * side - 1.0;
     let beside = cube_face(outward);
-    let beside_axes = axes_of(beside);
     let ray = outward + axes.forward * (1.0 - depth) + along;
-    let back = dot(axes.forward, beside_axes.right) + dot(axes.forward, beside_axes.down);
-    return Neighbour(beside, place_of(tangent_of(beside_axes, ray)), back > 0.0);
+    return Neighbour(beside, place_of(tangent_of(axes_of(beside), ray)));
 }
 
+// The footprint with the cells over the edges nearby.
 fn widened_across(face: u32, place: vec2f, known: f32) -> f32 {
+    let reach = tiles.growth * (tiles.coarsest_scale - known);
+    let near_low = place < vec2f(reach);
+    let near_high = tiles.size - place < vec2f(reach);
+    var borders = select(0u, 1u, near_low.x) | select(0u, 2u, near_high.x)
+        | select(0u, 4u, near_low.y) | select(0u, 8u, near_high.y);
     var widest = known;
-    for (var border = 0u; border < 4u; border = border + 1u) {
-        let k = border / 2u;
-        let high = border % 2u == 1u;
-        let depth = select(place[k], tiles.size[k] - place[k], high);
-        if (depth < tiles.growth * (tiles.coarsest_scale - widest)) {
-            let beside = neighbour(face, place, k, high);
-            widest = widened(beside.face, beside.place, widest);
-        }
+    while (borders != 0u) {
+        let border = borders & (~borders + 1u);
+        borders = borders ^ border;
+        let high = (border & 10u) != 0u;
+        let beside = neighbour(face, place, select(0u, 1u, border > 2u), high);
+        widest = widened(beside.face, beside.place, widest);
     }
     return widest;
 }
 
 // How far beyond the low and the high border the next sample lies.
 fn beyond_edges(face: u32, axis: Axis, k: u32) -> vec2f {
-    let count = samples_in(axis, axis.last_segment);
-    let last = tap_at(axis, axis.last_segment, count - 1);
-    let depth = vec2f(tap_at(axis, 0, 0).centre, axis.size - last.centre);
-    let middle = 0.5 * tiles.size;
-    let low = neighbour(face, middle, k, false).high;
-    let high = neighbour(face, middle, k, true).high;
-    return vec2f(select(depth.x, depth.y, low), select(depth.x, depth.y, high));
+    let last = tap_at(axis, axis.last_segment, samples_in(axis, axis.last_segment) - 1);
+    let low_depth = tap_at(axis, 0, 0).centre;
+    let high_depth = axis.size - last.centre;
+    let low = select(low_depth, high_depth, touches_high(face, k, 0u));
+    let high = select(low_depth, high_depth, touches_high(face, k, 1u));
+    return vec2f(low, high);
 }
 
 // A sample beyond a border is the neighbour's first one behind it; beyond a corner of the cube,
 // where three faces meet, it is the mean of the three samples there.
 fn fetch_tap(plane: u32, level: u32, face: u32, x: Tap, y: Tap) -> vec2f {
-    let within = vec2f(x.within, y.within);
-    if (x.beyond == 0 && y.beyond == 0) {
-        return fetch(plane, level, face, within);
-    }
+    var parts = select(0u, 1u, x.beyond != 0) | select(0u, 2u, y.beyond != 0);
+    let count = select(1.0, 3.0, parts == 3u);
+    parts = parts | select(0u, 4u, parts == 0u || parts == 3u);
+    let beyond = 0.5 * tiles.size + (0.5 * tiles.size + 0.5) * vec2f(f32(x.beyond), f32(y.beyond));
     var sum = vec2f(0.0);
-    var count = 0.0;
-    if (x.beyond != 0) {
-        let edge = select(-0.5, tiles.size.x + 0.5, x.beyond > 0);
-        let beside = neighbour(face, vec2f(edge, y.centre), 0u, x.beyond > 0);
-        sum = sum + fetch(plane, level, beside.face, beside.place);
-        count = count + 1.0;
-    }
-    if (y.beyond != 0) {
-        let edge = select(-0.5, tiles.size.y + 0.5, y.beyond > 0);
-        let beside = neighbour(face, vec2f(x.centre, edge), 1u, y.beyond > 0);
-        sum = sum + fetch(plane, level, beside.face, beside.place);
-        count = count + 1.0;
-    }
-    if (count > 1.5) {
-        sum = sum + fetch(plane, level, face, within);
-        count = count + 1.0;
+    while (parts != 0u) {
+        let part = parts & (~parts + 1u);
+        parts = parts ^ part;
+        var at = Neighbour(face, vec2f(x.within, y.within));
+        if (part != 4u) {
+            let over_x = part == 1u;
+            let place = vec2f(select(x.centre, beyond.x, over_x), select(beyond.y, y.centre, over_x));
+            let high = select(y.beyond, x.beyond, over_x) > 0;
+            at = neighbour(face, place, select(1u, 0u, over_x), high);
+        }
+        sum = sum + fetch(plane, level, at.face, at.place);
     }
     return sum / count;
 }

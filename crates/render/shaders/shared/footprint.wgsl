@@ -10,15 +10,15 @@ fn widened(face: u32, place: vec2f, known: f32) -> f32 {
     if (reach <= 0.0) {
         return known;
     }
-    let from_cell = tile_at(0u, place - reach);
-    let to_cell = tile_at(0u, place + reach);
+    let from_cell = cell_at(place - reach);
+    let to_cell = cell_at(place + reach);
     var widest = known;
     for (var y = from_cell.y; y <= to_cell.y; y = y + 1u) {
         for (var x = from_cell.x; x <= to_cell.x; x = x + 1u) {
-            let low = vec2f(vec2u(x, y)) * tiles.levels[0].span;
-            let high = min(low + tiles.levels[0].span, tiles.size);
+            let low = vec2f(vec2u(x, y)) * tiles.cell;
+            let high = min(low + tiles.cell, tiles.size);
             let away = length(max(max(low - place, place - high), vec2f(0.0)));
-            let scale = tiles.levels[level_map[cell_index(face, vec2u(x, y))]].scale;
+            let scale = scale_of(level_in(shown_in(face, vec2u(x, y))));
             widest = max(widest, scale - away / tiles.growth);
         }
     }

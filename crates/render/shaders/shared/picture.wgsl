@@ -3,6 +3,9 @@
 // Reconstruction without a border: the shown footprint (footprint.wgsl) changes without a step over
 // the content; it lies between two levels, and each level is a continuous picture of its own,
 // interpolated between samples that are looked up by position, whichever tile they come from.
+//
+// Drawn in two steps: pixels whose samples lie in one tile, then, where nothing was drawn, all
+// others. The first are most, and need a tenth of the work.
 
 // Where four samples around a place lie in one tile, if they do.
 struct Footing {
@@ -32,57 +35,90 @@ fn view_inside(source: Source, plane: u32, level: u32, at: Footing) -> vec2f {
     return mix(mix(a, b, at.weight.x), mix(c, d, at.weight.x), at.weight.y);
 }
 
-// A level at a place, each sample looked up for itself.
-fn view_across(plane: u32, level: u32, face: u32, place: vec2f) -> vec2f {
+// One of the four samples of a level around a place, looked up for itself, times its weight.
+fn corner_across(corner: u32, plane: u32, level: u32, face: u32, place: vec2f) -> vec2f {
     let x_axis = axis_of(plane, level, 0u);
     let y_axis = axis_of(plane, level, 1u);
-    let x = bracket(x_axis, place.x, beyond_edges(face, x_axis, 0u));
-    let y = bracket(y_axis, place.y, beyond_edges(face, y_axis, 1u));
-    let a = fetch_tap(plane, level, face, x.low, y.low);
-    let b = fetch_tap(plane, level, face, x.high, y.low);
-    let c = fetch_tap(plane, level, face, x.low, y.high);
-    let d = fetch_tap(plane, level, face, x.high, y.high);
-    return mix(mix(a, b, x.weight), mix(c, d, x.weight), y.weight);
+    let across = bracket(x_axis, place.x, beyond_edges(face, x_axis, 0u));
+    let along = bracket(y_axis, place.y, beyond_edges(face, y_axis, 1u));
+    var x = across.low;
+    var x_weight = 1.0 - across.weight;
+    if ((corner & 1u) != 0u) {
+        x = across.high;
+        x_weight = across.weight;
+    }
+    var y = along.low;
+    var y_weight = 1.0 - along.weight;
+    if ((corner & 2u) != 0u) {
+        y = along.high;
+        y_weight = along.weight;
+    }
+    return fetch_tap(plane, level, face, x, y) * (x_weight * y_weight);
 }
 
-// Y, U and V of one level at a place whose own tile is `own`.
-fn level_view(level: u32, face: u32, place: vec2f, own: Source) -> vec3f {
+// What was found at a place: Y, U and V, or in the end red, green and blue.
+struct Found {
+    colour: vec3f,
+    // False where samples from several tiles were needed and not asked for.
+    complete: bool,
+}
+
+// Y, U and V of one level at a place whose own tile is `own`; samples of several tiles only if
+// they may come from `anywhere`.
+fn level_view(level: u32, face: u32, place: vec2f, own: Source, anywhere: bool) -> Found {
     var source = own;
     if (level == tiles.coarsest && own.level != level) {
-        source = source_at(level, face, place);
+        source = source_at(level, face, place, level);
     }
-    var luma: vec2f;
     let luma_at = footing(source, LUMA, level, place);
+    let chroma_at = footing(source, CHROMA, level, place);
+    var luma = vec2f(0.0);
     if (luma_at.inside) {
         luma = view_inside(source, LUMA, level, luma_at);
-    } else {
-        luma = view_across(LUMA, level, face, place);
     }
-    var chroma: vec2f;
-    let chroma_at = footing(source, CHROMA, level, place);
+    var chroma = vec2f(0.0);
     if (chroma_at.inside) {
         chroma = view_inside(source, CHROMA, level, chroma_at);
-    } else {
-        chroma = view_across(CHROMA, level, face, place);
     }
-    return vec3f(luma.x, chroma);
+    if (anywhere) {
+        var corner = select(0u, 4u, luma_at.inside);
+        let end = select(8u, 4u, chroma_at.inside);
+        while (corner < end) {
+            let plane = corner / 4u;
+            let sample = corner_across(corner, plane, level, face, place);
+            if (plane == LUMA) {
+                luma = luma + sample;
+            } else {
+                chroma = chroma + sample;
+            }
+            corner = corner + 1u;
+        }
+    }
+    return Found(vec3f(luma.x, chroma), anywhere || (luma_at.inside && chroma_at.inside));
 }
 
 // Red, green and blue at a place, for an output pixel of the given footprint.
-fn picture_at(face: u32, place: vec2f, display: f32) -> vec3f {
-    let own = source_at(level_at(face, place), face, place);
-    let footprint = shown_footprint(face, place, display, tiles.levels[own.level].scale);
+fn picture_at(face: u32, place: vec2f, display: f32, anywhere: bool) -> Found {
+    let own_shown = shown_in(face, cell_at(place));
+    let own = source_at(level_in(own_shown), face, place, own_shown);
+    let footprint = shown_footprint(face, place, display, scale_of(own.level));
     let shown = level_of(footprint);
-    var level = floor(shown);
-    var blend = shown - level;
+    var level = u32(shown);
+    var blend = shown - f32(level);
     if (blend > 1023.0 / 1024.0) {
-        level = level + 1.0;
+        level = level + 1u;
         blend = 0.0;
     }
-    var yuv = level_view(u32(level), face, place, own);
-    if (blend >= 1.0 / 1024.0) {
-        let coarser = level_view(u32(level) + 1u, face, place, own);
-        yuv = mix(yuv, coarser, blend);
+    let end = level + select(1u, 2u, blend >= 1.0 / 1024.0);
+    var weight = select(1.0, 1.0 - blend, end == level + 2u);
+    var yuv = vec3f(0.0);
+    var complete = true;
+    while (level < end) {
+        let view = level_view(level, face, place, own, anywhere);
+        yuv = yuv + view.colour * weight;
+        complete = complete && view.complete;
+        weight = blend;
+        level = level + 1u;
     }
-    return rgb_from_yuv(yuv);
+    return Found(rgb_from_yuv(yuv), complete);
 }

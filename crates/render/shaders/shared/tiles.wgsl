@@ -3,67 +3,64 @@
 // Places are level-0 pixels of a face. The samples of a level are evenly spaced over a segment: the
 // whole face in a pyramid, one cell in a grid, whose cells begin a new row of samples each.
 
-struct Level {
-    span: vec2f,
-    tiles: vec2u,
-    scale: f32,
-    chroma_offset: f32,
-    first_slot: u32,
-    unused: u32,
-}
-
 struct Tiles {
-    levels: array<Level, 8>,
     size: vec2f,
     segment: vec2f,
+    cell: vec2f,
+    base_span: vec2f,
     cells: vec2u,
+    segments: vec2u,
     base_step: vec2u,
     slot: vec2u,
-    slots_across: vec2u,
-    segments: vec2u,
     coarsest: u32,
     octaves: u32,
+    span_octaves: u32,
     growth: f32,
     coarsest_scale: f32,
+    chroma_offset: f32,
     unused: vec2u,
     rgb_from_yuv: array<vec4f, 3>,
 }
 
 @group(0) @binding(0) var<uniform> tiles: Tiles;
-// Slot + 1 of every tile, level by level; 0 for a tile that is not in the atlas.
-@group(0) @binding(1) var<storage, read> slots: array<u32>;
-// Finest level shown over every cell.
-@group(0) @binding(2) var<storage, read> level_map: array<u32>;
-@group(0) @binding(3) var atlas_luma: texture_2d_array<f32>;
-@group(0) @binding(4) var atlas_chroma: texture_2d_array<f32>;
-@group(0) @binding(5) var base_luma: texture_2d_array<f32>;
-@group(0) @binding(6) var base_chroma: texture_2d_array<f32>;
+// The finest tile shown over every cell: its level, then column, row and layer of its slot.
+@group(0) @binding(1) var<storage, read> cells: array<u32>;
+@group(0) @binding(2) var atlas_luma: texture_2d_array<f32>;
+@group(0) @binding(3) var atlas_chroma: texture_2d_array<f32>;
+@group(0) @binding(4) var base_luma: texture_2d_array<f32>;
+@group(0) @binding(5) var base_chroma: texture_2d_array<f32>;
 
 const LUMA = 0u;
 const CHROMA = 1u;
 
+// Level-0 pixels under a pixel of a level, on a side.
+fn scale_of(level: u32) -> f32 {
+    return f32(1u << (level * tiles.octaves));
+}
+
 // Level-0 pixels from one sample to the next.
 fn pitch_of(plane: u32, level: u32) -> f32 {
-    return tiles.levels[level].scale * f32(1u + plane);
+    return scale_of(level) * f32(1u + plane);
 }
 
-// Where a sample lies within the pitch that it stands for, 0 to 1.
+// Where a sample lies within the pitch that it stands for, 0 to 1. Averaging draws chroma that
+// sits on the left towards the middle.
 fn offset_of(plane: u32, level: u32) -> vec2f {
-    return vec2f(select(0.5, tiles.levels[level].chroma_offset, plane == CHROMA), 0.5);
+    let chroma = 0.5 - (0.5 - tiles.chroma_offset) / scale_of(level);
+    return vec2f(select(0.5, chroma, plane == CHROMA), 0.5);
 }
 
-fn cell_index(face: u32, cell: vec2u) -> u32 {
-    return (face * tiles.cells.y + cell.y) * tiles.cells.x + cell.x;
+fn cell_at(place: vec2f) -> vec2u {
+    return min(vec2u(max(place / tiles.cell, vec2f(0.0))), tiles.cells - 1u);
 }
 
-fn tile_at(level: u32, place: vec2f) -> vec2u {
-    let tile = vec2u(max(place / tiles.levels[level].span, vec2f(0.0)));
-    return min(tile, tiles.levels[level].tiles - 1u);
+// What is shown at a cell, level and slot in one.
+fn shown_in(face: u32, cell: vec2u) -> u32 {
+    return cells[(face * tiles.cells.y + cell.y) * tiles.cells.x + cell.x];
 }
 
-// Finest level shown at a place.
-fn level_at(face: u32, place: vec2f) -> u32 {
-    return level_map[cell_index(face, tile_at(0u, place))];
+fn level_in(shown: u32) -> u32 {
+    return shown & 15u;
 }
 
 // A tile on the GPU: what it covers, in level-0 pixels, and its top left luma texel.
@@ -75,23 +72,18 @@ struct Source {
     layer: u32,
 }
 
-// The tile of `level` at a place; it must be resident.
-fn source_at(level: u32, face: u32, place: vec2f) -> Source {
-    let lattice = tiles.levels[level];
-    let tile = tile_at(level, place);
-    let low = vec2f(tile) * lattice.span;
-    let high = min(low + lattice.span, tiles.size);
-    if (level == tiles.coarsest) {
-        return Source(level, low, high, tile * tiles.base_step, face);
-    }
-    let rank = (face * lattice.tiles.y + tile.y) * lattice.tiles.x + tile.x;
-    let slot = max(slots[lattice.first_slot + rank], 1u) - 1u;
-    let in_layer = tiles.slots_across.x * tiles.slots_across.y;
-    let layer = slot / in_layer;
-    let at = slot - layer * in_layer;
-    let row = at / tiles.slots_across.x;
-    let corner = vec2u(at - row * tiles.slots_across.x, row) * tiles.slot;
-    return Source(level, low, high, corner, layer);
+// The tile of `level` at a place, where `shown` is shown: that tile, or the coarsest.
+fn source_at(level: u32, face: u32, place: vec2f, shown: u32) -> Source {
+    let is_base = level == tiles.coarsest;
+    let finer_span = tiles.cell * f32(1u << (level * tiles.span_octaves));
+    let span = select(finer_span, tiles.base_span, is_base);
+    let last = floor((tiles.size - 0.5) / span);
+    let tile = clamp(floor(place / span), vec2f(0.0), last);
+    let low = tile * span;
+    let high = min(low + span, tiles.size);
+    let slot = vec2u(shown >> 4u, shown >> 12u) & vec2u(255u);
+    let corner = select(slot * tiles.slot, vec2u(tile) * tiles.base_step, is_base);
+    return Source(level, low, high, corner, select(shown >> 20u, face, is_base));
 }
 
 // Start of the segment around a place.
@@ -128,11 +120,13 @@ fn load(source: Source, plane: u32, texel: vec2i, mip: u32) -> vec2f {
 // The sample of `level` that covers a place. A finer tile there gives the average of its samples,
 // a coarser one the sample of its own level.
 fn fetch(plane: u32, level: u32, face: u32, place: vec2f) -> vec2f {
-    let resident = level_at(face, place);
-    let shown = max(resident, level);
-    let source = source_at(select(resident, shown, shown == tiles.coarsest), face, place);
+    let shown = shown_in(face, cell_at(place));
+    let resident = level_in(shown);
+    let given = max(resident, level);
+    let is_base = given == tiles.coarsest;
+    let source = source_at(select(resident, given, is_base), face, place, shown);
     let start = segment_start(place);
-    let sample = vec2i(floor((place - start) / pitch_of(plane, shown)));
-    let texel = first_texel(source, plane, shown, start) + sample;
-    return load(source, plane, texel, mip_of(source, shown));
+    let sample = vec2i(floor((place - start) / pitch_of(plane, given)));
+    let texel = first_texel(source, plane, given, start) + sample;
+    return load(source, plane, texel, mip_of(source, given));
 }

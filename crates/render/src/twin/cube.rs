@@ -56,59 +56,68 @@ pub(super) fn seen_by(tiles: &TwinTiles, content_from_pixel: &Mat3, pixel: Vec2)
     }
 }
 
+const TOUCHES_HIGH: u32 = 0x00f0_19d5;
+
+fn touches_high(face: u32, k: u32, high: u32) -> bool {
+    (TOUCHES_HIGH >> (face * 4 + k * 2 + high)) & 1 != 0
+}
+
 struct Neighbour {
     face: u32,
     place: Vec2,
-    high: bool,
 }
 
-fn neighbour(tiles: &TwinTiles, face: u32, place: Vec2, k: usize, high: bool) -> Neighbour {
+fn neighbour(tiles: &TwinTiles, face: u32, place: Vec2, k: u32, high: bool) -> Neighbour {
     let axes = axes_of(face);
     let tangent = place * 2.0 / tiles.size() - 1.0;
+    let across = if k == 1 { tangent.y } else { tangent.x };
+    let along = if k == 1 {
+        axes.right * tangent.x
+    } else {
+        axes.down * tangent.y
+    };
     let side = if high { 1.0 } else { -1.0 };
     let outward = if k == 1 { axes.down } else { axes.right } * side;
-    let along = if k == 1 { axes.right } else { axes.down } * tangent[1 - k];
-    let depth = tangent[k] * side - 1.0;
+    let depth = across * side - 1.0;
     let beside = cube_face(outward);
-    let beside_axes = axes_of(beside);
     let ray = outward + axes.forward * (1.0 - depth) + along;
-    let back = axes.forward.dot(beside_axes.right) + axes.forward.dot(beside_axes.down);
     Neighbour {
         face: beside,
-        place: place_of(tiles, tangent_of(&beside_axes, ray)),
-        high: back > 0.0,
+        place: place_of(tiles, tangent_of(&axes_of(beside), ray)),
     }
 }
 
 pub(super) fn widened_across(tiles: &TwinTiles, face: u32, place: Vec2, known: f32) -> f32 {
+    let reach = tiles.params.growth * (tiles.params.coarsest_scale - known);
+    let near_low = place.cmplt(Vec2::splat(reach));
+    let near_high = (tiles.size() - place).cmplt(Vec2::splat(reach));
+    let mut borders = u32::from(near_low.x)
+        | u32::from(near_high.x) << 1
+        | u32::from(near_low.y) << 2
+        | u32::from(near_high.y) << 3;
     let mut widest = known;
-    for border in 0..4 {
-        let k = border / 2;
-        let high = border % 2 == 1;
-        let depth = if high {
-            tiles.size()[k] - place[k]
-        } else {
-            place[k]
-        };
-        if depth < tiles.params.growth * (tiles.params.coarsest_scale - widest) {
-            let beside = neighbour(tiles, face, place, k, high);
-            widest = widened(tiles, beside.face, beside.place, widest);
-        }
+    while borders != 0 {
+        let border = borders & (!borders + 1);
+        borders ^= border;
+        let high = border & 10 != 0;
+        let beside = neighbour(tiles, face, place, u32::from(border > 2), high);
+        widest = widened(tiles, beside.face, beside.place, widest);
     }
     widest
 }
 
-pub(super) fn beyond_edges(tiles: &TwinTiles, face: u32, axis: &Axis, k: usize) -> Vec2 {
-    let count = samples_in(axis, axis.last_segment);
-    let last = tap_at(axis, axis.last_segment, count - 1);
-    let depth = Vec2::new(tap_at(axis, 0, 0).centre, axis.size - last.centre);
-    let middle = 0.5 * tiles.size();
-    let low = neighbour(tiles, face, middle, k, false).high;
-    let high = neighbour(tiles, face, middle, k, true).high;
-    Vec2::new(
-        if low { depth.y } else { depth.x },
-        if high { depth.y } else { depth.x },
-    )
+pub(super) fn beyond_edges(face: u32, axis: &Axis, k: usize) -> Vec2 {
+    let last = tap_at(
+        axis,
+        axis.last_segment,
+        samples_in(axis, axis.last_segment) - 1,
+    );
+    let low_depth = tap_at(axis, 0, 0).centre;
+    let high_depth = axis.size - last.centre;
+    let touches = |high| touches_high(face, k as u32, high);
+    let low = if touches(0) { high_depth } else { low_depth };
+    let high = if touches(1) { high_depth } else { low_depth };
+    Vec2::new(low, high)
 }
 
 pub(super) fn fetch_tap(
@@ -118,35 +127,50 @@ pub(super) fn fetch_tap(
     face: u32,
     [x, y]: [Tap; 2],
 ) -> Vec2 {
-    let within = Vec2::new(x.within, y.within);
-    if x.beyond == 0 && y.beyond == 0 {
-        return fetch(tiles, plane, level, face, within);
-    }
+    let mut parts = u32::from(x.beyond != 0) | u32::from(y.beyond != 0) << 1;
+    let count = if parts == 3 { 3.0 } else { 1.0 };
+    parts |= if parts == 0 || parts == 3 { 4 } else { 0 };
+    let half = 0.5 * tiles.size();
+    let beyond = half + (half + 0.5) * Vec2::new(x.beyond as f32, y.beyond as f32);
     let mut sum = Vec2::ZERO;
-    let mut count = 0.0;
-    if x.beyond != 0 {
-        let edge = if x.beyond > 0 {
-            tiles.size().x + 0.5
-        } else {
-            -0.5
+    while parts != 0 {
+        let part = parts & (!parts + 1);
+        parts ^= part;
+        let mut at = Neighbour {
+            face,
+            place: Vec2::new(x.within, y.within),
         };
-        let beside = neighbour(tiles, face, Vec2::new(edge, y.centre), 0, x.beyond > 0);
-        sum += fetch(tiles, plane, level, beside.face, beside.place);
-        count += 1.0;
-    }
-    if y.beyond != 0 {
-        let edge = if y.beyond > 0 {
-            tiles.size().y + 0.5
-        } else {
-            -0.5
-        };
-        let beside = neighbour(tiles, face, Vec2::new(x.centre, edge), 1, y.beyond > 0);
-        sum += fetch(tiles, plane, level, beside.face, beside.place);
-        count += 1.0;
-    }
-    if count > 1.5 {
-        sum += fetch(tiles, plane, level, face, within);
-        count += 1.0;
+        if part != 4 {
+            let over_x = part == 1;
+            let place = if over_x {
+                Vec2::new(beyond.x, y.centre)
+            } else {
+                Vec2::new(x.centre, beyond.y)
+            };
+            let high = if over_x { x.beyond } else { y.beyond } > 0;
+            at = neighbour(tiles, face, place, u32::from(!over_x), high);
+        }
+        sum += fetch(tiles, plane, level, at.face, at.place);
     }
     sum / count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_of_touching_borders_follows_from_the_axes() {
+        for face in 0..6 {
+            let axes = axes_of(face);
+            for (k, axis) in [axes.right, axes.down].into_iter().enumerate() {
+                for high in 0..2 {
+                    let outward = if high == 1 { axis } else { -axis };
+                    let beside = axes_of(cube_face(outward));
+                    let back = axes.forward.dot(beside.right) + axes.forward.dot(beside.down);
+                    assert_eq!(touches_high(face, k as u32, high), back > 0.0);
+                }
+            }
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! How coarse may the picture look at a place, without a visible border between tiles? Twin of
 //! `shaders/shared/footprint.wgsl`.
 
-use super::tiles::{TwinTiles, cell_index, tile_at};
+use super::tiles::{TwinTiles, cell_at, scale_of, shown_in};
 use super::{cube, plane};
 use foveal_core::view::surface::Projection;
 use glam::{UVec2, Vec2};
@@ -11,17 +11,16 @@ pub(super) fn widened(tiles: &TwinTiles, face: u32, place: Vec2, known: f32) -> 
     if reach <= 0.0 {
         return known;
     }
-    let from_cell = tile_at(tiles, 0, place - reach);
-    let to_cell = tile_at(tiles, 0, place + reach);
+    let from_cell = cell_at(tiles, place - reach);
+    let to_cell = cell_at(tiles, place + reach);
     let mut widest = known;
     for y in from_cell.y..=to_cell.y {
         for x in from_cell.x..=to_cell.x {
-            let span = Vec2::from(tiles.level(0).span);
-            let low = UVec2::new(x, y).as_vec2() * span;
-            let high = (low + span).min(tiles.size());
+            let cell = Vec2::from(tiles.params.cell);
+            let low = UVec2::new(x, y).as_vec2() * cell;
+            let high = (low + cell).min(tiles.size());
             let away = (low - place).max(place - high).max(Vec2::ZERO).length();
-            let cell = cell_index(tiles, face, UVec2::new(x, y));
-            let scale = tiles.level(tiles.level_map()[cell]).scale;
+            let scale = scale_of(tiles, shown_in(tiles, face, UVec2::new(x, y)));
             widest = widest.max(scale - away / tiles.params.growth);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::footprint::{level_of, shown_footprint};
 use super::screen::Seen;
-use super::tiles::{TwinTiles, level_at, source_at};
+use super::tiles::{TwinTiles, cell_at, scale_of, shown_in, source_at};
 use super::{cube, mix, plane};
 use crate::params::Overlay;
 use foveal_core::view::surface::Projection;
@@ -32,8 +32,8 @@ fn line(away: f32, width: f32) -> f32 {
 }
 
 fn to_border(tiles: &TwinTiles, seen: &Seen) -> f32 {
-    let level = level_at(tiles, seen.face, seen.place);
-    let tile = source_at(tiles, level, seen.face, seen.place);
+    let shown = shown_in(tiles, seen.face, cell_at(tiles, seen.place));
+    let tile = source_at(tiles, shown, seen.face, seen.place);
     let away = (seen.place - tile.low).min(tile.high - seen.place);
     away.x.min(away.y) / seen.footprint
 }
@@ -51,7 +51,10 @@ pub(super) fn overlay(tiles: &TwinTiles, view: &Mat3, marks: &Overlay, position:
         Projection::Cube => cube::seen_by(tiles, view, position),
     };
     if seen.inside {
-        let own = tiles.level(level_at(tiles, seen.face, seen.place)).scale;
+        let own = scale_of(
+            tiles,
+            shown_in(tiles, seen.face, cell_at(tiles, seen.place)),
+        );
         let footprint = shown_footprint(tiles, seen.face, seen.place, seen.footprint, own);
         let level = level_of(tiles, footprint) / (tiles.params.coarsest as f32).max(1.0);
         drawn = over(drawn, ramp(level), marks.heat);

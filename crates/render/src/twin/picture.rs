@@ -5,8 +5,8 @@ use super::colour::rgb_from_yuv;
 use super::footprint::{level_of, shown_footprint};
 use super::lattice::{Axis, Tap, axis_of, bracket};
 use super::tiles::{
-    Plane, Source, TwinTiles, first_texel, level_at, load, mip_of, offset_of, pitch_of,
-    segment_start, source_at,
+    Plane, Source, TwinTiles, cell_at, first_texel, load, mip_of, offset_of, pitch_of, scale_of,
+    segment_start, shown_in, source_at,
 };
 use super::{cube, mix, plane};
 use foveal_core::view::surface::Projection;
@@ -42,22 +42,37 @@ fn view_inside(tiles: &TwinTiles, source: &Source, plane: Plane, level: u32, at:
     mix(mix(a, b, at.weight.x), mix(c, d, at.weight.x), at.weight.y)
 }
 
-fn view_across(tiles: &TwinTiles, plane: Plane, level: u32, face: u32, place: Vec2) -> Vec2 {
+fn corner_across(
+    tiles: &TwinTiles,
+    corner: u32,
+    plane: Plane,
+    level: u32,
+    face: u32,
+    place: Vec2,
+) -> Vec2 {
     let x_axis = axis_of(tiles, plane, level, 0);
     let y_axis = axis_of(tiles, plane, level, 1);
-    let x = bracket(&x_axis, place.x, beyond_edges(tiles, face, &x_axis, 0));
-    let y = bracket(&y_axis, place.y, beyond_edges(tiles, face, &y_axis, 1));
-    let a = fetch_tap(tiles, plane, level, face, [x.low, y.low]);
-    let b = fetch_tap(tiles, plane, level, face, [x.high, y.low]);
-    let c = fetch_tap(tiles, plane, level, face, [x.low, y.high]);
-    let d = fetch_tap(tiles, plane, level, face, [x.high, y.high]);
-    mix(mix(a, b, x.weight), mix(c, d, x.weight), y.weight)
+    let across = bracket(&x_axis, place.x, beyond_edges(tiles, face, &x_axis, 0));
+    let along = bracket(&y_axis, place.y, beyond_edges(tiles, face, &y_axis, 1));
+    let mut x = across.low;
+    let mut x_weight = 1.0 - across.weight;
+    if corner & 1 != 0 {
+        x = across.high;
+        x_weight = across.weight;
+    }
+    let mut y = along.low;
+    let mut y_weight = 1.0 - along.weight;
+    if corner & 2 != 0 {
+        y = along.high;
+        y_weight = along.weight;
+    }
+    fetch_tap(tiles, plane, level, face, [x, y]) * (x_weight * y_weight)
 }
 
 fn beyond_edges(tiles: &TwinTiles, face: u32, axis: &Axis, k: usize) -> Vec2 {
     match tiles.grid.surface.projection {
         Projection::Flat => plane::beyond_edges(axis),
-        Projection::Cube => cube::beyond_edges(tiles, face, axis, k),
+        Projection::Cube => cube::beyond_edges(face, axis, k),
     }
 }
 
@@ -74,34 +89,51 @@ fn level_view(tiles: &TwinTiles, level: u32, face: u32, place: Vec2, own: &Sourc
         source = source_at(tiles, level, face, place);
     }
     let luma_at = footing(tiles, &source, Plane::Luma, level, place);
-    let luma = if luma_at.inside {
-        view_inside(tiles, &source, Plane::Luma, level, &luma_at)
-    } else {
-        view_across(tiles, Plane::Luma, level, face, place)
-    };
     let chroma_at = footing(tiles, &source, Plane::Chroma, level, place);
-    let chroma = if chroma_at.inside {
-        view_inside(tiles, &source, Plane::Chroma, level, &chroma_at)
-    } else {
-        view_across(tiles, Plane::Chroma, level, face, place)
-    };
+    let mut luma = Vec2::ZERO;
+    if luma_at.inside {
+        luma = view_inside(tiles, &source, Plane::Luma, level, &luma_at);
+    }
+    let mut chroma = Vec2::ZERO;
+    if chroma_at.inside {
+        chroma = view_inside(tiles, &source, Plane::Chroma, level, &chroma_at);
+    }
+    let mut corner = if luma_at.inside { 4 } else { 0 };
+    let end = if chroma_at.inside { 4 } else { 8 };
+    while corner < end {
+        let plane = if corner < 4 {
+            Plane::Luma
+        } else {
+            Plane::Chroma
+        };
+        let sample = corner_across(tiles, corner, plane, level, face, place);
+        match plane {
+            Plane::Luma => luma += sample,
+            Plane::Chroma => chroma += sample,
+        }
+        corner += 1;
+    }
     Vec3::new(luma.x, chroma.x, chroma.y)
 }
 
 pub(super) fn picture_at(tiles: &TwinTiles, face: u32, place: Vec2, display: f32) -> Vec3 {
-    let own = source_at(tiles, level_at(tiles, face, place), face, place);
-    let footprint = shown_footprint(tiles, face, place, display, tiles.level(own.level).scale);
+    let own_shown = shown_in(tiles, face, cell_at(tiles, place));
+    let own = source_at(tiles, own_shown, face, place);
+    let footprint = shown_footprint(tiles, face, place, display, scale_of(tiles, own.level));
     let shown = level_of(tiles, footprint);
-    let mut level = shown.floor();
-    let mut blend = shown - level;
+    let mut level = shown as u32;
+    let mut blend = shown - level as f32;
     if blend > 1023.0 / 1024.0 {
-        level += 1.0;
+        level += 1;
         blend = 0.0;
     }
-    let mut yuv = level_view(tiles, level as u32, face, place, &own);
-    if blend >= 1.0 / 1024.0 {
-        let coarser = level_view(tiles, level as u32 + 1, face, place, &own);
-        yuv = mix(yuv, coarser, blend);
+    let end = level + if blend >= 1.0 / 1024.0 { 2 } else { 1 };
+    let mut weight = if end == level + 2 { 1.0 - blend } else { 1.0 };
+    let mut yuv = Vec3::ZERO;
+    while level < end {
+        yuv += level_view(tiles, level, face, place, &own) * weight;
+        weight = blend;
+        level += 1;
     }
     rgb_from_yuv(tiles, yuv)
 }

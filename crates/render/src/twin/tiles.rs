@@ -1,8 +1,8 @@
 //! Which sample of a level lies at a place? Twin of `shaders/shared/tiles.wgsl`.
 
 use crate::error::RenderError;
-use crate::level_map::level_map;
-use crate::params::{LevelParams, SlotShape, TileParams};
+use crate::level_map::shown_map;
+use crate::params::{SlotShape, TileParams};
 use crate::reduce::{Samples, pyramid};
 use crate::residency::check;
 use foveal_core::asset::picture::{Colour, Picture};
@@ -29,7 +29,7 @@ impl TwinTiles {
             params: TileParams::new(grid, colour, &SlotShape::new(grid)),
             resident: BTreeMap::new(),
             frame: 0,
-            level_map: level_map(grid, []),
+            level_map: shown_map(grid, []),
         }
     }
 
@@ -80,11 +80,8 @@ impl TwinTiles {
             .resident
             .iter()
             .filter(|(_, (frame, _))| *frame == self.frame);
-        self.level_map = level_map(&self.grid, shown.map(|(&tile, _)| tile));
-    }
-
-    pub(super) fn level(&self, level: u32) -> &LevelParams {
-        &self.params.levels[level as usize]
+        let entries = shown.map(|(&tile, _)| (tile, u32::from(tile.level)));
+        self.level_map = shown_map(&self.grid, entries);
     }
 
     pub(super) fn size(&self) -> Vec2 {
@@ -98,33 +95,30 @@ pub(super) enum Plane {
     Chroma,
 }
 
+pub(super) fn scale_of(tiles: &TwinTiles, level: u32) -> f32 {
+    (1 << (level * tiles.params.octaves)) as f32
+}
+
 pub(super) fn pitch_of(tiles: &TwinTiles, plane: Plane, level: u32) -> f32 {
-    tiles.level(level).scale * if plane == Plane::Chroma { 2.0 } else { 1.0 }
+    scale_of(tiles, level) * if plane == Plane::Chroma { 2.0 } else { 1.0 }
 }
 
 pub(super) fn offset_of(tiles: &TwinTiles, plane: Plane, level: u32) -> Vec2 {
-    let x = match plane {
-        Plane::Luma => 0.5,
-        Plane::Chroma => tiles.level(level).chroma_offset,
-    };
-    Vec2::new(x, 0.5)
+    let chroma = 0.5 - (0.5 - tiles.params.chroma_offset) / scale_of(tiles, level);
+    Vec2::new(if plane == Plane::Chroma { chroma } else { 0.5 }, 0.5)
 }
 
-pub(super) fn cell_index(tiles: &TwinTiles, face: u32, cell: UVec2) -> usize {
-    let [columns, rows] = tiles.params.cells;
-    ((face * rows + cell.y) * columns + cell.x) as usize
-}
-
-pub(super) fn tile_at(tiles: &TwinTiles, level: u32, place: Vec2) -> UVec2 {
-    let lattice = tiles.level(level);
-    let tile = (place / Vec2::from(lattice.span))
+pub(super) fn cell_at(tiles: &TwinTiles, place: Vec2) -> UVec2 {
+    let cell = (place / Vec2::from(tiles.params.cell))
         .max(Vec2::ZERO)
         .as_uvec2();
-    tile.min(UVec2::from(lattice.tiles) - 1)
+    cell.min(UVec2::from(tiles.params.cells) - 1)
 }
 
-pub(super) fn level_at(tiles: &TwinTiles, face: u32, place: Vec2) -> u32 {
-    tiles.level_map[cell_index(tiles, face, tile_at(tiles, 0, place))]
+/// The level shown at a cell; the twin's tiles are found by it and need no slot.
+pub(super) fn shown_in(tiles: &TwinTiles, face: u32, cell: UVec2) -> u32 {
+    let [columns, rows] = tiles.params.cells;
+    tiles.level_map[((face * rows + cell.y) * columns + cell.x) as usize]
 }
 
 /// A tile in memory and what it covers, in level-0 pixels.
@@ -137,10 +131,18 @@ pub(super) struct Source {
 }
 
 pub(super) fn source_at(tiles: &TwinTiles, level: u32, face: u32, place: Vec2) -> Source {
-    let lattice = tiles.level(level);
-    let tile = tile_at(tiles, level, place);
-    let low = tile.as_vec2() * Vec2::from(lattice.span);
-    let high = (low + Vec2::from(lattice.span)).min(tiles.size());
+    let is_base = level == tiles.params.coarsest;
+    let finer_span =
+        Vec2::from(tiles.params.cell) * (1 << (level * tiles.params.span_octaves)) as f32;
+    let span = if is_base {
+        Vec2::from(tiles.params.base_span)
+    } else {
+        finer_span
+    };
+    let last = ((tiles.size() - 0.5) / span).floor();
+    let tile = (place / span).floor().clamp(Vec2::ZERO, last);
+    let low = tile * span;
+    let high = (low + span).min(tiles.size());
     let tile = Tile {
         level: level as u8,
         face: face as u8,
@@ -206,18 +208,14 @@ pub(super) fn load(
 }
 
 pub(super) fn fetch(tiles: &TwinTiles, plane: Plane, level: u32, face: u32, place: Vec2) -> Vec2 {
-    let resident = level_at(tiles, face, place);
-    let shown = resident.max(level);
-    let source_level = if shown == tiles.params.coarsest {
-        shown
-    } else {
-        resident
-    };
-    let source = source_at(tiles, source_level, face, place);
+    let resident = shown_in(tiles, face, cell_at(tiles, place));
+    let given = resident.max(level);
+    let is_base = given == tiles.params.coarsest;
+    let source = source_at(tiles, if is_base { given } else { resident }, face, place);
     let start = segment_start(tiles, place);
-    let sample = ((place - start) / pitch_of(tiles, plane, shown))
+    let sample = ((place - start) / pitch_of(tiles, plane, given))
         .floor()
         .as_ivec2();
-    let texel = first_texel(tiles, &source, plane, shown, start) + sample;
-    load(tiles, &source, plane, texel, mip_of(&source, shown))
+    let texel = first_texel(tiles, &source, plane, given, start) + sample;
+    load(tiles, &source, plane, texel, mip_of(&source, given))
 }

@@ -1,0 +1,15 @@
+//! Does the whole program do what it says, from a file to the picture that an eye gets?
+//!
+//! Every test drives the real binary. Inputs are generated, folders go away with the test.
+
+mod damage;
+mod fovea;
+mod full;
+mod journey;
+mod no_adapter;
+mod numbers;
+mod refusals;
+mod scenes;
+mod selection;
+mod support;
+mod unwritable;
