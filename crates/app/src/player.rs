@@ -226,7 +226,7 @@ impl Player {
         let mut order: Vec<(u8, f64, Tile)> = wanted
             .iter()
             .map(|tile| {
-                let centre = self.centre(*tile);
+                let centre = self.grid.centre(*tile);
                 let angle = angle_between(gaze.gaze_in_content, centre).0;
                 (u8::from(tile.level != coarsest), angle, *tile)
             })
@@ -251,12 +251,6 @@ impl Player {
         }
         self.pool.cancel();
         done
-    }
-
-    fn centre(&self, tile: Tile) -> glam::DVec3 {
-        let (from, size) = (self.grid.origin(tile), self.grid.covered(tile));
-        let place = [0, 1].map(|k| f64::from(from[k]) + f64::from(size[k]) / 2.0);
-        self.grid.surface.direction(u32::from(tile.face), place)
     }
 
     /// Bytes of the units of these tiles that this run had not needed before.

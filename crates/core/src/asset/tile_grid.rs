@@ -1,6 +1,7 @@
 //! Which tiles does a picture consist of, and which pixels does each hold?
 
 use crate::view::surface::Surface;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -219,6 +220,14 @@ impl TileGrid {
     pub fn covered(&self, tile: Tile) -> [u32; 2] {
         let (origin, span) = (self.origin(tile), self.span(tile.level));
         [0, 1].map(|k| span[k].min(self.surface.size[k] - origin[k]))
+    }
+
+    /// Unit direction of a tile's centre.
+    #[must_use]
+    pub fn centre(&self, tile: Tile) -> DVec3 {
+        let (from, size) = (self.origin(tile), self.covered(tile));
+        let place = [0, 1].map(|k| f64::from(from[k]) + f64::from(size[k]) / 2.0);
+        self.surface.direction(u32::from(tile.face), place)
     }
 
     /// Pixels of a tile at its own level, rounded up.

@@ -232,6 +232,9 @@ fn surround(
     }
     if let Some(spherical) = &info.spherical {
         let is_half = spherical.is_half();
+        if [spherical.yaw_deg, spherical.pitch_deg, spherical.roll_deg] != [0.0; 3] {
+            notes.push("the turn of the sphere in its metadata is not applied".to_owned());
+        }
         return match spherical.projection {
             SourceProjection::Equirect => {
                 notes.push("360° by its spherical metadata".to_owned());
