@@ -226,10 +226,10 @@ impl Atlas {
         planes: &[Vec<Samples>; 3],
     ) {
         let place = self.slot_place(slot);
-        for level in 0..planes[0].len() {
-            let samples = [0, 1, 2].map(|p| &planes[p][level]);
-            self.tiles
-                .write(gpu, place, level as u32 * octaves, samples);
+        let [luma, blue, red] = planes;
+        for (level, ((y, u), v)) in luma.iter().zip(blue).zip(red).enumerate() {
+            let mip = level as u32 * octaves;
+            self.tiles.write(gpu, place, mip, [y, u, v]);
         }
     }
 
