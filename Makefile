@@ -5,6 +5,8 @@ export PATH := $(PATH):$(HOME)/.cargo/bin
 TARGET := $(or $(CARGO_TARGET_DIR),target)
 FUZZ_SECONDS := 60
 export INPUT
+# Where there is no desktop, Mesa's Vulkan layers complain about its absence.
+export XDG_RUNTIME_DIR ?= /tmp
 
 .PHONY: help setup build demo test fuzz clean
 

@@ -19,6 +19,34 @@ pub(crate) enum RendererName {
     None,
 }
 
+/// What draws, ready: one can serve several canvases.
+#[derive(Clone)]
+pub(crate) enum Drawing {
+    Gpu(Gpu),
+    Cpu,
+    None,
+}
+
+impl Drawing {
+    /// Opens what was asked for.
+    pub(crate) fn open(name: RendererName) -> anyhow::Result<Self> {
+        Ok(match name {
+            RendererName::Gpu => Self::Gpu(Gpu::open_blocking().context("or give --renderer cpu")?),
+            RendererName::Cpu => Self::Cpu,
+            RendererName::None => Self::None,
+        })
+    }
+
+    /// Its name, for people.
+    pub(crate) fn name(&self) -> &str {
+        match self {
+            Self::Gpu(gpu) => gpu.adapter_name(),
+            Self::Cpu => "the CPU twin",
+            Self::None => "nothing",
+        }
+    }
+}
+
 /// Most layers of the atlas: 256 is what a browser gives.
 const MOST_LAYERS: u32 = 256;
 
@@ -31,14 +59,13 @@ pub(crate) enum Canvas {
 
 impl Canvas {
     /// A canvas for the tiles of `grid`.
-    pub(crate) fn new(name: RendererName, grid: &TileGrid, colour: Colour) -> anyhow::Result<Self> {
-        Ok(match name {
-            RendererName::Gpu => {
-                let gpu = Gpu::open_blocking().context("or give --renderer cpu")?;
-                Self::Gpu(Box::new(Renderer::new(&gpu, grid, colour, MOST_LAYERS)?))
+    pub(crate) fn new(drawing: &Drawing, grid: &TileGrid, colour: Colour) -> anyhow::Result<Self> {
+        Ok(match drawing {
+            Drawing::Gpu(gpu) => {
+                Self::Gpu(Box::new(Renderer::new(gpu, grid, colour, MOST_LAYERS)?))
             }
-            RendererName::Cpu => Self::Cpu(Box::new(TwinTiles::new(grid, colour))),
-            RendererName::None => Self::None,
+            Drawing::Cpu => Self::Cpu(Box::new(TwinTiles::new(grid, colour))),
+            Drawing::None => Self::None,
         })
     }
 
@@ -89,6 +116,15 @@ impl Canvas {
             Self::Gpu(renderer) => renderer.tiles().gpu_bytes(),
             _ => 0,
         }
+    }
+
+    /// The samples of a resident tile, as whatever draws holds them.
+    pub(crate) fn read_tile(&mut self, tile: Tile) -> anyhow::Result<Option<Picture>> {
+        Ok(match self {
+            Self::Gpu(renderer) => Some(renderer.tiles().read_tile(tile)?),
+            Self::Cpu(tiles) => tiles.read_tile(tile),
+            Self::None => None,
+        })
     }
 
     /// The picture that a view shows, with `marks` over it if there are any; `None` when nothing

@@ -1,6 +1,7 @@
 //! The `foveal` program: which command runs?
 
 mod canvas;
+mod demo;
 mod gaze;
 mod info;
 mod options;
@@ -37,6 +38,8 @@ enum Command {
     Select(select::SelectArgs),
     /// Play a pack headless: pictures of what the eye gets, figures, and a log.
     Simulate(simulate::SimulateArgs),
+    /// Prepare and play clips under several policies, and show in a page what was saved.
+    Demo(demo::DemoArgs),
     /// Make the selection of a logged session again and compare.
     Replay(replay::ReplayArgs),
 }
@@ -55,6 +58,7 @@ fn main() -> ExitCode {
         Command::Verify(args) => verify::run(&args),
         Command::Select(args) => select::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Demo(args) => demo::run(&args),
         Command::Replay(args) => replay::run(&args),
     };
     match result {

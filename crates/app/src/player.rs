@@ -2,7 +2,7 @@
 //!
 //! Select, decode, upload: the one path that every command that plays a pack goes through.
 
-use crate::canvas::{Canvas, RendererName};
+use crate::canvas::{Canvas, Drawing};
 use crate::gaze::GazeSource;
 use anyhow::{Context, bail};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
@@ -17,6 +17,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::{Projection, Screen};
 use foveal_media::decode_pool::{DecodePool, DecodedTile};
 use foveal_media::pack_file::PackFile;
+use foveal_render::RgbaImage;
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -41,7 +42,7 @@ pub(crate) struct PlayerOptions {
     pub(crate) config: PolicyConfig,
     pub(crate) view: EyeView,
     pub(crate) screen: Screen,
-    pub(crate) renderer: RendererName,
+    pub(crate) drawing: Drawing,
     /// Show a frame when its time is over, complete or not.
     pub(crate) paced: bool,
     /// Decoding threads.
@@ -90,7 +91,7 @@ impl Player {
             selector: Selector::new(grid, options.config.clone()),
             config: options.config,
             pool: DecodePool::new(Arc::clone(&file), options.jobs),
-            canvas: Canvas::new(options.renderer, &grid, about.colour)?,
+            canvas: Canvas::new(&options.drawing, &grid, about.colour)?,
             view: options.view,
             grid,
             times_ns,
@@ -104,6 +105,13 @@ impl Player {
     /// The tiles of the pack.
     pub(crate) fn grid(&self) -> &TileGrid {
         &self.grid
+    }
+
+    /// A resident tile by itself, in its own pixels; `None` when nothing draws.
+    pub(crate) fn read_tile(&mut self, tile: Tile) -> anyhow::Result<Option<RgbaImage>> {
+        let colour = self.file.pack().description().colour;
+        let picture = self.canvas.read_tile(tile)?;
+        Ok(picture.map(|picture| RgbaImage::from_planes(&picture, colour)))
     }
 
     /// Media time of a frame.

@@ -1,6 +1,6 @@
 //! What does an eye get from a pack, and what did that take?
 
-use crate::canvas::RendererName;
+use crate::canvas::{Drawing, RendererName};
 use crate::gaze::{GazeChoice, GazeSource, parse_gaze};
 use crate::options::{PolicyOptions, ViewOptions};
 use crate::output::{self, out_of_range};
@@ -120,7 +120,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             config: args.policy.config()?,
             view: args.view.eye_view(&surface)?,
             screen: args.view.screen,
-            renderer: args.renderer,
+            drawing: Drawing::open(args.renderer)?,
             paced: args.paced,
             jobs: args.jobs.unwrap_or_else(default_jobs),
         },
@@ -219,8 +219,8 @@ impl RunSummary {
     }
 }
 
-/// One line a frame.
-fn csv(reports: &[FrameReport]) -> String {
+/// The figures of a run as CSV, one line a frame.
+pub(crate) fn csv(reports: &[FrameReport]) -> String {
     let mut text = "frame,time_s,gaze_yaw_deg,gaze_pitch_deg,head_yaw_deg,head_pitch_deg,tiles,\
                     pixels,share,decoded_pixels,new_bytes,decode_ms,upload_ms,late,level_changes\n"
         .to_owned();
@@ -250,7 +250,7 @@ fn csv(reports: &[FrameReport]) -> String {
     text
 }
 
-fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
+pub(crate) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
     std::fs::write(path, text).with_context(|| format!("{}: cannot be written", path.display()))
 }
 

@@ -124,6 +124,14 @@ struct SlotPlace {
     layer: u32,
 }
 
+/// The textures that hold a tile, its top left luma texel and its layer.
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) struct TilePlace<'a> {
+    pub(crate) planes: &'a Planes,
+    pub(crate) at: [u32; 2],
+    pub(crate) layer: u32,
+}
+
 /// The textures, without knowledge of what is in them.
 pub(crate) struct Atlas {
     shape: SlotShape,
@@ -217,31 +225,52 @@ impl Atlas {
         octaves: u32,
         planes: &[Vec<Samples>; 3],
     ) {
-        let [column, row, layer] = self.place(slot);
-        let place = SlotPlace {
-            at: [column * self.shape.slot[0], row * self.shape.slot[1]],
-            layer,
-        };
-        for level in 0..planes[0].len() {
-            let samples = [0, 1, 2].map(|p| &planes[p][level]);
-            self.tiles
-                .write(gpu, place, level as u32 * octaves, samples);
+        let place = self.slot_place(slot);
+        let [luma, blue, red] = planes;
+        for (level, ((y, u), v)) in luma.iter().zip(blue).zip(red).enumerate() {
+            let mip = level as u32 * octaves;
+            self.tiles.write(gpu, place, mip, [y, u, v]);
         }
     }
 
     /// Writes a tile of the coarsest level.
     pub(crate) fn write_base(&self, gpu: &Gpu, grid: &TileGrid, tile: Tile, planes: [&Samples; 3]) {
-        let step = base_step(grid);
-        let place = SlotPlace {
-            at: [u32::from(tile.x) * step[0], u32::from(tile.y) * step[1]],
-            layer: u32::from(tile.face),
+        self.base.write(gpu, base_place(grid, tile), 0, planes);
+    }
+
+    /// Where the picture of a tile lies: in its slot, or in the base for the coarsest level.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn place_of(&self, grid: &TileGrid, tile: Tile, slot: Option<u32>) -> TilePlace<'_> {
+        let (planes, place) = match slot {
+            Some(slot) => (&self.tiles, self.slot_place(slot)),
+            None => (&self.base, base_place(grid, tile)),
         };
-        self.base.write(gpu, place, 0, planes);
+        TilePlace {
+            planes,
+            at: place.at,
+            layer: place.layer,
+        }
+    }
+
+    fn slot_place(&self, slot: u32) -> SlotPlace {
+        let [column, row, layer] = self.place(slot);
+        SlotPlace {
+            at: [column * self.shape.slot[0], row * self.shape.slot[1]],
+            layer,
+        }
     }
 
     /// Bytes of all textures.
     pub(crate) fn bytes(&self) -> u64 {
         self.tiles.bytes() + self.base.bytes()
+    }
+}
+
+fn base_place(grid: &TileGrid, tile: Tile) -> SlotPlace {
+    let step = base_step(grid);
+    SlotPlace {
+        at: [u32::from(tile.x) * step[0], u32::from(tile.y) * step[1]],
+        layer: u32::from(tile.face),
     }
 }
 

@@ -3,6 +3,8 @@
 use crate::atlas::Atlas;
 use crate::level_map::{LEVEL_BITS, contains, level_in, shown_map};
 use crate::params::{SlotShape, TileParams};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::read_tile::read_planes;
 use crate::{device::Gpu, error::RenderError, reduce::pyramid};
 use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
@@ -143,6 +145,19 @@ impl TileStore {
             .values()
             .filter(|r| r.frame != self.frame)
             .count()
+    }
+
+    /// The samples of a tile as the GPU holds them, the coarsest level's included; refuses a tile
+    /// that is not resident. Blocks: for reports and trials, not for playing.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn read_tile(&self, tile: Tile) -> Result<Picture, RenderError> {
+        let slot = self.resident.get(&tile).map(|resident| resident.slot);
+        let is_base = contains(&self.grid, tile) && tile.level == self.grid.coarsest();
+        if slot.is_none() && !is_base {
+            return Err(RenderError::NotResident(tile));
+        }
+        let place = self.atlas.place_of(&self.grid, tile, slot);
+        read_planes(&self.gpu, &place, self.grid.tile_size(tile))
     }
 
     /// Bytes of GPU memory allocated for textures and tables.
