@@ -3,7 +3,9 @@
 use crate::scenes::{noisy_clip, seen, turned, write_clip};
 use crate::support::{Folder, done, frame_picture, json};
 use foveal_core::units::Radians;
-use foveal_core::view::axes::{Axes, angle_between, direction_from_yaw_pitch};
+use foveal_core::view::axes::{
+    Axes, angle_between, direction_from_yaw_pitch, yaw_pitch_from_direction,
+};
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::{Projection, Screen, Surface};
 
@@ -27,7 +29,7 @@ fn trace(folder: &Folder, looks: &[Look]) -> String {
 fn assert_same_in_the_fovea(
     folder: &Folder,
     pack: &str,
-    surface: &Surface,
+    (surface, screen): (&Surface, &str),
     view: &EyeView,
     looks: &[Look],
 ) {
@@ -37,7 +39,7 @@ fn assert_same_in_the_fovea(
     let play = |name: &str, policy: &[&str]| {
         let out = folder.name(name);
         let how = [
-            "simulate", pack, "--gaze", &gaze, "--out", &out, "--view", &size,
+            "simulate", pack, "--gaze", &gaze, "--out", &out, "--view", &size, "--screen", screen,
         ];
         let frames = looks.len().to_string();
         let run = json(&[&how[..], &["--frames", &frames], policy].concat());
@@ -83,6 +85,29 @@ fn assert_same_in_the_fovea(
     }
 }
 
+/// A flat clip on a screen of fewer pixels by `shrink`, looked at in these places of its picture.
+fn assert_same_on_a_screen(
+    size: [u32; 2],
+    (screen, shrink): (Screen, u32),
+    cut: &[&str],
+    places: &[[f64; 2]],
+) {
+    let folder = Folder::new();
+    let surface = Surface::flat(size, screen);
+    let look = |place: &[f64; 2]| {
+        let (yaw, pitch) = yaw_pitch_from_direction(surface.direction(0, *place));
+        ([yaw.to_degrees(), pitch.to_degrees()], [0.0; 2])
+    };
+    let looks: Vec<Look> = places.iter().map(look).collect();
+    let clip = write_clip(&folder, "a.mkv", &noisy_clip(size, looks.len() as u32));
+    let pack = folder.name("a.foveal");
+    let prepare = ["prepare", "video", &clip, "--out", &pack, "--codec", "png"];
+    done(&[&prepare[..], &["--fast"], cut].concat());
+    let view = EyeView::filling(&surface, size.map(|side| side / shrink));
+    let inches = format!("{},{}", screen.diagonal_inches, screen.distance_m);
+    assert_same_in_the_fovea(&folder, &pack, (&surface, &inches), &view, &looks);
+}
+
 #[test]
 fn the_fovea_of_a_flat_picture_is_that_of_the_whole_picture() {
     for (size, cut) in [
@@ -93,8 +118,6 @@ fn the_fovea_of_a_flat_picture_is_that_of_the_whole_picture() {
             &["--grid", "8x5", "--levels", "3", "--level-ratio", "4"],
         ),
     ] {
-        let folder = Folder::new();
-        let surface = Surface::flat(size, Screen::default());
         let [w, h] = size.map(f64::from);
         // The middle, tile borders and corners, near a border of the picture, its corner.
         let places = [
@@ -105,22 +128,21 @@ fn the_fovea_of_a_flat_picture_is_that_of_the_whole_picture() {
             [w - 20.0, 33.0],
             [0.5, h - 0.5],
         ];
-        let looks: Vec<Look> = places
-            .iter()
-            .map(|place| {
-                let direction = surface.direction(0, *place);
-                let (yaw, pitch) = foveal_core::view::axes::yaw_pitch_from_direction(direction);
-                ([yaw.to_degrees(), pitch.to_degrees()], [0.0; 2])
-            })
-            .collect();
-        let clip = write_clip(&folder, "a.mkv", &noisy_clip(size, looks.len() as u32));
-        let pack = folder.name("a.foveal");
-        let prepare = [
-            "prepare", "video", &clip, "--out", &pack, "--codec", "png", "--fast",
-        ];
-        done(&[&prepare[..], cut].concat());
-        let view = EyeView::filling(&surface, size);
-        assert_same_in_the_fovea(&folder, &pack, &surface, &view, &looks);
+        assert_same_on_a_screen(size, (Screen::default(), 1), cut, &places);
+    }
+}
+
+#[test]
+fn the_fovea_of_a_picture_denser_than_any_eye_is_that_of_the_whole_picture() {
+    // 10 degrees across, 160 pixels a degree: acuity alone would show no place at level 0.
+    let screen = Screen {
+        diagonal_inches: 7.0,
+        distance_m: 1.0,
+    };
+    let places = [[800.0, 160.0], [64.0 * 7.0, 64.0], [3.0, 300.0]];
+    for (tile, shrink) in [("32", 1), ("64", 2)] {
+        let cut = ["--tile", tile];
+        assert_same_on_a_screen([1600, 320], (screen, shrink), &cut, &places);
     }
 }
 
@@ -161,5 +183,5 @@ fn the_fovea_of_a_picture_around_the_viewer_is_that_of_the_whole_picture() {
         field: Field::across(Radians::from_degrees(100.0), size),
         size,
     };
-    assert_same_in_the_fovea(&folder, &pack, &surface, &view, &looks);
+    assert_same_in_the_fovea(&folder, &pack, (&surface, "24,0.6"), &view, &looks);
 }
