@@ -1,5 +1,6 @@
 //! Which options do several commands share, and how are their values written?
 
+use crate::output::out_of_range;
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::asset::tile_grid::Cut;
@@ -48,16 +49,31 @@ pub(crate) struct PolicyOptions {
     #[arg(long, value_enum, default_value = "linear")]
     acuity: AcuityName,
     /// acuity: radius round the gaze, in degrees, that is always finest.
-    #[arg(long, value_name = "DEG", default_value_t = 0.0)]
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
     safety_disc: f64,
     /// viewport: what is kept fine around the view, in degrees.
-    #[arg(long, value_name = "DEG", default_value_t = 10.0)]
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 10.0,
+        allow_negative_numbers = true
+    )]
     margin: f64,
     /// grid: which cells are finest.
     #[arg(long, value_enum, default_value = "conservative")]
     edge_rule: EdgeRuleName,
     /// grid: how near the gaze a cell must be to be finest, in degrees.
-    #[arg(long, value_name = "DEG", default_value_t = 0.0)]
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
     edge_margin: f64,
     /// grid: how many lowest-level cells, in index order, are promoted to the middle level.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -102,7 +118,11 @@ fn angle(option: &str, degrees: f64) -> anyhow::Result<Radians> {
     if (0.0..=180.0).contains(&degrees) {
         Ok(Radians::from_degrees(degrees))
     } else {
-        bail!("{option} is {degrees}; give an angle of 0 to 180 degrees")
+        bail!(out_of_range(
+            option,
+            degrees,
+            "an angle of 0 to 180 degrees"
+        ))
     }
 }
 
@@ -131,11 +151,12 @@ impl ViewOptions {
     pub(crate) fn eye_view(&self, surface: &Surface) -> anyhow::Result<EyeView> {
         let size = match self.view {
             Some(size) if size.iter().any(|&side| side > MAX_VIEW_SIDE) => {
-                bail!(
-                    "--view is {}x{}; each side may be 1 to {MAX_VIEW_SIDE}",
-                    size[0],
-                    size[1]
-                )
+                let range = format!("sides of 1 to {MAX_VIEW_SIDE}");
+                bail!(out_of_range(
+                    "--view",
+                    format!("{}x{}", size[0], size[1]),
+                    &range
+                ))
             }
             Some(size) => size,
             None => self.default_size(surface)?,
@@ -157,7 +178,7 @@ impl ViewOptions {
         if (1.0..=170.0).contains(&self.fov) {
             Ok(Radians::from_degrees(self.fov))
         } else {
-            bail!("--fov is {}; give 1 to 170 degrees", self.fov)
+            bail!(out_of_range("--fov", self.fov, "1 to 170 degrees"))
         }
     }
 

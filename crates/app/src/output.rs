@@ -22,10 +22,27 @@ pub(crate) fn result(json: bool, result: &impl Serialize, text: &str) -> anyhow:
     }
 }
 
-/// Says why the command failed.
+/// A command line that parses but cannot be meant.
+#[derive(Debug)]
+pub(crate) struct WrongUsage(pub(crate) String);
+
+impl std::fmt::Display for WrongUsage {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for WrongUsage {}
+
+/// The error for an option with this name and value out of `range`.
+pub(crate) fn out_of_range(option: &str, found: impl ToString, range: &str) -> WrongUsage {
+    WrongUsage(format!("{option} is {}; give {range}", found.to_string()))
+}
+
+/// Says why the command failed: 2 for wrong usage, 1 for anything else.
 pub(crate) fn fail(error: &anyhow::Error) -> ExitCode {
     eprintln!("foveal: {error:#}");
-    ExitCode::from(1)
+    ExitCode::from(if error.is::<WrongUsage>() { 2 } else { 1 })
 }
 
 /// What a progress bar counts.

@@ -2,8 +2,8 @@
 
 use crate::info::PackInfo;
 use crate::options::CutOptions;
-use crate::output;
-use anyhow::{Context, bail};
+use crate::output::{self, WrongUsage, out_of_range};
+use anyhow::bail;
 use clap::{Args, ValueEnum};
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::tile_grid::Cut;
@@ -95,7 +95,7 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
     let out = args
         .out
         .as_deref()
-        .context("--out PACK is missing: where should the pack go?")?;
+        .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
     refuse_to_overwrite_input(&args.input, out)?;
     let bar = output::bar(plan.frames, output::Counting::Frames);
     let mut note = |progress: Progress| bar.set_position(u64::from(progress.frames));
@@ -111,13 +111,15 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
 
 impl PrepareVideoArgs {
     fn settings(&self) -> anyhow::Result<PrepareSettings> {
-        if let (CodecName::Vp9, Some(64..)) | (CodecName::Jpeg, Some(0 | 32..)) =
-            (self.codec, self.quality)
-        {
-            bail!("--quality is out of range; vp9 takes 0 to 63, jpeg 1 to 31");
+        match (self.codec, self.quality) {
+            (CodecName::Vp9, Some(q @ 64..)) => bail!(out_of_range("--quality", q, "0 to 63")),
+            (CodecName::Jpeg, Some(q @ (0 | 32..))) => {
+                bail!(out_of_range("--quality", q, "1 to 31"));
+            }
+            _ => {}
         }
         if self.frames == Some(0) || self.jobs == Some(0) {
-            bail!("--frames and --jobs must be at least 1");
+            bail!(out_of_range("--frames or --jobs", 0, "at least 1"));
         }
         let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         Ok(PrepareSettings {

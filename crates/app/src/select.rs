@@ -1,8 +1,8 @@
 //! What would be chosen, without content?
 
 use crate::options::{CutOptions, PolicyName, PolicyOptions, ViewOptions, parse_pair, parse_size};
-use crate::output;
-use anyhow::{Context, bail};
+use crate::output::{self, WrongUsage, out_of_range};
+use anyhow::bail;
 use clap::{Args, ValueEnum};
 use foveal_core::asset::tile_grid::TileGrid;
 use foveal_core::gaze::sample::GazeSample;
@@ -83,14 +83,13 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
         } else {
             1
         };
-    let grid = TileGrid::new(surface, args.cut.cut(around), levels, args.cut.level_ratio)?;
+    let grid = TileGrid::new(surface, args.cut.cut(around), levels, args.cut.level_ratio)
+        .map_err(|error| WrongUsage(error.to_string()))?;
     let selector = Selector::new(grid, args.policy.config()?);
     let faces = args.source_faces.unwrap_or(surface.faces());
     if faces == 0 || faces > surface.faces() {
-        bail!(
-            "--source-faces is {faces}; this content has 1 to {}",
-            surface.faces()
-        );
+        let range = format!("1 to {}", surface.faces());
+        bail!(out_of_range("--source-faces", faces, &range));
     }
     let source = f64::from(faces) * f64::from(surface.size[0]) * f64::from(surface.size[1]);
     let view = args.eye_view(&surface)?;
@@ -108,7 +107,7 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
         }
     };
     match args.random_gazes {
-        Some(0) => bail!("--random-gazes is 0; give at least 1"),
+        Some(0) => bail!(out_of_range("--random-gazes", 0, "at least 1")),
         Some(count) => {
             let mut random = Random::new(args.seed);
             let gazes = (0..count).map(|_| random_gaze(&surface, &mut random));
@@ -118,7 +117,11 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
         None => {
             let [yaw, pitch] = args.gaze.unwrap_or_default();
             if pitch.abs() > 90.0 {
-                bail!("--gaze has a pitch of {pitch}; give -90 to 90 degrees");
+                bail!(out_of_range(
+                    "the pitch of --gaze",
+                    pitch,
+                    "-90 to 90 degrees"
+                ));
             }
             let degrees = Radians::from_degrees;
             let one = choose(GazeSample::at(Seconds(0.0), degrees(yaw), degrees(pitch)));
@@ -132,10 +135,12 @@ impl SelectArgs {
         Ok(match self.projection {
             ProjectionName::Cube => Surface::cube(
                 self.face_size
-                    .context("--projection cube needs --face-size PX")?,
+                    .ok_or_else(|| missing("--projection cube needs --face-size PX"))?,
             ),
             ProjectionName::Flat => {
-                let size = self.size.context("--projection flat needs --size WxH")?;
+                let size = self
+                    .size
+                    .ok_or_else(|| missing("--projection flat needs --size WxH"))?;
                 Surface::flat(size, self.view.screen)
             }
         })
@@ -157,6 +162,10 @@ impl SelectArgs {
             ..view
         }))
     }
+}
+
+fn missing(what: &str) -> WrongUsage {
+    WrongUsage(what.to_owned())
 }
 
 /// The view turned so that its centre meets the gaze; flat content stays before the eye.

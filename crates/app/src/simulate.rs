@@ -3,7 +3,7 @@
 use crate::canvas::{Drawing, RendererName};
 use crate::gaze::{GazeChoice, GazeSource, parse_gaze};
 use crate::options::{PolicyOptions, ViewOptions};
-use crate::output;
+use crate::output::{self, out_of_range};
 use crate::picture_file::write_png;
 use crate::player::{FrameReport, Player, PlayerOptions};
 use anyhow::{Context, bail};
@@ -101,7 +101,7 @@ pub(crate) struct RunSummary {
 
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     if args.every == 0 || args.frames == Some(0) || args.jobs == Some(0) {
-        bail!("--every, --frames and --jobs must be at least 1");
+        bail!(out_of_range("--every, --frames or --jobs", 0, "at least 1"));
     }
     let file = Arc::new(PackFile::open(&args.pack)?);
     let about = file.pack().description();

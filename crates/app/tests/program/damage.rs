@@ -37,20 +37,22 @@ fn a_flipped_byte_is_found_by_verify_and_survived_by_every_command() {
             "{}",
             verified.stderr
         );
-        let info = foveal(&["info", &path, "--json"]);
-        if info.code == Some(0) {
-            json_of(&info);
+        // Each of the others is tried on every other place.
+        let ran = match turn % 4 {
+            0 | 1 => foveal(&["info", &path, "--json"]),
+            _ => {
+                let renderer = ["--renderer", if turn % 8 == 2 { "cpu" } else { "none" }];
+                let play = [
+                    "simulate", &path, "--out", &out, "--policy", "full", "--json",
+                ];
+                foveal(&[&play[..], &renderer].concat())
+            }
+        };
+        if ran.code == Some(0) {
+            json_of(&ran);
             let found = json_of(&verified);
             assert_eq!(found["ok"], json!(false));
             assert!(!found["damage"].as_array().unwrap().is_empty());
-        }
-        let renderer = ["--renderer", if turn % 10 == 0 { "cpu" } else { "none" }];
-        let play = [
-            "simulate", &path, "--out", &out, "--policy", "full", "--json",
-        ];
-        let ran = foveal(&[&play[..], &renderer].concat());
-        if ran.code == Some(0) {
-            json_of(&ran);
         } else {
             assert!(ran.stderr.contains("bad.foveal"), "{}", ran.stderr);
         }

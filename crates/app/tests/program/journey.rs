@@ -1,8 +1,7 @@
 //! Does a clip go all the way from a file to pictures, figures and a log that replays?
 
-use crate::scenes::{VIDEO, noisy_clip, waves, write_clip};
+use crate::scenes::{noisy_clip, waves, write_clip, write_clip_at};
 use crate::support::{Folder, assert_keys, column, done, foveal, json, json_of, refused};
-use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use serde_json::{Value, json};
 
 const INFO: [&str; 11] = [
@@ -164,19 +163,8 @@ fn two_runs_write_the_same_log_and_a_tampered_one_is_told() {
 #[test]
 fn frames_of_a_variable_rate_are_shown_at_their_times() {
     let folder = Folder::new();
-    let path = folder.name("a.mkv");
-    let format = ClipFormat {
-        codec: ClipCodec::Ffv1,
-        size: [64, 64],
-        frame_rate: [50, 1],
-        colour: VIDEO,
-    };
     let ticks = [0u64, 1, 2, 5, 6, 20, 21, 23];
-    let mut clip = ClipWriter::create(path.as_ref(), &format).unwrap();
-    for (picture, tick) in waves([64, 64], 8).iter().zip(ticks) {
-        clip.push_at(picture, tick).unwrap();
-    }
-    clip.finish().unwrap();
+    let path = write_clip_at(&folder, "a.mkv", &waves([64, 64], 8), [50, 1], &ticks);
     let (pack, out) = (folder.name("a.foveal"), folder.name("out"));
     done(&["prepare", "video", &path, "--out", &pack]);
     done(&["simulate", &pack, "--out", &out, "--renderer", "none"]);

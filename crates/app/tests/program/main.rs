@@ -2,6 +2,9 @@
 //!
 //! Every test drives the real binary. Inputs are generated, folders go away with the test.
 
+// A test that cannot go on panics.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
 mod damage;
 mod fovea;
 mod full;

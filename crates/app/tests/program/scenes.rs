@@ -4,11 +4,11 @@ use crate::support::{Folder, Rgb};
 use foveal_core::asset::picture::{Colour, Matrix, Picture, plane_size};
 use foveal_core::gaze::sample::HeadPose;
 use foveal_core::units::Radians;
-use foveal_core::view::axes::direction_from_yaw_pitch;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Surface;
+use foveal_media::generate::{numbered_tiles, read_number};
+use foveal_media::sphere::equirect_from_cube;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
-use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Limited-range BT.709 with chroma on the left.
@@ -20,15 +20,17 @@ pub(crate) const VIDEO: Colour = Colour {
 
 /// Writes pictures as a lossless clip of 25 frames a second.
 pub(crate) fn write_clip(folder: &Folder, name: &str, pictures: &[Picture]) -> String {
-    write_clip_at(folder, name, pictures, [25, 1])
+    let ticks: Vec<u64> = (0..pictures.len() as u64).collect();
+    write_clip_at(folder, name, pictures, [25, 1], &ticks)
 }
 
-/// Writes pictures as a lossless clip.
+/// Writes pictures as a lossless clip, each shown at its tick of the frame rate.
 pub(crate) fn write_clip_at(
     folder: &Folder,
     name: &str,
     pictures: &[Picture],
     frame_rate: [i32; 2],
+    ticks: &[u64],
 ) -> String {
     let path = folder.name(name);
     let format = ClipFormat {
@@ -38,7 +40,9 @@ pub(crate) fn write_clip_at(
         colour: VIDEO,
     };
     let mut clip = ClipWriter::create(Path::new(&path), &format).unwrap();
-    pictures.iter().for_each(|p| clip.push(p).unwrap());
+    for (picture, tick) in pictures.iter().zip(ticks) {
+        clip.push_at(picture, *tick).unwrap();
+    }
     clip.finish().unwrap();
     path
 }
@@ -93,50 +97,13 @@ pub(crate) fn waves(size: [u32; 2], frames: u32) -> Vec<Picture> {
 
 /// Level-0 pixels on a side of what repeats the number of the frame; a tile of the packs under test.
 pub(crate) const CELL: u32 = 64;
-/// Level-0 pixels on a side of one bit of it.
-const BIT: u32 = 16;
-
-/// Luma of a bit of frame `number` at a place on a face: 16 bits a cell, the number and then its
-/// complement.
-fn bit_luma(number: u8, place: [f64; 2]) -> u8 {
-    let [x, y] = place.map(|k| (k.max(0.0) as u32 % CELL) / BIT);
-    let word = u16::from(number) << 8 | u16::from(!number);
-    if word >> (y * (CELL / BIT) + x) & 1 == 1 {
-        210
-    } else {
-        50
-    }
-}
-
-/// A flat clip whose every cell carries the number of its frame.
-pub(crate) fn numbered_flat(size: [u32; 2], frames: u8) -> Vec<Picture> {
-    let numbered = |number| {
-        picture(size, move |p, x, y| match p {
-            0 => bit_luma(number, [x, y].map(f64::from)),
-            _ => 128,
-        })
-    };
-    (0..frames).map(numbered).collect()
-}
 
 /// An equirectangular clip for cubes of `face` pixels whose every cell carries its frame's number.
-pub(crate) fn numbered_sphere(face: u32, frames: u8) -> Vec<Picture> {
-    let (size, surface) = ([4 * face, 2 * face], Surface::cube(face));
-    let place = |x: u32, y: u32| {
-        let turn = std::f64::consts::PI * 2.0;
-        let yaw = ((f64::from(x) + 0.5) / f64::from(size[0]) - 0.5) * turn;
-        let pitch = (0.5 - (f64::from(y) + 0.5) / f64::from(size[1])) * turn / 2.0;
-        let direction = direction_from_yaw_pitch(Radians(yaw), Radians(pitch));
-        surface.locate(direction).unwrap().1
-    };
-    let places: Vec<[f64; 2]> = (0..size[1])
-        .flat_map(|y| (0..size[0]).map(move |x| (x, y)))
-        .map(|(x, y)| place(x, y))
-        .collect();
-    let numbered = |number| {
-        let mut made = Picture::filled(size[0], size[1], [0, 128, 128]);
-        made.planes[0] = places.iter().map(|at| bit_luma(number, *at)).collect();
-        made
+pub(crate) fn numbered_sphere(face: u32, frames: u32) -> Vec<Picture> {
+    let numbered = |frame| {
+        let side = numbered_tiles([face; 2], CELL, u64::from(frame));
+        let cube = [0; 6].map(|_| side.clone());
+        equirect_from_cube(&cube, [4 * face, 2 * face], 2)
     };
     (0..frames).map(numbered).collect()
 }
@@ -162,41 +129,40 @@ pub(crate) fn turned(view: &EyeView, yaw: f64, pitch: f64) -> EyeView {
     }
 }
 
-/// The numbers that a picture's cells carry, by face and cell: `None` where bits contradict.
-///
-/// A bit is read where most of it is seen, from the middle of its square; a cell is read when all
-/// its bits are.
+/// The number that each cell carries which a picture shows whole, by face, column and row: `None`
+/// where it cannot be read.
 pub(crate) fn read_numbers(
     image: &Rgb,
     surface: &Surface,
     view: &EyeView,
-) -> BTreeMap<(u32, u32, u32), Option<u8>> {
-    let locate = seen(surface, view);
-    let bits = (CELL / BIT) as usize;
-    let mut sums: BTreeMap<(u32, u32, u32), [(u32, u32); 16]> = BTreeMap::new();
-    for pixel in image.places() {
-        let Some((face, [x, y])) = locate(pixel) else {
-            continue;
-        };
-        let within = [x, y].map(|k| k.rem_euclid(f64::from(BIT)) / f64::from(BIT));
-        if within.iter().any(|k| !(0.25..0.75).contains(k)) {
-            continue;
-        }
-        let cell = [x, y].map(|k| k as u32 / CELL);
-        let [column, row] = [x, y].map(|k| (k as u32 % CELL / BIT) as usize);
-        let sum = sums.entry((face, cell[0], cell[1])).or_default();
-        let (total, count) = &mut sum[row * bits + column];
-        *total += u32::from(image.at(pixel)[1]);
-        *count += 1;
-    }
-    let whole = |sum: &[(u32, u32); 16]| sum.iter().all(|(_, count)| *count >= 4);
-    let cells = sums.into_iter().filter(|(_, sum)| whole(sum));
-    cells.map(|(cell, sum)| (cell, number_of(&sum))).collect()
+) -> Vec<([u32; 3], Option<u32>)> {
+    let [columns, rows] = surface.size.map(|side| side / CELL);
+    let cells = (0..surface.faces())
+        .flat_map(|face| (0..rows).map(move |row| [face, row]))
+        .flat_map(|[face, row]| (0..columns).map(move |column| [face, column, row]));
+    let shown = |cell| Some((cell, read_number(&shown_cell(image, surface, view, cell)?)));
+    cells.filter_map(shown).collect()
 }
 
-fn number_of(sum: &[(u32, u32); 16]) -> Option<u8> {
-    let bit = |(at, (total, count)): (usize, &(u32, u32))| u16::from(total / count > 127) << at;
-    let word: u16 = sum.iter().enumerate().map(bit).sum();
-    let (number, complement) = ((word >> 8) as u8, word as u8);
-    (number == !complement).then_some(number)
+/// A cell as a picture shows it, turned back to its face; `None` where some of it is out of view.
+fn shown_cell(
+    image: &Rgb,
+    surface: &Surface,
+    view: &EyeView,
+    [face, column, row]: [u32; 3],
+) -> Option<Picture> {
+    let mut cell = Picture::filled(CELL, CELL, [0, 128, 128]);
+    for (y, line) in (0..).zip(cell.planes[0].chunks_exact_mut(CELL as usize)) {
+        for (x, luma) in (0..).zip(line) {
+            let place = [column * CELL + x, row * CELL + y].map(|k| f64::from(k) + 0.5);
+            let [x, y] = view.place(surface.direction(face, place))?;
+            let [w, h] = view.size.map(f64::from);
+            if !(0.0..w).contains(&x) || !(0.0..h).contains(&y) {
+                return None;
+            }
+            let [r, g, b] = image.at([x as u32, y as u32]).map(f64::from);
+            *luma = (0.2126 * r + 0.7152 * g + 0.0722 * b) as u8;
+        }
+    }
+    Some(cell)
 }

@@ -68,30 +68,30 @@ fn acuity_takes_a_hundredth_of_a_16k_cube() {
 fn options_that_do_not_fit_are_refused_with_their_names() {
     let cube = ["select", "--projection", "cube"];
     let with = |options: &[&'static str]| [&cube[..], options].concat();
-    refused(1, &cube, &["--face-size"]);
-    refused(1, &["select", "--projection", "flat"], &["--size"]);
+    refused(2, &cube, &["--face-size"]);
+    refused(2, &["select", "--projection", "flat"], &["--size"]);
     refused(
-        1,
+        2,
         &with(&["--face-size", "64", "--tile", "15"]),
         &["15", "even"],
     );
     refused(
-        1,
+        2,
         &with(&["--face-size", "64", "--levels", "9"]),
         &["9 levels"],
     );
     refused(
-        1,
+        2,
         &with(&["--face-size", "64", "--gaze", "0,91"]),
         &["--gaze", "91"],
     );
     refused(
-        1,
+        2,
         &with(&["--face-size", "64", "--safety-disc", "-1"]),
-        &["--safety-disc"],
+        &["--safety-disc", "0 to 180"],
     );
     refused(
-        1,
+        2,
         &with(&["--face-size", "64", "--source-faces", "7"]),
         &["--source-faces"],
     );
