@@ -222,10 +222,9 @@ impl Atlas {
             at: [column * self.shape.slot[0], row * self.shape.slot[1]],
             layer,
         };
-        for level in 0..planes[0].len() {
-            let samples = [0, 1, 2].map(|p| &planes[p][level]);
-            self.tiles
-                .write(gpu, place, level as u32 * octaves, samples);
+        let [y, u, v] = planes;
+        for (step, ((y, u), v)) in (0..).zip(y.iter().zip(u).zip(v)) {
+            self.tiles.write(gpu, place, step * octaves, [y, u, v]);
         }
     }
 
