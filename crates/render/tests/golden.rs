@@ -2,6 +2,7 @@
 //!
 //! `FOVEAL_BLESS=1` rewrites the pictures of `tests/golden`; `FOVEAL_LARGE=FOLDER` also writes the
 //! same scenes at 800x600, to be looked at.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

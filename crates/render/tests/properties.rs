@@ -1,4 +1,5 @@
 //! Is the picture free of borders, and exact where nothing is missing?
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
 
@@ -190,7 +191,7 @@ fn assert_no_border([across, beside]: [Steps; 2], what: &str) {
 
 /// Steps at all borders of cells: first those between cells of one level, then the others.
 ///
-/// They are compared with steps a coarser chroma texel away, where the lattice of samples has the same
+/// They are compared with steps a coarser chroma texel away, where the samples have the same
 /// phase: linear interpolation has larger steps between two samples than across one, everywhere.
 fn gather_borders(
     all: &mut [[Steps; 2]; 2],

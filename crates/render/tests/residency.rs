@@ -1,4 +1,5 @@
 //! Does the store keep what is wanted, and show only what belongs together?
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

@@ -9,7 +9,7 @@ struct Axes {
     down: vec3f,
 }
 
-// The four faces around the horizon are quarter turns of the first; top and bottom look up and down.
+// The four faces around the horizon are quarter turns of the first; the others look up and down.
 fn axes_of(face: u32) -> Axes {
     let turn = f32(face);
     let cosine = 1.0 - min(turn, 4.0 - turn);

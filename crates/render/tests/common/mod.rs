@@ -1,5 +1,5 @@
 //! Which pictures, tiles and views do the tests draw?
-#![allow(dead_code, unreachable_pub, clippy::print_stdout)]
+#![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
 use foveal_core::asset::picture::{Colour, Matrix, Picture, plane_size};
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
