@@ -102,6 +102,14 @@ impl Canvas {
         }
     }
 
+    /// Waits until what was uploaded is where it is drawn from.
+    pub(crate) fn settle(&mut self) -> anyhow::Result<()> {
+        match self {
+            Self::Gpu(renderer) => Ok(renderer.tiles().settle()?),
+            Self::Cpu(_) | Self::None => Ok(()),
+        }
+    }
+
     /// Resident tiles that hold another frame than the one shown.
     pub(crate) fn wrong_frame_tiles(&mut self) -> usize {
         match self {

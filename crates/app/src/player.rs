@@ -286,6 +286,7 @@ impl Player {
             }
         }
         self.canvas.retain(&tiles);
+        self.canvas.settle()?;
         tiles.sort_by_key(|tile| (std::cmp::Reverse(tile.level), self.grid.rank(*tile)));
         Ok((tiles, failed))
     }

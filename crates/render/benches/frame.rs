@@ -11,7 +11,7 @@ use common::{FULL, Scene, turned, waves, waves_around};
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Surface;
-use foveal_render::{Gpu, RenderError};
+use foveal_render::{Gpu, RenderError, Renderer};
 use std::time::Instant;
 
 const SIZE: [u32; 2] = [1280, 720];
@@ -49,6 +49,21 @@ fn cpu_ms() -> f64 {
     ticks.filter_map(|t| t.parse::<f64>().ok()).sum::<f64>() * 10.0
 }
 
+/// Prints what a tile costs on its way to the GPU, when there are some.
+fn time_uploads(renderer: &mut Renderer, scene: &Scene, tiles: &[Tile]) -> Result<(), RenderError> {
+    let pictures: Vec<_> = tiles.iter().map(|&tile| (tile, scene.tile(tile))).collect();
+    if pictures.is_empty() {
+        return Ok(());
+    }
+    let cpu = cpu_ms();
+    for (tile, picture) in &pictures {
+        renderer.tiles().upload(*tile, 1, picture)?;
+    }
+    let each = (cpu_ms() - cpu) / pictures.len() as f64;
+    println!("{} uploads: {each:.3} ms of CPU each", pictures.len());
+    Ok(())
+}
+
 fn measure(gpu: &Gpu, scene: &Scene, view: &EyeView, name: &str) -> Result<(), RenderError> {
     for (kind, tiles) in [
         ("fine", scene.finest()),
@@ -56,6 +71,7 @@ fn measure(gpu: &Gpu, scene: &Scene, view: &EyeView, name: &str) -> Result<(), R
         ("coarsest", Vec::new()),
     ] {
         let mut renderer = scene.on_gpu(gpu, &tiles);
+        time_uploads(&mut renderer, scene, &tiles)?;
         let mut times = Vec::new();
         renderer.reconstruct(view)?;
         let cpu = cpu_ms();

@@ -1,13 +1,15 @@
 //! How does a view of the resident tiles become a picture?
 //!
-//! [`Renderer`] is what a window, a browser and a headless run call: upload into [`Renderer::tiles`],
-//! then draw. Everything else in this crate serves it.
+//! [`Renderer`] is what a window, a browser and a headless run call: upload into
+//! [`Renderer::tiles`], then draw. Everything else in this crate serves it.
 
+#[cfg(not(target_arch = "wasm32"))]
+use crate::image::RgbaImage;
 use crate::params::{Overlay, ViewParams};
 use crate::passes::{Pass, Target};
 use crate::readback::ReadBack;
 use crate::residency::TileStore;
-use crate::{device::Gpu, error::RenderError, image::RgbaImage, shaders};
+use crate::{device::Gpu, error::RenderError, shaders};
 use foveal_core::asset::picture::Colour;
 use foveal_core::asset::tile_grid::TileGrid;
 use foveal_core::view::eye_view::EyeView;

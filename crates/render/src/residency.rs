@@ -147,6 +147,16 @@ impl TileStore {
             .count()
     }
 
+    /// Blocks until the GPU holds what was uploaded: without a draw now and then the copies on
+    /// their way would pile up in main memory.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn settle(&self) -> Result<(), RenderError> {
+        self.gpu.queue.submit([]);
+        let done = self.gpu.device.poll(wgpu::PollType::wait_indefinitely());
+        done.map(|_| ())
+            .map_err(|reason| RenderError::ReadBack(reason.to_string()))
+    }
+
     /// The samples of a tile as the GPU holds them, the coarsest level's included; refuses a tile
     /// that is not resident. Blocks: for reports and trials, not for playing.
     #[cfg(not(target_arch = "wasm32"))]

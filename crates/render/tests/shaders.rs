@@ -1,4 +1,5 @@
 //! Is every shader valid, and laid out as the Rust structs are?
+#![allow(clippy::unwrap_used)]
 
 use foveal_core::view::surface::Projection;
 use foveal_render::params::{Overlay, TileParams, ViewParams};

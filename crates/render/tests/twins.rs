@@ -1,4 +1,5 @@
 //! Do the shaders draw what their twins on the CPU draw?
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
 

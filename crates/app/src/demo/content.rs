@@ -49,6 +49,8 @@ pub(super) struct Prepared {
     pub(super) file: Arc<PackFile>,
     /// Whose work it is, where that must be said.
     pub(super) licence: Option<&'static str>,
+    /// Whether the source may have more frames than are played.
+    pub(super) cut_short: bool,
     /// Whether the program drew it.
     pub(super) generated: bool,
     /// How long preparing took; `None` when the pack of an earlier run was still good.
@@ -136,11 +138,13 @@ impl Content {
         let source_name = &plan.description.source.name;
         Ok(Prepared {
             name: self.name.clone(),
-            file: Arc::new(file),
             licence: (source_name == SAMPLE[0]).then_some(SAMPLE[1]),
+            cut_short: plan.frames.is_none_or(|of| of > u64::from(FRAMES))
+                && file.pack().description().frames == FRAMES,
             generated: self.scene.is_some(),
             took: kept.is_none().then(|| begun.elapsed()),
             notes: plan.notes,
+            file: Arc::new(file),
         })
     }
 
@@ -193,10 +197,21 @@ impl Content {
     }
 }
 
-/// Draws a scene frame by frame into a video file; a stopped run leaves none under that name.
+/// Draws a scene into a video file; where that fails or is stopped, none is left under that name.
 fn write_scene(scene: &Scene, size: [u32; 2], path: &Path) -> anyhow::Result<()> {
     eprintln!("{}: is being drawn", path.display());
     let partial = path.with_extension("partial.mkv");
+    if let Err(error) = draw_scene(scene, size, &partial) {
+        // What could not be written may not even be there.
+        let _ = std::fs::remove_file(&partial);
+        return Err(error);
+    }
+    std::fs::rename(&partial, path)
+        .with_context(|| format!("{}: cannot be given its name", partial.display()))
+}
+
+/// Frame by frame, so that one picture at a time is in memory.
+fn draw_scene(scene: &Scene, size: [u32; 2], path: &Path) -> anyhow::Result<()> {
     let format = ClipFormat {
         codec: ClipCodec::Ffv1,
         size,
@@ -204,15 +219,13 @@ fn write_scene(scene: &Scene, size: [u32; 2], path: &Path) -> anyhow::Result<()>
         colour: SCENE_COLOUR,
     };
     let bar = output::bar(Some(u64::from(FRAMES)), Counting::Frames);
-    let mut clip = ClipWriter::create(&partial, &format)?;
+    let mut clip = ClipWriter::create(path, &format)?;
     for number in 0..u64::from(FRAMES) {
         clip.push(&scene.frame(number))?;
         bar.inc(1);
     }
     bar.finish_and_clear();
-    clip.finish()?;
-    std::fs::rename(&partial, path)
-        .with_context(|| format!("{}: cannot be given its name", partial.display()))
+    Ok(clip.finish()?)
 }
 
 #[cfg(test)]

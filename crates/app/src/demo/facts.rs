@@ -46,7 +46,14 @@ fn pack(played: &Played) -> String {
         Cut::Grid([c, r]) => format!("a grid of {c}×{r} a face"),
     };
     let took = match played.content.took {
-        Some(took) => format!("prepared in {:.1} s", took.as_secs_f64()),
+        Some(took) => {
+            let drawn = if played.content.generated {
+                "drawn and "
+            } else {
+                ""
+            };
+            format!("{drawn}prepared in {:.1} s", took.as_secs_f64())
+        }
         None => "prepared by an earlier run and used again".to_owned(),
     };
     format!(
@@ -64,7 +71,7 @@ fn notes(played: &Played) -> Option<String> {
     let content = &played.content;
     let about = content.file.pack().description();
     let mut notes = Vec::new();
-    if about.frames == FRAMES && !content.generated {
+    if content.cut_short {
         notes.push(format!("Only its first {FRAMES} frames are played."));
     }
     if !content.generated && !content.notes.is_empty() {

@@ -47,7 +47,12 @@ fn cost(summary: &RunSummary, of: Cost) -> f64 {
 
 /// What run `index` costs over what run `baseline` costs.
 pub(super) fn ratio(runs: &[PolicyRun], of: Cost, index: usize, baseline: usize) -> f64 {
-    cost(&runs[index].summary, of) / cost(&runs[baseline].summary, of).max(f64::MIN_POSITIVE)
+    let [own, base] = [index, baseline].map(|run| cost(&runs[run].summary, of));
+    if own == base {
+        1.0
+    } else {
+        own / base.max(f64::MIN_POSITIVE)
+    }
 }
 
 /// The figures of run `index`.

@@ -91,7 +91,7 @@ fn pictures(played: &Played) -> String {
             &p.heat_map,
             "Levels",
             "The ring is 2.5° round the gaze; thin lines are borders of tiles. Red is the finest \
-             level, and should lie only round the ring.",
+             level: it lies round the gaze, and reaches as far as the tiles there do.",
         ),
         picture(
             "",

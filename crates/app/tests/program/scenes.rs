@@ -95,7 +95,7 @@ pub(crate) fn waves(size: [u32; 2], frames: u32) -> Vec<Picture> {
     (0..frames).map(wave).collect()
 }
 
-/// Level-0 pixels on a side of what repeats the number of the frame; a tile of the packs under test.
+/// Level-0 pixels on a side of what repeats the number of the frame: a tile of the packs here.
 pub(crate) const CELL: u32 = 64;
 
 /// An equirectangular clip for cubes of `face` pixels whose every cell carries its frame's number.

@@ -9,7 +9,7 @@ struct Axes {
     down: vec3f,
 }
 
-// The four faces around the horizon are quarter turns of the first; top and bottom look up and down.
+// The four faces around the horizon are quarter turns of the first; the others look up and down.
 fn axes_of(face: u32) -> Axes {
     let turn = f32(face);
     let cosine = 1.0 - min(turn, 4.0 - turn);
@@ -62,6 +62,8 @@ fn touches_high(face: u32, k: u32, high: u32) -> bool {
 struct Neighbour {
     face: u32,
     place: vec2f,
+    // Which of the neighbour's axes runs along the edge.
+    along: u32,
 }
 
 // A place on the plane of the neighbour over the low or high border of axis k, with the neighbour
@@ -70,13 +72,16 @@ fn neighbour(face: u32, place: vec2f, k: u32, high: bool) -> Neighbour {
     let axes = axes_of(face);
     let tangent = place * 2.0 / tiles.size - 1.0;
     let across = select(tangent.x, tangent.y, k == 1u);
-    let along = select(axes.down * tangent.y, axes.right * tangent.x, k == 1u);
+    let edge = select(axes.down, axes.right, k == 1u);
+    let along = select(tangent.y, tangent.x, k == 1u);
     let side = select(-1.0, 1.0, high);
     let outward = select(axes.right, axes.down, k == 1u) * side;
     let depth = across * side - 1.0;
     let beside = cube_face(outward);
-    let ray = outward + axes.forward * (1.0 - depth) + along;
-    return Neighbour(beside, place_of(tangent_of(axes_of(beside), ray)));
+    let beside_axes = axes_of(beside);
+    let ray = outward + axes.forward * (1.0 - depth) + edge * along;
+    let runs_right = abs(dot(edge, beside_axes.right)) > 0.5;
+    return Neighbour(beside, place_of(tangent_of(beside_axes, ray)), select(1u, 0u, runs_right));
 }
 
 // The footprint with the cells over the edges nearby.
@@ -107,25 +112,60 @@ fn beyond_edges(face: u32, axis: Axis, k: u32) -> vec2f {
     return vec2f(low, high);
 }
 
-// A sample beyond a border is the neighbour's first one behind it; beyond a corner of the cube,
-// where three faces meet, it is the mean of the three samples there.
-fn fetch_tap(plane: u32, level: u32, face: u32, x: Tap, y: Tap) -> vec2f {
-    var parts = select(0u, 1u, x.beyond != 0) | select(0u, 2u, y.beyond != 0);
-    let count = select(1.0, 3.0, parts == 3u);
-    parts = parts | select(0u, 4u, parts == 0u || parts == 3u);
-    let beyond = 0.5 * tiles.size + (0.5 * tiles.size + 0.5) * vec2f(f32(x.beyond), f32(y.beyond));
-    var sum = vec2f(0.0);
-    while (parts != 0u) {
-        let part = parts & (~parts + 1u);
-        parts = parts ^ part;
-        var at = Neighbour(face, vec2f(x.within, y.within));
-        if (part != 4u) {
-            let over_x = part == 1u;
-            let place = vec2f(select(x.centre, beyond.x, over_x), select(beyond.y, y.centre, over_x));
-            let high = select(y.beyond, x.beyond, over_x) > 0;
-            at = neighbour(face, place, select(1u, 0u, over_x), high);
-        }
-        sum = sum + fetch(plane, level, at.face, at.place);
+// One of the two samples of the neighbour's border that a place beyond the edge lies between, times
+// its weight.
+fn fetch_beside(plane: u32, level: u32, beside: Neighbour, high: bool) -> vec2f {
+    let axis = axis_of(plane, level, beside.along);
+    let runs_right = beside.along == 0u;
+    let at = select(beside.place.y, beside.place.x, runs_right);
+    let between = bracket(axis, at, vec2f(axis.pitch));
+    let tap = tap_of(between, high).within;
+    let place = select(vec2f(beside.place.x, tap), vec2f(tap, beside.place.y), runs_right);
+    return fetch(plane, level, beside.face, place) * weight_of(between, high);
+}
+
+// A row of samples beyond one edge is the neighbour's border row, interpolated at the place itself
+// and not at this face's samples, so that both faces draw the same where theirs are not opposite.
+// Near a corner of the cube, where three faces meet, it is interpolated at the samples, and the
+// sample beyond both edges is the mean of the three.
+fn corner_sample(
+    corner: u32, plane: u32, level: u32, face: u32, place: vec2f, x: Bracket, y: Bracket,
+) -> vec2f {
+    let right = (corner & 1u) != 0u;
+    let below = (corner & 2u) != 0u;
+    let x_tap = tap_of(x, right);
+    let y_tap = tap_of(y, below);
+    let own = fetch(plane, level, face, vec2f(x_tap.within, y_tap.within));
+    let weight = vec2f(weight_of(x, right), weight_of(y, below));
+    let over_x = x_tap.beyond != 0;
+    let over_y = y_tap.beyond != 0;
+    if (!over_x && !over_y) {
+        return own * (weight.x * weight.y);
     }
-    return sum / count;
+    let is_near_corner = (x.low.beyond != 0 || x.high.beyond != 0)
+        && (y.low.beyond != 0 || y.high.beyond != 0);
+    let is_corner = over_x && over_y;
+    let along = select(place, vec2f(x_tap.centre, y_tap.centre), is_near_corner);
+    let beyond = 0.5 * tiles.size
+        + (0.5 * tiles.size + 0.5) * vec2f(f32(x_tap.beyond), f32(y_tap.beyond));
+    // Parts 0 and 1 are the two samples over the edge of x, 2 and 3 those over the edge of y.
+    var part = select(2u, 0u, over_x);
+    var end = select(2u, 4u, over_y);
+    if (!is_near_corner) {
+        part = part + select(u32(right), u32(below), over_x);
+        end = part + 1u;
+    }
+    var sum = select(vec2f(0.0), own, is_corner);
+    while (part < end) {
+        let is_x = part < 2u;
+        let at = vec2f(select(along.x, beyond.x, is_x), select(beyond.y, along.y, is_x));
+        let high = select(y_tap.beyond, x_tap.beyond, is_x) > 0;
+        let beside = neighbour(face, at, select(1u, 0u, is_x), high);
+        sum = sum + fetch_beside(plane, level, beside, (part & 1u) != 0u);
+        part = part + 1u;
+    }
+    if (is_near_corner) {
+        return sum * (weight.x * weight.y / select(1.0, 3.0, is_corner));
+    }
+    return sum * select(weight.y, weight.x, over_x);
 }

@@ -26,6 +26,18 @@ struct Bracket {
     weight: f32,
 }
 
+// The low or the high sample of a bracket.
+fn tap_of(bracket: Bracket, high: bool) -> Tap {
+    if (high) {
+        return bracket.high;
+    }
+    return bracket.low;
+}
+
+fn weight_of(bracket: Bracket, high: bool) -> f32 {
+    return select(1.0 - bracket.weight, bracket.weight, high);
+}
+
 fn axis_of(plane: u32, level: u32, k: u32) -> Axis {
     let offset = offset_of(plane, level);
     let last = i32(tiles.segments[k]) - 1;

@@ -39,21 +39,9 @@ fn view_inside(source: Source, plane: u32, level: u32, at: Footing) -> vec2f {
 fn corner_across(corner: u32, plane: u32, level: u32, face: u32, place: vec2f) -> vec2f {
     let x_axis = axis_of(plane, level, 0u);
     let y_axis = axis_of(plane, level, 1u);
-    let across = bracket(x_axis, place.x, beyond_edges(face, x_axis, 0u));
-    let along = bracket(y_axis, place.y, beyond_edges(face, y_axis, 1u));
-    var x = across.low;
-    var x_weight = 1.0 - across.weight;
-    if ((corner & 1u) != 0u) {
-        x = across.high;
-        x_weight = across.weight;
-    }
-    var y = along.low;
-    var y_weight = 1.0 - along.weight;
-    if ((corner & 2u) != 0u) {
-        y = along.high;
-        y_weight = along.weight;
-    }
-    return fetch_tap(plane, level, face, x, y) * (x_weight * y_weight);
+    let x = bracket(x_axis, place.x, beyond_edges(face, x_axis, 0u));
+    let y = bracket(y_axis, place.y, beyond_edges(face, y_axis, 1u));
+    return corner_sample(corner, plane, level, face, place, x, y);
 }
 
 // What was found at a place: Y, U and V, or in the end red, green and blue.

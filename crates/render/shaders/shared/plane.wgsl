@@ -18,6 +18,11 @@ fn beyond_edges(face: u32, axis: Axis, k: u32) -> vec2f {
     return vec2f(axis.pitch);
 }
 
-fn fetch_tap(plane: u32, level: u32, face: u32, x: Tap, y: Tap) -> vec2f {
-    return fetch(plane, level, face, vec2f(x.within, y.within));
+fn corner_sample(
+    corner: u32, plane: u32, level: u32, face: u32, place: vec2f, x: Bracket, y: Bracket,
+) -> vec2f {
+    let right = (corner & 1u) != 0u;
+    let below = (corner & 2u) != 0u;
+    let within = vec2f(tap_of(x, right).within, tap_of(y, below).within);
+    return fetch(plane, level, face, within) * (weight_of(x, right) * weight_of(y, below));
 }

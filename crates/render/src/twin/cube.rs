@@ -1,7 +1,7 @@
 //! What surrounds a face of the cube? Twin of `shaders/shared/cube.wgsl`.
 
 use super::footprint::widened;
-use super::lattice::{Axis, Tap, samples_in, tap_at};
+use super::lattice::{Axis, Bracket, axis_of, bracket, samples_in, tap_at, tap_of, weight_of};
 use super::screen::{Seen, display_footprint};
 use super::tiles::{Plane, TwinTiles, fetch};
 use foveal_core::view::surface::CUBE_FACES;
@@ -65,25 +65,26 @@ fn touches_high(face: u32, k: u32, high: u32) -> bool {
 struct Neighbour {
     face: u32,
     place: Vec2,
+    along: usize,
 }
 
 fn neighbour(tiles: &TwinTiles, face: u32, place: Vec2, k: u32, high: bool) -> Neighbour {
     let axes = axes_of(face);
     let tangent = place * 2.0 / tiles.size() - 1.0;
     let across = if k == 1 { tangent.y } else { tangent.x };
-    let along = if k == 1 {
-        axes.right * tangent.x
-    } else {
-        axes.down * tangent.y
-    };
+    let edge = if k == 1 { axes.right } else { axes.down };
+    let along = if k == 1 { tangent.x } else { tangent.y };
     let side = if high { 1.0 } else { -1.0 };
     let outward = if k == 1 { axes.down } else { axes.right } * side;
     let depth = across * side - 1.0;
     let beside = cube_face(outward);
-    let ray = outward + axes.forward * (1.0 - depth) + along;
+    let beside_axes = axes_of(beside);
+    let ray = outward + axes.forward * (1.0 - depth) + edge * along;
+    let runs_right = edge.dot(beside_axes.right).abs() > 0.5;
     Neighbour {
         face: beside,
-        place: place_of(tiles, tangent_of(&axes_of(beside), ray)),
+        place: place_of(tiles, tangent_of(&beside_axes, ray)),
+        along: if runs_right { 0 } else { 1 },
     }
 }
 
@@ -120,39 +121,88 @@ pub(super) fn beyond_edges(face: u32, axis: &Axis, k: usize) -> Vec2 {
     Vec2::new(low, high)
 }
 
-pub(super) fn fetch_tap(
+fn fetch_beside(
     tiles: &TwinTiles,
     plane: Plane,
     level: u32,
-    face: u32,
-    [x, y]: [Tap; 2],
+    beside: &Neighbour,
+    high: bool,
 ) -> Vec2 {
-    let mut parts = u32::from(x.beyond != 0) | u32::from(y.beyond != 0) << 1;
-    let count = if parts == 3 { 3.0 } else { 1.0 };
-    parts |= if parts == 0 || parts == 3 { 4 } else { 0 };
-    let half = 0.5 * tiles.size();
-    let beyond = half + (half + 0.5) * Vec2::new(x.beyond as f32, y.beyond as f32);
-    let mut sum = Vec2::ZERO;
-    while parts != 0 {
-        let part = parts & (!parts + 1);
-        parts ^= part;
-        let mut at = Neighbour {
-            face,
-            place: Vec2::new(x.within, y.within),
-        };
-        if part != 4 {
-            let over_x = part == 1;
-            let place = if over_x {
-                Vec2::new(beyond.x, y.centre)
-            } else {
-                Vec2::new(x.centre, beyond.y)
-            };
-            let high = if over_x { x.beyond } else { y.beyond } > 0;
-            at = neighbour(tiles, face, place, u32::from(!over_x), high);
-        }
-        sum += fetch(tiles, plane, level, at.face, at.place);
+    let axis = axis_of(tiles, plane, level, beside.along);
+    let runs_right = beside.along == 0;
+    let at = if runs_right {
+        beside.place.x
+    } else {
+        beside.place.y
+    };
+    let between = bracket(&axis, at, Vec2::splat(axis.pitch));
+    let tap = tap_of(&between, high).within;
+    let place = if runs_right {
+        Vec2::new(tap, beside.place.y)
+    } else {
+        Vec2::new(beside.place.x, tap)
+    };
+    fetch(tiles, plane, level, beside.face, place) * weight_of(&between, high)
+}
+
+pub(super) fn corner_sample(
+    tiles: &TwinTiles,
+    corner: u32,
+    (plane, level): (Plane, u32),
+    face: u32,
+    place: Vec2,
+    [x, y]: [&Bracket; 2],
+) -> Vec2 {
+    let right = corner & 1 != 0;
+    let below = corner & 2 != 0;
+    let x_tap = tap_of(x, right);
+    let y_tap = tap_of(y, below);
+    let own = fetch(
+        tiles,
+        plane,
+        level,
+        face,
+        Vec2::new(x_tap.within, y_tap.within),
+    );
+    let weight = Vec2::new(weight_of(x, right), weight_of(y, below));
+    let over_x = x_tap.beyond != 0;
+    let over_y = y_tap.beyond != 0;
+    if !over_x && !over_y {
+        return own * (weight.x * weight.y);
     }
-    sum / count
+    let is_near_corner =
+        (x.low.beyond != 0 || x.high.beyond != 0) && (y.low.beyond != 0 || y.high.beyond != 0);
+    let is_corner = over_x && over_y;
+    let along = if is_near_corner {
+        Vec2::new(x_tap.centre, y_tap.centre)
+    } else {
+        place
+    };
+    let half = 0.5 * tiles.size();
+    let beyond = half + (half + 0.5) * Vec2::new(x_tap.beyond as f32, y_tap.beyond as f32);
+    let mut part = if over_x { 0 } else { 2 };
+    let mut end = if over_y { 4 } else { 2 };
+    if !is_near_corner {
+        part += u32::from(if over_x { below } else { right });
+        end = part + 1;
+    }
+    let mut sum = if is_corner { own } else { Vec2::ZERO };
+    while part < end {
+        let is_x = part < 2;
+        let at = if is_x {
+            Vec2::new(beyond.x, along.y)
+        } else {
+            Vec2::new(along.x, beyond.y)
+        };
+        let high = if is_x { x_tap.beyond } else { y_tap.beyond } > 0;
+        let beside = neighbour(tiles, face, at, u32::from(!is_x), high);
+        sum += fetch_beside(tiles, plane, level, &beside, part & 1 != 0);
+        part += 1;
+    }
+    if is_near_corner {
+        return sum * (weight.x * weight.y / if is_corner { 3.0 } else { 1.0 });
+    }
+    sum * if over_x { weight.x } else { weight.y }
 }
 
 #[cfg(test)]

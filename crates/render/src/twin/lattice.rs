@@ -25,6 +25,18 @@ pub(super) struct Bracket {
     pub(super) weight: f32,
 }
 
+pub(super) fn tap_of(bracket: &Bracket, high: bool) -> Tap {
+    if high { bracket.high } else { bracket.low }
+}
+
+pub(super) fn weight_of(bracket: &Bracket, high: bool) -> f32 {
+    if high {
+        bracket.weight
+    } else {
+        1.0 - bracket.weight
+    }
+}
+
 pub(super) fn axis_of(tiles: &TwinTiles, plane: Plane, level: u32, k: usize) -> Axis {
     let offset = offset_of(tiles, plane, level);
     Axis {

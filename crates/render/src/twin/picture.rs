@@ -3,7 +3,7 @@
 
 use super::colour::rgb_from_yuv;
 use super::footprint::{level_of, shown_footprint};
-use super::lattice::{Axis, Tap, axis_of, bracket};
+use super::lattice::{Axis, axis_of, bracket};
 use super::tiles::{
     Plane, Source, TwinTiles, cell_at, first_texel, load, mip_of, offset_of, pitch_of, scale_of,
     segment_start, shown_in, source_at,
@@ -52,34 +52,19 @@ fn corner_across(
 ) -> Vec2 {
     let x_axis = axis_of(tiles, plane, level, 0);
     let y_axis = axis_of(tiles, plane, level, 1);
-    let across = bracket(&x_axis, place.x, beyond_edges(tiles, face, &x_axis, 0));
-    let along = bracket(&y_axis, place.y, beyond_edges(tiles, face, &y_axis, 1));
-    let mut x = across.low;
-    let mut x_weight = 1.0 - across.weight;
-    if corner & 1 != 0 {
-        x = across.high;
-        x_weight = across.weight;
+    let x = bracket(&x_axis, place.x, beyond_edges(tiles, face, &x_axis, 0));
+    let y = bracket(&y_axis, place.y, beyond_edges(tiles, face, &y_axis, 1));
+    let around = [&x, &y];
+    match tiles.grid.surface.projection {
+        Projection::Flat => plane::corner_sample(tiles, corner, plane, level, face, around),
+        Projection::Cube => cube::corner_sample(tiles, corner, (plane, level), face, place, around),
     }
-    let mut y = along.low;
-    let mut y_weight = 1.0 - along.weight;
-    if corner & 2 != 0 {
-        y = along.high;
-        y_weight = along.weight;
-    }
-    fetch_tap(tiles, plane, level, face, [x, y]) * (x_weight * y_weight)
 }
 
 fn beyond_edges(tiles: &TwinTiles, face: u32, axis: &Axis, k: usize) -> Vec2 {
     match tiles.grid.surface.projection {
         Projection::Flat => plane::beyond_edges(axis),
         Projection::Cube => cube::beyond_edges(face, axis, k),
-    }
-}
-
-fn fetch_tap(tiles: &TwinTiles, plane: Plane, level: u32, face: u32, taps: [Tap; 2]) -> Vec2 {
-    match tiles.grid.surface.projection {
-        Projection::Flat => plane::fetch_tap(tiles, plane, level, face, taps),
-        Projection::Cube => cube::fetch_tap(tiles, plane, level, face, taps),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What surrounds the one face of flat content? Twin of `shaders/shared/plane.wgsl`.
 
-use super::lattice::{Axis, Tap};
+use super::lattice::{Axis, Bracket, tap_of, weight_of};
 use super::screen::{Seen, display_footprint};
 use super::tiles::{Plane, TwinTiles, fetch};
 use glam::{Mat3, Vec2, Vec3Swizzles};
@@ -28,12 +28,16 @@ pub(super) fn beyond_edges(axis: &Axis) -> Vec2 {
     Vec2::splat(axis.pitch)
 }
 
-pub(super) fn fetch_tap(
+pub(super) fn corner_sample(
     tiles: &TwinTiles,
+    corner: u32,
     plane: Plane,
     level: u32,
     face: u32,
-    [x, y]: [Tap; 2],
+    [x, y]: [&Bracket; 2],
 ) -> Vec2 {
-    fetch(tiles, plane, level, face, Vec2::new(x.within, y.within))
+    let right = corner & 1 != 0;
+    let below = corner & 2 != 0;
+    let within = Vec2::new(tap_of(x, right).within, tap_of(y, below).within);
+    fetch(tiles, plane, level, face, within) * (weight_of(x, right) * weight_of(y, below))
 }

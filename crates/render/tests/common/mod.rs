@@ -1,5 +1,5 @@
 //! Which pictures, tiles and views do the tests draw?
-#![allow(dead_code)]
+#![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
 use foveal_core::asset::picture::{Colour, Matrix, Picture, plane_size};
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
@@ -157,32 +157,41 @@ impl Scene {
     }
 }
 
-/// Waves of several lengths and directions over a plane, in luma and in colour, without noise.
-pub fn waves(face: u32, [x, y]: [f64; 2]) -> [f64; 3] {
-    let p = f64::from(face);
+/// Waves of many lengths and directions over a plane, in luma and in colour, without noise;
+/// `phase` moves them against each other.
+pub fn waves_moved(phase: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let wave = |length: f64, turn: f64| {
         let along = x * turn.cos() + y * turn.sin();
-        (along * std::f64::consts::TAU / length + p).sin()
+        (along * std::f64::consts::TAU / length + phase * (1.0 + 7.0 * turn)).sin()
     };
+    let luma = 38.0 * wave(97.0, 0.3) + 25.0 * wave(41.0, 1.4) + 16.0 * wave(23.0, 2.3);
     [
-        128.0 + 40.0 * wave(97.0, 0.3) + 30.0 * wave(41.0, 1.4) + 20.0 * wave(19.0, 2.3 + p),
-        128.0 + 50.0 * wave(67.0, 0.9),
-        128.0 + 50.0 * wave(53.0, 2.0),
+        128.0 + luma + 10.0 * wave(13.0, 2.9) + 10.0 * wave(11.0, 0.8),
+        128.0 + 35.0 * wave(67.0, 0.9) + 15.0 * wave(29.0, 2.6),
+        128.0 + 35.0 * wave(53.0, 2.0) + 15.0 * wave(31.0, 0.2),
     ]
 }
 
+/// [`waves_moved`] at one phase.
+pub fn waves(_face: u32, place: [f64; 2]) -> [f64; 3] {
+    waves_moved(0.0, place)
+}
+
 /// The same kind of waves as a function of the direction that a place of a cube lies in.
-pub fn waves_around(surface: &Surface, face: u32, place: [f64; 2]) -> [f64; 3] {
+pub fn waves_around_moved(phase: f64, surface: &Surface, face: u32, place: [f64; 2]) -> [f64; 3] {
     let d = surface.direction(face, place);
-    let wave = |x: f64, y: f64, z: f64| (d.x * x + d.y * y + d.z * z).sin();
+    let wave = |x: f64, y: f64, z: f64| (d.x * x + d.y * y + d.z * z + phase * (x + 2.0)).sin();
+    let luma = 45.0 * wave(5.0, 2.0, -3.0) + 30.0 * wave(-9.0, 8.0, 7.0);
     [
-        128.0
-            + 45.0 * wave(5.0, 2.0, -3.0)
-            + 35.0 * wave(-9.0, 8.0, 7.0)
-            + 15.0 * wave(17.0, 3.0, 9.0),
+        128.0 + luma + 15.0 * wave(17.0, 3.0, 9.0) + 10.0 * wave(4.0, -15.0, 11.0),
         128.0 + 50.0 * wave(4.0, -6.0, 2.0),
         128.0 + 50.0 * wave(-3.0, 2.0, 7.0),
     ]
+}
+
+/// [`waves_around_moved`] at one phase.
+pub fn waves_around(surface: &Surface, face: u32, place: [f64; 2]) -> [f64; 3] {
+    waves_around_moved(0.0, surface, face, place)
 }
 
 pub fn cube_waves(face_size: u32, cut: Cut, levels: u8, ratio: u32) -> Scene {
@@ -240,4 +249,56 @@ pub fn write_png(path: &std::path::Path, image: &RgbaImage) {
     let mut writer = encoder.write_header().unwrap();
     writer.write_image_data(&image.pixels).unwrap();
     writer.finish().unwrap();
+}
+
+/// The tiles that show a disc of `radius` level-0 pixels (on a cube: of the face's middle) round a
+/// place finely, and every ring of `ring` more one level coarser.
+pub fn fine_around(
+    grid: &TileGrid,
+    face: u32,
+    place: [f64; 2],
+    [radius, ring]: [f64; 2],
+) -> Vec<Tile> {
+    let surface = &grid.surface;
+    let gaze = surface.direction(face, place);
+    let level_of = |cell: &Tile| {
+        let (origin, covered) = (grid.origin(*cell), grid.covered(*cell));
+        let middle = [0, 1].map(|k| f64::from(origin[k]) + f64::from(covered[k]) / 2.0);
+        let there = surface.direction(u32::from(cell.face), middle);
+        let away = (there - gaze).length() / surface.pitch();
+        let beyond = (away - radius).max(0.0) / ring;
+        (beyond.ceil() as u8).min(grid.coarsest())
+    };
+    let mut tiles: Vec<Tile> = grid
+        .tiles_of(0)
+        .map(|cell| grid.tile_over(cell, level_of(&cell)))
+        .filter(|tile| tile.level < grid.coarsest())
+        .collect();
+    tiles.sort_unstable();
+    tiles.dedup();
+    tiles
+}
+
+/// Crisp content: a chequered ground, thin bright lines, and rings that get closer outwards.
+pub fn detail(x: f64, y: f64, hue: f64) -> [f64; 3] {
+    let chequer = ((x * 4.0).floor() + (y * 4.0).floor()).rem_euclid(2.0);
+    let line = |a: f64| f64::from(a.rem_euclid(1.0) < 0.04);
+    let rings = (40.0 * (x * x + y * y)).cos();
+    let luma = 90.0 + 60.0 * chequer + 30.0 * rings + 70.0 * line(x).max(line(y));
+    [
+        luma.clamp(0.0, 255.0),
+        128.0 + 50.0 * (hue + x * 1.5).sin(),
+        128.0 + 50.0 * (hue * 2.0 + y * 2.0).cos(),
+    ]
+}
+
+/// [`detail`] over a cube, by yaw and pitch in units of 20 degrees.
+pub fn detail_around(surface: &Surface, face: u32, place: [f64; 2]) -> [f64; 3] {
+    let d = surface.direction(face, place);
+    let yaw = d.x.atan2(-d.z).to_degrees() / 20.0;
+    let pitch = d.y.asin().to_degrees() / 20.0;
+    let mut yuv = detail(yaw - 2.0, pitch - 1.5, 0.0);
+    yuv[1] = 128.0 + 50.0 * (d.x * 3.0).sin();
+    yuv[2] = 128.0 + 50.0 * (d.y * 3.0).cos();
+    yuv
 }

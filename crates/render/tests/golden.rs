@@ -1,0 +1,155 @@
+//! Do the passes still draw what a person has looked at?
+//!
+//! `FOVEAL_BLESS=1` rewrites the pictures of `tests/golden`; `FOVEAL_LARGE=FOLDER` also writes the
+//! same scenes at 800x600, to be looked at.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::*;
+use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::surface::Surface;
+use foveal_render::{Gpu, Overlay, RgbaImage};
+use std::path::Path;
+
+/// Largest golden file in bytes.
+const MOST_BYTES: u64 = 32 * 1024;
+
+fn read_png(path: &Path) -> RgbaImage {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    RgbaImage {
+        size: [info.width, info.height],
+        pixels,
+    }
+}
+
+/// Draws a scene, compares it with its golden, and writes it large where that is asked for.
+fn assert_golden(
+    name: &str,
+    scene: &Scene,
+    tiles: &[Tile],
+    view: &EyeView,
+    marks: Option<Overlay>,
+) {
+    let gpu = Gpu::open_blocking().unwrap();
+    let mut renderer = scene.on_gpu(&gpu, tiles);
+    let mut draw = |view: &EyeView, zoom: f32| match marks {
+        None => renderer.reconstruct(view).unwrap(),
+        Some(marks) => {
+            let gaze = marks.gaze.map(|g| g * zoom);
+            let gaze_radius = marks.gaze_radius * zoom;
+            let marks = Overlay {
+                gaze,
+                gaze_radius,
+                ..marks
+            };
+            renderer.heat_map(view, &marks).unwrap()
+        }
+    };
+    if let Ok(folder) = std::env::var("FOVEAL_LARGE") {
+        let large = EyeView {
+            size: [800, 600],
+            ..*view
+        };
+        let image = draw(&large, 800.0 / view.size[0] as f32);
+        write_png(&Path::new(&folder).join(format!("{name}.png")), &image);
+    }
+    let drawn = draw(view, 1.0);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/{name}.png"));
+    if std::env::var("FOVEAL_BLESS").is_ok_and(|v| v == "1") {
+        write_png(&path, &drawn);
+    }
+    assert!(
+        std::fs::metadata(&path).unwrap().len() <= MOST_BYTES,
+        "{name} is too large"
+    );
+    let (worst, _) = difference(&drawn, &read_png(&path));
+    assert!(
+        worst <= 2,
+        "{name} differs by {worst}; look at it, then bless it"
+    );
+}
+
+fn plane(cut: Cut, levels: u8, ratio: u32) -> Scene {
+    let grid = TileGrid::new(flat([800, 600]), cut, levels, ratio).unwrap();
+    Scene::new(grid, LIMITED, |_, [x, y]| {
+        detail(x / 100.0 - 4.0, y / 100.0 - 3.0, 0.0)
+    })
+}
+
+fn plane_view(scene: &Scene) -> EyeView {
+    EyeView::filling(&scene.grid.surface, [96, 72])
+}
+
+fn cube() -> Scene {
+    let surface = Surface::cube(512);
+    let grid = TileGrid::new(surface, Cut::Tile(64), 4, 2).unwrap();
+    Scene::new(grid, FULL, |face, place| {
+        detail_around(&surface, face, place)
+    })
+}
+
+fn marks() -> Overlay {
+    Overlay {
+        gaze: [48.0, 36.0],
+        gaze_radius: 9.0,
+        borders: 0.7,
+        ..Overlay::default()
+    }
+}
+
+#[test]
+fn a_plane_of_fine_tiles() {
+    let scene = plane(Cut::Tile(64), 4, 2);
+    assert_golden(
+        "plane_fine",
+        &scene,
+        &scene.finest(),
+        &plane_view(&scene),
+        None,
+    );
+}
+
+#[test]
+fn a_plane_fine_round_the_gaze() {
+    let scene = plane(Cut::Tile(64), 4, 2);
+    let tiles = fine_around(&scene.grid, 0, [400.0, 300.0], [90.0, 60.0]);
+    let view = window(&scene.grid.surface, [200.0, 150.0], [96, 72], 0.24);
+    assert_golden("plane_gaze", &scene, &tiles, &view, None);
+    assert_golden(
+        "plane_levels",
+        &scene,
+        &tiles,
+        &plane_view(&scene),
+        Some(marks()),
+    );
+}
+
+#[test]
+fn a_plane_of_a_grid_seen_from_beside() {
+    let scene = plane(Cut::Grid([8, 6]), 3, 4);
+    let tiles = fine_around(&scene.grid, 0, [400.0, 300.0], [120.0, 80.0]);
+    let view = turned([12.0, -6.0, 15.0], 40.0, [96, 72]);
+    assert_golden("grid_beside", &scene, &tiles, &view, None);
+}
+
+#[test]
+fn a_cube_of_fine_tiles_at_a_corner() {
+    let scene = cube();
+    let view = turned([45.0, 35.26, 0.0], 70.0, [96, 72]);
+    assert_golden("cube_fine", &scene, &scene.finest(), &view, None);
+}
+
+#[test]
+fn a_cube_fine_round_a_gaze_at_an_edge() {
+    let scene = cube();
+    let tiles = fine_around(&scene.grid, 0, [500.0, 120.0], [70.0, 45.0]);
+    let view = turned([45.0, 25.0, 0.0], 60.0, [96, 72]);
+    assert_golden("cube_gaze", &scene, &tiles, &view, None);
+    assert_golden("cube_levels", &scene, &tiles, &view, Some(marks()));
+    assert_golden("cube_coarsest", &scene, &[], &view, None);
+}

@@ -1,0 +1,110 @@
+//! Does the store keep what is wanted, and show only what belongs together?
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::*;
+use foveal_core::asset::picture::Picture;
+use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::view::eye_view::EyeView;
+use foveal_render::{Gpu, RenderError, Renderer};
+
+fn scene() -> Scene {
+    let grid = TileGrid::new(flat([512, 256]), Cut::Tile(32), 3, 2).unwrap();
+    Scene::new(grid, FULL, waves)
+}
+
+#[test]
+fn tiles_of_another_frame_are_counted_and_not_shown() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let scene = scene();
+    let fine = scene.finest();
+    let mut renderer = scene.on_gpu(&gpu, &fine);
+    assert_eq!(renderer.tiles().wrong_frame_tiles(), 0);
+    renderer.tiles().begin_frame(2);
+    assert_eq!(renderer.tiles().wrong_frame_tiles(), fine.len() + 1);
+    assert!(renderer.tiles().level_map().iter().all(|&level| level == 2));
+    renderer
+        .tiles()
+        .upload(fine[5], 2, &scene.tile(fine[5]))
+        .unwrap();
+    assert_eq!(renderer.tiles().wrong_frame_tiles(), fine.len());
+    assert_eq!(renderer.tiles().level_map()[5], 0);
+    let view = EyeView::filling(&scene.grid.surface, [512, 256]);
+    let mut alone = scene.on_gpu(&gpu, &[fine[5]]);
+    let expected = alone.reconstruct(&view).unwrap();
+    assert_eq!(renderer.reconstruct(&view).unwrap(), expected);
+}
+
+#[test]
+fn exactly_the_wanted_tiles_stay() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let scene = scene();
+    let fine = scene.finest();
+    let mut renderer = scene.on_gpu(&gpu, &fine[..40]);
+    renderer.tiles().retain(&fine[30..50]);
+    assert_eq!(renderer.tiles().resident().len(), 10);
+    for &tile in &fine[30..50] {
+        renderer.tiles().upload(tile, 1, &scene.tile(tile)).unwrap();
+    }
+    let mut wanted = fine[30..50].to_vec();
+    wanted.sort_unstable();
+    assert_eq!(renderer.tiles().resident(), wanted);
+    let view = EyeView::filling(&scene.grid.surface, [512, 256]);
+    let mut fresh = scene.on_gpu(&gpu, &wanted);
+    assert_eq!(
+        renderer.reconstruct(&view).unwrap(),
+        fresh.reconstruct(&view).unwrap()
+    );
+}
+
+#[test]
+fn the_atlas_grows_to_its_bound_and_then_reuses_the_oldest_slot() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let grid = TileGrid::new(flat([4096, 2048]), Cut::Tile(512), 3, 2).unwrap();
+    let picture = |tile: Tile| {
+        let [w, h] = grid.tile_size(tile);
+        Picture::filled(w, h, [tile.x as u8 * 20 + tile.y as u8, 128, 128])
+    };
+    let mut renderer = Renderer::new(&gpu, &grid, FULL, 2).unwrap();
+    renderer.tiles().begin_frame(1);
+    let before = renderer.tiles().gpu_bytes();
+    let layer = 1024 * 1024 * 3 / 2 * 5 / 4;
+    let base = 1024 * 512 * 3 / 2;
+    let tables = 8 * 4 * 4;
+    assert!(before.abs_diff(layer + base + tables) < 200, "{before}");
+    for tile in grid.tiles_of(2).chain(grid.tiles_of(0).take(12)) {
+        renderer.tiles().upload(tile, 1, &picture(tile)).unwrap();
+    }
+    assert_eq!(renderer.tiles().gpu_bytes(), before + layer);
+    let expected: Vec<Tile> = (4..12).map(|rank| grid.tile_at(0, rank)).collect();
+    let mut resident = renderer.tiles().resident();
+    resident.sort_by_key(|&tile| grid.rank(tile));
+    assert_eq!(resident, expected);
+    for tile in expected {
+        let middle = grid.origin(tile).map(|o| f64::from(o) + 256.0);
+        let view = window(&grid.surface, middle, [2, 2], 1.0);
+        let shown = renderer.reconstruct(&view).unwrap().pixel([0, 0]);
+        assert_eq!(shown[0], tile.x as u8 * 20 + tile.y as u8, "{tile:?}");
+    }
+}
+
+#[test]
+fn a_tile_of_the_wrong_size_or_place_is_refused() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let scene = scene();
+    let mut renderer = scene.on_gpu(&gpu, &[]);
+    let tile = scene.grid.tile_at(0, 3);
+    let small = Picture::filled(31, 32, [0; 3]);
+    let refused = renderer.tiles().upload(tile, 1, &small);
+    assert!(matches!(refused, Err(RenderError::TileSize { .. })));
+    let nowhere = Tile { x: 99, ..tile };
+    let refused = renderer.tiles().upload(nowhere, 1, &small);
+    assert!(matches!(refused, Err(RenderError::NoSuchTile(_))));
+}
+
+#[test]
+fn a_missing_adapter_is_explained_with_what_to_install() {
+    let said = RenderError::NoAdapter("none".to_owned()).to_string();
+    assert!(said.contains("mesa-vulkan-drivers libvulkan1"), "{said}");
+}
