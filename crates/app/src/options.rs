@@ -216,12 +216,12 @@ pub(crate) struct CutOptions {
 }
 
 impl CutOptions {
-    /// The cut that was asked for, or the default for content `width` pixels around or across.
-    pub(crate) fn cut(&self, width: u32) -> Cut {
+    /// The cut that was asked for, or the default for content on a surface.
+    pub(crate) fn cut(&self, surface: &Surface) -> Cut {
         match (self.grid, self.tile) {
             (Some(grid), _) => Cut::Grid(grid),
             (None, Some(tile)) => Cut::Tile(tile),
-            (None, None) => Cut::pyramid_for(width),
+            (None, None) => Cut::pyramid_for(surface),
         }
     }
 }

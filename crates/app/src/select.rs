@@ -77,14 +77,13 @@ struct Many {
 pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
     let surface = args.surface()?;
     let levels = args.cut.levels.unwrap_or(5);
-    let around = surface.size[0]
-        * if surface.projection == Projection::Cube {
-            4
-        } else {
-            1
-        };
-    let grid = TileGrid::new(surface, args.cut.cut(around), levels, args.cut.level_ratio)
-        .map_err(|error| WrongUsage(error.to_string()))?;
+    let grid = TileGrid::new(
+        surface,
+        args.cut.cut(&surface),
+        levels,
+        args.cut.level_ratio,
+    )
+    .map_err(|error| WrongUsage(error.to_string()))?;
     let selector = Selector::new(grid, args.policy.config()?);
     let faces = args.source_faces.unwrap_or(surface.faces());
     if faces == 0 || faces > surface.faces() {

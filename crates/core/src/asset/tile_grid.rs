@@ -1,6 +1,6 @@
 //! Which tiles does a picture consist of, and which pixels does each hold?
 
-use crate::view::surface::Surface;
+use crate::view::surface::{Projection, Surface};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -18,13 +18,15 @@ pub enum Cut {
 }
 
 impl Cut {
-    /// The pyramid for content of this many pixels across (around, for a sphere): tiles of 256 px
-    /// from 12K on, 512 px below, to keep streams few, 128 px below 2K, where the fovea is small.
+    /// The pyramid for a surface: tiles of 256 px for spheres and for flat content from 12K on,
+    /// 512 px for flat content below, to keep streams few; 128 px below 2K (around, for a
+    /// sphere), where larger ones would be half the picture. `docs/decisions/0003` has the
+    /// measurements.
     #[must_use]
-    pub fn pyramid_for(width: u32) -> Self {
-        match width {
-            12_000.. => Self::Tile(256),
-            2_000.. => Self::Tile(512),
+    pub fn pyramid_for(surface: &Surface) -> Self {
+        match (surface.projection, surface.size[0]) {
+            (Projection::Cube, 500..) | (Projection::Flat, 12_000..) => Self::Tile(256),
+            (Projection::Flat, 2_000..) => Self::Tile(512),
             _ => Self::Tile(128),
         }
     }

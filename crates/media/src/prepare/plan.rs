@@ -97,14 +97,10 @@ impl Plan {
         let mut notes = Vec::new();
         let surround = surround(input, info, settings.projection, &mut notes)?;
         let surface = surface(info, surround);
-        let width = match surround {
-            Surround::Flat => info.width,
-            Surround::Equirect(_) => 4 * surface.size[0],
-        };
         let levels = settings
             .levels
             .unwrap_or_else(|| default_levels(surface, settings.ratio));
-        let cut = settings.cut.unwrap_or(Cut::pyramid_for(width));
+        let cut = settings.cut.unwrap_or(Cut::pyramid_for(&surface));
         let grid = TileGrid::new(surface, cut, levels, settings.ratio)
             .map_err(|error| PrepareError::Option(error.to_string()))?;
         notes.extend(losses(info));
