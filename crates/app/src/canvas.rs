@@ -114,7 +114,8 @@ impl Canvas {
     pub(crate) fn wrong_frame_tiles(&mut self) -> usize {
         match self {
             Self::Gpu(renderer) => renderer.tiles().wrong_frame_tiles(),
-            _ => 0,
+            Self::Cpu(tiles) => tiles.wrong_frame_tiles(),
+            Self::None => 0,
         }
     }
 

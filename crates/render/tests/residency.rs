@@ -7,6 +7,7 @@ use common::*;
 use foveal_core::asset::picture::Picture;
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
+use foveal_render::twin::TwinTiles;
 use foveal_render::{Gpu, RenderError, Renderer};
 
 fn scene() -> Scene {
@@ -20,9 +21,15 @@ fn tiles_of_another_frame_are_counted_and_not_shown() {
     let scene = scene();
     let fine = scene.finest();
     let mut renderer = scene.on_gpu(&gpu, &fine);
+    let mut twin = scene.in_memory(&fine);
     assert_eq!(renderer.tiles().wrong_frame_tiles(), 0);
+    assert_eq!(twin.wrong_frame_tiles(), 0);
     renderer.tiles().begin_frame(2);
+    twin.begin_frame(2);
     assert_eq!(renderer.tiles().wrong_frame_tiles(), fine.len() + 1);
+    assert_eq!(twin.wrong_frame_tiles(), fine.len() + 1);
+    let empty = TwinTiles::new(&scene.grid, FULL);
+    assert_eq!(empty.wrong_frame_tiles(), 1);
     assert!(renderer.tiles().level_map().iter().all(|&level| level == 2));
     renderer
         .tiles()

@@ -1,7 +1,7 @@
 //! Is damage to a pack always told, and never fatal to the program?
 
 use crate::scenes::{noise, waves, write_clip};
-use crate::support::{Folder, done, finish, foveal, json, json_of, refused};
+use crate::support::{Folder, done, finish, foveal, has_dev_full, json, json_of, refused};
 use serde_json::json;
 
 /// Places that the program is tried on; every byte is tried in `foveal-media`.
@@ -120,6 +120,9 @@ fn what_is_no_pack_is_refused_by_every_command() {
 
 #[test]
 fn results_that_nobody_can_take_are_told() {
+    if !has_dev_full() {
+        return;
+    }
     let folder = Folder::new();
     let pack = small_pack(&folder, "png");
     let mut command = crate::support::command(&["info", &pack, "--json"]);

@@ -60,6 +60,15 @@ pub(crate) fn command(arguments: &[&str]) -> Command {
     command
 }
 
+/// Whether this system has a file that refuses every byte.
+pub(crate) fn has_dev_full() -> bool {
+    let there = Path::new("/dev/full").exists();
+    if !there {
+        eprintln!("SKIPPED: this system has no /dev/full, so writing to it was not tried");
+    }
+    there
+}
+
 /// What came of a run.
 #[derive(Debug)]
 pub(crate) struct Ran {

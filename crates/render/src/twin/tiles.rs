@@ -75,6 +75,16 @@ impl TwinTiles {
         })
     }
 
+    /// Tiles that hold another source frame than the one shown, or none: the twin of
+    /// [`crate::TileStore::wrong_frame_tiles`].
+    #[must_use]
+    pub fn wrong_frame_tiles(&self) -> usize {
+        let base = self.grid.tiles_of(self.grid.coarsest());
+        let missing = base.filter(|t| !self.resident.contains_key(t));
+        let held = self.resident.values();
+        missing.count() + held.filter(|(frame, _)| *frame != self.frame).count()
+    }
+
     fn map_levels(&mut self) {
         let shown = self
             .resident
