@@ -1,3 +1,43 @@
-//! Checks the rules of the repository.
+//! Does this repository keep its own rules? The commands behind `cargo xtask`.
 
-fn main() {}
+#![allow(clippy::print_stdout)]
+
+mod steps;
+mod tidy;
+mod wasm;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+cargo xtask COMMAND
+  tidy            rules of ARCHITECTURE.md and STYLE.md that a machine can check
+  wasm            core and render for the browser; the same selection natively and in wasm
+  ci              fmt, tidy, clippy, wasm, test: exactly what CI runs
+  bless [FILTER]  run the tests (those whose name contains FILTER) and rewrite their goldens";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let outcome = match words.as_slice() {
+        ["tidy"] => tidy::run(),
+        ["wasm"] => wasm::run(),
+        ["ci"] => steps::ci(),
+        ["bless"] => steps::bless(None),
+        ["bless", filter] => steps::bless(Some(filter)),
+        ["help" | "--help" | "-h"] => {
+            println!("{USAGE}");
+            Ok(())
+        }
+        _ => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("xtask: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}

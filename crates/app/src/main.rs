@@ -1,3 +1,84 @@
-//! The `foveal` program.
+//! The `foveal` program: which command runs?
 
-fn main() {}
+mod canvas;
+mod demo;
+mod gaze;
+mod info;
+mod options;
+mod output;
+mod picture_file;
+mod player;
+mod prepare;
+mod replay;
+mod select;
+mod simulate;
+mod verify;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Streams and renders only the detail that an eye can see.
+#[derive(Debug, Parser)]
+#[command(version, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Turn content into a pack.
+    #[command(subcommand)]
+    Prepare(Prepare),
+    /// What is in a pack.
+    Info(info::InfoArgs),
+    /// Is every byte of a pack as it was written.
+    Verify(verify::VerifyArgs),
+    /// What would be chosen, without content: levels, pixels, shares.
+    Select(select::SelectArgs),
+    /// Play a pack headless: pictures of what the eye gets, figures, and a log.
+    Simulate(simulate::SimulateArgs),
+    /// Prepare and play clips under several policies, and show in a page what was saved.
+    Demo(demo::DemoArgs),
+    /// Make the selection of a logged session again and compare.
+    Replay(replay::ReplayArgs),
+}
+
+#[derive(Debug, Subcommand)]
+enum Prepare {
+    /// Flat or 360° video, or a still picture.
+    Video(prepare::PrepareVideoArgs),
+}
+
+fn main() -> ExitCode {
+    quiet_without_display();
+    let result = match Cli::parse().command {
+        Command::Prepare(Prepare::Video(args)) => prepare::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Verify(args) => verify::run(&args),
+        Command::Select(args) => select::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Demo(args) => demo::run(&args),
+        Command::Replay(args) => replay::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => output::fail(&error),
+    }
+}
+
+/// Mesa's device-select layer complains on stderr when there is no display to ask; wgpu chooses the
+/// device itself.
+fn quiet_without_display() {
+    let has = |name| std::env::var_os(name).is_some();
+    if !has("DISPLAY") && !has("WAYLAND_DISPLAY") && !has("NODEVICE_SELECT") {
+        #[allow(
+            unsafe_code,
+            reason = "changing the environment is unsafe beside other threads"
+        )]
+        // SAFETY: the first statement of main; no other thread has begun.
+        unsafe {
+            std::env::set_var("NODEVICE_SELECT", "1");
+        }
+    }
+}

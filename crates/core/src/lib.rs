@@ -3,5 +3,8 @@
 #![forbid(unsafe_code)]
 
 pub mod asset;
+pub mod gaze;
+pub mod perception;
+pub mod selection;
 pub mod units;
 pub mod view;

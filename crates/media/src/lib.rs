@@ -1,1 +1,51 @@
 //! Turns files into packs and packs into frames.
+
+mod convert;
+mod cut_short;
+pub mod decode;
+pub mod decode_pool;
+mod deliver;
+pub mod encode;
+pub mod error;
+mod ffmpeg;
+mod frame;
+mod frame_file;
+mod frame_reader;
+pub mod generate;
+pub mod input;
+mod orientation;
+pub mod pack_file;
+mod pack_writer;
+mod parallel;
+pub mod picture_from_rgba;
+pub mod prepare;
+pub mod pyramid;
+pub mod source;
+pub mod sphere;
+pub mod spherical;
+mod stacked_png;
+mod timeline;
+pub mod write_clip;
+
+#[cfg(test)]
+mod broken_tests;
+#[cfg(test)]
+mod codec_tests;
+#[cfg(test)]
+mod decode_pool_tests;
+#[cfg(test)]
+mod format_tests;
+#[cfg(test)]
+mod input_tests;
+#[cfg(test)]
+mod pack_tests;
+#[cfg(test)]
+mod scenes;
+
+pub use decode::GroupDecoder;
+pub use encode::{EncodeSettings, Speed, encode_group};
+pub use error::MediaError;
+pub use input::{TimedPicture, VideoInput};
+pub use source::SourceInfo;
+pub use spherical::{Projection, Spherical, Stereo, StereoLayout};
+pub use write_clip::{ClipCodec, ClipFormat, ClipWriter};

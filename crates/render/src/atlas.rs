@@ -181,26 +181,35 @@ impl Atlas {
     pub(crate) fn write_slot(
         &self,
         gpu: &Gpu,
-        [column, row, layer]: SlotPlace,
+        slot: SlotPlace,
         octaves: u32,
         planes: &[Vec<Samples>; 3],
     ) {
-        let place = [column * self.shape.slot[0], row * self.shape.slot[1], layer];
+        let texel = self.texel_of_slot(slot);
         let [y, u, v] = planes;
         for (step, ((y, u), v)) in (0..).zip(y.iter().zip(u).zip(v)) {
-            self.planes.write(gpu, place, step * octaves, [y, u, v]);
+            self.planes.write(gpu, texel, step * octaves, [y, u, v]);
         }
     }
 
     /// Writes a tile of the coarsest level.
     pub(crate) fn write_base(&self, gpu: &Gpu, tile: Tile, planes: [&Samples; 3]) {
+        self.planes.write(gpu, self.texel_of_base(tile), 0, planes);
+    }
+
+    /// Column and row of the first luma texel in a slot, and its layer.
+    pub(crate) fn texel_of_slot(&self, [column, row, layer]: SlotPlace) -> [u32; 3] {
+        [column * self.shape.slot[0], row * self.shape.slot[1], layer]
+    }
+
+    /// Column and row of the first luma texel of a tile of the coarsest level, and its layer.
+    pub(crate) fn texel_of_base(&self, tile: Tile) -> [u32; 3] {
         let [left, top, layer] = self.shape.base_place(u32::from(tile.face));
         let [step_x, step_y] = self.shape.base_step;
-        let place = [
+        [
             left + u32::from(tile.x) * step_x,
             top + u32::from(tile.y) * step_y,
             layer,
-        ];
-        self.planes.write(gpu, place, 0, planes);
+        ]
     }
 }

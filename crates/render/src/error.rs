@@ -33,6 +33,9 @@ pub enum RenderError {
     /// A tile that the grid does not have.
     #[error("{0:?} is no tile of this picture")]
     NoSuchTile(Tile),
+    /// A tile that was asked back and is not on the GPU.
+    #[error("{0:?} is not on the GPU; upload it first")]
+    NotResident(Tile),
     /// A decoded tile has another size than its place in the grid.
     #[error(
         "{tile:?} came as {found:?} pixels with planes of {planes:?} bytes; it is {expected:?}"

@@ -1,5 +1,8 @@
 //! What is a finished picture?
 
+use crate::params::rgb_from_yuv;
+use foveal_core::asset::picture::{Colour, Picture};
+
 /// Red, green, blue and alpha, 8 bits each, rows from the top without padding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RgbaImage {
@@ -18,6 +21,26 @@ impl RgbaImage {
             size,
             pixels: [0, 0, 0, 255].repeat(count),
         }
+    }
+
+    /// A tile by itself, in its own pixels; each chroma sample colours the four pixels over it.
+    #[must_use]
+    pub fn from_planes(picture: &Picture, colour: Colour) -> Self {
+        let rows = rgb_from_yuv(colour);
+        let half = picture.plane_size(1)[0];
+        let mut image = Self::black([picture.width, picture.height]);
+        for y in 0..picture.height {
+            for x in 0..picture.width {
+                let code = picture.planes[0][(y * picture.width + x) as usize];
+                let at = (y / 2 * half + x / 2) as usize;
+                let codes = [code, picture.planes[1][at], picture.planes[2][at]];
+                let [luma, u, v] = codes.map(|code| f32::from(code) / 255.0);
+                let rgb = rows.map(|r| r[0] * luma + r[1] * u + r[2] * v + r[3]);
+                let [r, g, b] = rgb.map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
+                image.set_pixel([x, y], [r, g, b, 255]);
+            }
+        }
+        image
     }
 
     /// The four bytes of the pixel in column `x` of row `y`.

@@ -15,6 +15,8 @@ mod image;
 mod level_map;
 pub mod params;
 mod passes;
+#[cfg(not(target_arch = "wasm32"))]
+mod read_tile;
 mod readback;
 mod reduce;
 mod residency;

@@ -151,7 +151,7 @@ fn growth(grid: &TileGrid) -> f32 {
 }
 
 /// ITU-T H.273, equations 35 to 43: limited or full range, then the matrix of the luma weights.
-fn rgb_from_yuv(colour: Colour) -> [[f32; 4]; 3] {
+pub(crate) fn rgb_from_yuv(colour: Colour) -> [[f32; 4]; 3] {
     let [kr, kb] = colour.matrix.luma_weights().map(f64::from);
     let kg = 1.0 - kr - kb;
     let (luma, black, chroma) = if colour.full_range {

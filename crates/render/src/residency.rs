@@ -4,6 +4,8 @@ use crate::atlas::{Atlas, SlotPlace};
 use crate::atlas_shape::AtlasShape;
 use crate::level_map::{LEVEL_BITS, contains, level_in, shown_map};
 use crate::params::TileParams;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::read_tile::read_planes;
 use crate::{device::Gpu, error::RenderError, reduce::pyramid};
 use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
@@ -143,6 +145,31 @@ impl TileStore {
             .values()
             .filter(|r| r.frame != self.frame)
             .count()
+    }
+
+    /// Blocks until the GPU holds what was uploaded: without a draw now and then the copies on
+    /// their way would pile up in main memory.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn settle(&self) -> Result<(), RenderError> {
+        self.gpu.queue.submit([]);
+        let done = self.gpu.device.poll(wgpu::PollType::wait_indefinitely());
+        done.map(|_| ())
+            .map_err(|reason| RenderError::ReadBack(reason.to_string()))
+    }
+
+    /// The samples of a tile as the GPU holds them, the coarsest level's included; refuses a tile
+    /// that is not resident. Blocks: for reports and trials, not for playing.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn read_tile(&self, tile: Tile) -> Result<Picture, RenderError> {
+        let texel = match self.resident.get(&tile) {
+            Some(resident) => self.atlas.texel_of_slot(resident.slot),
+            None if contains(&self.grid, tile) && tile.level == self.grid.coarsest() => {
+                self.atlas.texel_of_base(tile)
+            }
+            None => return Err(RenderError::NotResident(tile)),
+        };
+        let size = self.grid.tile_size(tile);
+        read_planes(&self.gpu, &self.atlas.planes, texel, size)
     }
 
     /// Bytes of GPU memory allocated for textures and tables.

@@ -1,6 +1,7 @@
 //! Which tiles does a picture consist of, and which pixels does each hold?
 
 use crate::view::surface::Surface;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -14,6 +15,19 @@ pub enum Cut {
     /// A grid: columns and rows per face, the same regions at every level, sizes rounded up (seed
     /// 000).
     Grid([u32; 2]),
+}
+
+impl Cut {
+    /// The pyramid for content of this many pixels across (around, for a sphere): tiles of 256 px
+    /// from 12K on, 512 px below, to keep streams few, 128 px below 2K, where the fovea is small.
+    #[must_use]
+    pub fn pyramid_for(width: u32) -> Self {
+        match width {
+            12_000.. => Self::Tile(256),
+            2_000.. => Self::Tile(512),
+            _ => Self::Tile(128),
+        }
+    }
 }
 
 /// One tile of a picture, without time.
@@ -208,6 +222,14 @@ impl TileGrid {
         [0, 1].map(|k| span[k].min(self.surface.size[k] - origin[k]))
     }
 
+    /// Unit direction of a tile's centre.
+    #[must_use]
+    pub fn centre(&self, tile: Tile) -> DVec3 {
+        let (from, size) = (self.origin(tile), self.covered(tile));
+        let place = [0, 1].map(|k| f64::from(from[k]) + f64::from(size[k]) / 2.0);
+        self.surface.direction(u32::from(tile.face), place)
+    }
+
     /// Pixels of a tile at its own level, rounded up.
     #[must_use]
     pub fn tile_size(&self, tile: Tile) -> [u32; 2] {
@@ -232,6 +254,37 @@ impl TileGrid {
             y: 0,
         };
         self.tile_size(first)
+    }
+
+    /// Level-0 pixels over which the reconstruction lets the footprint of a texel grow by one
+    /// level-0 pixel where levels meet.
+    ///
+    /// Four where cells are large enough that a fade stays within the neighbouring cell.
+    #[must_use]
+    pub fn blend_pixels(&self) -> f64 {
+        let [w, h] = self.span(0).map(f64::from);
+        let largest_growth = f64::from(self.scale(self.coarsest())) - 1.0;
+        if largest_growth > 0.0 {
+            (w.min(h) / largest_growth).min(4.0)
+        } else {
+            4.0
+        }
+    }
+
+    /// The cell at a place of a face in level-0 pixels; places beyond the border go to the nearest.
+    #[must_use]
+    pub fn cell_at(&self, face: u32, place: [f64; 2]) -> Tile {
+        let (span, cells) = (self.span(0), self.cells());
+        let index = |k: usize| {
+            let cell = libm::floor(place[k] / f64::from(span[k]));
+            cell.clamp(0.0, f64::from(cells[k] - 1)) as u16
+        };
+        Tile {
+            level: 0,
+            face: face as u8,
+            x: index(0),
+            y: index(1),
+        }
     }
 
     /// The tile of `level` that covers a cell.

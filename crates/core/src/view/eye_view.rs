@@ -113,13 +113,26 @@ impl EyeView {
         ])
     }
 
-    /// Pixels per degree at the axis, along the denser direction.
+    /// Pixels per degree in a world direction, across the radius; outside the field that of its
+    /// farthest corner.
     #[must_use]
-    pub fn ppd(&self) -> Ppd {
+    pub fn ppd_towards(&self, direction: DVec3) -> Ppd {
         let f = self.field;
+        let corner = [f.left.max(f.right), f.up.max(f.down)];
+        let depth = direction.dot(self.axes.forward);
+        let inside = |across: f64, most: f64| {
+            if depth <= 1e-9 {
+                most
+            } else {
+                (across / depth).abs().min(most)
+            }
+        };
+        let a = inside(direction.dot(self.axes.right), corner[0]);
+        let b = inside(direction.dot(self.axes.down), corner[1]);
         let pitch_x = (f.left + f.right) / f64::from(self.size[0]);
         let pitch_y = (f.up + f.down) / f64::from(self.size[1]);
-        Ppd(1.0 / Radians(pitch_x.min(pitch_y)).to_degrees())
+        let spacing = Radians(pitch_x.min(pitch_y) / (1.0 + a * a + b * b).sqrt());
+        Ppd(1.0 / spacing.to_degrees())
     }
 }
 

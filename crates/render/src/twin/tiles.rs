@@ -63,6 +63,18 @@ impl TwinTiles {
         &self.level_map
     }
 
+    /// The samples of a resident tile.
+    #[must_use]
+    pub fn read_tile(&self, tile: Tile) -> Option<Picture> {
+        let (_, planes) = self.resident.get(&tile)?;
+        let [width, height] = planes[0].first()?.size;
+        Some(Picture {
+            width,
+            height,
+            planes: [0, 1, 2].map(|p: usize| planes[p][0].codes.clone()),
+        })
+    }
+
     fn map_levels(&mut self) {
         let shown = self
             .resident

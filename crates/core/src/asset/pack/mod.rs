@@ -180,6 +180,9 @@ pub fn parse_anything(data: &[u8]) -> bool {
     let Ok(header) = Header::parse(data) else {
         return false;
     };
+    if header.file_bytes != data.len() as u64 {
+        return false;
+    }
     let part = |from: u64, bytes: u64| {
         let from = usize::try_from(from).ok()?;
         data.get(from..from.checked_add(usize::try_from(bytes).ok()?)?)

@@ -215,3 +215,58 @@ fn absurd_sizes_are_refused_before_anything_is_allocated() {
     };
     assert!(Pack::parse(&header, &json, &[]).is_err());
 }
+
+fn bytes_of_hex(hex: &str) -> Vec<u8> {
+    let digits: Vec<u8> = hex.bytes().filter(u8::is_ascii_hexdigit).collect();
+    let byte = |pair: &[u8]| u8::from_str_radix(core::str::from_utf8(pair).unwrap(), 16).unwrap();
+    digits.chunks(2).map(byte).collect()
+}
+
+#[test]
+fn the_header_is_that_of_the_test_vector() {
+    let vector = bytes_of_hex(
+        "464f5645414c0d0a 01000000 c00f0000 04030201 00000000
+         6810000000000000 2000000000000000 8810000000000000
+         000000000000000000000000 7a0f3fa0",
+    );
+    let header = Header {
+        description_bytes: 4032,
+        description_crc: 0x0102_0304,
+        index_offset: 4200,
+        index_bytes: 32,
+        file_bytes: 4232,
+    };
+    assert_eq!(header.write().to_vec(), vector);
+    assert_eq!(Header::parse(&vector), Ok(header));
+}
+
+#[test]
+fn an_index_page_reads_as_the_test_vector_says() {
+    let page = bytes_of_hex(
+        "00000000 00000000 01000000 8df2e86a
+         0010000000000000 07000000 0d0c0b0a",
+    );
+    let one_unit = Description {
+        size: [16, 16],
+        levels: 1,
+        quality: vec![0],
+        groups: vec![8],
+        frames: 8,
+        ..description()
+    };
+    let json = serde_json::to_vec(&one_unit).unwrap();
+    let header = Header {
+        description_bytes: json.len() as u32,
+        description_crc: crc32c::crc32c(&json),
+        index_offset: 8192,
+        index_bytes: 32,
+        file_bytes: 8224,
+    };
+    let pack = Pack::parse(&header, &json, &page).unwrap();
+    let expected = Entry {
+        offset: 4096,
+        bytes: 7,
+        crc32c: 0x0a0b_0c0d,
+    };
+    assert_eq!(pack.entry(UnitId(0)), expected);
+}

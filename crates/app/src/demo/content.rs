@@ -1,0 +1,254 @@
+//! What does the demo play, and what of it is left from an earlier run?
+
+use super::FRAMES;
+use crate::output::{self, Counting};
+use crate::simulate::default_jobs;
+use anyhow::{Context, bail};
+use foveal_core::asset::codec::Codec;
+use foveal_core::asset::pack::Description;
+use foveal_core::asset::picture::{Colour, Matrix};
+use foveal_media::encode::Speed;
+use foveal_media::generate::{FRAMES_PER_SECOND, Scene};
+use foveal_media::pack_file::PackFile;
+use foveal_media::prepare::{Plan, PrepareSettings, Progress, ProjectionChoice, prepare};
+use foveal_media::{ClipCodec, ClipFormat, ClipWriter, VideoInput};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Pixels of the generated 360° scene, equirectangular.
+const SPHERE_SIZE: [u32; 2] = [4096, 2048];
+/// Pixels of the generated flat scene.
+const WIDE_SIZE: [u32; 2] = [1920, 1080];
+/// Colour of generated scenes.
+const SCENE_COLOUR: Colour = Colour {
+    matrix: Matrix::Bt709,
+    full_range: false,
+    chroma_left: false,
+};
+/// The clip that `make demo` fetches, and whose it is.
+const SAMPLE: [&str; 2] = [
+    "bigbuckbunny.mp4",
+    "Big Buck Bunny, (c) Blender Foundation, CC BY 3.0",
+];
+
+/// One thing to play.
+#[derive(Clone, Debug)]
+pub(super) struct Content {
+    /// Name of its pack and folders, without ending; no two share one.
+    pub(super) name: String,
+    /// The video file.
+    source: PathBuf,
+    /// What draws the video file, when it is not the user's.
+    scene: Option<([u32; 2], Scene)>,
+}
+
+/// Content as a pack, and how it became one.
+pub(super) struct Prepared {
+    pub(super) name: String,
+    pub(super) file: Arc<PackFile>,
+    /// Whose work it is, where that must be said.
+    pub(super) licence: Option<&'static str>,
+    /// Whether the source may have more frames than are played.
+    pub(super) cut_short: bool,
+    /// Whether the program drew it.
+    pub(super) generated: bool,
+    /// How long preparing took; `None` when the pack of an earlier run was still good.
+    pub(super) took: Option<Duration>,
+    /// What `auto` found and what was dropped.
+    pub(super) notes: Vec<String>,
+}
+
+/// The inputs, or a generated flat clip without any, then the generated 360° scene.
+pub(super) fn contents(inputs: &[PathBuf], out: &Path) -> anyhow::Result<Vec<Content>> {
+    let generated = |name: &str, size, scene| Content {
+        name: name.to_owned(),
+        source: out.join(format!("{name}.mkv")),
+        scene: Some((size, scene)),
+    };
+    let sphere = generated("generated-360", SPHERE_SIZE, Scene::panorama(SPHERE_SIZE));
+    let mut all = Vec::new();
+    if inputs.is_empty() {
+        let scene = Scene::wide(WIDE_SIZE);
+        all.push(generated("generated-wide", WIDE_SIZE, scene));
+    }
+    let mut names = vec![sphere.name.clone()];
+    for input in inputs {
+        if same_file(input, &sphere.source) {
+            bail!(
+                "--input {}: the demo itself writes this file; leave the option out",
+                input.display()
+            );
+        }
+        let name = unused_name(input, &names);
+        names.push(name.clone());
+        all.push(Content {
+            name,
+            source: input.clone(),
+            scene: None,
+        });
+    }
+    all.push(sphere);
+    Ok(all)
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// The input's name without its ending, with a number where it is taken.
+fn unused_name(input: &Path, taken: &[String]) -> String {
+    let stem = input.file_stem().unwrap_or_default().to_string_lossy();
+    let numbered = (2..).map(|number| format!("{stem}-{number}"));
+    std::iter::once(stem.to_string())
+        .chain(numbered)
+        .find(|name| !taken.contains(name))
+        .unwrap_or_default()
+}
+
+impl Content {
+    /// Refuses an input that cannot be prepared, before anything long begins.
+    pub(super) fn check(&self) -> anyhow::Result<()> {
+        if self.scene.is_none() {
+            self.plan()?;
+        }
+        Ok(())
+    }
+
+    /// Makes the pack under `out`, or finds that the one there is still good.
+    pub(super) fn prepare(&self, out: &Path) -> anyhow::Result<Prepared> {
+        let pack = out.join(format!("{}.foveal", self.name));
+        let begun = Instant::now();
+        let kept = self.kept(&pack);
+        let plan = match (&kept, &self.scene) {
+            (Some(plan), _) => {
+                eprintln!("{}: already prepared, used again", pack.display());
+                plan.clone()
+            }
+            (None, scene) => {
+                if let Some((size, scene)) = scene {
+                    write_scene(scene, *size, &self.source)?;
+                }
+                let plan = self.plan()?;
+                self.write_pack(&plan, &pack)?;
+                plan
+            }
+        };
+        let file = PackFile::open(&pack)?;
+        let source_name = &plan.description.source.name;
+        Ok(Prepared {
+            name: self.name.clone(),
+            licence: (source_name == SAMPLE[0]).then_some(SAMPLE[1]),
+            cut_short: plan.frames.is_none_or(|of| of > u64::from(FRAMES))
+                && file.pack().description().frames == FRAMES,
+            generated: self.scene.is_some(),
+            took: kept.is_none().then(|| begun.elapsed()),
+            notes: plan.notes,
+            file: Arc::new(file),
+        })
+    }
+
+    fn plan(&self) -> anyhow::Result<Plan> {
+        let info = VideoInput::open(&self.source)?.info().clone();
+        let settings = PrepareSettings {
+            projection: ProjectionChoice::Auto,
+            cut: None,
+            levels: None,
+            ratio: 2,
+            codec: Codec::Vp9,
+            quality: None,
+            speed: Speed::Default,
+            jobs: default_jobs(),
+            most_frames: Some(FRAMES),
+        };
+        Ok(Plan::new(&self.source, &info, &settings)?)
+    }
+
+    /// The plan of the pack that is there, when it would be prepared the same way again: source of
+    /// the same name, size and bytes and not newer, program of the same version.
+    fn kept(&self, pack: &Path) -> Option<Plan> {
+        let changed = |path: &Path| path.metadata().and_then(|about| about.modified()).ok();
+        if changed(&self.source)? > changed(pack)? {
+            return None;
+        }
+        let (plan, file) = (self.plan().ok()?, PackFile::open(pack).ok()?);
+        let found = file.pack().description();
+        let expected = Description {
+            frames: found.frames,
+            tables: found.tables.clone(),
+            ..plan.description.clone()
+        };
+        (*found == expected).then_some(plan)
+    }
+
+    fn write_pack(&self, plan: &Plan, pack: &Path) -> anyhow::Result<()> {
+        eprintln!("{}: is being prepared", self.source.display());
+        for note in &plan.notes {
+            eprintln!("{}: {note}", self.source.display());
+        }
+        let most = u64::from(FRAMES);
+        let length = plan.frames.map(|frames| frames.min(most));
+        let bar = output::bar(length, Counting::Frames);
+        let mut note = |progress: Progress| bar.set_position(u64::from(progress.frames));
+        let prepared = prepare(&self.source, pack, plan, &mut note);
+        bar.finish_and_clear();
+        prepared?;
+        Ok(())
+    }
+}
+
+/// Draws a scene into a video file; where that fails or is stopped, none is left under that name.
+fn write_scene(scene: &Scene, size: [u32; 2], path: &Path) -> anyhow::Result<()> {
+    eprintln!("{}: is being drawn", path.display());
+    let partial = path.with_extension("partial.mkv");
+    if let Err(error) = draw_scene(scene, size, &partial) {
+        // What could not be written may not even be there.
+        let _ = std::fs::remove_file(&partial);
+        return Err(error);
+    }
+    std::fs::rename(&partial, path)
+        .with_context(|| format!("{}: cannot be given its name", partial.display()))
+}
+
+/// Frame by frame, so that one picture at a time is in memory.
+fn draw_scene(scene: &Scene, size: [u32; 2], path: &Path) -> anyhow::Result<()> {
+    let format = ClipFormat {
+        codec: ClipCodec::Ffv1,
+        size,
+        frame_rate: [FRAMES_PER_SECOND as i32, 1],
+        colour: SCENE_COLOUR,
+    };
+    let bar = output::bar(Some(u64::from(FRAMES)), Counting::Frames);
+    let mut clip = ClipWriter::create(path, &format)?;
+    for number in 0..u64::from(FRAMES) {
+        clip.push(&scene.frame(number))?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(clip.finish()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_inputs_of_one_name_get_two_names() -> anyhow::Result<()> {
+        let inputs = ["a/clip.mp4", "b/clip.mp4", "c/generated-360.mkv"].map(PathBuf::from);
+        let all = contents(&inputs, Path::new("out"))?;
+        let names: Vec<&str> = all.iter().map(|content| content.name.as_str()).collect();
+        assert_eq!(
+            names,
+            ["clip", "clip-2", "generated-360-2", "generated-360"]
+        );
+        Ok(())
+    }
+
+    #[test]
+    fn without_an_input_a_flat_clip_is_drawn() -> anyhow::Result<()> {
+        let all = contents(&[], Path::new("out"))?;
+        let names: Vec<&str> = all.iter().map(|content| content.name.as_str()).collect();
+        assert_eq!(names, ["generated-wide", "generated-360"]);
+        Ok(())
+    }
+}

@@ -1,0 +1,175 @@
+//! How does one content play under each policy?
+
+use super::FRAMES;
+use super::content::Prepared;
+use super::moment::Moment;
+use super::pictures::Pictures;
+use crate::canvas::Drawing;
+use crate::gaze::{GazeChoice, GazeSource};
+use crate::options::ViewOptions;
+use crate::output::{self, Counting};
+use crate::player::{FrameReport, Player, PlayerOptions};
+use crate::simulate::{RunSummary, csv, default_jobs, session, summarise, write_text};
+use anyhow::Context;
+use foveal_core::selection::policy::{Policy, PolicyConfig};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What is compared, baselines first.
+pub(super) const POLICIES: [Policy; 3] = [Policy::Full, Policy::Viewport, Policy::Acuity];
+/// Index in [`POLICIES`] of what the others are judged by.
+pub(super) const FULL: usize = 0;
+/// Index of what the industry ships.
+pub(super) const VIEWPORT: usize = 1;
+/// Index of what is judged.
+pub(super) const ACUITY: usize = 2;
+
+/// How all content is played.
+pub(super) struct Conditions<'a> {
+    pub(super) view: &'a ViewOptions,
+    pub(super) drawing: &'a Drawing,
+    pub(super) seed: u64,
+}
+
+/// One run under one policy.
+pub(super) struct PolicyRun {
+    pub(super) summary: RunSummary,
+    pub(super) reports: Vec<FrameReport>,
+}
+
+/// Content that was played under all policies.
+pub(super) struct Played {
+    pub(super) content: Prepared,
+    /// In the order of [`POLICIES`].
+    pub(super) runs: Vec<PolicyRun>,
+    /// Display time of every frame in seconds.
+    pub(super) times: Vec<f64>,
+    pub(super) moment: Moment,
+    pub(super) pictures: Pictures,
+}
+
+/// Plays content under every policy in this one run, then makes the pictures.
+pub(super) fn play(
+    content: Prepared,
+    conditions: &Conditions<'_>,
+    out: &Path,
+    budget: usize,
+) -> anyhow::Result<Played> {
+    let stage = Stage::new(content, conditions);
+    let name = &stage.content.name;
+    let mut runs = Vec::new();
+    for run in stage.play()? {
+        let folder = out.join(format!("{name}-{}", word(run.policy)));
+        runs.push(run.finish(&folder)?);
+    }
+    let times = runs[ACUITY].reports.iter();
+    let times = times.map(|report| report.session.time_s.0).collect();
+    let moment = Moment::choose(&runs[ACUITY].reports);
+    eprintln!("{name}: the pictures of frame {} are made", moment.frame);
+    let pictures = Pictures::take(&stage, &runs[ACUITY].reports[moment.frame as usize], budget)?;
+    Ok(Played {
+        content: stage.content,
+        runs,
+        times,
+        moment,
+        pictures,
+    })
+}
+
+/// A policy as users write it.
+pub(super) fn word(policy: Policy) -> String {
+    format!("{policy:?}").to_lowercase()
+}
+
+/// What every run of one content shares.
+pub(super) struct Stage<'a> {
+    content: Prepared,
+    conditions: &'a Conditions<'a>,
+    frames: u32,
+}
+
+impl<'a> Stage<'a> {
+    fn new(content: Prepared, conditions: &'a Conditions<'a>) -> Self {
+        let frames = content.file.pack().description().frames.min(FRAMES);
+        Self {
+            content,
+            conditions,
+            frames,
+        }
+    }
+
+    /// A player at the first frame, and the gaze that all runs follow.
+    pub(super) fn player(&self, policy: Policy) -> anyhow::Result<(Player, GazeSource)> {
+        let view = self.conditions.view;
+        let surface = self
+            .content
+            .file
+            .pack()
+            .description()
+            .grid(view.screen)
+            .surface;
+        let options = PlayerOptions {
+            config: PolicyConfig::new(policy),
+            view: view.eye_view(&surface)?,
+            screen: view.screen,
+            drawing: self.conditions.drawing.clone(),
+            paced: false,
+            jobs: default_jobs(),
+        };
+        let player = Player::new(Arc::clone(&self.content.file), options)?;
+        let length = player.time(self.frames - 1);
+        let gaze = GazeSource::new(&GazeChoice::Scan, &surface, self.conditions.seed, length)?;
+        Ok((player, gaze))
+    }
+
+    /// All policies take turns, frame by frame and each first as often, so that other work on the
+    /// machine touches all alike.
+    fn play(&self) -> anyhow::Result<Vec<Run>> {
+        let start = |policy| {
+            let (player, gaze) = self.player(policy)?;
+            Ok(Run {
+                policy,
+                player,
+                gaze,
+                reports: Vec::new(),
+            })
+        };
+        let runs = POLICIES.into_iter().map(start);
+        let mut runs = runs.collect::<anyhow::Result<Vec<Run>>>()?;
+        let words = POLICIES.map(word).join(", ");
+        eprintln!("{}: plays under {words}", self.content.name);
+        let bar = output::bar(Some(u64::from(self.frames)), Counting::Frames);
+        for frame in 0..self.frames {
+            for turn in 0..runs.len() {
+                let run = &mut runs[(frame as usize + turn) % POLICIES.len()];
+                run.reports.push(run.player.play(frame, &mut run.gaze)?);
+            }
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Ok(runs)
+    }
+}
+
+/// A run that goes on.
+struct Run {
+    policy: Policy,
+    player: Player,
+    gaze: GazeSource,
+    reports: Vec<FrameReport>,
+}
+
+impl Run {
+    /// Writes its log and its figures, and sums it up.
+    fn finish(mut self, folder: &Path) -> anyhow::Result<PolicyRun> {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+        let reports = self.reports;
+        let log = session(&self.player, &reports).write();
+        write_text(&folder.join("session.jsonl"), &log)?;
+        write_text(&folder.join("frames.csv"), &csv(&reports))?;
+        let gpu_bytes = self.player.canvas.gpu_bytes();
+        let summary = summarise(word(self.policy), &reports, gpu_bytes, &log);
+        Ok(PolicyRun { summary, reports })
+    }
+}

@@ -1,0 +1,122 @@
+//! What is in a pack?
+
+use crate::output;
+use clap::Args;
+use foveal_core::asset::codec::Codec;
+use foveal_core::asset::pack::Description;
+use foveal_core::asset::tile_grid::Cut;
+use foveal_core::view::surface::Projection;
+use foveal_media::pack_file::PackFile;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// The pack.
+    pack: PathBuf,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `info` and `prepare` say of a pack.
+#[derive(Debug, Serialize)]
+pub(crate) struct PackInfo {
+    projection: Projection,
+    pub(crate) frames: u32,
+    fps: f64,
+    seconds: f64,
+    /// Pixels of the source.
+    width: u32,
+    height: u32,
+    /// Pixels of one face at level 0.
+    face_width: u32,
+    face_height: u32,
+    cut: Cut,
+    units: usize,
+    levels: u8,
+    level_ratio: u32,
+    groups: Vec<u32>,
+    codec: Codec,
+    quality: Vec<u8>,
+    pub(crate) bytes: u64,
+    bytes_per_level: Vec<u64>,
+    source: String,
+    source_bytes: u64,
+    generator: String,
+}
+
+impl PackInfo {
+    pub(crate) fn new(file: &PackFile) -> anyhow::Result<Self> {
+        let pack = file.pack();
+        let about: &Description = pack.description();
+        let times = file.frame_times()?;
+        let one_frame = 1.0 / about.fps();
+        let last = times.last().map_or(0.0, |&ns| ns as f64 / 1e9);
+        Ok(Self {
+            projection: about.projection,
+            frames: about.frames,
+            fps: about.fps(),
+            seconds: last + one_frame,
+            width: about.source.size[0],
+            height: about.source.size[1],
+            face_width: about.size[0],
+            face_height: about.size[1],
+            cut: about.cut,
+            units: pack.units().count(),
+            levels: about.levels,
+            level_ratio: about.ratio,
+            groups: about.groups.clone(),
+            codec: about.codec,
+            quality: about.quality.clone(),
+            bytes: file.bytes(),
+            bytes_per_level: pack.bytes_per_level(),
+            source: about.source.name.clone(),
+            source_bytes: about.source.bytes,
+            generator: about.generator.clone(),
+        })
+    }
+
+    pub(crate) fn text(&self) -> String {
+        let surround = match self.projection {
+            Projection::Flat => "flat".to_owned(),
+            Projection::Cube => format!("cube of {0}x{0} px faces", self.face_width),
+        };
+        let cut = match self.cut {
+            Cut::Tile(px) => format!("tiles of {px} px"),
+            Cut::Grid([c, r]) => format!("a grid of {c}x{r} a face"),
+        };
+        let mut text = format!(
+            "{}, {}x{}, {surround}\n{} frames at {:.3} fps, {:.2} s\n\
+             {}, {} levels of ratio {}, {cut}, {} units\n{:.2} MB from {:.2} MB\n",
+            self.source,
+            self.width,
+            self.height,
+            self.frames,
+            self.fps,
+            self.seconds,
+            self.codec.name(),
+            self.levels,
+            self.level_ratio,
+            self.units,
+            self.bytes as f64 / 1e6,
+            self.source_bytes as f64 / 1e6,
+        );
+        for (level, bytes) in self.bytes_per_level.iter().enumerate() {
+            let _ = writeln!(
+                text,
+                "level {level}: {:.2} MB, quality {}, groups of {}",
+                *bytes as f64 / 1e6,
+                self.quality[level],
+                self.groups[level]
+            );
+        }
+        text
+    }
+}
+
+pub(crate) fn run(args: &InfoArgs) -> anyhow::Result<()> {
+    let info = PackInfo::new(&PackFile::open(&args.pack)?)?;
+    output::result(args.json, &info, &info.text())
+}

@@ -1,0 +1,267 @@
+//! Which options do several commands share, and how are their values written?
+
+use crate::output::out_of_range;
+use anyhow::{Context, anyhow, bail};
+use clap::{Args, ValueEnum};
+use foveal_core::asset::tile_grid::Cut;
+use foveal_core::perception::acuity::AcuityModel;
+use foveal_core::selection::policy::{EdgeRule, Policy, PolicyConfig};
+use foveal_core::units::Radians;
+use foveal_core::view::axes::Axes;
+use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::surface::{Projection, Screen, Surface};
+
+/// A policy by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PolicyName {
+    Full,
+    Coarsest,
+    Viewport,
+    Grid,
+    Acuity,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AcuityName {
+    /// 1/60° + 0.022 x eccentricity.
+    Linear,
+    /// Watson 2014, corrected: one polarity, four meridians, the better eye.
+    Watson,
+    /// Watson 2014 as printed by Chen et al. 2022.
+    WatsonPaper,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum EdgeRuleName {
+    /// Every cell within the margin of the gaze is finest.
+    Conservative,
+    /// Only the cell that the gaze is in is finest.
+    Single,
+}
+
+/// Which rule chooses levels.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct PolicyOptions {
+    /// How levels are chosen.
+    #[arg(long, value_enum, default_value = "acuity")]
+    pub(crate) policy: PolicyName,
+    /// The eye of the acuity policy.
+    #[arg(long, value_enum, default_value = "linear")]
+    acuity: AcuityName,
+    /// acuity: radius round the gaze, in degrees, that is always finest.
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    safety_disc: f64,
+    /// viewport: what is kept fine around the view, in degrees.
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 10.0,
+        allow_negative_numbers = true
+    )]
+    margin: f64,
+    /// grid: which cells are finest.
+    #[arg(long, value_enum, default_value = "conservative")]
+    edge_rule: EdgeRuleName,
+    /// grid: how near the gaze a cell must be to be finest, in degrees.
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    edge_margin: f64,
+    /// grid: how many lowest-level cells, in index order, are promoted to the middle level.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    noisy_cells: u32,
+}
+
+impl PolicyOptions {
+    /// The policy with its parameters, checked.
+    pub(crate) fn config(&self) -> anyhow::Result<PolicyConfig> {
+        let policy = match self.policy {
+            PolicyName::Full => Policy::Full,
+            PolicyName::Coarsest => Policy::Coarsest,
+            PolicyName::Viewport => Policy::Viewport,
+            PolicyName::Grid => Policy::Grid,
+            PolicyName::Acuity => Policy::Acuity,
+        };
+        self.config_of(policy)
+    }
+
+    /// These parameters under another policy.
+    pub(crate) fn config_of(&self, policy: Policy) -> anyhow::Result<PolicyConfig> {
+        Ok(PolicyConfig {
+            acuity: match self.acuity {
+                AcuityName::Linear => AcuityModel::LINEAR,
+                AcuityName::Watson => AcuityModel::Watson,
+                AcuityName::WatsonPaper => AcuityModel::WatsonPaper,
+            },
+            safety_disc: angle("--safety-disc", self.safety_disc)?,
+            margin: angle("--margin", self.margin)?,
+            edge_rule: match self.edge_rule {
+                EdgeRuleName::Conservative => EdgeRule::Conservative,
+                EdgeRuleName::Single => EdgeRule::Single,
+            },
+            edge_margin: angle("--edge-margin", self.edge_margin)?,
+            noisy_cells: self.noisy_cells,
+            ..PolicyConfig::new(policy)
+        })
+    }
+}
+
+fn angle(option: &str, degrees: f64) -> anyhow::Result<Radians> {
+    if (0.0..=180.0).contains(&degrees) {
+        Ok(Radians::from_degrees(degrees))
+    } else {
+        bail!(out_of_range(
+            option,
+            degrees,
+            "an angle of 0 to 180 degrees"
+        ))
+    }
+}
+
+/// What shows the picture.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ViewOptions {
+    /// Pixels of the view (default: the content's density, at most 1920 wide).
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub(crate) view: Option<[u32; 2]>,
+    /// 360° content: horizontal field of view in degrees.
+    #[arg(long, value_name = "DEG", default_value_t = 100.0)]
+    fov: f64,
+    /// Flat content: diagonal in inches and distance in metres of the screen it fills.
+    #[arg(long, value_name = "INCHES,METRES", value_parser = parse_screen)]
+    #[arg(default_value = "24,0.6")]
+    pub(crate) screen: Screen,
+}
+
+/// Longest side of a view in pixels.
+const MAX_VIEW_SIDE: u32 = 8192;
+/// Widest view that is chosen without being asked for.
+const DEFAULT_VIEW_WIDTH: u32 = 1920;
+
+impl ViewOptions {
+    /// The view of `surface`: flat content fills it, a cube is seen with the field of view.
+    pub(crate) fn eye_view(&self, surface: &Surface) -> anyhow::Result<EyeView> {
+        let size = match self.view {
+            Some(size) if size.iter().any(|&side| side > MAX_VIEW_SIDE) => {
+                let range = format!("sides of 1 to {MAX_VIEW_SIDE}");
+                bail!(out_of_range(
+                    "--view",
+                    format!("{}x{}", size[0], size[1]),
+                    &range
+                ))
+            }
+            Some(size) => size,
+            None => self.default_size(surface)?,
+        };
+        Ok(match surface.projection {
+            Projection::Flat => EyeView::filling(surface, size),
+            Projection::Cube => {
+                let field = Field::across(self.fov()?, size);
+                EyeView {
+                    axes: Axes::FRONT,
+                    field,
+                    size,
+                }
+            }
+        })
+    }
+
+    fn fov(&self) -> anyhow::Result<Radians> {
+        if (1.0..=170.0).contains(&self.fov) {
+            Ok(Radians::from_degrees(self.fov))
+        } else {
+            bail!(out_of_range("--fov", self.fov, "1 to 170 degrees"))
+        }
+    }
+
+    fn default_size(&self, surface: &Surface) -> anyhow::Result<[u32; 2]> {
+        let [w, h] = surface.size;
+        let (width, height_of_width) = match surface.projection {
+            Projection::Flat => (w, f64::from(h) / f64::from(w)),
+            Projection::Cube => {
+                let across = 2.0 * (self.fov()?.0 / 2.0).tan() / surface.pitch();
+                // Even, and 16:10 as headset eyes roughly are.
+                ((across as u32).next_multiple_of(16), 0.625)
+            }
+        };
+        let width = width.min(DEFAULT_VIEW_WIDTH);
+        let height = (f64::from(width) * height_of_width).round() as u32;
+        Ok([width, height.clamp(1, MAX_VIEW_SIDE)])
+    }
+}
+
+/// How pictures are cut.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct CutOptions {
+    /// A pyramid of tiles of this many pixels on a side.
+    #[arg(long, value_name = "PX", conflicts_with = "grid")]
+    pub(crate) tile: Option<u32>,
+    /// A grid of columns and rows per face, the same at every level.
+    #[arg(long, value_name = "CxR", value_parser = parse_size)]
+    pub(crate) grid: Option<[u32; 2]>,
+    /// Number of levels.
+    #[arg(long, value_name = "N")]
+    pub(crate) levels: Option<u8>,
+    /// Linear ratio between levels, 2 or 4.
+    #[arg(long, value_name = "2|4", default_value_t = 2)]
+    pub(crate) level_ratio: u32,
+}
+
+impl CutOptions {
+    /// The cut that was asked for, or the default for content `width` pixels around or across.
+    pub(crate) fn cut(&self, width: u32) -> Cut {
+        match (self.grid, self.tile) {
+            (Some(grid), _) => Cut::Grid(grid),
+            (None, Some(tile)) => Cut::Tile(tile),
+            (None, None) => Cut::pyramid_for(width),
+        }
+    }
+}
+
+/// Reads `WxH`.
+pub(crate) fn parse_size(text: &str) -> anyhow::Result<[u32; 2]> {
+    let (w, h) = text
+        .split_once(['x', 'X'])
+        .context("expected two numbers as 1280x720")?;
+    let size = [w.trim().parse()?, h.trim().parse()?];
+    if size.contains(&0) {
+        Err(anyhow!("each number must be at least 1"))
+    } else {
+        Ok(size)
+    }
+}
+
+/// Reads `A,B` as finite numbers.
+pub(crate) fn parse_pair(text: &str) -> anyhow::Result<[f64; 2]> {
+    let (a, b) = text
+        .split_once(',')
+        .context("expected two numbers as 10,-5")?;
+    let pair: [f64; 2] = [a.trim().parse()?, b.trim().parse()?];
+    if pair.iter().all(|n| n.is_finite()) {
+        Ok(pair)
+    } else {
+        Err(anyhow!("expected finite numbers"))
+    }
+}
+
+fn parse_screen(text: &str) -> anyhow::Result<Screen> {
+    let [diagonal_inches, distance_m] = parse_pair(text)?;
+    if (0.1..=10_000.0).contains(&diagonal_inches) && (0.01..=1000.0).contains(&distance_m) {
+        Ok(Screen {
+            diagonal_inches,
+            distance_m,
+        })
+    } else {
+        Err(anyhow!(
+            "expected 0.1 to 10000 inches and 0.01 to 1000 metres"
+        ))
+    }
+}

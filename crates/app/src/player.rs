@@ -1,0 +1,293 @@
+//! What happens between a gaze and a picture, frame by frame?
+//!
+//! Select, decode, upload: the one path that every command that plays a pack goes through.
+
+use crate::canvas::{Canvas, Drawing};
+use crate::gaze::GazeSource;
+use anyhow::{Context, bail};
+use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use foveal_core::asset::unit::UnitId;
+use foveal_core::gaze::sample::{GazeSample, HeadPose};
+use foveal_core::selection::level_map::{LevelMap, histogram};
+use foveal_core::selection::policy::{Moment, PolicyConfig, Selection, Selector};
+use foveal_core::selection::session::{SessionFrame, SessionHead};
+use foveal_core::units::Seconds;
+use foveal_core::view::axes::angle_between;
+use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::surface::{Projection, Screen};
+use foveal_media::decode_pool::{DecodePool, DecodedTile};
+use foveal_media::pack_file::PackFile;
+use foveal_render::RgbaImage;
+use std::collections::HashSet;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Plays a pack under one policy.
+pub(crate) struct Player {
+    file: Arc<PackFile>,
+    grid: TileGrid,
+    selector: Selector,
+    config: PolicyConfig,
+    pool: DecodePool,
+    pub(crate) canvas: Canvas,
+    view: EyeView,
+    times_ns: Vec<i64>,
+    fetched: HashSet<UnitId>,
+    before: Option<LevelMap>,
+    paced: bool,
+}
+
+/// How a pack is played.
+pub(crate) struct PlayerOptions {
+    pub(crate) config: PolicyConfig,
+    pub(crate) view: EyeView,
+    pub(crate) screen: Screen,
+    pub(crate) drawing: Drawing,
+    /// Show a frame when its time is over, complete or not.
+    pub(crate) paced: bool,
+    /// Decoding threads.
+    pub(crate) jobs: usize,
+}
+
+/// What one frame took.
+#[derive(Clone, Debug)]
+pub(crate) struct FrameReport {
+    pub(crate) session: SessionFrame,
+    pub(crate) gaze: GazeSample,
+    pub(crate) view: EyeView,
+    /// Tiles decoded and shown, coarsest first.
+    pub(crate) tiles: Vec<Tile>,
+    /// Tiles shown of each level, finest first.
+    pub(crate) histogram: Vec<u32>,
+    /// Pixels of the tiles that were asked for, the whole coarsest level included.
+    pub(crate) pixels: u64,
+    /// Those over the pixels of the finest level.
+    pub(crate) share: f64,
+    /// Pixels decoded, those to catch up included.
+    pub(crate) decoded_pixels: u64,
+    /// Bytes of units that were needed for the first time.
+    pub(crate) new_bytes: u64,
+    /// From asking for the tiles until the last was there.
+    pub(crate) decode: Duration,
+    /// Making them resident.
+    pub(crate) upload: Duration,
+    /// Whether the frame's time was over before its tiles were there.
+    pub(crate) late: bool,
+    /// Tiles shown that hold another frame.
+    pub(crate) wrong_frame_tiles: usize,
+    /// Tiles that could not be decoded.
+    pub(crate) failed_tiles: usize,
+    /// Cells whose level changed since the frame before.
+    pub(crate) level_changes: u64,
+}
+
+impl Player {
+    /// A player of an open pack.
+    pub(crate) fn new(file: Arc<PackFile>, options: PlayerOptions) -> anyhow::Result<Self> {
+        let about = file.pack().description();
+        let grid = about.grid(options.screen);
+        let times_ns = file.frame_times()?;
+        Ok(Self {
+            selector: Selector::new(grid, options.config.clone()),
+            config: options.config,
+            pool: DecodePool::new(Arc::clone(&file), options.jobs),
+            canvas: Canvas::new(&options.drawing, &grid, about.colour)?,
+            view: options.view,
+            grid,
+            times_ns,
+            fetched: HashSet::new(),
+            before: None,
+            paced: options.paced,
+            file,
+        })
+    }
+
+    /// The tiles of the pack.
+    pub(crate) fn grid(&self) -> &TileGrid {
+        &self.grid
+    }
+
+    /// A resident tile by itself, in its own pixels; `None` when nothing draws.
+    pub(crate) fn read_tile(&mut self, tile: Tile) -> anyhow::Result<Option<RgbaImage>> {
+        let colour = self.file.pack().description().colour;
+        let picture = self.canvas.read_tile(tile)?;
+        Ok(picture.map(|picture| RgbaImage::from_planes(&picture, colour)))
+    }
+
+    /// Media time of a frame.
+    pub(crate) fn time(&self, frame: u32) -> Seconds {
+        Seconds(self.times_ns[frame as usize] as f64 / 1e9)
+    }
+
+    /// The head of this run's session log.
+    pub(crate) fn session_head(&self) -> SessionHead {
+        let name = self
+            .file
+            .path()
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy();
+        SessionHead::new(&name, &self.selector, self.config.clone(), &self.view)
+    }
+
+    /// Selects, decodes and uploads one frame for where the eye looks at its time.
+    pub(crate) fn play(
+        &mut self,
+        frame: u32,
+        source: &mut GazeSource,
+    ) -> anyhow::Result<FrameReport> {
+        let (gaze, head) = source.at(self.time(frame));
+        let view = self.turned(head);
+        let selection = self.selector.select(&Moment {
+            gaze,
+            view: Some(view),
+        });
+        let wanted = self.with_coarsest(&selection);
+        let begun = Instant::now();
+        let period = self.period(frame);
+        let decoded = self.decode(frame, &gaze, &wanted, begun + period);
+        let decode = begun.elapsed();
+        let new_bytes = self.fetch(&wanted, frame);
+        let decoded_pixels = decoded
+            .iter()
+            .map(|done| u64::from(done.decoded) * self.grid.tile_pixels(done.tile))
+            .sum();
+        let begun = Instant::now();
+        let (tiles, failed_tiles) = self.make_resident(frame, decoded)?;
+        let upload = begun.elapsed();
+        let pixels: u64 = wanted.iter().map(|tile| self.grid.tile_pixels(*tile)).sum();
+        let level_changes = self
+            .before
+            .as_ref()
+            .map_or(0, |before| selection.levels.changes_from(before));
+        let session = SessionFrame::new(frame, &gaze, head, &self.grid, &selection);
+        self.before = Some(selection.levels);
+        Ok(FrameReport {
+            session,
+            gaze,
+            view,
+            histogram: histogram(&self.grid, &tiles),
+            late: decode > period || tiles.len() < wanted.len(),
+            tiles,
+            pixels,
+            share: pixels as f64 / self.grid.surface.pixels() as f64,
+            decoded_pixels,
+            new_bytes,
+            decode,
+            upload,
+            wrong_frame_tiles: self.canvas.wrong_frame_tiles(),
+            failed_tiles,
+            level_changes,
+        })
+    }
+
+    fn turned(&self, head: HeadPose) -> EyeView {
+        match self.grid.surface.projection {
+            Projection::Flat => self.view,
+            Projection::Cube => EyeView {
+                axes: head.axes(),
+                ..self.view
+            },
+        }
+    }
+
+    /// Nominal time that a frame is shown.
+    fn period(&self, frame: u32) -> Duration {
+        let frame = frame as usize;
+        let next = self
+            .times_ns
+            .get(frame + 1)
+            .map(|next| next - self.times_ns[frame]);
+        let nominal = 1e9 / self.file.pack().description().fps();
+        Duration::from_nanos(next.map_or(nominal as u64, |ns| ns.max(1) as u64))
+    }
+
+    /// The chosen tiles and the whole coarsest level, which is always resident.
+    fn with_coarsest(&self, selection: &Selection) -> Vec<Tile> {
+        let coarsest = self.grid.coarsest();
+        let finer = selection
+            .tiles
+            .iter()
+            .copied()
+            .filter(|tile| tile.level != coarsest);
+        self.grid.tiles_of(coarsest).chain(finer).collect()
+    }
+
+    /// Decodes tiles, nearest to the gaze first; paced, only those that are there in time and the
+    /// coarsest level.
+    fn decode(
+        &mut self,
+        frame: u32,
+        gaze: &GazeSample,
+        wanted: &[Tile],
+        deadline: Instant,
+    ) -> Vec<DecodedTile> {
+        let coarsest = self.grid.coarsest();
+        let mut order: Vec<(u8, f64, Tile)> = wanted
+            .iter()
+            .map(|tile| {
+                let centre = self.grid.centre(*tile);
+                let angle = angle_between(gaze.gaze_in_content, centre).0;
+                (u8::from(tile.level != coarsest), angle, *tile)
+            })
+            .collect();
+        order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        order
+            .iter()
+            .for_each(|(_, _, tile)| self.pool.request(*tile, frame));
+        let mut base = order.iter().filter(|(finer, ..)| *finer == 0).count();
+        let mut done = Vec::with_capacity(wanted.len());
+        while done.len() < wanted.len() {
+            let deadline = (self.paced && base == 0).then_some(deadline);
+            let Some(tile) = self.pool.receive(deadline) else {
+                break;
+            };
+            // Tiles of an earlier frame that came too late for it.
+            if tile.frame != frame {
+                continue;
+            }
+            base -= usize::from(tile.tile.level == coarsest && base > 0);
+            done.push(tile);
+        }
+        self.pool.cancel();
+        done
+    }
+
+    /// Bytes of the units of these tiles that this run had not needed before.
+    fn fetch(&mut self, tiles: &[Tile], frame: u32) -> u64 {
+        let pack = self.file.pack();
+        let units = tiles.iter().map(|tile| pack.unit(*tile, frame));
+        let new = units.filter(|unit| self.fetched.insert(*unit));
+        new.map(|unit| u64::from(pack.entry(unit).bytes)).sum()
+    }
+
+    /// Uploads what was decoded for `frame`; a finer tile that failed leaves the coarser level.
+    fn make_resident(
+        &mut self,
+        frame: u32,
+        decoded: Vec<DecodedTile>,
+    ) -> anyhow::Result<(Vec<Tile>, usize)> {
+        self.canvas.begin_frame(frame);
+        let (mut tiles, mut failed) = (Vec::with_capacity(decoded.len()), 0);
+        for DecodedTile { tile, picture, .. } in decoded {
+            match picture {
+                Ok((picture, number)) if number == i64::from(frame) => {
+                    self.canvas.upload(tile, frame, picture)?;
+                    tiles.push(tile);
+                }
+                Ok((_, number)) => bail!(
+                    "{}: asked for frame {frame} of {tile:?}, the decoder gave {number}",
+                    self.file.path().display()
+                ),
+                Err(error) if tile.level == self.grid.coarsest() => {
+                    return Err(error).context("the coarsest level must be whole to show anything");
+                }
+                Err(_) => failed += 1,
+            }
+        }
+        self.canvas.retain(&tiles);
+        self.canvas.settle()?;
+        tiles.sort_by_key(|tile| (std::cmp::Reverse(tile.level), self.grid.rank(*tile)));
+        Ok((tiles, failed))
+    }
+}

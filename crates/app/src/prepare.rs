@@ -1,0 +1,203 @@
+//! How does a person turn a video into a pack?
+
+use crate::info::PackInfo;
+use crate::options::CutOptions;
+use crate::output::{self, WrongUsage, out_of_range};
+use anyhow::bail;
+use clap::{Args, ValueEnum};
+use foveal_core::asset::codec::Codec;
+use foveal_core::asset::tile_grid::Cut;
+use foveal_media::VideoInput;
+use foveal_media::encode::Speed;
+use foveal_media::pack_file::{PackFile, partial_path};
+use foveal_media::prepare::{Plan, PrepareSettings, Progress, ProjectionChoice, prepare, rehearse};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ProjectionName {
+    Auto,
+    Flat,
+    Equirect,
+    HalfEquirect,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum CodecName {
+    Vp9,
+    Jpeg,
+    Png,
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct PrepareVideoArgs {
+    /// Whatever FFmpeg reads.
+    input: PathBuf,
+    /// The pack to write, with the ending .foveal.
+    #[arg(long, value_name = "PACK")]
+    out: Option<PathBuf>,
+    /// How the picture surrounds the eye; auto goes by metadata, name and size, and says so.
+    #[arg(long, value_enum, default_value = "auto")]
+    projection: ProjectionName,
+    #[command(flatten)]
+    cut: CutOptions,
+    /// Codec of the tiles.
+    #[arg(long, value_enum, default_value = "vp9")]
+    codec: CodecName,
+    /// Quantiser, lower is finer: vp9 0-63 (default 24), jpeg 1-31 (default 3); png is lossless.
+    #[arg(long, value_name = "Q")]
+    quality: Option<u8>,
+    /// Twice as fast, larger files.
+    #[arg(long, conflicts_with = "small")]
+    fast: bool,
+    /// Three times slower, smaller files.
+    #[arg(long)]
+    small: bool,
+    /// Threads (default: all cores).
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Stop after this many frames.
+    #[arg(long, value_name = "N")]
+    frames: Option<u32>,
+    /// Say what it would take in time and disk, and write nothing.
+    #[arg(long)]
+    dry_run: bool,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a dry run says.
+#[derive(Debug, Serialize)]
+struct Estimate {
+    dry_run: bool,
+    frames: Option<u64>,
+    seconds: Option<f64>,
+    bytes: Option<u64>,
+    seconds_per_frame: f64,
+    bytes_per_frame: f64,
+    notes: Vec<String>,
+}
+
+/// Frames that a dry run codes: one group of the finest level.
+const REHEARSED: u32 = 8;
+
+pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
+    let info = VideoInput::open(&args.input)?.info().clone();
+    let plan = Plan::new(&args.input, &info, &args.settings()?)?;
+    for note in &plan.notes {
+        eprintln!("{}: {note}", args.input.display());
+    }
+    if args.dry_run {
+        return args.estimate(&plan);
+    }
+    let out = args
+        .out
+        .as_deref()
+        .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
+    refuse_to_overwrite_input(&args.input, out)?;
+    let bar = output::bar(plan.frames, output::Counting::Frames);
+    let mut note = |progress: Progress| bar.set_position(u64::from(progress.frames));
+    let begun = Instant::now();
+    let prepared = prepare(&args.input, out, &plan, &mut note);
+    bar.finish_and_clear();
+    prepared?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let info = PackInfo::new(&PackFile::open(out)?)?;
+    let text = format!("{}: {seconds:.1} s\n{}", out.display(), info.text());
+    output::result(args.json, &info, &text)
+}
+
+impl PrepareVideoArgs {
+    fn settings(&self) -> anyhow::Result<PrepareSettings> {
+        match (self.codec, self.quality) {
+            (CodecName::Vp9, Some(q @ 64..)) => bail!(out_of_range("--quality", q, "0 to 63")),
+            (CodecName::Jpeg, Some(q @ (0 | 32..))) => {
+                bail!(out_of_range("--quality", q, "1 to 31"));
+            }
+            _ => {}
+        }
+        if self.frames == Some(0) || self.jobs == Some(0) {
+            bail!(out_of_range("--frames or --jobs", 0, "at least 1"));
+        }
+        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        Ok(PrepareSettings {
+            projection: match self.projection {
+                ProjectionName::Auto => ProjectionChoice::Auto,
+                ProjectionName::Flat => ProjectionChoice::Flat,
+                ProjectionName::Equirect => ProjectionChoice::Equirect,
+                ProjectionName::HalfEquirect => ProjectionChoice::HalfEquirect,
+            },
+            cut: match (self.cut.grid, self.cut.tile) {
+                (Some(grid), _) => Some(Cut::Grid(grid)),
+                (None, tile) => tile.map(Cut::Tile),
+            },
+            levels: self.cut.levels,
+            ratio: self.cut.level_ratio,
+            codec: match self.codec {
+                CodecName::Vp9 => Codec::Vp9,
+                CodecName::Jpeg => Codec::Jpeg,
+                CodecName::Png => Codec::Png,
+            },
+            quality: self.quality,
+            speed: match (self.fast, self.small) {
+                (true, _) => Speed::Fast,
+                (_, true) => Speed::Small,
+                _ => Speed::Default,
+            },
+            jobs: self.jobs.unwrap_or(cores),
+            most_frames: self.frames,
+        })
+    }
+
+    fn estimate(&self, plan: &Plan) -> anyhow::Result<()> {
+        let begun = Instant::now();
+        let (rehearsed, bytes) = rehearse(&self.input, plan, REHEARSED)?;
+        let seconds_per_frame = begun.elapsed().as_secs_f64() / f64::from(rehearsed);
+        let bytes_per_frame = bytes as f64 / f64::from(rehearsed);
+        let frames = match (plan.frames, self.frames) {
+            (Some(known), Some(most)) => Some(known.min(u64::from(most))),
+            (known, _) => known,
+        };
+        let estimate = Estimate {
+            dry_run: true,
+            frames,
+            seconds: frames.map(|frames| frames as f64 * seconds_per_frame),
+            bytes: frames.map(|frames| (frames as f64 * bytes_per_frame) as u64),
+            seconds_per_frame,
+            bytes_per_frame,
+            notes: plan.notes.clone(),
+        };
+        let all = match (estimate.seconds, estimate.bytes) {
+            (Some(seconds), Some(bytes)) => {
+                format!(
+                    "about {seconds:.0} s and {:.1} MB in all",
+                    bytes as f64 / 1e6
+                )
+            }
+            _ => "the number of frames is not known".to_owned(),
+        };
+        let text = format!(
+            "{all}; {:.1} ms and {:.1} kB a frame by {rehearsed} frames (nothing written)",
+            seconds_per_frame * 1e3,
+            bytes_per_frame / 1e3,
+        );
+        output::result(self.json, &estimate, &text)
+    }
+}
+
+/// Writing the pack over its own source, or growing it there, would destroy the source.
+fn refuse_to_overwrite_input(input: &Path, out: &Path) -> anyhow::Result<()> {
+    let is_input = |path: &Path| match (input.canonicalize(), path.canonicalize()) {
+        (Ok(input), Ok(path)) => input == path,
+        _ => false,
+    };
+    if is_input(out) || is_input(&partial_path(out)) {
+        bail!(
+            "--out {} is the input itself, or grows where it lies; choose another name",
+            out.display()
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,241 @@
+//! What would be chosen, without content?
+
+use crate::options::{CutOptions, PolicyName, PolicyOptions, ViewOptions, parse_pair, parse_size};
+use crate::output::{self, WrongUsage, out_of_range};
+use anyhow::bail;
+use clap::{Args, ValueEnum};
+use foveal_core::asset::tile_grid::TileGrid;
+use foveal_core::gaze::sample::GazeSample;
+use foveal_core::gaze::scan::Random;
+use foveal_core::selection::level_map::{histogram, pixels};
+use foveal_core::selection::policy::{Moment, Selector};
+use foveal_core::units::{Radians, Seconds};
+use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::surface::{Projection, Surface};
+use serde::Serialize;
+use std::fmt::Write as _;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ProjectionName {
+    Flat,
+    Cube,
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct SelectArgs {
+    /// How the content surrounds the eye.
+    #[arg(long, value_enum)]
+    projection: ProjectionName,
+    /// Cube: pixels on a side of a face.
+    #[arg(long, value_name = "PX")]
+    face_size: Option<u32>,
+    /// Flat: pixels of the picture.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<[u32; 2]>,
+    /// Faces that the share is counted over (seed 000 counts four of six).
+    #[arg(long, value_name = "N")]
+    source_faces: Option<u32>,
+    #[command(flatten)]
+    cut: CutOptions,
+    #[command(flatten)]
+    policy: PolicyOptions,
+    #[command(flatten)]
+    view: ViewOptions,
+    /// Direction of the gaze: yaw to the right and pitch up in degrees.
+    #[arg(long, value_name = "YAW,PITCH", value_parser = parse_pair, allow_hyphen_values = true)]
+    gaze: Option<[f64; 2]>,
+    /// Select for this many gazes, uniform on the content.
+    #[arg(long, value_name = "N", conflicts_with = "gaze")]
+    random_gazes: Option<u32>,
+    /// Seed of the random gazes.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What one gaze takes.
+#[derive(Debug, Serialize)]
+struct One {
+    pixels: u64,
+    share: f64,
+    level_histogram: Vec<u32>,
+}
+
+/// What many gazes take.
+#[derive(Debug, Serialize)]
+struct Many {
+    gazes: usize,
+    pixels_mean: f64,
+    share_mean: f64,
+    share_p95: f64,
+    share_max: f64,
+    level_histogram_mean: Vec<f64>,
+}
+
+pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
+    let surface = args.surface()?;
+    let levels = args.cut.levels.unwrap_or(5);
+    let around = surface.size[0]
+        * if surface.projection == Projection::Cube {
+            4
+        } else {
+            1
+        };
+    let grid = TileGrid::new(surface, args.cut.cut(around), levels, args.cut.level_ratio)
+        .map_err(|error| WrongUsage(error.to_string()))?;
+    let selector = Selector::new(grid, args.policy.config()?);
+    let faces = args.source_faces.unwrap_or(surface.faces());
+    if faces == 0 || faces > surface.faces() {
+        let range = format!("1 to {}", surface.faces());
+        bail!(out_of_range("--source-faces", faces, &range));
+    }
+    let source = f64::from(faces) * f64::from(surface.size[0]) * f64::from(surface.size[1]);
+    let view = args.eye_view(&surface)?;
+    let choose = |gaze: GazeSample| {
+        let moment = Moment {
+            gaze,
+            view: view.map(|view| look_at(view, &gaze, &surface)),
+        };
+        let tiles = selector.select(&moment).tiles;
+        let pixels = pixels(&grid, &tiles);
+        One {
+            pixels,
+            share: pixels as f64 / source,
+            level_histogram: histogram(&grid, &tiles),
+        }
+    };
+    match args.random_gazes {
+        Some(0) => bail!(out_of_range("--random-gazes", 0, "at least 1")),
+        Some(count) => {
+            let mut random = Random::new(args.seed);
+            let gazes = (0..count).map(|_| random_gaze(&surface, &mut random));
+            let many = summarise(gazes.map(choose).collect());
+            output::result(args.json, &many, &many.text())
+        }
+        None => {
+            let [yaw, pitch] = args.gaze.unwrap_or_default();
+            if pitch.abs() > 90.0 {
+                bail!(out_of_range(
+                    "the pitch of --gaze",
+                    pitch,
+                    "-90 to 90 degrees"
+                ));
+            }
+            let degrees = Radians::from_degrees;
+            let one = choose(GazeSample::at(Seconds(0.0), degrees(yaw), degrees(pitch)));
+            output::result(args.json, &one, &one.text())
+        }
+    }
+}
+
+impl SelectArgs {
+    fn surface(&self) -> anyhow::Result<Surface> {
+        Ok(match self.projection {
+            ProjectionName::Cube => Surface::cube(
+                self.face_size
+                    .ok_or_else(|| missing("--projection cube needs --face-size PX"))?,
+            ),
+            ProjectionName::Flat => {
+                let size = self
+                    .size
+                    .ok_or_else(|| missing("--projection flat needs --size WxH"))?;
+                Surface::flat(size, self.view.screen)
+            }
+        })
+    }
+
+    /// The view that bounds what is worth choosing: only where one was asked for, or needed.
+    fn eye_view(&self, surface: &Surface) -> anyhow::Result<Option<EyeView>> {
+        if self.view.view.is_some() {
+            return self.view.eye_view(surface).map(Some);
+        }
+        if self.policy.policy != PolicyName::Viewport {
+            return Ok(None);
+        }
+        // Without pixels of its own the view is at least as dense as any content.
+        let view = self.view.eye_view(surface)?;
+        Ok(Some(EyeView {
+            size: [1 << 20; 2],
+            field: Field { ..view.field },
+            ..view
+        }))
+    }
+}
+
+fn missing(what: &str) -> WrongUsage {
+    WrongUsage(what.to_owned())
+}
+
+/// The view turned so that its centre meets the gaze; flat content stays before the eye.
+fn look_at(view: EyeView, gaze: &GazeSample, surface: &Surface) -> EyeView {
+    match surface.projection {
+        Projection::Flat => view,
+        Projection::Cube => {
+            let (yaw, pitch) =
+                foveal_core::view::axes::yaw_pitch_from_direction(gaze.gaze_in_content);
+            let axes = foveal_core::view::axes::Axes::from_yaw_pitch_roll(yaw, pitch, Radians(0.0));
+            EyeView { axes, ..view }
+        }
+    }
+}
+
+fn random_gaze(surface: &Surface, random: &mut Random) -> GazeSample {
+    let forward = GazeSample::at(Seconds(0.0), Radians(0.0), Radians(0.0));
+    let gaze_in_content = match surface.projection {
+        Projection::Cube => random.direction(),
+        Projection::Flat => {
+            let [w, h] = surface.size.map(f64::from);
+            surface.direction(0, [w * random.unit(), h * random.unit()])
+        }
+    };
+    GazeSample {
+        gaze_in_content,
+        ..forward
+    }
+}
+
+fn summarise(mut all: Vec<One>) -> Many {
+    all.sort_by_key(|one| one.pixels);
+    let count = all.len() as f64;
+    let p95 = (all.len() * 95).div_ceil(100).max(1) - 1;
+    let mean = |value: &dyn Fn(&One) -> f64| all.iter().map(value).sum::<f64>() / count;
+    let levels = all.first().map_or(0, |one| one.level_histogram.len());
+    Many {
+        gazes: all.len(),
+        pixels_mean: mean(&|one| one.pixels as f64),
+        share_mean: mean(&|one| one.share),
+        share_p95: all.get(p95).map_or(0.0, |one| one.share),
+        share_max: all.last().map_or(0.0, |one| one.share),
+        level_histogram_mean: (0..levels)
+            .map(|level| mean(&|one| f64::from(one.level_histogram[level])))
+            .collect(),
+    }
+}
+
+impl One {
+    fn text(&self) -> String {
+        let mut text = format!(
+            "{} pixels, {:.2} % of the finest level\n",
+            self.pixels,
+            self.share * 100.0
+        );
+        for (level, tiles) in self.level_histogram.iter().enumerate() {
+            let _ = writeln!(text, "level {level}: {tiles} tiles");
+        }
+        text
+    }
+}
+
+impl Many {
+    fn text(&self) -> String {
+        format!(
+            "{} gazes: mean {:.2} %, 95th percentile {:.2} %, most {:.2} % of the finest level",
+            self.gazes,
+            self.share_mean * 100.0,
+            self.share_p95 * 100.0,
+            self.share_max * 100.0,
+        )
+    }
+}

@@ -1,0 +1,336 @@
+//! What does an eye get from a pack, and what did that take?
+
+use crate::canvas::{Drawing, RendererName};
+use crate::gaze::{GazeChoice, GazeSource, parse_gaze};
+use crate::options::{PolicyOptions, ViewOptions};
+use crate::output::{self, out_of_range};
+use crate::picture_file::write_png;
+use crate::player::{FrameReport, Player, PlayerOptions};
+use anyhow::{Context, bail};
+use clap::{Args, ValueEnum};
+use foveal_core::asset::picture::{Colour, Matrix};
+use foveal_core::selection::session::{Session, sha256_hex};
+use foveal_core::view::axes::yaw_pitch_from_direction;
+use foveal_media::pack_file::PackFile;
+use foveal_media::picture_from_rgba::picture_from_rgba;
+use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
+use foveal_render::{Overlay, RgbaImage};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Pictures {
+    /// One PNG a frame.
+    Png,
+    /// One video.
+    Video,
+    /// None: only figures.
+    None,
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct SimulateArgs {
+    /// The pack.
+    pack: PathBuf,
+    /// YAW,PITCH in degrees, center, scan, or trace:FILE.
+    #[arg(
+        long,
+        value_name = "G",
+        default_value = "scan",
+        allow_hyphen_values = true
+    )]
+    #[arg(value_parser = parse_gaze)]
+    gaze: GazeChoice,
+    #[command(flatten)]
+    policy: PolicyOptions,
+    #[command(flatten)]
+    view: ViewOptions,
+    /// Stop after this many frames (default: all).
+    #[arg(long, value_name = "N")]
+    frames: Option<u32>,
+    /// Folder for pictures, frames.csv and session.jsonl; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// What pictures to write.
+    #[arg(long, value_enum, default_value = "png")]
+    pictures: Pictures,
+    /// Write every Nth picture.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    every: u32,
+    /// Draw levels as colours, tile borders and the gaze over the pictures.
+    #[arg(long)]
+    heat_map: bool,
+    /// What draws the pictures.
+    #[arg(long, value_enum, default_value = "gpu")]
+    renderer: RendererName,
+    /// Show a frame when its time is over, a coarser level standing in for tiles that are late;
+    /// otherwise every frame is waited for.
+    #[arg(long)]
+    paced: bool,
+    /// Decoding threads (default: all cores).
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Seed of the scan path.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a run took.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct RunSummary {
+    pub(crate) policy: String,
+    pub(crate) frames: usize,
+    pub(crate) pixels_share_mean: f64,
+    pub(crate) pixels_share_max: f64,
+    pub(crate) bytes: u64,
+    pub(crate) decoded_megapixels: f64,
+    pub(crate) decode_ms_mean: f64,
+    pub(crate) decode_ms_p95: f64,
+    pub(crate) late_frames: usize,
+    pub(crate) wrong_frame_tiles: usize,
+    pub(crate) failed_tiles: usize,
+    pub(crate) level_changes: u64,
+    pub(crate) gpu_bytes: u64,
+    pub(crate) log_sha256: String,
+}
+
+pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
+    if args.every == 0 || args.frames == Some(0) || args.jobs == Some(0) {
+        bail!(out_of_range("--every, --frames or --jobs", 0, "at least 1"));
+    }
+    let file = Arc::new(PackFile::open(&args.pack)?);
+    let about = file.pack().description();
+    let frames = args.frames.unwrap_or(about.frames).min(about.frames);
+    if args.frames.is_some_and(|asked| asked > frames) {
+        eprintln!(
+            "{}: has {frames} frames, so {frames} are played",
+            args.pack.display()
+        );
+    }
+    let fps = about.frame_rate;
+    let surface = about.grid(args.view.screen).surface;
+    let mut player = Player::new(
+        Arc::clone(&file),
+        PlayerOptions {
+            config: args.policy.config()?,
+            view: args.view.eye_view(&surface)?,
+            screen: args.view.screen,
+            drawing: Drawing::open(args.renderer)?,
+            paced: args.paced,
+            jobs: args.jobs.unwrap_or_else(default_jobs),
+        },
+    )?;
+    let length = player.time(frames - 1);
+    let mut gaze = GazeSource::new(&args.gaze, &surface, args.seed, length)?;
+    std::fs::create_dir_all(&args.out)
+        .with_context(|| format!("--out {}: the folder cannot be made", args.out.display()))?;
+    let mut pictures = PictureSink::new(args, fps);
+    let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
+    let mut reports = Vec::new();
+    for frame in 0..frames {
+        let report = player.play(frame, &mut gaze)?;
+        pictures.frame(&mut player, &report)?;
+        reports.push(report);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    pictures.finish()?;
+    let session = session(&player, &reports).write();
+    write_text(&args.out.join("session.jsonl"), &session)?;
+    write_text(&args.out.join("frames.csv"), &csv(&reports))?;
+    let policy = format!("{:?}", args.policy.policy).to_lowercase();
+    let summary = summarise(policy, &reports, player.canvas.gpu_bytes(), &session);
+    output::result(args.json, &summary, &summary.text(&args.out))
+}
+
+/// As many decoding threads as cores.
+pub(crate) fn default_jobs() -> usize {
+    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+}
+
+/// The log of a run.
+pub(crate) fn session(player: &Player, reports: &[FrameReport]) -> Session {
+    Session {
+        head: player.session_head(),
+        frames: reports
+            .iter()
+            .map(|report| report.session.clone())
+            .collect(),
+    }
+}
+
+/// Sums up a run.
+pub(crate) fn summarise(
+    policy: String,
+    reports: &[FrameReport],
+    gpu_bytes: u64,
+    session: &str,
+) -> RunSummary {
+    let count = reports.len().max(1) as f64;
+    let mut decode_ms: Vec<f64> = reports
+        .iter()
+        .map(|r| r.decode.as_secs_f64() * 1e3)
+        .collect();
+    decode_ms.sort_by(f64::total_cmp);
+    let p95 = (decode_ms.len() * 95).div_ceil(100).max(1) - 1;
+    RunSummary {
+        policy,
+        frames: reports.len(),
+        pixels_share_mean: reports.iter().map(|r| r.share).sum::<f64>() / count,
+        pixels_share_max: reports.iter().map(|r| r.share).fold(0.0, f64::max),
+        bytes: reports.iter().map(|r| r.new_bytes).sum(),
+        decoded_megapixels: reports.iter().map(|r| r.decoded_pixels).sum::<u64>() as f64 / 1e6,
+        decode_ms_mean: decode_ms.iter().sum::<f64>() / count,
+        decode_ms_p95: decode_ms.get(p95).copied().unwrap_or_default(),
+        late_frames: reports.iter().filter(|r| r.late).count(),
+        wrong_frame_tiles: reports.iter().map(|r| r.wrong_frame_tiles).sum(),
+        failed_tiles: reports.iter().map(|r| r.failed_tiles).sum(),
+        level_changes: reports.iter().map(|r| r.level_changes).sum(),
+        gpu_bytes,
+        log_sha256: sha256_hex(session.as_bytes()),
+    }
+}
+
+impl RunSummary {
+    fn text(&self, out: &Path) -> String {
+        format!(
+            "{} frames under {}: {:.2} % of the pixels (most {:.2} %), {:.2} MB fetched, \
+             {:.1} MPix decoded\n\
+             decoding {:.1} ms a frame (95th percentile {:.1}), {} late frames, {} level changes, \
+             {:.2} MB on the GPU\n{}",
+            self.frames,
+            self.policy,
+            self.pixels_share_mean * 100.0,
+            self.pixels_share_max * 100.0,
+            self.bytes as f64 / 1e6,
+            self.decoded_megapixels,
+            self.decode_ms_mean,
+            self.decode_ms_p95,
+            self.late_frames,
+            self.level_changes,
+            self.gpu_bytes as f64 / 1e6,
+            out.display(),
+        )
+    }
+}
+
+/// The figures of a run as CSV, one line a frame.
+pub(crate) fn csv(reports: &[FrameReport]) -> String {
+    let mut text = "frame,time_s,gaze_yaw_deg,gaze_pitch_deg,head_yaw_deg,head_pitch_deg,tiles,\
+                    pixels,share,decoded_pixels,new_bytes,decode_ms,upload_ms,late,level_changes\n"
+        .to_owned();
+    for report in reports {
+        let (yaw, pitch) = yaw_pitch_from_direction(report.gaze.gaze_in_content);
+        let head = report.session.head;
+        let _ = writeln!(
+            text,
+            "{},{:.6},{:.4},{:.4},{:.4},{:.4},{},{},{:.6},{},{},{:.3},{:.3},{},{}",
+            report.session.frame,
+            report.session.time_s.0,
+            yaw.to_degrees(),
+            pitch.to_degrees(),
+            head.yaw.to_degrees(),
+            head.pitch.to_degrees(),
+            report.tiles.len(),
+            report.pixels,
+            report.share,
+            report.decoded_pixels,
+            report.new_bytes,
+            report.decode.as_secs_f64() * 1e3,
+            report.upload.as_secs_f64() * 1e3,
+            u8::from(report.late),
+            report.level_changes,
+        );
+    }
+    text
+}
+
+pub(crate) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
+    std::fs::write(path, text).with_context(|| format!("{}: cannot be written", path.display()))
+}
+
+/// The marks of a heat map: levels, borders, and a ring of 2.5° (the fovea) round the gaze.
+pub(crate) fn marks(report: &FrameReport) -> Overlay {
+    let gaze = report
+        .view
+        .place(report.gaze.gaze_in_content)
+        .unwrap_or([-1e6; 2]);
+    let radius = report.view.ppd_towards(report.gaze.gaze_in_content).0 * 2.5;
+    Overlay {
+        gaze: gaze.map(|place| place as f32),
+        gaze_radius: radius as f32,
+        borders: 0.5,
+        ..Overlay::default()
+    }
+}
+
+/// Where pictures go.
+struct PictureSink<'a> {
+    args: &'a SimulateArgs,
+    frame_rate: [u32; 2],
+    video: Option<ClipWriter>,
+}
+
+/// Colour of written videos: what RGB becomes.
+const VIDEO_COLOUR: Colour = Colour {
+    matrix: Matrix::Bt709,
+    full_range: false,
+    chroma_left: false,
+};
+/// Quantiser of written videos: visually lossless.
+const VIDEO_QUALITY: u8 = 16;
+
+impl<'a> PictureSink<'a> {
+    fn new(args: &'a SimulateArgs, frame_rate: [u32; 2]) -> Self {
+        Self {
+            args,
+            frame_rate,
+            video: None,
+        }
+    }
+
+    fn frame(&mut self, player: &mut Player, report: &FrameReport) -> anyhow::Result<()> {
+        let frame = report.session.frame;
+        if self.args.pictures == Pictures::None || !frame.is_multiple_of(self.args.every) {
+            return Ok(());
+        }
+        let marks = self.args.heat_map.then(|| marks(report));
+        match player.canvas.picture(&report.view, marks.as_ref())? {
+            Some(image) if self.args.pictures == Pictures::Png => {
+                write_png(&self.args.out.join(format!("frame_{frame:05}.png")), &image)
+            }
+            Some(image) => self.append(&image),
+            None => Ok(()),
+        }
+    }
+
+    fn append(&mut self, image: &RgbaImage) -> anyhow::Result<()> {
+        let picture = picture_from_rgba(&image.pixels, image.size, VIDEO_COLOUR);
+        if self.video.is_none() {
+            let [frames, seconds] = self.frame_rate;
+            let rate = [frames, seconds.saturating_mul(self.args.every)];
+            self.video = Some(ClipWriter::create(
+                &self.args.out.join("frames.mkv"),
+                &ClipFormat {
+                    codec: ClipCodec::Vp9(VIDEO_QUALITY),
+                    size: image.size,
+                    frame_rate: rate.map(|n| n.min(i32::MAX as u32) as i32),
+                    colour: VIDEO_COLOUR,
+                },
+            )?);
+        }
+        match &mut self.video {
+            Some(video) => Ok(video.push(&picture)?),
+            None => Ok(()),
+        }
+    }
+
+    fn finish(self) -> anyhow::Result<()> {
+        Ok(self.video.map_or(Ok(()), ClipWriter::finish)?)
+    }
+}

@@ -1,0 +1,18 @@
+//! Does the whole program do what it says, from a file to the picture that an eye gets?
+//!
+//! Every test drives the real binary. Inputs are generated, folders go away with the test.
+
+// A test that cannot go on panics.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod damage;
+mod fovea;
+mod full;
+mod journey;
+mod no_adapter;
+mod numbers;
+mod refusals;
+mod scenes;
+mod selection;
+mod support;
+mod unwritable;

@@ -1,0 +1,98 @@
+//! Does `select` give the figures that it is known for?
+
+use crate::support::{json, refused};
+use serde_json::json;
+
+const SEED_GRID: [&str; 14] = [
+    "select",
+    "--projection",
+    "cube",
+    "--face-size",
+    "3000",
+    "--grid",
+    "4x4",
+    "--levels",
+    "3",
+    "--level-ratio",
+    "4",
+    "--source-faces",
+    "4",
+    "--policy",
+];
+
+#[test]
+fn the_seed_s_pixels_are_counted_exactly() {
+    let pixels = |options: &[&str]| json(&[&SEED_GRID[..], options].concat());
+    let inner = pixels(&["grid", "--gaze", "-10,10"]);
+    assert_eq!(inner["pixels"], json!(1_037_435));
+    assert_eq!(inner["level_histogram"], json!([1, 8, 87]));
+    let share = inner["share"].as_f64().unwrap();
+    assert_eq!((share * 1e5).round(), 2882.0);
+    let noisy = pixels(&["grid", "--gaze", "-10,10", "--noisy-cells", "22"]);
+    assert_eq!(noisy["pixels"], json!(1_766_405));
+    let corner = pixels(&["grid", "--gaze", "0,0", "--edge-rule", "conservative"]);
+    assert_eq!(corner["pixels"], json!(2_850_848));
+    let coarsest = pixels(&["coarsest", "--gaze", "0,0"]);
+    assert_eq!(coarsest["pixels"], json!(212_064));
+}
+
+#[test]
+fn acuity_takes_a_hundredth_of_a_16k_cube() {
+    for (disc, mean, most) in [("0", 0.010, 0.015), ("2.5", 0.013, 1.0), ("5", 0.018, 1.0)] {
+        let many = json(&[
+            "select",
+            "--projection",
+            "cube",
+            "--face-size",
+            "4096",
+            "--tile",
+            "256",
+            "--policy",
+            "acuity",
+            "--safety-disc",
+            disc,
+            "--random-gazes",
+            "300",
+            "--seed",
+            "1",
+        ]);
+        let figure = |key: &str| many[key].as_f64().unwrap();
+        assert!(figure("share_mean") <= mean, "{disc}: {many}");
+        assert!(figure("share_max") <= most, "{disc}: {many}");
+        assert!(figure("share_mean") >= 0.005, "{disc}: {many}");
+        assert_eq!(many["gazes"], json!(300));
+    }
+}
+
+#[test]
+fn options_that_do_not_fit_are_refused_with_their_names() {
+    let cube = ["select", "--projection", "cube"];
+    let with = |options: &[&'static str]| [&cube[..], options].concat();
+    refused(2, &cube, &["--face-size"]);
+    refused(2, &["select", "--projection", "flat"], &["--size"]);
+    refused(
+        2,
+        &with(&["--face-size", "64", "--tile", "15"]),
+        &["15", "even"],
+    );
+    refused(
+        2,
+        &with(&["--face-size", "64", "--levels", "9"]),
+        &["9 levels"],
+    );
+    refused(
+        2,
+        &with(&["--face-size", "64", "--gaze", "0,91"]),
+        &["--gaze", "91"],
+    );
+    refused(
+        2,
+        &with(&["--face-size", "64", "--safety-disc", "-1"]),
+        &["--safety-disc", "0 to 180"],
+    );
+    refused(
+        2,
+        &with(&["--face-size", "64", "--source-faces", "7"]),
+        &["--source-faces"],
+    );
+}

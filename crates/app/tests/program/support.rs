@@ -1,0 +1,190 @@
+//! How does a test run the program, and read what it wrote?
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// A folder that goes away with the value.
+pub(crate) struct Folder(PathBuf);
+
+impl Folder {
+    pub(crate) fn new() -> Self {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let number = COUNT.fetch_add(1, Ordering::Relaxed);
+        let name = format!("foveal-program-{}-{number}", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        std::fs::create_dir(&path).unwrap();
+        Self(path)
+    }
+
+    /// A name in it, as an argument.
+    pub(crate) fn name(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+
+    /// A new file in it.
+    pub(crate) fn holding(&self, name: &str, bytes: &[u8]) -> String {
+        let path = self.name(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    }
+
+    /// The names of everything in it, in order.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(&self.0).unwrap();
+        let name = |entry: std::fs::DirEntry| entry.file_name().to_str().unwrap().to_owned();
+        let mut names: Vec<String> = entries.map(|entry| name(entry.unwrap())).collect();
+        names.sort();
+        names
+    }
+}
+
+impl std::ops::Deref for Folder {
+    type Target = Path;
+    fn deref(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The program with these arguments, ready to run.
+pub(crate) fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_foveal"));
+    command.args(arguments);
+    command
+}
+
+/// What came of a run.
+#[derive(Debug)]
+pub(crate) struct Ran {
+    pub(crate) code: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+/// Runs a command to its end; a panic of the program is a failure of the test.
+pub(crate) fn finish(mut command: Command) -> Ran {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = command.output().unwrap();
+    let ran = Ran {
+        code: status.code(),
+        stdout: String::from_utf8(stdout).unwrap(),
+        stderr: String::from_utf8(stderr).unwrap(),
+    };
+    assert!(!ran.stderr.contains("panicked"), "{command:?}: {ran:?}");
+    assert!(
+        matches!(ran.code, Some(0..=2)),
+        "{command:?} ended with neither 0, 1 nor 2: {ran:?}"
+    );
+    ran
+}
+
+/// Runs the program.
+pub(crate) fn foveal(arguments: &[&str]) -> Ran {
+    finish(command(arguments))
+}
+
+/// Runs the program, which must succeed.
+pub(crate) fn done(arguments: &[&str]) -> Ran {
+    let ran = foveal(arguments);
+    assert_eq!(ran.code, Some(0), "{arguments:?}: {ran:?}");
+    ran
+}
+
+/// Runs the program with `--json`, which must succeed, and reads the one object on stdout.
+pub(crate) fn json(arguments: &[&str]) -> Value {
+    json_of(&done(&[arguments, &["--json"]].concat()))
+}
+
+/// The one object on stdout.
+pub(crate) fn json_of(ran: &Ran) -> Value {
+    let value: Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert!(value.is_object(), "{}", ran.stdout);
+    value
+}
+
+/// Runs the program, which must fail with this exit code and name all of `words` on stderr.
+pub(crate) fn refused(code: i32, arguments: &[&str], words: &[&str]) -> Ran {
+    let ran = foveal(arguments);
+    assert_refused(&ran, code, words);
+    ran
+}
+
+/// Whether a run failed with this exit code and named all of `words` on stderr.
+pub(crate) fn assert_refused(ran: &Ran, code: i32, words: &[&str]) {
+    assert_eq!(ran.code, Some(code), "{ran:?}");
+    for word in words {
+        assert!(ran.stderr.contains(word), "no {word:?} in {}", ran.stderr);
+    }
+}
+
+/// Whether every key is there.
+pub(crate) fn assert_keys(value: &Value, keys: &[&str]) {
+    for key in keys {
+        assert!(value.get(key).is_some(), "no {key} in {value}");
+    }
+}
+
+/// An RGB picture read back from a file.
+pub(crate) struct Rgb {
+    pub(crate) size: [u32; 2],
+    pixels: Vec<u8>,
+}
+
+impl Rgb {
+    pub(crate) fn read(path: &str) -> Self {
+        let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+        let mut reader = png::Decoder::new(file).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let frame = reader.next_frame(&mut pixels).unwrap();
+        assert_eq!(frame.color_type, png::ColorType::Rgb);
+        assert_eq!(frame.bit_depth, png::BitDepth::Eight);
+        Self {
+            size: [frame.width, frame.height],
+            pixels,
+        }
+    }
+
+    pub(crate) fn at(&self, [x, y]: [u32; 2]) -> [u8; 3] {
+        let place = (y as usize * self.size[0] as usize + x as usize) * 3;
+        [0, 1, 2].map(|k| self.pixels[place + k])
+    }
+
+    /// Every column and row.
+    pub(crate) fn places(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
+        let [w, h] = self.size;
+        (0..h).flat_map(move |y| (0..w).map(move |x| [x, y]))
+    }
+
+    /// The largest difference of a channel anywhere.
+    pub(crate) fn difference(&self, other: &Self) -> u8 {
+        assert_eq!(self.size, other.size);
+        let pairs = self.pixels.iter().zip(&other.pixels);
+        pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0)
+    }
+}
+
+/// The picture of a frame in the folder of a run.
+pub(crate) fn frame_picture(folder: &str, frame: usize) -> Rgb {
+    Rgb::read(&format!("{folder}/frame_{frame:05}.png"))
+}
+
+/// A column of the table of a run.
+pub(crate) fn column(folder: &str, name: &str) -> Vec<f64> {
+    let text = std::fs::read_to_string(format!("{folder}/frames.csv")).unwrap();
+    let mut lines = text.lines();
+    let header = lines.next().unwrap();
+    let place = header.split(',').position(|found| found == name);
+    let place = place.unwrap_or_else(|| panic!("no {name} in {header}"));
+    let value = |line: &str| line.split(',').nth(place).unwrap().parse().unwrap();
+    lines.map(value).collect()
+}

@@ -1,0 +1,204 @@
+//! Does a pack that cannot be written, or is not finished, leave nothing behind?
+
+use crate::scenes::{noisy_clip, waves, write_clip};
+use crate::support::{Folder, command, done, finish, json, refused};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+#[test]
+fn a_pack_cannot_go_where_nothing_can_be_written() {
+    let folder = Folder::new();
+    let clip = write_clip(&folder, "a.mkv", &waves([64, 48], 2));
+    let prepare = |out: &str, words: &[&str]| {
+        refused(1, &["prepare", "video", &clip, "--out", out], words);
+    };
+    let missing = folder.name("no such folder/a.foveal");
+    prepare(&missing, &["no such folder", "choose another --out"]);
+    std::fs::create_dir(folder.name("folder.foveal")).unwrap();
+    prepare(
+        &folder.name("folder.foveal"),
+        &["folder.foveal", "choose another --out"],
+    );
+    prepare(&folder.name("."), &["choose another --out"]);
+    prepare(
+        "/dev/null",
+        &["/dev/null", "no plain file", "choose another --out"],
+    );
+    prepare(
+        "/proc/a.foveal",
+        &["/proc/a.foveal", "choose another --out"],
+    );
+    assert_eq!(folder.names(), ["a.mkv", "folder.foveal"]);
+    let file = folder.holding("file", b"");
+    let pack = folder.name("a.foveal");
+    done(&["prepare", "video", &clip, "--out", &pack]);
+    let play = ["simulate", &pack, "--renderer", "none", "--out", &file];
+    refused(1, &play, &["--out", "file", "cannot be made"]);
+}
+
+#[test]
+fn a_pack_never_replaces_its_own_source() {
+    let folder = Folder::new();
+    let clip = write_clip(&folder, "a.mkv", &waves([64, 48], 2));
+    let before = std::fs::read(&clip).unwrap();
+    let link = folder.name("link.mkv");
+    std::os::unix::fs::symlink(&clip, &link).unwrap();
+    let roundabout = folder.name("./a.mkv");
+    for out in [&clip, &link, &roundabout] {
+        let prepare = ["prepare", "video", &clip, "--out", out];
+        refused(1, &prepare, &["is the input itself", "choose another name"]);
+    }
+    // The name under which the pack grows is taken by the source.
+    let growing = folder.name("b.foveal.partial");
+    std::fs::copy(&clip, &growing).unwrap();
+    let prepare = [
+        "prepare",
+        "video",
+        &growing,
+        "--out",
+        &folder.name("b.foveal"),
+    ];
+    refused(1, &prepare, &["choose another name"]);
+    assert_eq!(std::fs::read(&clip).unwrap(), before);
+    assert_eq!(std::fs::read(&growing).unwrap(), before);
+}
+
+/// A file system that goes away with the value.
+struct SmallDisk<'a>(&'a Path);
+
+impl<'a> SmallDisk<'a> {
+    /// `None` where this user or this machine may not mount one.
+    fn mount(folder: &'a Path, options: &str) -> Option<Self> {
+        let mounted = Command::new("mount")
+            .args(["-t", "tmpfs", "-o", options, "foveal-test"])
+            .arg(folder)
+            .output();
+        match mounted {
+            Ok(output) if output.status.success() => Some(Self(folder)),
+            _ => {
+                eprintln!("SKIPPED: no small file system can be mounted here, so a full disk");
+                eprintln!("SKIPPED: was not tried; run the tests as root to try it");
+                None
+            }
+        }
+    }
+}
+
+impl Drop for SmallDisk<'_> {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg(self.0).status();
+    }
+}
+
+#[test]
+fn a_full_disk_is_told_and_nothing_is_left_on_it() {
+    let (folder, small) = (Folder::new(), Folder::new());
+    let Some(_disk) = SmallDisk::mount(&small, "size=128k") else {
+        return;
+    };
+    let clip = write_clip(&folder, "a.mkv", &noisy_clip([256, 192], 24));
+    let out = small.name("a.foveal");
+    let how = ["--codec", "png", "--tile", "64"];
+    let prepare = [&["prepare", "video", &clip, "--out", &out], &how[..]].concat();
+    let words = ["a.foveal", "after", "bytes", "free space", "No space left"];
+    refused(1, &prepare, &words);
+    assert_eq!(small.names(), [""; 0]);
+    // What was there before stays.
+    std::fs::write(&out, b"before").unwrap();
+    refused(1, &prepare, &words);
+    assert_eq!(small.names(), ["a.foveal"]);
+    assert_eq!(std::fs::read(&out).unwrap(), b"before");
+    let pack = folder.name("a.foveal");
+    done(&[&["prepare", "video", &clip, "--out", &pack], &how[..]].concat());
+    let run = small.name("run");
+    for what in ["png", "video"] {
+        let play = ["simulate", &pack, "--renderer", "cpu", "--pictures", what];
+        refused(
+            1,
+            &[&play[..], &["--out", &run]].concat(),
+            &["frame", "cannot be written"],
+        );
+    }
+}
+
+#[test]
+fn figures_that_cannot_be_written_are_told() {
+    let folder = Folder::new();
+    let clip = write_clip(&folder, "a.mkv", &waves([64, 48], 2));
+    let pack = folder.name("a.foveal");
+    done(&["prepare", "video", &clip, "--out", &pack]);
+    for name in [
+        "session.jsonl",
+        "frames.csv",
+        "frame_00001.png",
+        "frames.mkv",
+    ] {
+        let out = folder.name(&format!("run of {name}"));
+        std::fs::create_dir(&out).unwrap();
+        std::os::unix::fs::symlink("/dev/full", format!("{out}/{name}")).unwrap();
+        let pictures = if name == "frames.mkv" { "video" } else { "png" };
+        let play = [
+            "simulate",
+            &pack,
+            "--renderer",
+            "cpu",
+            "--pictures",
+            pictures,
+        ];
+        refused(
+            1,
+            &[&play[..], &["--out", &out]].concat(),
+            &[name, "cannot be written"],
+        );
+    }
+}
+
+#[test]
+fn a_killed_preparation_leaves_no_pack_and_the_next_one_succeeds() {
+    let folder = Folder::new();
+    let clip = write_clip(&folder, "a.mkv", &noisy_clip([512, 288], 32));
+    let (out, partial) = (folder.name("a.foveal"), folder.name("a.foveal.partial"));
+    let prepare = [
+        "prepare", "video", &clip, "--out", &out, "--small", "--jobs", "1",
+    ];
+    let mut running = command(&prepare).stderr(Stdio::null()).spawn().unwrap();
+    // It begins with the file that grows; all that follows takes thousands of times as long.
+    while !Path::new(&partial).exists() {
+        assert!(
+            running.try_wait().unwrap().is_none(),
+            "ended without a file"
+        );
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    running.kill().unwrap();
+    assert!(!running.wait().unwrap().success());
+    assert_eq!(folder.names(), ["a.foveal.partial", "a.mkv"]);
+    let again = [
+        "prepare", "video", &clip, "--out", &out, "--fast", "--frames", "8",
+    ];
+    done(&again);
+    assert_eq!(folder.names(), ["a.foveal", "a.mkv"]);
+    assert_eq!(json(&["verify", &out])["ok"], true);
+}
+
+#[test]
+fn a_pack_is_read_and_played_from_a_file_that_cannot_be_written() {
+    let folder = Folder::new();
+    let clip = write_clip(&folder, "a.mkv", &waves([64, 48], 2));
+    let pack = folder.name("a.foveal");
+    done(&["prepare", "video", &clip, "--out", &pack]);
+    let mut permissions = std::fs::metadata(&pack).unwrap().permissions();
+    permissions.set_readonly(true);
+    std::fs::set_permissions(&pack, permissions).unwrap();
+    let out = folder.name("run");
+    let ran = finish(command(&[
+        "simulate",
+        &pack,
+        "--renderer",
+        "none",
+        "--out",
+        &out,
+    ]));
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+}

@@ -1,0 +1,54 @@
+//! What is known about the eye at one moment?
+
+use crate::units::{Radians, Seconds};
+use crate::view::axes::{Axes, direction_from_yaw_pitch};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// One gaze sample in the space of the content.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GazeSample {
+    /// When the eye looked there.
+    pub time: Seconds,
+    /// Unit direction in the content's space.
+    pub gaze_in_content: DVec3,
+    /// False while the eye is closed or lost; the direction is then the last one known.
+    pub valid: bool,
+    /// One standard deviation of the direction.
+    pub spread: Radians,
+    /// Orientation of the head, where it is known.
+    pub head: Option<HeadPose>,
+}
+
+impl GazeSample {
+    /// A certain gaze at a yaw and pitch of the content's forward.
+    #[must_use]
+    pub fn at(time: Seconds, yaw: Radians, pitch: Radians) -> Self {
+        Self {
+            time,
+            gaze_in_content: direction_from_yaw_pitch(yaw, pitch),
+            valid: true,
+            spread: Radians(0.0),
+            head: None,
+        }
+    }
+}
+
+/// Orientation of the head in the content's space.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HeadPose {
+    /// To the right.
+    pub yaw: Radians,
+    /// Up.
+    pub pitch: Radians,
+    /// Clockwise.
+    pub roll: Radians,
+}
+
+impl HeadPose {
+    /// The orientation as axes.
+    #[must_use]
+    pub fn axes(&self) -> Axes {
+        Axes::from_yaw_pitch_roll(self.yaw, self.pitch, self.roll)
+    }
+}

@@ -1,0 +1,3 @@
+//! What can the eye resolve?
+
+pub mod acuity;

@@ -1,0 +1,8 @@
+//! What to show and fetch: levels for every cell, the tiles that follow, the log that replays.
+
+pub mod level_map;
+pub mod policy;
+pub mod session;
+
+mod need;
+mod neighbours;

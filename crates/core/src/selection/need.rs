@@ -1,0 +1,85 @@
+//! How coarse may a cell be before somebody could tell?
+//!
+//! The answer is a footprint: the level-0 pixels that one shown texel may span. A level is allowed
+//! where its footprint is allowed everywhere in the cell.
+
+use crate::asset::tile_grid::{Tile, TileGrid};
+use crate::units::{Ppd, Radians};
+use crate::view::axes::angle_between;
+use glam::DVec3;
+
+/// Places a cell is probed at on each axis, borders included: corners alone are too few where a
+/// tile is larger than the fovea.
+const PROBES: u32 = 9;
+
+/// A cell as selection sees it: what is needed to skip it without probing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellBounds {
+    pub(super) cell: Tile,
+    centre: DVec3,
+    /// Angle from the centre to the farthest corner.
+    radius: Radians,
+    /// Least density in the cell.
+    ppd: Ppd,
+}
+
+/// One place in a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Probe {
+    pub(super) direction: DVec3,
+    pub(super) ppd: Ppd,
+}
+
+impl CellBounds {
+    pub(super) fn new(grid: &TileGrid, cell: Tile) -> Self {
+        let middle = PROBES / 2;
+        let centre = probe(grid, cell, [middle, middle]).direction;
+        let (mut radius, mut ppd) = (Radians(0.0), Ppd(f64::MAX));
+        for probe in probes(grid, cell) {
+            let angle = angle_between(centre, probe.direction);
+            radius = if angle > radius { angle } else { radius };
+            ppd = if probe.ppd < ppd { probe.ppd } else { ppd };
+        }
+        Self {
+            cell,
+            centre,
+            radius,
+            ppd,
+        }
+    }
+
+    /// Least eccentricity that any place of the cell can have.
+    pub(super) fn least_eccentricity(&self, gaze: DVec3) -> Radians {
+        Radians((angle_between(gaze, self.centre).0 - self.radius.0).max(0.0))
+    }
+
+    /// Least density of the cell.
+    pub(super) fn least_ppd(&self) -> Ppd {
+        self.ppd
+    }
+}
+
+/// The places at which a cell is probed, borders included.
+pub(super) fn probes(grid: &TileGrid, cell: Tile) -> impl Iterator<Item = Probe> + '_ {
+    (0..PROBES * PROBES).map(move |k| probe(grid, cell, [k % PROBES, k / PROBES]))
+}
+
+fn probe(grid: &TileGrid, cell: Tile, step: [u32; 2]) -> Probe {
+    let (from, size) = (grid.origin(cell), grid.covered(cell));
+    let place = [0, 1].map(|k| {
+        f64::from(from[k]) + f64::from(size[k]) * f64::from(step[k]) / f64::from(PROBES - 1)
+    });
+    Probe {
+        direction: grid.surface.direction(u32::from(cell.face), place),
+        ppd: grid.surface.ppd(place),
+    }
+}
+
+/// The coarsest level whose texels span no more than `footprint` level-0 pixels.
+pub(super) fn level_of_footprint(grid: &TileGrid, footprint: f64) -> u8 {
+    // A rounding error must not ask for a finer level than a footprint that is exactly allowed.
+    let allowed = footprint * (1.0 + 1e-9);
+    (1..grid.levels)
+        .take_while(|&level| f64::from(grid.scale(level)) <= allowed)
+        .count() as u8
+}

@@ -1,0 +1,391 @@
+//! What was selected in a viewer's run, so that it can be selected again?
+//!
+//! The log is lines of JSON: a head with grid, policy and view, then one line a frame with what
+//! selection was given and a hash of what it chose. Replaying needs no content and no clock.
+
+use super::level_map::{histogram, pixels};
+use super::policy::{Moment, PolicyConfig, Selection, Selector};
+use crate::asset::tile_grid::TileGrid;
+use crate::gaze::sample::{GazeSample, HeadPose};
+use crate::units::{Radians, Seconds};
+use crate::view::eye_view::{EyeView, Field};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use thiserror::Error;
+
+/// Version of the log's format.
+const VERSION: u32 = 1;
+/// Most cells of a grid that is replayed from outside bytes.
+const MAX_REPLAYED_CELLS: u32 = 1 << 18;
+
+/// The first line of a log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SessionHead {
+    /// Version of the format.
+    pub foveal_session: u32,
+    /// Name of the pack, for people.
+    pub pack: String,
+    /// What was selected on.
+    pub grid: TileGrid,
+    /// By which rule.
+    pub policy: PolicyConfig,
+    /// Field of view of what showed it.
+    pub field: Field,
+    /// Its pixels.
+    pub size: [u32; 2],
+}
+
+/// One line of a log: what selection was given and what it chose.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SessionFrame {
+    /// Frame of the content.
+    pub frame: u32,
+    /// Display time.
+    pub time_s: Seconds,
+    /// Unit direction of the gaze in the content's space.
+    pub gaze: [f64; 3],
+    /// Whether the eye was seen.
+    pub valid: bool,
+    /// Spread of the gaze in radians.
+    pub spread_rad: Radians,
+    /// Yaw, pitch and roll of the view in radians.
+    pub head: HeadPose,
+    /// Number of tiles of each level, finest first.
+    pub tiles: Vec<u32>,
+    /// Pixels of all tiles.
+    pub pixels: u64,
+    /// SHA-256 of the tiles.
+    pub sha256: String,
+}
+
+/// A run, as it was logged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Session {
+    /// Its first line.
+    pub head: SessionHead,
+    /// Its frames.
+    pub frames: Vec<SessionFrame>,
+}
+
+/// Why text is no session log.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum SessionError {
+    /// Nothing in it.
+    #[error("the session log is empty; give the session.jsonl that simulate wrote")]
+    Empty,
+    /// A line that cannot be read.
+    #[error("line {line}: {why}")]
+    Line {
+        /// Line in the file, from 1.
+        line: usize,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A log of another version.
+    #[error("line 1, foveal_session: found {0}, expected {VERSION}")]
+    Version(u32),
+}
+
+impl SessionHead {
+    /// The head of a new log.
+    #[must_use]
+    pub fn new(pack: &str, selector: &Selector, policy: PolicyConfig, view: &EyeView) -> Self {
+        Self {
+            foveal_session: VERSION,
+            pack: pack.to_owned(),
+            grid: *selector.grid(),
+            policy,
+            field: view.field,
+            size: view.size,
+        }
+    }
+
+    fn check(&self) -> Result<(), SessionError> {
+        let wrong = |why: String| Err(SessionError::Line { line: 1, why });
+        if self.foveal_session != VERSION {
+            return Err(SessionError::Version(self.foveal_session));
+        }
+        if let Err(error) = self.grid.check() {
+            return wrong(format!("grid: {error}"));
+        }
+        if self.grid.tiles_in_level(0) > MAX_REPLAYED_CELLS {
+            let cells = self.grid.tiles_in_level(0);
+            return wrong(format!(
+                "grid: {cells} cells, at most {MAX_REPLAYED_CELLS} are replayed"
+            ));
+        }
+        let field = self.field;
+        let tangents = [field.left, field.right, field.up, field.down];
+        let surface = self.grid.surface.tangents;
+        if tangents
+            .iter()
+            .chain(&surface)
+            .any(|t| !(1e-6..=1e6).contains(t))
+        {
+            return wrong("field, tangents: expected tangents between 1e-6 and 1e6".to_owned());
+        }
+        if self.size.contains(&0) {
+            return wrong("size: expected at least one pixel".to_owned());
+        }
+        Ok(())
+    }
+}
+
+impl SessionFrame {
+    /// What selection was given at this frame.
+    #[must_use]
+    pub fn moment(&self, head: &SessionHead) -> Moment {
+        Moment {
+            gaze: GazeSample {
+                time: self.time_s,
+                gaze_in_content: DVec3::from_array(self.gaze),
+                valid: self.valid,
+                spread: self.spread_rad,
+                head: None,
+            },
+            view: Some(EyeView {
+                axes: self.head.axes(),
+                field: head.field,
+                size: head.size,
+            }),
+        }
+    }
+
+    /// The line of a frame: what `selection` was given and chose.
+    #[must_use]
+    pub fn new(
+        frame: u32,
+        gaze: &GazeSample,
+        head: HeadPose,
+        grid: &TileGrid,
+        selection: &Selection,
+    ) -> Self {
+        let mut hash = Sha256::new();
+        for tile in &selection.tiles {
+            hash.update([tile.level, tile.face]);
+            hash.update(tile.x.to_le_bytes());
+            hash.update(tile.y.to_le_bytes());
+        }
+        Self {
+            frame,
+            time_s: gaze.time,
+            gaze: gaze.gaze_in_content.to_array(),
+            valid: gaze.valid,
+            spread_rad: gaze.spread,
+            head,
+            tiles: histogram(grid, &selection.tiles),
+            pixels: pixels(grid, &selection.tiles),
+            sha256: hex(&hash.finalize()),
+        }
+    }
+
+    fn check(&self, line: usize) -> Result<(), SessionError> {
+        let length = DVec3::from_array(self.gaze).length();
+        if (length - 1.0).abs() < 1e-6 {
+            Ok(())
+        } else {
+            let why = format!("gaze: found a vector of length {length}, expected 1");
+            Err(SessionError::Line { line, why })
+        }
+    }
+}
+
+impl Session {
+    /// Reads a log; refuses lines that are not what [`Self::write`] writes, naming the line.
+    pub fn parse(text: &str) -> Result<Self, SessionError> {
+        let mut lines = text.lines().enumerate();
+        let Some((_, first)) = lines.next() else {
+            return Err(SessionError::Empty);
+        };
+        let wrong = |line, e: serde_json::Error| SessionError::Line {
+            line,
+            why: e.to_string(),
+        };
+        let head: SessionHead = serde_json::from_str(first).map_err(|e| wrong(1, e))?;
+        head.check()?;
+        let mut frames = Vec::new();
+        for (number, line) in lines {
+            let frame: SessionFrame =
+                serde_json::from_str(line).map_err(|e| wrong(number + 1, e))?;
+            frame.check(number + 1)?;
+            frames.push(frame);
+        }
+        Ok(Self { head, frames })
+    }
+
+    /// The log as text, one line a frame.
+    #[must_use]
+    pub fn write(&self) -> String {
+        let mut text = line_of(&self.head);
+        self.frames
+            .iter()
+            .for_each(|frame| text.push_str(&line_of(frame)));
+        text
+    }
+
+    /// The same run selected again from what was given: equal to this one, or something changed.
+    #[must_use]
+    pub fn replay(&self) -> Self {
+        let selector = Selector::new(self.head.grid, self.head.policy.clone());
+        let again = |frame: &SessionFrame| {
+            let moment = frame.moment(&self.head);
+            let selection = selector.select(&moment);
+            let grid = selector.grid();
+            SessionFrame::new(frame.frame, &moment.gaze, frame.head, grid, &selection)
+        };
+        Self {
+            head: self.head.clone(),
+            frames: self.frames.iter().map(again).collect(),
+        }
+    }
+}
+
+fn line_of(value: &impl Serialize) -> String {
+    // Plain numbers, strings and lists: serialising them cannot fail.
+    serde_json::to_string(value).unwrap_or_default() + "\n"
+}
+
+/// SHA-256 of bytes in hexadecimal.
+#[must_use]
+pub fn sha256_hex(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Takes any bytes for a session log: the body of the fuzz target. Returns whether they were one.
+#[must_use]
+pub fn parse_anything(data: &[u8]) -> bool {
+    let Ok(text) = core::str::from_utf8(data) else {
+        return false;
+    };
+    Session::parse(text).is_ok_and(|session| Session::parse(&session.write()).is_ok())
+}
+
+/// A scripted run over a 16K cube and a flat picture under every policy, as logs: the same text on
+/// every machine, natively and in wasm.
+#[must_use]
+pub fn scripted_sessions() -> Vec<Session> {
+    use super::policy::Policy;
+    use crate::asset::tile_grid::Cut;
+    use crate::gaze::scan::ScanPath;
+    use crate::view::surface::{Screen, Surface};
+
+    let surfaces = [
+        Surface::cube(4096),
+        Surface::flat([3840, 2160], Screen::default()),
+    ];
+    let policies = [
+        Policy::Acuity,
+        Policy::Grid,
+        Policy::Viewport,
+        Policy::Full,
+        Policy::Coarsest,
+    ];
+    let mut sessions = Vec::new();
+    for surface in surfaces {
+        let grid = TileGrid {
+            surface,
+            cut: Cut::Tile(256),
+            levels: 5,
+            ratio: 2,
+        };
+        let path = ScanPath::new(&surface, 7, Seconds(2.0));
+        for policy in policies {
+            let config = PolicyConfig::new(policy);
+            let selector = Selector::new(grid, config.clone());
+            let size = [1280, 720];
+            let view = EyeView {
+                axes: HeadPose::default().axes(),
+                field: Field::across(Radians::from_degrees(100.0), size),
+                size,
+            };
+            let head = SessionHead::new("scripted", &selector, config, &view);
+            let frames = (0..20).map(|frame| {
+                let gaze = path.at(Seconds(f64::from(frame) * 0.1)).0;
+                let head_pose = HeadPose {
+                    yaw: Radians(f64::from(frame) * 0.05),
+                    ..HeadPose::default()
+                };
+                let moment = Moment {
+                    gaze,
+                    view: Some(EyeView {
+                        axes: head_pose.axes(),
+                        ..view
+                    }),
+                };
+                SessionFrame::new(frame, &gaze, head_pose, &grid, &selector.select(&moment))
+            });
+            sessions.push(Session {
+                frames: frames.collect(),
+                head,
+            });
+        }
+    }
+    sessions
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_written_log_reads_back_and_replays_to_the_same_text() {
+        for session in scripted_sessions() {
+            let text = session.write();
+            let read = Session::parse(&text).unwrap();
+            assert_eq!(read, session);
+            assert_eq!(read.replay().write(), text);
+        }
+    }
+
+    #[test]
+    fn a_changed_gaze_changes_the_replay() {
+        let mut session = scripted_sessions().remove(0);
+        session.frames[3].gaze = [1.0, 0.0, 0.0];
+        assert_ne!(session.replay(), session);
+    }
+
+    #[test]
+    fn damaged_logs_are_refused_with_their_line() {
+        let text = scripted_sessions().remove(0).write();
+        let third = text.replacen("\"frame\":1,", "\"frame\":x,", 1);
+        assert!(
+            Session::parse(&third)
+                .unwrap_err()
+                .to_string()
+                .starts_with("line 3")
+        );
+        let version = text.replacen("\"foveal_session\":1", "\"foveal_session\":9", 1);
+        assert_eq!(Session::parse(&version), Err(SessionError::Version(9)));
+        assert_eq!(Session::parse(""), Err(SessionError::Empty));
+        let gaze = text.replacen("\"gaze\":[0.0,0.0,-1.0]", "\"gaze\":[0.0,0.0,-2.0]", 1);
+        assert!(
+            Session::parse(&gaze)
+                .unwrap_err()
+                .to_string()
+                .contains("length 2")
+        );
+    }
+
+    #[test]
+    fn a_generated_corpus_of_damaged_logs_never_panics() {
+        let good = scripted_sessions().remove(1).write();
+        let good = &good[..good.len().min(4000)];
+        let mut state = 3u64;
+        for _ in 0..3000 {
+            let mut bad = good.as_bytes().to_vec();
+            for _ in 0..3 {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                let place = (state >> 33) as usize % bad.len().min(700);
+                bad[place] = b"0123456789.,-+e\"{}[]:\xff"[(state >> 20) as usize % 22];
+            }
+            let _ = parse_anything(&bad);
+        }
+    }
+}

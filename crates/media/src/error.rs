@@ -1,0 +1,145 @@
+//! What can go wrong between a file and a picture, and what should its owner do next?
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// Why a file could not be read, coded or written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum MediaError {
+    /// The file cannot be opened at all.
+    #[error("{}: cannot be opened: {reason}; check the path and the permissions", path.display())]
+    Open {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
+    /// FFmpeg finds no format in the file, or the file is cut before its index.
+    #[error(
+        "{}: is not a video or picture that FFmpeg can read ({reason}); look at it with `ffprobe`, \
+         and copy it again if it was cut short",
+        path.display()
+    )]
+    NotVideo {
+        /// The file.
+        path: PathBuf,
+        /// What FFmpeg said.
+        reason: String,
+    },
+    /// The file has streams, but none is a video.
+    #[error("{}: holds no video stream, only {found}; give a file with pictures", path.display())]
+    NoVideoStream {
+        /// The file.
+        path: PathBuf,
+        /// The kinds of the streams that it has.
+        found: String,
+    },
+    /// The video stream ends or breaks before its first frame.
+    #[error(
+        "{}: no frame of its video stream can be read ({reason}); copy the file again if it was \
+         cut short, or record it again",
+        path.display()
+    )]
+    NoFrames {
+        /// The file.
+        path: PathBuf,
+        /// What FFmpeg said.
+        reason: String,
+    },
+    /// The file asks for something that Foveal does not do.
+    #[error("{}: {field} is {found}, which is not supported; {next}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// The property of the file.
+        field: &'static str,
+        /// Its value.
+        found: String,
+        /// What to do about it.
+        next: &'static str,
+    },
+    /// The file breaks off, or its data are damaged, after the start.
+    #[error(
+        "{}: broken at frame {frame} ({seconds:.3} s): {reason}; copy the file again, or keep the \
+         part before with `ffmpeg -i FILE -t {seconds:.3} -c copy PART`",
+        path.display()
+    )]
+    Broken {
+        /// The file.
+        path: PathBuf,
+        /// Number of the first frame that cannot be delivered, counted from 0.
+        frame: u64,
+        /// When it would have been shown, in seconds after the first frame.
+        seconds: f64,
+        /// What FFmpeg said.
+        reason: String,
+    },
+    /// The picture size changes inside the stream.
+    #[error(
+        "{}: the picture size changes from {} x {} to {} x {} at frame {frame}; bring it to one \
+         size with `ffmpeg -i FILE -vf scale={}:{} OUT`",
+        path.display(), from[0], from[1], to[0], to[1], from[0], from[1]
+    )]
+    SizeChange {
+        /// The file.
+        path: PathBuf,
+        /// Number of the first frame with the new size, counted from 0.
+        frame: u64,
+        /// Width and height of the frames before, as coded.
+        from: [u32; 2],
+        /// Width and height of this frame, as coded.
+        to: [u32; 2],
+    },
+    /// A setting or a picture that was handed in does not fit.
+    #[error("{field} is {found}; expected {expected}")]
+    Setting {
+        /// Which setting, or which picture.
+        field: String,
+        /// Its value.
+        found: String,
+        /// What would be accepted.
+        expected: String,
+    },
+    /// The encoder failed or broke its promises.
+    #[error(
+        "{codec} encoder, picture {picture} of the group: {reason}; check that this FFmpeg has the \
+         encoder with `ffmpeg -encoders`, or choose another codec"
+    )]
+    Encode {
+        /// Name of the encoder.
+        codec: &'static str,
+        /// Index of the picture in the group, counted from 0.
+        picture: usize,
+        /// What went wrong.
+        reason: String,
+    },
+    /// An access unit does not decode to the picture that it should.
+    #[error(
+        "{codec} access unit of frame {frame}: {reason}; check the pack with `foveal verify` and \
+         prepare it again if it is damaged"
+    )]
+    AccessUnit {
+        /// Name of the codec.
+        codec: &'static str,
+        /// Number of the frame that was handed in.
+        frame: i64,
+        /// What went wrong.
+        reason: String,
+    },
+    /// A video file cannot be written.
+    #[error(
+        "{}: cannot be written at frame {frame}: {reason}; check the folder, the free space and \
+         the ending of the name (.mkv and .mp4 work)",
+        path.display()
+    )]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Number of the frame being written, counted from 0.
+        frame: u64,
+        /// What went wrong.
+        reason: String,
+    },
+}

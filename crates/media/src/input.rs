@@ -1,0 +1,215 @@
+//! Which pictures does a video or image file hold, and when is each shown?
+
+use std::path::{Path, PathBuf};
+
+use av::codec::packet::side_data::Type;
+use av::format::stream::Stream;
+use av::frame::Video;
+use ffmpeg_next as av;
+use foveal_core::asset::picture::Picture;
+
+use crate::deliver::{Delivery, has_alpha};
+use crate::error::MediaError;
+use crate::frame_reader::FrameReader;
+use crate::orientation::Orientation;
+use crate::source::{self, SourceInfo};
+use crate::spherical::{side_data_of, spherical_of, stereo_of};
+use crate::timeline::Timeline;
+
+/// A picture and the time at which it is shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TimedPicture {
+    /// Upright, 8-bit 4:2:0, with the size and the colour of [`SourceInfo`].
+    pub picture: Picture,
+    /// Nanoseconds after the first picture; rises strictly.
+    pub time_ns: i64,
+}
+
+/// An open video or image file, read from front to back.
+///
+/// ```no_run
+/// # fn main() -> Result<(), foveal_media::MediaError> {
+/// let mut input = foveal_media::VideoInput::open("clip.mp4".as_ref())?;
+/// while let Some(timed) = input.next_frame()? {
+///     assert_eq!(timed.picture.width, input.info().width);
+/// }
+/// # Ok(())
+/// # }
+/// ```
+pub struct VideoInput {
+    path: PathBuf,
+    info: SourceInfo,
+    reader: FrameReader,
+    delivery: Delivery,
+    timeline: Timeline,
+    coded_size: [u32; 2],
+    /// Decoded to learn the colours, and not yet delivered.
+    first: Option<Video>,
+    delivered: u64,
+}
+
+impl VideoInput {
+    /// Opens the file and decodes its first frame.
+    ///
+    /// # Errors
+    /// The file is missing, empty, no video, holds no frame, or asks for a slanted rotation or a
+    /// colour matrix that a picture cannot hold.
+    pub fn open(path: &Path) -> Result<Self, MediaError> {
+        let bytes = file_bytes(path)?;
+        let mut reader = FrameReader::open(path, bytes)?;
+        let no_frames = |reason| MediaError::NoFrames {
+            path: path.to_owned(),
+            reason,
+        };
+        let first = reader.next_frame().map_err(no_frames)?;
+        let first = first.ok_or_else(|| no_frames("it is empty".to_owned()))?;
+        let stream = reader
+            .stream()
+            .ok_or_else(|| no_frames("it is gone".to_owned()))?;
+        let orientation = orientation_of(path, &stream)?;
+        let is_jpeg = reader.decoder().id() == av::codec::Id::MJPEG;
+        let delivery = Delivery::new(&first, orientation, is_jpeg).map_err(|found| {
+            let (path, field) = (path.to_owned(), "the colour matrix");
+            let next = "convert it with `ffmpeg -i FILE -vf scale=out_color_matrix=bt709 OUT`";
+            MediaError::Unsupported {
+                path,
+                field,
+                found,
+                next,
+            }
+        })?;
+        let coded_size = [first.width(), first.height()];
+        let info = describe(&reader, &stream, &first, &delivery, bytes);
+        let timeline = Timeline::new(stream.time_base(), info.frame_rate);
+        let path = path.to_owned();
+        let first = Some(first);
+        Ok(Self {
+            path,
+            info,
+            reader,
+            delivery,
+            timeline,
+            coded_size,
+            first,
+            delivered: 0,
+        })
+    }
+
+    /// What is known of the file.
+    #[must_use]
+    pub fn info(&self) -> &SourceInfo {
+        &self.info
+    }
+
+    /// The next picture in the order of display; None after the last.
+    ///
+    /// # Errors
+    /// The file breaks off, its data are damaged, or the picture size changes; the error names the
+    /// frame. Pictures before it have been delivered.
+    pub fn next_frame(&mut self) -> Result<Option<TimedPicture>, MediaError> {
+        let next = match self.first.take() {
+            Some(frame) => Ok(Some(frame)),
+            None => self.reader.next_frame(),
+        };
+        let Some(frame) = next.map_err(|reason| self.broken(reason))? else {
+            return Ok(None);
+        };
+        let size = [frame.width(), frame.height()];
+        if size != self.coded_size {
+            let (path, from) = (self.path.clone(), self.coded_size);
+            return Err(MediaError::SizeChange {
+                path,
+                frame: self.delivered,
+                from,
+                to: size,
+            });
+        }
+        let picture = self
+            .delivery
+            .picture(&frame)
+            .map_err(|reason| self.broken(reason))?;
+        let time_ns = self.timeline.time_ns(frame.timestamp());
+        self.delivered += 1;
+        Ok(Some(TimedPicture { picture, time_ns }))
+    }
+
+    fn broken(&self, reason: String) -> MediaError {
+        MediaError::Broken {
+            path: self.path.clone(),
+            frame: self.delivered,
+            seconds: self.timeline.predicted_ns() as f64 / 1e9,
+            reason,
+        }
+    }
+}
+
+/// What the container and the first frame tell.
+fn describe(
+    reader: &FrameReader,
+    stream: &Stream,
+    first: &Video,
+    delivery: &Delivery,
+    bytes: u64,
+) -> SourceInfo {
+    let [width, height] = delivery
+        .orientation()
+        .turned_size([first.width(), first.height()]);
+    let is_image = source::is_image_format(reader.input());
+    let frame_rate = source::frame_rate_of(stream);
+    let seconds = source::seconds_of(reader.input(), stream).filter(|_| !is_image);
+    // VP8 and VP9 carry alpha as a second stream that FFmpeg's decoders leave out.
+    let has_second_stream = stream.metadata().get("alpha_mode") == Some("1");
+    SourceInfo {
+        width,
+        height,
+        frame_rate,
+        frames: source::frames_of(stream, seconds, frame_rate).or(is_image.then_some(1)),
+        seconds,
+        colour: delivery.colour(),
+        spherical: spherical_of(stream),
+        stereo: stereo_of(stream),
+        has_alpha: has_second_stream || has_alpha(first.format()),
+        codec: reader
+            .decoder()
+            .codec()
+            .map_or_else(String::new, |c| c.name().to_owned()),
+        pixel_format: first
+            .format()
+            .descriptor()
+            .map_or("unknown", |d| d.name())
+            .to_owned(),
+        bytes,
+        looks_still: is_image || stream.frames() == 1,
+    }
+}
+
+fn file_bytes(path: &Path) -> Result<u64, MediaError> {
+    let cannot_open = |reason| MediaError::Open {
+        path: path.to_owned(),
+        reason,
+    };
+    let about = std::fs::metadata(path).map_err(|e| cannot_open(e.to_string()))?;
+    if !about.is_file() {
+        return Err(cannot_open("it is not a file".to_owned()));
+    }
+    if about.len() == 0 {
+        let reason = "it is empty".to_owned();
+        return Err(MediaError::NotVideo {
+            path: path.to_owned(),
+            reason,
+        });
+    }
+    Ok(about.len())
+}
+
+fn orientation_of(path: &Path, stream: &Stream) -> Result<Orientation, MediaError> {
+    let Some(matrix) = side_data_of(stream, Type::DisplayMatrix) else {
+        return Ok(Orientation::default());
+    };
+    Orientation::from_display_matrix(&matrix).ok_or_else(|| MediaError::Unsupported {
+        path: path.to_owned(),
+        field: "the display rotation",
+        found: "not a multiple of 90 degrees".to_owned(),
+        next: "turn the pictures themselves with `ffmpeg -i FILE OUT.mp4`",
+    })
+}

@@ -1,0 +1,124 @@
+//! Which way up does a file want its pictures shown?
+
+/// The elements of a display matrix below this are taken as zero; 16.16 fixed point, so 0.01.
+const NEARLY_ZERO: i32 = 655;
+
+/// One of the eight ways to lay a picture on its screen: first transpose, then mirror.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub(crate) struct Orientation {
+    /// Rows become columns.
+    pub(crate) transpose: bool,
+    /// Then left and right change places.
+    pub(crate) mirror_x: bool,
+    /// Then top and bottom change places.
+    pub(crate) mirror_y: bool,
+}
+
+impl Orientation {
+    /// From the 36 bytes of a display matrix (row vectors, 16.16 fixed point, native order); None
+    /// where it turns by anything but a multiple of 90 degrees.
+    pub(crate) fn from_display_matrix(bytes: &[u8]) -> Option<Self> {
+        let element = |i: usize| {
+            let word = bytes.get(4 * i..4 * i + 4)?;
+            Some(i32::from_ne_bytes(word.try_into().ok()?))
+        };
+        let [a, b, c, d] = [element(0)?, element(1)?, element(3)?, element(4)?];
+        let zero = |n: i32| n.saturating_abs() < NEARLY_ZERO;
+        match (zero(a) && zero(d), zero(b) && zero(c)) {
+            (false, true) => Some(Self {
+                transpose: false,
+                mirror_x: a < 0,
+                mirror_y: d < 0,
+            }),
+            (true, false) => Some(Self {
+                transpose: true,
+                mirror_x: c < 0,
+                mirror_y: b < 0,
+            }),
+            _ => None,
+        }
+    }
+
+    /// Whether pictures stay as they are.
+    pub(crate) fn is_upright(self) -> bool {
+        self == Self::default()
+    }
+
+    /// Width and height after turning.
+    pub(crate) fn turned_size(self, [width, height]: [u32; 2]) -> [u32; 2] {
+        if self.transpose {
+            [height, width]
+        } else {
+            [width, height]
+        }
+    }
+
+    /// Writes the plane `from` (`size` samples, `from_stride` bytes a row) turned into `to`.
+    pub(crate) fn turn(
+        self,
+        (from, from_stride): (&[u8], usize),
+        size: [u32; 2],
+        (to, to_stride): (&mut [u8], usize),
+    ) {
+        let [width, height] = self.turned_size(size).map(|n| n as usize);
+        for (y, row) in to.chunks_mut(to_stride).take(height).enumerate() {
+            let v = if self.mirror_y { height - 1 - y } else { y };
+            for (x, sample) in row[..width].iter_mut().enumerate() {
+                let u = if self.mirror_x { width - 1 - x } else { x };
+                let [column, line] = if self.transpose { [v, u] } else { [u, v] };
+                *sample = from[line * from_stride + column];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The display matrix of a clockwise turn: (1, 0) goes to (cos, sin) with y down.
+    pub(crate) fn matrix(cos: i32, sin: i32) -> Vec<u8> {
+        let one = 1 << 16;
+        [
+            cos * one,
+            sin * one,
+            0,
+            -sin * one,
+            cos * one,
+            0,
+            0,
+            0,
+            1 << 30,
+        ]
+        .iter()
+        .flat_map(|n: &i32| n.to_ne_bytes())
+        .collect()
+    }
+
+    fn turned(cos: i32, sin: i32) -> Vec<u8> {
+        let orientation = Orientation::from_display_matrix(&matrix(cos, sin)).unwrap();
+        let mut to = vec![0; 6];
+        let stride = orientation.turned_size([3, 2])[0] as usize;
+        orientation.turn((&[1, 2, 3, 4, 5, 6], 3), [3, 2], (&mut to, stride));
+        to
+    }
+
+    #[test]
+    fn quarter_turns_move_the_corners_clockwise() {
+        assert_eq!(turned(1, 0), [1, 2, 3, 4, 5, 6]);
+        assert_eq!(turned(0, 1), [4, 1, 5, 2, 6, 3]);
+        assert_eq!(turned(-1, 0), [6, 5, 4, 3, 2, 1]);
+        assert_eq!(turned(0, -1), [3, 6, 2, 5, 1, 4]);
+    }
+
+    #[test]
+    fn slanted_short_and_empty_matrices_are_refused() {
+        let slanted: Vec<u8> = [46341i32, 46341, 0, -46341, 46341, 0, 0, 0, 1]
+            .iter()
+            .flat_map(|n| n.to_ne_bytes())
+            .collect();
+        assert_eq!(Orientation::from_display_matrix(&slanted), None);
+        assert_eq!(Orientation::from_display_matrix(&slanted[..15]), None);
+        assert_eq!(Orientation::from_display_matrix(&[0; 36]), None);
+    }
+}

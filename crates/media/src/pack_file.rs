@@ -1,0 +1,266 @@
+//! How is a pack read from a file?
+
+use foveal_core::asset::pack::{
+    HEADER_BYTES, Header, Pack, PackError, TableEntry, check_crc, split_chunk,
+};
+use foveal_core::asset::unit::UnitId;
+use std::fs::File;
+use std::io::{ErrorKind, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use thiserror::Error;
+
+/// Why a pack cannot be read, and what to do.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PackFileError {
+    /// The system refuses.
+    #[error("{}: {what}: {source}", path.display())]
+    Io {
+        /// The pack.
+        path: PathBuf,
+        /// What was being done.
+        what: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The bytes are no pack, or damaged.
+    #[error(
+        "{}: {source}; if it was copied, copy it again, else prepare it again from its source",
+        path.display()
+    )]
+    Format {
+        /// The pack.
+        path: PathBuf,
+        /// The field that is wrong.
+        source: PackError,
+    },
+}
+
+/// An open pack: description and index in memory, chunks read when they are asked for.
+#[derive(Debug)]
+pub struct PackFile {
+    path: PathBuf,
+    // One cursor is shared by all readers: a read is a seek and a copy, far cheaper than decoding.
+    file: Mutex<File>,
+    header: Header,
+    pack: Pack,
+}
+
+impl PackFile {
+    /// Opens a pack and reads its header, description and index.
+    pub fn open(path: &Path) -> Result<Self, PackFileError> {
+        let io = |what: &str, source| PackFileError::Io {
+            path: path.to_owned(),
+            what: what.to_owned(),
+            source,
+        };
+        let format = |source| PackFileError::Format {
+            path: path.to_owned(),
+            source,
+        };
+        let mut file = File::open(path).map_err(|e| io("cannot be opened", e))?;
+        let found = file.metadata().map_err(|e| io("cannot be read", e))?;
+        if found.is_dir() {
+            return Err(io(
+                "is a folder, not a pack",
+                ErrorKind::IsADirectory.into(),
+            ));
+        }
+        let mut head = Vec::new();
+        let mut first = (&mut file).take(HEADER_BYTES as u64);
+        first
+            .read_to_end(&mut head)
+            .map_err(|e| io("header cannot be read", e))?;
+        let header = Header::parse(&head).map_err(format)?;
+        if header.file_bytes != found.len() {
+            return Err(format(PackError {
+                field: "file_bytes".to_owned(),
+                found: format!("a file of {} bytes", found.len()),
+                expected: format!("{} (cut short or with something added)", header.file_bytes),
+            }));
+        }
+        let mut part = |offset, bytes| read_at(&mut file, offset, bytes);
+        let description = part(HEADER_BYTES as u64, u64::from(header.description_bytes))
+            .map_err(|e| io("description cannot be read", e))?;
+        let index = part(header.index_offset, header.index_bytes)
+            .map_err(|e| io("index cannot be read", e))?;
+        let pack = Pack::parse(&header, &description, &index).map_err(format)?;
+        Ok(Self {
+            path: path.to_owned(),
+            file: Mutex::new(file),
+            header,
+            pack,
+        })
+    }
+
+    /// The file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its description and index.
+    #[must_use]
+    pub fn pack(&self) -> &Pack {
+        &self.pack
+    }
+
+    /// Bytes of the file.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.header.file_bytes
+    }
+
+    /// The chunk of a unit, its checksum checked.
+    pub fn read_chunk(&self, unit: UnitId) -> Result<Vec<u8>, PackFileError> {
+        let entry = self.pack.entry(unit);
+        let what = || {
+            let (tile, frames) = (self.pack.tile_of(unit), self.pack.frames_of(unit));
+            format!(
+                "chunk of level {}, face {}, column {}, row {}, frames {}-{}",
+                tile.level,
+                tile.face,
+                tile.x,
+                tile.y,
+                frames.start,
+                frames.end - 1
+            )
+        };
+        let bytes = self.read(entry.offset, u64::from(entry.bytes), &what)?;
+        let checked = check_crc(&what(), &bytes, entry.crc32c);
+        checked
+            .map(|()| bytes)
+            .map_err(|source| self.format(source))
+    }
+
+    /// Time of every frame in nanoseconds after the first, from the side table `frame_times`.
+    pub fn frame_times(&self) -> Result<Vec<i64>, PackFileError> {
+        let frames = self.pack.description().frames as usize;
+        let tables = &self.pack.description().tables;
+        let Some(table) = tables.iter().find(|table| table.name == FRAME_TIMES) else {
+            let fps = self.pack.description().fps();
+            return Ok((0..frames)
+                .map(|frame| (frame as f64 * 1e9 / fps) as i64)
+                .collect());
+        };
+        let wrong = |found: String| {
+            self.format(PackError {
+                field: format!("side table {FRAME_TIMES}"),
+                found,
+                expected: format!("version 1: {frames} times of 8 bytes that grow"),
+            })
+        };
+        if table.version != 1 || table.bytes != frames as u64 * 8 {
+            return Err(wrong(format!(
+                "version {}, {} bytes",
+                table.version, table.bytes
+            )));
+        }
+        let bytes = self.read_table(table)?;
+        let times: Vec<i64> = bytes
+            .chunks_exact(8)
+            .map(|word| {
+                word.iter()
+                    .rev()
+                    .fold(0, |time, byte| time << 8 | i64::from(*byte))
+            })
+            .collect();
+        match times.windows(2).position(|pair| pair[1] <= pair[0]) {
+            Some(frame) => Err(wrong(format!(
+                "frame {} not after the one before",
+                frame + 1
+            ))),
+            None => Ok(times),
+        }
+    }
+
+    /// Reads every byte and checks it: `progress` is told how many bytes are done of how many.
+    /// Returns what is damaged, nothing if all is well.
+    pub fn verify(&self, mut progress: impl FnMut(u64, u64)) -> Vec<PackFileError> {
+        let mut damage = Vec::new();
+        if let Err(source) = self.pack.check_coverage(&self.header) {
+            damage.push(self.format(source));
+        }
+        for table in &self.pack.description().tables {
+            damage.extend(self.read_table(table).err());
+        }
+        damage.extend(self.frame_times().err());
+        let mut done = 0;
+        for unit in self.pack.units() {
+            let frames = self.pack.frames_of(unit).len();
+            let checked = self.read_chunk(unit).and_then(|chunk| {
+                let parts = split_chunk(&chunk, frames).map(|parts| parts.len());
+                parts.map_err(|source| self.format(source))
+            });
+            damage.extend(checked.err());
+            done += u64::from(self.pack.entry(unit).bytes);
+            progress(done, self.bytes());
+        }
+        damage
+    }
+
+    fn read_table(&self, table: &TableEntry) -> Result<Vec<u8>, PackFileError> {
+        let what = format!("side table {}", table.name);
+        let end = table.offset.checked_add(table.bytes);
+        if end.is_none_or(|end| end > self.header.file_bytes) {
+            return Err(self.format(PackError {
+                field: what,
+                found: format!("{}+{}", table.offset, table.bytes),
+                expected: format!("within {} bytes", self.header.file_bytes),
+            }));
+        }
+        let bytes = self.read(table.offset, table.bytes, &|| what.clone())?;
+        let checked = check_crc(&what, &bytes, table.crc32c);
+        checked
+            .map(|()| bytes)
+            .map_err(|source| self.format(source))
+    }
+
+    fn read(
+        &self,
+        offset: u64,
+        bytes: u64,
+        what: &dyn Fn() -> String,
+    ) -> Result<Vec<u8>, PackFileError> {
+        // A panic while the lock was held cannot have left the file in a bad state.
+        let mut file = self
+            .file
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        read_at(&mut file, offset, bytes).map_err(|source| PackFileError::Io {
+            path: self.path.clone(),
+            what: format!("{} cannot be read", what()),
+            source,
+        })
+    }
+
+    fn format(&self, source: PackError) -> PackFileError {
+        PackFileError::Format {
+            path: self.path.clone(),
+            source,
+        }
+    }
+}
+
+/// The file in which the pack of this name grows until it is whole.
+#[must_use]
+pub fn partial_path(pack: &Path) -> PathBuf {
+    let mut name = pack.file_name().unwrap_or_default().to_owned();
+    name.push(".partial");
+    pack.with_file_name(name)
+}
+
+/// Name of the side table that holds the time of every frame.
+pub(crate) const FRAME_TIMES: &str = "frame_times";
+
+fn read_at(file: &mut File, offset: u64, bytes: u64) -> std::io::Result<Vec<u8>> {
+    file.seek(SeekFrom::Start(offset))?;
+    let mut buffer = Vec::new();
+    file.take(bytes).read_to_end(&mut buffer)?;
+    if buffer.len() as u64 == bytes {
+        Ok(buffer)
+    } else {
+        Err(ErrorKind::UnexpectedEof.into())
+    }
+}

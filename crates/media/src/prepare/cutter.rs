@@ -1,0 +1,140 @@
+//! Which tiles does a source picture become?
+
+use super::plan::{Plan, Surround};
+use crate::parallel::in_parallel;
+use crate::pyramid::halve;
+use crate::sphere::CubeSampler;
+use foveal_core::asset::picture::Picture;
+use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
+
+/// Turns source pictures into the tiles of all levels.
+pub(super) struct Cutter {
+    grid: TileGrid,
+    sampler: Option<CubeSampler>,
+    stretch_to_full_range: bool,
+    jobs: usize,
+}
+
+impl Cutter {
+    pub(super) fn new(plan: &Plan) -> Self {
+        let face = plan.grid.surface.size[0];
+        let source = plan.description.source.size;
+        let sampler = match plan.surround {
+            Surround::Flat => None,
+            Surround::Equirect(coverage) => Some(CubeSampler::new(
+                source,
+                face,
+                coverage,
+                plan.source_chroma_left,
+            )),
+        };
+        Self {
+            grid: plan.grid,
+            sampler,
+            stretch_to_full_range: plan.stretch_to_full_range,
+            jobs: plan.jobs,
+        }
+    }
+
+    /// The tiles of one frame: by level, by rank.
+    pub(super) fn tiles_of(&self, picture: &Picture) -> Vec<Vec<Picture>> {
+        let stretched;
+        let picture = if self.stretch_to_full_range {
+            stretched = full_range(picture);
+            &stretched
+        } else {
+            picture
+        };
+        let cube;
+        let faces = match &self.sampler {
+            Some(sampler) => {
+                cube = sampler.cube_from_equirect(picture, self.jobs);
+                &cube[..]
+            }
+            None => std::slice::from_ref(picture),
+        };
+        match self.grid.cut {
+            Cut::Tile(_) => self.cut_pyramid(faces),
+            Cut::Grid(_) => self.cut_grid(faces),
+        }
+    }
+
+    /// Whole faces are halved, then every level is cut.
+    fn cut_pyramid(&self, faces: &[Picture]) -> Vec<Vec<Picture>> {
+        let mut faces: Vec<Picture> = faces.to_vec();
+        let mut levels = Vec::new();
+        for level in 0..self.grid.levels {
+            if level > 0 {
+                faces = in_parallel(self.jobs, faces.len(), |face| {
+                    halve(&faces[face], self.grid.ratio)
+                });
+            }
+            let scale = self.grid.scale(level);
+            let cut = |tile: Tile| {
+                let corner = self.grid.origin(tile).map(|side| side / scale);
+                faces[usize::from(tile.face)].crop(corner, self.grid.tile_size(tile))
+            };
+            levels.push(self.grid.tiles_of(level).map(cut).collect());
+        }
+        levels
+    }
+
+    /// The same cells at every level: cells are cut, then each is halved by itself.
+    fn cut_grid(&self, faces: &[Picture]) -> Vec<Vec<Picture>> {
+        let cut = |tile: Tile| {
+            faces[usize::from(tile.face)].crop(self.grid.origin(tile), self.grid.tile_size(tile))
+        };
+        let mut levels: Vec<Vec<Picture>> = vec![self.grid.tiles_of(0).map(cut).collect()];
+        for level in 1..usize::from(self.grid.levels) {
+            let finer = &levels[level - 1];
+            let coarser = in_parallel(self.jobs, finer.len(), |cell| {
+                halve(&finer[cell], self.grid.ratio)
+            });
+            levels.push(coarser);
+        }
+        levels
+    }
+}
+
+/// Limited-range planes (Y 16–235, chroma 16–240) as full-range ones (0–255).
+fn full_range(picture: &Picture) -> Picture {
+    let stretch = |from: i32, middle: i32, span: i32| {
+        let mut table = [0; 256];
+        for (value, out) in (0..).zip(table.iter_mut()) {
+            let scaled = (value - from) * 255 * 2 + (value - from).signum() * span;
+            *out = (scaled / (2 * span) + middle).clamp(0, 255) as u8;
+        }
+        table
+    };
+    let (luma, chroma) = (stretch(16, 0, 219), stretch(128, 128, 224));
+    let mut picture = picture.clone();
+    for (p, plane) in picture.planes.iter_mut().enumerate() {
+        let table = if p == 0 { &luma } else { &chroma };
+        plane
+            .iter_mut()
+            .for_each(|sample| *sample = table[usize::from(*sample)]);
+    }
+    picture
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretching_maps_the_limits_of_the_range_to_0_and_255() {
+        for (limited, full) in [
+            ([16, 128, 128], [0, 128, 128]),
+            ([235, 240, 16], [255, 255, 1]),
+        ] {
+            let stretched = full_range(&Picture::filled(2, 2, limited));
+            let found = [0, 1, 2].map(|p| stretched.planes[p][0]);
+            for (found, full) in found.into_iter().zip(full) {
+                assert!(
+                    found.abs_diff(full) <= 1,
+                    "{limited:?} gave {found}, not {full}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,303 @@
+//! How does a video become a pack?
+//!
+//! Frames are read, turned into the faces of the surface, halved level by level and cut into
+//! tiles; when a level's group is full its tiles are coded, each by a fresh encoder, on as many
+//! threads as asked for. A pack is the same bytes for any number of them.
+
+mod cutter;
+mod plan;
+
+pub use plan::{Plan, PrepareSettings, ProjectionChoice, Surround};
+
+use crate::encode::{EncodeSettings, encode_group};
+use crate::error::MediaError;
+use crate::input::{TimedPicture, VideoInput};
+use crate::pack_file::{FRAME_TIMES, PackFileError};
+use crate::pack_writer::PackWriter;
+use crate::parallel::in_parallel;
+use cutter::Cutter;
+use foveal_core::asset::order::hilbert_distance;
+use foveal_core::asset::pack::{Description, MAX_FRAMES, SideTable};
+use foveal_core::asset::picture::Picture;
+use foveal_core::asset::tile_grid::Tile;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, sync_channel};
+use thiserror::Error;
+
+/// Frames that are read ahead while others are coded.
+const READ_AHEAD: usize = 2;
+
+/// Why a pack could not be prepared.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PrepareError {
+    /// The input cannot be read, or a tile not coded.
+    #[error(transparent)]
+    Media(#[from] MediaError),
+    /// The pack cannot be written.
+    #[error(transparent)]
+    Pack(#[from] PackFileError),
+    /// An option does not fit the input.
+    #[error("{0}")]
+    Option(String),
+    /// There is nothing in it.
+    #[error("{0} has no frames; give a file with at least one picture")]
+    NoFrames(String),
+}
+
+/// How far a preparation is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Frames read and coded so far.
+    pub frames: u32,
+    /// Frames in all, as far as the container tells.
+    pub of: Option<u64>,
+    /// Bytes of coded tiles so far.
+    pub bytes: u64,
+}
+
+/// Where coded tiles go: a pack, or nowhere when only cost is asked for.
+trait Sink {
+    fn push(&mut self, coded: &CodedGroup) -> Result<(), PackFileError>;
+}
+
+impl Sink for PackWriter {
+    fn push(&mut self, coded: &CodedGroup) -> Result<(), PackFileError> {
+        Self::push(self, coded.tile, coded.first_frame, &coded.access_units)
+    }
+}
+
+/// Counts bytes and keeps none.
+struct Nowhere;
+
+impl Sink for Nowhere {
+    fn push(&mut self, _: &CodedGroup) -> Result<(), PackFileError> {
+        Ok(())
+    }
+}
+
+/// One tile over one group, coded.
+struct CodedGroup {
+    tile: Tile,
+    first_frame: u32,
+    access_units: Vec<Vec<u8>>,
+}
+
+/// Prepares `input` as planned and writes it to `out`; returns the final description and the
+/// pack's bytes.
+///
+/// On any error nothing is left under the name `out` (or what was there stays).
+pub fn prepare(
+    input: &Path,
+    out: &Path,
+    plan: &Plan,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(Description, u64), PrepareError> {
+    let mut writer = PackWriter::create(out, &plan.description)?;
+    let times = code(input, plan, None, &mut writer, progress)?;
+    let mut description = plan.description.clone();
+    description.frames = times.len() as u32;
+    let table = SideTable {
+        name: FRAME_TIMES.to_owned(),
+        version: 1,
+        bytes: times.iter().flat_map(|time| time.to_le_bytes()).collect(),
+    };
+    let bytes = writer.finish(description.clone(), &[table])?;
+    Ok((description, bytes))
+}
+
+/// Codes the first `frames` frames of `input` and keeps nothing: what [`prepare`] would cost.
+/// Returns how many frames there were and the bytes of their tiles.
+pub fn rehearse(input: &Path, plan: &Plan, frames: u32) -> Result<(u32, u64), PrepareError> {
+    let mut bytes = 0;
+    let mut note = |progress: Progress| bytes = progress.bytes;
+    let times = code(input, plan, Some(frames), &mut Nowhere, &mut note)?;
+    Ok((times.len() as u32, bytes))
+}
+
+/// Reads, cuts and codes; returns the time of every frame in nanoseconds.
+fn code(
+    input: &Path,
+    plan: &Plan,
+    most_frames: Option<u32>,
+    sink: &mut dyn Sink,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Vec<i64>, PrepareError> {
+    let mut coder = Coder::new(plan);
+    let mut times = Vec::new();
+    let most = most_frames.or(plan.most_frames).unwrap_or(MAX_FRAMES);
+    let (send, receive) = sync_channel(READ_AHEAD);
+    std::thread::scope(|scope| {
+        let reader = scope.spawn(move || read_frames(input, &send, most));
+        let coded = code_frames(
+            &receive,
+            &mut coder,
+            &mut times,
+            sink,
+            &mut |frames, bytes| {
+                progress(Progress {
+                    frames,
+                    of: plan.frames.map(|of| of.min(u64::from(most))),
+                    bytes,
+                });
+            },
+        );
+        // The reader stops when nobody listens.
+        drop(receive);
+        let read = reader
+            .join()
+            .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        coded.and(read)
+    })?;
+    if times.is_empty() {
+        return Err(PrepareError::NoFrames(input.display().to_string()));
+    }
+    Ok(times)
+}
+
+fn read_frames(
+    input: &Path,
+    send: &std::sync::mpsc::SyncSender<TimedPicture>,
+    most: u32,
+) -> Result<(), PrepareError> {
+    let mut video = VideoInput::open(input)?;
+    for _ in 0..most {
+        let Some(frame) = video.next_frame()? else {
+            break;
+        };
+        if send.send(frame).is_err() {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn code_frames(
+    frames: &Receiver<TimedPicture>,
+    coder: &mut Coder<'_>,
+    times: &mut Vec<i64>,
+    sink: &mut dyn Sink,
+    progress: &mut dyn FnMut(u32, u64),
+) -> Result<(), PrepareError> {
+    for frame in frames {
+        coder.push(&frame.picture)?;
+        times.push(frame.time_ns);
+        if coder.frames.is_multiple_of(coder.period()) {
+            coder.write(sink)?;
+        }
+        progress(coder.frames, coder.bytes);
+    }
+    coder.flush()?;
+    coder.write(sink)?;
+    progress(coder.frames, coder.bytes);
+    Ok(())
+}
+
+/// Collects frames into groups and codes the groups.
+struct Coder<'a> {
+    plan: &'a Plan,
+    cutter: Cutter,
+    /// Of each level, by rank of the tile, the pictures of the group that is being filled.
+    waiting: Vec<Vec<Vec<Picture>>>,
+    coded: Vec<CodedGroup>,
+    frames: u32,
+    bytes: u64,
+}
+
+impl<'a> Coder<'a> {
+    fn new(plan: &'a Plan) -> Self {
+        let grid = plan.grid;
+        let empty = |level| vec![Vec::new(); grid.tiles_in_level(level) as usize];
+        Self {
+            plan,
+            cutter: Cutter::new(plan),
+            waiting: (0..grid.levels).map(empty).collect(),
+            coded: Vec::new(),
+            frames: 0,
+            bytes: 0,
+        }
+    }
+
+    /// Frames after which all levels begin a new group.
+    fn period(&self) -> u32 {
+        self.plan.description.groups.last().copied().unwrap_or(1)
+    }
+
+    fn push(&mut self, picture: &Picture) -> Result<(), PrepareError> {
+        let tiles = self.cutter.tiles_of(picture);
+        for (waiting, tiles) in self.waiting.iter_mut().zip(tiles) {
+            for (group, tile) in waiting.iter_mut().zip(tiles) {
+                group.push(tile);
+            }
+        }
+        self.frames += 1;
+        for level in 0..self.plan.grid.levels {
+            if self
+                .frames
+                .is_multiple_of(self.plan.description.groups[usize::from(level)])
+            {
+                self.code_level(level)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), PrepareError> {
+        (0..self.plan.grid.levels).try_for_each(|level| self.code_level(level))
+    }
+
+    fn code_level(&mut self, level: u8) -> Result<(), PrepareError> {
+        let waiting = &mut self.waiting[usize::from(level)];
+        let length = waiting.first().map_or(0, Vec::len) as u32;
+        if length == 0 {
+            return Ok(());
+        }
+        let description = &self.plan.description;
+        let settings = EncodeSettings {
+            codec: description.codec,
+            quality: description.quality[usize::from(level)],
+            frame_rate: description
+                .frame_rate
+                .map(|n| n.min(i32::MAX as u32) as i32),
+            speed: self.plan.speed,
+        };
+        let units = in_parallel(self.plan.jobs, waiting.len(), |rank| {
+            encode_group(&settings, &waiting[rank])
+        });
+        waiting.iter_mut().for_each(Vec::clear);
+        for (rank, access_units) in units.into_iter().enumerate() {
+            let access_units = access_units?;
+            self.bytes += access_units
+                .iter()
+                .map(|unit| unit.len() as u64 + 4)
+                .sum::<u64>();
+            self.coded.push(CodedGroup {
+                tile: self.plan.grid.tile_at(level, rank as u32),
+                first_frame: self.frames - length,
+                access_units,
+            });
+        }
+        Ok(())
+    }
+
+    /// Hands over what is coded in the order of the file: by time, from the coarsest level to the
+    /// finest, by face, along the Hilbert curve.
+    fn write(&mut self, sink: &mut dyn Sink) -> Result<(), PrepareError> {
+        let grid = self.plan.grid;
+        self.coded.sort_by_key(|coded| {
+            let tile = coded.tile;
+            let side = grid.tiles(tile.level).into_iter().fold(1, u32::max);
+            let along = hilbert_distance(side, [u32::from(tile.x), u32::from(tile.y)]);
+            (
+                coded.first_frame,
+                std::cmp::Reverse(tile.level),
+                tile.face,
+                along,
+            )
+        });
+        for coded in self.coded.drain(..) {
+            sink.push(&coded)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,110 @@
+//! What is known of a source before it is read through?
+
+use av::format::context::Input;
+use av::format::stream::{Disposition, Stream};
+use av::media::Type;
+use ffmpeg_next as av;
+use foveal_core::asset::picture::Colour;
+
+use crate::spherical::{Spherical, Stereo};
+
+/// Frame rate of a stream that names none, frames a second.
+const FALLBACK_RATE: [i32; 2] = [25, 1];
+/// A frame rate above this is a clock, not a rate, frames a second.
+const HIGHEST_RATE: f64 = 1000.0;
+
+/// What a file says about its video, and what its first frame shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SourceInfo {
+    /// Width of the delivered pictures in pixels, after rotation.
+    pub width: u32,
+    /// Height of the delivered pictures in pixels, after rotation.
+    pub height: u32,
+    /// Average frames a second as numerator and denominator, both positive; 25/1 if unknown.
+    pub frame_rate: [i32; 2],
+    /// Number of frames as far as the container tells; an estimate.
+    pub frames: Option<u64>,
+    /// Length in seconds as far as the container tells; an estimate.
+    pub seconds: Option<f64>,
+    /// Colour of the pictures as delivered.
+    pub colour: Colour,
+    /// Projection, where the file names one.
+    pub spherical: Option<Spherical>,
+    /// Layout of the two eyes, where the file names one.
+    pub stereo: Option<Stereo>,
+    /// True when the source has transparency, which is dropped.
+    pub has_alpha: bool,
+    /// FFmpeg's name of the codec, as `h264`.
+    pub codec: String,
+    /// FFmpeg's name of the source's pixel format, as `yuv420p10le`.
+    pub pixel_format: String,
+    /// Size of the file in bytes.
+    pub bytes: u64,
+    /// True for an image file or a video of one frame.
+    pub looks_still: bool,
+}
+
+/// The video stream to read: FFmpeg's choice, never the cover picture of a sound file.
+pub(crate) fn video_stream(input: &Input) -> Option<Stream<'_>> {
+    let is_cover = |stream: &Stream| stream.disposition().contains(Disposition::ATTACHED_PIC);
+    let is_video = |stream: &Stream| stream.parameters().medium() == Type::Video;
+    let best = input
+        .streams()
+        .best(Type::Video)
+        .filter(|stream| !is_cover(stream));
+    best.or_else(|| {
+        input
+            .streams()
+            .find(|stream| is_video(stream) && !is_cover(stream))
+    })
+}
+
+/// The kinds of the file's streams, for a message.
+pub(crate) fn stream_kinds(input: &Input) -> String {
+    let kind = |stream: Stream| format!("{:?}", stream.parameters().medium()).to_lowercase();
+    let kinds: Vec<String> = input.streams().map(kind).collect();
+    if kinds.is_empty() {
+        "no stream at all".to_owned()
+    } else {
+        kinds.join(", ")
+    }
+}
+
+/// Average frames a second; both numbers are positive.
+pub(crate) fn frame_rate_of(stream: &Stream) -> [i32; 2] {
+    let plausible = |rate: &av::Rational| {
+        rate.0 > 0 && rate.1 > 0 && f64::from(rate.0) / f64::from(rate.1) <= HIGHEST_RATE
+    };
+    [stream.avg_frame_rate(), stream.rate()]
+        .into_iter()
+        .find(plausible)
+        .map_or(FALLBACK_RATE, |rate| [rate.0, rate.1])
+}
+
+/// Length of the stream, or else of the file, in seconds.
+pub(crate) fn seconds_of(input: &Input, stream: &Stream) -> Option<f64> {
+    let tick = f64::from(stream.time_base());
+    let own = stream.duration() as f64 * tick;
+    let whole = input.duration() as f64 / f64::from(av::ffi::AV_TIME_BASE);
+    [own, whole]
+        .into_iter()
+        .find(|seconds| *seconds > 0.0 && seconds.is_finite())
+}
+
+/// Number of frames that the container names, or else length times rate.
+pub(crate) fn frames_of(stream: &Stream, seconds: Option<f64>, rate: [i32; 2]) -> Option<u64> {
+    match u64::try_from(stream.frames()) {
+        Ok(frames) if frames > 0 => Some(frames),
+        _ => seconds.map(|s| {
+            (s * f64::from(rate[0]) / f64::from(rate[1]))
+                .round()
+                .max(1.0) as u64
+        }),
+    }
+}
+
+/// Whether the demuxer reads single images.
+pub(crate) fn is_image_format(input: &Input) -> bool {
+    let name = input.format().name().to_owned();
+    name == "image2" || name.ends_with("_pipe")
+}

@@ -1,0 +1,230 @@
+//! How does an equirectangular picture become a cube, and a cube an equirectangular picture?
+//!
+//! Faces lie as in [`foveal_core::view::surface::CUBE_FACES`]. Column `u` in [0, 1) of a full
+//! sphere is yaw `(u - 0.5) * 2 pi`, row `v` is pitch `(0.5 - v) * pi`, and samples lie at half
+//! integers.
+
+mod cap;
+mod kernel;
+mod padding;
+mod plane;
+mod poles;
+mod sides;
+mod unfold;
+
+#[cfg(test)]
+mod tests;
+
+use crate::parallel::in_parallel;
+use cap::Cap;
+use foveal_core::asset::picture::Picture;
+use foveal_core::view::surface::CUBE_FACES;
+use kernel::Kernel;
+use plane::Plane;
+pub use unfold::equirect_from_cube;
+
+/// How much of the sphere an equirectangular picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coverage {
+    /// All of it.
+    Full,
+    /// Yaw and pitch within 90° of forward, as in VR180; the rest is black.
+    FrontHalf,
+}
+
+/// Face size that keeps the pixels of a turn: the next multiple of 16 that is not below a quarter
+/// of a full sphere's width.
+///
+/// A face spans 90° in `n` pixels, `n / 2` a radian at its centre and `n` at the middle of an edge;
+/// the source has `2 n / pi`. So a face's centre keeps 0.79 of the source's density and its edges
+/// exceed it; keeping all of it everywhere would take 1.27 times the face and 1.6 times the pixels.
+///
+/// ```
+/// use foveal_media::sphere::{Coverage, face_size_for};
+/// assert_eq!(face_size_for(4096, Coverage::Full), 1024);
+/// assert_eq!(face_size_for(2900, Coverage::FrontHalf), 1456);
+/// ```
+#[must_use]
+pub fn face_size_for(width: u32, coverage: Coverage) -> u32 {
+    let quarter_turn = match coverage {
+        Coverage::Full => width.div_ceil(4),
+        Coverage::FrontHalf => width.div_ceil(2),
+    };
+    quarter_turn.max(1).next_multiple_of(16)
+}
+
+/// Resamples equirectangular pictures of one size onto cubes of one size.
+///
+/// The filter is a sinc under a Kaiser window, six samples of the coarser grid to either side. It
+/// widens where the source is denser than the face: to 4/pi at a face's centre, and along longitude
+/// to one over the distance from the pole, which ends at the rim of a cap of 24 face samples around
+/// each pole. Within the cap every sample counts by its place on the face, across the pole too.
+///
+/// ```
+/// use foveal_core::asset::picture::Picture;
+/// use foveal_media::sphere::{Coverage, CubeSampler, face_size_for};
+/// let sphere = Picture::filled(256, 128, [90, 128, 128]);
+/// let face = face_size_for(256, Coverage::Full);
+/// let sampler = CubeSampler::new([256, 128], face, Coverage::Full, true);
+/// let faces = sampler.cube_from_equirect(&sphere, 2);
+/// assert_eq!(faces[4], Picture::filled(64, 64, [90, 128, 128]));
+/// ```
+pub struct CubeSampler {
+    size: [u32; 2],
+    face: u32,
+    coverage: Coverage,
+    chroma_left: bool,
+    kernel: Kernel,
+}
+
+/// Columns of half an upright face, or rows of a quarter of the top face, in one part of the work.
+const STRIP: usize = 16;
+
+/// Index of the top face.
+const TOP: usize = 4;
+
+/// Index of the bottom face.
+const BOTTOM: usize = 5;
+
+/// A finished rectangle of a plane of one face.
+struct Block {
+    face: usize,
+    at: [usize; 2],
+    width: usize,
+    samples: Vec<u8>,
+}
+
+/// Which samples one part of the work makes: those like columns `start..` of the front face, or
+/// like rows `start..` of the top face.
+#[derive(Clone, Copy)]
+struct Part {
+    plane: usize,
+    poles: bool,
+    start: usize,
+}
+
+impl CubeSampler {
+    /// From pictures of `size` pixels to faces of `face` pixels on a side.
+    ///
+    /// `chroma_left` says that the source's chroma lies on the left luma sample of each pair; the
+    /// cube's always lies between the two.
+    ///
+    /// # Panics
+    /// When a size is zero or `face` is odd.
+    #[must_use]
+    pub fn new(size: [u32; 2], face: u32, coverage: Coverage, chroma_left: bool) -> Self {
+        assert!(size[0] > 0 && size[1] > 0, "a picture of {size:?} pixels");
+        assert!(
+            face > 0 && face.is_multiple_of(2),
+            "a face of {face} pixels halves its chroma unevenly"
+        );
+        Self {
+            size,
+            face,
+            coverage,
+            chroma_left,
+            kernel: Kernel::new(),
+        }
+    }
+
+    /// The six faces of `picture`, the same for any number of threads `jobs`.
+    ///
+    /// # Panics
+    /// When `picture` has another size than the sampler was made for, or lacks samples.
+    #[must_use]
+    pub fn cube_from_equirect(&self, picture: &Picture, jobs: usize) -> [Picture; 6] {
+        assert_eq!(
+            [picture.width, picture.height],
+            self.size,
+            "a picture of another size"
+        );
+        assert!(picture.is_consistent(), "a picture lacks samples");
+        let planes = [0, 1, 2].map(|p| self.plane(picture, p));
+        let caps =
+            [0, 1, 2].map(|p: usize| [0, 1].map(|pole| Cap::new(&planes[p], &self.kernel, pole)));
+        let parts = self.parts();
+        let parts_of_planes = in_parallel(jobs, parts.len(), |part| {
+            let Part {
+                plane: p,
+                poles,
+                start,
+            } = parts[part];
+            let (plane, kernel) = (&planes[p], &self.kernel);
+            let range = start..(start + STRIP).min(plane.face.div_ceil(2));
+            let blocks = if poles {
+                poles::pole_blocks(plane, kernel, &caps[p], range)
+            } else {
+                sides::side_blocks(plane, kernel, range)
+            };
+            (p, blocks)
+        });
+        let mut faces = CUBE_FACES.map(|_| Picture::filled(self.face, self.face, [16, 128, 128]));
+        for (p, blocks) in parts_of_planes {
+            for block in blocks {
+                block.write_to(&mut faces[block.face].planes[p], planes[p].face);
+            }
+        }
+        if self.coverage == Coverage::FrontHalf {
+            blacken_back(&mut faces);
+        }
+        faces
+    }
+
+    /// Plane `p` of the source, ready to be read across its borders.
+    fn plane(&self, picture: &Picture, p: usize) -> Plane {
+        // A sample on the left luma sample of its pair lies a quarter of a column left of its
+        // place.
+        let shift = if p > 0 && self.chroma_left { 0.25 } else { 0.0 };
+        let face = self.face as usize >> usize::from(p > 0);
+        Plane::new(
+            &picture.planes[p],
+            picture.plane_size(p),
+            self.coverage,
+            shift,
+            face,
+        )
+    }
+
+    /// All parts of the work, the largest first.
+    fn parts(&self) -> Vec<Part> {
+        let mut parts = Vec::new();
+        for plane in 0..3 {
+            let half = (self.face as usize >> usize::from(plane > 0)).div_ceil(2);
+            for poles in [true, false] {
+                parts.extend((0..half).step_by(STRIP).map(|start| Part {
+                    plane,
+                    poles,
+                    start,
+                }));
+            }
+        }
+        parts
+    }
+}
+
+impl Block {
+    fn write_to(&self, plane: &mut [u8], face_size: usize) {
+        let [x, y] = self.at;
+        for (row, samples) in self.samples.chunks_exact(self.width).enumerate() {
+            plane[(y + row) * face_size + x..][..self.width].copy_from_slice(samples);
+        }
+    }
+}
+
+/// Makes black whatever looks behind the viewer.
+fn blacken_back(faces: &mut [Picture; 6]) {
+    for (face, axes) in faces.iter_mut().zip(CUBE_FACES) {
+        for p in 0..3 {
+            let black = if p == 0 { 16 } else { 128 };
+            let [w, _] = face.plane_size(p);
+            let tangent = |index: usize| (index as f64 + 0.5) * 2.0 / f64::from(w) - 1.0;
+            for (y, row) in face.planes[p].chunks_exact_mut(w as usize).enumerate() {
+                for (x, sample) in row.iter_mut().enumerate() {
+                    if axes.at([tangent(x), tangent(y)]).z > 0.0 {
+                        *sample = black;
+                    }
+                }
+            }
+        }
+    }
+}

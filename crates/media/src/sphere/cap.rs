@@ -1,0 +1,144 @@
+//! What does a face show around a pole?
+//!
+//! Each source row near the pole is brought to about 0.6 face samples of spacing along its circle;
+//! then every sample counts by its place on the face and the area it stands for. So a row beyond
+//! the pole counts where it lies, on the other side.
+
+use super::kernel::{Kernel, REACH};
+use super::plane::Plane;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Spacing of samples along a circle, in face samples.
+const SPACING: f64 = 0.6;
+
+/// Corrections of the areas of the first two circles: the midpoint rule over `r g(r)` from r = 0 is
+/// h²/24 g(0) too large, and g(0) is (9 g(h/2) - g(3h/2)) / 8 for an even g.
+const POLE_RULE: [f64; 2] = [1.0 - 9.0 / 8.0 / 12.0, 1.0 + 1.0 / 8.0 / 36.0];
+
+/// The samples around one pole.
+pub(super) struct Cap {
+    circles: Vec<Circle>,
+    /// Half the width of the kernel, in face samples.
+    reach: f32,
+    /// Tangents to face samples from the pole.
+    scale: f64,
+}
+
+/// The samples of one source row, counter-clockwise or clockwise as the face sees them.
+struct Circle {
+    radius: f32,
+    /// Face samples squared that one sample stands for.
+    area: f32,
+    /// Place in face samples from the pole, in units of the kernel's stretch, and code value.
+    samples: Vec<[f32; 3]>,
+}
+
+impl Cap {
+    /// The samples around the upper (0) or lower (1) pole, in the orientation of the top face:
+    /// `super::poles` mirrors the bottom face.
+    pub(super) fn new(plane: &Plane, kernel: &Kernel, pole: usize) -> Self {
+        let scale = plane.face as f64 / 2.0;
+        let stretch = plane.pole_stretch();
+        let reach = REACH * stretch;
+        let rim = plane.cap_radius() * scale + reach * std::f64::consts::SQRT_2;
+        let step = PI / plane.height as f64;
+        let mut circles = Vec::new();
+        for row in 0..plane.height {
+            // The one row of the smallest plane lies at 90°, where a face has no place for it.
+            let from_pole = (row as f64 + 0.5) * step;
+            let angle = if row == 0 {
+                from_pole.min(1.4)
+            } else {
+                from_pole
+            };
+            let radius = libm::tan(angle) * scale;
+            if row > 0 && (radius > rim || angle >= FRAC_PI_2) {
+                break;
+            }
+            let cos = libm::cos(angle);
+            let correction = POLE_RULE.get(row).unwrap_or(&1.0);
+            let depth = step / (cos * cos) * scale * correction;
+            let row = if pole == 0 {
+                row
+            } else {
+                plane.height - 1 - row
+            };
+            circles.push(Circle::new(plane, kernel, row, [radius, depth], stretch));
+        }
+        Self {
+            circles,
+            reach: reach as f32,
+            scale,
+        }
+    }
+
+    /// Code value at a place of the tangent plane, within the cap.
+    pub(super) fn at(&self, kernel: &Kernel, a: f64, b: f64) -> u8 {
+        let [x, y] = [(a * self.scale) as f32, (b * self.scale) as f32];
+        let stretch = self.reach / REACH as f32;
+        let far = self.reach * std::f32::consts::SQRT_2;
+        let radius = (x * x + y * y).sqrt();
+        let [mut sum, mut total] = [0.0f32; 2];
+        for circle in self
+            .circles
+            .iter()
+            .filter(|c| (c.radius - radius).abs() <= far)
+        {
+            let [mut circle_sum, mut circle_total] = [0.0f32; 2];
+            for [u, v, value] in &circle.samples {
+                let [dx, dy] = [(u - x).abs(), (v - y).abs()];
+                if dx < self.reach && dy < self.reach {
+                    let weight = kernel.at(dx / stretch) * kernel.at(dy / stretch);
+                    circle_sum += weight * value;
+                    circle_total += weight;
+                }
+            }
+            sum += circle_sum * circle.area;
+            total += circle_total * circle.area;
+        }
+        (sum / total + 0.5).clamp(0.0, 255.0) as u8
+    }
+}
+
+impl Circle {
+    fn new(
+        plane: &Plane,
+        kernel: &Kernel,
+        row: usize,
+        [radius, depth]: [f64; 2],
+        stretch: f64,
+    ) -> Self {
+        let turn = plane.turn(row);
+        let around = TAU * radius;
+        let count = ((around / (SPACING * stretch)).ceil() as usize).clamp(16, turn.len().max(16));
+        let ratio = (turn.len() as f64 / count as f64).max(1.0);
+        let samples = (0..count)
+            .map(|k| {
+                let yaw = TAU * k as f64 / count as f64;
+                let value = around_turn(turn, kernel, plane.column(yaw), ratio);
+                let [x, y] = [libm::sin(yaw) * radius, libm::cos(yaw) * radius];
+                [x as f32, y as f32, value]
+            })
+            .collect();
+        let area = (around / count as f64 * depth) as f32;
+        Self {
+            radius: radius as f32,
+            area,
+            samples,
+        }
+    }
+}
+
+/// Filtered value at a fractional column of a turn, `ratio` columns wide a unit of the kernel.
+fn around_turn(turn: &[u8], kernel: &Kernel, column: f64, ratio: f64) -> f32 {
+    let reach = REACH * ratio;
+    let first = (column - reach).ceil() as i64;
+    let last = (column + reach).floor() as i64;
+    let [mut sum, mut total] = [0.0f32; 2];
+    for tap in first..=last {
+        let weight = kernel.at(((tap as f64 - column) / ratio) as f32);
+        sum += weight * f32::from(turn[tap.rem_euclid(turn.len() as i64) as usize]);
+        total += weight;
+    }
+    sum / total
+}

@@ -1,0 +1,90 @@
+//! Which rules of the repository does a commit of this tree break?
+
+mod crates;
+mod documents;
+mod foreign;
+mod lexing;
+mod modules;
+mod papers;
+mod purity;
+mod sizes;
+mod tree;
+
+use std::fmt;
+
+use serde_json::Value;
+
+use crate::steps::{Outcome, cargo, output_of, repository_root};
+use tree::Tree;
+
+/// One broken rule: where, what is wrong, and what to do.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Finding {
+    file: String,
+    line: usize,
+    message: String,
+}
+
+impl Finding {
+    fn new(file: &str, line: usize, message: impl Into<String>) -> Self {
+        Self {
+            file: file.to_owned(),
+            line,
+            message: message.into(),
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}: {}", self.file, self.line, self.message)
+    }
+}
+
+/// Prints each finding of the tree as `file:line: message`; fails when there is one.
+pub(crate) fn run() -> Outcome {
+    let tree = Tree::of(&repository_root())?;
+    let mut findings = crates::check(&workspace_metadata()?, &tree);
+    findings.extend(check_files(&tree));
+    findings.sort();
+    findings.dedup();
+    for finding in &findings {
+        println!("{finding}");
+    }
+    if findings.is_empty() {
+        println!("tidy: nothing found in {} files", tree.len());
+        return Ok(());
+    }
+    Err(format!(
+        "tidy: {} found, each with what to do above",
+        findings.len()
+    ))
+}
+
+/// What cargo knows of the workspace's own packages; asks no registry.
+pub(crate) fn workspace_metadata() -> Result<Value, String> {
+    let words = [
+        "metadata",
+        "--no-deps",
+        "--offline",
+        "--format-version",
+        "1",
+    ];
+    let text = output_of(&mut cargo(&words))?;
+    serde_json::from_str(&text).map_err(|e| format!("cargo metadata: {e}"))
+}
+
+fn check_files(tree: &Tree) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for (path, file) in tree.files() {
+        findings.extend(foreign::check_size(path, file.bytes));
+        let Some(text) = &file.text else { continue };
+        findings.extend(foreign::check_paths(path, text));
+        findings.extend(sizes::check(path, text));
+        findings.extend(modules::check(path, text));
+        findings.extend(purity::check(path, text));
+        findings.extend(documents::check(path, text, tree));
+        findings.extend(papers::check(path, text, tree));
+    }
+    findings
+}

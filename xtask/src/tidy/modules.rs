@@ -1,0 +1,133 @@
+//! Does a module of core use only modules to its left?
+
+use super::Finding;
+use super::lexing::{code, is_word, line_of, places_of};
+
+const SOURCES: &str = "crates/core/src/";
+const ORDER: [&str; 6] = ["units", "view", "asset", "gaze", "perception", "selection"];
+
+/// Checks `use crate::X` and `crate::X::` of one file of core, tests included.
+pub(super) fn check(path: &str, text: &str) -> Vec<Finding> {
+    let Some(inside) = path
+        .strip_prefix(SOURCES)
+        .and_then(|p| p.strip_suffix(".rs"))
+    else {
+        return Vec::new();
+    };
+    let mut modules: Vec<&str> = inside.split('/').collect();
+    modules.pop_if(|last| *last == "mod");
+    let own = modules[0];
+    if own == "lib" {
+        return Vec::new();
+    }
+    let Some(place) = ORDER.iter().position(|module| *module == own) else {
+        let message = format!(
+            "core's module {own} has no place in the order {}: give it one",
+            ORDER.join(" <- ")
+        );
+        return vec![Finding::new(path, 1, message)];
+    };
+    let mut findings = Vec::new();
+    for (line, used) in uses(&code(text), modules.len()) {
+        if ORDER
+            .iter()
+            .position(|module| *module == used)
+            .is_some_and(|used| used > place)
+        {
+            let message = format!(
+                "{own} uses {used}, after it in {}: move what both need to the left",
+                ORDER.join(" <- ")
+            );
+            findings.push(Finding::new(path, line, message));
+        }
+    }
+    findings
+}
+
+/// Each module of the crate's root that a path names, with its line. `depth` is how many `super`
+/// lead from this file to the root.
+fn uses(code: &str, depth: usize) -> Vec<(usize, String)> {
+    let mut found = Vec::new();
+    let to_root = "super::".repeat(depth);
+    let prefixes = ["crate::", to_root.as_str()];
+    for prefix in prefixes {
+        for at in places_of(code, prefix) {
+            let after = &code[at + prefix.len()..];
+            for (offset, name) in first_names(after) {
+                found.push((line_of(code, at + prefix.len() + offset), name));
+            }
+        }
+    }
+    found
+}
+
+/// The names a path continues with: one, or each of a `{group}`.
+fn first_names(after: &str) -> Vec<(usize, String)> {
+    let mut depth = 0;
+    let mut expects_name = true;
+    let mut names = Vec::new();
+    for (at, c) in after.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 1 => expects_name = true,
+            c if is_word(c) && expects_name => {
+                let name = after[at..].chars().take_while(|c| is_word(*c)).collect();
+                names.push((at, name));
+                expects_name = false;
+            }
+            c if c.is_whitespace() => continue,
+            _ => {}
+        }
+        if depth == 0 && c != '{' {
+            break;
+        }
+    }
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(path: &str, text: &str) -> Vec<usize> {
+        check(path, text)
+            .iter()
+            .map(|finding| finding.line)
+            .collect()
+    }
+
+    #[test]
+    fn a_use_to_the_left_passes_and_one_to_the_right_does_not() {
+        let asset = "crates/core/src/asset/pack.rs";
+        assert!(lines(asset, "use crate::units::Level;\nuse crate::asset::Unit;").is_empty());
+        assert_eq!(lines(asset, "\nuse crate::selection::Plan;"), [2]);
+        assert_eq!(lines(asset, "let x = crate::gaze::f();"), [1]);
+        assert_eq!(lines("crates/core/src/units.rs", "use crate::view;"), [1]);
+    }
+
+    #[test]
+    fn groups_and_supers_are_followed() {
+        let asset = "crates/core/src/asset/pack.rs";
+        let group = "use crate::{\n    units::{Level, gaze},\n    gaze::Sample,\n    view,\n};";
+        assert_eq!(lines(asset, group), [3]);
+        assert_eq!(lines(asset, "use super::super::gaze::Sample;"), [1]);
+        assert!(lines(asset, "use super::gaze::Sample;").is_empty());
+        assert_eq!(
+            lines("crates/core/src/asset/mod.rs", "use super::gaze::Sample;"),
+            [1]
+        );
+    }
+
+    #[test]
+    fn words_are_no_uses_and_other_crates_are_free() {
+        assert!(lines("crates/core/src/units.rs", "/// [`crate::gaze::Sample`]\n").is_empty());
+        assert!(lines("crates/app/src/view.rs", "use crate::selection;").is_empty());
+        assert!(lines("crates/core/src/lib.rs", "use crate::selection;").is_empty());
+    }
+
+    #[test]
+    fn a_module_without_a_place_is_reported() {
+        assert_eq!(lines("crates/core/src/sphere.rs", ""), [1]);
+    }
+}
