@@ -95,6 +95,18 @@ fn measure(gpu: &Gpu, scene: &Scene, view: &EyeView, name: &str) -> Result<(), R
     Ok(())
 }
 
+/// Prints what the twin needs for one picture.
+fn time_twin(scene: &Scene, view: &EyeView) {
+    let memory = scene.in_memory(&foveated(&scene.grid));
+    let cpu = cpu_ms();
+    let image = foveal_render::twin::reconstruct(&memory, view);
+    println!(
+        "twin, {} bytes: CPU {:.0} ms",
+        image.pixels.len(),
+        cpu_ms() - cpu
+    );
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let gpu = Gpu::open_blocking()?;
     println!("{}", gpu.adapter_name());
@@ -129,5 +141,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         &turned([5.0, 3.0, 0.0], 50.0, SIZE),
         "cube 50 degrees",
     )?;
+    time_twin(&plane, &common::window(&flat, middle, SIZE, 1.0));
+    time_twin(&cube, &turned([5.0, 3.0, 0.0], 50.0, SIZE));
     Ok(())
 }

@@ -10,7 +10,7 @@ struct Overlay {
     unused: f32,
 }
 
-@group(0) @binding(7) var<uniform> marks: Overlay;
+@group(0) @binding(5) var<uniform> marks: Overlay;
 
 // Diverging colours from red (0) over yellow to blue (1): ColorBrewer's RdYlBu.
 fn ramp(at: f32) -> vec3f {

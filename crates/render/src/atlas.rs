@@ -1,11 +1,11 @@
 //! Where on the GPU do the samples of tiles lie?
 //!
-//! The *atlas* holds tiles of any level but the coarsest, in slots of one size; it grows by layers.
-//! The *base* holds the coarsest level of every face, a layer a face. Chroma is one two-channel
-//! texture of half the size: U and V are always read together, at one address.
+//! In one texture array of luma and one of chroma, both divided as [`AtlasShape`] says, which grow
+//! by layers. Chroma has two channels and half the size: U and V are always read together.
 
-use crate::{device::Gpu, error::RenderError, params::SlotShape, reduce::Samples};
-use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use crate::atlas_shape::AtlasShape;
+use crate::{device::Gpu, error::RenderError, reduce::Samples};
+use foveal_core::asset::tile_grid::Tile;
 
 /// A luma texture array and a chroma texture array of half its size.
 pub(crate) struct Planes {
@@ -14,17 +14,16 @@ pub(crate) struct Planes {
 }
 
 impl Planes {
-    fn new(gpu: &Gpu, what: &'static str, size: [u32; 2], depth: [u32; 2]) -> Self {
-        let [layers, mips] = depth;
+    fn new(gpu: &Gpu, shape: &AtlasShape, layers: u32) -> Self {
         let texture = |shrink, format| {
             gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(what),
+                label: Some("atlas"),
                 size: wgpu::Extent3d {
-                    width: size[0] / shrink,
-                    height: size[1] / shrink,
+                    width: shape.layer[0] / shrink,
+                    height: shape.layer[1] / shrink,
                     depth_or_array_layers: layers,
                 },
-                mip_level_count: mips,
+                mip_level_count: shape.mips,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
                 format,
@@ -40,35 +39,21 @@ impl Planes {
         }
     }
 
-    /// Writes one plane of samples at luma position `at` of a layer; chroma as two planes at once.
-    fn write(&self, gpu: &Gpu, place: SlotPlace, mip: u32, samples: [&Samples; 3]) {
+    /// Writes samples of Y, U and V at a place, given by column and row of the luma texel in mip 0
+    /// and layer.
+    fn write(&self, gpu: &Gpu, place: [u32; 3], mip: u32, samples: [&Samples; 3]) {
         let [y, u, v] = samples;
-        let at = place.at.map(|a| a >> mip);
-        write(
-            gpu,
-            &self.luma,
-            [at[0], at[1], place.layer, mip],
-            y.size,
-            &y.codes,
-        );
-        let pairs: Vec<u8> = u
-            .codes
-            .iter()
-            .zip(&v.codes)
-            .flat_map(|(&u, &v)| [u, v])
-            .collect();
-        let at = place.at.map(|a| (a / 2) >> mip);
-        write(
-            gpu,
-            &self.chroma,
-            [at[0], at[1], place.layer, mip],
-            u.size,
-            &pairs,
-        );
+        let [left, top, layer] = place;
+        let at = [left >> mip, top >> mip, layer, mip];
+        write(gpu, &self.luma, at, y.size, &y.codes);
+        let pairs = u.codes.iter().zip(&v.codes);
+        let pairs: Vec<u8> = pairs.flat_map(|(&u, &v)| [u, v]).collect();
+        let at = [(left / 2) >> mip, (top / 2) >> mip, layer, mip];
+        write(gpu, &self.chroma, at, u.size, &pairs);
     }
 
     /// Bytes of both textures, all mips and layers.
-    fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         bytes(&self.luma) + bytes(&self.chroma)
     }
 
@@ -117,83 +102,58 @@ fn bytes(texture: &wgpu::Texture) -> u64 {
     texels * texel * u64::from(texture.depth_or_array_layers())
 }
 
-/// Top left luma texel of a tile, and its layer.
-#[derive(Clone, Copy, Debug)]
-struct SlotPlace {
-    at: [u32; 2],
-    layer: u32,
-}
+/// Column, row and layer of a slot, each less than 256.
+pub(crate) type SlotPlace = [u32; 3];
 
-/// The textures that hold a tile, its top left luma texel and its layer.
-#[cfg(not(target_arch = "wasm32"))]
-pub(crate) struct TilePlace<'a> {
-    pub(crate) planes: &'a Planes,
-    pub(crate) at: [u32; 2],
-    pub(crate) layer: u32,
-}
+/// Most layers: a slot's layer is 8 bits.
+const MOST_LAYERS: u32 = 256;
 
 /// The textures, without knowledge of what is in them.
 pub(crate) struct Atlas {
-    shape: SlotShape,
+    shape: AtlasShape,
     most_layers: u32,
     layers: u32,
-    pub(crate) tiles: Planes,
-    pub(crate) base: Planes,
+    pub(crate) planes: Planes,
 }
 
 impl Atlas {
-    /// An atlas of one layer that may grow to `most_layers`.
-    pub(crate) fn new(gpu: &Gpu, grid: &TileGrid, most_layers: u32) -> Result<Self, RenderError> {
-        let shape = SlotShape::new(grid);
+    /// An atlas of the layers that the coarsest level needs, which may grow to `most_layers`, or to
+    /// one more than those if that is more.
+    pub(crate) fn new(gpu: &Gpu, shape: AtlasShape, most_layers: u32) -> Result<Self, RenderError> {
         let limits = gpu.device.limits();
-        let coarsest = grid.coarsest();
-        let step = base_step(grid);
-        let base = [0, 1].map(|k| grid.tiles(coarsest)[k] * step[k]);
-        let check = |what, [w, h]: [u32; 2]| {
-            let (side, most) = (w.max(h), limits.max_texture_dimension_2d);
-            if side > most {
-                return Err(RenderError::TooLarge { what, side, most });
-            }
-            Ok(())
-        };
-        check("the coarsest level", base)?;
-        if coarsest > 0 {
-            check("a tile", shape.slot)?;
+        let (side, most) = (
+            shape.layer[0].max(shape.layer[1]),
+            limits.max_texture_dimension_2d,
+        );
+        if side > most {
+            let what = "a tile, or the coarsest level of a face,";
+            return Err(RenderError::TooLarge { what, side, most });
         }
-        let layer = if coarsest > 0 { shape.layer() } else { [2; 2] };
-        let mips = if coarsest > 0 { shape.mips } else { 1 };
+        let layers = shape.base_layers();
+        let most = limits.max_texture_array_layers.min(MOST_LAYERS);
         Ok(Self {
             shape,
-            most_layers: most_layers.clamp(1, limits.max_texture_array_layers.min(256)),
-            layers: 1,
-            tiles: Planes::new(gpu, "tile atlas", layer, [1, mips]),
-            base: Planes::new(gpu, "coarsest level", base, [grid.faces(), 1]),
+            most_layers: most_layers.max(layers + 1).min(most),
+            layers,
+            planes: Planes::new(gpu, &shape, layers),
         })
     }
 
-    /// Slots that exist now.
-    pub(crate) fn slots(&self) -> u32 {
-        self.layers * self.shape.slots()
+    /// Column, row and layer of every slot that exists now, each less than 256.
+    pub(crate) fn slots(&self) -> impl Iterator<Item = SlotPlace> + '_ {
+        (0..self.layers).flat_map(|layer| self.shape.slots_in(layer))
     }
 
-    /// Column, row and layer of a slot, each less than 256.
-    pub(crate) fn place(&self, slot: u32) -> [u32; 3] {
-        let rank = slot % self.shape.slots();
-        let across = self.shape.across[0];
-        [rank % across, rank / across, slot / self.shape.slots()]
-    }
-
-    /// Adds a layer, keeping what is there; false at the bound.
-    pub(crate) fn grow(&mut self, gpu: &Gpu) -> bool {
+    /// Adds a layer, keeping what is there; returns its slots, none at the bound.
+    pub(crate) fn grow(&mut self, gpu: &Gpu) -> Vec<SlotPlace> {
         if self.layers == self.most_layers {
-            return false;
+            return Vec::new();
         }
-        let depth = [self.layers + 1, self.shape.mips];
-        let larger = Planes::new(gpu, "tile atlas", self.shape.layer(), depth);
+        let larger = Planes::new(gpu, &self.shape, self.layers + 1);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         for (from, to) in [
-            (&self.tiles.luma, &larger.luma),
-            (&self.tiles.chroma, &larger.chroma),
+            (&self.planes.luma, &larger.luma),
+            (&self.planes.chroma, &larger.chroma),
         ] {
             for mip_level in 0..self.shape.mips {
                 let mip = |texture| wgpu::TexelCopyTextureInfo {
@@ -211,9 +171,9 @@ impl Atlas {
             }
         }
         gpu.queue.submit([encoder.finish()]);
-        self.tiles = larger;
+        self.planes = larger;
         self.layers += 1;
-        true
+        self.shape.slots_in(self.layers - 1)
     }
 
     /// Writes a tile and its reductions into a slot; `planes` are Y, U, V as
@@ -221,61 +181,35 @@ impl Atlas {
     pub(crate) fn write_slot(
         &self,
         gpu: &Gpu,
-        slot: u32,
+        slot: SlotPlace,
         octaves: u32,
         planes: &[Vec<Samples>; 3],
     ) {
-        let place = self.slot_place(slot);
-        let [luma, blue, red] = planes;
-        for (level, ((y, u), v)) in luma.iter().zip(blue).zip(red).enumerate() {
-            let mip = level as u32 * octaves;
-            self.tiles.write(gpu, place, mip, [y, u, v]);
+        let texel = self.texel_of_slot(slot);
+        let [y, u, v] = planes;
+        for (step, ((y, u), v)) in (0..).zip(y.iter().zip(u).zip(v)) {
+            self.planes.write(gpu, texel, step * octaves, [y, u, v]);
         }
     }
 
     /// Writes a tile of the coarsest level.
-    pub(crate) fn write_base(&self, gpu: &Gpu, grid: &TileGrid, tile: Tile, planes: [&Samples; 3]) {
-        self.base.write(gpu, base_place(grid, tile), 0, planes);
+    pub(crate) fn write_base(&self, gpu: &Gpu, tile: Tile, planes: [&Samples; 3]) {
+        self.planes.write(gpu, self.texel_of_base(tile), 0, planes);
     }
 
-    /// Where the picture of a tile lies: in its slot, or in the base for the coarsest level.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub(crate) fn place_of(&self, grid: &TileGrid, tile: Tile, slot: Option<u32>) -> TilePlace<'_> {
-        let (planes, place) = match slot {
-            Some(slot) => (&self.tiles, self.slot_place(slot)),
-            None => (&self.base, base_place(grid, tile)),
-        };
-        TilePlace {
-            planes,
-            at: place.at,
-            layer: place.layer,
-        }
+    /// Column and row of the first luma texel in a slot, and its layer.
+    pub(crate) fn texel_of_slot(&self, [column, row, layer]: SlotPlace) -> [u32; 3] {
+        [column * self.shape.slot[0], row * self.shape.slot[1], layer]
     }
 
-    fn slot_place(&self, slot: u32) -> SlotPlace {
-        let [column, row, layer] = self.place(slot);
-        SlotPlace {
-            at: [column * self.shape.slot[0], row * self.shape.slot[1]],
+    /// Column and row of the first luma texel of a tile of the coarsest level, and its layer.
+    pub(crate) fn texel_of_base(&self, tile: Tile) -> [u32; 3] {
+        let [left, top, layer] = self.shape.base_place(u32::from(tile.face));
+        let [step_x, step_y] = self.shape.base_step;
+        [
+            left + u32::from(tile.x) * step_x,
+            top + u32::from(tile.y) * step_y,
             layer,
-        }
+        ]
     }
-
-    /// Bytes of all textures.
-    pub(crate) fn bytes(&self) -> u64 {
-        self.tiles.bytes() + self.base.bytes()
-    }
-}
-
-fn base_place(grid: &TileGrid, tile: Tile) -> SlotPlace {
-    let step = base_step(grid);
-    SlotPlace {
-        at: [u32::from(tile.x) * step[0], u32::from(tile.y) * step[1]],
-        layer: u32::from(tile.face),
-    }
-}
-
-/// Pixels from one tile of the coarsest level to the next in the base texture: even, for chroma.
-fn base_step(grid: &TileGrid) -> [u32; 2] {
-    let first = grid.tile_at(grid.coarsest(), 0);
-    grid.tile_size(first).map(|s| s.next_multiple_of(2))
 }

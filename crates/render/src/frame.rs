@@ -25,8 +25,9 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// A renderer of tiles of `grid`, whose atlas may grow to `layers` texture layers (at most
-    /// 256); a layer holds 1.5 bytes and a third for each of its 1024² or more pixels.
+    /// A renderer of tiles of `grid`, whose atlas may grow to `layers` texture layers (256 at most,
+    /// and never fewer than the coarsest level and one tile need); a layer takes 2 bytes for each
+    /// of its pixels, usually 1024² to 2048².
     pub fn new(
         gpu: &Gpu,
         grid: &TileGrid,

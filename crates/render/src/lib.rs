@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod atlas;
+mod atlas_shape;
 mod device;
 mod error;
 mod frame;

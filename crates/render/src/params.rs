@@ -3,6 +3,7 @@
 //! The structs here have the layout of the WGSL structs of the same name; `tests/shaders.rs`
 //! compares them.
 
+use crate::atlas_shape::AtlasShape;
 use bytemuck::{Pod, Zeroable};
 use foveal_core::asset::picture::Colour;
 use foveal_core::asset::tile_grid::{Cut, TileGrid};
@@ -29,8 +30,12 @@ pub struct TileParams {
     pub cells: [u32; 2],
     /// Columns and rows of segments on a face.
     pub segments: [u32; 2],
-    /// Pixels from one tile of the coarsest level to the next in its texture.
+    /// Pixels from one tile of the coarsest level to the next in the atlas.
     pub base_step: [u32; 2],
+    /// Pixels from one face of the coarsest level to the next in the atlas.
+    pub base_face: [u32; 2],
+    /// Faces of the coarsest level in a layer of the atlas, columns and rows.
+    pub base_across: [u32; 2],
     /// Pixels of a slot of the atlas.
     pub slot: [u32; 2],
     /// Index of the coarsest level.
@@ -100,10 +105,10 @@ impl ViewParams {
 }
 
 impl TileParams {
-    /// The parameters of `grid`, with tiles of `colour` in an atlas of `shape`.
+    /// The parameters of `grid`, with tiles of `colour`.
     #[must_use]
-    pub(crate) fn new(grid: &TileGrid, colour: Colour, shape: &SlotShape) -> Self {
-        let coarsest = grid.tile_at(grid.coarsest(), 0);
+    pub(crate) fn new(grid: &TileGrid, colour: Colour) -> Self {
+        let shape = AtlasShape::new(grid);
         let octaves = grid.ratio.trailing_zeros();
         let size = grid.surface.size.map(|s| s as f32);
         let cell = grid.span(0).map(|s| s as f32);
@@ -118,7 +123,9 @@ impl TileParams {
             base_span: grid.span(grid.coarsest()).map(|s| s as f32),
             cells: grid.cells(),
             segments,
-            base_step: grid.tile_size(coarsest).map(|s| s.next_multiple_of(2)),
+            base_step: shape.base_step,
+            base_face: shape.base_face,
+            base_across: shape.base_across,
             slot: shape.slot,
             coarsest: u32::from(grid.coarsest()),
             octaves,
@@ -162,51 +169,4 @@ pub(crate) fn rgb_from_yuv(colour: Colour) -> [[f32; 4]; 3] {
         row(-blue * kb / kg, -red * kr / kg),
         row(blue, 0.0),
     ]
-}
-
-/// How the atlas is divided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct SlotShape {
-    /// Pixels of a slot: the largest tile, and room for its reductions.
-    pub(crate) slot: [u32; 2],
-    /// Slots in a layer, columns and rows.
-    pub(crate) across: [u32; 2],
-    /// Mips of the atlas: a tile, then its reductions to half, quarter, ...
-    pub(crate) mips: u32,
-}
-
-/// Pixels that a layer of the atlas has on a side, at least, when there are tiles to fill it.
-const LAYER_SIDE: u32 = 1024;
-
-impl SlotShape {
-    /// Room for any tile of `grid` but the coarsest.
-    pub(crate) fn new(grid: &TileGrid) -> Self {
-        // The coarsest level is never in the atlas, and never looked for there.
-        let octaves = grid.ratio.trailing_zeros() * u32::from(grid.coarsest().saturating_sub(1));
-        let unit = 2 << octaves;
-        let aligned = match grid.cut {
-            Cut::Grid(_) => true,
-            Cut::Tile(px) => px % unit == 0 || grid.tiles(0) == [1, 1],
-        };
-        let spare = if aligned { 0 } else { unit };
-        let slot = grid
-            .largest_tile()
-            .map(|side| side.next_multiple_of(unit) + spare);
-        let tiles = grid.tiles(0);
-        Self {
-            slot,
-            across: [0, 1].map(|k| LAYER_SIDE.div_ceil(slot[k]).min(tiles[k]).max(1)),
-            mips: octaves + 1,
-        }
-    }
-
-    /// Pixels of a layer.
-    pub(crate) fn layer(&self) -> [u32; 2] {
-        [0, 1].map(|k| self.slot[k] * self.across[k])
-    }
-
-    /// Slots in a layer.
-    pub(crate) fn slots(&self) -> u32 {
-        self.across[0] * self.across[1]
-    }
 }

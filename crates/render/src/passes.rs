@@ -242,9 +242,7 @@ fn layout(gpu: &Gpu, has_marks: bool) -> wgpu::BindGroupLayout {
         view_dimension: wgpu::TextureViewDimension::D2Array,
         multisampled: false,
     };
-    let mut types = vec![
-        uniform, storage, texture, texture, texture, texture, uniform,
-    ];
+    let mut types = vec![uniform, storage, texture, texture, uniform];
     types.extend(has_marks.then_some(uniform));
     let entries: Vec<wgpu::BindGroupLayoutEntry> = (0..)
         .zip(types)

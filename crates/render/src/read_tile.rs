@@ -2,7 +2,7 @@
 //!
 //! Copied back texel for texel, at the tile's own level: what a picture of the atlas is made of.
 
-use crate::atlas::TilePlace;
+use crate::atlas::Planes;
 use crate::{device::Gpu, error::RenderError};
 use foveal_core::asset::picture::{Picture, plane_size};
 use std::sync::mpsc::channel;
@@ -14,21 +14,23 @@ struct Region {
     size: [u32; 2],
 }
 
-/// The planes of the tile at `place`, `size` luma pixels large; blocks until the GPU is done.
+/// The samples of the tile whose first luma texel is at column, row and layer `texel`, `size` luma
+/// pixels large; blocks until the GPU is done.
 pub(crate) fn read_planes(
     gpu: &Gpu,
-    place: &TilePlace<'_>,
+    planes: &Planes,
+    [x, y, layer]: [u32; 3],
     size: [u32; 2],
 ) -> Result<Picture, RenderError> {
     let region = |shrink: u32, size| Region {
-        at: place.at.map(|a| a / shrink),
-        layer: place.layer,
+        at: [x / shrink, y / shrink],
+        layer,
         size,
     };
     let [width, height] = size;
-    let luma = read_texels(gpu, &place.planes.luma, &region(1, size))?;
+    let luma = read_texels(gpu, &planes.luma, &region(1, size))?;
     let half = plane_size(width, height, 1);
-    let chroma = read_texels(gpu, &place.planes.chroma, &region(2, half))?;
+    let chroma = read_texels(gpu, &planes.chroma, &region(2, half))?;
     let every_other = |first: usize| chroma.iter().skip(first).step_by(2).copied().collect();
     Ok(Picture {
         width,

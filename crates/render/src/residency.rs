@@ -1,8 +1,9 @@
 //! Which tiles are on the GPU, and which of them may be shown together?
 
-use crate::atlas::Atlas;
+use crate::atlas::{Atlas, SlotPlace};
+use crate::atlas_shape::AtlasShape;
 use crate::level_map::{LEVEL_BITS, contains, level_in, shown_map};
-use crate::params::{SlotShape, TileParams};
+use crate::params::TileParams;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::read_tile::read_planes;
 use crate::{device::Gpu, error::RenderError, reduce::pyramid};
@@ -21,7 +22,7 @@ pub struct TileStore {
     tables: Tables,
     resident: HashMap<Tile, Resident>,
     base_frames: Vec<Option<u32>>,
-    free: Vec<u32>,
+    free: Vec<SlotPlace>,
     frame: u32,
     clock: u64,
     map_is_stale: bool,
@@ -32,7 +33,7 @@ pub struct TileStore {
 /// A tile in a slot.
 #[derive(Clone, Copy, Debug)]
 struct Resident {
-    slot: u32,
+    slot: SlotPlace,
     frame: u32,
     touched: u64,
 }
@@ -52,16 +53,15 @@ impl TileStore {
         colour: Colour,
         layers: u32,
     ) -> Result<Self, RenderError> {
-        let atlas = Atlas::new(gpu, grid, layers)?;
-        let slots = if grid.levels > 1 { atlas.slots() } else { 0 };
+        let atlas = Atlas::new(gpu, AtlasShape::new(grid), layers)?;
         Ok(Self {
             gpu: gpu.clone(),
             grid: *grid,
             tables: Tables::new(gpu, grid, colour),
+            free: atlas.slots().collect(),
             atlas,
             resident: HashMap::new(),
             base_frames: vec![None; grid.tiles_in_level(grid.coarsest()) as usize],
-            free: (0..slots).rev().collect(),
             frame: 0,
             clock: 0,
             map_is_stale: true,
@@ -84,7 +84,7 @@ impl TileStore {
         let planes = [0, 1, 2].map(|p| pyramid(&self.grid, tile, picture, p));
         if tile.level == self.grid.coarsest() {
             let samples = [0, 1, 2].map(|p| &planes[p][0]);
-            self.atlas.write_base(&self.gpu, &self.grid, tile, samples);
+            self.atlas.write_base(&self.gpu, tile, samples);
             self.base_frames[self.grid.rank(tile) as usize] = Some(frame);
             return Ok(());
         }
@@ -161,19 +161,21 @@ impl TileStore {
     /// that is not resident. Blocks: for reports and trials, not for playing.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn read_tile(&self, tile: Tile) -> Result<Picture, RenderError> {
-        let slot = self.resident.get(&tile).map(|resident| resident.slot);
-        let is_base = contains(&self.grid, tile) && tile.level == self.grid.coarsest();
-        if slot.is_none() && !is_base {
-            return Err(RenderError::NotResident(tile));
-        }
-        let place = self.atlas.place_of(&self.grid, tile, slot);
-        read_planes(&self.gpu, &place, self.grid.tile_size(tile))
+        let texel = match self.resident.get(&tile) {
+            Some(resident) => self.atlas.texel_of_slot(resident.slot),
+            None if contains(&self.grid, tile) && tile.level == self.grid.coarsest() => {
+                self.atlas.texel_of_base(tile)
+            }
+            None => return Err(RenderError::NotResident(tile)),
+        };
+        let size = self.grid.tile_size(tile);
+        read_planes(&self.gpu, &self.atlas.planes, texel, size)
     }
 
     /// Bytes of GPU memory allocated for textures and tables.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
-        self.atlas.bytes() + self.tables.bytes()
+        self.atlas.planes.bytes() + self.tables.bytes()
     }
 
     /// Sends the tables that changed; call before the draw.
@@ -187,10 +189,8 @@ impl TileStore {
     /// What the shaders look up at a cell: the level, and where the atlas holds its tile.
     fn shown_map(&self) -> Vec<u32> {
         let now = self.resident.iter().filter(|(_, r)| r.frame == self.frame);
-        let entry = |slot| {
-            let [column, row, layer] = self.atlas.place(slot);
-            (column | row << 8 | layer << 16) << LEVEL_BITS
-        };
+        let entry =
+            |[column, row, layer]: SlotPlace| (column | row << 8 | layer << 16) << LEVEL_BITS;
         let entries = now.map(|(&tile, r)| (tile, u32::from(tile.level) | entry(r.slot)));
         shown_map(&self.grid, entries)
     }
@@ -201,32 +201,24 @@ impl TileStore {
     }
 
     /// What the shaders bind, in the order of `shaders/shared/tiles.wgsl`.
-    pub(crate) fn bindings(&self) -> ([&wgpu::Buffer; 2], [wgpu::TextureView; 4]) {
-        let [atlas_luma, atlas_chroma] = self.atlas.tiles.views();
-        let [base_luma, base_chroma] = self.atlas.base.views();
+    pub(crate) fn bindings(&self) -> ([&wgpu::Buffer; 2], [wgpu::TextureView; 2]) {
         let tables = &self.tables;
-        (
-            [&tables.params, &tables.cells],
-            [atlas_luma, atlas_chroma, base_luma, base_chroma],
-        )
+        ([&tables.params, &tables.cells], self.atlas.planes.views())
     }
 
-    fn evict(&mut self, tile: Tile) -> Option<u32> {
+    fn evict(&mut self, tile: Tile) -> Option<SlotPlace> {
         let gone = self.resident.remove(&tile)?;
         self.map_is_stale = true;
         Some(gone.slot)
     }
 
-    fn slot_for(&mut self, tile: Tile) -> u32 {
+    fn slot_for(&mut self, tile: Tile) -> SlotPlace {
         if let Some(resident) = self.resident.get(&tile) {
             return resident.slot;
         }
         if self.free.is_empty() {
-            let before = self.atlas.slots();
-            if self.atlas.grow(&self.gpu) {
-                self.generation += 1;
-                self.free.extend((before..self.atlas.slots()).rev());
-            }
+            self.free = self.atlas.grow(&self.gpu);
+            self.generation += u64::from(!self.free.is_empty());
         }
         if let Some(slot) = self.free.pop() {
             return slot;
@@ -238,7 +230,7 @@ impl TileStore {
             slot.is_some(),
             "an atlas without a free slot holds at least one tile"
         );
-        slot.unwrap_or(0)
+        slot.unwrap_or_default()
     }
 }
 
@@ -262,7 +254,7 @@ pub(crate) fn check(grid: &TileGrid, tile: Tile, picture: &Picture) -> Result<()
 
 impl Tables {
     fn new(gpu: &Gpu, grid: &TileGrid, colour: Colour) -> Self {
-        let params = TileParams::new(grid, colour, &SlotShape::new(grid));
+        let params = TileParams::new(grid, colour);
         let buffer = |label, size: usize, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),

@@ -89,6 +89,8 @@ fn uniforms_have_one_layout_in_rust_and_in_wgsl() {
                 cells,
                 segments,
                 base_step,
+                base_face,
+                base_across,
                 slot,
                 coarsest,
                 octaves,

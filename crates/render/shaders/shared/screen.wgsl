@@ -8,7 +8,7 @@ struct View {
     content_from_pixel: mat3x3f,
 }
 
-@group(0) @binding(6) var<uniform> view: View;
+@group(0) @binding(4) var<uniform> view: View;
 
 fn corner_at(corner: u32, depth: f32) -> vec4f {
     let x = select(-1.0, 3.0, corner == 1u);

@@ -11,6 +11,8 @@ struct Tiles {
     cells: vec2u,
     segments: vec2u,
     base_step: vec2u,
+    base_face: vec2u,
+    base_across: vec2u,
     slot: vec2u,
     coarsest: u32,
     octaves: u32,
@@ -27,8 +29,6 @@ struct Tiles {
 @group(0) @binding(1) var<storage, read> cells: array<u32>;
 @group(0) @binding(2) var atlas_luma: texture_2d_array<f32>;
 @group(0) @binding(3) var atlas_chroma: texture_2d_array<f32>;
-@group(0) @binding(4) var base_luma: texture_2d_array<f32>;
-@group(0) @binding(5) var base_chroma: texture_2d_array<f32>;
 
 const LUMA = 0u;
 const CHROMA = 1u;
@@ -72,6 +72,17 @@ struct Source {
     layer: u32,
 }
 
+// Left, top and layer of a face of the coarsest level. (Halves keep the quotients of whole numbers
+// off their borders.)
+fn base_place(face: u32) -> vec3u {
+    let across = vec2f(tiles.base_across);
+    let layer = floor((f32(face) + 0.5) / (across.x * across.y));
+    let in_layer = f32(face) - layer * across.x * across.y;
+    let row = floor((in_layer + 0.5) / across.x);
+    let at = vec2u(vec2f(in_layer - row * across.x, row));
+    return vec3u(at * tiles.base_face, u32(layer));
+}
+
 // The tile of `level` at a place, where `shown` is shown: that tile, or the coarsest.
 fn source_at(level: u32, face: u32, place: vec2f, shown: u32) -> Source {
     let is_base = level == tiles.coarsest;
@@ -82,8 +93,9 @@ fn source_at(level: u32, face: u32, place: vec2f, shown: u32) -> Source {
     let low = tile * span;
     let high = min(low + span, tiles.size);
     let slot = vec2u(shown >> 4u, shown >> 12u) & vec2u(255u);
-    let corner = select(slot * tiles.slot, vec2u(tile) * tiles.base_step, is_base);
-    return Source(level, low, high, corner, select(shown >> 20u, face, is_base));
+    let base = base_place(face);
+    let corner = select(slot * tiles.slot, base.xy + vec2u(tile) * tiles.base_step, is_base);
+    return Source(level, low, high, corner, select(shown >> 20u, base.z, is_base));
 }
 
 // Start of the segment around a place.
@@ -105,12 +117,6 @@ fn first_texel(source: Source, plane: u32, level: u32, start: vec2f) -> vec2i {
 
 // One sample: Y, or U and V.
 fn load(source: Source, plane: u32, texel: vec2i, mip: u32) -> vec2f {
-    if (source.level == tiles.coarsest) {
-        if (plane == LUMA) {
-            return textureLoad(base_luma, texel, source.layer, 0).xy;
-        }
-        return textureLoad(base_chroma, texel, source.layer, 0).xy;
-    }
     if (plane == LUMA) {
         return textureLoad(atlas_luma, texel, source.layer, mip).xy;
     }

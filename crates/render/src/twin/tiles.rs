@@ -2,7 +2,7 @@
 
 use crate::error::RenderError;
 use crate::level_map::shown_map;
-use crate::params::{SlotShape, TileParams};
+use crate::params::TileParams;
 use crate::reduce::{Samples, pyramid};
 use crate::residency::check;
 use foveal_core::asset::picture::{Colour, Picture};
@@ -26,7 +26,7 @@ impl TwinTiles {
     pub fn new(grid: &TileGrid, colour: Colour) -> Self {
         Self {
             grid: *grid,
-            params: TileParams::new(grid, colour, &SlotShape::new(grid)),
+            params: TileParams::new(grid, colour),
             resident: BTreeMap::new(),
             frame: 0,
             level_map: shown_map(grid, []),
