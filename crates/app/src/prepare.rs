@@ -10,7 +10,9 @@ use foveal_core::asset::tile_grid::Cut;
 use foveal_media::VideoInput;
 use foveal_media::encode::Speed;
 use foveal_media::pack_file::{PackFile, partial_path};
-use foveal_media::prepare::{Plan, PrepareSettings, Progress, ProjectionChoice, prepare, rehearse};
+use foveal_media::prepare::{
+    Plan, PrepareError, PrepareSettings, Progress, ProjectionChoice, prepare, rehearse,
+};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -85,7 +87,10 @@ const REHEARSED: u32 = 8;
 
 pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
     let info = VideoInput::open(&args.input)?.info().clone();
-    let plan = Plan::new(&args.input, &info, &args.settings()?)?;
+    let plan = Plan::new(&args.input, &info, &args.settings()?).map_err(|error| match error {
+        PrepareError::Grid(error) => WrongUsage(error.to_string()).into(),
+        error => anyhow::Error::from(error),
+    })?;
     for note in &plan.notes {
         eprintln!("{}: {note}", args.input.display());
     }

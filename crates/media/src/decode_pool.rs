@@ -32,6 +32,9 @@ pub enum TileError {
     /// Its chunk cannot be decoded.
     #[error(transparent)]
     Media(#[from] MediaError),
+    /// The decoder failed in a way that it should not; the panic's message is on stderr.
+    #[error("a tile's decoder panicked; please report the message above with the pack")]
+    Panicked,
 }
 
 /// A tile of one frame, decoded.
@@ -179,7 +182,11 @@ impl Shared {
     fn work(&self, results: &Sender<DecodedTile>) {
         while let Some((tile, frame, stream)) = self.next_job() {
             let mut decoded = 0;
-            let picture = self.follow(tile, frame, stream, &mut decoded);
+            // A lost answer would leave whoever waits for it waiting for ever.
+            let answer = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                self.follow(tile, frame, stream, &mut decoded)
+            }));
+            let picture = answer.unwrap_or(Err(TileError::Panicked));
             if results
                 .send(DecodedTile {
                     tile,

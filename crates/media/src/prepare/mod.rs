@@ -19,7 +19,7 @@ use cutter::Cutter;
 use foveal_core::asset::order::hilbert_distance;
 use foveal_core::asset::pack::{Description, MAX_FRAMES, SideTable};
 use foveal_core::asset::picture::Picture;
-use foveal_core::asset::tile_grid::Tile;
+use foveal_core::asset::tile_grid::{GridError, Tile};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, sync_channel};
 use thiserror::Error;
@@ -37,6 +37,9 @@ pub enum PrepareError {
     /// The pack cannot be written.
     #[error(transparent)]
     Pack(#[from] PackFileError),
+    /// The tiles asked for cannot be.
+    #[error(transparent)]
+    Grid(#[from] GridError),
     /// An option does not fit the input.
     #[error("{0}")]
     Option(String),

@@ -101,8 +101,7 @@ impl Plan {
             .levels
             .unwrap_or_else(|| default_levels(surface, settings.ratio));
         let cut = settings.cut.unwrap_or(Cut::pyramid_for(&surface));
-        let grid = TileGrid::new(surface, cut, levels, settings.ratio)
-            .map_err(|error| PrepareError::Option(error.to_string()))?;
+        let grid = TileGrid::new(surface, cut, levels, settings.ratio)?;
         notes.extend(losses(info));
         // JPEG stores planes as full range whatever the source has.
         let stretch_to_full_range = settings.codec == Codec::Jpeg && !info.colour.full_range;
