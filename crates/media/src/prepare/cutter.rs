@@ -79,18 +79,25 @@ impl Cutter {
         levels
     }
 
-    /// The same cells at every level: cells are cut, then each is halved by itself.
+    /// The same cells at every level: cells are cut, then each is halved by itself. Where a coarse
+    /// texel sticks out of its cell it averages what lies there in the picture.
     fn cut_grid(&self, faces: &[Picture]) -> Vec<Vec<Picture>> {
-        let cut = |tile: Tile| {
-            faces[usize::from(tile.face)].crop(self.grid.origin(tile), self.grid.tile_size(tile))
+        let grid = &self.grid;
+        let widest = grid.scale(grid.coarsest());
+        let whole_texels = |tile: Tile| {
+            let size = grid.covered(tile).map(|side| side.next_multiple_of(widest));
+            faces[usize::from(tile.face)].crop(grid.origin(tile), size)
         };
-        let mut levels: Vec<Vec<Picture>> = vec![self.grid.tiles_of(0).map(cut).collect()];
-        for level in 1..usize::from(self.grid.levels) {
-            let finer = &levels[level - 1];
-            let coarser = in_parallel(self.jobs, finer.len(), |cell| {
-                halve(&finer[cell], self.grid.ratio)
-            });
-            levels.push(coarser);
+        let mut cells: Vec<Picture> = grid.tiles_of(0).map(whole_texels).collect();
+        let mut levels = Vec::new();
+        for level in 0..grid.levels {
+            if level > 0 {
+                let finer = &cells;
+                let halved = |cell: usize| halve(&finer[cell], grid.ratio);
+                cells = in_parallel(self.jobs, finer.len(), halved);
+            }
+            let fit = |(tile, cell): (Tile, &Picture)| cell.crop([0, 0], grid.tile_size(tile));
+            levels.push(grid.tiles_of(level).zip(&cells).map(fit).collect());
         }
         levels
     }
