@@ -1,6 +1,7 @@
 //! Where does a command's gaze come from?
 
 use crate::options::parse_pair;
+use crate::output::read_text;
 use anyhow::{Context, anyhow, bail};
 use foveal_core::gaze::head::FollowingHead;
 use foveal_core::gaze::sample::{GazeSample, HeadPose};
@@ -72,8 +73,7 @@ impl GazeSource {
             GazeChoice::Scan => GazePath::Scan(ScanPath::new(surface, seed, length)),
             GazeChoice::Trace(file) => {
                 let name = file.display();
-                let text = std::fs::read_to_string(file)
-                    .with_context(|| format!("{name}: the gaze trace cannot be read"))?;
+                let text = read_text(file, "a gaze trace")?;
                 GazePath::Trace(Trace::parse(&text).with_context(|| name.to_string())?)
             }
         };

@@ -3,9 +3,11 @@
 //! Results go to stdout: text for people, or with `--json` exactly one JSON object. Everything else
 //! goes to stderr.
 
+use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Prints `result` as one JSON object, or `text` for people.
@@ -18,7 +20,7 @@ pub(crate) fn result(json: bool, result: &impl Serialize, text: &str) -> anyhow:
     match writeln!(std::io::stdout(), "{line}") {
         // Whoever reads has seen enough (`foveal info | head`).
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        done => Ok(done?),
+        done => done.context("stdout cannot be written; the work itself is done"),
     }
 }
 
@@ -41,8 +43,63 @@ pub(crate) fn out_of_range(option: &str, found: impl ToString, range: &str) -> W
 
 /// Says why the command failed: 2 for wrong usage, 1 for anything else.
 pub(crate) fn fail(error: &anyhow::Error) -> ExitCode {
-    eprintln!("foveal: {error:#}");
+    let mut text = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        // Messages that name their cause already have said it.
+        if !text.contains(&cause) {
+            text = if text.is_empty() {
+                cause
+            } else {
+                format!("{text}: {cause}")
+            };
+        }
+    }
+    say(&format!("foveal: {text}"));
     ExitCode::from(if error.is::<WrongUsage>() { 2 } else { 1 })
+}
+
+/// A line for people on stderr; nobody may be listening.
+pub(crate) fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Most threads that may be asked for.
+const MOST_JOBS: usize = 256;
+
+/// As many threads as asked for, else as many as there are cores.
+pub(crate) fn jobs(asked: Option<usize>) -> Result<usize, WrongUsage> {
+    match asked {
+        Some(jobs) if !(1..=MOST_JOBS).contains(&jobs) => {
+            Err(out_of_range("--jobs", jobs, &format!("1 to {MOST_JOBS}")))
+        }
+        Some(jobs) => Ok(jobs),
+        None => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZero::get)),
+    }
+}
+
+/// Longest text file that is read, in bytes.
+const MAX_TEXT_BYTES: u64 = 1 << 30;
+
+/// The text of a file that a person named; `what` it should be goes into the message.
+pub(crate) fn read_text(path: &Path, what: &str) -> anyhow::Result<String> {
+    let name = path.display();
+    let there = std::fs::metadata(path).with_context(|| format!("{name}: no {what} there"))?;
+    if !there.is_file() || there.len() > MAX_TEXT_BYTES {
+        bail!("{name}: expected {what}: a file of at most {MAX_TEXT_BYTES} bytes");
+    }
+    std::fs::read_to_string(path).with_context(|| format!("{name}: cannot be read as {what}"))
+}
+
+/// Writes a file whole or not at all.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let mut growing = path.as_os_str().to_owned();
+    growing.push(".partial");
+    let growing = Path::new(&growing);
+    let written = std::fs::write(growing, bytes).and_then(|()| std::fs::rename(growing, path));
+    if written.is_err() {
+        let _ = std::fs::remove_file(growing);
+    }
+    written.with_context(|| format!("{}: cannot be written", path.display()))
 }
 
 /// What a progress bar counts.

@@ -1,17 +1,15 @@
 //! How does a drawn picture reach a file?
 
-use anyhow::Context;
+use crate::output::write_whole;
 use foveal_render::RgbaImage;
 use png::Compression;
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
 
-/// Writes a picture as PNG, without its alpha.
+/// Writes a picture as PNG, without its alpha, whole or not at all.
 pub(crate) fn write_png(path: &Path, image: &RgbaImage) -> anyhow::Result<()> {
-    let name = || format!("{}: the picture cannot be written", path.display());
-    let file = File::create(path).with_context(name)?;
-    encode_png(image, Compression::Fast, BufWriter::new(file)).with_context(name)
+    let mut bytes = Vec::new();
+    encode_png(image, Compression::Fast, &mut bytes)?;
+    write_whole(path, &bytes)
 }
 
 /// A picture as the bytes of a PNG file, a third smaller than [`write_png`] makes it.

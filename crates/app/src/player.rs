@@ -4,6 +4,7 @@
 
 use crate::canvas::{Canvas, Drawing};
 use crate::gaze::GazeSource;
+use crate::output;
 use anyhow::{Context, bail};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use foveal_core::asset::unit::UnitId;
@@ -15,7 +16,7 @@ use foveal_core::units::Seconds;
 use foveal_core::view::axes::angle_between;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::{Projection, Screen};
-use foveal_media::decode_pool::{DecodePool, DecodedTile};
+use foveal_media::decode_pool::{DecodePool, DecodedTile, TileError};
 use foveal_media::pack_file::PackFile;
 use foveal_render::RgbaImage;
 use std::collections::HashSet;
@@ -35,6 +36,8 @@ pub(crate) struct Player {
     fetched: HashSet<UnitId>,
     before: Option<LevelMap>,
     paced: bool,
+    /// Tiles that could not be decoded so far.
+    failed: usize,
 }
 
 /// How a pack is played.
@@ -98,6 +101,7 @@ impl Player {
             fetched: HashSet::new(),
             before: None,
             paced: options.paced,
+            failed: 0,
             file,
         })
     }
@@ -261,6 +265,16 @@ impl Player {
         new.map(|unit| u64::from(pack.entry(unit).bytes)).sum()
     }
 
+    /// Says once that tiles are damaged; a coarser level stands in for them.
+    fn report_failure(&self, tile: Tile, frame: u32, error: &TileError) {
+        let Tile { level, face, x, y } = tile;
+        output::say(&format!(
+            "{}: level {level}, face {face}, column {x}, row {y} cannot be decoded at frame \
+             {frame}; a coarser level is shown ({error}; `foveal verify` lists all damage)",
+            self.file.path().display(),
+        ));
+    }
+
     /// Uploads what was decoded for `frame`; a finer tile that failed leaves the coarser level.
     fn make_resident(
         &mut self,
@@ -280,9 +294,18 @@ impl Player {
                     self.file.path().display()
                 ),
                 Err(error) if tile.level == self.grid.coarsest() => {
-                    return Err(error).context("the coarsest level must be whole to show anything");
+                    let pack = self.file.path().display();
+                    return Err(error).with_context(|| {
+                        format!("{pack}: frame {frame} of the coarsest level, which must be whole")
+                    });
                 }
-                Err(_) => failed += 1,
+                Err(error) => {
+                    if self.failed == 0 {
+                        self.report_failure(tile, frame, &error);
+                    }
+                    self.failed += 1;
+                    failed += 1;
+                }
             }
         }
         self.canvas.retain(&tiles);

@@ -92,7 +92,7 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
         error => anyhow::Error::from(error),
     })?;
     for note in &plan.notes {
-        eprintln!("{}: {note}", args.input.display());
+        output::say(&format!("{}: {note}", args.input.display()));
     }
     if args.dry_run {
         return args.estimate(&plan);
@@ -123,10 +123,9 @@ impl PrepareVideoArgs {
             }
             _ => {}
         }
-        if self.frames == Some(0) || self.jobs == Some(0) {
-            bail!(out_of_range("--frames or --jobs", 0, "at least 1"));
+        if self.frames == Some(0) {
+            bail!(out_of_range("--frames", 0, "at least 1"));
         }
-        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         Ok(PrepareSettings {
             projection: match self.projection {
                 ProjectionName::Auto => ProjectionChoice::Auto,
@@ -151,7 +150,7 @@ impl PrepareVideoArgs {
                 (_, true) => Speed::Small,
                 _ => Speed::Default,
             },
-            jobs: self.jobs.unwrap_or(cores),
+            jobs: output::jobs(self.jobs)?,
             most_frames: self.frames,
         })
     }

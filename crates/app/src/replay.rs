@@ -28,8 +28,7 @@ struct Replayed {
 
 pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     let name = args.log.display();
-    let text = std::fs::read_to_string(&args.log)
-        .with_context(|| format!("{name}: cannot be read; give the session.jsonl of a simulate"))?;
+    let text = output::read_text(&args.log, "the session.jsonl of a simulate")?;
     let session = Session::parse(&text).with_context(|| name.to_string())?;
     let again = session.replay();
     let mut differing = session

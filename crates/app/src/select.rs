@@ -74,6 +74,9 @@ struct Many {
     level_histogram_mean: Vec<f64>,
 }
 
+/// Most random gazes of one run.
+const MOST_GAZES: u32 = 1_000_000;
+
 pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
     let surface = args.surface()?;
     let levels = args.cut.levels.unwrap_or(5);
@@ -106,7 +109,13 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
         }
     };
     match args.random_gazes {
-        Some(0) => bail!(out_of_range("--random-gazes", 0, "at least 1")),
+        Some(count) if !(1..=MOST_GAZES).contains(&count) => {
+            bail!(out_of_range(
+                "--random-gazes",
+                count,
+                &format!("1 to {MOST_GAZES}")
+            ))
+        }
         Some(count) => {
             let mut random = Random::new(args.seed);
             let gazes = (0..count).map(|_| random_gaze(&surface, &mut random));

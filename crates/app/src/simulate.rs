@@ -99,18 +99,28 @@ pub(crate) struct RunSummary {
     pub(crate) log_sha256: String,
 }
 
+/// Most frames between two pictures.
+const MOST_EVERY: u32 = 10_000;
+
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
-    if args.every == 0 || args.frames == Some(0) || args.jobs == Some(0) {
-        bail!(out_of_range("--every, --frames or --jobs", 0, "at least 1"));
+    if !(1..=MOST_EVERY).contains(&args.every) {
+        bail!(out_of_range(
+            "--every",
+            args.every,
+            &format!("1 to {MOST_EVERY}")
+        ));
+    }
+    if args.frames == Some(0) {
+        bail!(out_of_range("--frames", 0, "at least 1"));
     }
     let file = Arc::new(PackFile::open(&args.pack)?);
     let about = file.pack().description();
     let frames = args.frames.unwrap_or(about.frames).min(about.frames);
     if args.frames.is_some_and(|asked| asked > frames) {
-        eprintln!(
+        output::say(&format!(
             "{}: has {frames} frames, so {frames} are played",
             args.pack.display()
-        );
+        ));
     }
     let fps = about.frame_rate;
     let surface = about.grid(args.view.screen).surface;
@@ -122,7 +132,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             screen: args.view.screen,
             drawing: Drawing::open(args.renderer)?,
             paced: args.paced,
-            jobs: args.jobs.unwrap_or_else(default_jobs),
+            jobs: output::jobs(args.jobs)?,
         },
     )?;
     let length = player.time(frames - 1);
@@ -141,16 +151,11 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     bar.finish_and_clear();
     pictures.finish()?;
     let session = session(&player, &reports).write();
-    write_text(&args.out.join("session.jsonl"), &session)?;
-    write_text(&args.out.join("frames.csv"), &csv(&reports))?;
+    output::write_whole(&args.out.join("session.jsonl"), session.as_bytes())?;
+    output::write_whole(&args.out.join("frames.csv"), csv(&reports).as_bytes())?;
     let policy = format!("{:?}", args.policy.policy).to_lowercase();
     let summary = summarise(policy, &reports, player.canvas.gpu_bytes(), &session);
     output::result(args.json, &summary, &summary.text(&args.out))
-}
-
-/// As many decoding threads as cores.
-pub(crate) fn default_jobs() -> usize {
-    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
 /// The log of a run.
@@ -201,8 +206,8 @@ impl RunSummary {
         format!(
             "{} frames under {}: {:.2} % of the pixels (most {:.2} %), {:.2} MB fetched, \
              {:.1} MPix decoded\n\
-             decoding {:.1} ms a frame (95th percentile {:.1}), {} late frames, {} level changes, \
-             {:.2} MB on the GPU\n{}",
+             decoding {:.1} ms a frame (95th percentile {:.1}), {} late frames, {} damaged tiles, \
+             {} level changes, {:.2} MB on the GPU\n{}",
             self.frames,
             self.policy,
             self.pixels_share_mean * 100.0,
@@ -212,6 +217,7 @@ impl RunSummary {
             self.decode_ms_mean,
             self.decode_ms_p95,
             self.late_frames,
+            self.failed_tiles,
             self.level_changes,
             self.gpu_bytes as f64 / 1e6,
             out.display(),
@@ -248,10 +254,6 @@ pub(crate) fn csv(reports: &[FrameReport]) -> String {
         );
     }
     text
-}
-
-pub(crate) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text).with_context(|| format!("{}: cannot be written", path.display()))
 }
 
 /// The marks of a heat map: levels, borders, and a ring of 2.5° (the fovea) round the gaze.

@@ -52,7 +52,17 @@ impl FrameReader {
             path: path.to_owned(),
             reason,
         };
-        let input = av::format::input(&absolute).map_err(|e| not_video(e.to_string()))?;
+        // A name with %d in it is a name, not a series of pictures.
+        let mut options = av::Dictionary::new();
+        options.set("pattern_type", "none");
+        let input = av::format::input_with_dictionary(&absolute, options)
+            .map_err(|e| not_video(e.to_string()))?;
+        // Lists make FFmpeg read files that nobody named here.
+        if matches!(input.format().name(), "hls" | "concat" | "dash") {
+            return Err(not_video(
+                "it is a list of other files; give one of them".to_owned(),
+            ));
+        }
         // FFmpeg draws text files as pictures of a terminal; nobody means that.
         if input.format().name() == "tty" {
             return Err(not_video("it is a text file".to_owned()));

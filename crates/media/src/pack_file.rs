@@ -59,14 +59,11 @@ impl PackFile {
             path: path.to_owned(),
             source,
         };
-        let mut file = File::open(path).map_err(|e| io("cannot be opened", e))?;
-        let found = file.metadata().map_err(|e| io("cannot be read", e))?;
-        if found.is_dir() {
-            return Err(io(
-                "is a folder, not a pack",
-                ErrorKind::IsADirectory.into(),
-            ));
+        let found = std::fs::metadata(path).map_err(|e| io("cannot be opened", e))?;
+        if !found.is_file() {
+            return Err(io("is no file", ErrorKind::InvalidInput.into()));
         }
+        let mut file = File::open(path).map_err(|e| io("cannot be opened", e))?;
         let mut head = Vec::new();
         let mut first = (&mut file).take(HEADER_BYTES as u64);
         first
@@ -83,6 +80,14 @@ impl PackFile {
         let mut part = |offset, bytes| read_at(&mut file, offset, bytes);
         let description = part(HEADER_BYTES as u64, u64::from(header.description_bytes))
             .map_err(|e| io("description cannot be read", e))?;
+        let expected = Pack::expected_index_bytes(&description).map_err(format)?;
+        if header.index_bytes != expected {
+            return Err(format(PackError {
+                field: "index_bytes".to_owned(),
+                found: header.index_bytes.to_string(),
+                expected: expected.to_string(),
+            }));
+        }
         let index = part(header.index_offset, header.index_bytes)
             .map_err(|e| io("index cannot be read", e))?;
         let pack = Pack::parse(&header, &description, &index).map_err(format)?;

@@ -1,10 +1,10 @@
 //! How does a pack get onto disk whole or not at all?
 
 use crate::pack_file::{PackFileError, partial_path};
-use foveal_core::asset::pack::{Description, PackBuilder, SideTable};
+use foveal_core::asset::pack::{Description, MAGIC, PackBuilder, SideTable};
 use foveal_core::asset::tile_grid::Tile;
 use std::fs::File;
-use std::io::{BufWriter, Error, ErrorKind, Seek, SeekFrom, Write};
+use std::io::{BufWriter, Error, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Writes a pack beside its final name and renames it when it is whole: a `prepare` that fails or
@@ -25,13 +25,8 @@ impl PackWriter {
         let partial = partial_path(path);
         let builder = PackBuilder::new(draft);
         let begin = || {
-            // A rename would put the pack in the place of a device such as /dev/null.
-            match std::fs::metadata(path) {
-                Ok(there) if there.is_dir() => return Err(ErrorKind::IsADirectory.into()),
-                Ok(there) if !there.is_file() => return Err(Error::other("it is no plain file")),
-                _ => {}
-            }
-            let mut file = File::create(&partial)?;
+            refuse_anything_but_a_file(path)?;
+            let mut file = create_partial(&partial)?;
             file.seek(SeekFrom::Start(builder.data_offset()))?;
             Ok(file)
         };
@@ -102,6 +97,46 @@ impl PackWriter {
             source,
         }
     }
+}
+
+/// A rename would put the pack in the place of a device such as /dev/null, or of a link.
+fn refuse_anything_but_a_file(path: &Path) -> Result<(), Error> {
+    match std::fs::symlink_metadata(path) {
+        Ok(there) if there.is_dir() => Err(ErrorKind::IsADirectory.into()),
+        Ok(there) if there.is_symlink() => Err(Error::other("it is a link; name its target")),
+        Ok(there) if !there.is_file() => Err(Error::other("it is no plain file")),
+        _ => Ok(()),
+    }
+}
+
+/// Creates the file that grows, and locks it for as long as it is open.
+///
+/// What lies there already is replaced only if it is the rest of a `prepare` that was killed:
+/// never a link, somebody else's file, or one that another `prepare` is writing.
+fn create_partial(partial: &Path) -> Result<File, Error> {
+    if std::fs::symlink_metadata(partial).is_ok() {
+        let name = partial.display();
+        let in_the_way = |why: &str| Error::other(format!("{name} is in the way: {why}"));
+        let there = std::fs::symlink_metadata(partial)?;
+        if !there.is_file() {
+            return Err(in_the_way("it is no plain file"));
+        }
+        let mut file = File::options().read(true).write(true).open(partial)?;
+        if file.try_lock().is_err() {
+            return Err(in_the_way("another prepare is writing it"));
+        }
+        let mut begins = Vec::new();
+        (&mut file)
+            .take(MAGIC.len() as u64)
+            .read_to_end(&mut begins)?;
+        if begins != MAGIC && begins.iter().any(|byte| *byte != 0) {
+            return Err(in_the_way("it is no half-written pack; move it away"));
+        }
+        std::fs::remove_file(partial)?;
+    }
+    let file = File::options().write(true).create_new(true).open(partial)?;
+    file.try_lock().map_err(|_| ErrorKind::ResourceBusy)?;
+    Ok(file)
 }
 
 impl Drop for PackWriter {

@@ -2,7 +2,6 @@
 
 use super::FRAMES;
 use crate::output::{self, Counting};
-use crate::simulate::default_jobs;
 use anyhow::{Context, bail};
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::Description;
@@ -122,7 +121,7 @@ impl Content {
         let kept = self.kept(&pack);
         let plan = match (&kept, &self.scene) {
             (Some(plan), _) => {
-                eprintln!("{}: already prepared, used again", pack.display());
+                output::say(&format!("{}: already prepared, used again", pack.display()));
                 plan.clone()
             }
             (None, scene) => {
@@ -158,7 +157,7 @@ impl Content {
             codec: Codec::Vp9,
             quality: None,
             speed: Speed::Default,
-            jobs: default_jobs(),
+            jobs: output::jobs(None)?,
             most_frames: Some(FRAMES),
         };
         Ok(Plan::new(&self.source, &info, &settings)?)
@@ -182,9 +181,9 @@ impl Content {
     }
 
     fn write_pack(&self, plan: &Plan, pack: &Path) -> anyhow::Result<()> {
-        eprintln!("{}: is being prepared", self.source.display());
+        output::say(&format!("{}: is being prepared", self.source.display()));
         for note in &plan.notes {
-            eprintln!("{}: {note}", self.source.display());
+            output::say(&format!("{}: {note}", self.source.display()));
         }
         let most = u64::from(FRAMES);
         let length = plan.frames.map(|frames| frames.min(most));
@@ -199,7 +198,7 @@ impl Content {
 
 /// Draws a scene into a video file; where that fails or is stopped, none is left under that name.
 fn write_scene(scene: &Scene, size: [u32; 2], path: &Path) -> anyhow::Result<()> {
-    eprintln!("{}: is being drawn", path.display());
+    output::say(&format!("{}: is being drawn", path.display()));
     let partial = path.with_extension("partial.mkv");
     if let Err(error) = draw_scene(scene, size, &partial) {
         // What could not be written may not even be there.

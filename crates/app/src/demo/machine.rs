@@ -1,6 +1,6 @@
 //! What did the figures come from?
 
-use crate::simulate::default_jobs;
+use crate::output;
 use serde::Serialize;
 
 /// The machine, for whoever compares figures.
@@ -17,7 +17,7 @@ impl Machine {
         let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         Self {
             cpu: cpu_model(&text).unwrap_or("unknown").to_owned(),
-            cores: default_jobs(),
+            cores: output::jobs(None).unwrap_or(1),
             gpu,
         }
     }

@@ -19,7 +19,6 @@ mod run;
 use crate::canvas::{Drawing, RendererName};
 use crate::options::ViewOptions;
 use crate::output;
-use crate::simulate::write_text;
 use anyhow::{Context, bail};
 use clap::Args;
 use figures::Figures;
@@ -85,7 +84,10 @@ pub(crate) fn run(args: &DemoArgs) -> anyhow::Result<()> {
     }
     let machine = Machine::here(drawing.name().to_owned());
     let report = args.out.join("report.html");
-    write_text(&report, &report::page(&played, &machine, args.seed))?;
+    output::write_whole(
+        &report,
+        report::page(&played, &machine, args.seed).as_bytes(),
+    )?;
     let summary = Summary {
         report: &report,
         machine: &machine,

@@ -9,7 +9,7 @@ use crate::gaze::{GazeChoice, GazeSource};
 use crate::options::ViewOptions;
 use crate::output::{self, Counting};
 use crate::player::{FrameReport, Player, PlayerOptions};
-use crate::simulate::{RunSummary, csv, default_jobs, session, summarise, write_text};
+use crate::simulate::{RunSummary, csv, session, summarise};
 use anyhow::Context;
 use foveal_core::selection::policy::{Policy, PolicyConfig};
 use std::path::Path;
@@ -65,7 +65,10 @@ pub(super) fn play(
     let times = runs[ACUITY].reports.iter();
     let times = times.map(|report| report.session.time_s.0).collect();
     let moment = Moment::choose(&runs[ACUITY].reports);
-    eprintln!("{name}: the pictures of frame {} are made", moment.frame);
+    output::say(&format!(
+        "{name}: the pictures of frame {} are made",
+        moment.frame
+    ));
     let pictures = Pictures::take(&stage, &runs[ACUITY].reports[moment.frame as usize], budget)?;
     Ok(Played {
         content: stage.content,
@@ -114,7 +117,7 @@ impl<'a> Stage<'a> {
             screen: view.screen,
             drawing: self.conditions.drawing.clone(),
             paced: false,
-            jobs: default_jobs(),
+            jobs: output::jobs(None)?,
         };
         let player = Player::new(Arc::clone(&self.content.file), options)?;
         let length = player.time(self.frames - 1);
@@ -137,7 +140,7 @@ impl<'a> Stage<'a> {
         let runs = POLICIES.into_iter().map(start);
         let mut runs = runs.collect::<anyhow::Result<Vec<Run>>>()?;
         let words = POLICIES.map(word).join(", ");
-        eprintln!("{}: plays under {words}", self.content.name);
+        output::say(&format!("{}: plays under {words}", self.content.name));
         let bar = output::bar(Some(u64::from(self.frames)), Counting::Frames);
         for frame in 0..self.frames {
             for turn in 0..runs.len() {
@@ -166,8 +169,8 @@ impl Run {
             .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
         let reports = self.reports;
         let log = session(&self.player, &reports).write();
-        write_text(&folder.join("session.jsonl"), &log)?;
-        write_text(&folder.join("frames.csv"), &csv(&reports))?;
+        output::write_whole(&folder.join("session.jsonl"), log.as_bytes())?;
+        output::write_whole(&folder.join("frames.csv"), csv(&reports).as_bytes())?;
         let gpu_bytes = self.player.canvas.gpu_bytes();
         let summary = summarise(word(self.policy), &reports, gpu_bytes, &log);
         Ok(PolicyRun { summary, reports })

@@ -139,8 +139,12 @@ fn figures_that_cannot_be_written_are_told() {
     ] {
         let out = folder.name(&format!("run of {name}"));
         std::fs::create_dir(&out).unwrap();
-        std::os::unix::fs::symlink("/dev/full", format!("{out}/{name}")).unwrap();
-        let pictures = if name == "frames.mkv" { "video" } else { "png" };
+        // All but a video grow under another name and are renamed when they are whole.
+        let (growing, pictures) = match name {
+            "frames.mkv" => (name.to_owned(), "video"),
+            _ => (format!("{name}.partial"), "png"),
+        };
+        std::os::unix::fs::symlink("/dev/full", format!("{out}/{growing}")).unwrap();
         let play = [
             "simulate",
             &pack,

@@ -234,9 +234,8 @@ fn surround(
         .unwrap_or_default()
         .to_string_lossy()
         .to_lowercase();
-    let named = ["360", "equirect", "pano", "sphere"]
-        .iter()
-        .any(|word| name.contains(word));
+    let words = ["equirect", "pano", "sphere"];
+    let named = words.iter().any(|word| name.contains(word)) || names_a_full_turn(&name);
     if twice_as_wide && (named || info.width >= SPHERE_WIDTH) {
         let why = if named {
             "by its name and 2:1 size"
@@ -255,6 +254,16 @@ fn surround(
     };
     notes.push(format!("taken for flat by its size{hint}"));
     Ok(Surround::Flat)
+}
+
+/// Whether a name says 360 and means degrees: not a size as in `640x360`, `360p` or `xbox360`.
+fn names_a_full_turn(name: &str) -> bool {
+    name.match_indices("360").any(|(at, _)| {
+        let before = name[..at].chars().next_back();
+        let after = name[at + 3..].chars().next();
+        !before.is_some_and(char::is_alphanumeric)
+            && !after.is_some_and(|c| c.is_ascii_digit() || c == 'p' || c == 'x')
+    })
 }
 
 fn surround_by_metadata(
@@ -279,5 +288,31 @@ fn surround_by_metadata(
              it equirectangular with FFmpeg's filter v360, or give --projection flat",
             input.display()
         ))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_in_a_name_is_no_full_turn() {
+        for name in [
+            "tour_360.mp4",
+            "360.mkv",
+            "beach-360-4k.mp4",
+            "360video.mp4",
+        ] {
+            assert!(names_a_full_turn(name), "{name}");
+        }
+        for name in [
+            "clip_640x360.mp4",
+            "360p.mp4",
+            "xbox360.mp4",
+            "13600.mp4",
+            "a.mp4",
+        ] {
+            assert!(!names_a_full_turn(name), "{name}");
+        }
     }
 }
