@@ -61,7 +61,12 @@ impl PackFile {
         };
         let found = std::fs::metadata(path).map_err(|e| io("cannot be opened", e))?;
         if !found.is_file() {
-            return Err(io("is no file", ErrorKind::InvalidInput.into()));
+            let what = if found.is_dir() {
+                "is a folder"
+            } else {
+                "is no plain file"
+            };
+            return Err(io(what, ErrorKind::InvalidInput.into()));
         }
         let mut file = File::open(path).map_err(|e| io("cannot be opened", e))?;
         let mut head = Vec::new();

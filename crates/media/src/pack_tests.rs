@@ -167,6 +167,36 @@ fn a_preparation_that_fails_leaves_what_was_there_and_nothing_else() {
     assert_eq!(bytes_of(&out), b"before");
 }
 
+/// Prepares a clip to `out` while `there` lies where the pack grows.
+#[cfg(unix)]
+fn prepare_over(out: &Path, there: &dyn Fn(&Path)) -> Result<(), PrepareError> {
+    let clip = write_clip("mkv", ClipCodec::Ffv1, &group([64, 48], 2, 6));
+    let plan = plan_of(&clip, &settings(ProjectionChoice::Flat, Codec::Png)).unwrap();
+    there(&partial_path(out));
+    crate::prepare::prepare(&clip, out, &plan, &mut |_| {}).map(|_| ())
+}
+
+#[cfg(unix)]
+#[test]
+fn what_lies_where_a_pack_grows_is_never_written_through() {
+    let precious = Scratch::holding("txt", b"precious");
+    let out = Scratch::new("foveal");
+    let partial = partial_path(&out);
+    let link = |at: &Path| std::os::unix::fs::symlink(&*precious, at).unwrap();
+    let hard_link = |at: &Path| std::fs::hard_link(&*precious, at).unwrap();
+    let own = |at: &Path| std::fs::write(at, b"mine").unwrap();
+    for there in [&link as &dyn Fn(&Path), &hard_link, &own] {
+        let error = prepare_over(&out, there).unwrap_err().to_string();
+        assert!(error.contains("in the way"), "{error}");
+        assert_eq!(bytes_of(&precious), b"precious");
+        assert!(partial.symlink_metadata().is_ok() && !out.exists());
+        std::fs::remove_file(&partial).unwrap();
+    }
+    let killed = |at: &Path| std::fs::write(at, [0; 5000]).unwrap();
+    prepare_over(&out, &killed).unwrap();
+    assert!(out.exists() && !partial.exists());
+}
+
 #[test]
 fn a_pack_replaces_only_plain_files() {
     let clip = write_clip("mkv", ClipCodec::Ffv1, &group([64, 48], 2, 6));
