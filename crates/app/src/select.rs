@@ -32,7 +32,7 @@ pub(crate) struct SelectArgs {
     /// Flat: pixels of the picture.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<[u32; 2]>,
-    /// Faces that the share is counted over (seed 000 counts four of six).
+    /// Faces that the share is counted over (Kastner 2016 counts four of six).
     #[arg(long, value_name = "N")]
     source_faces: Option<u32>,
     #[command(flatten)]
@@ -225,7 +225,7 @@ fn summarise(mut all: Vec<One>) -> Many {
 impl One {
     fn text(&self) -> String {
         let mut text = format!(
-            "{} pixels, {:.2} % of the finest level\n",
+            "{} pixels, {:.2} % of the faces counted at the finest level\n",
             self.pixels,
             self.share * 100.0
         );

@@ -25,11 +25,10 @@ const SCENE_COLOUR: Colour = Colour {
     full_range: false,
     chroma_left: false,
 };
-/// The clip that `make demo` fetches, and whose it is.
-const SAMPLE: [&str; 2] = [
-    "bigbuckbunny.mp4",
-    "Big Buck Bunny, (c) Blender Foundation, CC BY 3.0",
-];
+/// The clip that `make demo` fetches, its length, and whose it is.
+const SAMPLE: &str = "bigbuckbunny.mp4";
+const SAMPLE_BYTES: u64 = 1_055_736;
+const SAMPLE_LICENCE: &str = "Big Buck Bunny, (c) Blender Foundation, CC BY 3.0";
 
 /// One thing to play.
 #[derive(Clone, Debug)]
@@ -134,10 +133,11 @@ impl Content {
             }
         };
         let file = PackFile::open(&pack)?;
-        let source_name = &plan.description.source.name;
+        let source = &plan.description.source;
+        let is_sample = source.name == SAMPLE && source.bytes == SAMPLE_BYTES;
         Ok(Prepared {
             name: self.name.clone(),
-            licence: (source_name == SAMPLE[0]).then_some(SAMPLE[1]),
+            licence: is_sample.then_some(SAMPLE_LICENCE),
             cut_short: plan.frames.is_none_or(|of| of > u64::from(FRAMES))
                 && file.pack().description().frames == FRAMES,
             generated: self.scene.is_some(),

@@ -203,8 +203,9 @@ fn how_to_read(seed: u64) -> String {
          <code>full</code> takes every tile at the finest level. <code>viewport</code> takes what \
          is in view and a margin of 10° as densely as the display can show it, which is what \
          is usual today. <code>acuity</code> takes the coarsest level that still meets the eye’s \
-         limit everywhere in a tile: it resolves 1/60° at the gaze, and 0.022° less for each \
-         degree away from it. All three also hold the whole coarsest level, so that nothing is \
+         limit everywhere in a tile: the smallest detail that it \
+         resolves is 1/60° at the gaze and grows by 0.022° with each degree away from it. \
+         All three also hold the whole coarsest level, so that nothing is \
          ever missing.</p>\n\
          <p>Pixels are those of all tiles of a frame, over the pixels of the finest level. \
          Decoding time runs from asking for the tiles of a frame until the last one is there, on \

@@ -3,7 +3,7 @@
 use crate::support::{json, refused};
 use serde_json::json;
 
-const SEED_GRID: [&str; 14] = [
+const KASTNER_GRID: [&str; 14] = [
     "select",
     "--projection",
     "cube",
@@ -21,8 +21,8 @@ const SEED_GRID: [&str; 14] = [
 ];
 
 #[test]
-fn the_seed_s_pixels_are_counted_exactly() {
-    let pixels = |options: &[&str]| json(&[&SEED_GRID[..], options].concat());
+fn the_pixels_of_kastner_s_grid_are_counted() {
+    let pixels = |options: &[&str]| json(&[&KASTNER_GRID[..], options].concat());
     let inner = pixels(&["grid", "--gaze", "-10,10"]);
     assert_eq!(inner["pixels"], json!(1_037_435));
     assert_eq!(inner["level_histogram"], json!([1, 8, 87]));

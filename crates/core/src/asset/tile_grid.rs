@@ -12,8 +12,8 @@ pub enum Cut {
     /// A pyramid: tiles of this many pixels on a side at their own level, so that a tile covers
     /// `ratio^level` times as much on a side. The coarsest level is one tile per face.
     Tile(u32),
-    /// A grid: columns and rows per face, the same regions at every level, sizes rounded up (seed
-    /// 000).
+    /// A grid: columns and rows per face, the same regions at every level, sizes rounded up, as
+    /// Kastner (2016) cuts.
     Grid([u32; 2]),
 }
 
@@ -369,7 +369,7 @@ mod tests {
     }
 
     #[test]
-    fn the_seed_s_grid_has_its_tile_sizes() {
+    fn kastner_s_grid_has_its_tile_sizes() {
         let grid = TileGrid::new(Surface::cube(3000), Cut::Grid([4, 4]), 3, 4).unwrap();
         let sides = [0, 1, 2].map(|level| grid.tile_size(grid.tile_at(level, 5))[0]);
         assert_eq!(sides, [750, 188, 47]);

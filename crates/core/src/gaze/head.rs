@@ -5,7 +5,7 @@
 
 use super::sample::HeadPose;
 use crate::units::{Radians, Seconds};
-use crate::view::axes::{angle_between, direction_from_yaw_pitch, yaw_pitch_from_direction};
+use crate::view::axes::{direction_between, direction_from_yaw_pitch, yaw_pitch_from_direction};
 use glam::DVec3;
 
 /// Time in which a head covers 63 % of the way to the gaze, in seconds.
@@ -48,16 +48,7 @@ fn facing(direction: DVec3) -> HeadPose {
 
 fn turned(from: HeadPose, to: HeadPose, share: f64) -> HeadPose {
     let [a, b] = [from, to].map(|pose| direction_from_yaw_pitch(pose.yaw, pose.pitch));
-    let angle = angle_between(a, b).0;
-    let sin = libm::sin(angle);
-    if sin < 1e-9 {
-        return to;
-    }
-    let weights = [
-        libm::sin((1.0 - share) * angle) / sin,
-        libm::sin(share * angle) / sin,
-    ];
-    facing((a * weights[0] + b * weights[1]).normalize())
+    facing(direction_between(a, b, share))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 
 use super::sample::GazeSample;
 use crate::units::{Radians, Seconds};
-use crate::view::axes::{angle_between, direction_at};
+use crate::view::axes::{angle_between, direction_at, direction_between};
 use crate::view::surface::{Projection, Surface};
 use glam::DVec3;
 
@@ -101,7 +101,7 @@ impl ScanPath {
         let share = moving / (landing - start - FIXATION_S);
         // Minimum-jerk profile (Flash and Hogan 1985).
         let eased = share * share * share * (10.0 - 15.0 * share + 6.0 * share * share);
-        (sample(between(from, to, eased)), true)
+        (sample(direction_between(from, to, eased)), true)
     }
 }
 
@@ -127,20 +127,6 @@ fn is_on(surface: &Surface, direction: DVec3) -> bool {
             let tangent = surface.tangent(place);
             (0..2).all(|k| tangent[k].abs() <= INSIDE * surface.tangents[k])
         })
-}
-
-/// The direction `share` of the way from one direction to another along their great circle.
-fn between(from: DVec3, to: DVec3, share: f64) -> DVec3 {
-    let angle = angle_between(from, to).0;
-    let sin = libm::sin(angle);
-    if sin < 1e-9 {
-        return to;
-    }
-    let weights = [
-        libm::sin((1.0 - share) * angle) / sin,
-        libm::sin(share * angle) / sin,
-    ];
-    (from * weights[0] + to * weights[1]).normalize()
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::gaze::sample::GazeSample;
 use crate::perception::acuity::AcuityModel;
 use crate::units::{Ppd, Radians};
-use crate::view::axes::angle_between;
+use crate::view::axes::{angle_between, direction_between};
 use crate::view::eye_view::EyeView;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ pub enum Policy {
     /// What is in view plus a margin at display density, the rest coarsest: what the industry
     /// ships.
     Viewport,
-    /// Seed 000 on panoramas: the gaze's cell finest, its neighbours middle, the rest coarsest.
+    /// Kastner 2016 on panoramas: the gaze's cell finest, its neighbours middle, the rest coarsest.
     Grid,
     /// The coarsest level that still meets the eye's limit everywhere in a cell.
     Acuity,
@@ -134,7 +134,7 @@ impl Selector {
             Policy::Full => LevelMap::filled(&self.grid, 0),
             Policy::Coarsest => LevelMap::filled(&self.grid, self.grid.coarsest()),
             Policy::Viewport => self.viewport(moment),
-            Policy::Grid => self.seed_grid(&moment.gaze),
+            Policy::Grid => self.kastner_grid(&moment.gaze),
             Policy::Acuity => self.acuity(moment),
         };
         let tiles = levels.cover(&self.grid);
@@ -160,8 +160,8 @@ impl Selector {
         })
     }
 
-    /// Seed 000, framework 2: an acuity matrix by neighbourhood (Kastner 2016, section 4.2).
-    fn seed_grid(&self, gaze: &GazeSample) -> LevelMap {
+    /// An acuity matrix by neighbourhood (Kastner 2016, framework 2, section 4.2).
+    fn kastner_grid(&self, gaze: &GazeSample) -> LevelMap {
         let grid = &self.grid;
         let mut levels = LevelMap::filled(grid, grid.coarsest());
         let middle = grid.levels / 2;
@@ -282,12 +282,7 @@ fn toward(gaze: DVec3, direction: DVec3, eccentricity: Radians, left: Radians) -
     if left.0 <= 0.0 {
         return direction;
     }
-    let sin = libm::sin(eccentricity.0);
-    let (from, to) = (
-        libm::sin(left.0) / sin,
-        libm::sin(eccentricity.0 - left.0) / sin,
-    );
-    (gaze * from + direction * to).normalize()
+    direction_between(gaze, direction, 1.0 - left.0 / eccentricity.0)
 }
 
 /// Level-0 pixels under one pixel of the display at the place of a probe.
@@ -347,7 +342,7 @@ mod tests {
         Moment { gaze, view: None }
     }
 
-    fn seed_pixels(config: PolicyConfig, moment: &Moment) -> (u64, Vec<u32>) {
+    fn kastner_pixels(config: PolicyConfig, moment: &Moment) -> (u64, Vec<u32>) {
         let grid = TileGrid::new(Surface::cube(3000), Cut::Grid([4, 4]), 3, 4).unwrap();
         let tiles = Selector::new(grid, config).select(moment).tiles;
         (pixels(&grid, &tiles), histogram(&grid, &tiles))
@@ -382,24 +377,24 @@ mod tests {
     }
 
     #[test]
-    fn the_grid_policy_counts_the_seed_s_pixels() {
+    fn the_grid_policy_counts_kastner_s_cells() {
         let grid = PolicyConfig::new(Policy::Grid);
         let inner = degrees(-10.0, 10.0);
         assert_eq!(
-            seed_pixels(grid.clone(), &inner),
+            kastner_pixels(grid.clone(), &inner),
             (1_037_435, vec![1, 8, 87])
         );
         let noisy = PolicyConfig {
             noisy_cells: 22,
             ..grid.clone()
         };
-        assert_eq!(seed_pixels(noisy, &inner), (1_766_405, vec![1, 30, 65]));
+        assert_eq!(kastner_pixels(noisy, &inner), (1_766_405, vec![1, 30, 65]));
         assert_eq!(
-            seed_pixels(grid, &degrees(0.0, 0.0)),
+            kastner_pixels(grid, &degrees(0.0, 0.0)),
             (2_850_848, vec![4, 12, 80])
         );
         let coarsest = PolicyConfig::new(Policy::Coarsest);
-        assert_eq!(seed_pixels(coarsest, &inner), (212_064, vec![0, 0, 96]));
+        assert_eq!(kastner_pixels(coarsest, &inner), (212_064, vec![0, 0, 96]));
     }
 
     #[test]
@@ -409,10 +404,10 @@ mod tests {
             ..PolicyConfig::new(Policy::Grid)
         };
         assert_eq!(
-            seed_pixels(single.clone(), &degrees(40.0, 30.0)).1,
+            kastner_pixels(single.clone(), &degrees(40.0, 30.0)).1,
             [1, 7, 88]
         );
-        assert_eq!(seed_pixels(single, &degrees(40.0, 10.0)).1, [1, 8, 87]);
+        assert_eq!(kastner_pixels(single, &degrees(40.0, 10.0)).1, [1, 8, 87]);
     }
 
     #[test]

@@ -87,6 +87,20 @@ pub fn direction_at(from: DVec3, bearing: Radians, angle: Radians) -> DVec3 {
     (axes.forward * libm::cos(angle.0) + across * libm::sin(angle.0)).normalize()
 }
 
+/// The direction `share` (0 to 1) of the way from one unit direction to another along their great
+/// circle; `to` where they coincide or are opposite, which leaves the circle open.
+#[must_use]
+pub fn direction_between(from: DVec3, to: DVec3, share: f64) -> DVec3 {
+    let angle = angle_between(from, to).0;
+    let sin = libm::sin(angle);
+    if sin < 1e-9 {
+        return to;
+    }
+    let near = libm::sin((1.0 - share) * angle) / sin;
+    let far = libm::sin(share * angle) / sin;
+    (from * near + to * far).normalize()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,6 +113,19 @@ mod tests {
         }
         let front = Axes::from_yaw_pitch_roll(Radians(0.0), Radians(0.0), Radians(0.0));
         assert_eq!(front, Axes::FRONT);
+    }
+
+    #[test]
+    fn a_share_of_the_way_is_that_share_of_the_angle() {
+        let from = direction_from_yaw_pitch(Radians(0.2), Radians(0.1));
+        let to = direction_from_yaw_pitch(Radians(1.4), Radians(-0.6));
+        let whole = angle_between(from, to).0;
+        for share in [0.0, 0.25, 0.5, 1.0] {
+            let between = direction_between(from, to, share);
+            assert!((angle_between(from, between).0 - share * whole).abs() < 1e-12);
+            assert!((angle_between(between, to).0 - (1.0 - share) * whole).abs() < 1e-12);
+        }
+        assert_eq!(direction_between(from, from, 0.5), from);
     }
 
     #[test]
