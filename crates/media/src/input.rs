@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use av::codec::packet::side_data::Type;
+use av::color::TransferCharacteristic;
 use av::format::stream::Stream;
 use av::frame::Video;
 use ffmpeg_next as av;
@@ -169,6 +170,11 @@ fn describe(
         spherical: spherical_of(stream),
         stereo: stereo_of(stream),
         has_alpha: has_second_stream || has_alpha(first.format()),
+        pixel_aspect: pixel_aspect(first),
+        is_hdr: matches!(
+            first.color_transfer_characteristic(),
+            TransferCharacteristic::SMPTE2084 | TransferCharacteristic::ARIB_STD_B67
+        ),
         codec: reader
             .decoder()
             .codec()
@@ -212,4 +218,11 @@ fn orientation_of(path: &Path, stream: &Stream) -> Result<Orientation, MediaErro
         found: "not a multiple of 90 degrees".to_owned(),
         next: "turn the pictures themselves with `ffmpeg -i FILE OUT.mp4`",
     })
+}
+
+/// The shape of a frame's pixels; `None` when they are square or nothing is said.
+fn pixel_aspect(frame: &Video) -> Option<[i32; 2]> {
+    let aspect = frame.aspect_ratio();
+    let [width, height] = [aspect.numerator(), aspect.denominator()];
+    (width > 0 && height > 0 && width != height).then_some([width, height])
 }

@@ -34,6 +34,10 @@ pub struct SourceInfo {
     pub stereo: Option<Stereo>,
     /// True when the source has transparency, which is dropped.
     pub has_alpha: bool,
+    /// Width over height of a pixel, as numerator and denominator, where pixels are not square.
+    pub pixel_aspect: Option<[i32; 2]>,
+    /// True when code values follow a high dynamic range curve (PQ or HLG).
+    pub is_hdr: bool,
     /// FFmpeg's name of the codec, as `h264`.
     pub codec: String,
     /// FFmpeg's name of the source's pixel format, as `yuv420p10le`.

@@ -162,6 +162,15 @@ fn losses(info: &SourceInfo) -> Vec<String> {
     if info.has_alpha {
         notes.push("its transparency is dropped".to_owned());
     }
+    if let Some([width, height]) = info.pixel_aspect {
+        notes.push(format!(
+            "its pixels are {width}:{height} and are taken as square; make them so first with \
+             `ffmpeg -i FILE -vf scale=iw*sar:ih,setsar=1 OUT`"
+        ));
+    }
+    if info.is_hdr {
+        notes.push("its high dynamic range curve is kept and shown as if it were none".to_owned());
+    }
     if info.pixel_format != "yuv420p" && info.pixel_format != "yuvj420p" {
         notes.push(format!("{} is brought to 8-bit 4:2:0", info.pixel_format));
     }
@@ -294,6 +303,8 @@ fn surround_by_metadata(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenes::{group, write_clip};
+    use crate::{ClipCodec, VideoInput};
 
     #[test]
     fn a_size_in_a_name_is_no_full_turn() {
@@ -313,6 +324,29 @@ mod tests {
             "a.mp4",
         ] {
             assert!(!names_a_full_turn(name), "{name}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_reach_the_pack_is_said() {
+        let clip = write_clip("mkv", ClipCodec::Ffv1, &group([64, 48], 1, 6));
+        let plain = VideoInput::open(&clip).unwrap().info().clone();
+        assert!(losses(&plain).is_empty());
+        let info = SourceInfo {
+            pixel_aspect: Some([16, 11]),
+            is_hdr: true,
+            has_alpha: true,
+            pixel_format: "yuva420p10le".to_owned(),
+            ..plain
+        };
+        let notes = losses(&info).join("; ");
+        for word in [
+            "16:11",
+            "high dynamic range",
+            "transparency",
+            "yuva420p10le",
+        ] {
+            assert!(notes.contains(word), "{word} in {notes}");
         }
     }
 }
