@@ -9,10 +9,6 @@ use foveal_core::asset::picture::Colour;
 use foveal_core::asset::tile_grid::{Cut, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 
-/// Level-0 pixels over which the shown footprint grows by one, at most: slower than this, a ramp
-/// costs sharpness; faster, the eye finds the border of a tile.
-const GROWTH_MOST: f32 = 4.0;
-
 /// What stays the same from frame to frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -130,24 +126,13 @@ impl TileParams {
             coarsest: u32::from(grid.coarsest()),
             octaves,
             span_octaves,
-            growth: growth(grid),
+            growth: grid.blend_pixels() as f32,
             coarsest_scale: grid.scale(grid.coarsest()) as f32,
             chroma_offset: if colour.chroma_left { 0.25 } else { 0.5 },
             unused: [0; 2],
             rgb_from_yuv: rgb_from_yuv(colour),
         }
     }
-}
-
-/// Slow enough that the ramp from the coarsest level to the finest fits into one cell.
-fn growth(grid: &TileGrid) -> f32 {
-    let rise = grid.scale(grid.coarsest()) - 1;
-    let span = grid.span(0);
-    let cell = [0, 1].map(|k| span[k].min(grid.surface.size[k]));
-    if rise == 0 {
-        return GROWTH_MOST;
-    }
-    GROWTH_MOST.min(cell[0].min(cell[1]) as f32 / rise as f32)
 }
 
 /// ITU-T H.273, equations 35 to 43: limited or full range, then the matrix of the luma weights.
