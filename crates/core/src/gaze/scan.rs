@@ -86,6 +86,7 @@ impl ScanPath {
         let (start, from) = self.fixations[after.saturating_sub(1)];
         let sample = |gaze_in_content| GazeSample {
             time,
+            received: time,
             gaze_in_content,
             valid: true,
             spread: Radians(0.0),

@@ -139,6 +139,7 @@ impl SessionFrame {
         Moment {
             gaze: GazeSample {
                 time: self.time_s,
+                received: self.time_s,
                 gaze_in_content: DVec3::from_array(self.gaze),
                 valid: self.valid,
                 spread: self.spread_rad,

@@ -1,0 +1,1 @@
+//! How true are detectors and predictors of gaze, against recordings of real eyes?

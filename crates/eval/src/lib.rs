@@ -1,0 +1,3 @@
+//! How good was it? Judges what the pipeline did; nothing here feeds it.
+
+pub mod gaze;
