@@ -1,0 +1,77 @@
+//! Does any sample cost an allocation on the way from a head pose to a gaze?
+
+// A counting allocator is the test.
+#![allow(unsafe_code)]
+
+use foveal_core::gaze::blend::blend;
+use foveal_core::gaze::head_prediction::adaptive::AdaptiveHeadGaze;
+use foveal_core::gaze::head_prediction::lu_2020::predict_lu_2020;
+use foveal_core::gaze::head_prediction::motion_from_poses::MotionFromPoses;
+use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
+use foveal_core::gaze::head_prediction::sgaze::Sgaze;
+use foveal_core::gaze::head_prediction::{GazeInHead, SgazeMotion};
+use foveal_core::gaze::sample::HeadPose;
+use foveal_core::gaze::spread::GazeEvidence;
+use foveal_core::units::{Radians, Seconds};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+// SAFETY: every call goes to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        // SAFETY: the caller keeps the contract of `dealloc`.
+        unsafe { System.dealloc(place, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn no_sample_from_pose_to_gaze_allocates() {
+    let mut motions = MotionFromPoses::default();
+    let mut adaptive = AdaptiveHeadGaze::new(HeadGazePreset::free_viewing());
+    let mut sgaze = Sgaze::default();
+    let before = ALLOCATIONS.get();
+    let mut sum = 0.0;
+    for k in 0..5000 {
+        let time = Seconds(f64::from(k) * 0.001);
+        let yaw = Radians(libm::sin(3.0 * time.0));
+        let pose = HeadPose {
+            yaw,
+            ..HeadPose::default()
+        };
+        let Some(motion) = motions.update(time, &pose) else {
+            continue;
+        };
+        let head = SgazeMotion {
+            motion,
+            ..SgazeMotion::default()
+        };
+        let truth = GazeInHead::within_reach([yaw.to_degrees(), 1.0]);
+        let predicted = adaptive.predict(&motion);
+        adaptive.observe(&motion, truth);
+        let blended = blend(truth, predicted, Seconds(0.2));
+        sum += blended.angle_to(sgaze.predict(&head)).0 + predict_lu_2020(&head).yaw_deg;
+        sum += GazeEvidence::Head
+            .spread(adaptive.preset().spread(), time)
+            .0;
+    }
+    assert_eq!(ALLOCATIONS.get(), before);
+    assert!(sum.is_finite() && sum != 0.0);
+    let counted = ALLOCATIONS.get();
+    drop(Box::new(7u8));
+    assert_eq!(ALLOCATIONS.get(), counted + 1);
+}
