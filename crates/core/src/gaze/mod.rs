@@ -1,8 +1,12 @@
-//! Where does the eye look? Samples, recorded traces, a simulated scan, and what the head says.
+//! Where does the eye look, what does it do, and where will it look next?
 
 pub mod blend;
 pub mod head;
 pub mod head_prediction;
+pub mod landing;
+pub mod main_sequence;
+pub mod one_euro;
+pub mod saccade;
 pub mod sample;
 pub mod scan;
 pub mod spread;
