@@ -69,4 +69,12 @@ impl HeadPose {
     pub fn axes(&self) -> Axes {
         Axes::from_yaw_pitch_roll(self.yaw, self.pitch, self.roll)
     }
+
+    /// A direction given in the head's space (x right, y up, -z forward) in the content's.
+    #[must_use]
+    pub fn content_from_head(&self, direction_in_head: DVec3) -> DVec3 {
+        let DVec3 { x, y, z } = direction_in_head;
+        let axes = self.axes();
+        axes.right * x - axes.down * y - axes.forward * z
+    }
 }
