@@ -1,0 +1,183 @@
+//! How far should a unit go to get the most value per byte?
+
+use super::catalog::Chain;
+use super::rule::Reach;
+
+/// The bytes and values of one unit's steps, finest first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Curve<'a> {
+    pub(super) chain: Chain,
+    /// Level that is held and costs nothing.
+    pub(super) held: u8,
+    pub(super) bytes: &'a [u32],
+    pub(super) value: &'a [f64],
+}
+
+/// A step over one level or several.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Segment {
+    pub(super) to: u8,
+    pub(super) bytes: u64,
+    pub(super) value: f64,
+}
+
+/// Value per byte, W of Chen et al. 2022, Eq. 6; what is free and has value is infinitely dense.
+pub(super) fn density(value: f64, bytes: u64) -> f64 {
+    if bytes == 0 && value <= 0.0 {
+        return 0.0;
+    }
+    value / bytes as f64
+}
+
+impl Curve<'_> {
+    /// The next step from a level: to the next corner of the upper convex hull of what costs no
+    /// more than `most` bytes, which is where the slope is greatest; the nearest of equals. Nothing
+    /// where no step has a positive value.
+    pub(super) fn next(&self, from: u8, reach: Reach, most: u64) -> Option<Segment> {
+        let mut best = None;
+        let mut greatest = 0.0;
+        let segments = self.segments(from, reach);
+        for segment in segments.filter(|segment| segment.bytes <= most) {
+            let slope = density(segment.value, segment.bytes);
+            if slope > greatest {
+                greatest = slope;
+                best = Some(segment);
+            }
+        }
+        best
+    }
+
+    /// The steps from a level to every finer one within reach, nearest first.
+    pub(super) fn segments(&self, from: u8, reach: Reach) -> impl Iterator<Item = Segment> {
+        let last = match reach {
+            Reach::Hull => 0,
+            Reach::Level => from.saturating_sub(1),
+        };
+        let base = self.replaced_bytes(from);
+        let start = (0, 0.0);
+        (last..from).rev().scan(start, move |(sum, value), to| {
+            let own = u64::from(self.bytes[usize::from(to)]);
+            *sum += own;
+            *value += self.value[usize::from(to)];
+            let bytes = match self.chain {
+                Chain::Refining => *sum,
+                Chain::Replacing => own.saturating_sub(base),
+            };
+            let value = *value;
+            Some(Segment { to, bytes, value })
+        })
+    }
+
+    /// The step from a level to a finer one.
+    pub(super) fn segment(&self, from: u8, to: u8) -> Segment {
+        let nothing = Segment {
+            to,
+            bytes: 0,
+            value: 0.0,
+        };
+        self.segments(from, Reach::Hull)
+            .find(|segment| segment.to == to)
+            .unwrap_or(nothing)
+    }
+
+    /// Bytes that fall away when a finer level takes the place of one chosen but not yet held.
+    fn replaced_bytes(&self, from: u8) -> u64 {
+        let chosen = usize::from(from);
+        if from == self.held || chosen >= self.bytes.len() {
+            return 0;
+        }
+        u64::from(self.bytes[chosen])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn curve<'a>(chain: Chain, bytes: &'a [u32], value: &'a [f64]) -> Curve<'a> {
+        let held = bytes.len() as u8;
+        Curve {
+            chain,
+            held,
+            bytes,
+            value,
+        }
+    }
+
+    fn corners(curve: &Curve<'_>) -> Vec<Segment> {
+        let mut corners = Vec::new();
+        let mut from = curve.held;
+        while let Some(segment) = curve.next(from, Reach::Hull, u64::MAX) {
+            from = segment.to;
+            corners.push(segment);
+        }
+        corners
+    }
+
+    proptest! {
+        #[test]
+        fn no_level_lies_above_the_hull_and_its_slopes_fall(
+            steps in proptest::collection::vec((1u32..1000, -5.0f64..20.0), 1..9),
+        ) {
+            let (bytes, value): (Vec<u32>, Vec<f64>) = steps.into_iter().unzip();
+            let curve = curve(Chain::Refining, &bytes, &value);
+            let corners = corners(&curve);
+            let slopes: Vec<f64> =
+                corners.iter().map(|corner| density(corner.value, corner.bytes)).collect();
+            prop_assert!(slopes.windows(2).all(|pair| pair[0] >= pair[1] - 1e-9));
+            for point in curve.segments(curve.held, Reach::Hull) {
+                // The hull as the most value for so many bytes, fractions of a step allowed.
+                let (mut left, mut most) = (point.bytes as f64, 0.0);
+                for corner in &corners {
+                    let share = (left / corner.bytes as f64).min(1.0);
+                    most += share * corner.value;
+                    left -= share * corner.bytes as f64;
+                }
+                prop_assert!(point.value <= most + 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn a_poor_step_is_taken_together_with_the_rich_one_behind_it() {
+        let curve = curve(Chain::Refining, &[10, 10], &[30.0, 1.0]);
+        let both = Segment {
+            to: 0,
+            bytes: 20,
+            value: 31.0,
+        };
+        assert_eq!(corners(&curve), [both]);
+        let one = curve.next(2, Reach::Level, 20);
+        assert_eq!(
+            one,
+            Some(Segment {
+                to: 1,
+                bytes: 10,
+                value: 1.0
+            })
+        );
+    }
+
+    #[test]
+    fn a_finer_level_that_replaces_a_chosen_one_costs_the_difference() {
+        let curve = curve(Chain::Replacing, &[40, 10], &[6.0, 5.0]);
+        let expected = [(1, 10, 5.0), (0, 30, 6.0)];
+        let expected = expected.map(|(to, bytes, value)| Segment { to, bytes, value });
+        assert_eq!(corners(&curve), expected);
+        let held = Curve { held: 1, ..curve };
+        assert_eq!(
+            held.next(1, Reach::Hull, 40).map(|segment| segment.bytes),
+            Some(40)
+        );
+    }
+
+    #[test]
+    fn what_is_free_comes_first_and_what_is_worthless_never() {
+        assert_eq!(density(1.0, 0), f64::INFINITY);
+        assert_eq!(density(0.0, 0), 0.0);
+        assert_eq!(density(-1.0, 0), 0.0);
+        let worthless = curve(Chain::Refining, &[0, 5], &[0.0, -1.0]);
+        assert_eq!(corners(&worthless), []);
+    }
+}
