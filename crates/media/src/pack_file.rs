@@ -1,8 +1,10 @@
 //! How is a pack read from a file?
 
+use foveal_core::asset::cues::{CUES, CueTable};
 use foveal_core::asset::pack::{
     HEADER_BYTES, Header, Pack, PackError, TableEntry, check_crc, split_chunk,
 };
+use foveal_core::asset::signature::{SIGNATURES, Signatures};
 use foveal_core::asset::unit::UnitId;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
@@ -185,6 +187,32 @@ impl PackFile {
         }
     }
 
+    /// What each unit adds, from the side table `signatures`; `None` where the pack has none.
+    pub fn signatures(&self) -> Result<Option<Signatures>, PackFileError> {
+        let parse = |version, rows| Signatures::parse(&self.pack, version, rows);
+        self.parse_table(SIGNATURES, parse)
+    }
+
+    /// What might draw the eye, from the side table `cues`; `None` where the pack has none.
+    pub fn cues(&self) -> Result<Option<CueTable>, PackFileError> {
+        let parse = |version, rows| CueTable::parse(&self.pack, version, rows);
+        self.parse_table(CUES, parse)
+    }
+
+    fn parse_table<T>(
+        &self,
+        name: &str,
+        parse: impl FnOnce(u32, Vec<u8>) -> Result<T, PackError>,
+    ) -> Result<Option<T>, PackFileError> {
+        let tables = &self.pack.description().tables;
+        let Some(table) = tables.iter().find(|table| table.name == name) else {
+            return Ok(None);
+        };
+        let rows = self.read_table(table)?;
+        let parsed = parse(table.version, rows);
+        parsed.map(Some).map_err(|source| self.format(source))
+    }
+
     /// Reads every byte and checks it: `progress` is told how many bytes are done of how many.
     /// Returns what is damaged, nothing if all is well.
     pub fn verify(&self, mut progress: impl FnMut(u64, u64)) -> Vec<PackFileError> {
@@ -195,7 +223,11 @@ impl PackFile {
         for table in &self.pack.description().tables {
             damage.extend(self.read_table(table).err());
         }
-        damage.extend(self.frame_times().err());
+        if damage.is_empty() {
+            damage.extend(self.frame_times().err());
+            damage.extend(self.signatures().err());
+            damage.extend(self.cues().err());
+        }
         let mut done = 0;
         for unit in self.pack.units() {
             let frames = self.pack.frames_of(unit).len();

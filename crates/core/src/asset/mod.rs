@@ -1,8 +1,10 @@
 //! What can be sent and shown: pictures, tiles, units and the pack that holds them.
 
 pub mod codec;
+pub mod cues;
 pub mod order;
 pub mod pack;
 pub mod picture;
+pub mod signature;
 pub mod tile_grid;
 pub mod unit;

@@ -77,4 +77,16 @@ impl HeadPose {
         let axes = self.axes();
         axes.right * x - axes.down * y - axes.forward * z
     }
+
+    /// A direction given in the content's space in the head's; the inverse of
+    /// [`Self::content_from_head`].
+    #[must_use]
+    pub fn head_from_content(&self, direction_in_content: DVec3) -> DVec3 {
+        let axes = self.axes();
+        DVec3::new(
+            direction_in_content.dot(axes.right),
+            -direction_in_content.dot(axes.down),
+            -direction_in_content.dot(axes.forward),
+        )
+    }
 }

@@ -1,4 +1,4 @@
-//! What can the eye resolve, and what is a finer level worth to it?
+//! What can the eye resolve, what is a finer level worth to it, and what draws it?
 
 pub mod acuity;
 pub mod csf;
@@ -8,6 +8,8 @@ pub mod importance;
 pub mod luminance;
 pub mod parameters;
 pub mod pyramid;
+pub mod saliency;
 pub mod sensitivity;
 pub mod sensitivity_table;
+pub mod signature;
 pub mod spread;

@@ -42,6 +42,41 @@ pub fn effective_eccentricity(eccentricity: Radians, spread: Radians) -> Radians
     Radians::from_degrees((1.0 / mean - MAGNIFICATION_DEG).max(0.0))
 }
 
+/// Places of a [`SpreadTable`], spaced as the roots of eccentricity.
+const PLACES: usize = 128;
+
+/// Effective eccentricities under one spread, looked up; off by less than 0.02° up to 120°.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpreadTable {
+    effective: Option<Vec<f64>>,
+}
+
+impl SpreadTable {
+    /// The table of a spread. Costs about a millisecond; nothing without spread.
+    #[must_use]
+    pub fn new(spread: Radians) -> Self {
+        let entry = |k: usize| {
+            let root = k as f64 / (PLACES - 1) as f64;
+            effective_eccentricity(Radians(PI * root * root), spread).0
+        };
+        Self {
+            effective: (spread.0 > 0.0).then(|| (0..PLACES).map(entry).collect()),
+        }
+    }
+
+    /// See [`effective_eccentricity`].
+    #[must_use]
+    pub fn effective(&self, eccentricity: Radians) -> Radians {
+        let Some(effective) = &self.effective else {
+            return eccentricity;
+        };
+        let at = (eccentricity.0 / PI).clamp(0.0, 1.0).sqrt() * (PLACES - 1) as f64;
+        let before = (at as usize).min(PLACES - 2);
+        let [a, b] = [effective[before], effective[before + 1]];
+        Radians(a + (at - before as f64) * (b - a))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -49,6 +84,21 @@ mod tests {
     fn effective(eccentricity_deg: f64, spread_deg: f64) -> f64 {
         let degrees = Radians::from_degrees;
         effective_eccentricity(degrees(eccentricity_deg), degrees(spread_deg)).to_degrees()
+    }
+
+    #[test]
+    fn the_table_says_what_the_quadrature_says() {
+        for spread in [0.0, 0.5, 1.5, 7.0] {
+            let table = SpreadTable::new(Radians::from_degrees(spread));
+            for step in 0..400 {
+                let degrees = f64::from(step) * 0.3;
+                let found = table.effective(Radians::from_degrees(degrees)).to_degrees();
+                assert!(
+                    (found - effective(degrees, spread)).abs() < 0.02,
+                    "{spread} {degrees}"
+                );
+            }
+        }
     }
 
     #[test]

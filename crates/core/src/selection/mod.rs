@@ -1,9 +1,15 @@
 //! What to show and fetch: levels for every cell, the tiles that follow, the log that replays.
 
+pub mod budget;
+pub mod chooser;
+pub mod content;
 pub mod greedy;
 pub mod level_map;
 pub mod policy;
+pub mod refine;
 pub mod session;
+pub mod worth;
 
 mod need;
 mod neighbours;
+mod places;

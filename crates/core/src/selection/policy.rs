@@ -1,11 +1,13 @@
 //! Which level does each policy give each part of the picture?
 
+use super::greedy::Misfit;
 use super::level_map::LevelMap;
 use super::need::{CellBounds, Probe, level_of_footprint, probes};
 use super::neighbours::neighbours;
 use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::gaze::sample::GazeSample;
 use crate::perception::acuity::AcuityModel;
+use crate::perception::parameters::{EyeState, Model, Parameters};
 use crate::units::{Ppd, Radians};
 use crate::view::axes::{angle_between, direction_between};
 use crate::view::eye_view::EyeView;
@@ -27,6 +29,21 @@ pub enum Policy {
     Grid,
     /// The coarsest level that still meets the eye's limit everywhere in a cell.
     Acuity,
+    /// UNI: everything in view is raised evenly, one level at a time.
+    Uniform,
+    /// ECC: acuity plus a pedestal, per byte: no content, no popping.
+    Eccentricity,
+    /// OURS: what a step is worth to the eye, per byte (Chen et al. 2022, corrected).
+    Perceptual,
+}
+
+impl Policy {
+    /// Whether this policy spends a budget on units of known size, step by step: then a
+    /// [`Refiner`](super::refine::Refiner) chooses, else a [`Selector`].
+    #[must_use]
+    pub fn spends_a_budget(self) -> bool {
+        matches!(self, Self::Uniform | Self::Eccentricity | Self::Perceptual)
+    }
 }
 
 /// Which cells the `grid` policy shows at the finest level.
@@ -59,6 +76,12 @@ pub struct PolicyConfig {
     /// `grid`: how many cells of the lowest level, in index order, count as noisy and are promoted
     /// to the middle level.
     pub noisy_cells: u32,
+    /// `perceptual`, `eccentricity`: what a step is worth.
+    #[serde(default)]
+    pub perception: Parameters,
+    /// `perceptual`: whether saliency says what to fetch outside the region that gaze predicts.
+    #[serde(default)]
+    pub saliency: bool,
 }
 
 impl PolicyConfig {
@@ -73,6 +96,17 @@ impl PolicyConfig {
             edge_rule: EdgeRule::Conservative,
             edge_margin: Radians(0.0),
             noisy_cells: 0,
+            perception: Parameters::default(),
+            saliency: false,
+        }
+    }
+
+    /// What happens when the best step does not fit into the budget: the published greedy (Chen et
+    /// al. 2022) goes on with the next, the corrected one stops.
+    pub(super) fn misfit(&self) -> Misfit {
+        match self.perception.model {
+            Model::Paper => Misfit::Skip,
+            Model::Default => Misfit::Stop,
         }
     }
 }
@@ -84,6 +118,8 @@ pub struct Moment {
     pub gaze: GazeSample,
     /// What shows the picture; without it nothing is cut to the display's density.
     pub view: Option<EyeView>,
+    /// What the eye does, as far as the worth of a step depends on it.
+    pub state: EyeState,
 }
 
 /// What was chosen for one frame.
@@ -136,6 +172,12 @@ impl Selector {
             Policy::Viewport => self.viewport(moment),
             Policy::Grid => self.kastner_grid(&moment.gaze),
             Policy::Acuity => self.acuity(moment),
+            Policy::Uniform | Policy::Eccentricity | Policy::Perceptual => {
+                panic!(
+                    "{:?} spends a budget: a Refiner chooses",
+                    self.config.policy
+                )
+            }
         };
         let tiles = levels.cover(&self.grid);
         Selection { levels, tiles }
@@ -152,7 +194,8 @@ impl Selector {
             let Some(view) = view else {
                 return self.grid.coarsest();
             };
-            let seen = probes(&self.grid, cell).filter(|probe| in_view(view, probe, margin));
+            let seen =
+                probes(&self.grid, cell).filter(|probe| in_view(view, probe.direction, margin));
             let level = seen
                 .map(|probe| level_of_footprint(&self.grid, display_footprint(view, &probe)))
                 .min();
@@ -290,10 +333,11 @@ fn display_footprint(view: &EyeView, probe: &Probe) -> f64 {
     probe.ppd.0 / view.ppd_towards(probe.direction).0
 }
 
-fn in_view(view: &EyeView, probe: &Probe, margin: Radians) -> bool {
-    let depth = probe.direction.dot(view.axes.forward);
-    let across = libm::atan2(probe.direction.dot(view.axes.right), depth);
-    let down = libm::atan2(probe.direction.dot(view.axes.down), depth);
+/// Whether a direction is in view, or no more than `margin` beside it.
+pub(super) fn in_view(view: &EyeView, direction: DVec3, margin: Radians) -> bool {
+    let depth = direction.dot(view.axes.forward);
+    let across = libm::atan2(direction.dot(view.axes.right), depth);
+    let down = libm::atan2(direction.dot(view.axes.down), depth);
     let reach = |tangent: f64| libm::atan(tangent) + margin.0;
     let field = view.field;
     (-reach(field.left)..=reach(field.right)).contains(&across)
@@ -339,7 +383,11 @@ mod tests {
             Radians::from_degrees(yaw),
             Radians::from_degrees(pitch),
         );
-        Moment { gaze, view: None }
+        Moment {
+            gaze,
+            view: None,
+            state: EyeState::Steady,
+        }
     }
 
     fn kastner_pixels(config: PolicyConfig, moment: &Moment) -> (u64, Vec<u32>) {
@@ -367,7 +415,14 @@ mod tests {
                     gaze_in_content,
                     ..degrees(0.0, 0.0).gaze
                 };
-                share(selector, &Moment { gaze, view: None })
+                share(
+                    selector,
+                    &Moment {
+                        gaze,
+                        view: None,
+                        state: EyeState::Steady,
+                    },
+                )
             })
             .collect();
         (
@@ -460,6 +515,7 @@ mod tests {
                 ..sure.gaze
             },
             view: None,
+            state: EyeState::Steady,
         };
         assert!(share(&selector, &unsure) > share(&selector, &sure));
     }

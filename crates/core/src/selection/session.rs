@@ -3,10 +3,16 @@
 //! The log is lines of JSON: a head with grid, policy and view, then one line a frame with what
 //! selection was given and a hash of what it chose. Replaying needs no content and no clock.
 
+use super::chooser::Chooser;
+use super::content::Content;
 use super::level_map::{histogram, pixels};
-use super::policy::{Moment, PolicyConfig, Selection, Selector};
-use crate::asset::tile_grid::TileGrid;
+use super::policy::{Moment, PolicyConfig, Selection};
+use crate::asset::cues::Cues;
+use crate::asset::signature::Signature;
+use crate::asset::tile_grid::{Tile, TileGrid};
+use crate::asset::unit::UnitId;
 use crate::gaze::sample::{GazeSample, HeadPose};
+use crate::perception::parameters::EyeState;
 use crate::units::{Radians, Seconds};
 use crate::view::eye_view::{EyeView, Field};
 use glam::DVec3;
@@ -51,12 +57,31 @@ pub struct SessionFrame {
     pub spread_rad: Radians,
     /// Yaw, pitch and roll of the view in radians.
     pub head: HeadPose,
+    /// What the eye did, as far as the worth of a step depends on it.
+    #[serde(default)]
+    pub state: EyeState,
+    /// Bytes that could be spent, under a policy that spends a budget; without it, no limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub budget: Option<u64>,
     /// Number of tiles of each level, finest first.
     pub tiles: Vec<u32>,
     /// Pixels of all tiles.
     pub pixels: u64,
     /// SHA-256 of the tiles.
     pub sha256: String,
+}
+
+/// What selection is given at one frame, as far as it is logged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Given {
+    /// Where the eye looks when the frame is shown, as far as was known.
+    pub gaze: GazeSample,
+    /// Orientation of the view.
+    pub head: HeadPose,
+    /// What the eye does, as far as the worth of a step depends on it.
+    pub state: EyeState,
+    /// Bytes that could be spent; `None` without a limit, or where the policy has no budget.
+    pub budget: Option<u64>,
 }
 
 /// A run, as it was logged.
@@ -90,11 +115,11 @@ pub enum SessionError {
 impl SessionHead {
     /// The head of a new log.
     #[must_use]
-    pub fn new(pack: &str, selector: &Selector, policy: PolicyConfig, view: &EyeView) -> Self {
+    pub fn new(pack: &str, grid: &TileGrid, policy: PolicyConfig, view: &EyeView) -> Self {
         Self {
             foveal_session: VERSION,
             pack: pack.to_owned(),
-            grid: *selector.grid(),
+            grid: *grid,
             policy,
             field: view.field,
             size: view.size,
@@ -135,8 +160,8 @@ impl SessionHead {
 impl SessionFrame {
     /// What selection was given at this frame.
     #[must_use]
-    pub fn moment(&self, head: &SessionHead) -> Moment {
-        Moment {
+    pub fn given(&self) -> Given {
+        Given {
             gaze: GazeSample {
                 time: self.time_s,
                 received: self.time_s,
@@ -145,23 +170,30 @@ impl SessionFrame {
                 spread: self.spread_rad,
                 head: None,
             },
+            head: self.head,
+            state: self.state,
+            budget: self.budget,
+        }
+    }
+
+    /// The moment of this frame, for what showed it.
+    #[must_use]
+    pub fn moment(&self, head: &SessionHead) -> Moment {
+        Moment {
+            gaze: self.given().gaze,
             view: Some(EyeView {
                 axes: self.head.axes(),
                 field: head.field,
                 size: head.size,
             }),
+            state: self.state,
         }
     }
 
-    /// The line of a frame: what `selection` was given and chose.
+    /// The line of a frame: what selection was given and chose.
     #[must_use]
-    pub fn new(
-        frame: u32,
-        gaze: &GazeSample,
-        head: HeadPose,
-        grid: &TileGrid,
-        selection: &Selection,
-    ) -> Self {
+    pub fn new(frame: u32, given: &Given, grid: &TileGrid, selection: &Selection) -> Self {
+        let gaze = &given.gaze;
         let mut hash = Sha256::new();
         for tile in &selection.tiles {
             hash.update([tile.level, tile.face]);
@@ -174,7 +206,9 @@ impl SessionFrame {
             gaze: gaze.gaze_in_content.to_array(),
             valid: gaze.valid,
             spread_rad: gaze.spread,
-            head,
+            head: given.head,
+            state: given.state,
+            budget: given.budget,
             tiles: histogram(grid, &selection.tiles),
             pixels: pixels(grid, &selection.tiles),
             sha256: hex(&hash.finalize()),
@@ -225,15 +259,23 @@ impl Session {
         text
     }
 
-    /// The same run selected again from what was given: equal to this one, or something changed.
+    /// Whether replaying takes the content: its policy chose by the sizes and worth of units.
     #[must_use]
-    pub fn replay(&self) -> Self {
-        let selector = Selector::new(self.head.grid, self.head.policy.clone());
+    pub fn needs_content(&self) -> bool {
+        self.head.policy.policy.spends_a_budget()
+    }
+
+    /// The same run selected again from what was given: equal to this one, or something changed.
+    ///
+    /// # Panics
+    /// When the content is needed and not given; see [`Self::needs_content`].
+    #[must_use]
+    pub fn replay(&self, content: Option<&dyn Content>) -> Self {
+        let mut chooser = Chooser::new(self.head.grid, self.head.policy.clone());
         let again = |frame: &SessionFrame| {
             let moment = frame.moment(&self.head);
-            let selection = selector.select(&moment);
-            let grid = selector.grid();
-            SessionFrame::new(frame.frame, &moment.gaze, frame.head, grid, &selection)
+            let selection = chooser.choose(content, frame.frame, &moment, frame.budget);
+            SessionFrame::new(frame.frame, &frame.given(), &self.head.grid, &selection)
         };
         Self {
             head: self.head.clone(),
@@ -266,6 +308,32 @@ pub fn parse_anything(data: &[u8]) -> bool {
     Session::parse(text).is_ok_and(|session| Session::parse(&session.write()).is_ok())
 }
 
+/// Content whose sizes and measures follow from the unit's number.
+struct ScriptedContent;
+
+impl Content for ScriptedContent {
+    fn unit(&self, tile: Tile, frame: u32) -> UnitId {
+        let place = u32::from(tile.face) << 20 | u32::from(tile.y) << 10 | u32::from(tile.x);
+        UnitId(place ^ u32::from(tile.level) << 24 ^ (frame / 8) << 27)
+    }
+
+    fn bytes(&self, unit: UnitId) -> u32 {
+        500 + unit.0.wrapping_mul(2_654_435_761) % 4000
+    }
+
+    fn signature(&self, unit: UnitId) -> Option<Signature> {
+        let byte = |k: u32| (unit.0.wrapping_mul(2_246_822_519 + 2 * k) >> 24) as u8;
+        Some(Signature::from_bytes(core::array::from_fn(|k| {
+            byte(k as u32)
+        })))
+    }
+
+    fn cues(&self, unit: UnitId) -> Option<Cues> {
+        let bytes = unit.0.wrapping_mul(3_266_489_917).to_le_bytes();
+        Some(Cues::from_bytes(bytes))
+    }
+}
+
 /// A scripted run over a 16K cube and a flat picture under every policy, as logs: the same text on
 /// every machine, natively and in wasm.
 #[must_use]
@@ -285,6 +353,9 @@ pub fn scripted_sessions() -> Vec<Session> {
         Policy::Viewport,
         Policy::Full,
         Policy::Coarsest,
+        Policy::Uniform,
+        Policy::Eccentricity,
+        Policy::Perceptual,
     ];
     let mut sessions = Vec::new();
     for surface in surfaces {
@@ -296,15 +367,18 @@ pub fn scripted_sessions() -> Vec<Session> {
         };
         let path = ScanPath::new(&surface, 7, Seconds(2.0));
         for policy in policies {
-            let config = PolicyConfig::new(policy);
-            let selector = Selector::new(grid, config.clone());
+            let config = PolicyConfig {
+                saliency: true,
+                ..PolicyConfig::new(policy)
+            };
+            let mut chooser = Chooser::new(grid, config.clone());
             let size = [1280, 720];
             let view = EyeView {
                 axes: HeadPose::default().axes(),
                 field: Field::across(Radians::from_degrees(100.0), size),
                 size,
             };
-            let head = SessionHead::new("scripted", &selector, config, &view);
+            let head = SessionHead::new("scripted", &grid, config, &view);
             let frames = (0..20).map(|frame| {
                 let gaze = path.at(Seconds(f64::from(frame) * 0.1)).0;
                 let head_pose = HeadPose {
@@ -317,8 +391,17 @@ pub fn scripted_sessions() -> Vec<Session> {
                         axes: head_pose.axes(),
                         ..view
                     }),
+                    state: EyeState::Steady,
                 };
-                SessionFrame::new(frame, &gaze, head_pose, &grid, &selector.select(&moment))
+                let given = Given {
+                    gaze,
+                    head: head_pose,
+                    state: moment.state,
+                    budget: Some(40_000),
+                };
+                let selection =
+                    chooser.choose(Some(&ScriptedContent), frame, &moment, given.budget);
+                SessionFrame::new(frame, &given, &grid, &selection)
             });
             sessions.push(Session {
                 frames: frames.collect(),
@@ -339,7 +422,7 @@ mod tests {
             let text = session.write();
             let read = Session::parse(&text).unwrap();
             assert_eq!(read, session);
-            assert_eq!(read.replay().write(), text);
+            assert_eq!(read.replay(Some(&ScriptedContent)).write(), text);
         }
     }
 
@@ -347,7 +430,7 @@ mod tests {
     fn a_changed_gaze_changes_the_replay() {
         let mut session = scripted_sessions().remove(0);
         session.frames[3].gaze = [1.0, 0.0, 0.0];
-        assert_ne!(session.replay(), session);
+        assert_ne!(session.replay(None), session);
     }
 
     #[test]

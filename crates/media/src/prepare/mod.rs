@@ -5,6 +5,7 @@
 //! threads as asked for. A pack is the same bytes for any number of them.
 
 mod cutter;
+mod notes;
 mod plan;
 
 pub use plan::{Plan, PrepareSettings, ProjectionChoice, Surround};
@@ -20,6 +21,7 @@ use foveal_core::asset::order::hilbert_distance;
 use foveal_core::asset::pack::{Description, MAX_FRAMES, SideTable};
 use foveal_core::asset::picture::Picture;
 use foveal_core::asset::tile_grid::{GridError, Tile};
+use notes::Notes;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, sync_channel};
 use thiserror::Error;
@@ -97,15 +99,16 @@ pub fn prepare(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Description, u64), PrepareError> {
     let mut writer = PackWriter::create(out, &plan.description)?;
-    let times = code(input, plan, None, &mut writer, progress)?;
+    let (times, notes) = code(input, plan, None, &mut writer, progress)?;
     let mut description = plan.description.clone();
     description.frames = times.len() as u32;
-    let table = SideTable {
+    let mut tables = vec![SideTable {
         name: FRAME_TIMES.to_owned(),
         version: 1,
         bytes: times.iter().flat_map(|time| time.to_le_bytes()).collect(),
-    };
-    let bytes = writer.finish(description.clone(), &[table])?;
+    }];
+    tables.extend(notes.into_tables());
+    let bytes = writer.finish(description.clone(), &tables)?;
     Ok((description, bytes))
 }
 
@@ -114,18 +117,19 @@ pub fn prepare(
 pub fn rehearse(input: &Path, plan: &Plan, frames: u32) -> Result<(u32, u64), PrepareError> {
     let mut bytes = 0;
     let mut note = |progress: Progress| bytes = progress.bytes;
-    let times = code(input, plan, Some(frames), &mut Nowhere, &mut note)?;
+    let (times, _) = code(input, plan, Some(frames), &mut Nowhere, &mut note)?;
     Ok((times.len() as u32, bytes))
 }
 
-/// Reads, cuts and codes; returns the time of every frame in nanoseconds.
+/// Reads, cuts and codes; returns the time of every frame in nanoseconds, and what was noted of
+/// every unit.
 fn code(
     input: &Path,
     plan: &Plan,
     most_frames: Option<u32>,
     sink: &mut dyn Sink,
     progress: &mut dyn FnMut(Progress),
-) -> Result<Vec<i64>, PrepareError> {
+) -> Result<(Vec<i64>, Notes), PrepareError> {
     let mut coder = Coder::new(plan);
     let mut times = Vec::new();
     let most = most_frames.or(plan.most_frames).unwrap_or(MAX_FRAMES);
@@ -155,7 +159,7 @@ fn code(
     if times.is_empty() {
         return Err(PrepareError::NoFrames(input.display().to_string()));
     }
-    Ok(times)
+    Ok((times, coder.notes))
 }
 
 fn read_frames(
@@ -203,6 +207,7 @@ struct Coder<'a> {
     /// Of each level, by rank of the tile, the pictures of the group that is being filled.
     waiting: Vec<Vec<Vec<Picture>>>,
     coded: Vec<CodedGroup>,
+    notes: Notes,
     frames: u32,
     bytes: u64,
 }
@@ -216,6 +221,7 @@ impl<'a> Coder<'a> {
             cutter: Cutter::new(plan),
             waiting: (0..grid.levels).map(empty).collect(),
             coded: Vec::new(),
+            notes: Notes::new(&grid, plan.description.colour),
             frames: 0,
             bytes: 0,
         }
@@ -264,12 +270,15 @@ impl<'a> Coder<'a> {
                 .map(|n| n.min(i32::MAX as u32) as i32),
             speed: self.plan.speed,
         };
+        let notes = &self.notes;
         let units = in_parallel(self.plan.jobs, waiting.len(), |rank| {
-            encode_group(&settings, &waiting[rank])
+            let group = &waiting[rank];
+            (encode_group(&settings, group), notes.measure(level, group))
         });
         waiting.iter_mut().for_each(Vec::clear);
-        for (rank, access_units) in units.into_iter().enumerate() {
+        for (rank, (access_units, measured)) in units.into_iter().enumerate() {
             let access_units = access_units?;
+            self.notes.push(level, measured);
             self.bytes += access_units
                 .iter()
                 .map(|unit| unit.len() as u64 + 4)

@@ -184,8 +184,16 @@ impl Pack {
     }
 
     /// All units, coarsest level first.
-    pub fn units(&self) -> impl Iterator<Item = UnitId> + use<> {
-        (0..self.layout.units).map(UnitId)
+    pub fn units(&self) -> impl ExactSizeIterator<Item = UnitId> + use<> {
+        (0..self.layout.units as usize).map(|unit| UnitId(unit as u32))
+    }
+
+    /// The first unit that is finer than the coarsest level; where there is only one level, the
+    /// number of units.
+    #[must_use]
+    pub fn first_refining_unit(&self) -> UnitId {
+        let finer = usize::from(self.description.levels).checked_sub(2);
+        UnitId(finer.map_or(self.layout.units, |level| self.layout.first[level]))
     }
 
     /// The unit that holds `frame` of `tile`. O(1). The frame must exist.

@@ -50,7 +50,7 @@ pub struct PackError {
 }
 
 impl PackError {
-    fn new(field: &str, found: impl ToString, expected: impl ToString) -> Self {
+    pub(crate) fn new(field: &str, found: impl ToString, expected: impl ToString) -> Self {
         Self {
             field: field.to_owned(),
             found: found.to_string(),

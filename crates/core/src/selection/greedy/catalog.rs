@@ -105,6 +105,21 @@ impl Catalog {
         }
     }
 
+    /// Says what a unit's steps cost now, finest first: other frames have other bytes.
+    ///
+    /// # Panics
+    /// When there is no such unit, or it has another number of steps.
+    pub fn set_bytes(&mut self, unit: u32, bytes: &[u32]) {
+        let steps = self.steps(unit);
+        assert_eq!(bytes.len(), steps.len(), "bytes for every step");
+        if self.bytes[steps.clone()] != *bytes {
+            self.bytes[steps].copy_from_slice(bytes);
+            let least = bytes.iter().copied().min().unwrap_or(u32::MAX);
+            self.least_bytes = self.least_bytes.min(least);
+            self.mark(unit);
+        }
+    }
+
     /// Says which level of a unit is held now: bytes have arrived, or were dropped.
     ///
     /// # Panics

@@ -1,0 +1,114 @@
+//! What in a tile might draw the eye, told in four bytes?
+//!
+//! The side table `cues` of a pack: for every unit of the finest level the measures that saliency
+//! is made of. `docs/formats/pack.md` is normative.
+
+use super::pack::{Pack, PackError};
+use super::unit::UnitId;
+
+/// Name of the side table.
+pub const CUES: &str = "cues";
+/// Version of its layout.
+pub const CUES_VERSION: u32 = 1;
+
+/// Measures of one tile over one group, in 8-bit code values unless said otherwise.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cues {
+    /// Standard deviation of red, green and blue, the root of the mean of their variances
+    /// (Kastner 2016 calls a cell noisy by its RGB variance).
+    pub deviation: f64,
+    /// Mean gradient of luma, per pixel.
+    pub edges: f64,
+    /// Mean distance from the tile's mean colour in CIE L*a*b*, in units of ΔE*ab.
+    pub colour: f64,
+    /// Mean absolute difference of luma between the first and the last picture of the group.
+    pub change: f64,
+}
+
+/// Largest value of each measure that is told: deviation, edges, colour, change.
+const MOST: [f64; 4] = [128.0, 128.0, 128.0, 255.0];
+
+impl Cues {
+    /// Bytes of the cues of a unit in the table.
+    pub const BYTES: usize = 4;
+
+    /// The cues as they lie in the table, each as the root of its share of the largest value.
+    #[must_use]
+    pub fn to_bytes(&self) -> [u8; Self::BYTES] {
+        let told = [self.deviation, self.edges, self.colour, self.change];
+        core::array::from_fn(|k| ((told[k] / MOST[k]).clamp(0.0, 1.0).sqrt() * 255.0).round() as u8)
+    }
+
+    /// The cues that these bytes tell. Every combination of bytes is some.
+    #[must_use]
+    pub fn from_bytes(bytes: [u8; Self::BYTES]) -> Self {
+        let [deviation, edges, colour, change] = core::array::from_fn(|k| {
+            let root = f64::from(bytes[k]) / 255.0;
+            root * root * MOST[k]
+        });
+        Self {
+            deviation,
+            edges,
+            colour,
+            change,
+        }
+    }
+}
+
+/// The cues of a pack's finest level.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CueTable {
+    rows: Vec<u8>,
+    /// The first unit of the finest level.
+    first: u32,
+}
+
+impl CueTable {
+    /// The cues in `rows`, the bytes of the side table of `pack`. Refuses another version and
+    /// another length than a row for every unit of the finest level.
+    pub fn parse(pack: &Pack, version: u32, rows: Vec<u8>) -> Result<Self, PackError> {
+        let first = pack.unit(pack.grid().tile_at(0, 0), 0).0;
+        let expected = (pack.units().len() - first as usize) * Cues::BYTES;
+        if version != CUES_VERSION || rows.len() != expected {
+            return Err(PackError::new(
+                &format!("side table {CUES}"),
+                format!("version {version}, {} bytes", rows.len()),
+                format!("version {CUES_VERSION}, {expected} bytes"),
+            ));
+        }
+        Ok(Self { rows, first })
+    }
+
+    /// The cues of a unit of the finest level; `None` for others.
+    #[must_use]
+    pub fn of(&self, unit: UnitId) -> Option<Cues> {
+        let row = unit.0.checked_sub(self.first)? as usize;
+        let bytes = self.rows.get(row * Cues::BYTES..)?.first_chunk()?;
+        Some(Cues::from_bytes(*bytes))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn any_bytes_are_cues_and_come_back(bytes in any::<[u8; Cues::BYTES]>()) {
+            prop_assert_eq!(Cues::from_bytes(bytes).to_bytes(), bytes);
+        }
+    }
+
+    #[test]
+    fn small_measures_are_told_finely() {
+        let cues = Cues {
+            deviation: 0.5,
+            edges: 0.5,
+            colour: 0.5,
+            change: 0.5,
+        };
+        let told = Cues::from_bytes(cues.to_bytes());
+        assert!((told.deviation - 0.5).abs() < 0.04, "{told:?}");
+    }
+}

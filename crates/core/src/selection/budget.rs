@@ -1,0 +1,65 @@
+//! How many bytes can arrive before the next frame is shown?
+
+use crate::units::Seconds;
+
+/// Bytes that a link can bring, saved up while nothing is worth them.
+///
+/// What is not spent is kept for at most [`MOST_SAVED_S`] seconds: what has not been asked for
+/// cannot have travelled, but requests that were made early wait at the receiver's end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Budget {
+    bytes_per_s: f64,
+    saved: f64,
+}
+
+/// How long unspent bytes are kept, in seconds.
+pub const MOST_SAVED_S: f64 = 0.25;
+
+impl Budget {
+    /// The budget of a link that brings `bytes_per_s`; infinite for content that lies at hand.
+    #[must_use]
+    pub fn new(bytes_per_s: f64) -> Self {
+        Self {
+            bytes_per_s,
+            saved: 0.0,
+        }
+    }
+
+    /// Bytes that can be spent now, `passed` after the call before.
+    pub fn after(&mut self, passed: Seconds) -> u64 {
+        if self.bytes_per_s.is_infinite() {
+            return u64::MAX;
+        }
+        let brought = self.bytes_per_s * passed.0.max(0.0);
+        self.saved = (self.saved + brought).min(self.bytes_per_s * MOST_SAVED_S);
+        self.saved as u64
+    }
+
+    /// Takes bytes that were spent.
+    pub fn spend(&mut self, bytes: u64) {
+        self.saved = (self.saved - bytes as f64).max(0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_budget_saves_no_more_than_a_quarter_second_and_never_loses_a_byte_before() {
+        let mut budget = Budget::new(1000.0);
+        assert_eq!(budget.after(Seconds(0.1)), 100);
+        budget.spend(60);
+        assert_eq!(budget.after(Seconds(0.1)), 140);
+        assert_eq!(budget.after(Seconds(60.0)), 250);
+        assert_eq!(budget.after(Seconds(-1.0)), 250);
+    }
+
+    #[test]
+    fn content_at_hand_has_no_limit() {
+        let mut budget = Budget::new(f64::INFINITY);
+        assert_eq!(budget.after(Seconds(0.0)), u64::MAX);
+        budget.spend(1 << 40);
+        assert_eq!(budget.after(Seconds(0.0)), u64::MAX);
+    }
+}

@@ -1,0 +1,48 @@
+//! Who chooses the levels of a frame: a rule, or what a budget buys?
+
+use super::content::Content;
+use super::policy::{Moment, PolicyConfig, Selection, Selector};
+use super::refine::Refiner;
+use crate::asset::tile_grid::TileGrid;
+
+/// Chooses frame after frame under one policy, whichever it is.
+#[derive(Clone, Debug)]
+pub enum Chooser {
+    /// A rule: each frame depends on its moment alone.
+    Rule(Selector),
+    /// Step by step, within what can arrive: a frame also depends on what came before.
+    Budget(Box<Refiner>),
+}
+
+impl Chooser {
+    /// The chooser of a policy.
+    #[must_use]
+    pub fn new(grid: TileGrid, config: PolicyConfig) -> Self {
+        if config.policy.spends_a_budget() {
+            Self::Budget(Box::new(Refiner::new(grid, config)))
+        } else {
+            Self::Rule(Selector::new(grid, config))
+        }
+    }
+
+    /// What to show of a frame. `budget` is what can arrive for it, in bytes; `None` without limit.
+    ///
+    /// # Panics
+    /// A policy that spends a budget needs the content, whose bytes it spends on.
+    #[must_use]
+    pub fn choose(
+        &mut self,
+        content: Option<&dyn Content>,
+        frame: u32,
+        moment: &Moment,
+        budget: Option<u64>,
+    ) -> Selection {
+        match (self, content) {
+            (Self::Rule(selector), _) => selector.select(moment),
+            (Self::Budget(refiner), Some(content)) => {
+                refiner.refine(content, frame, moment, budget)
+            }
+            (Self::Budget(_), None) => panic!("a policy that spends a budget was given no content"),
+        }
+    }
+}

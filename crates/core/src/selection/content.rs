@@ -1,0 +1,48 @@
+//! What does selection know of prepared content, beside how it is cut?
+
+use crate::asset::cues::{CueTable, Cues};
+use crate::asset::pack::Pack;
+use crate::asset::signature::{Signature, Signatures};
+use crate::asset::tile_grid::Tile;
+use crate::asset::unit::UnitId;
+
+/// Sizes and measures of units. A unit shows a tile over a group of frames.
+pub trait Content {
+    /// The unit that shows a frame of a tile.
+    fn unit(&self, tile: Tile, frame: u32) -> UnitId;
+    /// Its bytes.
+    fn bytes(&self, unit: UnitId) -> u32;
+    /// What it adds to the next coarser level; `None` for the coarsest.
+    fn signature(&self, unit: UnitId) -> Option<Signature>;
+    /// What in it might draw the eye; `None` where that is not known.
+    fn cues(&self, unit: UnitId) -> Option<Cues>;
+}
+
+/// A pack with the side tables that value its units.
+#[derive(Clone, Copy, Debug)]
+pub struct PackContent<'a> {
+    /// Its description and index.
+    pub pack: &'a Pack,
+    /// What each unit adds.
+    pub signatures: &'a Signatures,
+    /// What might draw the eye, where that was noted.
+    pub cues: Option<&'a CueTable>,
+}
+
+impl Content for PackContent<'_> {
+    fn unit(&self, tile: Tile, frame: u32) -> UnitId {
+        self.pack.unit(tile, frame)
+    }
+
+    fn bytes(&self, unit: UnitId) -> u32 {
+        self.pack.entry(unit).bytes
+    }
+
+    fn signature(&self, unit: UnitId) -> Option<Signature> {
+        self.signatures.of(unit)
+    }
+
+    fn cues(&self, unit: UnitId) -> Option<Cues> {
+        self.cues?.of(unit)
+    }
+}

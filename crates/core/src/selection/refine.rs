@@ -1,0 +1,438 @@
+//! Which steps does a budget buy, frame after frame?
+//!
+//! Tiles of a pyramid are units of one step; a finer tile wants the coarser one under it first,
+//! unless what is held already shows that place as well. Steps are taken by value per byte
+//! ([`super::greedy`]); what is bought and not shown in the end (four children hide their parent)
+//! is not bought.
+
+use super::content::Content;
+use super::greedy::{Catalog, CatalogBuilder, Chain, Misfit, Rule, Stage, Step};
+use super::level_map::LevelMap;
+use super::policy::{Moment, Policy, PolicyConfig, Selection};
+use super::worth::{Gains, Worth, cells_under};
+use crate::asset::tile_grid::{Tile, TileGrid};
+use crate::asset::unit::UnitId;
+use std::collections::BTreeSet;
+
+/// Rounds in which what was saved is spent again.
+const ROUNDS: u32 = 3;
+
+/// Buys and shows units under a policy that spends a budget. Remembers what it bought.
+#[derive(Clone, Debug)]
+pub struct Refiner {
+    grid: TileGrid,
+    config: PolicyConfig,
+    worth: Worth,
+    catalog: Catalog,
+    /// The tiles that are units of the catalog: all but the coarsest level, coarsest first.
+    tiles: Vec<Tile>,
+    /// Number in the catalog of the first tile of each level, by level.
+    first: Vec<u32>,
+    /// The unit of each tile that was bought last.
+    held: Vec<Option<UnitId>>,
+    /// Bytes that the last frame took.
+    spent: u64,
+}
+
+impl Refiner {
+    /// A chooser that holds nothing but the coarsest level.
+    #[must_use]
+    pub fn new(grid: TileGrid, config: PolicyConfig) -> Self {
+        let finer = (0..grid.coarsest()).rev();
+        let tiles: Vec<Tile> = finer.flat_map(|level| grid.tiles_of(level)).collect();
+        let mut first = vec![0; usize::from(grid.levels)];
+        for (number, tile) in (0..).zip(&tiles) {
+            if tile.x == 0 && tile.y == 0 && tile.face == 0 {
+                first[usize::from(tile.level)] = number;
+            }
+        }
+        let catalog = catalog_of(&grid, &tiles, &first, &config);
+        Self {
+            worth: Worth::new(&grid, &config),
+            held: vec![None; tiles.len()],
+            spent: 0,
+            grid,
+            config,
+            catalog,
+            tiles,
+            first,
+        }
+    }
+
+    /// Bytes that the last frame took.
+    #[must_use]
+    pub fn spent(&self) -> u64 {
+        self.spent
+    }
+
+    /// Buys what `budget` bytes allow for `frame` (`None`: whatever is worth anything) and says
+    /// what to show of it.
+    pub fn refine(
+        &mut self,
+        content: &dyn Content,
+        frame: u32,
+        moment: &Moment,
+        budget: Option<u64>,
+    ) -> Selection {
+        let gains = self.worth.gains(&self.grid, content, frame, moment);
+        self.spent = 0;
+        let mut shown = self.shown(content, frame, &gains);
+        for _ in 0..ROUNDS {
+            let left = budget.map_or(u64::MAX, |budget| budget.saturating_sub(self.spent));
+            let bought = self.buy(content, frame, &gains, &shown, left);
+            if bought == 0 {
+                break;
+            }
+            self.spent += bought;
+            shown = self.shown(content, frame, &gains);
+        }
+        let tiles = shown_tiles(&self.grid, &shown);
+        Selection {
+            levels: shown,
+            tiles,
+        }
+    }
+
+    fn number(&self, tile: Tile) -> usize {
+        (self.first[usize::from(tile.level)] + self.grid.rank(tile)) as usize
+    }
+
+    fn holds(&self, content: &dyn Content, tile: Tile, frame: u32) -> bool {
+        self.held[self.number(tile)] == Some(content.unit(tile, frame))
+    }
+
+    /// The finest level that is held for each cell and worth showing there.
+    fn shown(&self, content: &dyn Content, frame: u32, gains: &Gains) -> LevelMap {
+        let held: Vec<bool> = self
+            .tiles
+            .iter()
+            .map(|tile| self.holds(content, *tile, frame) && gains.of(&self.grid, *tile) > 0.0)
+            .collect();
+        LevelMap::from_cells(&self.grid, |cell| {
+            let levels = 0..self.grid.coarsest();
+            let mut held_levels =
+                levels.filter(|level| held[self.number(self.grid.tile_over(cell, *level))]);
+            held_levels.next().unwrap_or(self.grid.coarsest())
+        })
+    }
+
+    /// Buys for at most `budget` bytes and returns the bytes spent.
+    fn buy(
+        &mut self,
+        content: &dyn Content,
+        frame: u32,
+        gains: &Gains,
+        shown: &LevelMap,
+        budget: u64,
+    ) -> u64 {
+        for number in 0..self.tiles.len() {
+            let tile = self.tiles[number];
+            let held = self.holds(content, tile, frame);
+            let bytes = content.bytes(content.unit(tile, frame));
+            let value = gains.over(&self.grid, tile, shown);
+            self.catalog.set_level(number as u32, u8::from(!held));
+            self.catalog.set_bytes(number as u32, &[bytes]);
+            self.catalog.set_values(number as u32, &[value]);
+        }
+        let mut levels = shown.clone();
+        let chosen = self.chosen(gains, budget);
+        for tile in &chosen {
+            for cell in cells_under(&self.grid, *tile) {
+                levels.refine(&self.grid, cell, tile.level);
+            }
+        }
+        let needed: BTreeSet<Tile> = shown_tiles(&self.grid, &levels).into_iter().collect();
+        let mut bytes = 0;
+        for tile in chosen.into_iter().filter(|tile| needed.contains(tile)) {
+            let unit = content.unit(tile, frame);
+            let number = self.number(tile);
+            self.held[number] = Some(unit);
+            bytes += u64::from(content.bytes(unit));
+        }
+        bytes
+    }
+
+    fn chosen(&mut self, gains: &Gains, budget: u64) -> Vec<Tile> {
+        let tiles = &self.tiles;
+        let tile_of = |unit: u32| tiles[unit as usize];
+        if self.config.policy == Policy::Uniform {
+            let visible = |unit: u32| gains.of(&self.grid, tile_of(unit)) > 0.0;
+            let choices = self.catalog.uniform(budget, Misfit::Stop, visible);
+            return choices.map(|choice| tile_of(choice.unit)).collect();
+        }
+        let choices = self.catalog.choices(budget);
+        choices.map(|choice| tile_of(choice.unit)).collect()
+    }
+}
+
+/// One unit a tile; each wants the coarser tile under it.
+fn catalog_of(grid: &TileGrid, tiles: &[Tile], first: &[u32], config: &PolicyConfig) -> Catalog {
+    let mut builder = CatalogBuilder::default();
+    for tile in tiles {
+        let unknown = Step {
+            bytes: 0,
+            value: 0.0,
+        };
+        let unit = builder.add(Chain::Refining, &[unknown]);
+        let above = tile.level + 1;
+        if let (Ok(unit), true) = (unit, above < grid.coarsest()) {
+            let parent = grid.tile_over(*tile, above);
+            let needed = Stage {
+                unit: first[usize::from(above)] + grid.rank(parent),
+                level: 0,
+            };
+            builder.require(Stage { unit, level: 0 }, &[needed]);
+        }
+    }
+    let rule = Rule {
+        misfit: config.misfit(),
+        ..Rule::default()
+    };
+    match builder.build(rule) {
+        Ok(catalog) => catalog,
+        Err(error) => panic!("a pyramid is a catalog: {error}"),
+    }
+}
+
+/// The tiles that show every cell at its level, and the whole coarsest level, coarsest first.
+fn shown_tiles(grid: &TileGrid, levels: &LevelMap) -> Vec<Tile> {
+    let finer = grid
+        .tiles_of(0)
+        .map(|cell| grid.tile_over(cell, levels.level(grid, cell)));
+    let mut tiles: Vec<Tile> = grid.tiles_of(grid.coarsest()).chain(finer).collect();
+    tiles.sort_by_key(|tile| (core::cmp::Reverse(tile.level), grid.rank(*tile)));
+    tiles.dedup();
+    tiles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asset::cues::Cues;
+    use crate::asset::signature::{BandContrast, Signature};
+    use crate::asset::tile_grid::Cut;
+    use crate::gaze::sample::GazeSample;
+    use crate::perception::parameters::{EyeState, Model, Parameters};
+    use crate::selection::level_map::pixels;
+    use crate::units::{Radians, Seconds};
+    use crate::view::axes::{Axes, angle_between};
+    use crate::view::eye_view::{EyeView, Field};
+    use crate::view::surface::Surface;
+
+    const FRAMES_IN_GROUP: u32 = 8;
+
+    /// Busy everywhere; only one tile moves.
+    struct Busy;
+
+    impl Content for Busy {
+        fn unit(&self, tile: Tile, frame: u32) -> UnitId {
+            let place = u32::from(tile.face) << 12 | u32::from(tile.y) << 6 | u32::from(tile.x);
+            UnitId(place | u32::from(tile.level) << 16 | (frame / FRAMES_IN_GROUP) << 20)
+        }
+
+        fn bytes(&self, unit: UnitId) -> u32 {
+            1000 + unit.0.wrapping_mul(2_654_435_761) % 500
+        }
+
+        fn signature(&self, _: UnitId) -> Option<Signature> {
+            let band = |before, after| BandContrast {
+                before,
+                after,
+                difference: after - before,
+            };
+            Some(Signature {
+                bands: [band(0.01, 0.15), band(0.1, 0.12), band(0.1, 0.1)],
+            })
+        }
+
+        fn cues(&self, unit: UnitId) -> Option<Cues> {
+            let moves = unit.0 & 0xffff == 3 << 12;
+            let change = if moves { 200.0 } else { 0.0 };
+            Some(Cues {
+                change,
+                ..Cues::default()
+            })
+        }
+    }
+
+    fn grid() -> TileGrid {
+        TileGrid::new(Surface::cube(1024), Cut::Tile(128), 4, 2).unwrap()
+    }
+
+    fn config(policy: Policy) -> PolicyConfig {
+        PolicyConfig::new(policy)
+    }
+
+    fn moment(yaw_deg: f64) -> Moment {
+        let size = [800, 500];
+        Moment {
+            gaze: GazeSample::at(Seconds(0.0), Radians::from_degrees(yaw_deg), Radians(0.0)),
+            view: Some(EyeView {
+                axes: Axes::FRONT,
+                field: Field::across(Radians::from_degrees(100.0), size),
+                size,
+            }),
+            state: EyeState::Steady,
+        }
+    }
+
+    const BUDGETED: [Policy; 3] = [Policy::Uniform, Policy::Eccentricity, Policy::Perceptual];
+
+    fn first_frame(policy: Policy, budget: Option<u64>) -> (Refiner, Selection) {
+        let mut refiner = Refiner::new(grid(), config(policy));
+        let selection = refiner.refine(&Busy, 0, &moment(0.0), budget);
+        (refiner, selection)
+    }
+
+    #[test]
+    fn a_budget_is_never_passed_and_what_is_shown_was_paid() {
+        for policy in BUDGETED {
+            for budget in [0, 999, 5_000, 30_000, 200_000] {
+                let (refiner, selection) = first_frame(policy, Some(budget));
+                let finer = selection.tiles.iter().filter(|tile| tile.level < 3);
+                let shown: u64 = finer
+                    .map(|tile| u64::from(Busy.bytes(Busy.unit(*tile, 0))))
+                    .sum();
+                assert!(refiner.spent() <= budget, "{policy:?} {budget}");
+                assert!(shown <= refiner.spent(), "{policy:?} {budget}");
+            }
+        }
+    }
+
+    #[test]
+    fn more_bytes_are_never_worth_less() {
+        for policy in BUDGETED {
+            let mut before = 0.0;
+            for budget in [0, 5_000, 20_000, 60_000, 200_000, u64::MAX] {
+                let (refiner, selection) = first_frame(policy, Some(budget));
+                let gains = refiner.worth.gains(&grid(), &Busy, 0, &moment(0.0));
+                let share = gains.share(&grid(), &selection.levels);
+                assert!(
+                    share >= before - 1e-9,
+                    "{policy:?} {budget}: {share} {before}"
+                );
+                before = share;
+            }
+            assert!(before > 0.999, "{policy:?}: {before}");
+        }
+    }
+
+    #[test]
+    fn what_is_bought_stays_and_a_steady_eye_gets_all_that_is_worth_it() {
+        for policy in BUDGETED {
+            let whole = first_frame(policy, None).1.levels;
+            let mut refiner = Refiner::new(grid(), config(policy));
+            let mut shown = LevelMap::filled(&grid(), 3);
+            for _ in 0..60 {
+                let levels = refiner.refine(&Busy, 3, &moment(0.0), Some(25_000)).levels;
+                for (now, before) in levels.levels().iter().zip(shown.levels()) {
+                    assert!(now <= before, "{policy:?}");
+                }
+                shown = levels;
+            }
+            assert_eq!(refiner.spent(), 0, "{policy:?}");
+            assert_eq!(shown, whole, "{policy:?}");
+        }
+    }
+
+    #[test]
+    fn detail_goes_where_the_eye_looks() {
+        for policy in [Policy::Eccentricity, Policy::Perceptual] {
+            let selection = first_frame(policy, Some(40_000)).1;
+            let level_at = |yaw: f64| {
+                let gaze = moment(yaw).gaze.gaze_in_content;
+                let (face, place) = grid().surface.locate(gaze).unwrap();
+                selection.levels.level(&grid(), grid().cell_at(face, place))
+            };
+            assert!(level_at(1.0) < level_at(35.0), "{policy:?}");
+            let behind = level_at(180.0);
+            assert_eq!(behind, 3, "{policy:?}");
+        }
+    }
+
+    #[test]
+    fn uniform_raises_what_is_in_view_evenly() {
+        let selection = first_frame(Policy::Uniform, Some(30_000)).1;
+        let view = moment(0.0).view.unwrap();
+        let grid = grid();
+        let in_view = grid.tiles_of(0).filter(|cell| {
+            angle_between(view.axes.forward, grid.centre(*cell)).to_degrees() < 30.0
+        });
+        let levels: Vec<u8> = in_view
+            .map(|cell| selection.levels.level(&grid, cell))
+            .collect();
+        let (least, most) = (levels.iter().min().unwrap(), levels.iter().max().unwrap());
+        assert!(most - least <= 1, "{levels:?}");
+    }
+
+    #[test]
+    fn without_limit_an_eye_gets_less_than_everything_and_the_view_bounds_it() {
+        let tiles = first_frame(Policy::Perceptual, None).1.tiles;
+        let whole = LevelMap::filled(&grid(), 0).cover(&grid());
+        assert!(pixels(&grid(), &tiles) * 2 < pixels(&grid(), &whole));
+    }
+
+    #[test]
+    fn saliency_fetches_what_moves_outside_the_view_and_nothing_else_there() {
+        let behind = |saliency| {
+            let config = PolicyConfig {
+                saliency,
+                ..config(Policy::Perceptual)
+            };
+            let mut refiner = Refiner::new(grid(), config);
+            let tiles = refiner.refine(&Busy, 0, &moment(0.0), None).tiles;
+            let left = tiles
+                .into_iter()
+                .filter(|tile| tile.face == 3 && tile.level < 3);
+            left.filter(|tile| grid().centre(*tile).x < -0.99).count()
+        };
+        assert_eq!(behind(false), 0);
+        let moving = grid().tile_at(
+            0,
+            grid().rank(Tile {
+                level: 0,
+                face: 3,
+                x: 0,
+                y: 0,
+            }),
+        );
+        let config = PolicyConfig {
+            saliency: true,
+            ..config(Policy::Perceptual)
+        };
+        let tiles = Refiner::new(grid(), config)
+            .refine(&Busy, 0, &moment(0.0), None)
+            .tiles;
+        assert!(tiles.contains(&moving));
+    }
+
+    #[test]
+    fn a_jumping_eye_is_prepared_for_anything_in_view() {
+        let shares = [EyeState::Steady, EyeState::Jumping].map(|state| {
+            let mut refiner = Refiner::new(grid(), config(Policy::Perceptual));
+            let moment = Moment {
+                state,
+                ..moment(0.0)
+            };
+            let levels = refiner.refine(&Busy, 0, &moment, Some(25_000)).levels;
+            let grid = grid();
+            let cells = grid.tiles_of(0).filter(|cell| {
+                angle_between(moment.gaze.gaze_in_content, grid.centre(*cell)).to_degrees() < 12.0
+            });
+            let finest: Vec<u8> = cells.map(|cell| levels.level(&grid, cell)).collect();
+            finest.iter().map(|level| f64::from(*level)).sum::<f64>() / finest.len() as f64
+        });
+        assert!(shares[0] < shares[1], "{shares:?}");
+    }
+
+    #[test]
+    fn the_published_model_also_chooses() {
+        let paper = PolicyConfig {
+            perception: Parameters::of(Model::Paper),
+            ..config(Policy::Perceptual)
+        };
+        let mut refiner = Refiner::new(grid(), paper);
+        let selection = refiner.refine(&Busy, 0, &moment(0.0), Some(50_000));
+        assert!(refiner.spent() > 0 && selection.levels.levels().contains(&0));
+    }
+}
