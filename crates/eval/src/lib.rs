@@ -1,3 +1,4 @@
 //! How good was it? Judges what the pipeline did; nothing here feeds it.
 
+pub mod bench_cases;
 pub mod gaze;

@@ -53,7 +53,7 @@ impl Eq for Offer {}
 /// Until it would be next, it waits at its own density; for a single prerequisite that is no less,
 /// as the whole lies between its parts and a denser prerequisite comes by itself.
 ///
-/// Before the first step 0.2 ms for 100,000 units, then about 0.3 µs a step.
+/// Before the first step 0.4 ms for 100,000 units, then about 0.3 µs a step.
 #[derive(Clone, Debug)]
 pub struct Choices<'a> {
     progress: Progress<'a>,
@@ -163,20 +163,18 @@ impl<'a> Choices<'a> {
 
     /// Pays for the steps taken, and offers what comes after them or has become cheaper.
     fn settle(&mut self) {
-        let mut changed = BTreeSet::new();
+        let mut changed = Vec::with_capacity(self.taken.len());
         for choice in &self.taken {
             self.progress.take(choice);
-            changed.insert(choice.unit);
-            let waiters = self
-                .waiting
-                .range((choice.unit, 0)..=(choice.unit, u32::MAX));
-            changed.extend(waiters.map(|(_, waiter)| *waiter));
+            changed.push(choice.unit);
         }
         for choice in &self.taken {
             while let Some(entry) = self.first_waiter(choice.unit) {
                 self.waiting.remove(&entry);
+                changed.push(entry.1);
             }
         }
+        // A unit offered twice is considered once: its first offer is void.
         changed.into_iter().for_each(|unit| self.offer(unit));
     }
 

@@ -40,7 +40,7 @@ impl Frontier {
     }
 
     /// Opens the next band and returns its units, in ascending number. Costs one pass over the
-    /// densities, 50 µs for 100,000.
+    /// densities.
     pub(super) fn open(&mut self, density: &[f64]) -> Vec<u32> {
         let ceiling = self.floor;
         self.floor = floor_of_band(density, ceiling, self.band);

@@ -21,12 +21,11 @@ pub(super) struct Segment {
     pub(super) value: f64,
 }
 
-/// Value per byte, W of Chen et al. 2022, Eq. 6; what is free and has value is infinitely dense.
+/// Value per byte, W of Chen et al. 2022, Eq. 6. What is free and has value is infinitely dense;
+/// free and worthless gives NaN, which is greater than no number.
 pub(super) fn density(value: f64, bytes: u64) -> f64 {
-    if bytes == 0 && value <= 0.0 {
-        return 0.0;
-    }
-    value / bytes as f64
+    // Sums of bytes stay far below 2^63, and signed numbers convert in one instruction.
+    value / (bytes as i64) as f64
 }
 
 impl Curve<'_> {
@@ -47,24 +46,44 @@ impl Curve<'_> {
         best
     }
 
+    /// The greatest slope from a level, which is that of [`Self::next`]; 0 where no step has a
+    /// positive value. No branch: which step is best cannot be foretold.
+    pub(super) fn steepest(&self, from: u8, reach: Reach) -> f64 {
+        self.segments(from, reach).fold(0.0, |greatest, segment| {
+            let slope = density(segment.value, segment.bytes);
+            if slope > greatest { slope } else { greatest }
+        })
+    }
+
     /// The steps from a level to every finer one within reach, nearest first.
     pub(super) fn segments(&self, from: u8, reach: Reach) -> impl Iterator<Item = Segment> {
         let last = match reach {
             Reach::Hull => 0,
             Reach::Level => from.saturating_sub(1),
         };
-        let base = self.replaced_bytes(from);
-        let start = (0, 0.0);
-        (last..from).rev().scan(start, move |(sum, value), to| {
-            let own = u64::from(self.bytes[usize::from(to)]);
-            *sum += own;
-            *value += self.value[usize::from(to)];
-            let bytes = match self.chain {
-                Chain::Refining => *sum,
-                Chain::Replacing => own.saturating_sub(base),
+        let steps = usize::from(last)..usize::from(from);
+        let steps = self.bytes[steps.clone()]
+            .iter()
+            .zip(&self.value[steps])
+            .rev();
+        let replaced = match self.chain {
+            Chain::Refining => None,
+            Chain::Replacing => Some(self.replaced_bytes(from)),
+        };
+        let mut so_far = Segment {
+            to: from,
+            bytes: 0,
+            value: 0.0,
+        };
+        steps.map(move |(bytes, value)| {
+            let own = u64::from(*bytes);
+            so_far.to -= 1;
+            so_far.value += value;
+            so_far.bytes = match replaced {
+                None => so_far.bytes + own,
+                Some(replaced) => own.saturating_sub(replaced),
             };
-            let value = *value;
-            Some(Segment { to, bytes, value })
+            so_far
         })
     }
 
@@ -123,6 +142,10 @@ mod tests {
             let (bytes, value): (Vec<u32>, Vec<f64>) = steps.into_iter().unzip();
             let curve = curve(Chain::Refining, &bytes, &value);
             let corners = corners(&curve);
+            prop_assert_eq!(
+                curve.steepest(curve.held, Reach::Hull),
+                corners.first().map_or(0.0, |corner| density(corner.value, corner.bytes))
+            );
             let slopes: Vec<f64> =
                 corners.iter().map(|corner| density(corner.value, corner.bytes)).collect();
             prop_assert!(slopes.windows(2).all(|pair| pair[0] >= pair[1] - 1e-9));
@@ -175,8 +198,8 @@ mod tests {
     #[test]
     fn what_is_free_comes_first_and_what_is_worthless_never() {
         assert_eq!(density(1.0, 0), f64::INFINITY);
-        assert_eq!(density(0.0, 0), 0.0);
-        assert_eq!(density(-1.0, 0), 0.0);
+        assert!(density(0.0, 0).is_nan());
+        assert_eq!(density(-1.0, 0), f64::NEG_INFINITY);
         let worthless = curve(Chain::Refining, &[0, 5], &[0.0, -1.0]);
         assert_eq!(corners(&worthless), []);
     }

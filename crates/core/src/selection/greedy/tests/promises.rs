@@ -75,7 +75,8 @@ proptest! {
             let plan = catalog.select(budget);
             follow(&catalog, &plan.choices, budget);
             prop_assert!(is_worth_its_bytes(&plan.choices, is_graph));
-            prop_assert_eq!(plan.bytes, plan.choices.iter().map(|choice| choice.bytes).sum::<u64>());
+            let bytes = plan.choices.iter().map(|choice| choice.bytes);
+            prop_assert_eq!(plan.bytes, bytes.sum::<u64>());
             prop_assert!(plan.value.is_finite());
             let visible = |unit| unit % 3 > 0;
             let uniform: Plan = catalog.uniform(budget, rule.misfit, visible).collect();

@@ -1,0 +1,59 @@
+//! How long does a selection over 100,000 units take, and which part of it how long?
+
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use foveal_core::selection::greedy::{Catalog, CatalogError, Rule};
+use foveal_eval::bench_cases::{BUDGET_BYTES, LEVELS, UNITS, large_catalog, values_at};
+
+/// Values of many units at a moment, with their units.
+fn values(units: impl Iterator<Item = u32>, moment: u32) -> Vec<(u32, [f64; LEVELS])> {
+    units.map(|unit| (unit, values_at(unit, moment))).collect()
+}
+
+fn set(catalog: &mut Catalog, values: &[(u32, [f64; LEVELS])]) {
+    for (unit, values) in values {
+        catalog.set_values(*unit, values);
+    }
+}
+
+fn selection(criterion: &mut Criterion) -> Result<(), CatalogError> {
+    let fresh = large_catalog(Rule::default())?;
+    let mut group = criterion.benchmark_group("selection, 100,000 units x 4 levels");
+    let mut catalog = fresh.clone();
+    catalog.refresh();
+    group.bench_function("hulls of all units", |bencher| {
+        bencher.iter_batched_ref(|| fresh.clone(), Catalog::refresh, BatchSize::LargeInput);
+    });
+    group.bench_function("heap: up to the first step", |bencher| {
+        bencher.iter(|| catalog.choices(BUDGET_BYTES).next());
+    });
+    group.bench_function("heap and pops of 2,000 steps", |bencher| {
+        bencher.iter(|| catalog.select(BUDGET_BYTES));
+    });
+    for (name, every) in [("all units changed", 1), ("1 % of the units changed", 100)] {
+        let moments = [1, 2].map(|moment| values((0..UNITS).step_by(every), moment));
+        let mut turn = 0;
+        group.bench_function(format!("tick, {name}"), |bencher| {
+            bencher.iter(|| {
+                turn = 1 - turn;
+                set(&mut catalog, &moments[turn]);
+                catalog.select(BUDGET_BYTES)
+            });
+        });
+    }
+    let mut skipping = large_catalog(Rule::PAPER)?;
+    skipping.refresh();
+    group.bench_function("heap and pops, paper rule", |bencher| {
+        bencher.iter(|| skipping.select(BUDGET_BYTES));
+    });
+    group.finish();
+    Ok(())
+}
+
+fn run(criterion: &mut Criterion) {
+    if let Err(error) = selection(criterion) {
+        eprintln!("{error}");
+    }
+}
+
+criterion_group!(benches, run);
+criterion_main!(benches);
