@@ -6,7 +6,7 @@ use super::eye::{Gaze, Seen};
 use super::gain::{BandStep, Weights, band_gain};
 use super::parameters::{EyeState, Parameters};
 use super::pyramid::{Band, Pyramid, band_frequency, doubled};
-use crate::units::{Cpd, Ppd};
+use crate::units::{Cpd, Ppd, Radians};
 use crate::view::eye_view::EyeView;
 use glam::DVec3;
 
@@ -34,6 +34,19 @@ pub struct PixelSpot {
 }
 
 impl Onlooker {
+    /// A steady eye that looks, for certain, where the view points.
+    #[must_use]
+    pub fn at_rest(view: &EyeView) -> Self {
+        Self {
+            view: *view,
+            gaze: Gaze {
+                direction: view.axes.forward,
+                spread: Radians(0.0),
+            },
+            state: EyeState::Steady,
+        }
+    }
+
     /// Where a place of the picture (pixel centres at +0.5) lies, and how dense pixels are there.
     #[must_use]
     pub fn spot(&self, place: [f64; 2]) -> PixelSpot {

@@ -3,6 +3,7 @@
 pub mod acuity;
 pub mod csf;
 pub mod eye;
+pub mod fast;
 pub mod gain;
 pub mod importance;
 pub mod luminance;
