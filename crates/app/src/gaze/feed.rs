@@ -71,8 +71,13 @@ impl Feed {
                         buffer.truncate(length);
                         Received::Message
                     }
-                    // Besides the end of the wait: answers to what was never sent.
-                    Err(_) => Received::Nothing,
+                    Err(error) => {
+                        // Such as an answer to what was never sent: the next wait may be better.
+                        if !is_wait(error.kind()) {
+                            std::thread::sleep(POLL);
+                        }
+                        Received::Nothing
+                    }
                 }
             }
             Self::WebSocket(feed) => feed.receive(buffer),

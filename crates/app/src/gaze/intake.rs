@@ -179,6 +179,36 @@ mod tests {
     }
 
     #[test]
+    fn a_generated_corpus_of_damaged_packets_never_panics() {
+        let message = |n: i32| packet("/tracking/eye/LeftRightPitchYaw", &[n as f32; 4]);
+        let inner = OscPacket::Bundle(rosc::OscBundle {
+            timetag: (0, 1).into(),
+            content: vec![message(1), message(2)],
+        });
+        let outer = OscPacket::Bundle(rosc::OscBundle {
+            timetag: (0, 1).into(),
+            content: vec![inner, message(3), packet("/x", &[])],
+        });
+        let good = rosc::encoder::encode(&outer).unwrap();
+        let mut random = foveal_core::gaze::scan::Random::new(2);
+        let (mut intake, mut rows) = (intake(LiveChoice::Osc), 0);
+        for n in 0..20_000 {
+            let mut bad = good.clone();
+            for _ in 0..3 {
+                let place = (random.unit() * bad.len() as f64) as usize;
+                bad[place] = (random.unit() * 256.0) as u8;
+            }
+            bad.truncate((random.unit() * 2.0 * bad.len() as f64) as usize);
+            rows += intake.take(&bad, Seconds(f64::from(n) * 0.01)).len();
+        }
+        let skipped = intake.counts(0).skipped;
+        assert!(
+            rows > 100 && skipped > 1000,
+            "{rows} rows, {skipped} skipped"
+        );
+    }
+
+    #[test]
     fn packets_that_are_no_osc_are_counted_whatever_they_nest() {
         let mut intake = intake(LiveChoice::Osc);
         let mut nested = Vec::new();

@@ -50,10 +50,12 @@ impl GazeSource {
             GazeChoice::Trace(file) => GazePath::Trace(read_trace(file)?),
             GazeChoice::Head(file) => {
                 let trace = read_trace(file)?;
-                if trace.samples().iter().any(|sample| sample.head.is_none()) {
+                let headless = |sample: &GazeSample| sample.head.is_none();
+                if let Some(row) = trace.samples().iter().position(headless) {
                     bail!(
-                        "{}: a row lacks head_yaw_deg and head_pitch_deg, which head: reads",
-                        file.display()
+                        "{}: row {} lacks head_yaw_deg and head_pitch_deg, which head: reads",
+                        file.display(),
+                        row + 1
                     );
                 }
                 GazePath::Head(trace)

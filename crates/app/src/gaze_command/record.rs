@@ -26,7 +26,7 @@ pub(crate) struct RecordArgs {
     /// The trace to write.
     #[arg(long, value_name = "TRACE.csv")]
     out: PathBuf,
-    /// Stop after this long (default: at Ctrl-C, or where a trace ends).
+    /// Stop this many seconds after the first sample (default: at Ctrl-C, or where a trace ends).
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seconds: Option<f64>,
     /// Seed of the scan path.

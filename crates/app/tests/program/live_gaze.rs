@@ -229,7 +229,7 @@ fn garbage_and_a_flood_are_counted_and_the_rest_is_kept() {
     let folder = Folder::new();
     let mut recording = Recording::of("udp:0", folder.name("flood.csv"));
     let (address, socket) = (recording.address(), sender());
-    let garbage: Vec<u8> = (0..60_000u32).map(|n| (n * 7919 >> 5) as u8).collect();
+    let garbage: Vec<u8> = (0..60_000u32).map(|n| ((n * 7919) >> 5) as u8).collect();
     let line = |n: u32| {
         format!(
             r#"{{"t_s":{},"yaw_deg":5,"pitch_deg":1}}"#,

@@ -50,8 +50,8 @@ pub enum TraceError {
     },
     /// Time does not grow.
     #[error(
-        "line {line}, column t_s: t_s is {found}, not after {before}; sort the rows by time and keep \
-         one of each"
+        "line {line}, column t_s: t_s is {found}, not after {before}; sort the rows by time and \
+         keep one of each"
     )]
     Backwards {
         /// Line in the file, from 1.
