@@ -1,6 +1,7 @@
 //! What would be chosen, without content?
 
-use crate::options::{CutOptions, PolicyName, PolicyOptions, ViewOptions, parse_pair, parse_size};
+use crate::gaze::{GazeChoice, GazeSource, parse_gaze};
+use crate::options::{CutOptions, PolicyName, PolicyOptions, ViewOptions, parse_size};
 use crate::output::{self, WrongUsage, out_of_range};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
@@ -41,13 +42,20 @@ pub(crate) struct SelectArgs {
     policy: PolicyOptions,
     #[command(flatten)]
     view: ViewOptions,
-    /// Direction of the gaze: yaw to the right and pitch up in degrees.
-    #[arg(long, value_name = "YAW,PITCH", value_parser = parse_pair, allow_hyphen_values = true)]
-    gaze: Option<[f64; 2]>,
+    /// YAW,PITCH in degrees (to the right and up), or any other gaze at its beginning: center,
+    /// scan, trace:FILE, head:FILE, udp:PORT, ws:URL or osc:PORT.
+    #[arg(
+        long,
+        value_name = "G",
+        default_value = "center",
+        allow_hyphen_values = true
+    )]
+    #[arg(value_parser = parse_gaze)]
+    gaze: GazeChoice,
     /// Select for this many gazes, uniform on the content.
     #[arg(long, value_name = "N", conflicts_with = "gaze")]
     random_gazes: Option<u32>,
-    /// Seed of the random gazes.
+    /// Seed of the random gazes and of the scan path.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Print one JSON object.
@@ -123,16 +131,9 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
             output::result(args.json, &many, &many.text())
         }
         None => {
-            let [yaw, pitch] = args.gaze.unwrap_or_default();
-            if pitch.abs() > 90.0 {
-                bail!(out_of_range(
-                    "the pitch of --gaze",
-                    pitch,
-                    "-90 to 90 degrees"
-                ));
-            }
-            let degrees = Radians::from_degrees;
-            let one = choose(GazeSample::at(Seconds(0.0), degrees(yaw), degrees(pitch)));
+            let start = Seconds(0.0);
+            let mut source = GazeSource::new(&args.gaze, &surface, args.seed, start)?;
+            let one = choose(source.at(start).0);
             output::result(args.json, &one, &one.text())
         }
     }

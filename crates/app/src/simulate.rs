@@ -19,6 +19,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Pictures {
@@ -34,7 +35,9 @@ enum Pictures {
 pub(crate) struct SimulateArgs {
     /// The pack.
     pack: PathBuf,
-    /// YAW,PITCH in degrees, center, scan, or trace:FILE.
+    /// YAW,PITCH in degrees, center, scan, trace:FILE, head:FILE, udp:PORT, ws:URL or osc:PORT.
+    ///
+    /// The last three are live: frames are then played when they are due.
     #[arg(
         long,
         value_name = "G",
@@ -142,7 +145,12 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let mut pictures = PictureSink::new(args, fps);
     let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
     let mut reports = Vec::new();
+    let begun = Instant::now();
     for frame in 0..frames {
+        if gaze.is_live() {
+            let due = (player.time(frame).0 - player.time(0).0).max(0.0);
+            sleep_until(begun + Duration::from_secs_f64(due));
+        }
         let report = player.play(frame, &mut gaze)?;
         pictures.frame(&mut player, &report)?;
         reports.push(report);
@@ -156,6 +164,10 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let policy = format!("{:?}", args.policy.policy).to_lowercase();
     let summary = summarise(policy, &reports, player.canvas.gpu_bytes(), &session);
     output::result(args.json, &summary, &summary.text(&args.out))
+}
+
+fn sleep_until(due: Instant) {
+    std::thread::sleep(due.saturating_duration_since(Instant::now()));
 }
 
 /// The log of a run.

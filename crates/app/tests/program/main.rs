@@ -5,10 +5,12 @@
 // A test that cannot go on panics.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod bridge;
 mod damage;
 mod fovea;
 mod full;
 mod journey;
+mod live_gaze;
 mod no_adapter;
 mod numbers;
 mod refusals;

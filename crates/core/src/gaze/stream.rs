@@ -182,6 +182,26 @@ mod tests {
     }
 
     #[test]
+    fn the_test_vectors_of_the_format_hold() {
+        let text = include_str!("../../../../docs/formats/gaze.md");
+        let vectors = text.lines().filter_map(|line| line.split_once(" => "));
+        let mut count = 0;
+        for (sent, expected) in vectors {
+            count += 1;
+            let mut found = String::new();
+            match GazeRecord::parse(sent.as_bytes()) {
+                Ok(record) => {
+                    let row = GazeStream::default().take(&record, Seconds(3.0));
+                    row.unwrap().write(&mut found);
+                    assert_eq!(found.trim_end(), expected, "{sent}");
+                }
+                Err(error) => assert!(error.to_string().starts_with(expected), "{error}"),
+            }
+        }
+        assert_eq!(count, 13);
+    }
+
+    #[test]
     fn a_generated_corpus_of_damaged_records_never_panics() {
         let good = concat!(
             r#"{"t_s":0.5,"yaw_deg":1,"pitch_deg":2,"valid":true,"space":"head"}"#,

@@ -50,8 +50,8 @@ pub enum TraceError {
     },
     /// Time does not grow.
     #[error(
-        "line {line}, column t_s: found {found}, which is not after {before}; sort the rows by \
-         time and keep one of each"
+        "line {line}, column t_s: t_s is {found}, not after {before}; sort the rows by time and \
+         keep one of each"
     )]
     Backwards {
         /// Line in the file, from 1.
@@ -331,7 +331,7 @@ mod tests {
             ("0,0,0\n1,inf,0\n", "line 3, column yaw_deg"),
             (
                 "1,0,0\n0.5,0,0\n",
-                "line 3, column t_s: found 0.5, which is not after 1",
+                "line 3, column t_s: t_s is 0.5, not after 1",
             ),
             ("0,0\n", "line 2, column pitch_deg"),
             ("0,0,91\n", "line 2, column pitch_deg"),

@@ -1,0 +1,203 @@
+//! What does a sender say right now?
+//!
+//! One thread receives; whoever needs a gaze takes what came. The queue between them is bounded:
+//! who does not take in time loses the oldest rows, and they are counted.
+
+use super::choice::LiveChoice;
+use super::feed::{Feed, Received};
+use super::intake::{Counts, Intake};
+use crate::output::say;
+use anyhow::bail;
+use foveal_core::gaze::loss::gaze_at;
+use foveal_core::gaze::row::TraceRow;
+use foveal_core::gaze::sample::GazeSample;
+use foveal_core::units::Seconds;
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Most rows that wait: four seconds at 1000 Hz.
+const MOST_WAITING: usize = 4096;
+
+/// A live source.
+pub(crate) struct Live {
+    name: String,
+    shared: Arc<Shared>,
+    newest: Option<GazeSample>,
+    seen: Option<GazeSample>,
+}
+
+struct Shared {
+    begun: Instant,
+    stop: AtomicBool,
+    inner: Mutex<Inner>,
+    came: Condvar,
+}
+
+struct Inner {
+    intake: Intake,
+    waiting: VecDeque<TraceRow>,
+    dropped: u64,
+}
+
+impl Live {
+    /// Starts to receive.
+    pub(crate) fn open(choice: &LiveChoice) -> anyhow::Result<Self> {
+        let feed = Feed::open(choice)?;
+        let shared = Arc::new(Shared {
+            begun: Instant::now(),
+            stop: AtomicBool::new(false),
+            inner: Mutex::new(Inner {
+                intake: Intake::new(choice),
+                waiting: VecDeque::new(),
+                dropped: 0,
+            }),
+            came: Condvar::new(),
+        });
+        let (name, theirs) = (choice.to_string(), Arc::clone(&shared));
+        std::thread::Builder::new().name("gaze".to_owned()).spawn({
+            let name = name.clone();
+            move || receive(&name, feed, &theirs)
+        })?;
+        Ok(Self {
+            name,
+            shared,
+            newest: None,
+            seen: None,
+        })
+    }
+
+    /// Waits until a row came, at most `longest`; `interrupted` ends the wait with `false`.
+    pub(crate) fn wait_for_first(
+        &self,
+        longest: Duration,
+        interrupted: &AtomicBool,
+    ) -> anyhow::Result<bool> {
+        let until = Instant::now() + longest;
+        let mut inner = self.shared.lock();
+        while inner.waiting.is_empty() {
+            if interrupted.load(Ordering::Relaxed) {
+                return Ok(false);
+            }
+            if Instant::now() >= until {
+                let skipped = match inner.intake.counts(0).skipped {
+                    0 => "nothing came at all".to_owned(),
+                    skipped => format!("{skipped} messages came that are none"),
+                };
+                let seconds = longest.as_secs();
+                bail!(
+                    "--gaze {}: no gaze came within {seconds} s ({skipped}); start the sender, or \
+                     check where it sends to",
+                    self.name
+                );
+            }
+            let wait = Duration::from_millis(50);
+            let woken = self.shared.came.wait_timeout(inner, wait);
+            inner = woken.unwrap_or_else(PoisonError::into_inner).0;
+        }
+        Ok(true)
+    }
+
+    /// Takes the rows that came since the last call, oldest first.
+    pub(crate) fn take(&mut self) -> Vec<TraceRow> {
+        let rows: Vec<TraceRow> = self.shared.lock().waiting.drain(..).collect();
+        self.newest = rows.last().map(TraceRow::sample).or(self.newest);
+        let seen = rows.iter().rev().find(|row| row.valid);
+        self.seen = seen.map(TraceRow::sample).or(self.seen);
+        rows
+    }
+
+    /// The gaze now, shown at `display`: the newest, or what stands in for it while it is lost.
+    pub(crate) fn now(&mut self, display: Seconds) -> GazeSample {
+        self.take();
+        let now = {
+            let inner = self.shared.lock();
+            inner.intake.stream.now(self.shared.elapsed())
+        };
+        let Some(newest) = &self.newest else {
+            return GazeSample::at(display, Default::default(), Default::default());
+        };
+        let gaze = gaze_at(now, newest, self.seen.as_ref());
+        GazeSample {
+            time: display,
+            received: Seconds(display.0 - (now.0 - gaze.received.0)),
+            ..gaze
+        }
+    }
+
+    /// What became of what was sent so far.
+    pub(crate) fn counts(&self) -> Counts {
+        let inner = self.shared.lock();
+        inner.intake.counts(inner.dropped)
+    }
+
+    /// The sender's own time of a row at 0.
+    pub(crate) fn start(&self) -> Option<Seconds> {
+        self.shared.lock().intake.stream.start()
+    }
+}
+
+impl Drop for Live {
+    /// Ends the thread at its next look, and says what could not be used.
+    fn drop(&mut self) {
+        self.shared.stop.store(true, Ordering::Relaxed);
+        let counts = self.counts();
+        if counts != Counts::default() {
+            let Counts {
+                skipped,
+                late,
+                dropped,
+            } = counts;
+            say(&format!(
+                "foveal: {}: skipped {skipped} messages that are no gaze, {late} that came after \
+                 newer ones, and {dropped} samples that nobody took in time",
+                self.name
+            ));
+        }
+    }
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, Inner> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Our clock.
+    fn elapsed(&self) -> Seconds {
+        Seconds(self.begun.elapsed().as_secs_f64())
+    }
+}
+
+impl Inner {
+    fn push(&mut self, row: TraceRow) {
+        if self.waiting.len() == MOST_WAITING {
+            self.waiting.pop_front();
+            self.dropped += 1;
+        }
+        self.waiting.push_back(row);
+    }
+}
+
+fn receive(name: &str, mut feed: Feed, shared: &Shared) {
+    let mut buffer = Vec::new();
+    while !shared.stop.load(Ordering::Relaxed) {
+        let received = feed.receive(&mut buffer);
+        let now = shared.elapsed();
+        if let Received::Lost(why) = &received {
+            say(&format!(
+                "foveal: {name}: connection lost ({why}); trying again"
+            ));
+        }
+        let mut inner = shared.lock();
+        let mut rows = match received {
+            Received::Message => inner.intake.take(&buffer, now),
+            _ => Vec::new(),
+        };
+        rows.extend(inner.intake.stream.silence(now));
+        if !rows.is_empty() {
+            rows.into_iter().for_each(|row| inner.push(row));
+            shared.came.notify_all();
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! Where does a command's gaze come from?
+
+mod choice;
+mod feed;
+mod intake;
+mod live;
+mod source;
+mod trace_file;
+
+pub(crate) use choice::{GazeChoice, LiveChoice, parse_gaze};
+pub(crate) use intake::Counts;
+pub(crate) use live::Live;
+pub(crate) use source::{FIRST_SAMPLE, GazeSource};
+pub(crate) use trace_file::read_trace;
