@@ -3,6 +3,7 @@
 mod canvas;
 mod demo;
 mod gaze;
+mod gaze_command;
 mod info;
 mod options;
 mod output;
@@ -42,6 +43,9 @@ enum Command {
     Demo(demo::DemoArgs),
     /// Make the selection of a logged session again and compare.
     Replay(replay::ReplayArgs),
+    /// Judge and fit what is known of the gaze.
+    #[command(subcommand)]
+    Gaze(gaze_command::GazeCommand),
 }
 
 #[derive(Debug, Subcommand)]
@@ -60,6 +64,7 @@ fn main() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Gaze(command) => gaze_command::run(&command),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -8,6 +8,7 @@
 mod damage;
 mod fovea;
 mod full;
+mod gaze_head;
 mod journey;
 mod no_adapter;
 mod numbers;
