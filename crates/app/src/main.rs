@@ -46,6 +46,9 @@ enum Command {
     Gaze(gaze_command::Gaze),
     /// Make the selection of a logged session again and compare.
     Replay(replay::ReplayArgs),
+    /// Judge and fit what is known of the gaze.
+    #[command(subcommand)]
+    Gaze(gaze_command::GazeCommand),
 }
 
 #[derive(Debug, Subcommand)]
@@ -65,6 +68,7 @@ fn main() -> ExitCode {
         Command::Demo(args) => demo::run(&args),
         Command::Gaze(command) => gaze_command::run(&command),
         Command::Replay(args) => replay::run(&args),
+        Command::Gaze(command) => gaze_command::run(&command),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

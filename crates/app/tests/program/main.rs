@@ -9,6 +9,7 @@ mod bridge;
 mod damage;
 mod fovea;
 mod full;
+mod gaze_head;
 mod journey;
 mod live_gaze;
 mod no_adapter;

@@ -4,6 +4,7 @@
 //! evidence and the moment the picture is seen: a delay and a loss of the signal are the same to
 //! it.
 
+use super::head_prediction::saturating::FREE_VIEWING_SPREAD_DEG;
 use super::table::between;
 use crate::units::{Radians, Seconds};
 
@@ -69,7 +70,7 @@ impl GazeEvidence {
         Radians::from_degrees(match self {
             Self::Mouse => 0.5,
             Self::Tracker | Self::Blend => 1.5,
-            Self::Head => 6.2,
+            Self::Head => FREE_VIEWING_SPREAD_DEG,
         })
     }
 

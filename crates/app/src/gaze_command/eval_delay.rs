@@ -1,0 +1,66 @@
+//! What is the best expectation of a gaze that was last seen some time ago?
+
+use super::recordings::{PresetOptions, Recordings};
+use crate::output::{self, out_of_range};
+use anyhow::Context;
+use clap::Args;
+use foveal_eval::gaze::delay_protocol::{DELAYS_MS, DelayErrors, evaluate_delay};
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// Longest delay that may be asked for, in milliseconds.
+const LONGEST_MS: f64 = 60_000.0;
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct EvalDelayArgs {
+    #[command(flatten)]
+    recordings: Recordings,
+    /// Times since the gaze was last seen, in milliseconds, in steps of 10.
+    #[arg(long, value_name = "MS,..", value_delimiter = ',', default_values_t = DELAYS_MS)]
+    delays: Vec<f64>,
+    #[command(flatten)]
+    preset: PresetOptions,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct DelayEvaluation {
+    delays: Vec<DelayErrors>,
+}
+
+impl DelayEvaluation {
+    fn text(&self) -> String {
+        let mut text = format!("{:>6}{:>9}{:>9}{:>9}\n", "ms", "last", "head", "blend");
+        for found in &self.delays {
+            let _ = writeln!(
+                text,
+                "{:>6}{:>9.2}{:>9.2}{:>9.2}",
+                found.ms, found.last, found.head, found.blend
+            );
+        }
+        text + "mean degrees\n"
+    }
+}
+
+pub(crate) fn run(args: &EvalDelayArgs) -> anyhow::Result<()> {
+    if let Some(wrong) = args.delays.iter().find(|&&ms| !is_delay(ms)) {
+        let range = format!("multiples of 10 from 0 to {LONGEST_MS}");
+        return Err(out_of_range("--delays", wrong, &range).into());
+    }
+    let recordings = args.recordings.read()?;
+    let fits = args.preset.fits(&recordings)?;
+    let delays = args.delays.iter().map(|&ms| {
+        evaluate_delay(&recordings, &fits, ms)
+            .with_context(|| format!("--delays {ms}: every recording is shorter; give less"))
+    });
+    let evaluation = DelayEvaluation {
+        delays: delays.collect::<anyhow::Result<_>>()?,
+    };
+    output::result(args.json, &evaluation, &evaluation.text())
+}
+
+fn is_delay(ms: f64) -> bool {
+    (0.0..=LONGEST_MS).contains(&ms) && ms % 10.0 == 0.0
+}

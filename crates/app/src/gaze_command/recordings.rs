@@ -1,0 +1,79 @@
+//! Which recordings and which preset does a gaze command work on?
+
+use crate::output::read_text;
+use anyhow::{Context, bail};
+use clap::Args;
+use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
+use foveal_eval::gaze::head_fit::HeadFit;
+use foveal_eval::gaze::head_protocol::leave_one_out;
+use foveal_eval::gaze::head_recording::HeadRecording;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+/// Recordings of eyes and head.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Recordings {
+    /// Recordings of eyes and head: CSV at 100 Hz.
+    #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
+    data: Vec<PathBuf>,
+}
+
+impl Recordings {
+    /// Each file's name as it was given, in order.
+    pub(crate) fn names(&self) -> impl Iterator<Item = String> {
+        self.data.iter().map(|file| file.display().to_string())
+    }
+
+    /// Reads all of them.
+    pub(crate) fn read(&self) -> anyhow::Result<Vec<HeadRecording>> {
+        self.data.iter().map(|file| read(file)).collect()
+    }
+}
+
+fn read(path: &Path) -> anyhow::Result<HeadRecording> {
+    let name = path.display();
+    let file = File::open(path).with_context(|| format!("{name}: no recording there"))?;
+    if file.metadata().is_ok_and(|there| there.is_dir()) {
+        bail!("{name}: is a folder; give the recordings in it");
+    }
+    HeadRecording::read(BufReader::new(file)).with_context(|| name.to_string())
+}
+
+/// Which law predicts the gaze.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct PresetOptions {
+    /// `free-viewing`, `search` or a file that `gaze fit head` wrote.
+    #[arg(long, value_name = "NAME|FILE.toml", default_value = "free-viewing")]
+    preset: String,
+    /// For each recording, fit the law and the mean on all others.
+    #[arg(long, conflicts_with = "preset")]
+    leave_one_out: bool,
+}
+
+impl PresetOptions {
+    /// One law per recording, with the mean gaze it is compared to.
+    pub(crate) fn fits(&self, recordings: &[HeadRecording]) -> anyhow::Result<Vec<HeadFit>> {
+        if !self.leave_one_out {
+            let fit = HeadFit::shipped(preset(&self.preset)?);
+            return Ok(vec![fit; recordings.len()]);
+        }
+        if recordings.len() < 2 {
+            bail!("--leave-one-out needs two recordings; give more files to --data");
+        }
+        Ok(leave_one_out(recordings))
+    }
+}
+
+fn preset(choice: &str) -> anyhow::Result<HeadGazePreset> {
+    if let Some(preset) = HeadGazePreset::named(choice) {
+        return Ok(preset);
+    }
+    let path = Path::new(choice);
+    if !path.exists() {
+        bail!("--preset is {choice}; give free-viewing, search or a file that is there");
+    }
+    let text = read_text(path, "a preset")?;
+    let preset: HeadGazePreset = toml::from_str(&text).with_context(|| choice.to_owned())?;
+    preset.checked().with_context(|| choice.to_owned())
+}
