@@ -41,12 +41,9 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Prepare and play clips under several policies, and show in a page what was saved.
     Demo(demo::DemoArgs),
-    /// Record gazes.
-    #[command(subcommand)]
-    Gaze(gaze_command::Gaze),
     /// Make the selection of a logged session again and compare.
     Replay(replay::ReplayArgs),
-    /// Judge and fit what is known of the gaze.
+    /// Judge, fit, classify and record gaze.
     #[command(subcommand)]
     Gaze(gaze_command::GazeCommand),
 }
@@ -66,7 +63,6 @@ fn main() -> ExitCode {
         Command::Select(args) => select::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Demo(args) => demo::run(&args),
-        Command::Gaze(command) => gaze_command::run(&command),
         Command::Replay(args) => replay::run(&args),
         Command::Gaze(command) => gaze_command::run(&command),
     };

@@ -18,3 +18,4 @@ pub mod spread;
 pub mod stream;
 mod table;
 pub mod trace;
+pub mod tracker;
