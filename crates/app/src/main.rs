@@ -3,6 +3,7 @@
 mod canvas;
 mod demo;
 mod gaze;
+mod gaze_command;
 mod info;
 mod options;
 mod output;
@@ -40,6 +41,9 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Prepare and play clips under several policies, and show in a page what was saved.
     Demo(demo::DemoArgs),
+    /// Judge what is known of gaze, and label traces.
+    #[command(subcommand)]
+    Gaze(gaze_command::Gaze),
     /// Make the selection of a logged session again and compare.
     Replay(replay::ReplayArgs),
 }
@@ -59,6 +63,7 @@ fn main() -> ExitCode {
         Command::Select(args) => select::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Demo(args) => demo::run(&args),
+        Command::Gaze(command) => gaze_command::run(&command),
         Command::Replay(args) => replay::run(&args),
     };
     match result {
