@@ -41,6 +41,8 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Prepare and play clips under several policies, and show in a page what was saved.
     Demo(demo::DemoArgs),
+    /// Judge what is known of gaze, and label traces.
+    #[command(subcommand)]
     /// Make the selection of a logged session again and compare.
     Replay(replay::ReplayArgs),
     /// Judge, fit, classify and record gaze.

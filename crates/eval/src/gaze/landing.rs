@@ -27,7 +27,8 @@ pub struct LandingScore {
     pub predicted_deg: Option<f64>,
     /// Mean distance of the newest sample from there.
     pub current_deg: Option<f64>,
-    /// Saccades that were judged.
+    /// Saccades that were judged; not part of the record that is compared.
+    #[serde(skip)]
     pub saccades: usize,
 }
 
