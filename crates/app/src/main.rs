@@ -5,8 +5,10 @@ mod demo;
 mod gaze;
 mod gaze_command;
 mod info;
+mod link;
 mod options;
 mod output;
+mod perception_options;
 mod picture_file;
 mod player;
 mod prepare;
@@ -41,8 +43,6 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Prepare and play clips under several policies, and show in a page what was saved.
     Demo(demo::DemoArgs),
-    /// Judge what is known of gaze, and label traces.
-    #[command(subcommand)]
     /// Make the selection of a logged session again and compare.
     Replay(replay::ReplayArgs),
     /// Judge, fit, classify and record gaze.

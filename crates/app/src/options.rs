@@ -1,6 +1,7 @@
 //! Which options do several commands share, and how are their values written?
 
 use crate::output::out_of_range;
+use crate::perception_options::PerceptionOptions;
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::asset::tile_grid::Cut;
@@ -19,6 +20,20 @@ pub(crate) enum PolicyName {
     Viewport,
     Grid,
     Acuity,
+    /// Units in view, raised evenly within --link.
+    Uniform,
+    /// Units by acuity per byte within --link.
+    Eccentricity,
+    /// Units by what they are worth to the eye per byte within --link.
+    Perceptual,
+}
+
+impl PolicyName {
+    /// Its name on the command line.
+    pub(crate) fn name(self) -> String {
+        let value = self.to_possible_value();
+        value.map_or_else(String::new, |value| value.get_name().to_owned())
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -78,6 +93,17 @@ pub(crate) struct PolicyOptions {
     /// grid: how many lowest-level cells, in index order, are promoted to the middle level.
     #[arg(long, value_name = "N", default_value_t = 0)]
     noisy_cells: u32,
+    #[command(flatten)]
+    perception: PerceptionOptions,
+    /// perceptual: fetch what is salient outside the region that gaze predicts.
+    #[arg(long, value_enum, default_value = "off")]
+    saliency: Switch,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Switch {
+    On,
+    Off,
 }
 
 impl PolicyOptions {
@@ -89,6 +115,9 @@ impl PolicyOptions {
             PolicyName::Viewport => Policy::Viewport,
             PolicyName::Grid => Policy::Grid,
             PolicyName::Acuity => Policy::Acuity,
+            PolicyName::Uniform => Policy::Uniform,
+            PolicyName::Eccentricity => Policy::Eccentricity,
+            PolicyName::Perceptual => Policy::Perceptual,
         };
         self.config_of(policy)
     }
@@ -96,6 +125,7 @@ impl PolicyOptions {
     /// These parameters under another policy.
     pub(crate) fn config_of(&self, policy: Policy) -> anyhow::Result<PolicyConfig> {
         Ok(PolicyConfig {
+            policy,
             acuity: match self.acuity {
                 AcuityName::Linear => AcuityModel::LINEAR,
                 AcuityName::Watson => AcuityModel::Watson,
@@ -109,7 +139,8 @@ impl PolicyOptions {
             },
             edge_margin: angle("--edge-margin", self.edge_margin)?,
             noisy_cells: self.noisy_cells,
-            ..PolicyConfig::new(policy)
+            perception: self.perception.parameters()?,
+            saliency: self.saliency == Switch::On,
         })
     }
 }

@@ -3,15 +3,22 @@
 //! Select, decode, upload: the one path that every command that plays a pack goes through.
 
 use crate::canvas::{Canvas, Drawing};
-use crate::gaze::GazeSource;
+use crate::gaze::{GazeSource, Look};
 use crate::output;
 use anyhow::{Context, bail};
+use foveal_core::asset::cues::CueTable;
+use foveal_core::asset::signature::Signatures;
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use foveal_core::asset::unit::UnitId;
 use foveal_core::gaze::sample::{GazeSample, HeadPose};
+use foveal_core::perception::parameters::EyeState;
+use foveal_core::selection::budget::Budget;
+use foveal_core::selection::chooser::Chooser;
+use foveal_core::selection::content::{Content, PackContent};
 use foveal_core::selection::level_map::{LevelMap, histogram};
-use foveal_core::selection::policy::{Moment, PolicyConfig, Selection, Selector};
-use foveal_core::selection::session::{SessionFrame, SessionHead};
+use foveal_core::selection::policy::{Moment, PolicyConfig, Selection};
+use foveal_core::selection::session::{Given, SessionFrame, SessionHead};
+use foveal_core::selection::worth::Worth;
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::angle_between;
 use foveal_core::view::eye_view::EyeView;
@@ -27,8 +34,13 @@ use std::time::{Duration, Instant};
 pub(crate) struct Player {
     file: Arc<PackFile>,
     grid: TileGrid,
-    selector: Selector,
+    chooser: Chooser,
     config: PolicyConfig,
+    tables: Tables,
+    /// Judges how much of what the eye could see was shown.
+    judge: Worth,
+    budget: Option<Budget>,
+    shown_until: Seconds,
     pool: DecodePool,
     pub(crate) canvas: Canvas,
     view: EyeView,
@@ -40,12 +52,37 @@ pub(crate) struct Player {
     failed: usize,
 }
 
+/// The side tables that value units.
+struct Tables {
+    signatures: Option<Signatures>,
+    cues: Option<CueTable>,
+}
+
+impl Tables {
+    fn read(file: &PackFile) -> anyhow::Result<Self> {
+        Ok(Self {
+            signatures: file.signatures()?,
+            cues: file.cues()?,
+        })
+    }
+
+    fn content<'a>(&'a self, file: &'a PackFile) -> Option<PackContent<'a>> {
+        Some(PackContent {
+            pack: file.pack(),
+            signatures: self.signatures.as_ref()?,
+            cues: self.cues.as_ref(),
+        })
+    }
+}
+
 /// How a pack is played.
 pub(crate) struct PlayerOptions {
     pub(crate) config: PolicyConfig,
     pub(crate) view: EyeView,
     pub(crate) screen: Screen,
     pub(crate) drawing: Drawing,
+    /// What a link brings, for policies that spend a budget; infinite for content at hand.
+    pub(crate) bytes_per_s: f64,
     /// Show a frame when its time is over, complete or not.
     pub(crate) paced: bool,
     /// Decoding threads.
@@ -56,7 +93,13 @@ pub(crate) struct PlayerOptions {
 #[derive(Clone, Debug)]
 pub(crate) struct FrameReport {
     pub(crate) session: SessionFrame,
+    /// Where the eye looked.
     pub(crate) gaze: GazeSample,
+    /// How far from there it was expected, in degrees.
+    pub(crate) gaze_error_deg: f64,
+    /// Share of the detail that this eye could see that was shown; `None` where the pack does not
+    /// tell what its units add.
+    pub(crate) detail_share: Option<f64>,
     pub(crate) view: EyeView,
     /// Tiles decoded and shown, coarsest first.
     pub(crate) tiles: Vec<Tile>,
@@ -90,8 +133,22 @@ impl Player {
         let about = file.pack().description();
         let grid = about.grid(options.screen);
         let times_ns = file.frame_times()?;
+        let tables = Tables::read(&file)?;
+        let spends = options.config.policy.spends_a_budget();
+        if spends && tables.signatures.is_none() {
+            bail!(
+                "{}: has no signatures, which {:?} values units by; prepare it again",
+                file.path().display(),
+                options.config.policy
+            );
+        }
+        let budget = spends.then(|| Budget::new(options.bytes_per_s));
         Ok(Self {
-            selector: Selector::new(grid, options.config.clone()),
+            chooser: Chooser::new(grid, options.config.clone()),
+            judge: Worth::judge(&grid),
+            budget,
+            shown_until: Seconds(0.0),
+            tables,
             config: options.config,
             pool: DecodePool::new(Arc::clone(&file), options.jobs),
             canvas: Canvas::new(&options.drawing, &grid, about.colour)?,
@@ -131,7 +188,7 @@ impl Player {
             .file_name()
             .unwrap_or_default()
             .to_string_lossy();
-        SessionHead::new(&name, &self.selector, self.config.clone(), &self.view)
+        SessionHead::new(&name, &self.grid, self.config.clone(), &self.view)
     }
 
     /// Selects, decodes and uploads one frame for where the eye looks at its time.
@@ -140,12 +197,10 @@ impl Player {
         frame: u32,
         source: &mut GazeSource,
     ) -> anyhow::Result<FrameReport> {
-        let (gaze, head) = source.at(self.time(frame));
-        let view = self.turned(head);
-        let selection = self.selector.select(&Moment {
-            gaze,
-            view: Some(view),
-        });
+        let look = source.look(self.time(frame));
+        let (gaze, view) = (look.gaze, self.turned(look.head));
+        let (given, selection) = self.choose(frame, &look);
+        let detail_share = self.detail_share(frame, &gaze, view, &selection.levels);
         let wanted = self.with_coarsest(&selection);
         let begun = Instant::now();
         let period = self.period(frame);
@@ -164,11 +219,14 @@ impl Player {
             .before
             .as_ref()
             .map_or(0, |before| selection.levels.changes_from(before));
-        let session = SessionFrame::new(frame, &gaze, head, &self.grid, &selection);
+        let session = SessionFrame::new(frame, &given, &self.grid, &selection);
         self.before = Some(selection.levels);
         Ok(FrameReport {
             session,
             gaze,
+            gaze_error_deg: angle_between(gaze.gaze_in_content, given.gaze.gaze_in_content)
+                .to_degrees(),
+            detail_share,
             view,
             histogram: histogram(&self.grid, &tiles),
             late: decode > period || tiles.len() < wanted.len(),
@@ -183,6 +241,51 @@ impl Player {
             failed_tiles,
             level_changes,
         })
+    }
+
+    /// Chooses for what was expected of the viewer, within what can arrive until then.
+    fn choose(&mut self, frame: u32, look: &Look) -> (Given, Selection) {
+        let expected = &look.expected;
+        let perception = &self.config.perception;
+        let moment = Moment {
+            gaze: expected.gaze,
+            view: Some(self.turned(look.head_expected)),
+            state: perception.eye_state(expected.event, expected.since_saccade),
+        };
+        let until = Seconds(self.time(frame).0 + self.period(frame).as_secs_f64());
+        let passed = Seconds(until.0 - self.shown_until.0);
+        self.shown_until = until;
+        let budget = self.budget.as_mut().map(|budget| budget.after(passed));
+        let content = self.tables.content(&self.file);
+        let content = content.as_ref().map(|content| content as &dyn Content);
+        let selection = self.chooser.choose(content, frame, &moment, budget);
+        if let (Some(budget), Chooser::Budget(refiner)) = (&mut self.budget, &self.chooser) {
+            budget.spend(refiner.spent());
+        }
+        let given = Given {
+            gaze: moment.gaze,
+            head: look.head_expected,
+            state: moment.state,
+            budget,
+        };
+        (given, selection)
+    }
+
+    fn detail_share(
+        &self,
+        frame: u32,
+        gaze: &GazeSample,
+        view: EyeView,
+        shown: &LevelMap,
+    ) -> Option<f64> {
+        let content = self.tables.content(&self.file)?;
+        let moment = Moment {
+            gaze: *gaze,
+            view: Some(view),
+            state: EyeState::Steady,
+        };
+        let gains = self.judge.gains(&self.grid, &content, frame, &moment);
+        Some(gains.share(&self.grid, shown))
     }
 
     fn turned(&self, head: HeadPose) -> EyeView {

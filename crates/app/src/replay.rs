@@ -1,16 +1,21 @@
 //! Does a logged session select the same again?
 
-use crate::output;
+use crate::output::{self, WrongUsage};
 use anyhow::{Context, bail};
 use clap::Args;
+use foveal_core::selection::content::PackContent;
 use foveal_core::selection::session::{Session, sha256_hex};
+use foveal_media::pack_file::PackFile;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ReplayArgs {
     /// The session.jsonl that simulate wrote.
     log: PathBuf,
+    /// The pack that was played; needed where the policy weighed its units.
+    #[arg(long, value_name = "PACK")]
+    pack: Option<PathBuf>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -26,11 +31,54 @@ struct Replayed {
     replay_sha256: String,
 }
 
+/// The run selected again, on its pack where that is needed.
+fn replay(session: &Session, pack: Option<&Path>) -> anyhow::Result<Session> {
+    if !session.needs_content() {
+        return Ok(session.replay(None));
+    }
+    let Some(pack) = pack else {
+        bail!(WrongUsage(format!(
+            "--pack is needed: {:?} weighed the units of {}",
+            session.head.policy.policy, session.head.pack
+        )));
+    };
+    let file = PackFile::open(pack)?;
+    let name = pack.display();
+    let cues = file.cues()?;
+    let signatures = file
+        .signatures()?
+        .with_context(|| format!("{name}: has no signatures"))?;
+    let content = PackContent {
+        pack: file.pack(),
+        signatures: &signatures,
+        cues: cues.as_ref(),
+    };
+    let about = file.pack().description();
+    if session.head.grid.cut != about.cut || session.head.grid.surface.size != about.size {
+        bail!(
+            "{name}: has other tiles than the pack of the log, {}",
+            session.head.pack
+        );
+    }
+    if let Some(frame) = session
+        .frames
+        .iter()
+        .find(|frame| frame.frame >= about.frames)
+    {
+        bail!(
+            "{name}: has {} frames, the log asks for frame {}",
+            about.frames,
+            frame.frame
+        );
+    }
+    Ok(session.replay(Some(&content)))
+}
+
 pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     let name = args.log.display();
     let text = output::read_text(&args.log, "the session.jsonl of a simulate")?;
     let session = Session::parse(&text).with_context(|| name.to_string())?;
-    let again = session.replay();
+    let again = replay(&session, args.pack.as_deref())?;
     let mut differing = session
         .frames
         .iter()

@@ -1,6 +1,6 @@
 //! What would be chosen, without content?
 
-use crate::gaze::{GazeChoice, GazeSource, parse_gaze};
+use crate::gaze::{GazeChoice, GazeSource, Viewer, parse_gaze};
 use crate::options::{CutOptions, PolicyName, PolicyOptions, ViewOptions, parse_size};
 use crate::output::{self, WrongUsage, out_of_range};
 use anyhow::bail;
@@ -8,6 +8,7 @@ use clap::{Args, ValueEnum};
 use foveal_core::asset::tile_grid::TileGrid;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::gaze::scan::Random;
+use foveal_core::perception::parameters::EyeState;
 use foveal_core::selection::level_map::{histogram, pixels};
 use foveal_core::selection::policy::{Moment, Selector};
 use foveal_core::units::{Radians, Seconds};
@@ -95,7 +96,14 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
         args.cut.level_ratio,
     )
     .map_err(|error| WrongUsage(error.to_string()))?;
-    let selector = Selector::new(grid, args.policy.config()?);
+    let config = args.policy.config()?;
+    if config.policy.spends_a_budget() {
+        bail!(WrongUsage(format!(
+            "--policy {0} weighs the units of a pack: foveal simulate PACK --policy {0}",
+            args.policy.policy.name()
+        )));
+    }
+    let selector = Selector::new(grid, config);
     let faces = args.source_faces.unwrap_or(surface.faces());
     if faces == 0 || faces > surface.faces() {
         let range = format!("1 to {}", surface.faces());
@@ -107,6 +115,7 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
         let moment = Moment {
             gaze,
             view: view.map(|view| look_at(view, &gaze, &surface)),
+            state: EyeState::Steady,
         };
         let tiles = selector.select(&moment).tiles;
         let pixels = pixels(&grid, &tiles);
@@ -132,8 +141,9 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
         }
         None => {
             let start = Seconds(0.0);
-            let mut source = GazeSource::new(&args.gaze, &surface, args.seed, start)?;
-            let one = choose(source.at(start).0);
+            let mut source =
+                GazeSource::new(&args.gaze, &surface, args.seed, start, &Viewer::default())?;
+            let one = choose(source.look(start).gaze);
             output::result(args.json, &one, &one.text())
         }
     }

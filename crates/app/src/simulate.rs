@@ -1,15 +1,17 @@
 //! What does an eye get from a pack, and what did that take?
 
 use crate::canvas::{Drawing, RendererName};
-use crate::gaze::{GazeChoice, GazeSource, parse_gaze};
+use crate::gaze::{GazeChoice, GazeSource, Viewer, parse_gaze, preset_of};
+use crate::link::{Link, parse_delay, parse_link};
 use crate::options::{PolicyOptions, ViewOptions};
-use crate::output::{self, out_of_range};
+use crate::output::{self, WrongUsage, out_of_range};
 use crate::picture_file::write_png;
 use crate::player::{FrameReport, Player, PlayerOptions};
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::asset::picture::{Colour, Matrix};
 use foveal_core::selection::session::{Session, sha256_hex};
+use foveal_core::units::Seconds;
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_media::pack_file::PackFile;
 use foveal_media::picture_from_rgba::picture_from_rgba;
@@ -49,6 +51,8 @@ pub(crate) struct SimulateArgs {
     #[command(flatten)]
     policy: PolicyOptions,
     #[command(flatten)]
+    watching: Watching,
+    #[command(flatten)]
     view: ViewOptions,
     /// Stop after this many frames (default: all).
     #[arg(long, value_name = "N")]
@@ -83,6 +87,35 @@ pub(crate) struct SimulateArgs {
     json: bool,
 }
 
+/// What is known of the viewer, and what can arrive in time.
+#[derive(Clone, Debug, Args)]
+struct Watching {
+    /// RATE[,DELAY] between the pack and the viewer, as 4g,30ms or 8mbit (3g, 4g, 5g are 2, 40, 67
+    /// Mbit/s): what uniform, eccentricity and perceptual may spend (default: no limit).
+    #[arg(long, value_name = "L", value_parser = parse_link)]
+    link: Option<Link>,
+    /// How long before a frame is shown its gaze must be known, in ms; the link's delay adds to it.
+    /// Levels are chosen for the gaze that is expected by then.
+    #[arg(long, value_name = "MS", value_parser = parse_delay, default_value = "0")]
+    late: Seconds,
+    /// How gaze follows the head: free-viewing, search or a file that `gaze fit head` wrote.
+    #[arg(long, value_name = "NAME|FILE.toml", default_value = "free-viewing")]
+    preset: String,
+}
+
+impl Watching {
+    fn link(&self) -> Link {
+        self.link.unwrap_or_default()
+    }
+
+    fn viewer(&self) -> anyhow::Result<Viewer> {
+        Ok(Viewer {
+            preset: preset_of(&self.preset)?,
+            late: Seconds(self.late.0 + self.link().delay.0),
+        })
+    }
+}
+
 /// What a run took.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct RunSummary {
@@ -98,6 +131,10 @@ pub(crate) struct RunSummary {
     pub(crate) wrong_frame_tiles: usize,
     pub(crate) failed_tiles: usize,
     pub(crate) level_changes: u64,
+    pub(crate) gaze_error_deg_mean: f64,
+    /// Share of the detail that the eye could see that was shown; null for packs without
+    /// signatures.
+    pub(crate) detail_share_mean: Option<f64>,
     pub(crate) gpu_bytes: u64,
     pub(crate) log_sha256: String,
 }
@@ -116,6 +153,13 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     if args.frames == Some(0) {
         bail!(out_of_range("--frames", 0, "at least 1"));
     }
+    let config = args.policy.config()?;
+    if args.watching.link.is_some() && !config.policy.spends_a_budget() {
+        bail!(WrongUsage(format!(
+            "--link: {} spends no budget; give --policy uniform, eccentricity or perceptual",
+            args.policy.policy.name()
+        )));
+    }
     let file = Arc::new(PackFile::open(&args.pack)?);
     let about = file.pack().description();
     let frames = args.frames.unwrap_or(about.frames).min(about.frames);
@@ -130,16 +174,23 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let mut player = Player::new(
         Arc::clone(&file),
         PlayerOptions {
-            config: args.policy.config()?,
+            config,
             view: args.view.eye_view(&surface)?,
             screen: args.view.screen,
             drawing: Drawing::open(args.renderer)?,
             paced: args.paced,
+            bytes_per_s: args.watching.link().bytes_per_s,
             jobs: output::jobs(args.jobs)?,
         },
     )?;
     let length = player.time(frames - 1);
-    let mut gaze = GazeSource::new(&args.gaze, &surface, args.seed, length)?;
+    let mut gaze = GazeSource::new(
+        &args.gaze,
+        &surface,
+        args.seed,
+        length,
+        &args.watching.viewer()?,
+    )?;
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("--out {}: the folder cannot be made", args.out.display()))?;
     let mut pictures = PictureSink::new(args, fps);
@@ -161,7 +212,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let session = session(&player, &reports).write();
     output::write_whole(&args.out.join("session.jsonl"), session.as_bytes())?;
     output::write_whole(&args.out.join("frames.csv"), csv(&reports).as_bytes())?;
-    let policy = format!("{:?}", args.policy.policy).to_lowercase();
+    let policy = args.policy.policy.name();
     let summary = summarise(policy, &reports, player.canvas.gpu_bytes(), &session);
     output::result(args.json, &summary, &summary.text(&args.out))
 }
@@ -195,6 +246,7 @@ pub(crate) fn summarise(
         .collect();
     decode_ms.sort_by(f64::total_cmp);
     let p95 = (decode_ms.len() * 95).div_ceil(100).max(1) - 1;
+    let detail = reports.iter().map(|r| r.detail_share).sum::<Option<f64>>();
     RunSummary {
         policy,
         frames: reports.len(),
@@ -208,6 +260,8 @@ pub(crate) fn summarise(
         wrong_frame_tiles: reports.iter().map(|r| r.wrong_frame_tiles).sum(),
         failed_tiles: reports.iter().map(|r| r.failed_tiles).sum(),
         level_changes: reports.iter().map(|r| r.level_changes).sum(),
+        gaze_error_deg_mean: reports.iter().map(|r| r.gaze_error_deg).sum::<f64>() / count,
+        detail_share_mean: detail.map(|sum| sum / count),
         gpu_bytes,
         log_sha256: sha256_hex(session.as_bytes()),
     }
@@ -219,7 +273,7 @@ impl RunSummary {
             "{} frames under {}: {:.2} % of the pixels (most {:.2} %), {:.2} MB fetched, \
              {:.1} MPix decoded\n\
              decoding {:.1} ms a frame (95th percentile {:.1}), {} late frames, {} damaged tiles, \
-             {} level changes, {:.2} MB on the GPU\n{}",
+             {} level changes, {:.2} MB on the GPU\n{}{}",
             self.frames,
             self.policy,
             self.pixels_share_mean * 100.0,
@@ -232,6 +286,12 @@ impl RunSummary {
             self.failed_tiles,
             self.level_changes,
             self.gpu_bytes as f64 / 1e6,
+            self.detail_share_mean
+                .map_or(String::new(), |share| format!(
+                    "{:.1} % of the detail that the eye could see, gaze expected within {:.2}°\n",
+                    share * 100.0,
+                    self.gaze_error_deg_mean
+                )),
             out.display(),
         )
     }
@@ -240,14 +300,15 @@ impl RunSummary {
 /// The figures of a run as CSV, one line a frame.
 pub(crate) fn csv(reports: &[FrameReport]) -> String {
     let mut text = "frame,time_s,gaze_yaw_deg,gaze_pitch_deg,head_yaw_deg,head_pitch_deg,tiles,\
-                    pixels,share,decoded_pixels,new_bytes,decode_ms,upload_ms,late,level_changes\n"
+                    pixels,share,decoded_pixels,new_bytes,decode_ms,upload_ms,late,level_changes,\
+                    gaze_error_deg,detail_share\n"
         .to_owned();
     for report in reports {
         let (yaw, pitch) = yaw_pitch_from_direction(report.gaze.gaze_in_content);
         let head = report.session.head;
         let _ = writeln!(
             text,
-            "{},{:.6},{:.4},{:.4},{:.4},{:.4},{},{},{:.6},{},{},{:.3},{:.3},{},{}",
+            "{},{:.6},{:.4},{:.4},{:.4},{:.4},{},{},{:.6},{},{},{:.3},{:.3},{},{},{:.4},{}",
             report.session.frame,
             report.session.time_s.0,
             yaw.to_degrees(),
@@ -263,6 +324,10 @@ pub(crate) fn csv(reports: &[FrameReport]) -> String {
             report.upload.as_secs_f64() * 1e3,
             u8::from(report.late),
             report.level_changes,
+            report.gaze_error_deg,
+            report
+                .detail_share
+                .map_or(String::new(), |share| format!("{share:.6}")),
         );
     }
     text

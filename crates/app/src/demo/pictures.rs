@@ -107,7 +107,7 @@ impl Shown {
         let (mut player, mut gaze) = stage.player(policy)?;
         // The head follows the gaze, so it must see all of the way there.
         for before in 0..frame {
-            gaze.at(player.time(before));
+            gaze.look(player.time(before));
         }
         let report = player.play(frame, &mut gaze)?;
         Ok(Self { player, report })

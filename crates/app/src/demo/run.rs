@@ -5,7 +5,7 @@ use super::content::Prepared;
 use super::moment::Moment;
 use super::pictures::Pictures;
 use crate::canvas::Drawing;
-use crate::gaze::{GazeChoice, GazeSource};
+use crate::gaze::{GazeChoice, GazeSource, Viewer};
 use crate::options::ViewOptions;
 use crate::output::{self, Counting};
 use crate::player::{FrameReport, Player, PlayerOptions};
@@ -117,11 +117,18 @@ impl<'a> Stage<'a> {
             screen: view.screen,
             drawing: self.conditions.drawing.clone(),
             paced: false,
+            bytes_per_s: f64::INFINITY,
             jobs: output::jobs(None)?,
         };
         let player = Player::new(Arc::clone(&self.content.file), options)?;
         let length = player.time(self.frames - 1);
-        let gaze = GazeSource::new(&GazeChoice::Scan, &surface, self.conditions.seed, length)?;
+        let gaze = GazeSource::new(
+            &GazeChoice::Scan,
+            &surface,
+            self.conditions.seed,
+            length,
+            &Viewer::default(),
+        )?;
         Ok((player, gaze))
     }
 

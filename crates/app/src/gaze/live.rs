@@ -8,9 +8,7 @@ use super::feed::{Feed, Received};
 use super::intake::{Counts, Intake};
 use crate::output::say;
 use anyhow::bail;
-use foveal_core::gaze::loss::gaze_at;
 use foveal_core::gaze::row::TraceRow;
-use foveal_core::gaze::sample::GazeSample;
 use foveal_core::units::Seconds;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,8 +22,6 @@ const MOST_WAITING: usize = 4096;
 pub(crate) struct Live {
     name: String,
     shared: Arc<Shared>,
-    newest: Option<GazeSample>,
-    seen: Option<GazeSample>,
 }
 
 struct Shared {
@@ -60,12 +56,7 @@ impl Live {
             let name = name.clone();
             move || receive(&name, feed, &theirs)
         })?;
-        Ok(Self {
-            name,
-            shared,
-            newest: None,
-            seen: None,
-        })
+        Ok(Self { name, shared })
     }
 
     /// Waits until a row came, at most `longest`; `interrupted` ends the wait with `false`.
@@ -100,30 +91,13 @@ impl Live {
     }
 
     /// Takes the rows that came since the last call, oldest first.
-    pub(crate) fn take(&mut self) -> Vec<TraceRow> {
-        let rows: Vec<TraceRow> = self.shared.lock().waiting.drain(..).collect();
-        self.newest = rows.last().map(TraceRow::sample).or(self.newest);
-        let seen = rows.iter().rev().find(|row| row.valid);
-        self.seen = seen.map(TraceRow::sample).or(self.seen);
-        rows
+    pub(crate) fn take(&self) -> Vec<TraceRow> {
+        self.shared.lock().waiting.drain(..).collect()
     }
 
-    /// The gaze now, shown at `display`: the newest, or what stands in for it while it is lost.
-    pub(crate) fn now(&mut self, display: Seconds) -> GazeSample {
-        self.take();
-        let now = {
-            let inner = self.shared.lock();
-            inner.intake.stream.now(self.shared.elapsed())
-        };
-        let Some(newest) = &self.newest else {
-            return GazeSample::at(display, Default::default(), Default::default());
-        };
-        let gaze = gaze_at(now, newest, self.seen.as_ref());
-        GazeSample {
-            time: display,
-            received: Seconds(display.0 - (now.0 - gaze.received.0)),
-            ..gaze
-        }
+    /// The time now, by the clock of the rows.
+    pub(crate) fn time(&self) -> Seconds {
+        self.shared.lock().intake.stream.now(self.shared.elapsed())
     }
 
     /// What became of what was sent so far.

@@ -6,9 +6,11 @@ mod intake;
 mod live;
 mod source;
 mod trace_file;
+mod viewer;
 
 pub(crate) use choice::{GazeChoice, LiveChoice, parse_gaze};
 pub(crate) use intake::Counts;
 pub(crate) use live::Live;
-pub(crate) use source::{FIRST_SAMPLE, GazeSource};
+pub(crate) use source::{FIRST_SAMPLE, GazeSource, Look};
 pub(crate) use trace_file::read_trace;
+pub(crate) use viewer::{Viewer, preset_of};

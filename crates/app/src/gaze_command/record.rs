@@ -1,7 +1,7 @@
 //! What did a source deliver?
 
 use crate::gaze::{
-    Counts, FIRST_SAMPLE, GazeChoice, GazeSource, Live, LiveChoice, parse_gaze, read_trace,
+    Counts, FIRST_SAMPLE, GazeChoice, GazeSource, Live, LiveChoice, Viewer, parse_gaze, read_trace,
 };
 use crate::output::{self, WrongUsage, out_of_range};
 use anyhow::{Context, bail};
@@ -84,11 +84,17 @@ pub(crate) fn run(args: &RecordArgs) -> anyhow::Result<()> {
                 ));
             };
             let surface = Surface::cube(1);
-            let mut source = GazeSource::new(&args.gaze, &surface, args.seed, Seconds(seconds))?;
+            let mut source = GazeSource::new(
+                &args.gaze,
+                &surface,
+                args.seed,
+                Seconds(seconds),
+                &Viewer::default(),
+            )?;
             let steps = 0..(seconds * RATE_HZ).ceil() as u32;
             let times = steps.map(|step| Seconds(f64::from(step) / RATE_HZ));
             let rows: Vec<TraceRow> = times
-                .map(|time| TraceRow::of(&received_at_once(source.at(time).0)))
+                .map(|time| TraceRow::of(&received_at_once(source.look(time).gaze)))
                 .collect();
             copy(args, &rows, |row| row)?
         }
@@ -122,7 +128,7 @@ fn copy(
 
 fn record_live(args: &RecordArgs, choice: &LiveChoice) -> anyhow::Result<Recorded> {
     let interrupted = interrupted()?;
-    let mut live = Live::open(choice)?;
+    let live = Live::open(choice)?;
     if !live.wait_for_first(FIRST_SAMPLE, &interrupted)? {
         bail!("--gaze {choice}: interrupted before a gaze came; nothing was written");
     }

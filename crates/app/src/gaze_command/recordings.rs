@@ -1,9 +1,8 @@
 //! Which recordings and which preset does a gaze command work on?
 
-use crate::output::read_text;
+use crate::gaze::preset_of;
 use anyhow::{Context, bail};
 use clap::Args;
-use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use foveal_eval::gaze::head_fit::HeadFit;
 use foveal_eval::gaze::head_protocol::leave_one_out;
 use foveal_eval::gaze::head_recording::HeadRecording;
@@ -55,7 +54,7 @@ impl PresetOptions {
     /// One law per recording, with the mean gaze it is compared to.
     pub(crate) fn fits(&self, recordings: &[HeadRecording]) -> anyhow::Result<Vec<HeadFit>> {
         if !self.leave_one_out {
-            let fit = HeadFit::shipped(preset(&self.preset)?);
+            let fit = HeadFit::shipped(preset_of(&self.preset)?);
             return Ok(vec![fit; recordings.len()]);
         }
         if recordings.len() < 2 {
@@ -63,17 +62,4 @@ impl PresetOptions {
         }
         Ok(leave_one_out(recordings))
     }
-}
-
-fn preset(choice: &str) -> anyhow::Result<HeadGazePreset> {
-    if let Some(preset) = HeadGazePreset::named(choice) {
-        return Ok(preset);
-    }
-    let path = Path::new(choice);
-    if !path.exists() {
-        bail!("--preset is {choice}; give free-viewing, search or a file that is there");
-    }
-    let text = read_text(path, "a preset")?;
-    let preset: HeadGazePreset = toml::from_str(&text).with_context(|| choice.to_owned())?;
-    preset.checked().with_context(|| choice.to_owned())
 }

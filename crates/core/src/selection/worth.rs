@@ -11,7 +11,7 @@ use crate::asset::signature::Signature;
 use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::perception::eye::{Seen, share_of_octave_below};
 use crate::perception::gain::band_gain;
-use crate::perception::parameters::EyeState;
+use crate::perception::parameters::{EyeState, Parameters};
 use crate::perception::saliency::saliency;
 use crate::perception::sensitivity_table::SensitivityTable;
 use crate::perception::signature::band_steps;
@@ -103,7 +103,7 @@ const AMPLITUDE_DEG: f64 = 7.6;
 
 /// Values steps under one policy.
 #[derive(Clone, Debug)]
-pub(super) struct Worth {
+pub struct Worth {
     config: PolicyConfig,
     cells: Vec<CellPlaces>,
     /// What a steady or landed eye sees, and what a jumping one does; made when first asked for.
@@ -124,7 +124,9 @@ struct Looked {
 }
 
 impl Worth {
-    pub(super) fn new(grid: &TileGrid, config: &PolicyConfig) -> Self {
+    /// The worth of steps under a policy that spends a budget.
+    #[must_use]
+    pub fn new(grid: &TileGrid, config: &PolicyConfig) -> Self {
         let cells = grid.tiles_of(0).map(|cell| CellPlaces::new(grid, cell));
         Self {
             config: config.clone(),
@@ -133,8 +135,24 @@ impl Worth {
         }
     }
 
+    /// The worth of steps to an eye alone: visible error removed, whatever it takes to show it.
+    /// For judging what was shown; the share of [`Gains`] is independent of lambda and budget.
+    #[must_use]
+    pub fn judge(grid: &TileGrid) -> Self {
+        let perception = Parameters {
+            lambda: 0.0,
+            ..Parameters::default()
+        };
+        let config = PolicyConfig {
+            perception,
+            ..PolicyConfig::new(Policy::Perceptual)
+        };
+        Self::new(grid, &config)
+    }
+
     /// Gain of every step for one moment.
-    pub(super) fn gains(
+    #[must_use]
+    pub fn gains(
         &self,
         grid: &TileGrid,
         content: &dyn Content,
