@@ -157,7 +157,10 @@ fn serve(listener: &TcpListener, lines: &[String]) -> tungstenite::WebSocket<std
     let (stream, _) = listener.accept().unwrap();
     let mut socket = tungstenite::accept(stream).unwrap();
     for line in lines {
-        socket.send(line.clone().into()).unwrap();
+        // A client that refuses a message may be gone before it is sent whole.
+        if socket.send(line.clone().into()).is_err() {
+            break;
+        }
         std::thread::sleep(STEP);
     }
     socket
@@ -289,6 +292,26 @@ fn a_sender_that_stops_loses_the_eye_and_is_taken_up_again() {
     assert_eq!(after.gaze_deg, Some([77.0, 0.0]));
     let held = trace.at(Seconds(lost.time.0 + 0.2));
     assert!(!held.valid && held.spread.to_degrees() > 2.0);
+}
+
+#[test]
+fn a_server_that_is_lost_is_connected_to_again() {
+    let folder = Folder::new();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let gaze = format!("ws://{}", listener.local_addr().unwrap());
+    let recording = Recording::of(&gaze, folder.name("again.csv"));
+    let lines = lines();
+    let oversized = "x".repeat(100_000);
+    let too_much = [&lines[..5], &[oversized]].concat();
+    drop(serve(&listener, &too_much));
+    let last = r#"{"t_s":200,"yaw_deg":77,"pitch_deg":0}"#.to_owned();
+    let open = serve(&listener, &["rubbish".to_owned(), last]);
+    recording.wait(|text| text.contains(",77,"));
+    let (trace, summary, said) = recording.stop();
+    drop(open);
+    assert!(trace.rows().iter().filter(|row| row.valid).count() >= 6);
+    assert_eq!(summary["skipped"], 1);
+    assert!(said.contains("connection lost"), "{said}");
 }
 
 #[test]
