@@ -10,9 +10,11 @@ use crate::asset::unit::UnitId;
 pub trait Content {
     /// The unit that shows a frame of a tile.
     fn unit(&self, tile: Tile, frame: u32) -> UnitId;
-    /// Its bytes.
+    /// The frame at which the next group of the finest level begins; `None` in the last.
+    fn next_group(&self, frame: u32) -> Option<u32>;
+    /// Bytes of a unit.
     fn bytes(&self, unit: UnitId) -> u32;
-    /// What it adds to the next coarser level; `None` for the coarsest.
+    /// What a unit adds to the next coarser level; `None` for the coarsest.
     fn signature(&self, unit: UnitId) -> Option<Signature>;
     /// What in it might draw the eye; `None` where that is not known.
     fn cues(&self, unit: UnitId) -> Option<Cues>;
@@ -32,6 +34,13 @@ pub struct PackContent<'a> {
 impl Content for PackContent<'_> {
     fn unit(&self, tile: Tile, frame: u32) -> UnitId {
         self.pack.unit(tile, frame)
+    }
+
+    fn next_group(&self, frame: u32) -> Option<u32> {
+        let about = self.pack.description();
+        let length = about.groups.first()?;
+        let next = (frame / length + 1) * length;
+        (next < about.frames).then_some(next)
     }
 
     fn bytes(&self, unit: UnitId) -> u32 {

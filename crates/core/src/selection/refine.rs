@@ -2,8 +2,9 @@
 //!
 //! Tiles of a pyramid are units of one step; a finer tile wants the coarser one under it first,
 //! unless what is held already shows that place as well. Steps are taken by value per byte
-//! ([`super::greedy`]); what is bought and not shown in the end (four children hide their parent)
-//! is not bought.
+//! ([`super::greedy`]), for what is shown now and for the groups of frames that begin next, each
+//! for as long as it will be shown. What is bought and not shown in the end (four children hide
+//! their parent) is not bought.
 
 use super::content::Content;
 use super::greedy::{Catalog, CatalogBuilder, Chain, Misfit, Rule, Stage, Step};
@@ -16,6 +17,8 @@ use std::collections::BTreeSet;
 
 /// Rounds in which what was saved is spent again.
 const ROUNDS: u32 = 3;
+/// What a frame of the next groups counts beside one of these: the eye may look elsewhere by then.
+const AHEAD: f64 = 0.7;
 
 /// Buys and shows units under a policy that spends a budget. Remembers what it bought.
 #[derive(Clone, Debug)]
@@ -23,15 +26,26 @@ pub struct Refiner {
     grid: TileGrid,
     config: PolicyConfig,
     worth: Worth,
+    /// Two units a tile: now, and in the groups that begin next.
     catalog: Catalog,
-    /// The tiles that are units of the catalog: all but the coarsest level, coarsest first.
+    /// All tiles but those of the coarsest level, coarsest first.
     tiles: Vec<Tile>,
-    /// Number in the catalog of the first tile of each level, by level.
+    /// Number of the first tile of each level, by level.
     first: Vec<u32>,
-    /// The unit of each tile that was bought last.
-    held: Vec<Option<UnitId>>,
+    /// The two units of each tile that were bought last.
+    held: Vec<[Option<UnitId>; 2]>,
     /// Bytes that the last frame took.
     spent: u64,
+}
+
+/// One time that is bought for.
+struct Horizon {
+    frame: u32,
+    /// What a gain there counts.
+    weight: f64,
+    gains: Gains,
+    /// What is held for it and worth showing.
+    shown: LevelMap,
 }
 
 impl Refiner {
@@ -46,14 +60,13 @@ impl Refiner {
                 first[usize::from(tile.level)] = number;
             }
         }
-        let catalog = catalog_of(&grid, &tiles, &first, &config);
         Self {
+            catalog: catalog_of(&grid, &tiles, &first, &config),
             worth: Worth::new(&grid, &config),
-            held: vec![None; tiles.len()],
+            held: vec![[None; 2]; tiles.len()],
             spent: 0,
             grid,
             config,
-            catalog,
             tiles,
             first,
         }
@@ -65,8 +78,8 @@ impl Refiner {
         self.spent
     }
 
-    /// Buys what `budget` bytes allow for `frame` (`None`: whatever is worth anything) and says
-    /// what to show of it.
+    /// Buys what `budget` bytes allow (`None`: whatever is worth anything) and says what to show
+    /// of `frame`.
     pub fn refine(
         &mut self,
         content: &dyn Content,
@@ -74,40 +87,78 @@ impl Refiner {
         moment: &Moment,
         budget: Option<u64>,
     ) -> Selection {
-        let gains = self.worth.gains(&self.grid, content, frame, moment);
+        let mut horizons = self.horizons(content, frame, moment, budget);
         self.spent = 0;
-        let mut shown = self.shown(content, frame, &gains);
         for _ in 0..ROUNDS {
             let left = budget.map_or(u64::MAX, |budget| budget.saturating_sub(self.spent));
-            let bought = self.buy(content, frame, &gains, &shown, left);
+            let bought = self.buy(content, &horizons, left);
             if bought == 0 {
                 break;
             }
             self.spent += bought;
-            shown = self.shown(content, frame, &gains);
+            for horizon in &mut horizons {
+                horizon.shown = self.shown(content, horizon.frame, &horizon.gains);
+            }
         }
-        let tiles = shown_tiles(&self.grid, &shown);
-        Selection {
-            levels: shown,
-            tiles,
-        }
+        let levels = horizons.swap_remove(0).shown;
+        let tiles = shown_tiles(&self.grid, &levels);
+        Selection { levels, tiles }
+    }
+
+    /// What to buy for: this frame and, where bytes are scarce, the first of the next groups.
+    fn horizons(
+        &self,
+        content: &dyn Content,
+        frame: u32,
+        moment: &Moment,
+        budget: Option<u64>,
+    ) -> Vec<Horizon> {
+        let [now, next] = [Some(frame), content.next_group(frame)];
+        let left = next.map_or(1, |next| next - frame);
+        let length = next.and_then(|next| content.next_group(next).map(|end| end - next));
+        let ahead = AHEAD * f64::from(length.unwrap_or(left));
+        let times = [
+            (now, f64::from(left)),
+            (next.filter(|_| budget.is_some()), ahead),
+        ];
+        let known = times
+            .into_iter()
+            .filter_map(|(frame, weight)| Some((frame?, weight)));
+        known
+            .map(|(frame, weight)| {
+                let gains = self.worth.gains(&self.grid, content, frame, moment);
+                let shown = self.shown(content, frame, &gains);
+                Horizon {
+                    frame,
+                    weight,
+                    gains,
+                    shown,
+                }
+            })
+            .collect()
     }
 
     fn number(&self, tile: Tile) -> usize {
         (self.first[usize::from(tile.level)] + self.grid.rank(tile)) as usize
     }
 
-    fn holds(&self, content: &dyn Content, tile: Tile, frame: u32) -> bool {
-        self.held[self.number(tile)] == Some(content.unit(tile, frame))
+    fn holds(&self, number: usize, unit: UnitId) -> bool {
+        self.held[number].contains(&Some(unit))
+    }
+
+    /// Keeps a unit, and of the others of its tile the latest: units of a level are numbered in
+    /// the order of time.
+    fn keep(&mut self, number: usize, unit: UnitId) {
+        let held = &mut self.held[number];
+        *held = [Some(unit), held[0].max(held[1])];
     }
 
     /// The finest level that is held for each cell and worth showing there.
     fn shown(&self, content: &dyn Content, frame: u32, gains: &Gains) -> LevelMap {
-        let held: Vec<bool> = self
-            .tiles
-            .iter()
-            .map(|tile| self.holds(content, *tile, frame) && gains.of(&self.grid, *tile) > 0.0)
-            .collect();
+        let shows = |(number, tile): (usize, &Tile)| {
+            self.holds(number, content.unit(*tile, frame)) && gains.of(&self.grid, *tile) > 0.0
+        };
+        let held: Vec<bool> = self.tiles.iter().enumerate().map(shows).collect();
         LevelMap::from_cells(&self.grid, |cell| {
             let levels = 0..self.grid.coarsest();
             let mut held_levels =
@@ -117,58 +168,71 @@ impl Refiner {
     }
 
     /// Buys for at most `budget` bytes and returns the bytes spent.
-    fn buy(
-        &mut self,
-        content: &dyn Content,
-        frame: u32,
-        gains: &Gains,
-        shown: &LevelMap,
-        budget: u64,
-    ) -> u64 {
-        for number in 0..self.tiles.len() {
-            let tile = self.tiles[number];
-            let held = self.holds(content, tile, frame);
-            let bytes = content.bytes(content.unit(tile, frame));
-            let value = gains.over(&self.grid, tile, shown);
-            self.catalog.set_level(number as u32, u8::from(!held));
-            self.catalog.set_bytes(number as u32, &[bytes]);
-            self.catalog.set_values(number as u32, &[value]);
-        }
-        let mut levels = shown.clone();
-        let chosen = self.chosen(gains, budget);
-        for tile in &chosen {
-            for cell in cells_under(&self.grid, *tile) {
-                levels.refine(&self.grid, cell, tile.level);
+    fn buy(&mut self, content: &dyn Content, horizons: &[Horizon], budget: u64) -> u64 {
+        let count = self.tiles.len();
+        let mut worth_it = vec![false; 2 * count];
+        for (which, horizon) in horizons.iter().enumerate() {
+            for number in 0..count {
+                let tile = self.tiles[number];
+                let unit = content.unit(tile, horizon.frame);
+                let value = horizon.weight * horizon.gains.over(&self.grid, tile, &horizon.shown);
+                let entry = 2 * number + which;
+                worth_it[entry] = value > 0.0;
+                let at = entry as u32;
+                self.catalog
+                    .set_level(at, u8::from(!self.holds(number, unit)));
+                self.catalog.set_bytes(at, &[content.bytes(unit)]);
+                self.catalog.set_values(at, &[value]);
             }
         }
-        let needed: BTreeSet<Tile> = shown_tiles(&self.grid, &levels).into_iter().collect();
+        let chosen = self.chosen(&worth_it, budget);
         let mut bytes = 0;
-        for tile in chosen.into_iter().filter(|tile| needed.contains(tile)) {
-            let unit = content.unit(tile, frame);
-            let number = self.number(tile);
-            self.held[number] = Some(unit);
-            bytes += u64::from(content.bytes(unit));
+        for (which, horizon) in horizons.iter().enumerate() {
+            let here = chosen.iter().filter(|entry| **entry % 2 == which);
+            let numbers: Vec<usize> = here.map(|entry| entry / 2).collect();
+            for number in self.needed(&numbers, &horizon.shown) {
+                let unit = content.unit(self.tiles[number], horizon.frame);
+                if !self.holds(number, unit) {
+                    self.keep(number, unit);
+                    bytes += u64::from(content.bytes(unit));
+                }
+            }
         }
         bytes
     }
 
-    fn chosen(&mut self, gains: &Gains, budget: u64) -> Vec<Tile> {
-        let tiles = &self.tiles;
-        let tile_of = |unit: u32| tiles[unit as usize];
+    /// Entries of the catalog to buy.
+    fn chosen(&mut self, worth_it: &[bool], budget: u64) -> Vec<usize> {
         if self.config.policy == Policy::Uniform {
-            let visible = |unit: u32| gains.of(&self.grid, tile_of(unit)) > 0.0;
+            let visible = |entry: u32| worth_it[entry as usize];
             let choices = self.catalog.uniform(budget, Misfit::Stop, visible);
-            return choices.map(|choice| tile_of(choice.unit)).collect();
+            return choices.map(|choice| choice.unit as usize).collect();
         }
         let choices = self.catalog.choices(budget);
-        choices.map(|choice| tile_of(choice.unit)).collect()
+        choices.map(|choice| choice.unit as usize).collect()
+    }
+
+    /// Those of the chosen tiles that will be seen.
+    fn needed(&self, chosen: &[usize], shown: &LevelMap) -> Vec<usize> {
+        let mut levels = shown.clone();
+        for number in chosen {
+            let tile = self.tiles[*number];
+            for cell in cells_under(&self.grid, tile) {
+                levels.refine(&self.grid, cell, tile.level);
+            }
+        }
+        let needed: BTreeSet<Tile> = shown_tiles(&self.grid, &levels).into_iter().collect();
+        let chosen = chosen.iter().copied();
+        chosen
+            .filter(|number| needed.contains(&self.tiles[*number]))
+            .collect()
     }
 }
 
-/// One unit a tile; each wants the coarser tile under it.
+/// One unit a tile, twice: each wants the coarser tile under it.
 fn catalog_of(grid: &TileGrid, tiles: &[Tile], first: &[u32], config: &PolicyConfig) -> Catalog {
     let mut builder = CatalogBuilder::default();
-    for tile in tiles {
+    for (tile, which) in tiles.iter().flat_map(|tile| [(tile, 0), (tile, 1)]) {
         let unknown = Step {
             bytes: 0,
             value: 0.0,
@@ -178,7 +242,7 @@ fn catalog_of(grid: &TileGrid, tiles: &[Tile], first: &[u32], config: &PolicyCon
         if let (Ok(unit), true) = (unit, above < grid.coarsest()) {
             let parent = grid.tile_over(*tile, above);
             let needed = Stage {
-                unit: first[usize::from(above)] + grid.rank(parent),
+                unit: 2 * (first[usize::from(above)] + grid.rank(parent)) + which,
                 level: 0,
             };
             builder.require(Stage { unit, level: 0 }, &[needed]);
@@ -228,6 +292,11 @@ mod tests {
         fn unit(&self, tile: Tile, frame: u32) -> UnitId {
             let place = u32::from(tile.face) << 12 | u32::from(tile.y) << 6 | u32::from(tile.x);
             UnitId(place | u32::from(tile.level) << 16 | (frame / FRAMES_IN_GROUP) << 20)
+        }
+
+        fn next_group(&self, frame: u32) -> Option<u32> {
+            let next = (frame / FRAMES_IN_GROUP + 1) * FRAMES_IN_GROUP;
+            (next < 4 * FRAMES_IN_GROUP).then_some(next)
         }
 
         fn bytes(&self, unit: UnitId) -> u32 {
@@ -351,6 +420,23 @@ mod tests {
     }
 
     #[test]
+    fn a_steady_eye_keeps_its_detail_when_new_groups_begin() {
+        for policy in BUDGETED {
+            let mut refiner = Refiner::new(grid(), config(policy));
+            let shares: Vec<f64> = (0..24)
+                .map(|frame| {
+                    let levels = refiner
+                        .refine(&Busy, frame, &moment(0.0), Some(40_000))
+                        .levels;
+                    let gains = refiner.worth.gains(&grid(), &Busy, frame, &moment(0.0));
+                    gains.share(&grid(), &levels)
+                })
+                .collect();
+            assert!(shares[16] > 0.6 * shares[15], "{policy:?}: {shares:?}");
+        }
+    }
+
+    #[test]
     fn uniform_raises_what_is_in_view_evenly() {
         let selection = first_frame(Policy::Uniform, Some(30_000)).1;
         let view = moment(0.0).view.unwrap();
@@ -414,7 +500,7 @@ mod tests {
                 state,
                 ..moment(0.0)
             };
-            let levels = refiner.refine(&Busy, 0, &moment, Some(25_000)).levels;
+            let levels = refiner.refine(&Busy, 0, &moment, Some(45_000)).levels;
             let grid = grid();
             let cells = grid.tiles_of(0).filter(|cell| {
                 angle_between(moment.gaze.gaze_in_content, grid.centre(*cell)).to_degrees() < 12.0

@@ -317,6 +317,10 @@ impl Content for ScriptedContent {
         UnitId(place ^ u32::from(tile.level) << 24 ^ (frame / 8) << 27)
     }
 
+    fn next_group(&self, frame: u32) -> Option<u32> {
+        Some((frame / 8 + 1) * 8)
+    }
+
     fn bytes(&self, unit: UnitId) -> u32 {
         500 + unit.0.wrapping_mul(2_654_435_761) % 4000
     }
