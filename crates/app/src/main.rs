@@ -1,5 +1,6 @@
 //! The `foveal` program: which command runs?
 
+mod bench;
 mod canvas;
 mod demo;
 mod gaze;
@@ -8,6 +9,7 @@ mod info;
 mod link;
 mod options;
 mod output;
+mod perception_command;
 mod perception_options;
 mod picture_file;
 mod player;
@@ -43,6 +45,12 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Prepare and play clips under several policies, and show in a page what was saved.
     Demo(demo::DemoArgs),
+    /// What the eye sees, and what a finer picture is worth to it.
+    #[command(subcommand)]
+    Perception(perception_command::Perception),
+    /// What a part of Foveal costs on this machine.
+    #[command(subcommand)]
+    Bench(bench::Bench),
     /// Make the selection of a logged session again and compare.
     Replay(replay::ReplayArgs),
     /// Judge, fit, classify and record gaze.
@@ -65,6 +73,8 @@ fn main() -> ExitCode {
         Command::Select(args) => select::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Demo(args) => demo::run(&args),
+        Command::Perception(command) => perception_command::run(&command),
+        Command::Bench(command) => bench::run(&command),
         Command::Replay(args) => replay::run(&args),
         Command::Gaze(command) => gaze_command::run(&command),
     };

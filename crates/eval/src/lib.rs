@@ -1,4 +1,6 @@
 //! How good was it? Judges what the pipeline did; nothing here feeds it.
 
 pub mod bench_cases;
+pub mod fft_importance;
 pub mod gaze;
+pub mod importance_bench;

@@ -14,6 +14,7 @@ mod journey;
 mod live_gaze;
 mod no_adapter;
 mod numbers;
+mod perception;
 mod refusals;
 mod scenes;
 mod selection;
