@@ -35,6 +35,8 @@ impl Gpu {
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("foveal"),
+                // Tells how long passes take; nothing else depends on it.
+                required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
                 required_limits: wgpu::Limits::default().or_worse_values_from(&adapter.limits()),
                 ..wgpu::DeviceDescriptor::default()
             })

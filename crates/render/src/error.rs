@@ -50,7 +50,35 @@ pub enum RenderError {
         /// Bytes of its planes.
         planes: [usize; 3],
     },
-    /// The GPU did not hand a picture back.
-    #[error("the GPU did not return the picture: {0}")]
+    /// A level picture or an image of unit ids does not fit what it is compared with.
+    #[error("{what} is {found}; it must be {expected}")]
+    Misfit {
+        /// Which picture.
+        what: String,
+        /// What it must be.
+        expected: String,
+        /// What it is.
+        found: String,
+    },
+    /// Pixels name units that do not exist.
+    #[error("unit ids must be below {units}, or 4294967295 for none; {runs} runs of pixels differ")]
+    StrayUnits {
+        /// How many units there are.
+        units: usize,
+        /// Runs of pixels with another id.
+        runs: u32,
+    },
+    /// A buffer would be larger than the device allows.
+    #[error("{what} would take {bytes} bytes; this device binds at most {most}")]
+    TooMuch {
+        /// What it holds.
+        what: &'static str,
+        /// Its size in bytes.
+        bytes: u64,
+        /// The device's limit in bytes.
+        most: u64,
+    },
+    /// The GPU did not hand its result back.
+    #[error("the GPU did not return its result: {0}")]
     ReadBack(String),
 }

@@ -12,6 +12,7 @@ mod device;
 mod error;
 mod frame;
 mod image;
+pub mod importance;
 mod level_map;
 pub mod params;
 mod passes;

@@ -1,4 +1,4 @@
-//! How does a picture come back from the GPU?
+//! How does a result come back from the GPU?
 //!
 //! Through a buffer that the browser's event loop, or a blocking poll, maps when the GPU is done.
 
@@ -10,9 +10,14 @@ use std::task::{Context, Poll, Waker};
 
 /// A copy of a texture on its way; await it, or call [`Self::wait`] where blocking is allowed.
 pub struct ReadBack {
-    buffer: wgpu::Buffer,
+    bytes: BytesBack,
     size: [u32; 2],
     bytes_per_row: u32,
+}
+
+/// The bytes of a buffer on their way.
+pub(crate) struct BytesBack {
+    buffer: wgpu::Buffer,
     state: Arc<Mutex<State>>,
 }
 
@@ -27,12 +32,7 @@ impl ReadBack {
     pub(crate) fn start(gpu: &Gpu, texture: &wgpu::Texture) -> Self {
         let size = [texture.width(), texture.height()];
         let bytes_per_row = (size[0] * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("read back"),
-            size: u64::from(bytes_per_row) * u64::from(size[1]),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
+        let buffer = BytesBack::buffer(gpu, u64::from(bytes_per_row) * u64::from(size[1]));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_buffer(
             texture.as_image_copy(),
@@ -47,6 +47,65 @@ impl ReadBack {
             texture.size(),
         );
         gpu.queue.submit([encoder.finish()]);
+        Self {
+            bytes: BytesBack::map(buffer),
+            size,
+            bytes_per_row,
+        }
+    }
+
+    /// Blocks until the GPU is done.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn wait(self, gpu: &Gpu) -> Result<RgbaImage, RenderError> {
+        block_on(gpu, self)
+    }
+
+    fn rows(&self, bytes: &[u8]) -> RgbaImage {
+        let mut pixels = Vec::with_capacity(self.size[0] as usize * self.size[1] as usize * 4);
+        for row in bytes.chunks_exact(self.bytes_per_row as usize) {
+            pixels.extend_from_slice(&row[..self.size[0] as usize * 4]);
+        }
+        RgbaImage {
+            size: self.size,
+            pixels,
+        }
+    }
+}
+
+/// Blocks until the GPU is done and what waits for it has its result.
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) fn block_on<T>(
+    gpu: &Gpu,
+    waiting: impl Future<Output = Result<T, RenderError>>,
+) -> Result<T, RenderError> {
+    gpu.device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .map_err(|reason| RenderError::ReadBack(reason.to_string()))?;
+    pollster::block_on(waiting)
+}
+
+impl Future for ReadBack {
+    type Output = Result<RgbaImage, RenderError>;
+
+    fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
+        let bytes = Pin::new(&mut self.bytes).poll(context);
+        bytes.map_ok(|bytes| self.rows(&bytes))
+    }
+}
+
+impl BytesBack {
+    /// A buffer to copy to, before it is mapped.
+    pub(crate) fn buffer(gpu: &Gpu, size: u64) -> wgpu::Buffer {
+        gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("read back"),
+            size,
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// Asks for the bytes, once the copy to `buffer` is submitted.
+    pub(crate) fn map(buffer: wgpu::Buffer) -> Self {
         let state = Arc::new(Mutex::new(State::default()));
         let told = Arc::clone(&state);
         buffer.map_async(wgpu::MapMode::Read, .., move |result| {
@@ -56,43 +115,23 @@ impl ReadBack {
                 waker.wake();
             }
         });
-        Self {
-            buffer,
-            size,
-            bytes_per_row,
-            state,
-        }
+        Self { buffer, state }
     }
 
-    /// Blocks until the GPU is done.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub fn wait(self, gpu: &Gpu) -> Result<RgbaImage, RenderError> {
-        gpu.device
-            .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|reason| RenderError::ReadBack(reason.to_string()))?;
-        pollster::block_on(self)
-    }
-
-    fn rows(&self) -> Result<RgbaImage, RenderError> {
+    fn bytes(&self) -> Result<Vec<u8>, RenderError> {
         let mapped = self
             .buffer
             .get_mapped_range(..)
             .map_err(|reason| RenderError::ReadBack(reason.to_string()))?;
-        let mut pixels = Vec::with_capacity(self.size[0] as usize * self.size[1] as usize * 4);
-        for row in mapped.chunks_exact(self.bytes_per_row as usize) {
-            pixels.extend_from_slice(&row[..self.size[0] as usize * 4]);
-        }
+        let bytes = mapped.to_vec();
         drop(mapped);
         self.buffer.unmap();
-        Ok(RgbaImage {
-            size: self.size,
-            pixels,
-        })
+        Ok(bytes)
     }
 }
 
-impl Future for ReadBack {
-    type Output = Result<RgbaImage, RenderError>;
+impl Future for BytesBack {
+    type Output = Result<Vec<u8>, RenderError>;
 
     fn poll(self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
         let result = {
@@ -102,7 +141,7 @@ impl Future for ReadBack {
         };
         match result {
             None => Poll::Pending,
-            Some(Ok(())) => Poll::Ready(self.rows()),
+            Some(Ok(())) => Poll::Ready(self.bytes()),
             Some(Err(reason)) => Poll::Ready(Err(RenderError::ReadBack(reason.to_string()))),
         }
     }

@@ -15,6 +15,15 @@ const CUBE: &str = include_str!("../shaders/shared/cube.wgsl");
 const RECONSTRUCT_PLANE: &str = include_str!("../shaders/reconstruct_plane.wgsl");
 const RECONSTRUCT_CUBE: &str = include_str!("../shaders/reconstruct_cube.wgsl");
 const OVERLAY: &str = include_str!("../shaders/overlay.wgsl");
+const BAND: &str = include_str!("../shaders/shared/band.wgsl");
+const DOUBLED: &str = include_str!("../shaders/shared/doubled.wgsl");
+const EYE: &str = include_str!("../shaders/shared/eye.wgsl");
+const LUMINANCE: &str = include_str!("../shaders/luminance.wgsl");
+const HALVE: &str = include_str!("../shaders/halve.wgsl");
+const CONTRAST: &str = include_str!("../shaders/contrast.wgsl");
+const SEEN: &str = include_str!("../shaders/seen.wgsl");
+const GAIN: &str = include_str!("../shaders/gain.wgsl");
+const ACCUMULATE: &str = include_str!("../shaders/accumulate.wgsl");
 
 /// A shader's text and its entries.
 #[derive(Clone, Debug)]
@@ -67,4 +76,30 @@ pub fn overlay(projection: Projection) -> Shader {
 fn joined(surroundings: &str, entry: &[&str]) -> String {
     let shared = [SCREEN, TILES, LATTICE, FOOTPRINT, surroundings];
     [shared.as_slice(), entry].concat().join("\n")
+}
+
+/// A compute pass's text; its entry has the name of the pass.
+#[derive(Clone, Debug)]
+pub struct ComputeShader {
+    /// Name of the pass.
+    pub name: &'static str,
+    /// WGSL.
+    pub text: String,
+}
+
+/// The passes of [`crate::importance`], in their order.
+#[must_use]
+pub fn importance() -> [ComputeShader; 6] {
+    let shader = |name, parts: &[&str]| ComputeShader {
+        name,
+        text: parts.join("\n"),
+    };
+    [
+        shader("luminance", &[BAND, LUMINANCE]),
+        shader("halve", &[BAND, HALVE]),
+        shader("contrast", &[BAND, DOUBLED, CONTRAST]),
+        shader("seen", &[BAND, EYE, SEEN]),
+        shader("gain", &[BAND, DOUBLED, EYE, GAIN]),
+        shader("accumulate", &[BAND, EYE, ACCUMULATE]),
+    ]
 }

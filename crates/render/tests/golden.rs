@@ -10,22 +10,11 @@ use common::*;
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Surface;
-use foveal_render::{Gpu, Overlay, RgbaImage};
+use foveal_render::{Gpu, Overlay};
 use std::path::Path;
 
 /// Largest golden file in bytes.
 const MOST_BYTES: u64 = 32 * 1024;
-
-fn read_png(path: &Path) -> RgbaImage {
-    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
-    let mut reader = png::Decoder::new(file).read_info().unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut pixels).unwrap();
-    RgbaImage {
-        size: [info.width, info.height],
-        pixels,
-    }
-}
 
 /// Draws a scene, compares it with its golden, and writes it large where that is asked for.
 fn assert_golden(

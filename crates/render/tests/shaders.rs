@@ -2,8 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use foveal_core::view::surface::Projection;
+use foveal_render::importance::{Band, Eye};
 use foveal_render::params::{Overlay, TileParams, ViewParams};
-use foveal_render::shaders::{Shader, overlay, reconstruct};
+use foveal_render::shaders::{Shader, importance, overlay, reconstruct};
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Module, TypeInner};
@@ -40,6 +41,13 @@ fn layout(module: &Module, name: &str) -> (u32, Vec<(String, u32)>) {
     (layouter[handle].size, members)
 }
 
+macro_rules! same_layout {
+    ($module:expr, $name:literal, $ty:ty, [$($field:ident),*]) => {
+        let expected = vec![$((stringify!($field).to_owned(), offset_of!($ty, $field) as u32)),*];
+        assert_eq!(layout(&$module, $name), (size_of::<$ty>() as u32, expected), $name);
+    };
+}
+
 #[test]
 fn every_shader_is_valid_with_no_capability_that_a_browser_lacks() {
     for (shader, projection) in all() {
@@ -66,11 +74,59 @@ fn every_shader_is_valid_with_no_capability_that_a_browser_lacks() {
     }
 }
 
-macro_rules! same_layout {
-    ($module:expr, $name:literal, $ty:ty, [$($field:ident),*]) => {
-        let expected = vec![$((stringify!($field).to_owned(), offset_of!($ty, $field) as u32)),*];
-        assert_eq!(layout(&$module, $name), (size_of::<$ty>() as u32, expected), $name);
-    };
+#[test]
+fn every_pass_of_importance_is_valid_with_no_capability_that_a_browser_lacks() {
+    for shader in importance() {
+        let module = naga::front::wgsl::parse_str(&shader.text)
+            .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader.text)));
+        Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{}: {e:?}", shader.name));
+        let entries = module.entry_points.iter().map(|e| e.name.as_str());
+        assert_eq!(entries.collect::<Vec<_>>(), [shader.name]);
+        assert!(!shader.text.contains("enable "), "{}", shader.name);
+        same_layout!(
+            module,
+            "Band",
+            Band,
+            [
+                fine,
+                coarse,
+                picture,
+                side,
+                contrast_scale,
+                octave,
+                has_coarser
+            ]
+        );
+        if !["seen", "gain", "accumulate"].contains(&shader.name) {
+            continue;
+        }
+        same_layout!(
+            module,
+            "Eye",
+            Eye,
+            [
+                gaze_from_pixel,
+                acuity,
+                constant,
+                error,
+                popping,
+                omega,
+                density_octave,
+                display_octave,
+                quanta,
+                most_quanta,
+                by_area,
+                first_chord,
+                chords_per_octave,
+                first_octave,
+                entries_per_octave,
+                rows_per_octave,
+                row_growth
+            ]
+        );
+    }
 }
 
 #[test]

@@ -235,7 +235,8 @@ impl Parameters {
     }
 
     /// Highest frequency that the display shows.
-    pub(super) fn display_limit(&self) -> Cpd {
+    #[must_use]
+    pub fn display_limit(&self) -> Cpd {
         Cpd(if self.display_cpd > 0.0 {
             self.display_cpd
         } else {

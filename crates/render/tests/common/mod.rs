@@ -251,6 +251,18 @@ pub fn write_png(path: &std::path::Path, image: &RgbaImage) {
     writer.finish().unwrap();
 }
 
+/// Reads a picture written by [`write_png`].
+pub fn read_png(path: &std::path::Path) -> RgbaImage {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    RgbaImage {
+        size: [info.width, info.height],
+        pixels,
+    }
+}
+
 /// The tiles that show a disc of `radius` level-0 pixels (on a cube: of the face's middle) round a
 /// place finely, and every ring of `ring` more one level coarser.
 pub fn fine_around(

@@ -1,0 +1,133 @@
+//! Which pictures are judged, and which unit has each of their pixels?
+
+use crate::{device::Gpu, error::RenderError, image::RgbaImage};
+
+/// Format of level pictures: sRGB codes as they are.
+const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+const IDS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+
+/// An image of unit ids: for every pixel one below `units`, or
+/// [`foveal_core::perception::importance::NO_UNIT`].
+#[derive(Clone, Debug)]
+pub struct UnitIds {
+    /// One r32uint texel for every pixel, with `TEXTURE_BINDING`.
+    pub texture: wgpu::Texture,
+    /// How many units there are.
+    pub units: usize,
+}
+
+impl UnitIds {
+    /// Puts ids, row by row, on the GPU.
+    ///
+    /// # Errors
+    /// When there are not `size` ids or the device has no texture of that size.
+    pub fn upload(
+        gpu: &Gpu,
+        size: [u32; 2],
+        ids: &[u32],
+        units: usize,
+    ) -> Result<Self, RenderError> {
+        let bytes = bytemuck::cast_slice(ids);
+        let texture = upload(gpu, "the image of unit ids", size, IDS_FORMAT, bytes)?;
+        Ok(Self { texture, units })
+    }
+}
+
+/// Puts a level picture on the GPU; its alpha does not count.
+///
+/// # Errors
+/// When it has not its size's pixels or the device has no texture of that size.
+pub fn upload_picture(gpu: &Gpu, picture: &RgbaImage) -> Result<wgpu::Texture, RenderError> {
+    let (size, what) = (picture.size, "the level picture");
+    upload(gpu, what, size, PICTURE_FORMAT, &picture.pixels)
+}
+
+fn upload(
+    gpu: &Gpu,
+    what: &'static str,
+    size: [u32; 2],
+    format: wgpu::TextureFormat,
+    bytes: &[u8],
+) -> Result<wgpu::Texture, RenderError> {
+    let most = gpu.device.limits().max_texture_dimension_2d;
+    let side = size[0].max(size[1]);
+    if side > most {
+        return Err(RenderError::TooLarge { what, side, most });
+    }
+    // Both formats have four bytes a pixel.
+    let pixels = size[0] as usize * size[1] as usize;
+    if bytes.len() != pixels * 4 || pixels == 0 {
+        return Err(RenderError::Misfit {
+            what: what.to_owned(),
+            expected: format!("{} x {} pixels, at least one", size[0], size[1]),
+            found: format!("{} pixels", bytes.len() / 4),
+        });
+    }
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(what),
+        size: wgpu::Extent3d {
+            width: size[0],
+            height: size[1],
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(size[0] * 4),
+        rows_per_image: None,
+    };
+    gpu.queue
+        .write_texture(texture.as_image_copy(), bytes, layout, texture.size());
+    Ok(texture)
+}
+
+/// Refuses a level picture that is not of `size` rgba8unorm pixels and bindable.
+pub(super) fn check_picture(
+    level: usize,
+    texture: &wgpu::Texture,
+    size: [u32; 2],
+) -> Result<(), RenderError> {
+    check(
+        &format!("the picture of level {level}"),
+        texture,
+        size,
+        PICTURE_FORMAT,
+    )
+}
+
+/// Refuses an image of unit ids that is not of `size` r32uint pixels and bindable.
+pub(super) fn check_ids(ids: &UnitIds, size: [u32; 2]) -> Result<(), RenderError> {
+    check("the image of unit ids", &ids.texture, size, IDS_FORMAT)
+}
+
+fn check(
+    what: &str,
+    texture: &wgpu::Texture,
+    size: [u32; 2],
+    format: wgpu::TextureFormat,
+) -> Result<(), RenderError> {
+    let binding = wgpu::TextureUsages::TEXTURE_BINDING;
+    let words = |size: [u32; 2], format, bound| {
+        let bound = if bound { "bindable" } else { "not bindable" };
+        format!("{} x {} of {format:?}, {bound}", size[0], size[1])
+    };
+    let found = (
+        [texture.width(), texture.height()],
+        texture.format(),
+        texture.usage().contains(binding),
+    );
+    if found == (size, format, true) {
+        return Ok(());
+    }
+    Err(RenderError::Misfit {
+        what: what.to_owned(),
+        expected: words(size, format, true),
+        found: words(found.0, found.1, found.2),
+    })
+}
