@@ -13,6 +13,7 @@ mod perception_command;
 mod perception_options;
 mod picture_file;
 mod player;
+mod plot;
 mod prepare;
 mod replay;
 mod select;

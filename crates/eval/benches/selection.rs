@@ -1,7 +1,7 @@
 //! How long does a selection over 100,000 units take, and which part of it how long?
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use foveal_core::selection::greedy::{Catalog, CatalogError, Rule};
+use foveal_core::selection::greedy::{Catalog, CatalogError, Misfit, Rule};
 use foveal_eval::bench_cases::{BUDGET_BYTES, LEVELS, UNITS, large_catalog, values_at};
 
 /// Values of many units at a moment, with their units.
@@ -40,11 +40,20 @@ fn selection(criterion: &mut Criterion) -> Result<(), CatalogError> {
             });
         });
     }
-    let mut skipping = large_catalog(Rule::PAPER)?;
-    skipping.refresh();
-    group.bench_function("heap and pops, paper rule", |bencher| {
-        bencher.iter(|| skipping.select(BUDGET_BYTES));
-    });
+    let stopping = Rule {
+        misfit: Misfit::Stop,
+        ..Rule::default()
+    };
+    for (name, rule) in [
+        ("stopping at a misfit", stopping),
+        ("paper rule", Rule::PAPER),
+    ] {
+        let mut catalog = large_catalog(rule)?;
+        catalog.refresh();
+        group.bench_function(format!("heap and pops, {name}"), |bencher| {
+            bencher.iter(|| catalog.select(BUDGET_BYTES));
+        });
+    }
     group.finish();
     Ok(())
 }

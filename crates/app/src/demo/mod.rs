@@ -11,7 +11,6 @@ mod figures;
 pub(crate) mod machine;
 mod moment;
 mod pictures;
-mod plot;
 mod plots;
 mod report;
 mod run;

@@ -1,10 +1,10 @@
 //! Which figures are plotted over time?
 
 use super::colours;
-use super::plot::{Layer, Line, Run, lines, stack};
 use super::report::level_key;
 use super::run::{ACUITY, Played};
 use crate::player::FrameReport;
+use crate::plot::{Layer, Line, Run, lines, stack};
 
 /// All plots of one content.
 pub(super) fn all(played: &Played) -> String {
@@ -46,8 +46,9 @@ pub(super) fn all(played: &Played) -> String {
 fn run(played: &Played) -> Run<'_> {
     Run {
         times: &played.times,
+        unit: "seconds",
         moving: &played.moment.moving,
-        pictured: played.moment.frame as usize,
+        pictured: Some(played.moment.frame as usize),
     }
 }
 

@@ -1,12 +1,14 @@
 //! What is the best expectation of a gaze that was last seen some time ago?
 
 use super::recordings::{PresetOptions, Recordings};
-use crate::output::{self, out_of_range};
+use crate::output::{self, out_of_range, write_whole};
+use crate::plot::{self, Line, Run};
 use anyhow::Context;
 use clap::Args;
 use foveal_eval::gaze::delay_protocol::{DELAYS_MS, DelayErrors, evaluate_delay};
 use serde::Serialize;
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 /// Longest delay that may be asked for, in milliseconds.
 const LONGEST_MS: f64 = 60_000.0;
@@ -20,6 +22,9 @@ pub(crate) struct EvalDelayArgs {
     delays: Vec<f64>,
     #[command(flatten)]
     preset: PresetOptions,
+    /// Draw the errors by delay into an SVG picture.
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -42,6 +47,36 @@ impl DelayEvaluation {
         }
         text + "mean degrees\n"
     }
+
+    /// Three lines over the delays, in their order.
+    fn plot(&self) -> String {
+        let mut sorted: Vec<&DelayErrors> = self.delays.iter().collect();
+        sorted.sort_by(|a, b| a.ms.total_cmp(&b.ms));
+        let of = |value: fn(&DelayErrors) -> f64| -> Vec<f64> {
+            sorted.iter().map(|found| value(found)).collect()
+        };
+        let times = of(|found| found.ms);
+        let run = Run {
+            times: &times,
+            unit: "ms",
+            moving: &[],
+            pictured: None,
+        };
+        let line = |class, value| Line {
+            class,
+            values: of(value),
+        };
+        let lines = [
+            line("last", |found| found.last),
+            line("head", |found| found.head),
+            line("blend", |found| found.blend),
+        ];
+        plot::file(
+            "mean error in degrees, by age of the last gaze",
+            &run,
+            &lines,
+        )
+    }
 }
 
 pub(crate) fn run(args: &EvalDelayArgs) -> anyhow::Result<()> {
@@ -58,6 +93,9 @@ pub(crate) fn run(args: &EvalDelayArgs) -> anyhow::Result<()> {
     let evaluation = DelayEvaluation {
         delays: delays.collect::<anyhow::Result<_>>()?,
     };
+    if let Some(path) = &args.plot {
+        write_whole(path, evaluation.plot().as_bytes())?;
+    }
     output::result(args.json, &evaluation, &evaluation.text())
 }
 

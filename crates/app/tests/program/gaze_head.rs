@@ -122,6 +122,11 @@ fn a_late_gaze_is_judged_beside_the_head_and_their_blend() {
     );
     assert!(of(1, "blend") < of(1, "last"), "{found}");
     assert!(done(&judge).stdout.contains("blend"));
+    let plot = folder.name("delay.svg");
+    done(&[&judge[..], &["--plot", &plot]].concat());
+    let svg = std::fs::read_to_string(&plot).unwrap();
+    assert!(svg.starts_with("<svg xmlns") && svg.trim_end().ends_with("</svg>"));
+    assert_eq!(svg.matches("<polyline").count(), 3);
 }
 
 #[test]

@@ -101,8 +101,10 @@ impl PolicyConfig {
         }
     }
 
-    /// What happens when the best step does not fit into the budget: the published greedy (Chen et
-    /// al. 2022) goes on with the next, the corrected one stops.
+    /// What happens when the best step does not fit into what a frame may spend: the corrected
+    /// greedy stops and saves up for it, as what is left counts for the next frame; the published
+    /// one (Chen et al. 2022) goes on with the next and so spends what it would need
+    /// (docs/decisions/0004-what-does-not-fit-is-skipped.md).
     pub(super) fn misfit(&self) -> Misfit {
         match self.perception.model {
             Model::Paper => Misfit::Skip,

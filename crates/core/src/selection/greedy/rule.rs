@@ -3,19 +3,21 @@
 /// What happens when the best step does not fit into what is left of the budget.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Misfit {
+    /// It is left out, or where it spans several levels cut to what fits, and the next best is
+    /// tried (Chen et al. 2022). At least 99 % of the optimum from ten largest steps on
+    /// (docs/decisions/0004-what-does-not-fit-is-skipped.md).
+    ///
+    /// More bytes are never worth less, on hulls and without prerequisites: take the first step A
+    /// of `a` bytes that the larger budget takes and the smaller, with `r < a` bytes left, does
+    /// not. All that the smaller can still take is no denser than A, so worth at most `r` times its
+    /// density: less than A alone.
+    #[default]
+    Skip,
     /// Nothing more is chosen. What a budget buys is then the beginning of what a larger one buys,
     /// and falls short of the optimum by less than the step that did not fit: for a small budget
-    /// that can be several percent, for 2,000 steps it is nothing.
-    #[default]
+    /// that can be several percent, for 2,000 steps it is nothing. For a budget whose rest counts
+    /// for the next selection: who goes on spends what the best step would need.
     Stop,
-    /// It is left out, or where it spans several levels cut to what fits, and the next best is
-    /// tried (Chen et al. 2022). At least 99 % of the optimum from ten largest steps on.
-    ///
-    /// More bytes are never worth less here either, on hulls and without prerequisites: take the
-    /// first step A of `a` bytes that the larger budget takes and the smaller, with `r < a` bytes
-    /// left, does not. All that the smaller can still take is no denser than A, so worth at most
-    /// `r` times its density: less than A alone.
-    Skip,
 }
 
 /// How far one step may go.

@@ -1,11 +1,14 @@
 //! How does a series of figures become a line plot or a stack of areas, as SVG?
 //!
-//! Colours come from the page's style sheet by class, so that a plot follows light and dark.
+//! Colours come from a style sheet by class: the page's, so that a plot follows light and dark, or
+//! one of its own where the plot is a file ([`file`]).
 
 use std::fmt::Write as _;
 
 /// Units of the drawing, which the page scales: width, height.
 const SIZE: [f64; 2] = [420.0, 224.0];
+/// Height of the title of a file.
+const TITLE: f64 = 26.0;
 /// Margins: left for numbers, top, right for labels, bottom for time.
 const LEFT: f64 = 46.0;
 const TOP: f64 = 10.0;
@@ -17,33 +20,36 @@ const STEPS: f64 = 4.0;
 const OVERSHOOT: f64 = 0.2;
 /// Least distance between the labels of two lines.
 const LABEL_HEIGHT: f64 = 14.0;
-/// A run of one frame is drawn this long, in seconds.
-const SHORTEST_S: f64 = 0.04;
+/// A run of one frame is drawn this long.
+const SHORTEST: f64 = 0.04;
 
 /// What all plots of one run share.
-pub(super) struct Run<'a> {
-    /// Display time of every frame in seconds.
-    pub(super) times: &'a [f64],
-    /// Whether the eye was moving, of every frame.
-    pub(super) moving: &'a [bool],
-    /// Index of the frame that the pictures show.
-    pub(super) pictured: usize,
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Run<'a> {
+    /// Time of every figure, from 0 on: display time of a frame, or a delay.
+    pub(crate) times: &'a [f64],
+    /// Its unit.
+    pub(crate) unit: &'a str,
+    /// Whether the eye was moving, of every frame; empty where that is not known.
+    pub(crate) moving: &'a [bool],
+    /// Index of the frame that the pictures show, where there are any.
+    pub(crate) pictured: Option<usize>,
 }
 
 /// One line; `class` is its colour in the style sheet.
-pub(super) struct Line<'a> {
-    pub(super) class: &'a str,
-    pub(super) values: Vec<f64>,
+pub(crate) struct Line<'a> {
+    pub(crate) class: &'a str,
+    pub(crate) values: Vec<f64>,
 }
 
 /// One area of a stack, in a colour of CSS.
-pub(super) struct Layer {
-    pub(super) colour: String,
-    pub(super) values: Vec<f64>,
+pub(crate) struct Layer {
+    pub(crate) colour: String,
+    pub(crate) values: Vec<f64>,
 }
 
 /// Lines over time, each labelled at its end with its class; `title` is for those who cannot see.
-pub(super) fn lines(title: &str, run: &Run<'_>, lines: &[Line<'_>]) -> String {
+pub(crate) fn lines(title: &str, run: &Run<'_>, lines: &[Line<'_>]) -> String {
     let highest = lines.iter().flat_map(|line| &line.values);
     let plane = Plane::new(run, highest.copied().fold(0.0, f64::max), 0.0);
     let mut svg = plane.begin(title, run);
@@ -67,7 +73,7 @@ pub(super) fn lines(title: &str, run: &Run<'_>, lines: &[Line<'_>]) -> String {
 }
 
 /// Areas of counts on top of each other over time, the first at the bottom.
-pub(super) fn stack(title: &str, run: &Run<'_>, layers: &[Layer]) -> String {
+pub(crate) fn stack(title: &str, run: &Run<'_>, layers: &[Layer]) -> String {
     let frames = run.times.len();
     let mut sums = vec![vec![0.0; frames]];
     for layer in layers {
@@ -92,10 +98,39 @@ pub(super) fn stack(title: &str, run: &Run<'_>, layers: &[Layer]) -> String {
     svg + "</svg>"
 }
 
+/// Style of a plot that is a file: dark on white, colours that most colour-blind eyes tell apart.
+const FILE_STYLE: &str = "text{font:11.5px system-ui,sans-serif;fill:#4a5058}\
+    .label{font-weight:600}.grid{stroke:#dddfe2}.line{fill:none;stroke-width:2;stroke-linejoin:round}";
+/// Colours of the lines of a file, in their order.
+const FILE_COLOURS: [&str; 3] = ["#b86e00", "#7d848d", "#0a63b0"];
+
+/// Lines as an SVG file, at most three, with `title` above them; their classes are letters only.
+pub(crate) fn file(title: &str, run: &Run<'_>, all: &[Line<'_>]) -> String {
+    let mut style = FILE_STYLE.to_owned();
+    for (line, colour) in all.iter().zip(FILE_COLOURS) {
+        let class = line.class;
+        let _ = write!(
+            style,
+            ".line.{class}{{stroke:{colour}}}.label.{class}{{fill:{colour}}}"
+        );
+    }
+    let [width, height] = SIZE;
+    let (whole, text_y) = (height + TITLE, TITLE - 8.0);
+    let plot = lines(title, run, all);
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {whole}\" \
+         width=\"{width}\" height=\"{whole}\"><style>{style}</style>\
+         <rect width=\"{width}\" height=\"{whole}\" fill=\"#ffffff\"/>\
+         <text x=\"{LEFT}\" y=\"{text_y}\">{title}</text>\
+         <svg y=\"{TITLE}\" height=\"{height}\"{}</svg>\n",
+        plot.trim_start_matches("<svg")
+    )
+}
+
 /// The plane that figures are drawn on.
 struct Plane {
     times: Vec<f64>,
-    seconds: f64,
+    longest: f64,
     most: f64,
     step: f64,
 }
@@ -104,16 +139,16 @@ impl Plane {
     /// A plane up to `highest` or a little more, its numbers at least `least_step` apart.
     fn new(run: &Run<'_>, highest: f64, least_step: f64) -> Self {
         let last = run.times.last().copied().unwrap_or(0.0);
-        let seconds = last.max(SHORTEST_S);
+        let longest = last.max(SHORTEST);
         let mut times = run.times.to_vec();
         // One frame is a level line, not a point.
         if times.len() == 1 {
-            times.push(seconds);
+            times.push(longest);
         }
         let step = nice_step(highest / STEPS).max(least_step);
         Self {
             times,
-            seconds,
+            longest,
             // What passes the last number by a little needs no other number above it.
             most: ((highest / step - OVERSHOOT).ceil().max(1.0) * step).max(highest),
             step,
@@ -121,7 +156,7 @@ impl Plane {
     }
 
     fn x(&self, time: f64) -> f64 {
-        LEFT + time / self.seconds * (SIZE[0] - LEFT - RIGHT)
+        LEFT + time / self.longest * (SIZE[0] - LEFT - RIGHT)
     }
 
     fn y(&self, value: f64) -> f64 {
@@ -151,16 +186,18 @@ impl Plane {
                 r#"<rect class="saccade" x="{from:.1}" y="{top}" width="{w:.1}" height="{h}"/>"#
             );
         }
-        self.numbers(&mut svg);
-        let x = self.x(run.times.get(run.pictured).copied().unwrap_or(0.0));
-        let _ = write!(
-            svg,
-            r#"<line class="pictured" x1="{x:.1}" x2="{x:.1}" y1="{top}" y2="{bottom}"/>"#
-        );
+        self.numbers(&mut svg, run.unit);
+        if let Some(time) = run.pictured.and_then(|frame| run.times.get(frame)) {
+            let x = self.x(*time);
+            let _ = write!(
+                svg,
+                r#"<line class="pictured" x1="{x:.1}" x2="{x:.1}" y1="{top}" y2="{bottom}"/>"#
+            );
+        }
         svg
     }
 
-    fn numbers(&self, svg: &mut String) {
+    fn numbers(&self, svg: &mut String, unit: &str) {
         let [left, right, bottom] = [LEFT, SIZE[0] - RIGHT, SIZE[1] - BOTTOM];
         for (value, text) in ticks(self.most, self.step) {
             let y = self.y(value);
@@ -175,7 +212,7 @@ impl Plane {
             );
         }
         let base = bottom + 17.0;
-        for (time, text) in ticks(self.seconds, nice_step(self.seconds / STEPS)) {
+        for (time, text) in ticks(self.longest, nice_step(self.longest / STEPS)) {
             let x = self.x(time);
             let _ = write!(
                 svg,
@@ -185,7 +222,7 @@ impl Plane {
         let x = right + 6.0;
         let _ = write!(
             svg,
-            r#"<text class="number" x="{x}" y="{base}">seconds</text>"#
+            r#"<text class="number" x="{x}" y="{base}">{unit}</text>"#
         );
     }
 }
@@ -259,8 +296,9 @@ mod tests {
     fn a_run_of_one_frame_is_a_level_line() {
         let run = Run {
             times: &[0.0],
+            unit: "seconds",
             moving: &[false],
-            pictured: 0,
+            pictured: Some(0),
         };
         let values = vec![3.0];
         let svg = lines(
@@ -272,5 +310,26 @@ mod tests {
             }],
         );
         assert!(!svg.contains("NaN") && svg.contains("polyline"));
+    }
+
+    #[test]
+    fn a_file_holds_its_lines_its_unit_and_its_own_style() {
+        let run = Run {
+            times: &[0.0, 50.0, 100.0],
+            unit: "ms",
+            moving: &[],
+            pictured: None,
+        };
+        let line = |class, slope: f64| Line {
+            class,
+            values: vec![0.0, slope, 2.0 * slope],
+        };
+        let svg = file("degrees", &run, &[line("last", 4.0), line("head", 1.0)]);
+        assert_eq!(svg.matches("<polyline").count(), 2);
+        assert_eq!(svg.matches("<svg").count(), svg.matches("</svg>").count());
+        for text in ["xmlns", ">degrees<", ">ms<", ".line.head{stroke:", ">100<"] {
+            assert!(svg.contains(text), "{text}");
+        }
+        assert!(!svg.contains("pictured") && !svg.contains("NaN"));
     }
 }
