@@ -1,11 +1,13 @@
 //! The `foveal` program: which command runs?
 
+mod bench;
 mod canvas;
 mod demo;
 mod gaze;
 mod info;
 mod options;
 mod output;
+mod perception_command;
 mod picture_file;
 mod player;
 mod prepare;
@@ -40,6 +42,12 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Prepare and play clips under several policies, and show in a page what was saved.
     Demo(demo::DemoArgs),
+    /// What the eye sees, and what a finer picture is worth to it.
+    #[command(subcommand)]
+    Perception(perception_command::Perception),
+    /// What a part of Foveal costs on this machine.
+    #[command(subcommand)]
+    Bench(bench::Bench),
     /// Make the selection of a logged session again and compare.
     Replay(replay::ReplayArgs),
 }
@@ -59,6 +67,8 @@ fn main() -> ExitCode {
         Command::Select(args) => select::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Demo(args) => demo::run(&args),
+        Command::Perception(command) => perception_command::run(&command),
+        Command::Bench(command) => bench::run(&command),
         Command::Replay(args) => replay::run(&args),
     };
     match result {

@@ -5,15 +5,15 @@ use serde::Serialize;
 
 /// The machine, for whoever compares figures.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Machine {
-    pub(super) cpu: String,
-    pub(super) cores: usize,
-    pub(super) gpu: String,
+pub(crate) struct Machine {
+    pub(crate) cpu: String,
+    pub(crate) cores: usize,
+    pub(crate) gpu: String,
 }
 
 impl Machine {
     /// This machine, drawing with `gpu`.
-    pub(super) fn here(gpu: String) -> Self {
+    pub(crate) fn here(gpu: String) -> Self {
         let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         Self {
             cpu: cpu_model(&text).unwrap_or("unknown").to_owned(),
@@ -22,7 +22,7 @@ impl Machine {
         }
     }
 
-    pub(super) fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         format!("CPU {}, {} cores; GPU {}", self.cpu, self.cores, self.gpu)
     }
 }

@@ -8,7 +8,7 @@ mod colours;
 mod content;
 mod facts;
 mod figures;
-mod machine;
+pub(crate) mod machine;
 mod moment;
 mod pictures;
 mod plot;

@@ -11,6 +11,7 @@ mod full;
 mod journey;
 mod no_adapter;
 mod numbers;
+mod perception;
 mod refusals;
 mod scenes;
 mod selection;

@@ -164,6 +164,17 @@ pub fn watson_acuity_paper(offset_deg: [f64; 2]) -> Cpd {
     Cpd(0.5 / watson_spacing(offset_deg, Meridian::Temporal, Meridian::Superior))
 }
 
+/// Acuity of one eye along a half meridian, under a model.
+#[must_use]
+pub fn acuity_along(model: &AcuityModel, meridian: Meridian, eccentricity_deg: f64) -> Cpd {
+    let both = 0.5 / watson_spacing([eccentricity_deg, 0.0], meridian, meridian);
+    match model {
+        AcuityModel::Linear { .. } => model.best_acuity(Radians::from_degrees(eccentricity_deg)),
+        AcuityModel::Watson => Cpd(SINGLE_POLARITY * both),
+        AcuityModel::WatsonPaper => Cpd(both),
+    }
+}
+
 /// Acuity of the better eye at (`x` right, `y` up) degrees from the gaze: one polarity, each
 /// meridian its own; what is temporal to one eye is nasal to the other.
 #[must_use]
@@ -185,7 +196,7 @@ mod tests {
     use Meridian::{Inferior, Nasal, Superior, Temporal};
 
     fn on_axis(meridian: Meridian, degrees: f64) -> f64 {
-        0.5 / watson_spacing([degrees, 0.0], meridian, Superior)
+        acuity_along(&AcuityModel::WatsonPaper, meridian, degrees).0
     }
 
     #[test]

@@ -16,6 +16,22 @@ pub fn linear_from_srgb(code: u8) -> f64 {
     }
 }
 
+/// The grey sRGB code value nearest to the light of every pixel of 8-bit sRGB.
+#[must_use]
+pub fn grey_from_rgb(rgb: &[[u8; 3]]) -> Vec<u8> {
+    let table: [f64; 256] = core::array::from_fn(|code| linear_from_srgb(code as u8));
+    let nearest = |linear: f64| {
+        let above = table.partition_point(|&l| l < linear).clamp(1, 255);
+        let below_is_nearer = linear - table[above - 1] < table[above] - linear;
+        (above - usize::from(below_is_nearer)) as u8
+    };
+    let light = |pixel: &[u8; 3]| -> f64 {
+        let parts = pixel.iter().zip(RGB_WEIGHTS);
+        parts.map(|(&code, w)| table[usize::from(code)] * w).sum()
+    };
+    rgb.iter().map(|pixel| nearest(light(pixel))).collect()
+}
+
 impl Parameters {
     /// Luminance in cd/m² that the display gives for a share of its white.
     #[must_use]
@@ -68,6 +84,7 @@ mod tests {
             let grey = parameters.luminance_from_rgb(&[[code; 3]])[0];
             let luma = parameters.luminance_from_luma(&[code])[0];
             assert!((grey - luma).abs() < 1e-9);
+            assert_eq!(grey_from_rgb(&[[code; 3]]), [code]);
         }
         assert!((parameters.luminance_from_luma(&[0])[0] - parameters.black).abs() < 1e-12);
     }

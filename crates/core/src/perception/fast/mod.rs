@@ -127,9 +127,7 @@ impl FastImportance {
         gains.fill(0.0);
         self.each_row(levels, |y, values| {
             let ids = &unit_ids[y * width..][..width];
-            for (step, row) in values.iter().enumerate() {
-                add_row(row, ids, &mut gains[step * units..][..units]);
-            }
+            add_rows(values, ids, units, gains);
         });
     }
 
@@ -321,26 +319,38 @@ fn double_into(plane: &[f32], [w, h]: [usize; 2], y: usize, padded: &mut [f32], 
     rows::double(padded, out);
 }
 
-/// Adds a row of values to the sums of their units: whole chunks where one unit has them.
-fn add_row(values: &[f32], ids: &[u32], sums: &mut [f64]) {
-    let (values, rest) = values.as_chunks::<CHUNK>();
-    let (ids, rest_ids) = ids.as_chunks::<CHUNK>();
-    for (values, ids) in values.iter().zip(ids) {
+/// Adds a row of every step to the sums of its units, whole chunks where one unit has them.
+fn add_rows(rows: &[Vec<f32>], unit_ids: &[u32], units: usize, sums: &mut [f64]) {
+    let (chunks, rest) = unit_ids.as_chunks::<CHUNK>();
+    for (index, ids) in chunks.iter().enumerate() {
         let mixed = ids.iter().fold(0, |mixed, id| mixed | (id ^ ids[0]));
+        let start = index * CHUNK;
         if mixed != 0 {
-            add_pixels(values, ids, sums);
+            add_pixels(rows, start, ids, units, sums);
         } else if ids[0] != NO_UNIT {
-            let [a, b, c, d, e, f, g, h] = *values;
-            sums[ids[0] as usize] += f64::from((a + b) + (c + d) + ((e + f) + (g + h)));
+            let unit = ids[0] as usize;
+            assert!(unit < units, "an id of a unit");
+            for (step, row) in rows.iter().enumerate() {
+                let Some(values) = row[start..].first_chunk::<CHUNK>() else {
+                    continue;
+                };
+                let [a, b, c, d]: [f32; 4] = core::array::from_fn(|i| values[i] + values[i + 4]);
+                sums[step * units + unit] += f64::from((a + b) + (c + d));
+            }
         }
     }
-    add_pixels(rest, rest_ids, sums);
+    add_pixels(rows, unit_ids.len() - rest.len(), rest, units, sums);
 }
 
-fn add_pixels(values: &[f32], ids: &[u32], sums: &mut [f64]) {
-    for (value, &id) in values.iter().zip(ids) {
-        if id != NO_UNIT {
-            sums[id as usize] += f64::from(*value);
+fn add_pixels(rows: &[Vec<f32>], start: usize, ids: &[u32], units: usize, sums: &mut [f64]) {
+    for (offset, &id) in ids.iter().enumerate() {
+        if id == NO_UNIT {
+            continue;
+        }
+        let unit = id as usize;
+        assert!(unit < units, "an id of a unit");
+        for (step, row) in rows.iter().enumerate() {
+            sums[step * units + unit] += f64::from(row[start + offset]);
         }
     }
 }

@@ -1,0 +1,27 @@
+//! What does a part of Foveal cost on this machine?
+
+mod perception;
+
+use clap::{Args, Subcommand};
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Bench {
+    /// Weighing the steps of a decision: 1920x1080, five levels, against Fourier transforms.
+    Perception(BenchArgs),
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct BenchArgs {
+    /// Runs of each way, besides one to warm up; 5 to 1000.
+    #[arg(long, value_name = "N", default_value_t = 7)]
+    runs: usize,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(command: &Bench) -> anyhow::Result<()> {
+    match command {
+        Bench::Perception(args) => perception::run(args),
+    }
+}
