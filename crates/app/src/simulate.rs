@@ -10,6 +10,7 @@ use crate::player::{FrameReport, Player, PlayerOptions};
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::asset::picture::{Colour, Matrix};
+use foveal_core::selection::policy::PolicyConfig;
 use foveal_core::selection::session::{Session, sha256_hex};
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::yaw_pitch_from_direction;
@@ -143,23 +144,7 @@ pub(crate) struct RunSummary {
 const MOST_EVERY: u32 = 10_000;
 
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
-    if !(1..=MOST_EVERY).contains(&args.every) {
-        bail!(out_of_range(
-            "--every",
-            args.every,
-            &format!("1 to {MOST_EVERY}")
-        ));
-    }
-    if args.frames == Some(0) {
-        bail!(out_of_range("--frames", 0, "at least 1"));
-    }
-    let config = args.policy.config()?;
-    if args.watching.link.is_some() && !config.policy.spends_a_budget() {
-        bail!(WrongUsage(format!(
-            "--link: {} spends no budget; give --policy uniform, eccentricity or perceptual",
-            args.policy.policy.name()
-        )));
-    }
+    let config = args.config()?;
     let file = Arc::new(PackFile::open(&args.pack)?);
     let about = file.pack().description();
     let frames = args.frames.unwrap_or(about.frames).min(about.frames);
@@ -215,6 +200,30 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let policy = args.policy.policy.name();
     let summary = summarise(policy, &reports, player.canvas.gpu_bytes(), &session);
     output::result(args.json, &summary, &summary.text(&args.out))
+}
+
+impl SimulateArgs {
+    /// The policy, once all options have been checked that need no pack.
+    fn config(&self) -> anyhow::Result<PolicyConfig> {
+        if !(1..=MOST_EVERY).contains(&self.every) {
+            bail!(out_of_range(
+                "--every",
+                self.every,
+                &format!("1 to {MOST_EVERY}")
+            ));
+        }
+        if self.frames == Some(0) {
+            bail!(out_of_range("--frames", 0, "at least 1"));
+        }
+        let config = self.policy.config()?;
+        if self.watching.link.is_some() && !config.policy.spends_a_budget() {
+            bail!(WrongUsage(format!(
+                "--link: {} spends no budget; give --policy uniform, eccentricity or perceptual",
+                self.policy.policy.name()
+            )));
+        }
+        Ok(config)
+    }
 }
 
 fn sleep_until(due: Instant) {

@@ -21,7 +21,7 @@ const UNIT: u32 = 64;
 pub struct TimedRow {
     /// What was done.
     pub name: String,
-    /// Half of the runs took at most this, in milliseconds of one thread.
+    /// Half of the runs took at most this, in milliseconds (on the CPU of one thread).
     pub median_ms: f64,
     /// The fastest and the slowest run.
     pub range_ms: [f64; 2],

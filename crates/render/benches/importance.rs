@@ -4,7 +4,16 @@
 //! caller waits.
 #![allow(clippy::print_stdout)]
 
-use foveal_render::importance::Trial;
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use common::levels::{Content, levels, scattered};
+use common::turned;
+use foveal_core::perception::eye::Gaze;
+use foveal_core::perception::importance::Onlooker;
+use foveal_core::perception::parameters::{EyeState, Parameters};
+use foveal_core::units::Radians;
+use foveal_render::importance::{Importance, UnitIds, upload_picture};
 use foveal_render::{Gpu, RenderError};
 use std::time::{Duration, Instant};
 
@@ -20,13 +29,30 @@ fn median(mut times: Vec<Duration>) -> Option<Duration> {
 fn main() -> Result<(), RenderError> {
     let gpu = Gpu::open_blocking()?;
     println!("{}", gpu.adapter_name());
-    let mut trial = Trial::new(&gpu, SIZE, LEVELS)?;
+    let view = turned([0.0; 3], 48.0, SIZE);
+    let onlooker = Onlooker {
+        view,
+        gaze: Gaze {
+            direction: view.axes.forward,
+            spread: Radians::from_degrees(1.0),
+        },
+        state: EyeState::Steady,
+    };
+    let images = levels(Content::Natural, SIZE, LEVELS);
+    let pictures: Vec<_> = images
+        .iter()
+        .map(|image| upload_picture(&gpu, image))
+        .collect::<Result<_, _>>()?;
+    let (ids, units) = scattered(SIZE, 64);
+    let ids = UnitIds::upload(&gpu, SIZE, &ids, units)?;
+    let mut importance = Importance::new(&gpu, SIZE, &Parameters::default())?;
+    let pictures: Vec<_> = pictures.iter().collect();
     let (mut waited, mut on_gpu) = (Vec::new(), Vec::new());
     // The first run also makes what the driver makes late.
-    trial.run()?;
+    importance.run(&pictures, &ids, &onlooker)?;
     for _ in 0..RUNS {
         let start = Instant::now();
-        let gains = trial.run()?;
+        let gains = importance.run(&pictures, &ids, &onlooker)?;
         waited.push(start.elapsed());
         on_gpu.extend(gains.gpu_time);
     }

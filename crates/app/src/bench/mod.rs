@@ -1,5 +1,6 @@
 //! What does a part of Foveal cost on this machine?
 
+mod gpu;
 mod perception;
 
 use clap::{Args, Subcommand};

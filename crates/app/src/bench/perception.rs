@@ -1,10 +1,12 @@
 //! What does it cost to weigh the steps of a decision?
 
 use super::BenchArgs;
+use super::gpu::time_on_gpu;
 use crate::demo::machine::Machine;
 use crate::output::{self, out_of_range};
 use anyhow::bail;
-use foveal_eval::importance_bench::{ImportanceTimes, TimedRow, time_importance};
+use foveal_eval::importance_bench::{Decision, ImportanceTimes, TimedRow, time_importance};
+use foveal_render::Gpu;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -20,9 +22,19 @@ pub(super) fn run(args: &BenchArgs) -> anyhow::Result<()> {
     if !(5..=1000).contains(&args.runs) {
         bail!(out_of_range("--runs", args.runs, "5 to 1000"));
     }
+    let mut importance = time_importance(SIZE, args.runs);
+    // A machine without an adapter has one row less.
+    let gpu = Gpu::open_blocking().ok();
+    if let Some(gpu) = &gpu {
+        let decision = Decision::generated(SIZE);
+        importance
+            .rows
+            .push(time_on_gpu(gpu, &decision, args.runs)?);
+    }
+    let name = gpu.as_ref().map_or("none", Gpu::adapter_name);
     let report = Report {
-        machine: Machine::here("not used".to_owned()),
-        importance: time_importance(SIZE, args.runs),
+        machine: Machine::here(name.to_owned()),
+        importance,
     };
     output::result(args.json, &report, &text(&report))
 }

@@ -1,19 +1,21 @@
 //! Which recordings and which preset does a gaze command work on?
 
-use crate::gaze::preset_of;
+use crate::gaze::{preset_of, read_trace};
 use anyhow::{Context, bail};
 use clap::Args;
 use foveal_eval::gaze::head_fit::HeadFit;
+use foveal_eval::gaze::head_from_trace::recording_from_trace;
 use foveal_eval::gaze::head_protocol::leave_one_out;
 use foveal_eval::gaze::head_recording::HeadRecording;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 /// Recordings of eyes and head.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Recordings {
-    /// Recordings of eyes and head: CSV at 100 Hz.
+    /// Recordings of eyes and head: traces with head columns, or CSV at 100 Hz as published with
+    /// Hu et al. 2019 (SGaze).
     #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
     data: Vec<PathBuf>,
 }
@@ -30,13 +32,31 @@ impl Recordings {
     }
 }
 
+/// Reads a trace that knows eyes and head, or a recording of Hu et al. 2019.
 fn read(path: &Path) -> anyhow::Result<HeadRecording> {
     let name = path.display();
     let file = File::open(path).with_context(|| format!("{name}: no recording there"))?;
     if file.metadata().is_ok_and(|there| there.is_dir()) {
         bail!("{name}: is a folder; give the recordings in it");
     }
-    HeadRecording::read(BufReader::new(file)).with_context(|| name.to_string())
+    let mut file = BufReader::new(file);
+    let start = file
+        .fill_buf()
+        .with_context(|| format!("{name}: cannot be read"))?;
+    let header = start
+        .split(|byte| *byte == b'\n')
+        .next()
+        .unwrap_or_default();
+    if header.windows(3).any(|name| name == b"t_s") {
+        let recording = recording_from_trace(&read_trace(path)?);
+        return recording.with_context(|| {
+            format!(
+                "{name}: never knows eyes and head together; record with a source that sends \
+                 head_yaw_deg and head_pitch_deg"
+            )
+        });
+    }
+    HeadRecording::read(file).with_context(|| name.to_string())
 }
 
 /// Which law predicts the gaze.

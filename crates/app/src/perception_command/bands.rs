@@ -13,7 +13,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 
 /// Seen contrast, in thresholds, that a shade half way from grey to black or white stands for.
-const HALF_SHADE: f64 = 20.0;
+const HALF_SHADE: f64 = 60.0;
 
 /// Writes, for every octave band, contrast times sensitivity where the eye looks: grey where there
 /// is nothing to see, lighter and darker where there is (a threshold is barely off grey).
@@ -88,16 +88,32 @@ fn seen_contrast(
         .collect()
 }
 
-/// A band at the picture's size: every texel as a block.
+/// A band at the picture's size: bilinear between its texels.
 fn shaded(seen: &[f64], band: [u32; 2], size: [u32; 2]) -> RgbaImage {
     let mut image = RgbaImage::black(size);
-    // Level k has ceil(size / 2^k) texels, so a shift finds the texel of a pixel.
-    let shift = (0..31)
-        .find(|&k| size[0].div_ceil(1 << k) == band[0])
-        .unwrap_or(0);
+    // Level k has ceil(size / 2^k) texels of 2^k pixels.
+    let texel = (0..31)
+        .map(|k| 1u32 << k)
+        .find(|&texel| size[0].div_ceil(texel) == band[0])
+        .unwrap_or(1);
+    let around = |pixel: usize, count: u32| {
+        let at = ((pixel as f64 + 0.5) / f64::from(texel) - 0.5).clamp(0.0, f64::from(count - 1));
+        let before = at as usize;
+        (
+            before,
+            (before + 1).min(count as usize - 1),
+            at - before as f64,
+        )
+    };
+    let mix = |a: f64, b: f64, share: f64| a + (b - a) * share;
     for (i, pixel) in image.pixels.chunks_exact_mut(4).enumerate() {
-        let [x, y] = [i % size[0] as usize, i / size[0] as usize];
-        let s = seen[(y >> shift) * band[0] as usize + (x >> shift)];
+        let (left, right, across) = around(i % size[0] as usize, band[0]);
+        let (above, below, down) = around(i / size[0] as usize, band[1]);
+        let row = |y: usize| {
+            let row = &seen[y * band[0] as usize..];
+            mix(row[left], row[right], across)
+        };
+        let s = mix(row(above), row(below), down);
         let shade = (127.5 * (1.0 + s / (s.abs() + HALF_SHADE))).round() as u8;
         pixel[..3].fill(shade);
     }

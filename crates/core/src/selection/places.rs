@@ -41,7 +41,7 @@ impl CellPlaces {
         let middle = |step: u32| (f64::from(step) + 0.5) / f64::from(ACROSS);
         let places = (0..ACROSS * ACROSS).map(|k| {
             let (direction, ppd) = at(middle(k % ACROSS), middle(k / ACROSS));
-            // A pixel away from the face's axis is seen under a smaller solid angle: cos³ of the way.
+            // Away from the face's axis a pixel fills a smaller solid angle: cos³.
             let cos = direction.dot(forward);
             let area_deg2 = pixels * share / (ppd.0 * ppd.0) * cos;
             Place {

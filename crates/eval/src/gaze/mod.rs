@@ -5,6 +5,7 @@ pub mod delay_protocol;
 pub mod events;
 pub mod filter;
 pub mod head_fit;
+pub mod head_from_trace;
 pub mod head_protocol;
 pub mod head_recording;
 pub mod labelled;

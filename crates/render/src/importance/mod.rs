@@ -11,12 +11,10 @@ mod pictures;
 mod sums;
 mod tables;
 mod timer;
-mod trial;
 
 pub use params::{Band, Eye};
 pub use pictures::{UnitIds, upload_picture};
 pub use sums::{PendingGains, UnitGains};
-pub use trial::Trial;
 
 use crate::readback::BytesBack;
 use crate::{device::Gpu, error::RenderError, shaders};

@@ -1,6 +1,8 @@
 //! Which pictures, tiles and views do the tests draw?
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
+pub mod levels;
+
 use foveal_core::asset::picture::{Colour, Matrix, Picture, plane_size};
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::units::Radians;

@@ -1,0 +1,239 @@
+//! Does each policy choose what it says?
+
+use super::*;
+use crate::asset::tile_grid::Cut;
+use crate::gaze::scan::Random;
+use crate::selection::level_map::{histogram, pixels};
+use crate::units::Seconds;
+use crate::view::axes::Axes;
+use crate::view::eye_view::Field;
+use crate::view::surface::{Screen, Surface};
+use proptest::prelude::*;
+
+fn degrees(yaw: f64, pitch: f64) -> Moment {
+    let gaze = GazeSample::at(
+        Seconds(0.0),
+        Radians::from_degrees(yaw),
+        Radians::from_degrees(pitch),
+    );
+    Moment {
+        gaze,
+        view: None,
+        state: EyeState::Steady,
+    }
+}
+
+fn kastner_pixels(config: PolicyConfig, moment: &Moment) -> (u64, Vec<u32>) {
+    let grid = TileGrid::new(Surface::cube(3000), Cut::Grid([4, 4]), 3, 4).unwrap();
+    let tiles = Selector::new(grid, config).select(moment).tiles;
+    (pixels(&grid, &tiles), histogram(&grid, &tiles))
+}
+
+fn cube_16k(config: PolicyConfig) -> Selector {
+    let grid = TileGrid::new(Surface::cube(4096), Cut::Tile(256), 5, 2).unwrap();
+    Selector::new(grid, config)
+}
+
+fn share(selector: &Selector, moment: &Moment) -> f64 {
+    let tiles = selector.select(moment).tiles;
+    pixels(selector.grid(), &tiles) as f64 / selector.grid().surface.pixels() as f64
+}
+
+fn shares(selector: &Selector) -> (f64, f64) {
+    let mut random = Random::new(1);
+    let all: Vec<f64> = (0..300)
+        .map(|_| {
+            let gaze_in_content = random.direction();
+            let gaze = GazeSample {
+                gaze_in_content,
+                ..degrees(0.0, 0.0).gaze
+            };
+            share(
+                selector,
+                &Moment {
+                    gaze,
+                    view: None,
+                    state: EyeState::Steady,
+                },
+            )
+        })
+        .collect();
+    (
+        all.iter().sum::<f64>() / 300.0,
+        all.iter().copied().fold(0.0, f64::max),
+    )
+}
+
+#[test]
+fn the_grid_policy_counts_kastner_s_cells() {
+    let grid = PolicyConfig::new(Policy::Grid);
+    let inner = degrees(-10.0, 10.0);
+    assert_eq!(
+        kastner_pixels(grid.clone(), &inner),
+        (1_037_435, vec![1, 8, 87])
+    );
+    let noisy = PolicyConfig {
+        noisy_cells: 22,
+        ..grid.clone()
+    };
+    assert_eq!(kastner_pixels(noisy, &inner), (1_766_405, vec![1, 30, 65]));
+    assert_eq!(
+        kastner_pixels(grid, &degrees(0.0, 0.0)),
+        (2_850_848, vec![4, 12, 80])
+    );
+    let coarsest = PolicyConfig::new(Policy::Coarsest);
+    assert_eq!(kastner_pixels(coarsest, &inner), (212_064, vec![0, 0, 96]));
+}
+
+#[test]
+fn a_gaze_into_a_corner_of_the_cube_has_seven_middle_cells() {
+    let single = PolicyConfig {
+        edge_rule: EdgeRule::Single,
+        ..PolicyConfig::new(Policy::Grid)
+    };
+    assert_eq!(
+        kastner_pixels(single.clone(), &degrees(40.0, 30.0)).1,
+        [1, 7, 88]
+    );
+    assert_eq!(kastner_pixels(single, &degrees(40.0, 10.0)).1, [1, 8, 87]);
+}
+
+#[test]
+fn acuity_takes_the_share_of_a_16k_cube_that_the_reference_gives() {
+    let disc = |radius| PolicyConfig {
+        safety_disc: Radians::from_degrees(radius),
+        ..PolicyConfig::new(Policy::Acuity)
+    };
+    for (radius, mean, most) in [(0.0, 0.010, 0.015), (2.5, 0.013, 0.02), (5.0, 0.018, 0.03)] {
+        let (found_mean, found_most) = shares(&cube_16k(disc(radius)));
+        assert!(
+            found_mean <= mean && found_most <= most,
+            "{radius}: {found_mean}"
+        );
+    }
+}
+
+#[test]
+fn viewport_takes_what_is_in_view_at_the_density_of_the_display() {
+    let selector = cube_16k(PolicyConfig::new(Policy::Viewport));
+    let at = |size: u32| {
+        let size = [size; 2];
+        let field = Field::across(Radians::from_degrees(100.0), size);
+        let view = Some(EyeView {
+            axes: Axes::FRONT,
+            field,
+            size,
+        });
+        share(
+            &selector,
+            &Moment {
+                view,
+                ..degrees(0.0, 0.0)
+            },
+        )
+    };
+    let (source, quarter) = (at(1 << 20), at(1200));
+    assert!((0.25..0.42).contains(&source), "{source}");
+    assert!(quarter < 0.4 * source, "{quarter} of {source}");
+}
+
+#[test]
+fn an_uncertain_gaze_takes_more() {
+    let selector = cube_16k(PolicyConfig::new(Policy::Acuity));
+    let sure = degrees(12.0, 7.0);
+    let spread = Radians::from_degrees(5.0);
+    let unsure = Moment {
+        gaze: GazeSample {
+            spread,
+            ..sure.gaze
+        },
+        view: None,
+        state: EyeState::Steady,
+    };
+    assert!(share(&selector, &unsure) > share(&selector, &sure));
+}
+
+#[test]
+fn nothing_finer_than_the_display_shows_is_chosen() {
+    let surface = Surface::flat([4096, 2048], Screen::default());
+    let grid = TileGrid::new(surface, Cut::Tile(256), 5, 2).unwrap();
+    let view = |scale: u32| {
+        let size = [4096 / scale, 2048 / scale];
+        Moment {
+            view: Some(EyeView::filling(&surface, size)),
+            ..degrees(3.0, 2.0)
+        }
+    };
+    for policy in [Policy::Acuity, Policy::Viewport] {
+        let selector = Selector::new(grid, PolicyConfig::new(policy));
+        for (scale, finest) in [(1, 0), (2, 1), (4, 2), (8, 3)] {
+            let levels = selector.select(&view(scale)).levels;
+            let found = *levels.levels().iter().min().unwrap();
+            assert!(found >= finest, "{policy:?} 1/{scale}: {found}");
+            assert!(policy == Policy::Acuity || found == finest);
+        }
+    }
+}
+
+#[test]
+fn flat_content_in_view_at_its_own_density_is_all_finest() {
+    let surface = Surface::flat([1280, 720], Screen::default());
+    let grid = TileGrid::new(surface, Cut::Tile(128), 5, 2).unwrap();
+    let view = Some(EyeView::filling(&surface, surface.size));
+    let selector = Selector::new(grid, PolicyConfig::new(Policy::Viewport));
+    let levels = selector
+        .select(&Moment {
+            view,
+            ..degrees(0.0, 0.0)
+        })
+        .levels;
+    assert_eq!(levels, LevelMap::filled(&grid, 0));
+}
+
+#[test]
+fn bounds_skip_no_cell_that_probing_would_refine() {
+    for acuity in [
+        AcuityModel::LINEAR,
+        AcuityModel::Watson,
+        AcuityModel::WatsonPaper,
+    ] {
+        let config = PolicyConfig {
+            acuity,
+            ..PolicyConfig::new(Policy::Acuity)
+        };
+        let grid = TileGrid::new(Surface::cube(1024), Cut::Tile(128), 5, 2).unwrap();
+        let selector = Selector::new(grid, config);
+        let moment = degrees(33.0, -21.0);
+        for bounds in &selector.cells {
+            let probed = probes(&grid, bounds.cell)
+                .map(|p| level_of_footprint(&grid, selector.acuity_footprint(&moment.gaze, &p)))
+                .min();
+            assert_eq!(Some(selector.acuity_level(bounds, &moment)), probed);
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn the_safety_disc_is_always_finest(
+        yaw in -180.0..180.0f64, pitch in -89.0..89.0f64, disc in 0.5..6.0f64,
+    ) {
+        let config = PolicyConfig {
+            safety_disc: Radians::from_degrees(disc),
+            ..PolicyConfig::new(Policy::Acuity)
+        };
+        let grid = TileGrid::new(Surface::cube(8192), Cut::Tile(512), 5, 2).unwrap();
+        let selector = Selector::new(grid, config);
+        let moment = degrees(yaw, pitch);
+        let levels = selector.select(&moment).levels;
+        for step in 0..24 {
+            let direction = crate::view::axes::direction_at(
+                moment.gaze.gaze_in_content,
+                Radians(f64::from(step)),
+                Radians::from_degrees(disc * 0.999),
+            );
+            let (face, place) = grid.surface.locate(direction).unwrap();
+            prop_assert_eq!(levels.level(&grid, grid.cell_at(face, place)), 0);
+        }
+    }
+}
