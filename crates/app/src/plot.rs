@@ -100,7 +100,8 @@ pub(crate) fn stack(title: &str, run: &Run<'_>, layers: &[Layer]) -> String {
 
 /// Style of a plot that is a file: dark on white, colours that most colour-blind eyes tell apart.
 const FILE_STYLE: &str = "text{font:11.5px system-ui,sans-serif;fill:#4a5058}\
-    .label{font-weight:600}.grid{stroke:#dddfe2}.line{fill:none;stroke-width:2;stroke-linejoin:round}";
+    .label{font-weight:600}.grid{stroke:#dddfe2}\
+    .line{fill:none;stroke-width:2;stroke-linejoin:round}";
 /// Colours of the lines of a file, in their order.
 const FILE_COLOURS: [&str; 3] = ["#b86e00", "#7d848d", "#0a63b0"];
 
