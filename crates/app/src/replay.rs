@@ -47,14 +47,17 @@ fn replay(session: &Session, pack: Option<&Path>) -> anyhow::Result<Session> {
     let cues = file.cues()?;
     let signatures = file
         .signatures()?
-        .with_context(|| format!("{name}: has no signatures"))?;
+        .with_context(|| format!("{name}: has no signatures; prepare it again"))?;
     let content = PackContent {
         pack: file.pack(),
         signatures: &signatures,
         cues: cues.as_ref(),
     };
     let about = file.pack().description();
-    if session.head.grid.cut != about.cut || session.head.grid.surface.size != about.size {
+    let mut grid = *file.pack().grid();
+    // Flat content may have filled another screen.
+    grid.surface.tangents = session.head.grid.surface.tangents;
+    if session.head.grid != grid {
         bail!(
             "{name}: has other tiles than the pack of the log, {}",
             session.head.pack

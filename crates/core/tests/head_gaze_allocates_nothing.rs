@@ -1,4 +1,4 @@
-//! Does any sample cost an allocation on the way from a head pose to a gaze?
+//! Does any sample cost an allocation on the way from a head pose or a tracker to a gaze?
 
 // A counting allocator is the test.
 #![allow(unsafe_code)]
@@ -10,8 +10,10 @@ use foveal_core::gaze::head_prediction::motion_from_poses::MotionFromPoses;
 use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use foveal_core::gaze::head_prediction::sgaze::Sgaze;
 use foveal_core::gaze::head_prediction::{GazeInHead, SgazeMotion};
-use foveal_core::gaze::sample::HeadPose;
+use foveal_core::gaze::main_sequence::{saccade_duration, saccade_way};
+use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
 use foveal_core::gaze::spread::GazeEvidence;
+use foveal_core::gaze::tracker::GazeTracker;
 use foveal_core::units::{Radians, Seconds};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -74,4 +76,44 @@ fn no_sample_from_pose_to_gaze_allocates() {
     let counted = ALLOCATIONS.get();
     drop(Box::new(7u8));
     assert_eq!(ALLOCATIONS.get(), counted + 1);
+}
+
+#[test]
+fn no_sample_that_a_tracker_takes_or_expects_allocates() {
+    let mut tracker = GazeTracker::new(HeadGazePreset::search());
+    let jump = Radians::from_degrees(10.0);
+    let before = ALLOCATIONS.get();
+    let (mut events, mut sum) = ([0; 3], 0.0);
+    for k in 0..6000 {
+        let time = Seconds(f64::from(k) * 0.001);
+        // A jump of 10 degrees every 200 ms, and an eye that is lost for two seconds of six.
+        let way = saccade_way(jump, f64::from(k % 200) / 1e3 / saccade_duration(jump).0);
+        let side = if k % 400 < 200 { 1.0 } else { -1.0 };
+        let yaw = Radians(side * jump.0 * (way.min(1.0) - 0.5));
+        let head = HeadPose {
+            yaw: Radians(libm::sin(time.0)),
+            ..HeadPose::default()
+        };
+        let sample = GazeSample {
+            valid: k < 4000,
+            spread: Radians(0.01),
+            head: Some(head),
+            ..GazeSample::at(time, Radians(yaw.0 + head.yaw.0), Radians(0.0))
+        };
+        tracker.push(&sample);
+        let expected = [0.0, 0.02, 0.2].map(|ahead| tracker.predict(Seconds(time.0 + ahead)));
+        for prediction in expected.iter().flatten() {
+            sum += prediction.gaze.gaze_in_content.x;
+            events[match prediction.event {
+                EyeEvent::Fixation => 0,
+                EyeEvent::Saccade => 1,
+                EyeEvent::Blink | EyeEvent::Lost => 2,
+            }] += 1;
+        }
+    }
+    assert_eq!(ALLOCATIONS.get(), before);
+    assert!(
+        sum.is_finite() && events.iter().all(|count| *count > 100),
+        "{events:?}"
+    );
 }

@@ -41,6 +41,8 @@ mod input_tests;
 mod pack_tests;
 #[cfg(test)]
 mod scenes;
+#[cfg(test)]
+mod side_table_tests;
 
 pub use decode::GroupDecoder;
 pub use encode::{EncodeSettings, Speed, encode_group};

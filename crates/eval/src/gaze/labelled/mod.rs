@@ -163,6 +163,35 @@ pub fn read_labelled(
     Ok(recording)
 }
 
+/// Takes any bytes for a labelled file in either form: the body of the fuzz target. Returns whether
+/// they were one.
+///
+/// # Panics
+/// When what was read is no recording: labels that do not go with samples, a gaze that is no
+/// direction, a time that does not grow.
+#[must_use]
+pub fn parse_anything(data: &[u8]) -> bool {
+    let screen = LabelScreen {
+        size_m: [0.38, 0.30],
+        size_px: [1024.0, 768.0],
+        distance_m: 0.67,
+    };
+    let Ok(recording) = read_labelled("fuzz.csv", &mut &*data, Some(&screen)) else {
+        return false;
+    };
+    for trial in &recording.trials {
+        let samples = &trial.samples;
+        assert_eq!(trial.labels.len(), recording.coders.len(), "coders");
+        let counts = trial.labels.iter().map(Vec::len);
+        assert!(counts.eq(recording.coders.iter().map(|_| samples.len())));
+        let directions = samples.iter().map(|s| s.gaze_in_content.length());
+        directions.for_each(|length| assert!((length - 1.0).abs() < 1e-9, "{length}"));
+        let grows = |pair: &[GazeSample]| pair[0].time < pair[1].time;
+        assert!(samples.windows(2).all(grows), "time");
+    }
+    true
+}
+
 /// Lines of bounded length.
 struct Lines<'a, R> {
     file: &'a str,

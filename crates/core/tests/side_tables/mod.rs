@@ -1,0 +1,112 @@
+//! What does selection make of side tables that hold any bytes? Also the body of a fuzz target.
+
+use foveal_core::asset::codec::Codec;
+use foveal_core::asset::cues::{CUES_VERSION, CueTable, Cues};
+use foveal_core::asset::pack::{
+    Description, HEADER_BYTES, Header, Pack, PackBuilder, SideTable, Source,
+};
+use foveal_core::asset::picture::{Colour, Matrix};
+use foveal_core::asset::signature::{SIGNATURES_VERSION, Signature, Signatures};
+use foveal_core::asset::tile_grid::Cut;
+use foveal_core::gaze::sample::GazeSample;
+use foveal_core::perception::parameters::{EyeState, Model, Parameters};
+use foveal_core::selection::content::PackContent;
+use foveal_core::selection::policy::{Moment, Policy, PolicyConfig};
+use foveal_core::selection::refine::Refiner;
+use foveal_core::units::{Radians, Seconds};
+use foveal_core::view::surface::{Projection, Screen};
+
+/// A pack of three levels and a short last group, without side tables.
+pub(crate) fn small_pack() -> Pack {
+    let description = Description {
+        generator: String::new(),
+        projection: Projection::Flat,
+        size: [100, 60],
+        cut: Cut::Tile(16),
+        levels: 3,
+        ratio: 2,
+        codec: Codec::Png,
+        quality: vec![0; 3],
+        groups: vec![2, 2, 4],
+        frames: 5,
+        frame_rate: [25, 1],
+        colour: Colour {
+            matrix: Matrix::Bt601,
+            full_range: true,
+            chroma_left: false,
+        },
+        source: Source {
+            name: String::new(),
+            size: [100, 60],
+            bytes: 1,
+            codec: String::new(),
+        },
+        tables: Vec::new(),
+    };
+    let grid = description.grid(Screen::default());
+    let mut builder = PackBuilder::new(&description);
+    for level in 0..3 {
+        let group = description.groups[usize::from(level)];
+        for first in (0..description.frames).step_by(group as usize) {
+            for tile in grid.tiles_of(level) {
+                builder.push(tile, first, &[vec![7; 20 + usize::from(tile.x) * 9]]);
+            }
+        }
+    }
+    let none: [SideTable; 0] = [];
+    let parts = builder.finish(description, &none).unwrap();
+    let header = Header::parse(&parts.head).unwrap();
+    Pack::parse(&header, &parts.head[HEADER_BYTES..], &parts.tail).unwrap()
+}
+
+/// Bytes of the two side tables of a pack.
+pub(crate) fn table_bytes(pack: &Pack) -> [usize; 2] {
+    let refining = pack.units().len() - pack.first_refining_unit().0 as usize;
+    let finest = pack.units().filter(|unit| pack.tile_of(*unit).level == 0);
+    [refining * Signature::BYTES, finest.count() * Cues::BYTES]
+}
+
+/// Reads `data` as versions and rows of both tables, and lets every policy that values units
+/// choose by them: within its budget, and nothing that is not there. Returns whether the tables
+/// were tables.
+pub(crate) fn choose_by_anything(pack: &Pack, data: &[u8]) -> bool {
+    let Some(([version, saliency], rows)) = data.split_first_chunk() else {
+        return false;
+    };
+    let rows = rows.to_vec();
+    let [signature_bytes, _] = table_bytes(pack);
+    let cues = rows.get(signature_bytes..).unwrap_or_default().to_vec();
+    let rows = rows[..rows.len().min(signature_bytes)].to_vec();
+    let version = u32::from(*version);
+    let signatures = Signatures::parse(pack, version, rows);
+    let cues = CueTable::parse(pack, version, cues).ok();
+    assert!(cues.is_none() || version == CUES_VERSION);
+    let Ok(signatures) = signatures else {
+        return false;
+    };
+    assert_eq!(version, SIGNATURES_VERSION);
+    let content = PackContent {
+        pack,
+        signatures: &signatures,
+        cues: cues.as_ref(),
+    };
+    for model in [Model::Default, Model::Paper] {
+        let config = PolicyConfig {
+            perception: Parameters::of(model),
+            saliency: saliency % 2 == 1,
+            ..PolicyConfig::new(Policy::Perceptual)
+        };
+        let mut refiner = Refiner::new(*pack.grid(), config);
+        for (frame, budget) in [(0, Some(900)), (3, Some(0)), (4, None)] {
+            let moment = Moment {
+                gaze: GazeSample::at(Seconds(0.0), Radians(0.1), Radians(0.0)),
+                view: None,
+                state: EyeState::Steady,
+            };
+            let chosen = refiner.refine(&content, frame, &moment, budget);
+            assert!(refiner.spent() <= budget.unwrap_or(u64::MAX));
+            assert!(chosen.tiles.len() >= pack.grid().tiles_in_level(2) as usize);
+        }
+    }
+    true
+}
