@@ -6,15 +6,17 @@
 use super::chooser::Chooser;
 use super::content::Content;
 use super::level_map::{histogram, pixels};
-use super::policy::{Moment, PolicyConfig, Selection};
+use super::policy::{Moment, Policy, PolicyConfig, Selection};
 use crate::asset::cues::Cues;
 use crate::asset::signature::Signature;
-use crate::asset::tile_grid::{Tile, TileGrid};
+use crate::asset::tile_grid::{Cut, Tile, TileGrid};
 use crate::asset::unit::UnitId;
 use crate::gaze::sample::{GazeSample, HeadPose};
+use crate::gaze::scan::ScanPath;
 use crate::perception::parameters::EyeState;
 use crate::units::{Radians, Seconds};
 use crate::view::eye_view::{EyeView, Field};
+use crate::view::surface::{Screen, Surface};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -342,15 +344,12 @@ impl Content for ScriptedContent {
 /// every machine, natively and in wasm.
 #[must_use]
 pub fn scripted_sessions() -> Vec<Session> {
-    use super::policy::Policy;
-    use crate::asset::tile_grid::Cut;
-    use crate::gaze::scan::ScanPath;
-    use crate::view::surface::{Screen, Surface};
+    let flat = Surface::flat([3840, 2160], Screen::default());
+    scripted_sessions_over([Surface::cube(4096), flat])
+}
 
-    let surfaces = [
-        Surface::cube(4096),
-        Surface::flat([3840, 2160], Screen::default()),
-    ];
+/// A scripted run over each surface under every policy.
+fn scripted_sessions_over(surfaces: [Surface; 2]) -> Vec<Session> {
     let policies = [
         Policy::Acuity,
         Policy::Grid,
@@ -361,68 +360,74 @@ pub fn scripted_sessions() -> Vec<Session> {
         Policy::Eccentricity,
         Policy::Perceptual,
     ];
-    let mut sessions = Vec::new();
-    for surface in surfaces {
-        let grid = TileGrid {
-            surface,
-            cut: Cut::Tile(256),
-            levels: 5,
-            ratio: 2,
+    let runs = surfaces.iter().flat_map(|surface| {
+        let configs = policies.map(PolicyConfig::new);
+        configs.map(|config| scripted_session(*surface, config))
+    });
+    runs.collect()
+}
+
+/// Two seconds of a scan over a surface, ten frames a second, with a head that turns.
+fn scripted_session(surface: Surface, config: PolicyConfig) -> Session {
+    let grid = TileGrid {
+        surface,
+        cut: Cut::Tile(256),
+        levels: 5,
+        ratio: 2,
+    };
+    let config = PolicyConfig {
+        saliency: true,
+        ..config
+    };
+    let path = ScanPath::new(&surface, 7, Seconds(2.0));
+    let mut chooser = Chooser::new(grid, config.clone());
+    let size = [1280, 720];
+    let view = EyeView {
+        axes: HeadPose::default().axes(),
+        field: Field::across(Radians::from_degrees(100.0), size),
+        size,
+    };
+    let frames = (0..20).map(|frame| {
+        let gaze = path.at(Seconds(f64::from(frame) * 0.1)).0;
+        let head = HeadPose {
+            yaw: Radians(f64::from(frame) * 0.05),
+            ..HeadPose::default()
         };
-        let path = ScanPath::new(&surface, 7, Seconds(2.0));
-        for policy in policies {
-            let config = PolicyConfig {
-                saliency: true,
-                ..PolicyConfig::new(policy)
-            };
-            let mut chooser = Chooser::new(grid, config.clone());
-            let size = [1280, 720];
-            let view = EyeView {
-                axes: HeadPose::default().axes(),
-                field: Field::across(Radians::from_degrees(100.0), size),
-                size,
-            };
-            let head = SessionHead::new("scripted", &grid, config, &view);
-            let frames = (0..20).map(|frame| {
-                let gaze = path.at(Seconds(f64::from(frame) * 0.1)).0;
-                let head_pose = HeadPose {
-                    yaw: Radians(f64::from(frame) * 0.05),
-                    ..HeadPose::default()
-                };
-                let moment = Moment {
-                    gaze,
-                    view: Some(EyeView {
-                        axes: head_pose.axes(),
-                        ..view
-                    }),
-                    state: EyeState::Steady,
-                };
-                let given = Given {
-                    gaze,
-                    head: head_pose,
-                    state: moment.state,
-                    budget: Some(40_000),
-                };
-                let selection =
-                    chooser.choose(Some(&ScriptedContent), frame, &moment, given.budget);
-                SessionFrame::new(frame, &given, &grid, &selection)
-            });
-            sessions.push(Session {
-                frames: frames.collect(),
-                head,
-            });
-        }
+        let axes = head.axes();
+        let moment = Moment {
+            gaze,
+            view: Some(EyeView { axes, ..view }),
+            state: EyeState::Steady,
+        };
+        let given = Given {
+            gaze,
+            head,
+            state: moment.state,
+            budget: Some(40_000),
+        };
+        let selection = chooser.choose(Some(&ScriptedContent), frame, &moment, given.budget);
+        SessionFrame::new(frame, &given, &grid, &selection)
+    });
+    Session {
+        frames: frames.collect(),
+        head: SessionHead::new("scripted", &grid, config, &view),
     }
-    sessions
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// A short run under a policy that is a rule.
+    fn flat_session(policy: Policy) -> Session {
+        let surface = Surface::flat([1920, 1080], Screen::default());
+        scripted_session(surface, PolicyConfig::new(policy))
+    }
+
     #[test]
     fn a_written_log_reads_back_and_replays_to_the_same_text() {
-        for session in scripted_sessions() {
+        let flat = Surface::flat([1920, 1080], Screen::default());
+        for session in scripted_sessions_over([Surface::cube(1024), flat]) {
             let text = session.write();
             let read = Session::parse(&text).unwrap();
             assert_eq!(read, session);
@@ -432,14 +437,14 @@ mod tests {
 
     #[test]
     fn a_changed_gaze_changes_the_replay() {
-        let mut session = scripted_sessions().remove(0);
+        let mut session = flat_session(Policy::Acuity);
         session.frames[3].gaze = [1.0, 0.0, 0.0];
         assert_ne!(session.replay(None), session);
     }
 
     #[test]
     fn damaged_logs_are_refused_with_their_line() {
-        let text = scripted_sessions().remove(0).write();
+        let text = flat_session(Policy::Acuity).write();
         let third = text.replacen("\"frame\":1,", "\"frame\":x,", 1);
         assert!(
             Session::parse(&third)
@@ -461,7 +466,7 @@ mod tests {
 
     #[test]
     fn a_generated_corpus_of_damaged_logs_never_panics() {
-        let good = scripted_sessions().remove(1).write();
+        let good = flat_session(Policy::Grid).write();
         let good = &good[..good.len().min(4000)];
         let mut state = 3u64;
         for _ in 0..3000 {
