@@ -123,7 +123,7 @@ pub fn halved(fine: &[f64], size: [u32; 2]) -> (Vec<f64>, [u32; 2]) {
 }
 
 /// The four fine samples that one coarse sample covers, of `count`; the border repeats.
-fn four_around(coarse: usize, count: usize) -> [usize; 4] {
+pub(super) fn four_around(coarse: usize, count: usize) -> [usize; 4] {
     let first = 2 * coarse;
     [first.saturating_sub(1), first, first + 1, first + 2].map(|fine| fine.min(count - 1))
 }

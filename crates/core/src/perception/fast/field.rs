@@ -14,6 +14,7 @@ use crate::units::Radians;
 use crate::view::axes::{Axes, yaw_pitch_from_direction};
 use crate::view::eye_view::EyeView;
 use core::f64::consts::PI;
+use core::ops::Range;
 use glam::DVec3;
 
 /// Pixels between nodes, a power of two.
@@ -115,14 +116,28 @@ impl EyeField {
         }
     }
 
+    /// Texels of a row of a band that are so near the gaze that nothing is interpolated.
+    pub(super) fn near_gaze(&self, band: usize, y: usize, width: usize) -> Range<usize> {
+        let side = libm::ldexp(1.0, band as i32);
+        let looking = self.looking.as_ref();
+        looking.map_or(0..0, |looking| {
+            looking.texels_near_gaze(side, (y as f64 + 0.5) * side, width)
+        })
+    }
+
     /// Puts what is exact in place of what lies between nodes along a row of a band, where the gaze
     /// makes it curve.
-    pub(super) fn refine_row(&self, band: usize, y: usize, rows: &mut [Vec<f32>; 2], width: usize) {
+    pub(super) fn refine_row(
+        &self,
+        band: usize,
+        y: usize,
+        near: Range<usize>,
+        rows: &mut [Vec<f32>; 2],
+    ) {
         let Some(looking) = &self.looking else { return };
         let side = libm::ldexp(1.0, band as i32);
-        let place_y = (y as f64 + 0.5) * side;
-        for x in looking.texels_near_gaze(side, place_y, width) {
-            let node = looking.node([(x as f64 + 0.5) * side, place_y]);
+        for x in near {
+            let node = looking.node([(x as f64 + 0.5) * side, (y as f64 + 0.5) * side]);
             let seen = self.seen(band, looking, &node, &self.resolve(looking, node.direction));
             rows[0][x] = seen[0];
             rows[1][x] = seen[1];
@@ -269,7 +284,7 @@ impl Looking {
     }
 
     /// Texels of a row, `side` pixels wide, that are near the gaze.
-    fn texels_near_gaze(&self, side: f64, y: f64, width: usize) -> core::ops::Range<usize> {
+    fn texels_near_gaze(&self, side: f64, y: f64, width: usize) -> Range<usize> {
         let Some(place) = self.place.filter(|_| self.gaze_counts()) else {
             return 0..0;
         };

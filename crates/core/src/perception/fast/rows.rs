@@ -3,10 +3,13 @@
 //! Plain loops over slices of equal length, which compilers turn into vector code. A padded row has
 //! [`PAD`] samples before its first and after its last, which repeat the border.
 
+use core::ops::Range;
+
 /// Samples that a padded row has more on each side.
 pub(super) const PAD: usize = 2;
 
 /// Repeats the border of a padded row of `width` samples.
+#[inline(always)]
 pub(super) fn repeat_border(row: &mut [f32], width: usize) {
     let (first, last) = (row[PAD], row[PAD + width - 1]);
     row[..PAD].fill(first);
@@ -14,6 +17,8 @@ pub(super) fn repeat_border(row: &mut [f32], width: usize) {
 }
 
 /// Decodes 8-bit luma into a padded row.
+// Table look-ups gain nothing from wider instructions, and registers of their own.
+#[inline(never)]
 pub(super) fn decode(luma: &[u8], table: &[f32; 256], row: &mut [f32]) {
     for (value, &code) in row[PAD..].iter_mut().zip(luma) {
         *value = table[usize::from(code)];
@@ -21,7 +26,18 @@ pub(super) fn decode(luma: &[u8], table: &[f32; 256], row: &mut [f32]) {
     repeat_border(row, luma.len());
 }
 
+/// Mixes four rows by (1, 3, 3, 1) / 8.
+#[inline(always)]
+pub(super) fn halve_rows(rows: [&[f32]; 4], mixed: &mut [f32]) {
+    let count = mixed.len();
+    let [a, b, c, d] = rows.map(|row| &row[..count]);
+    for i in 0..count {
+        mixed[i] = (a[i] + d[i] + 3.0 * (b[i] + c[i])) * 0.125;
+    }
+}
+
 /// Halves a padded row by (1, 3, 3, 1) / 8.
+#[inline(always)]
 pub(super) fn halve(row: &[f32], half: &mut [f32]) {
     let (pairs, _) = row[PAD - 1..].as_chunks::<2>();
     let count = half.len();
@@ -31,23 +47,19 @@ pub(super) fn halve(row: &[f32], half: &mut [f32]) {
     }
 }
 
-/// Mixes four rows by (1, 3, 3, 1) / 8.
-pub(super) fn halve_rows([a, b, c, d]: [&[f32]; 4], mixed: &mut [f32]) {
-    let inner = b.iter().zip(c);
-    for ((value, (a, d)), (b, c)) in mixed.iter_mut().zip(a.iter().zip(d)).zip(inner) {
-        *value = (a + d + 3.0 * (b + c)) * 0.125;
-    }
-}
-
-/// Mixes a row with a quarter of its neighbour into a padded row.
-pub(super) fn double_rows(near: &[f32], far: &[f32], padded: &mut [f32]) {
-    for (value, (near, far)) in padded[PAD..].iter_mut().zip(near.iter().zip(far)) {
-        *value = 0.75 * near + 0.25 * far;
+/// Mixes a row with a quarter of its neighbour into a padded row, the samples of `span` alone.
+#[inline(always)]
+pub(super) fn double_rows(near: &[f32], far: &[f32], span: Range<usize>, padded: &mut [f32]) {
+    let mixed = &mut padded[PAD..][span.clone()];
+    let (near_part, far_part) = (&near[span.clone()], &far[span]);
+    for i in 0..mixed.len() {
+        mixed[i] = 0.75 * near_part[i] + 0.25 * far_part[i];
     }
     repeat_border(padded, near.len());
 }
 
 /// Doubles a padded row; `out` may be one sample short of twice its width.
+#[inline(always)]
 pub(super) fn double(padded: &[f32], out: &mut [f32]) {
     let (twos, rest) = out.as_chunks_mut::<2>();
     let count = twos.len();
@@ -64,9 +76,26 @@ pub(super) fn double(padded: &[f32], out: &mut [f32]) {
 }
 
 /// Contrast of a row over its local mean, in place of the mean.
+#[inline(always)]
 pub(super) fn contrast(fine: &[f32], mean: &mut [f32]) {
     for (mean, fine) in mean.iter_mut().zip(fine) {
         *mean = fine / *mean - 1.0;
+    }
+}
+
+/// Adds a row to another.
+#[inline(always)]
+pub(super) fn add(terms: &[f32], sum: &mut [f32]) {
+    for (sum, term) in sum.iter_mut().zip(terms) {
+        *sum += term;
+    }
+}
+
+/// Adds the products of two rows to a third.
+#[inline(always)]
+pub(super) fn add_products(a: &[f32], b: &[f32], sum: &mut [f32]) {
+    for (sum, (a, b)) in sum.iter_mut().zip(a.iter().zip(b)) {
+        *sum += a * b;
     }
 }
 
@@ -84,6 +113,7 @@ pub(super) struct SeenRow<'a> {
 }
 
 /// Adds what one band of a step is worth: `gain::band_gain` with its terms gathered.
+#[inline(always)]
 pub(super) fn add_gain(seen: SeenRow<'_>, before: &[f32], after: &[f32], sum: &mut [f32]) {
     let count = sum.len();
     let (error, transient) = (&seen.error[..count], &seen.transient[..count]);
@@ -97,6 +127,7 @@ pub(super) fn add_gain(seen: SeenRow<'_>, before: &[f32], after: &[f32], sum: &m
 
 /// Spreads one value a node over `per_node` samples each, linearly, samples in the middle of their
 /// cells.
+#[inline(always)]
 pub(super) fn spread_nodes(nodes: &[f32], per_node: usize, out: &mut [f32]) {
     match per_node {
         8 => spread_cells::<8>(nodes, out),
@@ -106,6 +137,7 @@ pub(super) fn spread_nodes(nodes: &[f32], per_node: usize, out: &mut [f32]) {
     }
 }
 
+#[inline(always)]
 fn spread_cells<const N: usize>(nodes: &[f32], out: &mut [f32]) {
     let shares: [f32; N] = core::array::from_fn(|i| (i as f32 + 0.5) / N as f32);
     let (cells, rest) = out.as_chunks_mut::<N>();
@@ -119,6 +151,7 @@ fn spread_cells<const N: usize>(nodes: &[f32], out: &mut [f32]) {
 }
 
 /// Mixes two rows of nodes.
+#[inline(always)]
 pub(super) fn mix(a: &[f32], b: &[f32], share: f32, out: &mut [f32]) {
     for (value, (a, b)) in out.iter_mut().zip(a.iter().zip(b)) {
         *value = a + (b - a) * share;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::perception::eye::Gaze;
+use crate::perception::importance::NO_UNIT;
 use crate::perception::parameters::{EyeState, Model};
 use crate::perception::pyramid::{Pyramid, doubled, halved};
 use crate::units::Radians;
@@ -176,4 +177,41 @@ fn maps_add_up_to_the_values_of_units() {
         let sum: f64 = map.iter().map(|&v| f64::from(v)).sum();
         assert!((sum - gain).abs() < 1e-5 * gain.abs());
     }
+}
+
+#[test]
+fn units_are_worth_the_same_bits_with_all_instructions() {
+    let size = [203, 117];
+    let luma = levels(size, true, 3);
+    let pictures: Vec<&[u8]> = luma.iter().map(Vec::as_slice).collect();
+    let ids: Vec<u32> = (0..203 * 117)
+        .map(|i| i % 203 / 37 + i / 203 / 50 * 6)
+        .collect();
+    for model in [Model::Paper, Model::Default] {
+        let parameters = Parameters::of(model);
+        let onlooker = onlooker(size, 60.0, 0.0, EyeState::Steady);
+        let bits = |instructions: Instructions| {
+            let mut fast = FastImportance::new(&parameters, &onlooker.view, 3);
+            fast.instructions = instructions;
+            fast.look(&onlooker, &parameters.weights(onlooker.state));
+            let mut gains = [0.0; 36];
+            fast.unit_gains(&pictures, &ids, &mut gains);
+            gains.map(f64::to_bits)
+        };
+        assert_eq!(bits(Instructions::widest()), bits(Instructions::least()));
+    }
+}
+
+#[test]
+fn bands_that_are_seen_around_the_gaze_alone_agree_as_well() {
+    let size = [1100, 24];
+    let luma = levels(size, true, 3);
+    let parameters = Parameters::default();
+    let onlooker = onlooker(size, 44.0, 0.0, EyeState::Steady);
+    let mut fast = FastImportance::new(&parameters, &onlooker.view, 3);
+    fast.look(&onlooker, &parameters.weights(onlooker.state));
+    let seen = fast.seen_row(0, 12);
+    assert!(0 < seen.start && seen.start < seen.end, "{seen:?}");
+    let worst = worst(&parameters, &onlooker, &luma, 32);
+    assert!(worst < 1e-3, "{worst}");
 }
