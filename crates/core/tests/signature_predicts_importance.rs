@@ -3,6 +3,8 @@
 //! The value of going from a blurred to a sharp picture, tile by tile: from signatures, as
 //! selection weighs units that it has not seen, against the pixel twin, which saw both pictures.
 
+#![allow(clippy::unwrap_used)]
+
 use foveal_core::asset::cues::Cues;
 use foveal_core::asset::picture::{Colour, Matrix, Picture};
 use foveal_core::asset::signature::Signature;
@@ -182,7 +184,7 @@ impl Look {
     /// The value of each tile as selection finds it.
     fn by_worth(&self, parameters: &Parameters) -> Vec<f64> {
         let config = PolicyConfig {
-            perception: parameters.clone(),
+            perception: *parameters,
             ..PolicyConfig::new(Policy::Perceptual)
         };
         let moment = Moment {

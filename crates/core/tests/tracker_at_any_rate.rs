@@ -1,5 +1,7 @@
 //! Does a tracker expect the same gaze, and find the same saccades, however often it is told?
 
+#![allow(clippy::unwrap_used)]
+
 use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use foveal_core::gaze::main_sequence::{saccade_duration, saccade_way};
 use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};

@@ -1,5 +1,7 @@
 //! What does selection make of side tables that hold any bytes? Also the body of a fuzz target.
 
+#![allow(clippy::unwrap_used)]
+
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::cues::{CUES_VERSION, CueTable, Cues};
 use foveal_core::asset::pack::{
