@@ -9,7 +9,7 @@ use crate::asset::tile_grid::TileGrid;
 #[derive(Clone, Debug)]
 pub enum Chooser {
     /// A rule: each frame depends on its moment alone.
-    Rule(Selector),
+    Rule(Box<Selector>),
     /// Step by step, within what can arrive: a frame also depends on what came before.
     Budget(Box<Refiner>),
 }
@@ -21,7 +21,7 @@ impl Chooser {
         if config.policy.spends_a_budget() {
             Self::Budget(Box::new(Refiner::new(grid, config)))
         } else {
-            Self::Rule(Selector::new(grid, config))
+            Self::Rule(Box::new(Selector::new(grid, config)))
         }
     }
 
