@@ -3,7 +3,8 @@
 //! The value of going from a blurred to a sharp picture, tile by tile: from signatures, as
 //! selection weighs units that it has not seen, against the pixel twin, which saw both pictures.
 
-#![allow(clippy::unwrap_used)]
+// A test that cannot go on panics.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use foveal_core::asset::cues::Cues;
 use foveal_core::asset::picture::{Colour, Matrix, Picture};
@@ -281,14 +282,14 @@ fn tiles_rank_by_their_signatures_as_by_their_pixels() {
             let worth = look.by_worth(&parameters);
             let rank = rank_correlation(&worth, &pixels);
             let middle = rank_correlation(&look.by_middle(&parameters), &pixels);
-            println!("{model:?}, {name}: worth {rank:.4}, step_gain {middle:.4}");
+            eprintln!("{model:?}, {name}: worth {rank:.4}, step_gain {middle:.4}");
             assert!(rank >= least, "{model:?}, {name}: {rank}");
             assert!(middle >= least, "{model:?}, {name}: {middle}");
             all[0].extend(worth);
             all[1].extend(pixels);
         }
         let pooled = rank_correlation(&all[0], &all[1]);
-        println!("{model:?}, all tiles of all pictures: worth {pooled:.4}");
+        eprintln!("{model:?}, all tiles of all pictures: worth {pooled:.4}");
         assert!(pooled >= least, "{model:?}: {pooled}");
     }
 }

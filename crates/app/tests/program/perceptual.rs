@@ -161,7 +161,7 @@ fn weighed_units_show_the_eye_the_most_of_what_it_could_see() {
             figures["detail_share_mean"].as_f64().unwrap()
         };
         let shares = BUDGETED.map(share);
-        println!("{link}: {BUDGETED:?} show {shares:.3?} of the visible detail");
+        eprintln!("{link}: {BUDGETED:?} show {shares:.3?} of the visible detail");
         let [uniform, eccentricity, perceptual] = shares;
         assert!(perceptual >= eccentricity, "{link}: {shares:?}");
         assert!(perceptual >= uniform, "{link}: {shares:?}");

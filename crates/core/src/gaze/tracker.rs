@@ -155,7 +155,7 @@ impl GazeTracker {
                 .landing(seen, time)
                 .unwrap_or_else(|| self.blended(seen, time)),
             (Some(seen), None) => self.blended(seen, time),
-            (None, _) => self.by_head(newest, seen, time),
+            (None, _) => self.by_head_alone(newest, seen, time),
         };
         let running = self.detection.event == EyeEvent::Saccade;
         Some(Prediction {
@@ -224,7 +224,12 @@ impl GazeTracker {
     }
 
     /// The head alone; without it what was seen last, ever less certain.
-    fn by_head(&self, newest: &GazeSample, seen: Option<&GazeSample>, time: Seconds) -> GazeSample {
+    fn by_head_alone(
+        &self,
+        newest: &GazeSample,
+        seen: Option<&GazeSample>,
+        time: Seconds,
+    ) -> GazeSample {
         let Some((at, _)) = self.head else {
             return super::loss::gaze_at(time, newest, seen);
         };

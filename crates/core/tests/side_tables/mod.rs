@@ -19,7 +19,7 @@ use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::surface::{Projection, Screen};
 
 /// A pack of three levels and a short last group, without side tables.
-pub(crate) fn small_pack() -> Pack {
+fn small_pack() -> Pack {
     let description = Description {
         generator: String::new(),
         projection: Projection::Flat,
@@ -68,47 +68,84 @@ pub(crate) fn table_bytes(pack: &Pack) -> [usize; 2] {
     [refining * Signature::BYTES, finest.count() * Cues::BYTES]
 }
 
-/// Reads `data` as versions and rows of both tables, and lets every policy that values units
-/// choose by them: within its budget, and nothing that is not there. Returns whether the tables
-/// were tables.
-pub(crate) fn choose_by_anything(pack: &Pack, data: &[u8]) -> bool {
-    let Some(([version, saliency], rows)) = data.split_first_chunk() else {
-        return false;
-    };
-    let rows = rows.to_vec();
-    let [signature_bytes, _] = table_bytes(pack);
-    let cues = rows.get(signature_bytes..).unwrap_or_default().to_vec();
-    let rows = rows[..rows.len().min(signature_bytes)].to_vec();
-    let version = u32::from(*version);
-    let signatures = Signatures::parse(pack, version, rows);
-    let cues = CueTable::parse(pack, version, cues).ok();
-    assert!(cues.is_none() || version == CUES_VERSION);
-    let Ok(signatures) = signatures else {
-        return false;
-    };
-    assert_eq!(version, SIGNATURES_VERSION);
+/// A pack, and what chooses from it under either model, with and without saliency.
+pub(crate) struct Target {
+    pub(crate) pack: Pack,
+    refiners: Vec<Refiner>,
+}
+
+impl Target {
+    pub(crate) fn new() -> Self {
+        let pack = small_pack();
+        let [signatures, _] = table_bytes(&pack);
+        let busy = Signatures::parse(&pack, SIGNATURES_VERSION, vec![200; signatures]);
+        let models = [Model::Default, Model::Paper];
+        let configs = models.map(|model| [false, true].map(|saliency| (model, saliency)));
+        let refiner = |(model, saliency): &(Model, bool)| {
+            let config = PolicyConfig {
+                perception: Parameters::of(*model),
+                saliency: *saliency,
+                ..PolicyConfig::new(Policy::Perceptual)
+            };
+            let mut refiner = Refiner::new(*pack.grid(), config);
+            // Buys nothing, but makes the tables that are made when first asked for.
+            choose(
+                &mut refiner,
+                &pack,
+                busy.as_ref().unwrap(),
+                None,
+                [(0, Some(0))],
+            );
+            refiner
+        };
+        let refiners = configs.as_flattened().iter().map(refiner).collect();
+        Self { pack, refiners }
+    }
+
+    /// Reads `data` as version and rows of both tables, and lets units be valued by them: within
+    /// the budget, and nothing that is not there. Returns whether the tables were tables.
+    pub(crate) fn choose_by_anything(&self, data: &[u8]) -> bool {
+        let Some(([version, which], rows)) = data.split_first_chunk() else {
+            return false;
+        };
+        let [signature_bytes, _] = table_bytes(&self.pack);
+        let (rows, cues) = rows.split_at(rows.len().min(signature_bytes));
+        let version = u32::from(*version);
+        let signatures = Signatures::parse(&self.pack, version, rows.to_vec());
+        let cues = CueTable::parse(&self.pack, version, cues.to_vec()).ok();
+        assert!(cues.is_none() || version == CUES_VERSION);
+        let Ok(signatures) = signatures else {
+            return false;
+        };
+        assert_eq!(version, SIGNATURES_VERSION);
+        let mut refiner = self.refiners[usize::from(*which) % self.refiners.len()].clone();
+        let frames = [(0, Some(900)), (3, Some(0)), (4, None)];
+        choose(&mut refiner, &self.pack, &signatures, cues.as_ref(), frames);
+        true
+    }
+}
+
+/// Chooses for frames within budgets.
+fn choose<const N: usize>(
+    refiner: &mut Refiner,
+    pack: &Pack,
+    signatures: &Signatures,
+    cues: Option<&CueTable>,
+    frames: [(u32, Option<u64>); N],
+) {
     let content = PackContent {
         pack,
-        signatures: &signatures,
-        cues: cues.as_ref(),
+        signatures,
+        cues,
     };
-    for model in [Model::Default, Model::Paper] {
-        let config = PolicyConfig {
-            perception: Parameters::of(model),
-            saliency: saliency % 2 == 1,
-            ..PolicyConfig::new(Policy::Perceptual)
+    for (frame, budget) in frames {
+        let moment = Moment {
+            gaze: GazeSample::at(Seconds(0.0), Radians(0.1), Radians(0.0)),
+            view: None,
+            state: EyeState::Steady,
         };
-        let mut refiner = Refiner::new(*pack.grid(), config);
-        for (frame, budget) in [(0, Some(900)), (3, Some(0)), (4, None)] {
-            let moment = Moment {
-                gaze: GazeSample::at(Seconds(0.0), Radians(0.1), Radians(0.0)),
-                view: None,
-                state: EyeState::Steady,
-            };
-            let chosen = refiner.refine(&content, frame, &moment, budget);
-            assert!(refiner.spent() <= budget.unwrap_or(u64::MAX));
-            assert!(chosen.tiles.len() >= pack.grid().tiles_in_level(2) as usize);
-        }
+        let chosen = refiner.refine(&content, frame, &moment, budget);
+        assert!(refiner.spent() <= budget.unwrap_or(u64::MAX));
+        assert!(chosen.tiles.len() >= pack.grid().tiles_in_level(2) as usize);
     }
-    true
 }
