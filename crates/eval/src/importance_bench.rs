@@ -1,6 +1,7 @@
 //! How long does a decision take to weigh, against the same formula through Fourier transforms?
 
 use crate::fft_importance::FftImportance;
+use crate::timing::{TimedRow, timed};
 use foveal_core::perception::fast::FastImportance;
 use foveal_core::perception::importance::Onlooker;
 use foveal_core::perception::parameters::Parameters;
@@ -9,25 +10,11 @@ use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use serde::Serialize;
-use std::time::Instant;
 
 /// Level pictures of one decision.
 pub const LEVELS: usize = 5;
 /// Pixels of a unit's side.
 const UNIT: u32 = 64;
-
-/// Times of one way to do something.
-#[derive(Clone, Debug, Serialize)]
-pub struct TimedRow {
-    /// What was done.
-    pub name: String,
-    /// Half of the runs took at most this, in milliseconds (on the CPU of one thread).
-    pub median_ms: f64,
-    /// The fastest and the slowest run.
-    pub range_ms: [f64; 2],
-    /// Runs after the first, which is left out.
-    pub runs: usize,
-}
 
 /// Importance by both ways, on the same pictures, one after the other.
 #[derive(Clone, Debug, Serialize)]
@@ -152,35 +139,5 @@ pub fn time_importance(size: [u32; 2], runs: usize) -> ImportanceTimes {
         units: decision.units,
         ratio: fourier.median_ms / pyramid.median_ms,
         rows: vec![pyramid, fourier],
-    }
-}
-
-/// Milliseconds that this thread has run for, where the system says so (Linux); other work on a
-/// busy machine is not counted.
-fn thread_cpu_ms() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
-    Some(nanoseconds / 1e6)
-}
-
-/// Runs `work` once to warm up and `runs` times by the clock.
-fn timed(name: &str, runs: usize, mut work: impl FnMut()) -> TimedRow {
-    work();
-    let mut times: Vec<f64> = (0..runs.max(1))
-        .map(|_| {
-            let start = (thread_cpu_ms(), Instant::now());
-            work();
-            match (start.0, thread_cpu_ms()) {
-                (Some(before), Some(after)) => after - before,
-                _ => start.1.elapsed().as_secs_f64() * 1000.0,
-            }
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    TimedRow {
-        name: name.to_owned(),
-        median_ms: times[times.len() / 2],
-        range_ms: [times[0], times[times.len() - 1]],
-        runs: times.len(),
     }
 }

@@ -4,3 +4,5 @@ pub mod bench_cases;
 pub mod fft_importance;
 pub mod gaze;
 pub mod importance_bench;
+pub mod path_bench;
+pub mod timing;

@@ -1,7 +1,8 @@
 //! What does it cost to weigh the steps of a decision on the GPU?
 
 use foveal_core::perception::parameters::Parameters;
-use foveal_eval::importance_bench::{Decision, TimedRow};
+use foveal_eval::importance_bench::Decision;
+use foveal_eval::timing::{Clock, TimedRow};
 use foveal_render::importance::{Importance, UnitIds, upload_picture};
 use foveal_render::{Gpu, RenderError, RgbaImage};
 use std::time::{Duration, Instant};
@@ -33,16 +34,12 @@ pub(super) fn time_on_gpu(
     let mut times = times?;
     times.sort_unstable();
     let ms = |at: usize| times[at].as_secs_f64() * 1000.0;
-    let clock = if has_clock {
-        "time stamps"
-    } else {
-        "waited for"
-    };
     Ok(TimedRow {
-        name: format!("GPU, {clock}"),
+        name: "GPU".to_owned(),
         median_ms: ms(runs / 2),
         range_ms: [ms(0), ms(runs - 1)],
         runs,
+        clock: if has_clock { Clock::Gpu } else { Clock::Wall },
     })
 }
 

@@ -1,11 +1,13 @@
-//! What does it cost to weigh the steps of a decision?
+//! What does a decision cost: a gaze, the values of steps, a choice?
 
 use super::BenchArgs;
 use super::gpu::time_on_gpu;
 use crate::demo::machine::Machine;
 use crate::output::{self, out_of_range};
 use anyhow::bail;
-use foveal_eval::importance_bench::{Decision, ImportanceTimes, TimedRow, time_importance};
+use foveal_eval::importance_bench::{Decision, ImportanceTimes, time_importance};
+use foveal_eval::path_bench::{time_gaze_path, time_selection};
+use foveal_eval::timing::{Clock, TimedRow};
 use foveal_render::Gpu;
 use serde::Serialize;
 use std::fmt::Write;
@@ -16,6 +18,10 @@ const SIZE: [u32; 2] = [1920, 1080];
 struct Report {
     machine: Machine,
     importance: ImportanceTimes,
+    /// One sample.
+    gaze: TimedRow,
+    /// One tick, by how much of the values is new.
+    selection: Vec<TimedRow>,
 }
 
 pub(super) fn run(args: &BenchArgs) -> anyhow::Result<()> {
@@ -35,6 +41,8 @@ pub(super) fn run(args: &BenchArgs) -> anyhow::Result<()> {
     let report = Report {
         machine: Machine::here(name.to_owned()),
         importance,
+        gaze: time_gaze_path(args.runs),
+        selection: time_selection(args.runs)?,
     };
     output::result(args.json, &report, &text(&report))
 }
@@ -48,17 +56,35 @@ fn text(report: &Report) -> String {
         "\nimportance, {w}x{h}, {levels} levels, {units} units:"
     );
     for row in &times.rows {
-        let TimedRow {
-            name,
-            median_ms,
-            range_ms: [least, most],
-            runs,
-        } = row;
-        let _ = writeln!(
-            text,
-            "{name}: {median_ms:.1} ms ({least:.1} to {most:.1}, {runs} runs)"
-        );
+        write_row(&mut text, row);
     }
-    let _ = writeln!(text, "ratio {:.1}", times.ratio);
+    let _ = writeln!(text, "ratio {:.1}\n", times.ratio);
+    for row in core::iter::once(&report.gaze).chain(&report.selection) {
+        write_row(&mut text, row);
+    }
     text
+}
+
+fn write_row(text: &mut String, row: &TimedRow) {
+    // Short times are told in microseconds.
+    let (unit, scale) = if row.median_ms < 0.1 {
+        ("µs", 1000.0)
+    } else {
+        ("ms", 1.0)
+    };
+    let [median, least, most] = [row.median_ms, row.range_ms[0], row.range_ms[1]];
+    let clock = match row.clock {
+        Clock::ThreadCpu => "thread CPU time",
+        Clock::Gpu => "by the GPU's time stamps",
+        Clock::Wall => "wall time",
+    };
+    let _ = writeln!(
+        text,
+        "{}: {:.2} {unit} ({:.2} to {:.2}, {} runs, {clock})",
+        row.name,
+        median * scale,
+        least * scale,
+        most * scale,
+        row.runs
+    );
 }
