@@ -90,6 +90,22 @@ pub(crate) fn read_text(path: &Path, what: &str) -> anyhow::Result<String> {
     std::fs::read_to_string(path).with_context(|| format!("{name}: cannot be read as {what}"))
 }
 
+/// Refuses to write where one of the inputs lies, under whatever name.
+pub(crate) fn spare_inputs<'a>(
+    out: &Path,
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<(), WrongUsage> {
+    let there = out.canonicalize().ok();
+    let is_out = |input: &&Path| there.is_some() && input.canonicalize().ok() == there;
+    match inputs.into_iter().find(is_out) {
+        Some(input) => Err(WrongUsage(format!(
+            "{} is what is read; give another place to write to",
+            input.display()
+        ))),
+        None => Ok(()),
+    }
+}
+
 /// Writes a file whole or not at all.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     let mut growing = path.as_os_str().to_owned();

@@ -1,7 +1,7 @@
 //! Which model of the eye, with which parameters?
 
 use crate::output::WrongUsage;
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::perception::parameters::{Model, Parameters};
 
@@ -28,7 +28,8 @@ pub(crate) struct PerceptionOptions {
     /// Which equations say what a step is worth.
     #[arg(long, value_enum, default_value = "default")]
     model: ModelName,
-    /// Another value for a parameter of the model, as lambda=2.5; may be repeated.
+    /// Other values for parameters of the model, as --set lambda=2.5 omega=8; what else the command
+    /// takes without a name comes before.
     #[arg(long, value_name = "NAME=VALUE", value_parser = parse_setting, num_args = 1..)]
     set: Vec<(String, f64)>,
 }
@@ -39,6 +40,12 @@ impl PerceptionOptions {
         for (name, value) in &self.set {
             let set = parameters.set(name, *value);
             set.map_err(|error| WrongUsage(format!("--set: {error}")))?;
+        }
+        if parameters.black >= parameters.peak {
+            bail!(WrongUsage(format!(
+                "--set: black is {} and peak {}; black must be less",
+                parameters.black, parameters.peak
+            )));
         }
         Ok(parameters)
     }

@@ -137,9 +137,8 @@ impl Player {
         let spends = options.config.policy.spends_a_budget();
         if spends && tables.signatures.is_none() {
             bail!(
-                "{}: has no signatures, which {:?} values units by; prepare it again",
+                "{}: has no signatures, by which this policy values units; prepare it again",
                 file.path().display(),
-                options.config.policy
             );
         }
         let budget = spends.then(|| Budget::new(options.bytes_per_s));

@@ -1,7 +1,7 @@
 //! What does an eye get from a pack, and what did that take?
 
 use crate::canvas::{Drawing, RendererName};
-use crate::gaze::{GazeChoice, GazeSource, Viewer, parse_gaze, preset_of};
+use crate::gaze::{GazeChoice, GazeSource, Viewer, interrupted, parse_gaze, preset_of};
 use crate::link::{Link, parse_delay, parse_link};
 use crate::options::{PolicyOptions, ViewOptions};
 use crate::output::{self, WrongUsage, out_of_range};
@@ -22,6 +22,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -92,7 +93,8 @@ pub(crate) struct SimulateArgs {
 #[derive(Clone, Debug, Args)]
 struct Watching {
     /// RATE[,DELAY] between the pack and the viewer, as 4g,30ms or 8mbit (3g, 4g, 5g are 2, 40, 67
-    /// Mbit/s): what uniform, eccentricity and perceptual may spend (default: no limit).
+    /// Mbit/s): what uniform, eccentricity and perceptual may spend on finer tiles than those of
+    /// the coarsest level, which is always sent (default: no limit).
     #[arg(long, value_name = "L", value_parser = parse_link)]
     link: Option<Link>,
     /// How long before a frame is shown its gaze must be known, in ms; the link's delay adds to it.
@@ -179,20 +181,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("--out {}: the folder cannot be made", args.out.display()))?;
     let mut pictures = PictureSink::new(args, fps);
-    let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
-    let mut reports = Vec::new();
-    let begun = Instant::now();
-    for frame in 0..frames {
-        if gaze.is_live() {
-            let due = (player.time(frame).0 - player.time(0).0).max(0.0);
-            sleep_until(begun + Duration::from_secs_f64(due));
-        }
-        let report = player.play(frame, &mut gaze)?;
-        pictures.frame(&mut player, &report)?;
-        reports.push(report);
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
+    let reports = play(&mut player, &mut gaze, frames, &mut pictures)?;
     pictures.finish()?;
     let session = session(&player, &reports).write();
     output::write_whole(&args.out.join("session.jsonl"), session.as_bytes())?;
@@ -224,6 +213,38 @@ impl SimulateArgs {
         }
         Ok(config)
     }
+}
+
+/// Plays the frames, with a live source until the user stops it.
+fn play(
+    player: &mut Player,
+    gaze: &mut GazeSource,
+    frames: u32,
+    pictures: &mut PictureSink<'_>,
+) -> anyhow::Result<Vec<FrameReport>> {
+    let stop = gaze.is_live().then(interrupted).transpose()?;
+    let stopped = || {
+        stop.as_ref()
+            .is_some_and(|stop| stop.load(Ordering::Relaxed))
+    };
+    let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
+    let mut reports = Vec::new();
+    let begun = Instant::now();
+    for frame in 0..frames {
+        if gaze.is_live() {
+            let due = (player.time(frame).0 - player.time(0).0).max(0.0);
+            sleep_until(begun + Duration::from_secs_f64(due));
+        }
+        if stopped() && !reports.is_empty() {
+            break;
+        }
+        let report = player.play(frame, gaze)?;
+        pictures.frame(player, &report)?;
+        reports.push(report);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(reports)
 }
 
 fn sleep_until(due: Instant) {

@@ -112,6 +112,16 @@ impl Live {
     }
 }
 
+/// Whether the user, or the system, asked to stop. A second time ends the program at once.
+pub(crate) fn interrupted() -> anyhow::Result<Arc<AtomicBool>> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        signal_hook::flag::register_conditional_shutdown(signal, 1, Arc::clone(&interrupted))?;
+        signal_hook::flag::register(signal, Arc::clone(&interrupted))?;
+    }
+    Ok(interrupted)
+}
+
 impl Drop for Live {
     /// Ends the thread at its next look, and says what could not be used.
     fn drop(&mut self) {

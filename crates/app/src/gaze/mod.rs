@@ -10,7 +10,7 @@ mod viewer;
 
 pub(crate) use choice::{GazeChoice, LiveChoice, parse_gaze};
 pub(crate) use intake::Counts;
-pub(crate) use live::Live;
+pub(crate) use live::{Live, interrupted};
 pub(crate) use source::{FIRST_SAMPLE, GazeSource, Look};
 pub(crate) use trace_file::read_trace;
 pub(crate) use viewer::{Viewer, preset_of};

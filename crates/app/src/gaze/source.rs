@@ -13,6 +13,7 @@ use foveal_core::gaze::trace::Trace;
 use foveal_core::gaze::tracker::{GazeTracker, Prediction};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::surface::{Projection, Surface};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -73,9 +74,9 @@ impl GazeSource {
                 GazePath::At(GazeSample::at(Seconds(0.0), degrees(*yaw), degrees(*pitch)))
             }
             GazeChoice::Scan => GazePath::Scan(ScanPath::new(surface, seed, length)),
-            GazeChoice::Trace(file) => GazePath::Trace(read_trace(file)?),
+            GazeChoice::Trace(file) => GazePath::Trace(read_over(file, length)?),
             GazeChoice::Head(file) => {
-                let trace = read_trace(file)?;
+                let trace = read_over(file, length)?;
                 let headless = |sample: &GazeSample| sample.head.is_none();
                 if let Some(row) = trace.samples().iter().position(headless) {
                     bail!(
@@ -189,6 +190,25 @@ impl GazeSource {
             }
         }
     }
+}
+
+/// Reads a trace, some of which is of the time from 0 to `length`.
+fn read_over(file: &Path, length: Seconds) -> anyhow::Result<Trace> {
+    let trace = read_trace(file)?;
+    let samples = trace.samples();
+    if let (Some(first), Some(last)) = (samples.first(), samples.last())
+        && (first.time.0 > length.0.max(1.0) || last.time.0 < 0.0)
+    {
+        bail!(
+            "{}: t_s runs from {} to {}, the content from 0 to {}; let t_s count from the \
+             content's start",
+            file.display(),
+            first.time.0,
+            last.time.0,
+            length.0
+        );
+    }
+    Ok(trace)
 }
 
 /// The samples of a trace from number `given` until `time`.

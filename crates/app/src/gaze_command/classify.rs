@@ -1,12 +1,12 @@
 //! `foveal gaze classify`: what does the eye do at every sample of a trace?
 
 use super::labelled_file::{parse_label_screen, read_recording};
-use crate::output::{self, read_text};
+use crate::gaze::read_trace;
+use crate::output;
 use anyhow::Context;
 use clap::Args;
 use foveal_core::gaze::saccade::SaccadeDetector;
 use foveal_core::gaze::sample::{EyeEvent, GazeSample};
-use foveal_core::gaze::trace::Trace;
 use foveal_core::units::Seconds;
 use foveal_eval::gaze::labelled::LabelScreen;
 use serde::Serialize;
@@ -44,6 +44,9 @@ struct Counts {
 
 /// Runs the command.
 pub(crate) fn run(args: &ClassifyArgs) -> anyhow::Result<()> {
+    if let Some(out) = &args.out {
+        output::spare_inputs(out, [args.trace.as_path()])?;
+    }
     let trials = read_trials(&args.trace, args.screen.as_ref())?;
     let mut counts = Counts::default();
     let mut table = "t_s,event\n".to_owned();
@@ -51,7 +54,12 @@ pub(crate) fn run(args: &ClassifyArgs) -> anyhow::Result<()> {
         let mut detector = SaccadeDetector::default();
         let mut jumping = false;
         for sample in samples {
-            let said = detector.next(sample.time, sample.gaze_in_content, sample.valid);
+            // In the head's space a turning head is not mistaken for a moving eye.
+            let gaze = sample.gaze_in_content;
+            let gaze = sample
+                .head
+                .map_or(gaze, |head| head.head_from_content(gaze));
+            let said = detector.next(sample.time, gaze, sample.valid);
             counts.add(said.event, jumping);
             jumping = said.event == EyeEvent::Saccade;
             let Seconds(time) = sample.time;
@@ -126,7 +134,5 @@ fn read_trials(path: &Path, screen: Option<&LabelScreen>) -> anyhow::Result<Vec<
             .map(|trial| trial.samples)
             .collect());
     }
-    let text = read_text(path, "a gaze trace")?;
-    let trace = Trace::parse(&text).with_context(|| name.to_string())?;
-    Ok(vec![trace.samples().to_vec()])
+    Ok(vec![read_trace(path)?.samples().to_vec()])
 }

@@ -84,6 +84,9 @@ pub(crate) fn run(args: &EvalDelayArgs) -> anyhow::Result<()> {
         let range = format!("multiples of 10 from 0 to {LONGEST_MS}");
         return Err(out_of_range("--delays", wrong, &range).into());
     }
+    if let Some(path) = &args.plot {
+        args.recordings.spared_by(path)?;
+    }
     let recordings = args.recordings.read()?;
     let fits = args.preset.fits(&recordings)?;
     let delays = args.delays.iter().map(|&ms| {

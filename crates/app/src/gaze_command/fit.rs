@@ -2,6 +2,7 @@
 
 use super::recordings::Recordings;
 use crate::output::{self, write_whole};
+use anyhow::bail;
 use clap::Args;
 use foveal_core::gaze::head_prediction::saturating::{AxisCurve, HeadGazePreset};
 use foveal_eval::gaze::head_fit::fit_head;
@@ -54,14 +55,25 @@ impl HeadFitted {
     }
 }
 
+/// Fewest samples, at 100 Hz, that a preset is fitted on.
+const LEAST_SAMPLES: usize = 1000;
+
 pub(crate) fn run(args: &FitHeadArgs) -> anyhow::Result<()> {
+    args.recordings.spared_by(&args.out)?;
     let recordings = args.recordings.read()?;
+    let samples: usize = recordings.iter().map(|one| one.rows().len()).sum();
+    if samples < LEAST_SAMPLES {
+        bail!(
+            "--data holds {samples} samples of eyes and head; give at least {LEAST_SAMPLES} \
+             (ten seconds): fewer say nothing of how a gaze follows a head"
+        );
+    }
     let fit = fit_head(&recordings.iter().collect::<Vec<_>>());
     let errors = evaluate_head(&recordings, &vec![fit.clone(); recordings.len()]).pooled;
     write_whole(&args.out, toml::to_string(&fit.preset)?.as_bytes())?;
     let fitted = HeadFitted {
         out: args.out.display().to_string(),
-        samples: recordings.iter().map(|one| one.rows().len()).sum(),
+        samples,
         mean_deg: errors.foveal.mean_deg,
         sgaze_mean_deg: errors.sgaze.mean_deg,
         mean_gaze_deg: fit.mean.degrees(),

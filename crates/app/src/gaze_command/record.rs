@@ -1,7 +1,8 @@
 //! What did a source deliver?
 
 use crate::gaze::{
-    Counts, FIRST_SAMPLE, GazeChoice, GazeSource, Live, LiveChoice, Viewer, parse_gaze, read_trace,
+    Counts, FIRST_SAMPLE, GazeChoice, GazeSource, Live, LiveChoice, Viewer, interrupted,
+    parse_gaze, read_trace,
 };
 use crate::output::{self, WrongUsage, out_of_range};
 use anyhow::{Context, bail};
@@ -14,8 +15,7 @@ use serde::Serialize;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 #[derive(Clone, Debug, Args)]
@@ -54,6 +54,8 @@ struct Recorded {
 
 /// Longest recording in seconds: a day.
 const LONGEST_S: f64 = 86_400.0;
+/// Recordings of less than this many seconds have no rate.
+const SHORTEST_S: f64 = 0.01;
 /// Samples per second of a source that has none of its own.
 const RATE_HZ: f64 = 100.0;
 /// Time between two looks at what came, and between two writes.
@@ -69,6 +71,7 @@ pub(crate) fn run(args: &RecordArgs) -> anyhow::Result<()> {
             &range
         ));
     }
+    check_target(args)?;
     let recorded = match &args.gaze {
         GazeChoice::Live(choice) => record_live(args, choice)?,
         GazeChoice::Trace(file) => copy(args, read_trace(file)?.rows(), |row| row)?,
@@ -100,6 +103,37 @@ pub(crate) fn run(args: &RecordArgs) -> anyhow::Result<()> {
         }
     };
     output::result(args.json, &recorded, &recorded.text())
+}
+
+/// Refuses, before anything is recorded, a target that cannot be written or would lose something.
+fn check_target(args: &RecordArgs) -> anyhow::Result<()> {
+    let out = &args.out;
+    let name = out.display();
+    if out.exists() && !out.is_file() {
+        bail!("{name}: is no plain file; give another --out");
+    }
+    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if folder.is_some_and(|folder| !folder.is_dir()) {
+        bail!("{name}: cannot be written: its folder is not there; make it first");
+    }
+    let growing = growing(out);
+    if growing.exists() {
+        bail!(
+            "{}: holds a recording that was interrupted; rename or remove it first",
+            growing.display()
+        );
+    }
+    if let GazeChoice::Trace(file) | GazeChoice::Head(file) = &args.gaze {
+        output::spare_inputs(out, [file.as_path()])?;
+    }
+    Ok(())
+}
+
+/// The name under which a recording grows.
+fn growing(out: &Path) -> PathBuf {
+    let mut growing = out.as_os_str().to_owned();
+    growing.push(".partial");
+    PathBuf::from(growing)
 }
 
 /// A sample of a source that needs no way to come.
@@ -150,16 +184,6 @@ fn record_live(args: &RecordArgs, choice: &LiveChoice) -> anyhow::Result<Recorde
     }
 }
 
-/// Whether the user, or the system, asked to stop. A second time ends the program at once.
-fn interrupted() -> anyhow::Result<Arc<AtomicBool>> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        signal_hook::flag::register_conditional_shutdown(signal, 1, Arc::clone(&interrupted))?;
-        signal_hook::flag::register(signal, Arc::clone(&interrupted))?;
-    }
-    Ok(interrupted)
-}
-
 /// A trace that grows: under a name of its own until it is whole.
 struct Sink {
     path: PathBuf,
@@ -173,9 +197,7 @@ struct Sink {
 
 impl Sink {
     fn create(path: &Path) -> anyhow::Result<Self> {
-        let mut growing = path.as_os_str().to_owned();
-        growing.push(".partial");
-        let growing = PathBuf::from(growing);
+        let growing = growing(path);
         let created = File::create(&growing).and_then(|mut file| {
             file.write_all(TraceRow::header().as_bytes())?;
             Ok(file)
@@ -206,7 +228,10 @@ impl Sink {
 
     fn finish(self, counts: Counts, source_start_s: f64) -> anyhow::Result<Recorded> {
         drop(self.file);
-        std::fs::rename(&self.growing, &self.path).with_context(|| cannot_write(&self.path))?;
+        std::fs::rename(&self.growing, &self.path).with_context(|| {
+            let kept = self.growing.display();
+            format!("{}; the recording is in {kept}", cannot_write(&self.path))
+        })?;
         let seconds = self.span.map_or(0.0, |[first, last]| last - first);
         let steps = self.samples.saturating_sub(1) as f64;
         Ok(Recorded {
@@ -214,7 +239,11 @@ impl Sink {
             samples: self.samples,
             valid: self.valid,
             seconds,
-            rate_hz: if seconds > 0.0 { steps / seconds } else { 0.0 },
+            rate_hz: if seconds > SHORTEST_S {
+                steps / seconds
+            } else {
+                0.0
+            },
             source_start_s,
             counts,
         })

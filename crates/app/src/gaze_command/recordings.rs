@@ -1,6 +1,7 @@
 //! Which recordings and which preset does a gaze command work on?
 
 use crate::gaze::{preset_of, read_trace};
+use crate::output::{WrongUsage, spare_inputs};
 use anyhow::{Context, bail};
 use clap::Args;
 use foveal_eval::gaze::head_fit::HeadFit;
@@ -24,6 +25,11 @@ impl Recordings {
     /// Each file's name as it was given, in order.
     pub(crate) fn names(&self) -> impl Iterator<Item = String> {
         self.data.iter().map(|file| file.display().to_string())
+    }
+
+    /// Refuses to write where one of them lies.
+    pub(crate) fn spared_by(&self, out: &Path) -> Result<(), WrongUsage> {
+        spare_inputs(out, self.data.iter().map(PathBuf::as_path))
     }
 
     /// Reads all of them.

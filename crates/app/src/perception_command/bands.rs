@@ -7,10 +7,10 @@ use anyhow::Context;
 use clap::Args;
 use foveal_core::perception::importance::Onlooker;
 use foveal_core::perception::parameters::{EyeState, Parameters};
-use foveal_core::perception::pyramid::{Band, Pyramid, band_frequency};
+use foveal_core::perception::pyramid::{Band, Pyramid, band_frequency, bands_of};
 use foveal_render::RgbaImage;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Seen contrast, in thresholds, that a shade half way from grey to black or white stands for.
 const HALF_SHADE: f64 = 60.0;
@@ -48,6 +48,9 @@ struct BandRow {
 pub(crate) fn run(args: &BandsArgs) -> anyhow::Result<()> {
     let parameters = args.look.parameters()?;
     let picture = read_picture(&args.picture)?;
+    for index in 0..bands_of(picture.size) {
+        output::spare_inputs(&file_of(&args.out, index), [args.picture.as_path()])?;
+    }
     let onlooker = args.look.onlooker(picture.size, EyeState::Steady)?;
     let out = &args.out;
     std::fs::create_dir_all(out).with_context(|| format!("{}: no folder", out.display()))?;
@@ -56,7 +59,7 @@ pub(crate) fn run(args: &BandsArgs) -> anyhow::Result<()> {
     let mut bands = Vec::new();
     for (index, band) in pyramid.bands.iter().enumerate() {
         let seen = seen_contrast(&onlooker, &parameters, index, band);
-        let file = out.join(format!("band-{index}.png"));
+        let file = file_of(out, index);
         write_png(&file, &shaded(&seen, band.size, picture.size))?;
         bands.push(BandRow {
             file,
@@ -70,6 +73,10 @@ pub(crate) fn run(args: &BandsArgs) -> anyhow::Result<()> {
     };
     let text: String = bands.iter().map(line).collect();
     output::result(args.json, &Bands { bands }, &text)
+}
+
+fn file_of(out: &Path, index: usize) -> PathBuf {
+    out.join(format!("band-{index}.png"))
 }
 
 fn seen_contrast(

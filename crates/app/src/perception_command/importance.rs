@@ -77,6 +77,12 @@ struct MapRow {
 
 pub(crate) fn run(args: &ImportanceArgs) -> anyhow::Result<()> {
     let parameters = args.look.parameters()?;
+    for name in ["value", "eccentricity", "popping", "sheet"] {
+        for ending in ["", "-update"] {
+            let file = beside(&args.out, name, ending);
+            output::spare_inputs(&file, [args.before.as_path(), args.after.as_path()])?;
+        }
+    }
     let (before, after) = (read_picture(&args.before)?, read_picture(&args.after)?);
     if before.size != after.size {
         let ([a, b], [c, d]) = (before.size, after.size);

@@ -46,6 +46,51 @@ fn saccades_are_found_early_and_better_than_by_one_threshold() {
 }
 
 #[test]
+fn outputs_never_replace_what_is_read() {
+    let folder = Folder::new();
+    let mut trace = "t_s,yaw_deg,pitch_deg,head_yaw_deg,head_pitch_deg\n".to_owned();
+    for k in 0..1500 {
+        let _ = writeln!(trace, "{},{},0,{},0", f64::from(k) * 0.01, k % 7, k % 5);
+    }
+    let file = folder.holding("mine.csv", trace.as_bytes());
+    let gaze = format!("trace:{file}");
+    for arguments in [
+        &["gaze", "classify", &file, "--out", &file][..],
+        &["gaze", "fit", "head", "--data", &file, "--out", &file],
+        &["gaze", "eval", "delay", "--data", &file, "--plot", &file],
+        &["gaze", "record", "--gaze", &gaze, "--out", &file],
+    ] {
+        refused(2, arguments, &["mine.csv", "is what is read"]);
+        assert_eq!(
+            std::fs::read(&file).unwrap(),
+            trace.as_bytes(),
+            "{arguments:?}"
+        );
+    }
+}
+
+#[test]
+fn a_recording_is_refused_before_it_begins_where_it_could_not_be_kept() {
+    let folder = Folder::new();
+    let gaze = ["--gaze", "udp:0", "--seconds", "1"];
+    let record = |out: &str, words: &[&str]| {
+        refused(
+            1,
+            &[&["gaze", "record", "--out", out][..], &gaze].concat(),
+            words,
+        );
+    };
+    record(&folder.name("."), &["is no plain file"]);
+    record(&folder.name("none/mine.csv"), &["its folder is not there"]);
+    let kept = folder.holding("mine.csv.partial", b"t_s,yaw_deg,pitch_deg\n0,1,2\n");
+    record(
+        &folder.name("mine.csv"),
+        &["mine.csv.partial", "interrupted"],
+    );
+    assert!(std::fs::read(kept).unwrap().ends_with(b"0,1,2\n"));
+}
+
+#[test]
 fn landings_and_filter_are_judged_in_the_fields_that_are_compared() {
     let landing = json(&["gaze", "eval", "landing"]);
     assert_eq!(keys(&landing), ["after_ms"].into());

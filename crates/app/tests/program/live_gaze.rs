@@ -471,7 +471,10 @@ fn a_head_alone_is_a_gaze() {
     let line = r#"{"t_s":NOW,"head_yaw_deg":-40,"head_pitch_deg":1}"#;
     let ran = run_looking_at(&[&live[..], &["--renderer", "none"]].concat(), line);
     assert_eq!(ran.code, Some(0), "{ran:?}");
-    assert!(column(&out, "gaze_yaw_deg").iter().all(|yaw| *yaw == -40.0));
+    // The eyes of a head that hardly moves are near its middle.
+    let near = |yaw: &f64| (yaw + 40.0).abs() < 6.0;
+    let yaws = column(&out, "gaze_yaw_deg");
+    assert!(yaws.iter().all(near), "{yaws:?}");
     let bare = folder.holding("b.csv", b"t_s,yaw_deg,pitch_deg\n0,1,2\n");
     let bare = format!("head:{bare}");
     let words = ["b.csv", "head_yaw_deg"];

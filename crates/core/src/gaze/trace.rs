@@ -61,6 +61,16 @@ pub enum TraceError {
         /// The time of the row before.
         before: String,
     },
+    /// More cells than the header has names.
+    #[error("line {line}: {found} cells where the header names {expected}; is a comma decimal?")]
+    Cells {
+        /// Line in the file, from 1.
+        line: usize,
+        /// Number of cells.
+        found: usize,
+        /// Number of names.
+        expected: usize,
+    },
     /// Nothing but a header.
     #[error("the trace has no rows; it needs at least one sample")]
     Empty,
@@ -80,6 +90,8 @@ pub enum TraceError {
 pub struct TraceReader {
     lines: usize,
     header: Option<[Option<usize>; QUANTITIES.len()]>,
+    /// Number of names in the header.
+    columns: usize,
     rows: Vec<TraceRow>,
 }
 
@@ -94,6 +106,7 @@ impl TraceReader {
         let text = core::str::from_utf8(line).map_err(|_| TraceError::NotText(self.lines))?;
         let Some(place) = self.header else {
             self.header = Some(header(text)?);
+            self.columns = text.split(',').count();
             return Ok(());
         };
         if text.trim().is_empty() {
@@ -102,9 +115,17 @@ impl TraceReader {
         if self.rows.len() == MAX_ROWS {
             return Err(TraceError::TooLong(self.lines));
         }
+        let cells: Vec<&str> = text.split(',').map(str::trim).collect();
+        if cells.iter().skip(self.columns).any(|cell| !cell.is_empty()) {
+            return Err(TraceError::Cells {
+                line: self.lines,
+                found: cells.len(),
+                expected: self.columns,
+            });
+        }
         let cells = Cells {
             line: self.lines,
-            cells: text.split(',').map(str::trim).collect(),
+            cells,
             place,
         };
         let row = cells.row(self.rows.last())?;
@@ -290,6 +311,14 @@ pub fn parse_anything(data: &[u8]) -> bool {
 mod tests {
     use super::*;
     use crate::view::axes::yaw_pitch_from_direction;
+
+    #[test]
+    fn a_decimal_comma_is_refused_and_a_comma_at_the_end_is_not() {
+        let head = "t_s,yaw_deg,pitch_deg\n";
+        let error = Trace::parse(&format!("{head}0,1,2\n0,5,1,5,2,0\n")).unwrap_err();
+        assert!(error.to_string().starts_with("line 3: 6 cells"), "{error}");
+        assert!(Trace::parse(&format!("{head}0,1,2,\n")).is_ok());
+    }
 
     #[test]
     fn columns_may_come_in_any_order_and_others_are_ignored() {
