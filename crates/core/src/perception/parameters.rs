@@ -46,9 +46,6 @@ pub struct Parameters {
     /// Importance of every pixel besides acuity, in cycles per degree: Chen et al. 2022, section 4.
     /// `paper` model only.
     pub pedestal: f64,
-    /// Speed of the gaze above which it is in a saccade, degrees per second: Chen et al. 2022,
-    /// section 3.1.
-    pub saccade_deg_per_s: f64,
     /// How long after a saccade changes stay hard to see, in ms: suppression lasts at least 100 ms
     /// (Knoell et al. 2011, Albert et al. 2017). `default` model only.
     pub landed_ms: f64,
@@ -80,7 +77,6 @@ impl Default for Parameters {
             lambda_suppressed: -3.0,
             omega: 10.0,
             pedestal: 2.0,
-            saccade_deg_per_s: 180.0,
             landed_ms: 100.0,
             saccade_field_deg: 40.0,
             peak: 100.0,
@@ -143,12 +139,11 @@ impl Range {
     }
 }
 
-const NAMES: [(&str, Range); 13] = [
+const NAMES: [(&str, Range); 12] = [
     ("lambda", Range::NotNegative),
     ("lambda_suppressed", Range::NotPositive),
     ("omega", Range::Positive),
     ("pedestal", Range::NotNegative),
-    ("saccade_deg_per_s", Range::Positive),
     ("landed_ms", Range::NotNegative),
     ("saccade_field_deg", Range::Field),
     ("peak", Range::Positive),
@@ -209,7 +204,6 @@ impl Parameters {
             "lambda_suppressed" => &mut self.lambda_suppressed,
             "omega" => &mut self.omega,
             "pedestal" => &mut self.pedestal,
-            "saccade_deg_per_s" => &mut self.saccade_deg_per_s,
             "landed_ms" => &mut self.landed_ms,
             "saccade_field_deg" => &mut self.saccade_field_deg,
             "peak" => &mut self.peak,

@@ -512,6 +512,19 @@ mod tests {
     }
 
     #[test]
+    fn nothing_is_bought_that_the_display_is_said_not_to_show() {
+        let finest = |display_cpd| {
+            let mut config = config(Policy::Perceptual);
+            config.perception.set("display_cpd", display_cpd).unwrap();
+            let mut refiner = Refiner::new(grid(), config);
+            let levels = refiner.refine(&Busy, 0, &moment(0.0), None).levels;
+            *levels.levels().iter().min().unwrap()
+        };
+        assert_eq!(finest(0.0), 0);
+        assert!(finest(0.5) > 0);
+    }
+
+    #[test]
     fn the_published_model_also_chooses() {
         let paper = PolicyConfig {
             perception: Parameters::of(Model::Paper),

@@ -204,12 +204,13 @@ impl Worth {
 
     fn looked_at(&self, place: &Place, eccentricity: Radians, display: Cpd) -> Looked {
         let parameters = &self.config.perception;
+        let most = parameters.display_limit();
         Looked {
             ppd: place.ppd,
             area_deg2: place.area_deg2,
             octaves_raised: parameters.octaves_raised(eccentricity),
             acuity: parameters.acuity_model().best_acuity(eccentricity),
-            display,
+            display: if most < display { most } else { display },
         }
     }
 

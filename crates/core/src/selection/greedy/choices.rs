@@ -102,13 +102,6 @@ impl<'a> Choices<'a> {
         }
     }
 
-    /// Bytes of the budget that are left after the steps handed out so far, and where the last was
-    /// one of several that come together, after all of these.
-    #[must_use]
-    pub fn bytes_left(&self) -> u64 {
-        self.progress.left
-    }
-
     /// Makes sure that no unit outside the heap is denser than the best inside.
     fn open_bands(&mut self) {
         while !self.frontier.is_exhausted() {
