@@ -6,6 +6,7 @@ mod demo;
 mod gaze;
 mod gaze_command;
 mod info;
+mod kept_pack;
 mod link;
 mod options;
 mod output;

@@ -37,8 +37,8 @@ pub(crate) struct Player {
     chooser: Chooser,
     config: PolicyConfig,
     tables: Tables,
-    /// Judges how much of what the eye could see was shown.
-    judge: Worth,
+    /// Judges how much of what the eye could see was shown, where somebody asks.
+    judge: Option<Worth>,
     budget: Option<Budget>,
     shown_until: Seconds,
     pool: DecodePool,
@@ -85,6 +85,8 @@ pub(crate) struct PlayerOptions {
     pub(crate) bytes_per_s: f64,
     /// Show a frame when its time is over, complete or not.
     pub(crate) paced: bool,
+    /// Judge every frame; takes some milliseconds each.
+    pub(crate) judged: bool,
     /// Decoding threads.
     pub(crate) jobs: usize,
 }
@@ -98,11 +100,13 @@ pub(crate) struct FrameReport {
     /// How far from there it was expected, in degrees.
     pub(crate) gaze_error_deg: f64,
     /// Share of the detail that this eye could see that was shown; `None` where the pack does not
-    /// tell what its units add.
+    /// tell what its units add, or nobody asked.
     pub(crate) detail_share: Option<f64>,
     pub(crate) view: EyeView,
     /// Tiles decoded and shown, coarsest first.
     pub(crate) tiles: Vec<Tile>,
+    /// Tiles that were chosen and are not shown: late, or damaged.
+    pub(crate) missing: Vec<Tile>,
     /// Tiles shown of each level, finest first.
     pub(crate) histogram: Vec<u32>,
     /// Pixels of the tiles that were asked for, the whole coarsest level included.
@@ -113,6 +117,8 @@ pub(crate) struct FrameReport {
     pub(crate) decoded_pixels: u64,
     /// Bytes of units that were needed for the first time.
     pub(crate) new_bytes: u64,
+    /// Choosing them.
+    pub(crate) choose: Duration,
     /// From asking for the tiles until the last was there.
     pub(crate) decode: Duration,
     /// Making them resident.
@@ -144,7 +150,7 @@ impl Player {
         let budget = spends.then(|| Budget::new(options.bytes_per_s));
         Ok(Self {
             chooser: Chooser::new(grid, options.config.clone()),
-            judge: Worth::judge(&grid),
+            judge: options.judged.then(|| Worth::judge(&grid)),
             budget,
             shown_until: Seconds(0.0),
             tables,
@@ -197,8 +203,15 @@ impl Player {
         source: &mut GazeSource,
     ) -> anyhow::Result<FrameReport> {
         let look = source.look(self.time(frame));
+        self.show(frame, &look)
+    }
+
+    /// The same for a viewer who is known; shown at the time of the gaze.
+    pub(crate) fn show(&mut self, frame: u32, look: &Look) -> anyhow::Result<FrameReport> {
         let (gaze, view) = (look.gaze, self.turned(look.head));
-        let (given, selection) = self.choose(frame, &look);
+        let begun = Instant::now();
+        let (given, selection) = self.choose(frame, look);
+        let choose = begun.elapsed();
         let detail_share = self.detail_share(frame, &gaze, view, &selection.levels);
         let wanted = self.with_coarsest(&selection);
         let begun = Instant::now();
@@ -219,6 +232,11 @@ impl Player {
             .as_ref()
             .map_or(0, |before| selection.levels.changes_from(before));
         let session = SessionFrame::new(frame, &given, &self.grid, &selection);
+        let shown: HashSet<Tile> = tiles.iter().copied().collect();
+        let missing: Vec<Tile> = wanted
+            .into_iter()
+            .filter(|tile| !shown.contains(tile))
+            .collect();
         self.before = Some(selection.levels);
         Ok(FrameReport {
             session,
@@ -228,12 +246,14 @@ impl Player {
             detail_share,
             view,
             histogram: histogram(&self.grid, &tiles),
-            late: decode > period || tiles.len() < wanted.len(),
+            late: decode > period || !missing.is_empty(),
+            missing,
             tiles,
             pixels,
             share: pixels as f64 / self.grid.surface.pixels() as f64,
             decoded_pixels,
             new_bytes,
+            choose,
             decode,
             upload,
             wrong_frame_tiles: self.canvas.wrong_frame_tiles(),
@@ -251,7 +271,7 @@ impl Player {
             view: Some(self.turned(look.head_expected)),
             state: perception.eye_state(expected.event, expected.since_saccade),
         };
-        let until = Seconds(self.time(frame).0 + self.period(frame).as_secs_f64());
+        let until = Seconds(look.gaze.time.0 + self.period(frame).as_secs_f64());
         let passed = Seconds(until.0 - self.shown_until.0);
         self.shown_until = until;
         let budget = self.budget.as_mut().map(|budget| budget.after(passed));
@@ -277,13 +297,14 @@ impl Player {
         view: EyeView,
         shown: &LevelMap,
     ) -> Option<f64> {
+        let judge = self.judge.as_ref()?;
         let content = self.tables.content(&self.file)?;
         let moment = Moment {
             gaze: *gaze,
             view: Some(view),
             state: EyeState::Steady,
         };
-        let gains = self.judge.gains(&self.grid, &content, frame, &moment);
+        let gains = judge.gains(&self.grid, &content, frame, &moment);
         Some(gains.share(&self.grid, shown))
     }
 

@@ -166,6 +166,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             screen: args.view.screen,
             drawing: Drawing::open(args.renderer)?,
             paced: args.paced,
+            judged: true,
             bytes_per_s: args.watching.link().bytes_per_s,
             jobs: output::jobs(args.jobs)?,
         },

@@ -60,6 +60,12 @@ impl GroupDecoder {
         })
     }
 
+    /// Width and height of its pictures in pixels.
+    #[must_use]
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
     /// Forgets the pictures so far; the next access unit must be a key frame.
     pub fn restart(&mut self) {
         if let Some(decoder) = &mut self.decoder {

@@ -2,16 +2,18 @@
 //!
 //! Every tile that is followed keeps a decoder of its own. Asked for a frame in the middle of a
 //! group, the decoder starts at the group's key frame and catches up without showing; whoever
-//! shows pictures keeps a coarser level on screen meanwhile. The frame number of a picture is what
-//! came out of the decoder, so that tiles of different frames are never mixed unnoticed.
+//! shows pictures keeps a coarser level on screen meanwhile. The coarsest level, which every frame
+//! needs wherever the gaze is, has a worker of its own that runs ahead. The frame number of a
+//! picture is what came out of the decoder, so that tiles of different frames are never mixed
+//! unnoticed.
 
 use crate::decode::GroupDecoder;
+use crate::decode_streams::{Stream, Streams};
 use crate::error::MediaError;
 use crate::pack_file::{PackFile, PackFileError};
 use foveal_core::asset::pack::split_chunk;
 use foveal_core::asset::picture::Picture;
 use foveal_core::asset::tile_grid::Tile;
-use foveal_core::asset::unit::UnitId;
 use std::collections::{HashMap, VecDeque};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -19,8 +21,8 @@ use std::thread::JoinHandle;
 use std::time::Instant;
 use thiserror::Error;
 
-/// Most decoders that are kept open: a 16K sphere at its finest level has 1536 tiles.
-const MOST_DECODERS: usize = 4096;
+/// Frames that the coarsest level is decoded ahead.
+const AHEAD: u32 = 2;
 
 /// Why a tile has no picture.
 #[derive(Debug, Error)]
@@ -52,8 +54,8 @@ pub struct DecodedTile {
 
 /// Threads that decode tiles of one pack.
 ///
-/// Bounded: a tile is queued once however often it is asked for, and at most 4096 decoders stay
-/// open (about 0.5 MB each at 256 px).
+/// Bounded: a tile is queued once however often it is asked for, and twice as many decoders stay
+/// open as one frame needs (about 0.5 MB each at 256 px).
 #[derive(Debug)]
 pub struct DecodePool {
     shared: Arc<Shared>,
@@ -67,51 +69,71 @@ struct Shared {
     pack: Arc<PackFile>,
     state: Mutex<State>,
     wake: Condvar,
+    wake_coarsest: Condvar,
 }
 
 #[derive(Debug, Default)]
 struct State {
     queue: VecDeque<(Tile, u32)>,
-    streams: HashMap<Tile, Stream>,
-    uses: u64,
+    coarsest: Coarsest,
+    streams: Streams,
     stop: bool,
 }
 
-/// A decoder that follows one tile.
-struct Stream {
-    decoder: GroupDecoder,
-    chunk: Vec<u8>,
-    unit: UnitId,
-    /// The frame that comes out next.
-    next: u32,
-    used: u64,
+/// What the worker of the coarsest level has to do.
+#[derive(Debug, Default)]
+struct Coarsest {
+    queue: VecDeque<(Tile, u32)>,
+    /// To be decoded before anybody asks.
+    ahead: VecDeque<(Tile, u32)>,
+    /// Decoded already.
+    ready: HashMap<(Tile, u32), DecodedTile>,
 }
 
-impl std::fmt::Debug for Stream {
-    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            out,
-            "Stream {{ unit: {}, next: {} }}",
-            self.unit.0, self.next
-        )
+impl Coarsest {
+    /// The next tile to decode, and whether somebody waits for it.
+    fn next(&mut self) -> Option<(Tile, u32, bool)> {
+        let asked = self
+            .queue
+            .pop_front()
+            .map(|(tile, frame)| (tile, frame, true));
+        asked.or_else(|| {
+            self.ahead
+                .pop_front()
+                .map(|(tile, frame)| (tile, frame, false))
+        })
+    }
+
+    /// Plans the frames that follow one that was asked for, and forgets all others of this tile.
+    fn look_ahead(&mut self, tile: Tile, frame: u32, frames: u32) {
+        let next = |step: u32| (frame + step) % frames;
+        let follows = |other: u32| (1..=AHEAD).any(|step| next(step) == other);
+        self.ready
+            .retain(|(of, other), _| *of != tile || follows(*other));
+        self.ahead.retain(|(of, _)| *of != tile);
+        let planned = (1..=AHEAD).map(|step| (tile, next(step)));
+        self.ahead
+            .extend(planned.filter(|place| !self.ready.contains_key(place)));
     }
 }
 
 impl DecodePool {
-    /// A pool of `workers` threads (at least one) on a pack.
+    /// A pool of `workers` threads (at least one) on a pack, and one more for its coarsest level.
     #[must_use]
     pub fn new(pack: Arc<PackFile>, workers: usize) -> Self {
         let shared = Arc::new(Shared {
             pack,
             state: Mutex::default(),
             wake: Condvar::new(),
+            wake_coarsest: Condvar::new(),
         });
         let (send, results) = channel();
-        let workers = (0..workers.max(1))
-            .map(|_| {
-                let (shared, send) = (Arc::clone(&shared), send.clone());
-                std::thread::spawn(move || shared.work(&send))
-            })
+        let start = |work: fn(&Shared, &Sender<DecodedTile>)| {
+            let (shared, send) = (Arc::clone(&shared), send.clone());
+            std::thread::spawn(move || work(&shared, &send))
+        };
+        let workers = std::iter::once(start(Shared::work_on_coarsest))
+            .chain((0..workers.max(1)).map(|_| start(Shared::work)))
             .collect();
         Self {
             shared,
@@ -123,21 +145,29 @@ impl DecodePool {
 
     /// Asks for a tile at a frame, after all that was asked for before.
     pub fn request(&mut self, tile: Tile, frame: u32) {
+        let is_coarsest = tile.level == self.shared.pack.pack().grid().coarsest();
         let mut state = self.shared.lock();
-        if state.queue.contains(&(tile, frame)) {
+        let (queue, wake) = if is_coarsest {
+            (&mut state.coarsest.queue, &self.shared.wake_coarsest)
+        } else {
+            (&mut state.queue, &self.shared.wake)
+        };
+        if queue.contains(&(tile, frame)) {
             return;
         }
-        state.queue.push_back((tile, frame));
+        queue.push_back((tile, frame));
+        state.streams.asked(frame);
         drop(state);
         self.waiting += 1;
-        self.shared.wake.notify_one();
+        wake.notify_one();
     }
 
     /// Takes back what no worker has begun.
     pub fn cancel(&mut self) {
         let mut state = self.shared.lock();
-        self.waiting -= state.queue.len();
+        self.waiting -= state.queue.len() + state.coarsest.queue.len();
         state.queue.clear();
+        state.coarsest.queue.clear();
     }
 
     /// The next finished tile; `None` when nothing is under way, or nothing was finished by
@@ -167,6 +197,7 @@ impl Drop for DecodePool {
         self.cancel();
         self.shared.lock().stop = true;
         self.shared.wake.notify_all();
+        self.shared.wake_coarsest.notify_all();
         for worker in self.workers.drain(..) {
             // A worker that panicked has already said so.
             let _ = worker.join();
@@ -180,42 +211,56 @@ impl Shared {
     }
 
     fn work(&self, results: &Sender<DecodedTile>) {
-        while let Some((tile, frame, stream)) = self.next_job() {
-            let mut decoded = 0;
-            // A lost answer would leave whoever waits for it waiting for ever.
-            let answer = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-                self.follow(tile, frame, stream, &mut decoded)
-            }));
-            let picture = answer.unwrap_or(Err(TileError::Panicked));
-            if results
-                .send(DecodedTile {
-                    tile,
-                    frame,
-                    picture,
-                    decoded,
-                })
-                .is_err()
-            {
+        while let Some((tile, frame)) = self.wait(&self.wake, |state| state.queue.pop_front()) {
+            if results.send(self.decode(tile, frame)).is_err() {
                 return;
             }
         }
     }
 
-    /// The next tile to decode, with the decoder that follows it if there is one; `None` to stop.
-    fn next_job(&self) -> Option<(Tile, u32, Option<Stream>)> {
+    fn work_on_coarsest(&self, results: &Sender<DecodedTile>) {
+        let next = |state: &mut State| state.coarsest.next();
+        while let Some((tile, frame, asked)) = self.wait(&self.wake_coarsest, next) {
+            let ready = self.lock().coarsest.ready.remove(&(tile, frame));
+            let done = ready.unwrap_or_else(|| self.decode(tile, frame));
+            if !asked {
+                let ready = &mut self.lock().coarsest.ready;
+                ready.insert((tile, frame), done);
+            } else if results.send(done).is_err() {
+                return;
+            } else {
+                let frames = self.pack.pack().description().frames;
+                self.lock().coarsest.look_ahead(tile, frame, frames);
+            }
+        }
+    }
+
+    /// The next job, once there is one; `None` to stop.
+    fn wait<T>(&self, wake: &Condvar, next: impl Fn(&mut State) -> Option<T>) -> Option<T> {
         let mut state = self.lock();
         loop {
             if state.stop {
                 return None;
             }
-            if let Some((tile, frame)) = state.queue.pop_front() {
-                let stream = state.streams.remove(&tile);
-                return Some((tile, frame, stream));
+            if let Some(job) = next(&mut state) {
+                return Some(job);
             }
-            state = self
-                .wake
-                .wait(state)
-                .unwrap_or_else(PoisonError::into_inner);
+            state = wake.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn decode(&self, tile: Tile, frame: u32) -> DecodedTile {
+        let mut decoded = 0;
+        // A lost answer would leave whoever waits for it waiting for ever.
+        let answer = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            self.follow(tile, frame, &mut decoded)
+        }));
+        let picture = answer.unwrap_or(Err(TileError::Panicked));
+        DecodedTile {
+            tile,
+            frame,
+            picture,
+            decoded,
         }
     }
 
@@ -224,21 +269,12 @@ impl Shared {
         &self,
         tile: Tile,
         frame: u32,
-        stream: Option<Stream>,
         decoded: &mut u32,
     ) -> Result<(Picture, i64), TileError> {
+        let stream = self.lock().streams.take(tile);
         let mut stream = self.stream_at(tile, frame, stream)?;
         let picture = self.catch_up(&mut stream, frame, decoded)?;
-        let mut state = self.lock();
-        state.uses += 1;
-        stream.used = state.uses;
-        state.streams.insert(tile, stream);
-        if state.streams.len() > MOST_DECODERS {
-            let oldest = state.streams.iter().min_by_key(|(_, stream)| stream.used);
-            if let Some(oldest) = oldest.map(|(tile, _)| *tile) {
-                state.streams.remove(&oldest);
-            }
-        }
+        self.lock().streams.put(tile, stream);
         Ok(picture)
     }
 
@@ -251,32 +287,32 @@ impl Shared {
     ) -> Result<Stream, TileError> {
         let pack = self.pack.pack();
         let unit = pack.unit(tile, frame);
-        let begin = pack.frames_of(unit).start;
-        match stream {
-            Some(stream) if stream.unit == unit && stream.next <= frame => Ok(stream),
-            Some(mut stream) => {
-                if stream.unit != unit {
-                    stream.chunk = self.pack.read_chunk(unit)?;
-                }
-                stream.decoder.restart();
-                Ok(Stream {
-                    unit,
-                    next: begin,
-                    ..stream
-                })
-            }
-            None => {
-                let size = pack.grid().tile_size(tile);
-                let decoder = GroupDecoder::new(pack.description().codec, size)?;
-                let chunk = self.pack.read_chunk(unit)?;
-                Ok(Stream {
-                    decoder,
-                    chunk,
-                    unit,
-                    next: begin,
-                    used: 0,
-                })
-            }
+        let (mut decoder, chunk) = match stream {
+            Some(stream) if stream.unit == unit && stream.next <= frame => return Ok(stream),
+            Some(stream) if stream.unit == unit => (stream.decoder, Some(stream.chunk)),
+            Some(stream) => (stream.decoder, None),
+            None => (self.decoder_of(pack.grid().tile_size(tile))?, None),
+        };
+        decoder.restart();
+        Ok(Stream {
+            decoder,
+            chunk: match chunk {
+                Some(chunk) => chunk,
+                None => self.pack.read_chunk(unit)?,
+            },
+            unit,
+            next: pack.frames_of(unit).start,
+        })
+    }
+
+    fn decoder_of(&self, size: [u32; 2]) -> Result<GroupDecoder, TileError> {
+        let spare = self.lock().streams.spare(size);
+        match spare {
+            Some(decoder) => Ok(decoder),
+            None => Ok(GroupDecoder::new(
+                self.pack.pack().description().codec,
+                size,
+            )?),
         }
     }
 

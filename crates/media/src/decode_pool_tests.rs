@@ -3,7 +3,7 @@
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::split_chunk;
 use foveal_core::asset::picture::Picture;
-use foveal_core::asset::tile_grid::Tile;
+use foveal_core::asset::tile_grid::{Cut, Tile};
 use std::collections::HashMap;
 use std::fs::OpenOptions;
 use std::io::{Seek, SeekFrom, Write};
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use crate::decode_pool::{DecodePool, DecodedTile};
 use crate::pack_file::PackFile;
-use crate::prepare::ProjectionChoice;
+use crate::prepare::{PrepareSettings, ProjectionChoice};
 use crate::scenes::{Scratch, group, prepared, settings, write_clip};
 use crate::{ClipCodec, GroupDecoder};
 
@@ -104,7 +104,12 @@ fn asked_within_a_group_exactly_the_frames_from_its_key_are_decoded() {
     let path = flat_pack(Codec::Vp9);
     let file = open(&path);
     let groups = file.pack().description().groups.clone();
+    let coarsest = file.pack().grid().coarsest();
     for tile in all_tiles(&file) {
+        // Decoded ahead, so that how much of it was waited for is a matter of time.
+        if tile.level == coarsest {
+            continue;
+        }
         let length = groups[usize::from(tile.level)];
         let since_key = |frame: u32| frame % length + 1;
         let mut pool = DecodePool::new(Arc::clone(&file), 2);
@@ -118,6 +123,43 @@ fn asked_within_a_group_exactly_the_frames_from_its_key_are_decoded() {
         assert_eq!(decoded(35), since_key(35), "another group");
         assert_eq!(decoded(36), 1);
         assert_eq!(decoded(0), 1);
+    }
+}
+
+#[test]
+fn no_picture_of_the_coarsest_level_is_decoded_twice_when_frames_follow_each_other() {
+    let path = flat_pack(Codec::Vp9);
+    let file = open(&path);
+    let tile = file.pack().grid().tile_at(file.pack().grid().coarsest(), 0);
+    let mut pool = DecodePool::new(Arc::clone(&file), 1);
+    // Two turns: the clip loops.
+    let frames = (0..2 * FRAMES).map(|frame| frame % FRAMES);
+    let decoded: u32 = frames
+        .map(|frame| one(&mut pool, tile, frame).decoded)
+        .sum();
+    assert_eq!(decoded, 2 * FRAMES);
+}
+
+#[test]
+fn decoders_are_handed_on_when_the_gaze_moves_and_pictures_stay_right() {
+    let clip = write_clip("mkv", ClipCodec::Ffv1, &group([1600, 64], 4, 3));
+    let cut = PrepareSettings {
+        cut: Some(Cut::Tile(16)),
+        ..settings(ProjectionChoice::Flat, Codec::Vp9)
+    };
+    let path = prepared(&clip, &cut);
+    let file = open(&path);
+    let expected = decoded_in_order(&file);
+    let mut pool = DecodePool::new(Arc::clone(&file), 2);
+    // Far more tiles than decoders stay open, some at a time.
+    let tiles: Vec<Tile> = file.pack().grid().tiles_of(0).collect();
+    for (at, few) in tiles.chunks(20).enumerate() {
+        let frame = at as u32 % 4;
+        few.iter().for_each(|tile| pool.request(*tile, frame));
+        while let Some(done) = pool.receive(None) {
+            let (picture, _) = done.picture.unwrap();
+            assert!(picture == expected[&(done.tile, done.frame)]);
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod numbered;
 mod objects;
+mod pan;
 mod text;
 mod texture;
 mod world;
@@ -17,6 +18,7 @@ use crate::parallel::in_parallel;
 use foveal_core::asset::picture::Picture;
 use foveal_core::view::surface::CUBE_FACES;
 pub use numbered::{numbered_tiles, read_number};
+pub use pan::Pan;
 use std::f32::consts::{PI, TAU};
 use world::{Ray, Rgb, World};
 

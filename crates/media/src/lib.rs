@@ -4,6 +4,7 @@ mod convert;
 mod cut_short;
 pub mod decode;
 pub mod decode_pool;
+mod decode_streams;
 mod deliver;
 pub mod encode;
 pub mod error;

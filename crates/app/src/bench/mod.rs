@@ -2,6 +2,7 @@
 
 mod gpu;
 mod perception;
+mod video;
 
 use clap::{Args, Subcommand};
 
@@ -9,6 +10,8 @@ use clap::{Args, Subcommand};
 pub(crate) enum Bench {
     /// Weighing the steps of a decision: 1920x1080, five levels, against Fourier transforms.
     Perception(BenchArgs),
+    /// Playing a pack foveated, against `viewport`, `full` and the original file.
+    Video(video::VideoArgs),
 }
 
 #[derive(Clone, Debug, Args)]
@@ -24,5 +27,6 @@ pub(crate) struct BenchArgs {
 pub(crate) fn run(command: &Bench) -> anyhow::Result<()> {
     match command {
         Bench::Perception(args) => perception::run(args),
+        Bench::Video(args) => video::run(args),
     }
 }

@@ -1,16 +1,16 @@
 //! What does the demo play, and what of it is left from an earlier run?
 
 use super::FRAMES;
+use crate::kept_pack::{kept, plan_of, write_pack};
 use crate::output::{self, Counting};
 use anyhow::{Context, bail};
 use foveal_core::asset::codec::Codec;
-use foveal_core::asset::pack::Description;
 use foveal_core::asset::picture::{Colour, Matrix};
 use foveal_media::encode::Speed;
 use foveal_media::generate::{FRAMES_PER_SECOND, Scene};
 use foveal_media::pack_file::PackFile;
-use foveal_media::prepare::{Plan, PrepareSettings, Progress, ProjectionChoice, prepare};
-use foveal_media::{ClipCodec, ClipFormat, ClipWriter, VideoInput};
+use foveal_media::prepare::{Plan, PrepareSettings, ProjectionChoice};
+use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -117,7 +117,7 @@ impl Content {
     pub(super) fn prepare(&self, out: &Path) -> anyhow::Result<Prepared> {
         let pack = out.join(format!("{}.foveal", self.name));
         let begun = Instant::now();
-        let kept = self.kept(&pack);
+        let kept = kept(&self.source, &pack, &settings()?);
         let plan = match (&kept, &self.scene) {
             (Some(plan), _) => {
                 output::say(&format!("{}: already prepared, used again", pack.display()));
@@ -128,7 +128,9 @@ impl Content {
                     write_scene(scene, *size, &self.source)?;
                 }
                 let plan = self.plan()?;
-                self.write_pack(&plan, &pack)?;
+                let most = u64::from(FRAMES);
+                let length = plan.frames.map(|frames| frames.min(most));
+                write_pack(&self.source, &pack, &plan, length)?;
                 plan
             }
         };
@@ -148,52 +150,22 @@ impl Content {
     }
 
     fn plan(&self) -> anyhow::Result<Plan> {
-        let info = VideoInput::open(&self.source)?.info().clone();
-        let settings = PrepareSettings {
-            projection: ProjectionChoice::Auto,
-            cut: None,
-            levels: None,
-            ratio: 2,
-            codec: Codec::Vp9,
-            quality: None,
-            speed: Speed::Default,
-            jobs: output::jobs(None)?,
-            most_frames: Some(FRAMES),
-        };
-        Ok(Plan::new(&self.source, &info, &settings)?)
+        plan_of(&self.source, &settings()?)
     }
+}
 
-    /// The plan of the pack that is there, when it would be prepared the same way again: source of
-    /// the same name, size and bytes and not newer, program of the same version.
-    fn kept(&self, pack: &Path) -> Option<Plan> {
-        let changed = |path: &Path| path.metadata().and_then(|about| about.modified()).ok();
-        if changed(&self.source)? > changed(pack)? {
-            return None;
-        }
-        let (plan, file) = (self.plan().ok()?, PackFile::open(pack).ok()?);
-        let found = file.pack().description();
-        let expected = Description {
-            frames: found.frames,
-            tables: found.tables.clone(),
-            ..plan.description.clone()
-        };
-        (*found == expected).then_some(plan)
-    }
-
-    fn write_pack(&self, plan: &Plan, pack: &Path) -> anyhow::Result<()> {
-        output::say(&format!("{}: is being prepared", self.source.display()));
-        for note in &plan.notes {
-            output::say(&format!("{}: {note}", self.source.display()));
-        }
-        let most = u64::from(FRAMES);
-        let length = plan.frames.map(|frames| frames.min(most));
-        let bar = output::bar(length, Counting::Frames);
-        let mut note = |progress: Progress| bar.set_position(u64::from(progress.frames));
-        let prepared = prepare(&self.source, pack, plan, &mut note);
-        bar.finish_and_clear();
-        prepared?;
-        Ok(())
-    }
+fn settings() -> anyhow::Result<PrepareSettings> {
+    Ok(PrepareSettings {
+        projection: ProjectionChoice::Auto,
+        cut: None,
+        levels: None,
+        ratio: 2,
+        codec: Codec::Vp9,
+        quality: None,
+        speed: Speed::Default,
+        jobs: output::jobs(None)?,
+        most_frames: Some(FRAMES),
+    })
 }
 
 /// Draws a scene into a video file; where that fails or is stopped, none is left under that name.

@@ -117,6 +117,7 @@ impl<'a> Stage<'a> {
             screen: view.screen,
             drawing: self.conditions.drawing.clone(),
             paced: false,
+            judged: false,
             bytes_per_s: f64::INFINITY,
             jobs: output::jobs(None)?,
         };

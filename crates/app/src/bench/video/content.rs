@@ -1,0 +1,166 @@
+//! What is played when no pack is given, and where is it kept?
+//!
+//! A clip of 64 frames is drawn, coded as H.264 as a camera would, and prepared like anybody's
+//! video. Both files stay in the cache for the next run.
+
+use crate::kept_pack::{kept, plan_of, write_pack};
+use crate::output::{self, Counting};
+use anyhow::{Context, bail};
+use clap::ValueEnum;
+use foveal_core::asset::codec::Codec;
+use foveal_core::asset::picture::{Colour, Matrix, Picture};
+use foveal_core::view::surface::Screen;
+use foveal_media::encode::Speed;
+use foveal_media::generate::{FRAMES_PER_SECOND, Pan, Scene};
+use foveal_media::prepare::{PrepareSettings, ProjectionChoice};
+use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
+use std::path::{Path, PathBuf};
+
+/// Frames of a generated clip.
+const FRAMES: u32 = 64;
+/// Quantiser of the original: visually lossless.
+const ORIGINAL_QUALITY: u8 = 18;
+/// Changes when a clip is drawn differently, so that a kept one is not used.
+const DRAWN: u32 = 1;
+/// Colour of generated scenes.
+const SCENE_COLOUR: Colour = Colour {
+    matrix: Matrix::Bt709,
+    full_range: false,
+    chroma_left: false,
+};
+
+/// A clip by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Generated {
+    /// A sphere of 16384x8192 pixels.
+    #[value(name = "panorama-16k")]
+    Panorama16k,
+    /// A flat picture of 7680x4320 pixels, 100° across.
+    #[value(name = "wide-8k")]
+    Wide8k,
+    /// A flat picture of 15360x8640 pixels, 100° across.
+    #[value(name = "wide-16k")]
+    Wide16k,
+}
+
+/// A screen that a 16:9 picture fills 100° of (half of it is 1.1918 at unit distance).
+pub(super) const WALL: Screen = Screen {
+    diagonal_inches: 2.0 * 1.1918 * 1.147_35 / 0.0254,
+    distance_m: 1.0,
+};
+
+/// A pack and what it was made from.
+pub(super) struct Content {
+    pub(super) pack: PathBuf,
+    pub(super) original: Option<PathBuf>,
+}
+
+impl Generated {
+    fn size(self) -> [u32; 2] {
+        match self {
+            Self::Panorama16k => [16384, 8192],
+            Self::Wide8k => [7680, 4320],
+            Self::Wide16k => [15360, 8640],
+        }
+    }
+
+    fn is_sphere(self) -> bool {
+        self == Self::Panorama16k
+    }
+
+    /// The clip and its pack under `cache`, made where they are not there.
+    pub(super) fn prepare(self, cache: &Path) -> anyhow::Result<Content> {
+        std::fs::create_dir_all(cache)
+            .with_context(|| format!("{}: the folder cannot be made", cache.display()))?;
+        let name = self.to_possible_value();
+        let name = name.as_ref().map_or("clip", |value| value.get_name());
+        let original = cache.join(format!("{name}-{DRAWN}.mkv"));
+        let pack = cache.join(format!("{name}-{DRAWN}.foveal"));
+        if !original.is_file() {
+            output::say(&format!("{}: is being drawn", original.display()));
+            self.draw(&original)?;
+        }
+        let settings = self.settings()?;
+        if kept(&original, &pack, &settings).is_none() {
+            let plan = plan_of(&original, &settings)?;
+            write_pack(&original, &pack, &plan, Some(u64::from(FRAMES)))?;
+        }
+        let original = Some(original);
+        Ok(Content { pack, original })
+    }
+
+    fn settings(self) -> anyhow::Result<PrepareSettings> {
+        Ok(PrepareSettings {
+            projection: if self.is_sphere() {
+                ProjectionChoice::Equirect
+            } else {
+                ProjectionChoice::Flat
+            },
+            cut: None,
+            levels: None,
+            ratio: 2,
+            codec: Codec::Vp9,
+            quality: None,
+            speed: Speed::Default,
+            jobs: output::jobs(None)?,
+            most_frames: None,
+        })
+    }
+
+    /// Draws one picture and pans over it: every pixel moves, and nothing is drawn twice.
+    fn pan(self) -> Pan {
+        let [width, height] = self.size();
+        if self.is_sphere() {
+            Pan::around(Scene::panorama([width, height]).frame(0))
+        } else {
+            let margin = Pan::margin(FRAMES);
+            Pan::over(Scene::wide([width + margin, height]).frame(0), width)
+        }
+    }
+
+    /// Where drawing fails or is stopped, nothing is left under the clip's name.
+    fn draw(self, path: &Path) -> anyhow::Result<()> {
+        let partial = path.with_extension("partial.mkv");
+        let format = ClipFormat {
+            codec: ClipCodec::H264(ORIGINAL_QUALITY),
+            size: self.size(),
+            frame_rate: [FRAMES_PER_SECOND as i32, 1],
+            colour: SCENE_COLOUR,
+        };
+        let pan = self.pan();
+        write_clip(&partial, &format, |number| pan.frame(number))?;
+        std::fs::rename(&partial, path)
+            .with_context(|| format!("{}: cannot be given its name", partial.display()))
+    }
+}
+
+fn write_clip(
+    path: &Path,
+    format: &ClipFormat,
+    frame: impl Fn(u32) -> Picture,
+) -> anyhow::Result<()> {
+    let bar = output::bar(Some(u64::from(FRAMES)), Counting::Frames);
+    let mut clip = ClipWriter::create(path, format)?;
+    for number in 0..FRAMES {
+        clip.push(&frame(number))?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(clip.finish()?)
+}
+
+/// The folder for what can be made again: by the user's choice, else where the system keeps such.
+pub(super) fn cache(asked: Option<&Path>) -> anyhow::Result<PathBuf> {
+    if let Some(asked) = asked {
+        return Ok(asked.to_owned());
+    }
+    let of = |name| std::env::var_os(name).filter(|value| !value.is_empty());
+    let base = of("XDG_CACHE_HOME")
+        .or_else(|| of("LOCALAPPDATA"))
+        .map(PathBuf::from)
+        .or_else(|| of("HOME").map(|home| Path::new(&home).join(".cache")));
+    match base {
+        Some(base) => Ok(base.join("foveal")),
+        None => bail!("no folder for caches is known here; give --cache DIR"),
+    }
+}

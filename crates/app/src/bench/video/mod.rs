@@ -1,0 +1,359 @@
+//! How fast does foveated video play, against playing it whole?
+//!
+//! One pack, one pool of decoders, one gaze: `acuity`, `viewport` and `full` take turns in one run,
+//! with the original file's own decoder beside them.
+
+mod content;
+mod eye;
+mod turn;
+
+use crate::canvas::{Drawing, RendererName};
+use crate::demo::machine::Machine;
+use crate::output::{self, WrongUsage, out_of_range};
+use crate::player::{Player, PlayerOptions};
+use anyhow::bail;
+use clap::Args;
+use content::{Content, Generated, WALL, cache};
+use eye::Eye;
+use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::units::Radians;
+use foveal_core::view::axes::Axes;
+use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::surface::{Projection, Surface};
+use foveal_media::VideoInput;
+use foveal_media::pack_file::PackFile;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+use turn::Run;
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct VideoArgs {
+    /// The pack to play.
+    #[arg(required_unless_present = "generate", conflicts_with = "generate")]
+    pack: Option<PathBuf>,
+    /// Play a drawn clip instead, made on first use and kept.
+    #[arg(long, value_enum)]
+    generate: Option<Generated>,
+    /// The file that the pack was made from, to be decoded beside it.
+    #[arg(long, value_name = "FILE", requires = "pack")]
+    original: Option<PathBuf>,
+    /// Where drawn clips are kept (default: the user's folder for caches).
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Foveated frames to play; 10 to 100000.
+    #[arg(long, value_name = "N", default_value_t = 600)]
+    frames: u32,
+    /// What draws the pictures.
+    #[arg(long, value_enum, default_value = "gpu")]
+    renderer: RendererName,
+    /// Decoding threads (default: all cores).
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Seed of the gaze.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Turns that every policy takes.
+const TURNS: u32 = 10;
+/// Of a turn's foveated frames, those that `viewport` and `full` play too: they are slower.
+const SHARE_OF_VIEWPORT: u32 = 10;
+const SHARE_OF_FULL: u32 = 20;
+/// Frames of the original that are decoded, at most.
+const ORIGINAL_FRAMES: u32 = 24;
+/// What 360° content is seen with: a headset of 22 pixels a degree.
+const HEADSET_PIXELS: u32 = 2200;
+const HEADSET_FIELD_DEG: f64 = 100.0;
+/// Pixels across that are drawn of flat content.
+const DRAWN_WIDTH: u32 = 1920;
+
+/// Frames a second: the median of all turns, the slowest and the fastest.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Rate {
+    median: f64,
+    range: [f64; 2],
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    machine: Machine,
+    pack: String,
+    size: [u32; 2],
+    frames: u32,
+    turns: u32,
+    jobs: usize,
+    /// Choosing and decoding, frames a second.
+    foveated_fps: f64,
+    viewport_fps: f64,
+    full_fps: f64,
+    original_fps: Option<f64>,
+    /// `foveated_fps` over the others.
+    ratio: f64,
+    ratio_viewport: f64,
+    ratio_original: Option<f64>,
+    foveated: Rates,
+    viewport: Rates,
+    full: Rates,
+    /// Foveated frames whose tiles were not there within the media's frame.
+    late_frames: u32,
+    frames_to_fovea_p95: u32,
+    pixels_share_mean: f64,
+    gpu_bytes: u64,
+    /// Of the whole finest level as 8-bit 4:2:0.
+    gpu_share: f64,
+}
+
+/// What one policy reached.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Rates {
+    decode_fps: Rate,
+    /// Choosing, decoding, uploading and drawing.
+    end_to_end_fps: Rate,
+}
+
+pub(super) fn run(args: &VideoArgs) -> anyhow::Result<()> {
+    if !(10..=100_000).contains(&args.frames) {
+        bail!(out_of_range("--frames", args.frames, "10 to 100000"));
+    }
+    let drawing = Drawing::open(args.renderer)?;
+    let content = args.content()?;
+    let bench = Bench {
+        file: Arc::new(PackFile::open(&content.pack)?),
+        drawing: &drawing,
+        is_wall: args.generate.is_some(),
+        jobs: output::jobs(args.jobs)?,
+        seed: args.seed,
+    };
+    let original = content.original.as_deref().map(original_fps).transpose()?;
+    let [foveated, viewport, full] = bench.play(args.frames)?;
+    let report = bench.report(args.frames, original, foveated, viewport, full);
+    output::result(args.json, &report, &report.text())
+}
+
+impl VideoArgs {
+    fn content(&self) -> anyhow::Result<Content> {
+        match (&self.pack, self.generate) {
+            (Some(pack), _) => Ok(Content {
+                pack: pack.clone(),
+                original: self.original.clone(),
+            }),
+            (None, Some(generated)) => generated.prepare(&cache(self.cache.as_deref())?),
+            (None, None) => bail!(WrongUsage("give a PACK or --generate".to_owned())),
+        }
+    }
+}
+
+/// What all runs share.
+struct Bench<'a> {
+    file: Arc<PackFile>,
+    drawing: &'a Drawing,
+    is_wall: bool,
+    jobs: usize,
+    seed: u64,
+}
+
+impl Bench<'_> {
+    fn surface(&self) -> Surface {
+        let about = self.file.pack().description();
+        let screen = if self.is_wall {
+            WALL
+        } else {
+            Default::default()
+        };
+        about.grid(screen).surface
+    }
+
+    /// What levels are chosen for: a headset, or a screen that shows every pixel of the content.
+    fn display(&self, surface: &Surface) -> EyeView {
+        match surface.projection {
+            Projection::Flat => EyeView::filling(surface, surface.size),
+            Projection::Cube => {
+                let size = [HEADSET_PIXELS; 2];
+                EyeView {
+                    axes: Axes::FRONT,
+                    field: Field::across(Radians::from_degrees(HEADSET_FIELD_DEG), size),
+                    size,
+                }
+            }
+        }
+    }
+
+    fn run(&self, policy: Policy) -> anyhow::Result<Run> {
+        let surface = self.surface();
+        let display = self.display(&surface);
+        let options = PlayerOptions {
+            config: PolicyConfig::new(policy),
+            view: display,
+            screen: if self.is_wall {
+                WALL
+            } else {
+                Default::default()
+            },
+            drawing: self.drawing.clone(),
+            bytes_per_s: f64::INFINITY,
+            // Nobody sees the baselines, which must decode whatever they take.
+            paced: policy == Policy::Acuity,
+            judged: false,
+            jobs: self.jobs,
+        };
+        let player = Player::new(Arc::clone(&self.file), options)?;
+        let [w, h] = display.size;
+        let width = w.min(DRAWN_WIDTH);
+        let drawn = EyeView {
+            size: [
+                width,
+                (u64::from(h) * u64::from(width) / u64::from(w)).max(1) as u32,
+            ],
+            ..display
+        };
+        let frames = self.file.pack().description().frames;
+        Ok(Run::new(
+            player,
+            Eye::new(surface, self.seed),
+            drawn,
+            frames,
+        ))
+    }
+
+    /// All policies take turns, so that other work on the machine touches all alike.
+    fn play(&self, frames: u32) -> anyhow::Result<[Run; 3]> {
+        let mut runs = [
+            self.run(Policy::Acuity)?,
+            self.run(Policy::Viewport)?,
+            self.run(Policy::Full)?,
+        ];
+        let turn = frames.div_ceil(TURNS);
+        let shares = [1, SHARE_OF_VIEWPORT, SHARE_OF_FULL];
+        let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
+        for _ in 0..TURNS {
+            for (run, share) in runs.iter_mut().zip(shares) {
+                run.turn(turn.div_ceil(share))?;
+            }
+            bar.inc(u64::from(turn));
+        }
+        bar.finish_and_clear();
+        Ok(runs)
+    }
+
+    fn report(
+        &self,
+        frames: u32,
+        original_fps: Option<f64>,
+        mut foveated: Run,
+        viewport: Run,
+        full: Run,
+    ) -> Report {
+        let gpu_bytes = foveated.gpu_bytes();
+        foveated.to_fovea.sort_unstable();
+        let p95 = (foveated.to_fovea.len() * 95).div_ceil(100).max(1) - 1;
+        let surface = self.surface();
+        let ratio_to = |other: &Run| {
+            let pairs = foveated.decoding.iter().zip(&other.decoding);
+            Rate::of(&pairs.map(|(a, b)| a / b).collect::<Vec<f64>>()).median
+        };
+        let fps = |run: &Run| Rate::of(&run.decoding).median;
+        Report {
+            machine: Machine::here(self.drawing.name().to_owned()),
+            pack: self.file.path().display().to_string(),
+            size: self.file.pack().description().source.size,
+            frames: frames.div_ceil(TURNS) * TURNS,
+            turns: TURNS,
+            jobs: self.jobs,
+            foveated_fps: fps(&foveated),
+            viewport_fps: fps(&viewport),
+            full_fps: fps(&full),
+            original_fps,
+            ratio: ratio_to(&full),
+            ratio_viewport: ratio_to(&viewport),
+            ratio_original: original_fps.map(|original| fps(&foveated) / original),
+            late_frames: foveated.late,
+            frames_to_fovea_p95: foveated.to_fovea.get(p95).copied().unwrap_or_default(),
+            pixels_share_mean: foveated.shares.iter().sum::<f64>() / foveated.shares.len() as f64,
+            gpu_bytes,
+            gpu_share: gpu_bytes as f64 / (surface.pixels() as f64 * 1.5),
+            foveated: Rates::of(&foveated),
+            viewport: Rates::of(&viewport),
+            full: Rates::of(&full),
+        }
+    }
+}
+
+/// Frames a second that the original file's own decoder gives, on all cores.
+fn original_fps(path: &Path) -> anyhow::Result<f64> {
+    let mut video = VideoInput::open(path)?;
+    let begun = Instant::now();
+    let mut frames = 0;
+    while frames < ORIGINAL_FRAMES && video.next_frame()?.is_some() {
+        frames += 1;
+    }
+    Ok(f64::from(frames) / begun.elapsed().as_secs_f64())
+}
+
+impl Rate {
+    fn of(rates: &[f64]) -> Self {
+        let mut sorted = rates.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let at = |place: usize| sorted.get(place).copied().unwrap_or_default();
+        Self {
+            median: at(sorted.len() / 2),
+            range: [at(0), at(sorted.len().saturating_sub(1))],
+        }
+    }
+}
+
+impl Rates {
+    fn of(run: &Run) -> Self {
+        Self {
+            decode_fps: Rate::of(&run.decoding),
+            end_to_end_fps: Rate::of(&run.end_to_end),
+        }
+    }
+}
+
+impl Report {
+    fn text(&self) -> String {
+        let mut text = self.machine.text();
+        let [w, h] = self.size;
+        text += &format!(
+            "\n{}, from {w}x{h}; {} decoding threads, medians of {} turns (slowest to fastest):\n",
+            self.pack, self.jobs, self.turns
+        );
+        let rows = [
+            ("foveated", self.foveated),
+            ("viewport", self.viewport),
+            ("full", self.full),
+        ];
+        for (name, rates) in rows {
+            let of = |rate: Rate| {
+                let [slowest, fastest] = rate.range;
+                format!("{:.1} ({slowest:.1} to {fastest:.1})", rate.median)
+            };
+            text += &format!(
+                "{name}: {} frames/s decoded, {} drawn\n",
+                of(rates.decode_fps),
+                of(rates.end_to_end_fps)
+            );
+        }
+        if let (Some(fps), Some(ratio)) = (self.original_fps, self.ratio_original) {
+            text +=
+                &format!("original file: {fps:.1} frames/s, foveated is {ratio:.1} times that\n");
+        }
+        text + &format!(
+            "foveated is {:.1} times full and {:.1} times viewport; {:.2} % of the pixels\n\
+             {} late frames, fovea sharp {} frame(s) after a saccade (95th percentile), \
+             {:.2} MB on the GPU ({:.2} % of the whole)",
+            self.ratio,
+            self.ratio_viewport,
+            self.pixels_share_mean * 100.0,
+            self.late_frames,
+            self.frames_to_fovea_p95,
+            self.gpu_bytes as f64 / 1e6,
+            self.gpu_share * 100.0
+        )
+    }
+}
