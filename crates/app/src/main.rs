@@ -3,6 +3,7 @@
 mod bench;
 mod canvas;
 mod demo;
+mod evaluate;
 mod gaze;
 mod gaze_command;
 mod info;
@@ -19,6 +20,7 @@ mod prepare;
 mod replay;
 mod select;
 mod simulate;
+mod timed_run;
 mod verify;
 
 use clap::{Parser, Subcommand};
@@ -53,6 +55,9 @@ enum Command {
     /// What a part of Foveal costs on this machine.
     #[command(subcommand)]
     Bench(bench::Bench),
+    /// Compare ways to prepare and to play a video.
+    #[command(subcommand)]
+    Evaluate(evaluate::Evaluate),
     /// Make the selection of a logged session again and compare.
     Replay(replay::ReplayArgs),
     /// Judge, fit, classify and record gaze.
@@ -77,6 +82,7 @@ fn main() -> ExitCode {
         Command::Demo(args) => demo::run(&args),
         Command::Perception(command) => perception_command::run(&command),
         Command::Bench(command) => bench::run(&command),
+        Command::Evaluate(command) => evaluate::run(&command),
         Command::Replay(args) => replay::run(&args),
         Command::Gaze(command) => gaze_command::run(&command),
     };

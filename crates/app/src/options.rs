@@ -247,13 +247,14 @@ pub(crate) struct CutOptions {
 }
 
 impl CutOptions {
+    /// The cut that was asked for.
+    pub(crate) fn asked(&self) -> Option<Cut> {
+        self.grid.map(Cut::Grid).or(self.tile.map(Cut::Tile))
+    }
+
     /// The cut that was asked for, or the default for content on a surface.
     pub(crate) fn cut(&self, surface: &Surface) -> Cut {
-        match (self.grid, self.tile) {
-            (Some(grid), _) => Cut::Grid(grid),
-            (None, Some(tile)) => Cut::Tile(tile),
-            (None, None) => Cut::pyramid_for(surface),
-        }
+        self.asked().unwrap_or(Cut::pyramid_for(surface))
     }
 }
 

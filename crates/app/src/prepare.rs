@@ -6,7 +6,6 @@ use crate::output::{self, WrongUsage, out_of_range};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use foveal_core::asset::codec::Codec;
-use foveal_core::asset::tile_grid::Cut;
 use foveal_media::VideoInput;
 use foveal_media::encode::Speed;
 use foveal_media::pack_file::{PackFile, partial_path};
@@ -133,10 +132,7 @@ impl PrepareVideoArgs {
                 ProjectionName::Equirect => ProjectionChoice::Equirect,
                 ProjectionName::HalfEquirect => ProjectionChoice::HalfEquirect,
             },
-            cut: match (self.cut.grid, self.cut.tile) {
-                (Some(grid), _) => Some(Cut::Grid(grid)),
-                (None, tile) => tile.map(Cut::Tile),
-            },
+            cut: self.cut.asked(),
             levels: self.cut.levels,
             ratio: self.cut.level_ratio,
             codec: match self.codec {

@@ -7,6 +7,7 @@
 
 mod bridge;
 mod damage;
+mod experiments;
 mod fovea;
 mod full;
 mod gaze_events;

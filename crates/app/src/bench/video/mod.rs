@@ -4,29 +4,22 @@
 //! with the original file's own decoder beside them.
 
 mod content;
-mod eye;
-mod turn;
 
 use crate::canvas::{Drawing, RendererName};
 use crate::demo::machine::Machine;
 use crate::output::{self, WrongUsage, out_of_range};
-use crate::player::{Player, PlayerOptions};
+use crate::timed_run::{Conditions, Run};
 use anyhow::bail;
 use clap::Args;
 use content::{Content, Generated, WALL, cache};
-use eye::Eye;
 use foveal_core::selection::policy::{Policy, PolicyConfig};
-use foveal_core::units::Radians;
-use foveal_core::view::axes::Axes;
-use foveal_core::view::eye_view::{EyeView, Field};
-use foveal_core::view::surface::{Projection, Surface};
+use foveal_core::view::surface::Screen;
 use foveal_media::VideoInput;
 use foveal_media::pack_file::PackFile;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
-use turn::Run;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct VideoArgs {
@@ -66,11 +59,6 @@ const SHARE_OF_VIEWPORT: u32 = 10;
 const SHARE_OF_FULL: u32 = 20;
 /// Frames of the original that are decoded, at most.
 const ORIGINAL_FRAMES: u32 = 24;
-/// What 360° content is seen with: a headset of 22 pixels a degree.
-const HEADSET_PIXELS: u32 = 2200;
-const HEADSET_FIELD_DEG: f64 = 100.0;
-/// Pixels across that are drawn of flat content.
-const DRAWN_WIDTH: u32 = 1920;
 
 /// Frames a second: the median of all turns, the slowest and the fastest.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -123,11 +111,13 @@ pub(super) fn run(args: &VideoArgs) -> anyhow::Result<()> {
     let drawing = Drawing::open(args.renderer)?;
     let content = args.content()?;
     let bench = Bench {
-        file: Arc::new(PackFile::open(&content.pack)?),
-        drawing: &drawing,
-        is_wall: args.generate.is_some(),
-        jobs: output::jobs(args.jobs)?,
-        seed: args.seed,
+        conditions: Conditions {
+            file: Arc::new(PackFile::open(&content.pack)?),
+            drawing: &drawing,
+            screen: args.generate.map_or_else(Screen::default, |_| WALL),
+            jobs: output::jobs(args.jobs)?,
+            seed: args.seed,
+        },
     };
     let original = content.original.as_deref().map(original_fps).transpose()?;
     let [foveated, viewport, full] = bench.play(args.frames)?;
@@ -148,76 +138,16 @@ impl VideoArgs {
     }
 }
 
-/// What all runs share.
+/// What is compared.
 struct Bench<'a> {
-    file: Arc<PackFile>,
-    drawing: &'a Drawing,
-    is_wall: bool,
-    jobs: usize,
-    seed: u64,
+    conditions: Conditions<'a>,
 }
 
 impl Bench<'_> {
-    fn surface(&self) -> Surface {
-        let about = self.file.pack().description();
-        let screen = if self.is_wall {
-            WALL
-        } else {
-            Default::default()
-        };
-        about.grid(screen).surface
-    }
-
-    /// What levels are chosen for: a headset, or a screen that shows every pixel of the content.
-    fn display(&self, surface: &Surface) -> EyeView {
-        match surface.projection {
-            Projection::Flat => EyeView::filling(surface, surface.size),
-            Projection::Cube => {
-                let size = [HEADSET_PIXELS; 2];
-                EyeView {
-                    axes: Axes::FRONT,
-                    field: Field::across(Radians::from_degrees(HEADSET_FIELD_DEG), size),
-                    size,
-                }
-            }
-        }
-    }
-
     fn run(&self, policy: Policy) -> anyhow::Result<Run> {
-        let surface = self.surface();
-        let display = self.display(&surface);
-        let options = PlayerOptions {
-            config: PolicyConfig::new(policy),
-            view: display,
-            screen: if self.is_wall {
-                WALL
-            } else {
-                Default::default()
-            },
-            drawing: self.drawing.clone(),
-            bytes_per_s: f64::INFINITY,
-            // Nobody sees the baselines, which must decode whatever they take.
-            paced: policy == Policy::Acuity,
-            judged: false,
-            jobs: self.jobs,
-        };
-        let player = Player::new(Arc::clone(&self.file), options)?;
-        let [w, h] = display.size;
-        let width = w.min(DRAWN_WIDTH);
-        let drawn = EyeView {
-            size: [
-                width,
-                (u64::from(h) * u64::from(width) / u64::from(w)).max(1) as u32,
-            ],
-            ..display
-        };
-        let frames = self.file.pack().description().frames;
-        Ok(Run::new(
-            player,
-            Eye::new(surface, self.seed),
-            drawn,
-            frames,
-        ))
+        // Nobody sees the baselines, which must decode whatever they take.
+        let paced = policy == Policy::Acuity;
+        self.conditions.run(PolicyConfig::new(policy), paced)
     }
 
     /// All policies take turns, so that other work on the machine touches all alike.
@@ -251,19 +181,21 @@ impl Bench<'_> {
         let gpu_bytes = foveated.gpu_bytes();
         foveated.to_fovea.sort_unstable();
         let p95 = (foveated.to_fovea.len() * 95).div_ceil(100).max(1) - 1;
-        let surface = self.surface();
+        let conditions = &self.conditions;
+        let about = conditions.file.pack().description();
+        let pixels = about.grid(conditions.screen).surface.pixels();
         let ratio_to = |other: &Run| {
             let pairs = foveated.decoding.iter().zip(&other.decoding);
             Rate::of(&pairs.map(|(a, b)| a / b).collect::<Vec<f64>>()).median
         };
         let fps = |run: &Run| Rate::of(&run.decoding).median;
         Report {
-            machine: Machine::here(self.drawing.name().to_owned()),
-            pack: self.file.path().display().to_string(),
-            size: self.file.pack().description().source.size,
+            machine: Machine::here(conditions.drawing.name().to_owned()),
+            pack: conditions.file.path().display().to_string(),
+            size: about.source.size,
             frames: frames.div_ceil(TURNS) * TURNS,
             turns: TURNS,
-            jobs: self.jobs,
+            jobs: conditions.jobs,
             foveated_fps: fps(&foveated),
             viewport_fps: fps(&viewport),
             full_fps: fps(&full),
@@ -273,9 +205,9 @@ impl Bench<'_> {
             ratio_original: original_fps.map(|original| fps(&foveated) / original),
             late_frames: foveated.late,
             frames_to_fovea_p95: foveated.to_fovea.get(p95).copied().unwrap_or_default(),
-            pixels_share_mean: foveated.shares.iter().sum::<f64>() / foveated.shares.len() as f64,
+            pixels_share_mean: foveated.share(),
             gpu_bytes,
-            gpu_share: gpu_bytes as f64 / (surface.pixels() as f64 * 1.5),
+            gpu_share: gpu_bytes as f64 / (pixels as f64 * 1.5),
             foveated: Rates::of(&foveated),
             viewport: Rates::of(&viewport),
             full: Rates::of(&full),

@@ -17,30 +17,35 @@ const FOVEA_DEG: f64 = 2.5;
 const RIM: u32 = 12;
 
 /// A player, its viewer, and what its frames took.
-pub(super) struct Run {
+pub(crate) struct Run {
     player: Player,
     eye: Eye,
     /// What the picture is drawn for, which may be smaller than what levels are chosen for.
     drawn: EyeView,
     frames_of_pack: u32,
     next: u32,
-    pub(super) decoding: Vec<f64>,
-    pub(super) end_to_end: Vec<f64>,
-    pub(super) shares: Vec<f64>,
-    pub(super) late: u32,
+    /// Of every frame, the seconds of choosing and decoding, and whether the eye had just jumped.
+    pub(crate) frames: Vec<(f64, bool)>,
+    /// Of every turn, frames a second.
+    pub(crate) decoding: Vec<f64>,
+    pub(crate) end_to_end: Vec<f64>,
+    pub(crate) shares: Vec<f64>,
+    /// Frames whose tiles were not there within the media's frame.
+    pub(crate) late: u32,
     /// Of every saccade, the frames until the fovea showed its level.
-    pub(super) to_fovea: Vec<u32>,
+    pub(crate) to_fovea: Vec<u32>,
     waiting: Option<u32>,
 }
 
 impl Run {
-    pub(super) fn new(player: Player, eye: Eye, drawn: EyeView, frames_of_pack: u32) -> Self {
+    pub(crate) fn new(player: Player, eye: Eye, drawn: EyeView, frames_of_pack: u32) -> Self {
         Self {
             player,
             eye,
             drawn,
             frames_of_pack,
             next: 0,
+            frames: Vec::new(),
             decoding: Vec::new(),
             end_to_end: Vec::new(),
             shares: Vec::new(),
@@ -52,14 +57,14 @@ impl Run {
 
     /// Plays `frames` more, draws some of them, and notes the frames a second of choosing and
     /// decoding, and of all that a picture takes.
-    pub(super) fn turn(&mut self, frames: u32) -> anyhow::Result<()> {
-        let (mut decoding, mut playing, mut drawing) = (0.0, 0.0, 0.0);
+    pub(crate) fn turn(&mut self, frames: u32) -> anyhow::Result<()> {
+        let first = self.frames.len();
+        let (mut playing, mut drawing) = (0.0, 0.0);
         let every = frames.div_ceil(DRAWN_OF_TURN);
         for number in 0..frames {
             let begun = Instant::now();
             let report = self.frame()?;
             playing += begun.elapsed().as_secs_f64();
-            decoding += (report.choose + report.decode).as_secs_f64();
             if number.is_multiple_of(every) {
                 drawing += self.draw(&report)?.as_secs_f64();
             }
@@ -67,6 +72,10 @@ impl Run {
         }
         let drawn = frames.div_ceil(every);
         let frame = playing / f64::from(frames) + drawing / f64::from(drawn);
+        let decoding: f64 = self.frames[first..]
+            .iter()
+            .map(|(seconds, _)| seconds)
+            .sum();
         self.decoding.push(f64::from(frames) / decoding);
         self.end_to_end.push(1.0 / frame);
         Ok(())
@@ -93,9 +102,12 @@ impl Run {
     }
 
     fn note(&mut self, report: &FrameReport) {
+        let jumped = (self.next - 1).is_multiple_of(DWELL);
+        self.frames
+            .push(((report.choose + report.decode).as_secs_f64(), jumped));
         self.shares.push(report.share);
         self.late += u32::from(report.late);
-        if (self.next - 1).is_multiple_of(DWELL) {
+        if jumped {
             // A jump that never arrived took at least as long as it lasted.
             self.to_fovea.extend(self.waiting);
             self.waiting = Some(0);
@@ -109,7 +121,12 @@ impl Run {
         }
     }
 
-    pub(super) fn gpu_bytes(&mut self) -> u64 {
+    /// Mean share of the pixels.
+    pub(crate) fn share(&self) -> f64 {
+        self.shares.iter().sum::<f64>() / self.shares.len().max(1) as f64
+    }
+
+    pub(crate) fn gpu_bytes(&mut self) -> u64 {
         self.player.canvas.gpu_bytes()
     }
 }

@@ -1,4 +1,4 @@
-//! Where does the eye of the benchmark look?
+//! Where does the eye of a measurement look?
 //!
 //! It jumps every ninth frame to anywhere on the content: harder than any viewer, as every jump
 //! leaves all that was decoded near the gaze.
@@ -13,12 +13,12 @@ use foveal_core::view::surface::{Projection, Surface};
 use glam::DVec3;
 
 /// Frames from one saccade to the next: 300 ms of media of 30 frames a second.
-pub(super) const DWELL: u32 = 9;
+pub(crate) const DWELL: u32 = 9;
 /// What a good tracker is unsure of, in degrees.
 const SPREAD_DEG: f64 = 0.5;
 
 /// An eye that jumps, and the head that follows it on 360° content.
-pub(super) struct Eye {
+pub(crate) struct Eye {
     surface: Surface,
     random: Random,
     head: FollowingHead,
@@ -27,7 +27,7 @@ pub(super) struct Eye {
 }
 
 impl Eye {
-    pub(super) fn new(surface: Surface, seed: u64) -> Self {
+    pub(crate) fn new(surface: Surface, seed: u64) -> Self {
         Self {
             surface,
             random: Random::new(seed),
@@ -38,7 +38,7 @@ impl Eye {
     }
 
     /// The viewer of the next frame, which is shown at `time`.
-    pub(super) fn next(&mut self, time: Seconds) -> Look {
+    pub(crate) fn next(&mut self, time: Seconds) -> Look {
         if self.frames.is_multiple_of(DWELL) {
             self.at = self.anywhere();
         }

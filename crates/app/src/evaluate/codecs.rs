@@ -1,0 +1,161 @@
+//! Which codec suits a video, and what does each cost?
+//!
+//! Kastner 2016, figures 5.4 to 5.6 and tables 5.1 and 5.2, for any input.
+
+use super::trial::{Trial, TrialOptions};
+use crate::demo::machine::Machine;
+use crate::options::CutOptions;
+use crate::output;
+use anyhow::{Context, anyhow};
+use clap::Args;
+use foveal_core::asset::codec::Codec;
+use foveal_media::encode::Speed;
+use foveal_media::prepare::{PrepareSettings, ProjectionChoice};
+use serde::Serialize;
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct CodecsArgs {
+    #[command(flatten)]
+    trial: TrialOptions,
+    #[command(flatten)]
+    cut: CutOptions,
+    /// Codecs to compare.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = parse_coding)]
+    #[arg(default_value = "vp9,jpeg,png")]
+    codecs: Vec<Coding>,
+}
+
+/// A codec under a name.
+#[derive(Clone, Debug)]
+struct Coding {
+    name: String,
+    codec: Codec,
+    quality: Option<u8>,
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    machine: Machine,
+    input: String,
+    input_bytes: u64,
+    frames: u32,
+    codecs: Vec<Row>,
+}
+
+#[derive(Debug, Serialize)]
+struct Row {
+    codec: String,
+    /// Bytes of the pack over those of as many frames of the input.
+    storage_ratio: f64,
+    #[serde(flatten)]
+    trial: Trial,
+}
+
+pub(super) fn run(args: &CodecsArgs) -> anyhow::Result<()> {
+    let jobs = args.trial.jobs()?;
+    let input = &args.trial.input;
+    let input_bytes = std::fs::metadata(input)
+        .with_context(|| format!("{}: cannot be read", input.display()))?
+        .len();
+    let scratch = args.trial.scratch()?;
+    let mut rows = Vec::new();
+    for coding in &args.codecs {
+        output::say(&format!("{}: {}", input.display(), coding.name));
+        let settings = args.settings(coding, jobs);
+        let trial = args.trial.trial(&settings, &scratch)?;
+        let share = args.share_of_input()?;
+        rows.push(Row {
+            codec: coding.name.clone(),
+            storage_ratio: trial.bytes as f64 / (input_bytes as f64 * share),
+            trial,
+        });
+    }
+    let report = Report {
+        machine: Machine::here("nothing".to_owned()),
+        input: input.display().to_string(),
+        input_bytes,
+        frames: args.trial.frames,
+        codecs: rows,
+    };
+    output::result(args.trial.json, &report, &report.text())
+}
+
+impl CodecsArgs {
+    fn settings(&self, coding: &Coding, jobs: usize) -> PrepareSettings {
+        PrepareSettings {
+            projection: ProjectionChoice::Auto,
+            cut: self.cut.asked(),
+            levels: self.cut.levels,
+            ratio: self.cut.level_ratio,
+            codec: coding.codec,
+            quality: coding.quality,
+            speed: Speed::Default,
+            jobs,
+            most_frames: Some(self.trial.frames),
+        }
+    }
+
+    /// How much of the input its prepared frames are, as far as it tells how many there are.
+    fn share_of_input(&self) -> anyhow::Result<f64> {
+        let info = foveal_media::VideoInput::open(&self.trial.input)?;
+        let all = info.info().frames.unwrap_or(0);
+        let prepared = u64::from(self.trial.frames);
+        Ok(if all > prepared {
+            prepared as f64 / all as f64
+        } else {
+            1.0
+        })
+    }
+}
+
+fn parse_coding(name: &str) -> anyhow::Result<Coding> {
+    let (codec, quality) = match name {
+        "vp9" => (Codec::Vp9, None),
+        "jpeg" => (Codec::Jpeg, None),
+        "png" => (Codec::Png, None),
+        _ => return Err(anyhow!("expected vp9, jpeg or png")),
+    };
+    Ok(Coding {
+        name: name.to_owned(),
+        codec,
+        quality,
+    })
+}
+
+impl Report {
+    fn text(&self) -> String {
+        let mut text = format!(
+            "{}\n{}, {} frames\n\n{:<8} {:>9} {:>8} {:>10} {:>8} {:>8} {:>8} {:>8}  bytes a level\n",
+            self.machine.text(),
+            self.input,
+            self.frames,
+            "codec",
+            "prepare s",
+            "MPix/s",
+            "MB",
+            "fps",
+            "saccade",
+            "full",
+            "coarsest",
+        );
+        for Row { codec, trial, .. } in &self.codecs {
+            let levels: Vec<String> = trial
+                .bytes_per_level
+                .iter()
+                .map(|bytes| format!("{:.2} MB", *bytes as f64 / 1e6))
+                .collect();
+            text += &format!(
+                "{codec:<8} {:>9.1} {:>8.1} {:>10.2} {:>8.1} {:>8.1} {:>8.1} {:>8.0}  {}\n",
+                trial.prepare_s,
+                trial.prepare_mpix_per_s,
+                trial.bytes as f64 / 1e6,
+                trial.fps_median,
+                trial.fps_saccade_p5,
+                trial.fps_full,
+                trial.fps_coarsest,
+                levels.join(" / "),
+            );
+        }
+        text
+    }
+}

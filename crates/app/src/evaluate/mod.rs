@@ -1,0 +1,22 @@
+//! Which experiment compares ways to prepare and to play a video?
+
+mod codecs;
+mod grid_sweep;
+mod trial;
+
+use clap::Subcommand;
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Evaluate {
+    /// A video under several codecs: time and bytes to prepare, speed to play.
+    Codecs(codecs::CodecsArgs),
+    /// A video cut into grids of 2x2 to 16x16 with 2 to 6 levels: pixels, speed, late frames.
+    GridSweep(grid_sweep::GridSweepArgs),
+}
+
+pub(crate) fn run(command: &Evaluate) -> anyhow::Result<()> {
+    match command {
+        Evaluate::Codecs(args) => codecs::run(args),
+        Evaluate::GridSweep(args) => grid_sweep::run(args),
+    }
+}

@@ -1,0 +1,133 @@
+//! Do the benchmark of video and the experiments measure what they say?
+
+use crate::scenes::write_clip;
+use crate::support::{Folder, assert_keys, done, json, refused};
+use foveal_media::generate::Scene;
+use serde_json::Value;
+
+/// A generated clip.
+fn wide_clip(folder: &Folder, size: [u32; 2], frames: u64) -> String {
+    let scene = Scene::wide(size);
+    let pictures: Vec<_> = (0..frames).map(|number| scene.frame(number)).collect();
+    write_clip(folder, "clip.mkv", &pictures)
+}
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key]
+        .as_f64()
+        .unwrap_or_else(|| panic!("no {key} in {value}"))
+}
+
+#[test]
+fn a_pack_is_timed_foveated_against_viewport_full_and_its_original() {
+    let folder = Folder::new();
+    let clip = wide_clip(&folder, [640, 360], 12);
+    let pack = folder.name("clip.foveal");
+    done(&[
+        "prepare",
+        "video",
+        &clip,
+        "--projection",
+        "flat",
+        "--out",
+        &pack,
+    ]);
+    let report = json(&[
+        "bench",
+        "video",
+        &pack,
+        "--original",
+        &clip,
+        "--frames",
+        "30",
+    ]);
+    for key in [
+        "foveated_fps",
+        "viewport_fps",
+        "full_fps",
+        "original_fps",
+        "ratio",
+    ] {
+        assert!(number(&report, key) > 0.0, "{report}");
+    }
+    assert_keys(&report, &["ratio_viewport", "late_frames", "machine"]);
+    assert!(number(&report, "frames_to_fovea_p95") >= 1.0);
+    assert!(number(&report, "pixels_share_mean") < 1.0, "{report}");
+    let whole = 640.0 * 360.0 * 1.5;
+    let share = number(&report, "gpu_bytes") / whole;
+    assert!((share - number(&report, "gpu_share")).abs() < 1e-9);
+}
+
+#[test]
+fn a_benchmark_without_content_or_with_too_few_frames_is_refused() {
+    refused(2, &["bench", "video"], &["PACK"]);
+    refused(
+        2,
+        &["bench", "video", "x.foveal", "--frames", "9"],
+        &["--frames", "10 to 100000"],
+    );
+    refused(
+        1,
+        &["bench", "video", "x.foveal", "--renderer", "none"],
+        &["x.foveal"],
+    );
+}
+
+#[test]
+fn codecs_are_compared_by_time_bytes_and_speed() {
+    let folder = Folder::new();
+    let clip = wide_clip(&folder, [320, 180], 8);
+    let options = ["evaluate", "codecs", &clip, "--frames", "8", "--play", "18"];
+    let report = json(&[&options[..], &["--codecs", "vp9,png"]].concat());
+    let rows = report["codecs"].as_array().unwrap();
+    assert_eq!(rows.len(), 2);
+    for row in rows {
+        let levels = row["bytes_per_level"].as_array().unwrap();
+        let levels: Vec<f64> = levels.iter().map(|bytes| bytes.as_f64().unwrap()).collect();
+        assert!(levels.is_sorted_by(|a, b| a > b), "{row}");
+        assert!(levels.iter().sum::<f64>() < number(row, "bytes"));
+        for key in [
+            "fps_median",
+            "fps_saccade_p5",
+            "fps_full",
+            "fps_coarsest",
+            "prepare_s",
+        ] {
+            assert!(number(row, key) > 0.0, "{row}");
+        }
+    }
+    // Lossless takes more.
+    assert!(number(&rows[1], "bytes") > 2.0 * number(&rows[0], "bytes"));
+    assert!(number(&rows[1], "storage_ratio") > number(&rows[0], "storage_ratio"));
+    refused(
+        2,
+        &[&options[..], &["--codecs", "vp7"]].concat(),
+        &["vp7", "vp9"],
+    );
+}
+
+#[test]
+fn small_cells_follow_the_eye_with_fewer_pixels() {
+    let folder = Folder::new();
+    let clip = wide_clip(&folder, [320, 180], 4);
+    let options = [
+        "evaluate",
+        "grid-sweep",
+        &clip,
+        "--frames",
+        "4",
+        "--play",
+        "18",
+    ];
+    let sweep = ["--grids", "2,8,400", "--levels", "3"];
+    let report = json(&[&options[..], &sweep].concat());
+    let cuts = report["cuts"].as_array().unwrap();
+    let shares: Vec<f64> = cuts
+        .iter()
+        .map(|cut| number(cut, "pixels_share_mean"))
+        .collect();
+    assert_eq!(shares.len(), 2, "{report}");
+    assert!(shares[1] < 0.8 * shares[0], "{shares:?}");
+    let impossible = report["impossible"].as_array().unwrap();
+    assert_eq!(impossible[0]["grid"], serde_json::json!([400, 400]));
+}
