@@ -13,7 +13,7 @@ use foveal_media::generate::numbered_tiles;
 use serde_json::Value;
 
 const FRAMES: u32 = 18;
-const CODECS: [&str; 3] = ["vp9", "jpeg", "png"];
+const CODECS: [&str; 7] = ["vp9", "vp8", "h264", "hevc", "av1", "jpeg", "png"];
 
 /// Bursts of three frames a millisecond apart, which a paced run cannot have every tile of in time,
 /// with pauses in which the scan path moves on.
