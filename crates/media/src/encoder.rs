@@ -97,10 +97,15 @@ pub(crate) fn vp9_options(speed: Speed) -> Options {
     let cpu_used = match speed {
         Speed::Fast => 8,
         Speed::Default => 5,
-        Speed::Small => 4,
+        Speed::Small | Speed::Reference => 4,
+    };
+    let deadline = if speed == Speed::Reference {
+        "good"
+    } else {
+        "realtime"
     };
     vec![
-        ("deadline", "realtime".to_owned()),
+        ("deadline", deadline.to_owned()),
         ("cpu-used", cpu_used.to_string()),
         ("lag-in-frames", "0".to_owned()),
         ("auto-alt-ref", "0".to_owned()),
@@ -115,7 +120,7 @@ fn vp8_options(speed: Speed) -> Options {
     let cpu_used = match speed {
         Speed::Fast => -12,
         Speed::Default => -6,
-        Speed::Small => -4,
+        Speed::Small | Speed::Reference => -4,
     };
     vec![
         ("deadline", "realtime".to_owned()),
@@ -129,7 +134,7 @@ fn h264_options(speed: Speed) -> Options {
     let preset = match speed {
         Speed::Fast => "ultrafast",
         Speed::Default => "veryfast",
-        Speed::Small => "medium",
+        Speed::Small | Speed::Reference => "medium",
     };
     vec![
         ("preset", preset.to_owned()),
@@ -146,7 +151,7 @@ fn hevc_options(settings: &EncodeSettings) -> Options {
     let preset = match settings.speed {
         Speed::Fast => "ultrafast",
         Speed::Default => "superfast",
-        Speed::Small => "fast",
+        Speed::Small | Speed::Reference => "fast",
     };
     let parameters = "log-level=none:scenecut=0:open-gop=0:repeat-headers=1:info=0:hrd=0:aud=0:\
                       pools=none:frame-threads=1:wpp=0:ctu=32";
@@ -163,7 +168,7 @@ fn av1_options(speed: Speed) -> Options {
     let cpu_used = match speed {
         Speed::Fast => 10,
         Speed::Default => 8,
-        Speed::Small => 6,
+        Speed::Small | Speed::Reference => 6,
     };
     vec![
         ("usage", "realtime".to_owned()),

@@ -1,7 +1,9 @@
 //! What does a part of Foveal cost on this machine?
 
+mod equal_quality;
 mod gpu;
 mod perception;
+mod prepare;
 
 use clap::{Args, Subcommand};
 
@@ -9,6 +11,8 @@ use clap::{Args, Subcommand};
 pub(crate) enum Bench {
     /// Weighing the steps of a decision: 1920x1080, five levels, against Fourier transforms.
     Perception(BenchArgs),
+    /// Preparing video at every speed: source pixels a second, and bytes at equal quality.
+    Prepare(prepare::PrepareBenchArgs),
 }
 
 #[derive(Clone, Debug, Args)]
@@ -24,5 +28,6 @@ pub(crate) struct BenchArgs {
 pub(crate) fn run(command: &Bench) -> anyhow::Result<()> {
     match command {
         Bench::Perception(args) => perception::run(args),
+        Bench::Prepare(args) => prepare::run(args),
     }
 }

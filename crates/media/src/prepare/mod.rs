@@ -9,6 +9,8 @@ mod identity;
 mod notes;
 mod plan;
 mod rates;
+#[cfg(test)]
+mod speed_tests;
 
 pub use plan::{Plan, PrepareSettings, ProjectionChoice, Surround};
 pub use rates::Quality;
