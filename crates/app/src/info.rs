@@ -4,6 +4,7 @@ use crate::output;
 use clap::Args;
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::Description;
+use foveal_core::asset::rate::QualityScale;
 use foveal_core::asset::tile_grid::Cut;
 use foveal_core::view::surface::Projection;
 use foveal_media::pack_file::PackFile;
@@ -40,6 +41,8 @@ pub(crate) struct PackInfo {
     groups: Vec<u32>,
     codec: Codec,
     quality: Vec<u8>,
+    quality_scale: QualityScale,
+    bit_rates: Vec<u32>,
     pub(crate) bytes: u64,
     bytes_per_level: Vec<u64>,
     source: String,
@@ -70,6 +73,8 @@ impl PackInfo {
             groups: about.groups.clone(),
             codec: about.codec,
             quality: about.quality.clone(),
+            quality_scale: about.quality_scale,
+            bit_rates: about.bit_rates.clone(),
             bytes: file.bytes(),
             bytes_per_level: pack.bytes_per_level(),
             source: about.source.name.clone(),
@@ -106,13 +111,21 @@ impl PackInfo {
         for (level, bytes) in self.bytes_per_level.iter().enumerate() {
             let _ = writeln!(
                 text,
-                "level {level}: {:.2} MB, quality {}, groups of {}",
+                "level {level}: {:.2} MB, {}, groups of {}",
                 *bytes as f64 / 1e6,
-                self.quality[level],
+                self.quality_of(level),
                 self.groups[level]
             );
         }
         text
+    }
+
+    fn quality_of(&self, level: usize) -> String {
+        match (self.bit_rates.get(level), self.quality_scale) {
+            (Some(bits), _) => format!("{:.3} Mbit/s a tile", f64::from(*bits) / 1e6),
+            (None, QualityScale::Quantiser) => format!("quality {}", self.quality[level]),
+            (None, QualityScale::Ijg) => format!("quality q{}", self.quality[level]),
+        }
     }
 }
 

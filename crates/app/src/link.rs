@@ -43,7 +43,8 @@ pub(crate) fn parse_link(text: &str) -> anyhow::Result<Link> {
     })
 }
 
-fn parse_rate(text: &str) -> Option<f64> {
+/// Bits per second of `4g`, `40mbit` and the like.
+pub(crate) fn parse_rate(text: &str) -> Option<f64> {
     if let Some((_, rate)) = NAMED.iter().find(|(name, _)| *name == text) {
         return Some(*rate);
     }

@@ -2,6 +2,7 @@
 
 mod bench;
 mod canvas;
+mod codec_options;
 mod demo;
 mod evaluate;
 mod gaze;

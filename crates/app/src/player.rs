@@ -185,6 +185,11 @@ impl Player {
         Seconds(self.times_ns[frame as usize] as f64 / 1e9)
     }
 
+    /// Makes `frame` the first to be played: what is spent counts from there.
+    pub(crate) fn begin_at(&mut self, frame: u32) {
+        self.shown_until = self.time(frame);
+    }
+
     /// The head of this run's session log.
     pub(crate) fn session_head(&self) -> SessionHead {
         let name = self

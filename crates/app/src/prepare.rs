@@ -1,16 +1,16 @@
 //! How does a person turn a video into a pack?
 
+use crate::codec_options::CodecOptions;
 use crate::info::PackInfo;
 use crate::options::CutOptions;
 use crate::output::{self, WrongUsage, out_of_range};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
-use foveal_core::asset::codec::Codec;
 use foveal_media::VideoInput;
 use foveal_media::encode::Speed;
 use foveal_media::pack_file::{PackFile, partial_path};
 use foveal_media::prepare::{
-    Plan, PrepareError, PrepareSettings, Progress, ProjectionChoice, prepare, rehearse,
+    Event, Plan, PrepareError, PrepareSettings, ProjectionChoice, prepare_resumable, rehearse,
 };
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -22,13 +22,6 @@ enum ProjectionName {
     Flat,
     Equirect,
     HalfEquirect,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum CodecName {
-    Vp9,
-    Jpeg,
-    Png,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -43,12 +36,8 @@ pub(crate) struct PrepareVideoArgs {
     projection: ProjectionName,
     #[command(flatten)]
     cut: CutOptions,
-    /// Codec of the tiles.
-    #[arg(long, value_enum, default_value = "vp9")]
-    codec: CodecName,
-    /// Quantiser, lower is finer: vp9 0-63 (default 24), jpeg 1-31 (default 3); png is lossless.
-    #[arg(long, value_name = "Q")]
-    quality: Option<u8>,
+    #[command(flatten)]
+    codec: CodecOptions,
     /// Twice as fast, larger files.
     #[arg(long, conflicts_with = "small")]
     fast: bool,
@@ -61,6 +50,9 @@ pub(crate) struct PrepareVideoArgs {
     /// Stop after this many frames.
     #[arg(long, value_name = "N")]
     frames: Option<u32>,
+    /// Start afresh even if the same preparation was stopped before and could go on.
+    #[arg(long)]
+    no_resume: bool,
     /// Say what it would take in time and disk, and write nothing.
     #[arg(long)]
     dry_run: bool,
@@ -102,9 +94,12 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
         .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
     refuse_to_overwrite_input(&args.input, out)?;
     let bar = output::bar(plan.frames, output::Counting::Frames);
-    let mut note = |progress: Progress| bar.set_position(u64::from(progress.frames));
+    let mut tell = |event: Event| match event {
+        Event::Begins(note) => output::say(&format!("{}: {note}", out.display())),
+        Event::Progress(progress) => bar.set_position(u64::from(progress.frames)),
+    };
     let begun = Instant::now();
-    let prepared = prepare(&args.input, out, &plan, &mut note);
+    let prepared = prepare_resumable(&args.input, out, &plan, !args.no_resume, &mut tell);
     bar.finish_and_clear();
     prepared?;
     let seconds = begun.elapsed().as_secs_f64();
@@ -115,13 +110,6 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
 
 impl PrepareVideoArgs {
     fn settings(&self) -> anyhow::Result<PrepareSettings> {
-        match (self.codec, self.quality) {
-            (CodecName::Vp9, Some(q @ 64..)) => bail!(out_of_range("--quality", q, "0 to 63")),
-            (CodecName::Jpeg, Some(q @ (0 | 32..))) => {
-                bail!(out_of_range("--quality", q, "1 to 31"));
-            }
-            _ => {}
-        }
         if self.frames == Some(0) {
             bail!(out_of_range("--frames", 0, "at least 1"));
         }
@@ -135,12 +123,8 @@ impl PrepareVideoArgs {
             cut: self.cut.asked(),
             levels: self.cut.levels,
             ratio: self.cut.level_ratio,
-            codec: match self.codec {
-                CodecName::Vp9 => Codec::Vp9,
-                CodecName::Jpeg => Codec::Jpeg,
-                CodecName::Png => Codec::Png,
-            },
-            quality: self.quality,
+            codec: self.codec.codec,
+            quality: self.codec.quality()?,
             speed: match (self.fast, self.small) {
                 (true, _) => Speed::Fast,
                 (_, true) => Speed::Small,

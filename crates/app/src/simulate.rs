@@ -20,6 +20,7 @@ use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use foveal_render::{Overlay, RgbaImage};
 use serde::Serialize;
 use std::fmt::Write as _;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -56,6 +57,9 @@ pub(crate) struct SimulateArgs {
     watching: Watching,
     #[command(flatten)]
     view: ViewOptions,
+    /// First frame to play; decoding starts at its group's key frame, without showing.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    start: u32,
     /// Stop after this many frames (default: all).
     #[arg(long, value_name = "N")]
     frames: Option<u32>,
@@ -149,13 +153,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let config = args.config()?;
     let file = Arc::new(PackFile::open(&args.pack)?);
     let about = file.pack().description();
-    let frames = args.frames.unwrap_or(about.frames).min(about.frames);
-    if args.frames.is_some_and(|asked| asked > frames) {
-        output::say(&format!(
-            "{}: has {frames} frames, so {frames} are played",
-            args.pack.display()
-        ));
-    }
+    let frames = args.frames_to_play(about.frames)?;
     let fps = about.frame_rate;
     let surface = about.grid(args.view.screen).surface;
     let mut player = Player::new(
@@ -171,7 +169,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             jobs: output::jobs(args.jobs)?,
         },
     )?;
-    let length = player.time(frames - 1);
+    let length = player.time(frames.end - 1);
     let mut gaze = GazeSource::new(
         &args.gaze,
         &surface,
@@ -193,6 +191,28 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
 }
 
 impl SimulateArgs {
+    /// The frames to play of a pack that has `there`; says so where they are fewer than asked for.
+    fn frames_to_play(&self, there: u32) -> anyhow::Result<Range<u32>> {
+        if self.start >= there {
+            let range = format!("0 to {} in this pack", there - 1);
+            bail!(out_of_range("--start", self.start, &range));
+        }
+        let asked = self.frames.unwrap_or(there - self.start);
+        let frames = self.start..self.start.saturating_add(asked).min(there);
+        if asked as usize > frames.len() {
+            let from = match self.start {
+                0 => String::new(),
+                start => format!(" from frame {start} on"),
+            };
+            output::say(&format!(
+                "{}: has {there} frames, so {}{from} are played",
+                self.pack.display(),
+                frames.len(),
+            ));
+        }
+        Ok(frames)
+    }
+
     /// The policy, once all options have been checked that need no pack.
     fn config(&self) -> anyhow::Result<PolicyConfig> {
         if !(1..=MOST_EVERY).contains(&self.every) {
@@ -220,7 +240,7 @@ impl SimulateArgs {
 fn play(
     player: &mut Player,
     gaze: &mut GazeSource,
-    frames: u32,
+    frames: Range<u32>,
     pictures: &mut PictureSink<'_>,
 ) -> anyhow::Result<Vec<FrameReport>> {
     let stop = gaze.is_live().then(interrupted).transpose()?;
@@ -228,12 +248,14 @@ fn play(
         stop.as_ref()
             .is_some_and(|stop| stop.load(Ordering::Relaxed))
     };
-    let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
+    let bar = output::bar(Some(frames.len() as u64), output::Counting::Frames);
+    let first = player.time(frames.start);
+    player.begin_at(frames.start);
     let mut reports = Vec::new();
     let begun = Instant::now();
-    for frame in 0..frames {
+    for frame in frames {
         if gaze.is_live() {
-            let due = (player.time(frame).0 - player.time(0).0).max(0.0);
+            let due = (player.time(frame).0 - first.0).max(0.0);
             sleep_until(begun + Duration::from_secs_f64(due));
         }
         if stopped() && !reports.is_empty() {
@@ -406,7 +428,9 @@ impl<'a> PictureSink<'a> {
 
     fn frame(&mut self, player: &mut Player, report: &FrameReport) -> anyhow::Result<()> {
         let frame = report.session.frame;
-        if self.args.pictures == Pictures::None || !frame.is_multiple_of(self.args.every) {
+        if self.args.pictures == Pictures::None
+            || !(frame - self.args.start).is_multiple_of(self.args.every)
+        {
             return Ok(());
         }
         let marks = self.args.heat_map.then(|| marks(report));

@@ -5,7 +5,7 @@ use foveal_core::asset::picture::Picture;
 use proptest::prelude::*;
 
 use crate::scenes::{group, psnr, scene};
-use crate::{EncodeSettings, GroupDecoder, MediaError, Speed, encode_group};
+use crate::{EncodeSettings, GroupDecoder, MediaError, Rate, Speed, encode_group};
 
 const SIZES: [[u32; 2]; 7] = [
     [1, 1],
@@ -16,16 +16,36 @@ const SIZES: [[u32; 2]; 7] = [
     [16, 8],
     [256, 256],
 ];
-const CODECS: [Codec; 3] = [Codec::Vp9, Codec::Jpeg, Codec::Png];
+const CODECS: [Codec; 7] = Codec::ALL;
+const PREDICTING: [Codec; 5] = [Codec::Vp9, Codec::Vp8, Codec::H264, Codec::Hevc, Codec::Av1];
 
 fn settings(codec: Codec) -> EncodeSettings {
-    let quality = if codec == Codec::Vp9 { 24 } else { 3 };
+    let quality = match codec {
+        Codec::Jpeg => 3,
+        Codec::Vp8 => 16,
+        _ => 24,
+    };
     EncodeSettings {
         codec,
-        quality,
+        rate: Rate::Quantiser(quality),
         frame_rate: [30, 1],
         speed: Speed::Default,
     }
+}
+
+fn rated(settings: EncodeSettings, rate: Rate) -> EncodeSettings {
+    EncodeSettings { rate, ..settings }
+}
+
+/// A soft scene under noise that no codec can predict.
+fn group_of_noise(size: [u32; 2], count: u32) -> Vec<Picture> {
+    let mut state = 1u32;
+    let mut pictures = group(size, count, 3);
+    for sample in pictures.iter_mut().flat_map(|p| p.planes[0].iter_mut()) {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        *sample = sample.saturating_add((state >> 27) as u8);
+    }
+    pictures
 }
 
 fn encode(codec: Codec, pictures: &[Picture]) -> Vec<Vec<u8>> {
@@ -105,7 +125,8 @@ fn odd_and_tiny_sizes_keep_their_size_in_all_codecs() {
 #[test]
 fn quality_bounds_the_error_and_speeds_change_the_bytes() {
     let pictures = group([256, 256], 8, 3);
-    for (codec, least) in [(Codec::Vp9, 40.0), (Codec::Jpeg, 40.0)] {
+    for codec in CODECS.into_iter().filter(|codec| *codec != Codec::Png) {
+        let least = 40.0;
         let units = encode(codec, &pictures);
         let mut decoder = GroupDecoder::new(codec, [256, 256]).unwrap();
         for (decoded, picture) in decode_all(&mut decoder, &units).iter().zip(&pictures) {
@@ -113,43 +134,122 @@ fn quality_bounds_the_error_and_speeds_change_the_bytes() {
             assert!(reached > least, "{codec:?}: {reached} dB");
         }
         let worse = EncodeSettings {
-            quality: 31,
+            rate: Rate::Quantiser(31),
             ..settings(codec)
         };
         let size = |units: &[Vec<u8>]| units.iter().map(Vec::len).sum::<usize>();
         assert!(size(&encode_group(&worse, &pictures).unwrap()) < size(&units));
     }
-    let of_speed = |speed| {
-        encode_group(
-            &EncodeSettings {
+    for codec in PREDICTING {
+        let of_speed = |speed| {
+            let settings = EncodeSettings {
                 speed,
-                ..settings(Codec::Vp9)
-            },
-            &pictures,
-        )
-        .unwrap()
-    };
-    assert_ne!(of_speed(Speed::Fast), of_speed(Speed::Default));
-    assert_ne!(of_speed(Speed::Small), of_speed(Speed::Default));
+                ..settings(codec)
+            };
+            encode_group(&settings, &pictures).unwrap()
+        };
+        let default = of_speed(Speed::Default);
+        assert_ne!(of_speed(Speed::Fast), default, "{codec:?}");
+        assert_ne!(of_speed(Speed::Small), default, "{codec:?}");
+    }
 }
 
 #[test]
 fn decoding_must_start_at_a_key_frame() {
-    let units = encode(Codec::Vp9, &group([64, 64], 4, 1));
-    let mut decoder = GroupDecoder::new(Codec::Vp9, [64, 64]).unwrap();
-    assert!(decoder.decode(&units[1], 1).is_err());
-    decode_all(&mut decoder, &units);
-    decoder.restart();
-    let message = decoder.decode(&units[2], 2).unwrap_err().to_string();
-    assert!(message.contains("vp9 access unit of frame 2"), "{message}");
-    decode_all(&mut decoder, &units);
+    for codec in PREDICTING {
+        let units = encode(codec, &group([64, 64], 4, 1));
+        let mut decoder = GroupDecoder::new(codec, [64, 64]).unwrap();
+        assert!(decoder.decode(&units[1], 1).is_err());
+        decode_all(&mut decoder, &units);
+        decoder.restart();
+        let message = decoder.decode(&units[2], 2).unwrap_err().to_string();
+        let wanted = format!("{} access unit of frame 2", codec.name());
+        assert!(message.contains(&wanted), "{message}");
+        assert!(message.contains("no key frame"), "{message}");
+        decode_all(&mut decoder, &units);
+    }
+}
+
+#[test]
+fn no_encoder_writes_about_itself() {
+    for codec in PREDICTING.into_iter().chain([Codec::Jpeg]) {
+        let units = encode(codec, &group([64, 64], 2, 1));
+        for word in ["x264", "x265", "Lavc", "libaom"] {
+            let bytes = word.as_bytes();
+            let found = units[0].windows(bytes.len()).any(|part| part == bytes);
+            assert!(!found, "{codec:?} names {word}");
+        }
+    }
+}
+
+#[test]
+fn jpeg_qualities_are_those_of_the_independent_jpeg_group() {
+    // First row of the luma table of annex K at quality 50, and what 90 makes of it.
+    let picture = [scene([64, 48], 0, 3)];
+    for (quality, tables) in [
+        (50, [16, 11, 10, 16, 24, 40, 51, 61]),
+        (90, [3, 2, 2, 3, 5, 8, 10, 12]),
+        (100, [1; 8]),
+    ] {
+        let ijg = EncodeSettings {
+            rate: Rate::Ijg(quality),
+            ..settings(Codec::Jpeg)
+        };
+        let unit = &encode_group(&ijg, &picture).unwrap()[0];
+        let at = unit
+            .windows(2)
+            .position(|marker| marker == [0xff, 0xdb])
+            .unwrap();
+        // In zigzag order, behind marker, length and number of the table.
+        let table = &unit[at + 5..];
+        let row = [0, 1, 5, 6, 14, 15, 27, 28].map(|zigzag| table[zigzag]);
+        assert_eq!(row, tables, "quality {quality}");
+        let decoded = GroupDecoder::new(Codec::Jpeg, [64, 48])
+            .unwrap()
+            .decode(unit, 0)
+            .unwrap()
+            .0;
+        let least = [33.0, 40.0, 50.0][usize::from(quality > 50) + usize::from(quality > 90)];
+        let reached = psnr(&decoded, &picture[0]);
+        assert!(reached > least, "quality {quality}: {reached}");
+        for p in 1..3 {
+            let off = decoded.planes[p].iter().zip(&picture[0].planes[p]);
+            assert!(
+                off.map(|(a, b)| a.abs_diff(*b)).max().unwrap() < 24,
+                "plane {p}"
+            );
+        }
+    }
+}
+
+#[test]
+fn no_group_takes_more_than_its_bit_rate_nor_much_less() {
+    let pictures = group_of_noise([256, 256], 16);
+    for codec in PREDICTING {
+        for bits in [800_000u32, 3_200_000] {
+            let rated = EncodeSettings {
+                rate: Rate::Bits(bits),
+                ..settings(codec)
+            };
+            let units = encode_group(&rated, &pictures).unwrap();
+            let bytes: usize = units.iter().map(Vec::len).sum();
+            let wanted = f64::from(bits) / 8.0 * 16.0 / 30.0;
+            let ratio = bytes as f64 / wanted;
+            println!(
+                "{codec:?} {bits}: {ratio:.2} of the bytes, key {}",
+                units[0].len()
+            );
+            assert!((0.4..1.6).contains(&ratio), "{codec:?} {bits}: {ratio}");
+            assert_eq!(encode_group(&rated, &pictures).unwrap(), units);
+        }
+    }
 }
 
 #[test]
 fn another_size_is_refused() {
     for codec in CODECS {
         let units = encode(codec, &group([64, 48], 1, 1));
-        for size in [[48, 64], [64, 46], [16, 16], [128, 96]] {
+        for size in [[48, 64], [64, 40], [32, 32], [128, 96]] {
             let mut decoder = GroupDecoder::new(codec, size).unwrap();
             assert!(decoder.decode(&units[0], 0).is_err(), "{codec:?} {size:?}");
         }
@@ -161,11 +261,12 @@ fn truncated_access_units_are_refused() {
     for codec in CODECS {
         let units = encode(codec, &group([64, 64], 2, 1));
         let mut decoder = GroupDecoder::new(codec, [64, 64]).unwrap();
-        // VP9 carries no checksum and reads missing bytes as zeros; the pack's CRC sees the rest.
-        let half = if codec == Codec::Vp9 {
-            9
-        } else {
+        // Predicting codecs carry no checksum and read missing bytes as zeros; the pack's CRC sees
+        // the rest.
+        let half = if codec.is_intra() {
             units[0].len() / 2
+        } else {
+            9
         };
         for keep in [0, 1, 2, half] {
             assert!(
@@ -188,12 +289,28 @@ fn settings_out_of_range_are_refused_by_name() {
     let vp9 = settings(Codec::Vp9);
     let jpeg = settings(Codec::Jpeg);
     assert_eq!(
-        refused(&EncodeSettings { quality: 64, ..vp9 }, &pictures),
+        refused(&rated(vp9, Rate::Quantiser(64)), &pictures),
         "the vp9 quality"
     );
     assert_eq!(
-        refused(&EncodeSettings { quality: 0, ..jpeg }, &pictures),
+        refused(&rated(jpeg, Rate::Quantiser(0)), &pictures),
         "the jpeg quality"
+    );
+    assert_eq!(
+        refused(&rated(jpeg, Rate::Ijg(0)), &pictures),
+        "the jpeg quality"
+    );
+    assert_eq!(
+        refused(&rated(vp9, Rate::Ijg(90)), &pictures),
+        "the vp9 rate"
+    );
+    assert_eq!(
+        refused(&rated(jpeg, Rate::Bits(9000)), &pictures),
+        "the jpeg rate"
+    );
+    assert_eq!(
+        refused(&rated(vp9, Rate::Bits(9)), &pictures),
+        "the vp9 bit rate"
     );
     assert_eq!(
         refused(
@@ -257,8 +374,13 @@ proptest! {
         for codec in CODECS {
             let mut decoder = GroupDecoder::new(codec, [33, 65]).unwrap();
             let mut key = bytes.clone();
-            if let (Codec::Vp9, Some(first)) = (codec, key.first_mut()) {
-                *first = 0b1000_0010;
+            match (codec, key.get_mut(..10)) {
+                (Codec::Vp9, Some(start)) => start[0] = 0b1000_0010,
+                (Codec::Vp8, Some(start)) => {
+                    start[0] &= !1;
+                    start[3..6].copy_from_slice(&[0x9d, 0x01, 0x2a]);
+                }
+                _ => {}
             }
             let _ = decoder.decode(&bytes, 0);
             let _ = decoder.decode(&key, 1);

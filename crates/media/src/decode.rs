@@ -2,9 +2,10 @@
 
 use av::format::Pixel;
 use av::frame::Video;
-use av::{Packet, codec, decoder};
+use av::{Packet, codec, color, decoder};
 use ffmpeg_next as av;
 use foveal_core::asset::codec::Codec;
+use foveal_core::asset::key_frame::is_key_frame;
 use foveal_core::asset::picture::Picture;
 
 use crate::error::MediaError;
@@ -17,7 +18,7 @@ const ALIGNMENT: u64 = 128;
 
 /// A decoder for the groups of tiles of one size.
 ///
-/// VP9 keeps state from one access unit to the next, so a jump needs [`GroupDecoder::restart`] and
+/// Codecs that predict keep state from one access unit to the next, so a jump needs [`GroupDecoder::restart`] and
 /// then a key frame. Takes one thread; opening costs about 0.01 ms.
 pub struct GroupDecoder {
     codec: Codec,
@@ -43,14 +44,21 @@ impl GroupDecoder {
             });
         }
         let decoder = match codec {
-            Codec::Vp9 => Some(open_decoder("vp9", size)),
-            Codec::Jpeg => Some(open_decoder("mjpeg", size)),
+            Codec::Vp8 => Some("vp8"),
+            Codec::Vp9 => Some("vp9"),
+            Codec::H264 => Some("h264"),
+            Codec::Hevc => Some("hevc"),
+            Codec::Av1 => Some("libdav1d"),
+            Codec::Jpeg => Some("mjpeg"),
             Codec::Png => None,
         };
+        let decoder = decoder.map(|name| open_decoder(name, codec.coded_size(size)));
         let decoder = decoder.transpose().map_err(|reason| MediaError::Setting {
             field: format!("the {} decoder of this FFmpeg", codec.name()),
             found: reason,
-            expected: "an FFmpeg built with it".to_owned(),
+            expected: "an FFmpeg that was built with it (`ffmpeg -decoders` lists them); install \
+                       one, or prepare the pack with another --codec"
+                .to_owned(),
         })?;
         Ok(Self {
             codec,
@@ -104,7 +112,7 @@ impl GroupDecoder {
         if unit.is_empty() {
             return Err("it is empty".to_owned());
         }
-        if !self.started && self.codec == Codec::Vp9 && !is_vp9_key(unit) {
+        if !self.started && !is_key_frame(self.codec, unit) {
             return Err("it is no key frame, with which decoding must start".to_owned());
         }
         let mut packet = Packet::copy(unit);
@@ -121,9 +129,13 @@ impl GroupDecoder {
         {
             return Err("more than one picture".to_owned());
         }
-        check_frame(&frame, self.codec, size)?;
+        let coded_size = self.codec.coded_size(size);
+        check_frame(&frame, self.codec, coded_size)?;
         let out = frame.pts().ok_or("the picture lost its frame number")?;
-        let picture = picture_from_frame(&frame)?;
+        let mut picture = picture_from_frame(&frame)?;
+        if coded_size != size {
+            picture = picture.crop([0, 0], size);
+        }
         self.started = true;
         Ok((picture, out))
     }
@@ -133,6 +145,8 @@ fn open_decoder(name: &str, size: [u32; 2]) -> Result<decoder::Video, String> {
     let codec = decoder::find_by_name(name).ok_or_else(|| format!("no {name}"))?;
     let mut context = codec::Context::new_with_codec(codec);
     context.set_threading(codec::threading::Config::count(1));
+    // dav1d and others then hold nothing back.
+    context.set_flags(codec::Flags::LOW_DELAY);
     let mut decoder = context.decoder();
     // Damage is reported, not concealed.
     decoder.check(decoder::Check::EXPLODE);
@@ -155,10 +169,10 @@ fn check_frame(frame: &Video, codec: Codec, size: [u32; 2]) -> Result<(), String
             frame.height()
         ));
     }
-    let format = if codec == Codec::Vp9 {
-        Pixel::YUV420P
-    } else {
+    let format = if codec == Codec::Jpeg {
         Pixel::YUVJ420P
+    } else {
+        Pixel::YUV420P
     };
     if frame.format() != format {
         return Err(format!(
@@ -166,15 +180,12 @@ fn check_frame(frame: &Video, codec: Codec, size: [u32; 2]) -> Result<(), String
             frame.format()
         ));
     }
+    // What a pack's colours mean stands in its description alone.
+    if codec != Codec::Jpeg && frame.color_range() == color::Range::JPEG {
+        return Err("it says that it is full range, expected no range".to_owned());
+    }
     if frame.is_corrupt() || frame.has_decode_errors() {
         return Err("the decoder had to guess parts of the picture".to_owned());
     }
     Ok(())
-}
-
-/// Whether a VP9 frame of profile 0 is a key frame: frame marker 2, profile 0, no repeated frame,
-/// frame type 0 (VP9 bitstream specification, section 6.2).
-fn is_vp9_key(unit: &[u8]) -> bool {
-    unit.first()
-        .is_some_and(|byte| byte & 0b1111_1100 == 0b1000_0000)
 }

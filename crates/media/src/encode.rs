@@ -3,22 +3,31 @@
 //! A fresh encoder for every group, so that a group is a pure function of its pictures and its
 //! settings: libvpx carries search thresholds and its golden-frame cadence across forced keys.
 
-use av::encoder::video::{Encoder, Video};
-use av::format::Pixel;
-use av::{Packet, codec, picture};
+use av::encoder::video::Encoder;
+use av::{Packet, picture};
 use ffmpeg_next as av;
 use foveal_core::asset::codec::Codec;
+use foveal_core::asset::key_frame::{is_key_frame, nal_units};
 use foveal_core::asset::picture::Picture;
+use std::borrow::Cow;
 
+use crate::encoder::open_group_encoder;
 use crate::error::MediaError;
-use crate::ffmpeg::{open_encoder, start, wants_more};
+use crate::ffmpeg::{start, wants_more};
 use crate::frame::frame_from_picture;
+use crate::ijg_jpeg::jpeg_from_picture;
+use crate::rate_search::finest_that_fits;
 use crate::stacked_png::png_from_picture;
 
-/// Longer than any group: the only key frame is the one that is asked for.
-const NO_OWN_KEYS: u32 = 9999;
-/// The largest side that VP9 and JPEG can code, in pixels.
+/// The largest side that most codecs can code, in pixels.
 const LARGEST_SIDE: u32 = 65535;
+/// Network abstraction layer units that hold notes, among them the encoder's name and options.
+const H264_NOTES: [u8; 1] = [6];
+const HEVC_NOTES: [u8; 2] = [39, 40];
+
+/// Bits per second that can be asked for.
+const LEAST_BITS: u32 = 1000;
+const MOST_BITS: u32 = 2_000_000_000;
 
 /// How much time the encoder takes for smaller files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -30,6 +39,22 @@ pub enum Speed {
     Default,
     /// About three times slower and 15 % smaller (libvpx cpu-used 4).
     Small,
+    /// What others are measured against: libvpx's deadline good at cpu-used 4; for other codecs as
+    /// [`Self::Small`].
+    Reference,
+}
+
+/// What decides how many bytes pictures take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rate {
+    /// A fixed quantiser, lower is finer: VP8, VP9 and AV1 0-63, H.264 and HEVC 0-51, JPEG 1-31; PNG
+    /// is lossless and ignores it.
+    Quantiser(u8),
+    /// JPEG with the Independent JPEG Group's tables at this quality, 1-100, higher is finer.
+    Ijg(u8),
+    /// The finest quantiser at which the group takes at most so many bits per second, for the codecs
+    /// that predict; takes four to six times as long.
+    Bits(u32),
 }
 
 /// How a group is coded.
@@ -37,8 +62,8 @@ pub enum Speed {
 pub struct EncodeSettings {
     /// Codec of the access units.
     pub codec: Codec,
-    /// The fixed quantiser, lower is finer: VP9 0–63, JPEG 1–31; PNG is lossless and ignores it.
-    pub quality: u8,
+    /// Quality, or bytes.
+    pub rate: Rate,
     /// Frames a second as numerator and denominator, both positive.
     pub frame_rate: [i32; 2],
     /// Time against size.
@@ -49,22 +74,23 @@ pub struct EncodeSettings {
 /// which only the first is a key frame (each one, for JPEG and PNG).
 ///
 /// The same pictures and settings give the same bytes in one build of FFmpeg. JPEG takes its planes
-/// as full range. Costs 2–4 ms for a VP9 encoder, then about 30 MPix/s at [`Speed::Default`].
+/// as full range. Pictures are coded at [`Codec::coded_size`], their borders repeated up to there.
+/// Costs 2–4 ms for a VP9 encoder, then about 30 MPix/s at [`Speed::Default`].
 ///
 /// ```
 /// use foveal_core::asset::{codec::Codec, picture::Picture};
-/// use foveal_media::{EncodeSettings, Speed, encode_group};
+/// use foveal_media::{EncodeSettings, Rate, Speed, encode_group};
 ///
 /// let grey = Picture::filled(64, 48, [128, 128, 128]);
-/// let speed = Speed::Default;
-/// let settings = EncodeSettings { codec: Codec::Png, quality: 0, frame_rate: [30, 1], speed };
+/// let (rate, speed) = (Rate::Quantiser(0), Speed::Default);
+/// let settings = EncodeSettings { codec: Codec::Png, rate, frame_rate: [30, 1], speed };
 /// let units = encode_group(&settings, &[grey.clone(), grey])?;
 /// assert_eq!(units.len(), 2);
 /// # Ok::<(), foveal_media::MediaError>(())
 /// ```
 ///
 /// # Errors
-/// No picture, pictures of different or absurd sizes, a quality or a frame rate out of range, or an
+/// No picture, pictures of different or absurd sizes, a rate or a frame rate out of range, or an
 /// encoder that is missing or does not answer each picture with one access unit.
 pub fn encode_group(
     settings: &EncodeSettings,
@@ -78,26 +104,77 @@ pub fn encode_group(
         picture,
         reason,
     };
-    if settings.codec == Codec::Png {
-        let compression = match settings.speed {
-            Speed::Fast => png::Compression::Fast,
-            Speed::Default => png::Compression::Balanced,
-            Speed::Small => png::Compression::High,
-        };
-        let coded = pictures.iter().enumerate().map(|(i, picture)| {
-            png_from_picture(picture, compression).map_err(|reason| failed(i, reason))
-        });
-        return coded.collect();
+    if let Some(still) = still_encoder(settings) {
+        let coded = pictures.iter().enumerate();
+        return coded
+            .map(|(i, picture)| still(picture).map_err(|reason| failed(i, reason)))
+            .collect();
     }
-    let mut encoder = open_group_encoder(settings, size).map_err(|reason| failed(0, reason))?;
+    let at = |quantiser| code_at(settings, quantiser, size, pictures);
+    match settings.rate {
+        Rate::Quantiser(quantiser) | Rate::Ijg(quantiser) => at(quantiser),
+        Rate::Bits(bits) => {
+            let [frames, seconds] = settings.frame_rate.map(f64::from);
+            let seconds = pictures.len() as f64 * seconds / frames;
+            let budget = f64::from(bits) / 8.0 * seconds;
+            finest_that_fits(settings.codec.highest_quantiser(), budget as usize, at)
+        }
+    }
+}
+
+/// Codes the group at a fixed quantiser.
+fn code_at(
+    settings: &EncodeSettings,
+    quantiser: u8,
+    size: [u32; 2],
+    pictures: &[Picture],
+) -> Result<Vec<Vec<u8>>, MediaError> {
+    let failed = |picture, reason| MediaError::Encode {
+        codec: settings.codec.name(),
+        picture,
+        reason,
+    };
+    let coded_size = settings.codec.coded_size(size);
+    let mut encoder =
+        open_group_encoder(settings, quantiser, coded_size).map_err(|reason| failed(0, reason))?;
     let mut units = Vec::with_capacity(pictures.len());
     for (i, picture) in pictures.iter().enumerate() {
-        let is_key = i == 0 || settings.codec.is_intra();
-        let unit = encode_one(&mut encoder, picture, i, is_key);
+        let picture = if coded_size == size {
+            Cow::Borrowed(picture)
+        } else {
+            Cow::Owned(picture.crop([0, 0], coded_size))
+        };
+        let unit = encode_one(&mut encoder, &picture, i, settings.codec);
         units.push(unit.map_err(|reason| failed(i, reason))?);
     }
     expect_silence(&mut encoder).map_err(|reason| failed(pictures.len() - 1, reason))?;
     Ok(units)
+}
+
+/// Codes one picture by itself.
+type StillEncoder = Box<dyn Fn(&Picture) -> Result<Vec<u8>, String>>;
+
+/// The encoder of what FFmpeg does not code.
+fn still_encoder(settings: &EncodeSettings) -> Option<StillEncoder> {
+    match (settings.codec, settings.rate) {
+        (Codec::Png, _) => {
+            let compression = match settings.speed {
+                Speed::Fast => png::Compression::Fast,
+                Speed::Default => png::Compression::Balanced,
+                Speed::Small | Speed::Reference => png::Compression::High,
+            };
+            Some(Box::new(move |picture| {
+                png_from_picture(picture, compression)
+            }))
+        }
+        (Codec::Jpeg, Rate::Ijg(quality)) => {
+            let is_small = matches!(settings.speed, Speed::Small | Speed::Reference);
+            Some(Box::new(move |picture| {
+                jpeg_from_picture(picture, quality, is_small)
+            }))
+        }
+        _ => None,
+    }
 }
 
 /// The size that all pictures share.
@@ -138,15 +215,27 @@ fn check_pictures(pictures: &[Picture]) -> Result<[u32; 2], MediaError> {
 }
 
 fn check_settings(settings: &EncodeSettings) -> Result<(), MediaError> {
-    let range = match settings.codec {
-        Codec::Vp9 => 0..=63,
-        Codec::Jpeg => 1..=31,
-        Codec::Png => 0..=255,
+    let codec = settings.codec;
+    let (what, found, range) = match settings.rate {
+        Rate::Quantiser(q) => {
+            let least = u32::from(codec == Codec::Jpeg);
+            let range = least..=u32::from(codec.highest_quantiser());
+            ("quality", u32::from(q), range)
+        }
+        Rate::Ijg(q) if codec == Codec::Jpeg => ("quality", u32::from(q), 1..=100),
+        Rate::Bits(bits) if !codec.is_intra() => ("bit rate", bits, LEAST_BITS..=MOST_BITS),
+        rate => {
+            return Err(MediaError::Setting {
+                field: format!("the {} rate", codec.name()),
+                found: format!("{rate:?}"),
+                expected: "a quantiser".to_owned(),
+            });
+        }
     };
-    if !range.contains(&settings.quality) {
+    if !range.contains(&found) {
         return Err(MediaError::Setting {
-            field: format!("the {} quality", settings.codec.name()),
-            found: settings.quality.to_string(),
+            field: format!("the {} {what}", codec.name()),
+            found: found.to_string(),
             expected: format!("{} to {}", range.start(), range.end()),
         });
     }
@@ -160,78 +249,12 @@ fn check_settings(settings: &EncodeSettings) -> Result<(), MediaError> {
     Ok(())
 }
 
-fn open_group_encoder(settings: &EncodeSettings, size: [u32; 2]) -> Result<Encoder, String> {
-    let (name, format) = match settings.codec {
-        Codec::Vp9 => ("libvpx-vp9", Pixel::YUV420P),
-        _ => ("mjpeg", Pixel::YUVJ420P),
-    };
-    let (codec, mut video) = new_encoder(name, format, size, settings.frame_rate)?;
-    // Without it, every JPEG carries the name and version of the encoder.
-    video.set_flags(codec::Flags::BITEXACT);
-    set_fixed_quality(&mut video, settings.quality);
-    let options = match settings.codec {
-        Codec::Vp9 => vp9_options(settings.quality, settings.speed),
-        _ => Vec::new(),
-    };
-    open_encoder(video, codec, &options)
-}
-
-/// An encoder of one thread with its size, format and clock, not yet open; the clock ticks once a
-/// frame.
-pub(crate) fn new_encoder(
-    name: &str,
-    format: Pixel,
-    [width, height]: [u32; 2],
-    frame_rate: [i32; 2],
-) -> Result<(av::Codec, Video), String> {
-    let codec = av::encoder::find_by_name(name)
-        .ok_or_else(|| format!("this FFmpeg has no encoder named {name}"))?;
-    let mut context = codec::Context::new_with_codec(codec);
-    context.set_threading(codec::threading::Config::count(1));
-    let mut video = context.encoder().video().map_err(|e| e.to_string())?;
-    video.set_width(width);
-    video.set_height(height);
-    video.set_format(format);
-    video.set_time_base((frame_rate[1], frame_rate[0]));
-    video.set_frame_rate(Some((frame_rate[0], frame_rate[1])));
-    video.set_gop(NO_OWN_KEYS);
-    video.set_max_b_frames(0);
-    Ok((codec, video))
-}
-
-/// One quantiser for all frames: for mjpeg the only setting that works through the library.
-pub(crate) fn set_fixed_quality(video: &mut Video, quality: u8) {
-    video.set_qmin(i32::from(quality));
-    video.set_qmax(i32::from(quality));
-}
-
-/// libvpx in one pass without delay, hidden frames or anything else that outlives a frame.
-pub(crate) fn vp9_options(quality: u8, speed: Speed) -> Vec<(&'static str, String)> {
-    let cpu_used = match speed {
-        Speed::Fast => 8,
-        Speed::Default => 5,
-        Speed::Small => 4,
-    };
-    vec![
-        ("deadline", "realtime".to_owned()),
-        ("cpu-used", cpu_used.to_string()),
-        ("lag-in-frames", "0".to_owned()),
-        ("auto-alt-ref", "0".to_owned()),
-        ("aq-mode", "0".to_owned()),
-        ("row-mt", "0".to_owned()),
-        ("tile-columns", "0".to_owned()),
-        // Bit rate 0 makes crf the constant-quality mode; qmin = qmax keeps it from pulsing.
-        ("b", "0".to_owned()),
-        ("crf", quality.to_string()),
-    ]
-}
-
 /// Codes one picture and takes the one access unit that it gives.
 fn encode_one(
     encoder: &mut Encoder,
     picture: &Picture,
     index: usize,
-    is_key: bool,
+    codec: Codec,
 ) -> Result<Vec<u8>, String> {
     // The encoders read past the planes of a frame that is smaller than they expect.
     if [encoder.width(), encoder.height()] != [picture.width, picture.height] {
@@ -249,16 +272,29 @@ fn encode_one(
     encoder
         .receive_packet(&mut packet)
         .map_err(|e| format!("no access unit: {e}"))?;
-    if packet.is_key() != is_key {
-        return Err(format!(
-            "its key flag is {}, expected {is_key}",
-            packet.is_key()
-        ));
+    let unit = match packet.data() {
+        Some(data) if !data.is_empty() => without_notes(codec, data),
+        _ => return Err("its access unit is empty".to_owned()),
+    };
+    let is_key = index == 0 || codec.is_intra();
+    if is_key_frame(codec, &unit) != is_key || packet.is_key() != is_key {
+        let expected = if is_key { "a" } else { "no" };
+        return Err(format!("its access unit should be {expected} key frame"));
     }
-    match packet.data() {
-        Some(data) if !data.is_empty() => Ok(data.to_vec()),
-        _ => Err("its access unit is empty".to_owned()),
+    Ok(unit)
+}
+
+/// The access unit without what an encoder says about itself.
+fn without_notes(codec: Codec, unit: &[u8]) -> Vec<u8> {
+    let is_note = |nal: &&[u8]| match codec {
+        Codec::H264 => H264_NOTES.contains(&(nal[0] & 31)),
+        _ => HEVC_NOTES.contains(&(nal[0] >> 1 & 63)),
+    };
+    if !matches!(codec, Codec::H264 | Codec::Hevc) || !nal_units(unit).any(|nal| is_note(&nal)) {
+        return unit.to_vec();
     }
+    let kept = nal_units(unit).filter(|nal| !is_note(nal));
+    kept.flat_map(|nal| [&[0, 0, 0, 1], nal].concat()).collect()
 }
 
 /// Checks that the encoder kept nothing back.

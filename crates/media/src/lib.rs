@@ -7,13 +7,16 @@ pub mod decode_pool;
 mod decode_streams;
 mod deliver;
 pub mod encode;
+mod encoder;
 pub mod error;
 mod ffmpeg;
 mod frame;
 mod frame_file;
 mod frame_reader;
 pub mod generate;
+mod ijg_jpeg;
 pub mod input;
+mod journal_file;
 mod orientation;
 pub mod pack_file;
 mod pack_writer;
@@ -21,6 +24,7 @@ mod parallel;
 pub mod picture_from_rgba;
 pub mod prepare;
 pub mod pyramid;
+mod rate_search;
 pub mod source;
 pub mod sphere;
 pub mod spherical;
@@ -41,12 +45,14 @@ mod input_tests;
 #[cfg(test)]
 mod pack_tests;
 #[cfg(test)]
+mod resume_tests;
+#[cfg(test)]
 mod scenes;
 #[cfg(test)]
 mod side_table_tests;
 
 pub use decode::GroupDecoder;
-pub use encode::{EncodeSettings, Speed, encode_group};
+pub use encode::{EncodeSettings, Rate, Speed, encode_group};
 pub use error::MediaError;
 pub use input::{TimedPicture, VideoInput};
 pub use source::SourceInfo;

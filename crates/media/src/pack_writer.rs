@@ -1,7 +1,8 @@
 //! How does a pack get onto disk whole or not at all?
 
+use crate::journal_file::JournalFile;
 use crate::pack_file::{PackFileError, partial_path};
-use foveal_core::asset::pack::{Description, MAGIC, PackBuilder, SideTable};
+use foveal_core::asset::pack::{Description, Identity, MAGIC, PackBuilder, SideTable, Step};
 use foveal_core::asset::tile_grid::Tile;
 use std::fs::File;
 use std::io::{BufWriter, Error, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -15,35 +16,90 @@ pub(crate) struct PackWriter {
     partial: PathBuf,
     file: BufWriter<File>,
     builder: PackBuilder,
-    bytes: u64,
+    /// Where what is good is noted, for a pack that can be gone on with.
+    journal: Option<JournalFile>,
+    /// Chunks that it tells of.
+    journalled: usize,
+    is_whole: bool,
+}
+
+/// A writer, what was good of a pack that was begun before, and what a person should know of it.
+pub(crate) struct Begun {
+    pub(crate) writer: PackWriter,
+    pub(crate) steps: Vec<Step>,
+    pub(crate) note: Option<String>,
 }
 
 impl PackWriter {
     /// Begins a pack of about this description: the number of frames and the side tables may
     /// still change.
     pub(crate) fn create(path: &Path, draft: &Description) -> Result<Self, PackFileError> {
-        let partial = partial_path(path);
-        let builder = PackBuilder::new(draft);
+        let (partial, builder) = (partial_path(path), PackBuilder::new(draft));
         let begin = || {
             refuse_anything_but_a_file(path)?;
-            let mut file = create_partial(&partial)?;
-            file.seek(SeekFrom::Start(builder.data_offset()))?;
-            Ok(file)
+            remove_rest(&partial)?;
+            create_partial(&partial, builder.data_offset())
         };
-        let file = begin().map_err(|source| PackFileError::Io {
-            path: path.to_owned(),
-            what: "cannot be written; choose another --out".to_owned(),
-            source,
-        })?;
-        let bytes = builder.data_offset();
-        let file = BufWriter::with_capacity(1 << 20, file);
-        Ok(Self {
-            path: path.to_owned(),
-            partial,
-            file,
-            builder,
-            bytes,
+        let file = begin().map_err(|source| cannot_begin(path, source))?;
+        Ok(Self::new(path, file, builder, None))
+    }
+
+    /// Begins a pack that can be gone on with after any stop. With `go_on`, takes up what lies
+    /// there of the same pack.
+    pub(crate) fn resume(
+        path: &Path,
+        draft: &Description,
+        identity: Identity,
+        go_on: bool,
+    ) -> Result<Begun, PackFileError> {
+        let refused = |source| cannot_begin(path, source);
+        let partial = partial_path(path);
+        refuse_anything_but_a_file(path).map_err(refused)?;
+        let there = open_rest(&partial).map_err(refused)?;
+        let mut note = None;
+        if let Some(mut file) = there {
+            let taken = if go_on {
+                JournalFile::take_up(&partial, &mut file, draft, &identity)
+            } else {
+                Err("--no-resume was given".to_owned())
+            };
+            match taken {
+                Ok((journal, unfinished)) => {
+                    let frames = unfinished.steps.last().map_or(0, |step| step.frames);
+                    let mut writer = Self::new(path, file, unfinished.builder, Some(journal));
+                    writer.journalled = writer.builder.len();
+                    return Ok(Begun {
+                        writer,
+                        steps: unfinished.steps,
+                        note: Some(format!(
+                            "goes on after {frames} frames that were coded before"
+                        )),
+                    });
+                }
+                Err(why) => note = Some(format!("starts afresh: {why}")),
+            }
+            std::fs::remove_file(&partial).map_err(refused)?;
+        }
+        let builder = PackBuilder::new(draft);
+        let journal = JournalFile::begin(&partial, identity).map_err(refused)?;
+        let file = create_partial(&partial, builder.data_offset()).map_err(refused)?;
+        Ok(Begun {
+            writer: Self::new(path, file, builder, Some(journal)),
+            steps: Vec::new(),
+            note,
         })
+    }
+
+    fn new(path: &Path, file: File, builder: PackBuilder, journal: Option<JournalFile>) -> Self {
+        Self {
+            path: path.to_owned(),
+            partial: partial_path(path),
+            file: BufWriter::with_capacity(1 << 20, file),
+            builder,
+            journal,
+            journalled: 0,
+            is_whole: false,
+        }
     }
 
     /// Writes the next chunk: the access units of `tile` from `first_frame` on.
@@ -55,8 +111,26 @@ impl PackWriter {
     ) -> Result<(), PackFileError> {
         let chunk = self.builder.push(tile, first_frame, access_units);
         let written = self.file.write_all(&chunk);
-        written.map_err(|source| self.refused(source))?;
-        self.bytes += chunk.len() as u64;
+        written.map_err(|source| self.refused(source))
+    }
+
+    /// Makes durable what was pushed so far and notes that it is good.
+    pub(crate) fn commit(&mut self, step: Step) -> Result<(), PackFileError> {
+        let Some(journal) = &mut self.journal else {
+            return Ok(());
+        };
+        let step = Step {
+            chunks: self.builder.chunks_after(self.journalled),
+            ..step
+        };
+        let mut note = || {
+            self.file.flush()?;
+            self.file.get_ref().sync_data()?;
+            journal.append(&step)
+        };
+        let noted = note();
+        noted.map_err(|source| self.refused(source))?;
+        self.journalled = self.builder.len();
         Ok(())
     }
 
@@ -66,6 +140,7 @@ impl PackWriter {
         description: Description,
         tables: &[SideTable],
     ) -> Result<u64, PackFileError> {
+        let chunk_bytes = self.builder.end();
         let builder = std::mem::replace(&mut self.builder, PackBuilder::new(&description));
         let parts =
             builder
@@ -83,19 +158,40 @@ impl PackWriter {
             std::fs::rename(&self.partial, &self.path)
         };
         end().map_err(|source| self.refused(source))?;
-        Ok(self.bytes + parts.tail.len() as u64)
+        self.is_whole = true;
+        if let Some(journal) = &mut self.journal {
+            journal.remove();
+        }
+        Ok(chunk_bytes + parts.tail.len() as u64)
     }
 
     fn refused(&self, source: Error) -> PackFileError {
+        let left = if self.can_go_on() {
+            "the same command then goes on where it was"
+        } else {
+            "nothing was left behind"
+        };
         PackFileError::Io {
             path: self.path.clone(),
             what: format!(
-                "cannot be written after {} bytes; free space there or choose another --out \
-                 (nothing was left behind)",
-                self.bytes
+                "cannot be written after {} bytes; free space there or choose another --out ({left})",
+                self.builder.end()
             ),
             source,
         }
+    }
+
+    /// Whether what lies there is worth keeping.
+    fn can_go_on(&self) -> bool {
+        self.journal.as_ref().is_some_and(JournalFile::has_steps)
+    }
+}
+
+fn cannot_begin(path: &Path, source: Error) -> PackFileError {
+    PackFileError::Io {
+        path: path.to_owned(),
+        what: "cannot be written; choose another --out".to_owned(),
+        source,
     }
 }
 
@@ -109,39 +205,62 @@ fn refuse_anything_but_a_file(path: &Path) -> Result<(), Error> {
     }
 }
 
-/// Creates the file that grows, and locks it for as long as it is open.
-///
-/// What lies there already is replaced only if it is the rest of a `prepare` that was killed:
-/// never a link, somebody else's file, or one that another `prepare` is writing.
-fn create_partial(partial: &Path) -> Result<File, Error> {
-    if std::fs::symlink_metadata(partial).is_ok() {
-        let name = partial.display();
-        let in_the_way = |why: &str| Error::other(format!("{name} is in the way: {why}"));
-        let there = std::fs::symlink_metadata(partial)?;
-        if !there.is_file() {
-            return Err(in_the_way("it is no plain file"));
-        }
-        let mut file = File::options().read(true).write(true).open(partial)?;
-        if file.try_lock().is_err() {
-            return Err(in_the_way("another prepare is writing it"));
-        }
-        let mut begins = Vec::new();
-        (&mut file)
-            .take(MAGIC.len() as u64)
-            .read_to_end(&mut begins)?;
-        if begins != MAGIC && begins.iter().any(|byte| *byte != 0) {
-            return Err(in_the_way("it is no half-written pack; move it away"));
-        }
+/// Creates the file that grows, up to its first chunk, and locks it for as long as it is open.
+fn create_partial(partial: &Path, data_offset: u64) -> Result<File, Error> {
+    let mut options = File::options();
+    let mut file = options
+        .read(true)
+        .write(true)
+        .create_new(true)
+        .open(partial)?;
+    file.try_lock().map_err(|_| ErrorKind::ResourceBusy)?;
+    file.seek(SeekFrom::Start(data_offset))?;
+    Ok(file)
+}
+
+/// Removes the rest of a `prepare` that was stopped, and its journal.
+fn remove_rest(partial: &Path) -> Result<(), Error> {
+    if open_rest(partial)?.is_some() {
         std::fs::remove_file(partial)?;
     }
-    let file = File::options().write(true).create_new(true).open(partial)?;
-    file.try_lock().map_err(|_| ErrorKind::ResourceBusy)?;
-    Ok(file)
+    JournalFile::begin(partial, Identity::default()).map(|_| ())
+}
+
+/// Opens and locks the rest of a `prepare` that was stopped; `None` where nothing lies.
+///
+/// Refuses a link, somebody else's file, and one that another `prepare` is writing.
+fn open_rest(partial: &Path) -> Result<Option<File>, Error> {
+    let Ok(there) = std::fs::symlink_metadata(partial) else {
+        return Ok(None);
+    };
+    let name = partial.display();
+    let in_the_way = |why: &str| Error::other(format!("{name} is in the way: {why}"));
+    if !there.is_file() {
+        return Err(in_the_way("it is no plain file"));
+    }
+    let mut file = File::options().read(true).write(true).open(partial)?;
+    if file.try_lock().is_err() {
+        return Err(in_the_way("another prepare is writing it"));
+    }
+    let mut begins = Vec::new();
+    (&mut file)
+        .take(MAGIC.len() as u64)
+        .read_to_end(&mut begins)?;
+    if begins != MAGIC && begins.iter().any(|byte| *byte != 0) {
+        return Err(in_the_way("it is no half-written pack; move it away"));
+    }
+    Ok(Some(file))
 }
 
 impl Drop for PackWriter {
     fn drop(&mut self) {
-        // After a rename there is nothing to remove; after a failure a half file is of no use.
+        if self.is_whole || self.can_go_on() {
+            return;
+        }
+        // A half file that nothing can be made of is of no use.
         let _ = std::fs::remove_file(&self.partial);
+        if let Some(journal) = &mut self.journal {
+            journal.remove();
+        }
     }
 }

@@ -10,7 +10,7 @@ use foveal_core::asset::picture::{Colour, Matrix, Picture, plane_size};
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::tile_grid::Cut;
 
-use crate::encode::{Speed, new_encoder};
+use crate::encoder::new_encoder;
 use crate::frame::new_frame;
 use crate::frame_file::{FrameFile, ReadyEncoder};
 use crate::prepare::{Plan, PrepareError, PrepareSettings, ProjectionChoice, prepare};
@@ -197,12 +197,9 @@ pub(crate) fn settings(projection: ProjectionChoice, codec: Codec) -> PrepareSet
         projection,
         cut: Some(Cut::Tile(32)),
         levels: Some(3),
-        ratio: 2,
         codec,
-        quality: None,
-        speed: Speed::Default,
         jobs: 2,
-        most_frames: None,
+        ..PrepareSettings::default()
     }
 }
 

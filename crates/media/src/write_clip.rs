@@ -5,9 +5,11 @@ use std::path::Path;
 use av::color;
 use av::format::Pixel;
 use ffmpeg_next as av;
+use foveal_core::asset::codec::Codec;
 use foveal_core::asset::picture::{Colour, Matrix, Picture};
 
-use crate::encode::{Speed, new_encoder, set_fixed_quality, vp9_options};
+use crate::encode::Speed;
+use crate::encoder::{fixed_quantiser, new_encoder, set_fixed_quality, vp9_options};
 use crate::error::MediaError;
 use crate::ffmpeg::start;
 use crate::frame::frame_from_picture;
@@ -145,7 +147,7 @@ fn clip_encoder(format: &ClipFormat) -> Result<ReadyEncoder, String> {
         }
         ClipCodec::Vp9(q) => {
             set_fixed_quality(&mut video, q);
-            vp9_options(q, Speed::Default)
+            [vp9_options(Speed::Default), fixed_quantiser(Codec::Vp9, q)].concat()
         }
         ClipCodec::H264(q) => {
             video.set_max_b_frames(2);

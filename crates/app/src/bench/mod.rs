@@ -1,7 +1,9 @@
 //! What does a part of Foveal cost on this machine?
 
+mod equal_quality;
 mod gpu;
 mod perception;
+mod prepare;
 mod video;
 
 use clap::{Args, Subcommand};
@@ -12,6 +14,8 @@ pub(crate) enum Bench {
     Perception(BenchArgs),
     /// Playing a pack foveated, against `viewport`, `full` and the original file.
     Video(video::VideoArgs),
+    /// Preparing video at every speed: source pixels a second, and bytes at equal quality.
+    Prepare(prepare::PrepareBenchArgs),
 }
 
 #[derive(Clone, Debug, Args)]
@@ -28,5 +32,6 @@ pub(crate) fn run(command: &Bench) -> anyhow::Result<()> {
     match command {
         Bench::Perception(args) => perception::run(args),
         Bench::Video(args) => video::run(args),
+        Bench::Prepare(args) => prepare::run(args),
     }
 }

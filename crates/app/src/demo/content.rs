@@ -4,12 +4,10 @@ use super::FRAMES;
 use crate::kept_pack::{kept, plan_of, write_pack};
 use crate::output::{self, Counting};
 use anyhow::{Context, bail};
-use foveal_core::asset::codec::Codec;
 use foveal_core::asset::picture::{Colour, Matrix};
-use foveal_media::encode::Speed;
 use foveal_media::generate::{FRAMES_PER_SECOND, Scene};
 use foveal_media::pack_file::PackFile;
-use foveal_media::prepare::{Plan, PrepareSettings, ProjectionChoice};
+use foveal_media::prepare::{Plan, PrepareSettings};
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -156,15 +154,9 @@ impl Content {
 
 fn settings() -> anyhow::Result<PrepareSettings> {
     Ok(PrepareSettings {
-        projection: ProjectionChoice::Auto,
-        cut: None,
-        levels: None,
-        ratio: 2,
-        codec: Codec::Vp9,
-        quality: None,
-        speed: Speed::Default,
         jobs: output::jobs(None)?,
         most_frames: Some(FRAMES),
+        ..PrepareSettings::default()
     })
 }
 

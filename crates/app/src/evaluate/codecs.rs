@@ -9,8 +9,7 @@ use crate::output;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use foveal_core::asset::codec::Codec;
-use foveal_media::encode::Speed;
-use foveal_media::prepare::{PrepareSettings, ProjectionChoice};
+use foveal_media::prepare::{PrepareSettings, Quality};
 use serde::Serialize;
 
 #[derive(Clone, Debug, Args)]
@@ -19,9 +18,9 @@ pub(crate) struct CodecsArgs {
     trial: TrialOptions,
     #[command(flatten)]
     cut: CutOptions,
-    /// Codecs to compare.
+    /// Codecs to compare; jpeg90 is JPEG of quality 90.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = parse_coding)]
-    #[arg(default_value = "vp9,jpeg,png")]
+    #[arg(default_value = "vp8,vp9,h264,hevc,av1,jpeg90,jpeg100,png")]
     codecs: Vec<Coding>,
 }
 
@@ -30,7 +29,7 @@ pub(crate) struct CodecsArgs {
 struct Coding {
     name: String,
     codec: Codec,
-    quality: Option<u8>,
+    quality: Option<Quality>,
 }
 
 #[derive(Debug, Serialize)]
@@ -83,15 +82,14 @@ pub(super) fn run(args: &CodecsArgs) -> anyhow::Result<()> {
 impl CodecsArgs {
     fn settings(&self, coding: &Coding, jobs: usize) -> PrepareSettings {
         PrepareSettings {
-            projection: ProjectionChoice::Auto,
             cut: self.cut.asked(),
             levels: self.cut.levels,
             ratio: self.cut.level_ratio,
             codec: coding.codec,
-            quality: coding.quality,
-            speed: Speed::Default,
+            quality: coding.quality.clone(),
             jobs,
             most_frames: Some(self.trial.frames),
+            ..PrepareSettings::default()
         }
     }
 
@@ -108,12 +106,19 @@ impl CodecsArgs {
     }
 }
 
+/// Reads the name of a codec, of JPEG with its quality as `jpeg90`.
 fn parse_coding(name: &str) -> anyhow::Result<Coding> {
-    let (codec, quality) = match name {
-        "vp9" => (Codec::Vp9, None),
-        "jpeg" => (Codec::Jpeg, None),
-        "png" => (Codec::Png, None),
-        _ => return Err(anyhow!("expected vp9, jpeg or png")),
+    let jpeg = name
+        .strip_prefix("jpeg")
+        .and_then(|quality| quality.parse().ok());
+    let named = Codec::ALL.into_iter().find(|codec| codec.name() == name);
+    let (codec, quality) = match (jpeg, named) {
+        (Some(quality @ 1..=100), _) => (Codec::Jpeg, Some(Quality::Ijg(vec![quality]))),
+        (_, Some(codec)) => (codec, None),
+        _ => {
+            let names = Codec::ALL.map(Codec::name).join(", ");
+            return Err(anyhow!("expected one of {names} or jpeg1 to jpeg100"));
+        }
     };
     Ok(Coding {
         name: name.to_owned(),
@@ -125,7 +130,8 @@ fn parse_coding(name: &str) -> anyhow::Result<Coding> {
 impl Report {
     fn text(&self) -> String {
         let mut text = format!(
-            "{}\n{}, {} frames\n\n{:<8} {:>9} {:>8} {:>10} {:>8} {:>8} {:>8} {:>8}  bytes a level\n",
+            "{}\n{}, {} frames\n\n\
+             {:<8} {:>9} {:>8} {:>10} {:>8} {:>8} {:>8} {:>8}  bytes a level\n",
             self.machine.text(),
             self.input,
             self.frames,

@@ -6,10 +6,8 @@ use super::trial::{Trial, TrialOptions};
 use crate::demo::machine::Machine;
 use crate::output;
 use clap::Args;
-use foveal_core::asset::codec::Codec;
 use foveal_core::asset::tile_grid::Cut;
-use foveal_media::encode::Speed;
-use foveal_media::prepare::{PrepareError, PrepareSettings, ProjectionChoice};
+use foveal_media::prepare::{PrepareError, PrepareSettings};
 use serde::Serialize;
 
 #[derive(Clone, Debug, Args)]
@@ -93,15 +91,12 @@ pub(super) fn run(args: &GridSweepArgs) -> anyhow::Result<()> {
 impl GridSweepArgs {
     fn settings(&self, grid: [u32; 2], levels: u8, jobs: usize) -> PrepareSettings {
         PrepareSettings {
-            projection: ProjectionChoice::Auto,
             cut: Some(Cut::Grid(grid)),
             levels: Some(levels),
             ratio: self.level_ratio,
-            codec: Codec::Vp9,
-            quality: None,
-            speed: Speed::Default,
             jobs,
             most_frames: Some(self.trial.frames),
+            ..PrepareSettings::default()
         }
     }
 }

@@ -19,6 +19,7 @@ mod numbers;
 mod perception;
 mod perceptual;
 mod refusals;
+mod resume;
 mod scenes;
 mod selection;
 mod support;

@@ -3,7 +3,7 @@
 //! The clips carry their frame's number in every cell; it is read back out of the pictures.
 
 use crate::scenes::{CELL, numbered_sphere, read_numbers, turned, write_clip_at};
-use crate::support::{Folder, column, done, frame_picture, json};
+use crate::support::{Folder, column, done, frame_picture, json, refused};
 use foveal_core::asset::picture::Picture;
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
@@ -13,6 +13,7 @@ use foveal_media::generate::numbered_tiles;
 use serde_json::Value;
 
 const FRAMES: u32 = 18;
+const CODECS: [&str; 7] = ["vp9", "vp8", "h264", "hevc", "av1", "jpeg", "png"];
 
 /// Bursts of three frames a millisecond apart, which a paced run cannot have every tile of in time,
 /// with pauses in which the scan path moves on.
@@ -134,4 +135,63 @@ fn even_the_coarsest_level_carries_numbers_that_can_be_read() {
         let shown = Some(frame as u32);
         assert_eq!(read(frame), [([0, 0, 0], shown), ([0, 1, 0], shown)]);
     }
+}
+
+/// Groups of 8, 8 and 32 frames: first, middle and last of a group, and the short one at the end.
+const STARTS: [u32; 6] = [0, 1, 7, 8, 13, 17];
+
+#[test]
+fn a_run_may_begin_at_any_frame_in_every_codec() {
+    let folder = Folder::new();
+    let size = [192, 128];
+    let clip = write_bursts(&folder, &numbered_flat(size, FRAMES));
+    let surface = Surface::flat(size, Screen::default());
+    let view = EyeView::filling(&surface, size);
+    for codec in CODECS {
+        let pack = folder.name(&format!("{codec}.foveal"));
+        let how = ["--codec", codec, "--tile", "64", "--levels", "3"];
+        done(&[&["prepare", "video", &clip, "--out", &pack], &how[..]].concat());
+        for start in STARTS {
+            let out = folder.name(&format!("{codec}-{start}"));
+            let at = start.to_string();
+            let one = ["--start", &at, "--frames", "1", "--policy", "full"];
+            let run = json(&[&["simulate", &pack, "--out", &out], &one[..]].concat());
+            assert_eq!(run["frames"], 1);
+            assert_eq!(run["wrong_frame_tiles"], 0, "{codec} {start}");
+            let numbers = read_numbers(&frame_picture(&out, start as usize), &surface, &view);
+            assert_eq!(numbers.len(), 6, "{codec} {start}");
+            for (cell, number) in numbers {
+                assert_eq!(number, Some(start), "{codec}, cell {cell:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn frames_count_from_the_first_that_is_played() {
+    let folder = Folder::new();
+    let clip = write_bursts(&folder, &numbered_flat([128, 64], FRAMES));
+    let (pack, out) = (folder.name("a.foveal"), folder.name("out"));
+    let how = ["--tile", "64", "--levels", "2"];
+    done(&[&["prepare", "video", &clip, "--out", &pack], &how[..]].concat());
+    let simulate = ["simulate", &pack, "--out", &out, "--gaze", "center"];
+    let part = ["--start", "5", "--frames", "7", "--every", "3"];
+    done(&[&simulate[..], &part].concat());
+    let played: Vec<f64> = (5..12).map(f64::from).collect();
+    assert_eq!(column(&out, "frame"), played);
+    let pictures: Vec<String> = [5, 8, 11].map(|n| format!("frame_{n:05}.png")).into();
+    let names = ["frames.csv".to_owned(), "session.jsonl".to_owned()];
+    let mut there: Vec<String> = std::fs::read_dir(&out)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    there.sort();
+    assert_eq!(there, [pictures, names.into()].concat());
+    let log = format!("{out}/session.jsonl");
+    assert_eq!(json(&["replay", &log])["same"], true);
+    let ran = done(&[&simulate[..], &["--start", "15", "--frames", "9"]].concat());
+    let said = "has 18 frames, so 3 from frame 15 on are played";
+    assert!(ran.stderr.contains(said), "{}", ran.stderr);
+    let late = [&simulate[..], &["--start", "18"]].concat();
+    refused(2, &late, &["--start", "18", "0 to 17"]);
 }

@@ -2,9 +2,11 @@
 
 pub mod codec;
 pub mod cues;
+pub mod key_frame;
 pub mod order;
 pub mod pack;
 pub mod picture;
+pub mod rate;
 pub mod signature;
 pub mod tile_grid;
 pub mod unit;

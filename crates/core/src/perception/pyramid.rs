@@ -105,21 +105,40 @@ fn pixels([w, h]: [u32; 2]) -> usize {
 }
 
 /// The next coarser level and its size.
+///
+/// Along each row first, then down the columns: each row is filtered once.
 #[must_use]
 pub fn halved(fine: &[f64], size: [u32; 2]) -> (Vec<f64>, [u32; 2]) {
     let [w, h] = size.map(|side| side as usize);
     let coarse_size = half_size(size);
     let [cw, ch] = coarse_size.map(|side| side as usize);
-    let tap = |values: [f64; 4]| (values[0] + 3.0 * (values[1] + values[2]) + values[3]) / 8.0;
+    let mut along = Vec::with_capacity(cw * h);
+    for row in fine.chunks_exact(w).take(h) {
+        halve_row(row, &mut along);
+    }
     let mut coarse = Vec::with_capacity(cw * ch);
     for y in 0..ch {
-        let rows = four_around(y, h).map(|row| &fine[row * w..][..w]);
-        for x in 0..cw {
-            let columns = four_around(x, w);
-            coarse.push(tap(rows.map(|row| tap(columns.map(|column| row[column])))));
-        }
+        let [a, b, c, d] = four_around(y, h).map(|row| &along[row * cw..][..cw]);
+        coarse.extend((0..cw).map(|x| tap([a[x], b[x], c[x], d[x]])));
     }
     (coarse, coarse_size)
+}
+
+fn tap([a, b, c, d]: [f64; 4]) -> f64 {
+    (a + 3.0 * (b + c) + d) / 8.0
+}
+
+/// Appends every second place of a row, filtered.
+fn halve_row(row: &[f64], out: &mut Vec<f64>) {
+    let (w, half) = (row.len(), row.len().div_ceil(2));
+    let clamped = |x: usize| tap(four_around(x, w).map(|column| row[column]));
+    out.push(clamped(0));
+    // Away from the borders four samples lie side by side, two further on each time.
+    let inside = row.get(1..).unwrap_or_default().windows(4).step_by(2);
+    let before = out.len();
+    out.extend(inside.map(|four| tap([four[0], four[1], four[2], four[3]])));
+    let done = 1 + out.len() - before;
+    out.extend((done..half).map(clamped));
 }
 
 /// The four fine samples that one coarse sample covers, of `count`; the border repeats.
@@ -133,16 +152,38 @@ pub(super) fn four_around(coarse: usize, count: usize) -> [usize; 4] {
 pub fn doubled(coarse: &[f64], coarse_size: [u32; 2], fine_size: [u32; 2]) -> Vec<f64> {
     let [cw, ch] = coarse_size.map(|side| side as usize);
     let [w, h] = fine_size.map(|side| side as usize);
+    let mut along = Vec::with_capacity(w * ch);
+    for row in coarse.chunks_exact(cw).take(ch) {
+        double_row(row, w, &mut along);
+    }
     let mut fine = Vec::with_capacity(w * h);
     for y in 0..h {
-        let [near_row, far_row] = two_around(y, ch).map(|row| &coarse[row * cw..][..cw]);
-        for x in 0..w {
-            let [near, far] = two_around(x, cw);
-            let at = |row: &[f64]| 0.75 * row[near] + 0.25 * row[far];
-            fine.push(0.75 * at(near_row) + 0.25 * at(far_row));
-        }
+        let [near, far] = two_around(y, ch).map(|row| &along[row * w..][..w]);
+        fine.extend(
+            near.iter()
+                .zip(far)
+                .map(|(near, far)| 0.75 * near + 0.25 * far),
+        );
     }
     fine
+}
+
+/// Appends a row at `width` places, bilinear.
+fn double_row(row: &[f64], width: usize, out: &mut Vec<f64>) {
+    let count = row.len();
+    let place = |x: usize| {
+        let [near, far] = two_around(x, count);
+        0.75 * row[near] + 0.25 * row[far]
+    };
+    out.push(place(0));
+    let end = out.len() - 1 + width;
+    for pair in row.windows(2) {
+        out.push(0.75 * pair[0] + 0.25 * pair[1]);
+        out.push(0.75 * pair[1] + 0.25 * pair[0]);
+    }
+    out.truncate(end);
+    let done = width - (end - out.len());
+    out.extend((done..width).map(place));
 }
 
 /// The coarse sample that a fine one lies in, and the one that it lies next to, of `count`.
@@ -182,6 +223,53 @@ mod tests {
             }
         }
         most
+    }
+
+    /// The definition, one sample at a time.
+    fn slowly_halved(fine: &[f64], size: [u32; 2]) -> Vec<f64> {
+        let [w, h] = size.map(|side| side as usize);
+        let mut coarse = Vec::new();
+        for y in 0..h.div_ceil(2) {
+            for x in 0..w.div_ceil(2) {
+                let rows = four_around(y, h).map(|row| &fine[row * w..][..w]);
+                let columns = four_around(x, w);
+                coarse.push(tap(rows.map(|row| tap(columns.map(|column| row[column])))));
+            }
+        }
+        coarse
+    }
+
+    fn slowly_doubled(coarse: &[f64], size: [u32; 2], fine_size: [u32; 2]) -> Vec<f64> {
+        let [cw, ch] = size.map(|side| side as usize);
+        let [w, h] = fine_size.map(|side| side as usize);
+        let mut fine = Vec::new();
+        for y in 0..h {
+            let rows = two_around(y, ch).map(|row| &coarse[row * cw..][..cw]);
+            for x in 0..w {
+                let [near, far] = two_around(x, cw);
+                let [a, b] = rows.map(|row| 0.75 * row[near] + 0.25 * row[far]);
+                fine.push(0.75 * a + 0.25 * b);
+            }
+        }
+        fine
+    }
+
+    #[test]
+    fn rows_at_once_are_samples_one_by_one() {
+        for w in 1..20u32 {
+            for h in [1u32, 2, 3, 8, 13] {
+                let value = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 20) / 7.0;
+                let fine: Vec<f64> = (0..w * h).map(value).collect();
+                let (coarse, coarse_size) = halved(&fine, [w, h]);
+                assert_eq!(coarse, slowly_halved(&fine, [w, h]), "{w}x{h}");
+                let again = doubled(&coarse, coarse_size, [w, h]);
+                assert_eq!(
+                    again,
+                    slowly_doubled(&coarse, coarse_size, [w, h]),
+                    "{w}x{h}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@ use foveal_core::asset::pack::{
     Description, HEADER_BYTES, Header, Pack, PackBuilder, SideTable, Source,
 };
 use foveal_core::asset::picture::{Colour, Matrix};
+use foveal_core::asset::rate::QualityScale;
 use foveal_core::asset::signature::{SIGNATURES_VERSION, Signature, Signatures};
 use foveal_core::asset::tile_grid::Cut;
 use foveal_core::gaze::sample::GazeSample;
@@ -29,6 +30,8 @@ fn small_pack() -> Pack {
         ratio: 2,
         codec: Codec::Png,
         quality: vec![0; 3],
+        quality_scale: QualityScale::default(),
+        bit_rates: Vec::new(),
         groups: vec![2, 2, 4],
         frames: 5,
         frame_rate: [25, 1],

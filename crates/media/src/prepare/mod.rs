@@ -5,10 +5,15 @@
 //! threads as asked for. A pack is the same bytes for any number of them.
 
 mod cutter;
+mod identity;
 mod notes;
 mod plan;
+mod rates;
+#[cfg(test)]
+mod speed_tests;
 
 pub use plan::{Plan, PrepareSettings, ProjectionChoice, Surround};
+pub use rates::Quality;
 
 use crate::encode::{EncodeSettings, encode_group};
 use crate::error::MediaError;
@@ -18,12 +23,13 @@ use crate::pack_writer::PackWriter;
 use crate::parallel::in_parallel;
 use cutter::Cutter;
 use foveal_core::asset::order::hilbert_distance;
-use foveal_core::asset::pack::{Description, MAX_FRAMES, SideTable};
+use foveal_core::asset::pack::{Description, MAX_FRAMES, SideTable, Step};
 use foveal_core::asset::picture::Picture;
 use foveal_core::asset::tile_grid::{GridError, Tile};
+use identity::{Stamp, identity_of};
 use notes::Notes;
 use std::path::Path;
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use thiserror::Error;
 
 /// Frames that are read ahead while others are coded.
@@ -45,6 +51,9 @@ pub enum PrepareError {
     /// An option does not fit the input.
     #[error("{0}")]
     Option(String),
+    /// It is not what it was when its preparation began.
+    #[error("{0} changed while it was read; wait until it is finished, then prepare it again")]
+    Changed(String),
     /// There is nothing in it.
     #[error("{0} has no frames; give a file with at least one picture")]
     NoFrames(String),
@@ -64,11 +73,18 @@ pub struct Progress {
 /// Where coded tiles go: a pack, or nowhere when only cost is asked for.
 trait Sink {
     fn push(&mut self, coded: &CodedGroup) -> Result<(), PackFileError>;
+
+    /// All groups up to a frame were pushed.
+    fn commit(&mut self, step: Step) -> Result<(), PackFileError>;
 }
 
 impl Sink for PackWriter {
     fn push(&mut self, coded: &CodedGroup) -> Result<(), PackFileError> {
         Self::push(self, coded.tile, coded.first_frame, &coded.access_units)
+    }
+
+    fn commit(&mut self, step: Step) -> Result<(), PackFileError> {
+        Self::commit(self, step)
     }
 }
 
@@ -77,6 +93,10 @@ struct Nowhere;
 
 impl Sink for Nowhere {
     fn push(&mut self, _: &CodedGroup) -> Result<(), PackFileError> {
+        Ok(())
+    }
+
+    fn commit(&mut self, _: Step) -> Result<(), PackFileError> {
         Ok(())
     }
 }
@@ -98,8 +118,60 @@ pub fn prepare(
     plan: &Plan,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Description, u64), PrepareError> {
-    let mut writer = PackWriter::create(out, &plan.description)?;
-    let (times, notes) = code(input, plan, None, &mut writer, progress)?;
+    let writer = PackWriter::create(out, &plan.description)?;
+    write_pack(input, plan, writer, &[], progress)
+}
+
+/// What a preparation that can be gone on with tells while it works.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// It goes on where an earlier one was stopped, or starts afresh although there was one.
+    Begins(String),
+    /// How far it is.
+    Progress(Progress),
+}
+
+/// As [`prepare`]; however it is stopped, the same call goes on after the last group of all levels
+/// that was whole, and ends with the same bytes.
+///
+/// Until the pack is whole, `OUT.partial` and `OUT.partial.journal` lie beside it. What was begun
+/// from another or a changed input, with other settings or by another version is not gone on with,
+/// nor is anything where `go_on` is false; an event says so.
+pub fn prepare_resumable(
+    input: &Path,
+    out: &Path,
+    plan: &Plan,
+    go_on: bool,
+    tell: &mut dyn FnMut(Event),
+) -> Result<(Description, u64), PrepareError> {
+    let identity = identity_of(input, plan)?;
+    let begun = PackWriter::resume(out, &plan.description, identity, go_on)?;
+    if let Some(note) = begun.note {
+        tell(Event::Begins(note));
+    }
+    let mut progress = |progress| tell(Event::Progress(progress));
+    write_pack(input, plan, begun.writer, &begun.steps, &mut progress)
+}
+
+/// Codes what follows the steps and finishes the pack.
+fn write_pack(
+    input: &Path,
+    plan: &Plan,
+    mut writer: PackWriter,
+    steps: &[Step],
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(Description, u64), PrepareError> {
+    let mut coder = Coder::new(plan);
+    for step in steps {
+        coder.take_up(step);
+    }
+    let before = Stamp::of(input);
+    let coded = code(input, &mut coder, None, &mut writer, progress);
+    if Stamp::of(input) != before {
+        return Err(PrepareError::Changed(input.display().to_string()));
+    }
+    coded?;
+    let Coder { times, notes, .. } = coder;
     let mut description = plan.description.clone();
     description.frames = times.len() as u32;
     let mut tables = vec![SideTable {
@@ -117,38 +189,28 @@ pub fn prepare(
 pub fn rehearse(input: &Path, plan: &Plan, frames: u32) -> Result<(u32, u64), PrepareError> {
     let mut bytes = 0;
     let mut note = |progress: Progress| bytes = progress.bytes;
-    let (times, _) = code(input, plan, Some(frames), &mut Nowhere, &mut note)?;
-    Ok((times.len() as u32, bytes))
+    let mut coder = Coder::new(plan);
+    code(input, &mut coder, Some(frames), &mut Nowhere, &mut note)?;
+    Ok((coder.frames, bytes))
 }
 
-/// Reads, cuts and codes; returns the time of every frame in nanoseconds, and what was noted of
-/// every unit.
+/// Reads, cuts and codes the frames that `coder` has not taken up.
 fn code(
     input: &Path,
-    plan: &Plan,
+    coder: &mut Coder<'_>,
     most_frames: Option<u32>,
     sink: &mut dyn Sink,
     progress: &mut dyn FnMut(Progress),
-) -> Result<(Vec<i64>, Notes), PrepareError> {
-    let mut coder = Coder::new(plan);
-    let mut times = Vec::new();
+) -> Result<(), PrepareError> {
+    let plan = coder.plan;
     let most = most_frames.or(plan.most_frames).unwrap_or(MAX_FRAMES);
+    let known = coder.times.clone();
+    let of = plan.frames.map(|of| of.min(u64::from(most)));
+    let mut progress = |frames, bytes| progress(Progress { frames, of, bytes });
     let (send, receive) = sync_channel(READ_AHEAD);
     std::thread::scope(|scope| {
-        let reader = scope.spawn(move || read_frames(input, &send, most));
-        let coded = code_frames(
-            &receive,
-            &mut coder,
-            &mut times,
-            sink,
-            &mut |frames, bytes| {
-                progress(Progress {
-                    frames,
-                    of: plan.frames.map(|of| of.min(u64::from(most))),
-                    bytes,
-                });
-            },
-        );
+        let reader = scope.spawn(move || read_frames(input, &known, &send, most));
+        let coded = code_frames(&receive, coder, sink, &mut progress);
         // The reader stops when nobody listens.
         drop(receive);
         let read = reader
@@ -156,24 +218,36 @@ fn code(
             .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         coded.and(read)
     })?;
-    if times.is_empty() {
+    // What is not whole is coded only when all frames before it could be read.
+    coder.flush()?;
+    coder.write(sink)?;
+    progress(coder.frames, coder.bytes);
+    if coder.times.is_empty() {
         return Err(PrepareError::NoFrames(input.display().to_string()));
     }
-    Ok((times, coder.notes))
+    Ok(())
 }
 
+/// Hands over the frames after those whose times are known already.
 fn read_frames(
     input: &Path,
-    send: &std::sync::mpsc::SyncSender<TimedPicture>,
+    known: &[i64],
+    send: &SyncSender<TimedPicture>,
     most: u32,
 ) -> Result<(), PrepareError> {
+    let changed = || PrepareError::Changed(input.display().to_string());
     let mut video = VideoInput::open(input)?;
-    for _ in 0..most {
-        let Some(frame) = video.next_frame()? else {
-            break;
-        };
-        if send.send(frame).is_err() {
-            break;
+    for number in 0..most as usize {
+        let frame = video.next_frame()?;
+        match (known.get(number), frame) {
+            (Some(time), Some(frame)) if frame.time_ns == *time => {}
+            (Some(_), _) => return Err(changed()),
+            (None, Some(frame)) => {
+                if send.send(frame).is_err() {
+                    break;
+                }
+            }
+            (None, None) => break,
         }
     }
     Ok(())
@@ -182,21 +256,17 @@ fn read_frames(
 fn code_frames(
     frames: &Receiver<TimedPicture>,
     coder: &mut Coder<'_>,
-    times: &mut Vec<i64>,
     sink: &mut dyn Sink,
     progress: &mut dyn FnMut(u32, u64),
 ) -> Result<(), PrepareError> {
     for frame in frames {
-        coder.push(&frame.picture)?;
-        times.push(frame.time_ns);
+        coder.push(&frame)?;
         if coder.frames.is_multiple_of(coder.period()) {
             coder.write(sink)?;
+            sink.commit(coder.step())?;
         }
         progress(coder.frames, coder.bytes);
     }
-    coder.flush()?;
-    coder.write(sink)?;
-    progress(coder.frames, coder.bytes);
     Ok(())
 }
 
@@ -208,6 +278,9 @@ struct Coder<'a> {
     waiting: Vec<Vec<Vec<Picture>>>,
     coded: Vec<CodedGroup>,
     notes: Notes,
+    times: Vec<i64>,
+    /// Times that [`Self::step`] has told.
+    told: usize,
     frames: u32,
     bytes: u64,
 }
@@ -222,8 +295,35 @@ impl<'a> Coder<'a> {
             waiting: (0..grid.levels).map(empty).collect(),
             coded: Vec::new(),
             notes: Notes::new(&grid, plan.description.colour),
+            times: Vec::new(),
+            told: 0,
             frames: 0,
             bytes: 0,
+        }
+    }
+
+    /// Takes up what an earlier run coded.
+    fn take_up(&mut self, step: &Step) {
+        self.frames = step.frames;
+        self.times.extend(&step.times);
+        self.told = self.times.len();
+        self.notes.take_up(&step.rows);
+        self.bytes += step
+            .chunks
+            .iter()
+            .map(|chunk| u64::from(chunk.bytes))
+            .sum::<u64>();
+    }
+
+    /// What came since the last call, but for the chunks.
+    fn step(&mut self) -> Step {
+        let times = self.times[self.told..].to_vec();
+        self.told = self.times.len();
+        Step {
+            frames: self.frames,
+            times,
+            rows: self.notes.new_rows(),
+            chunks: Vec::new(),
         }
     }
 
@@ -232,8 +332,9 @@ impl<'a> Coder<'a> {
         self.plan.description.groups.last().copied().unwrap_or(1)
     }
 
-    fn push(&mut self, picture: &Picture) -> Result<(), PrepareError> {
-        let tiles = self.cutter.tiles_of(picture);
+    fn push(&mut self, frame: &TimedPicture) -> Result<(), PrepareError> {
+        let tiles = self.cutter.tiles_of(&frame.picture);
+        self.times.push(frame.time_ns);
         for (waiting, tiles) in self.waiting.iter_mut().zip(tiles) {
             for (group, tile) in waiting.iter_mut().zip(tiles) {
                 group.push(tile);
@@ -264,7 +365,7 @@ impl<'a> Coder<'a> {
         let description = &self.plan.description;
         let settings = EncodeSettings {
             codec: description.codec,
-            quality: description.quality[usize::from(level)],
+            rate: self.plan.rates[usize::from(level)],
             frame_rate: description
                 .frame_rate
                 .map(|n| n.min(i32::MAX as u32) as i32),

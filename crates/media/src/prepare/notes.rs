@@ -16,6 +16,8 @@ pub(super) struct Notes {
     /// Of each level, in the order of its units: groups, in a group by rank.
     signatures: Vec<Vec<u8>>,
     cues: Vec<u8>,
+    /// Bytes of each of those that [`Self::new_rows`] has told, the cues' last.
+    told: Vec<usize>,
 }
 
 /// What was measured of one unit, as it lies in the tables; empty where a table has no such row.
@@ -33,7 +35,30 @@ impl Notes {
             ratio: grid.ratio,
             signatures: vec![Vec::new(); usize::from(grid.levels)],
             cues: Vec::new(),
+            told: vec![0; usize::from(grid.levels) + 1],
         }
+    }
+
+    /// What came since the last call: the signatures of each level, then the cues.
+    pub(super) fn new_rows(&mut self) -> Vec<Vec<u8>> {
+        let all = self.signatures.iter().chain([&self.cues]);
+        let rows = all.zip(&mut self.told).map(|(rows, told)| {
+            let new = rows[*told..].to_vec();
+            *told = rows.len();
+            new
+        });
+        rows.collect()
+    }
+
+    /// Takes up what [`Self::new_rows`] told in an earlier run; false where it is not of this grid.
+    pub(super) fn take_up(&mut self, rows: &[Vec<u8>]) -> bool {
+        let all = self.signatures.iter_mut().chain([&mut self.cues]);
+        for (known, new) in all.zip(rows) {
+            known.extend_from_slice(new);
+        }
+        let fits = rows.len() == self.told.len();
+        let _ = self.new_rows();
+        fits
     }
 
     /// Measures one tile over one group of frames.

@@ -1,13 +1,15 @@
 //! What will a pack of this input look like?
 
 use super::PrepareError;
-use crate::encode::Speed;
+use super::rates::{Quality, describe, rates_of};
+use crate::encode::{Rate, Speed};
 use crate::source::SourceInfo;
 use crate::sphere::{Coverage, face_size_for};
 use crate::spherical::{Projection as SourceProjection, Spherical, StereoLayout};
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::{Description, Source};
 use foveal_core::asset::picture::Colour;
+use foveal_core::asset::rate::QualityScale;
 use foveal_core::asset::tile_grid::{Cut, TileGrid};
 use foveal_core::view::surface::{Screen, Surface};
 use std::path::Path;
@@ -48,14 +50,31 @@ pub struct PrepareSettings {
     pub ratio: u32,
     /// Codec of the tiles.
     pub codec: Codec,
-    /// Quantiser of every level; the codec's default if `None`.
-    pub quality: Option<u8>,
+    /// Quality or bit rate of the levels; the codec's default quantiser if `None`.
+    pub quality: Option<Quality>,
     /// Time against size.
     pub speed: Speed,
     /// Threads.
     pub jobs: usize,
     /// Stop after this many frames.
     pub most_frames: Option<u32>,
+}
+
+impl Default for PrepareSettings {
+    /// What `foveal prepare video` does without options, on one thread.
+    fn default() -> Self {
+        Self {
+            projection: ProjectionChoice::Auto,
+            cut: None,
+            levels: None,
+            ratio: 2,
+            codec: Codec::Vp9,
+            quality: None,
+            speed: Speed::Default,
+            jobs: 1,
+            most_frames: None,
+        }
+    }
 }
 
 /// What will be made of an input.
@@ -71,6 +90,8 @@ pub struct Plan {
     pub notes: Vec<String>,
     /// Frames as far as the container tells.
     pub frames: Option<u64>,
+    /// Rate of each level, finest first.
+    pub(super) rates: Vec<Rate>,
     pub(super) speed: Speed,
     pub(super) jobs: usize,
     pub(super) most_frames: Option<u32>,
@@ -110,11 +131,9 @@ impl Plan {
             chroma_left: info.colour.chroma_left && surround == Surround::Flat,
             ..info.colour
         };
-        let quality = settings
-            .quality
-            .unwrap_or_else(|| default_quality(settings.codec));
+        let rates = rates_of(settings.quality.as_ref(), settings.codec, levels)?;
         let frame_rate = info.frame_rate.map(|n| n.max(1) as u32);
-        let description = Description {
+        let mut description = Description {
             generator: concat!("foveal ", env!("CARGO_PKG_VERSION")).to_owned(),
             projection: surface.projection,
             size: surface.size,
@@ -122,7 +141,9 @@ impl Plan {
             levels,
             ratio: settings.ratio,
             codec: settings.codec,
-            quality: vec![quality; usize::from(levels)],
+            quality: Vec::new(),
+            quality_scale: QualityScale::default(),
+            bit_rates: Vec::new(),
             groups: groups(levels, f64::from(frame_rate[0]) / f64::from(frame_rate[1])),
             frames: info
                 .frames
@@ -141,18 +162,35 @@ impl Plan {
             },
             tables: Vec::new(),
         };
+        describe(&rates, &mut description);
         Ok(Self {
             description,
             grid,
             surround,
             notes,
             frames: info.frames,
+            rates,
             speed: settings.speed,
             jobs: settings.jobs.max(1),
             most_frames: settings.most_frames,
             source_chroma_left: info.colour.chroma_left,
             stretch_to_full_range,
         })
+    }
+}
+
+impl Plan {
+    /// Everything but the input and the program that the bytes of the pack depend on, as text.
+    pub(super) fn what_decides_the_bytes(&self) -> String {
+        let about = &self.description;
+        format!(
+            "{:?}",
+            (
+                (about, self.grid, self.surround, &self.rates),
+                (self.speed, self.most_frames),
+                (self.source_chroma_left, self.stretch_to_full_range),
+            )
+        )
     }
 }
 
@@ -188,14 +226,6 @@ fn default_levels(surface: Surface, ratio: u32) -> u8 {
     let longest = surface.size[0].max(surface.size[1]);
     let fits = |level: &u8| longest / ratio.max(2).pow(u32::from(*level)) >= LEAST_COARSEST;
     (1..LEVELS).take_while(fits).count() as u8 + 1
-}
-
-fn default_quality(codec: Codec) -> u8 {
-    match codec {
-        Codec::Vp9 => 24,
-        Codec::Jpeg => 3,
-        Codec::Png => 0,
-    }
 }
 
 /// Frames in a group, finest level first: 8, 8, 16, .. 16, 32, doubled for fast content. Short

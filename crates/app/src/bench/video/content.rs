@@ -7,10 +7,8 @@ use crate::kept_pack::{kept, plan_of, write_pack};
 use crate::output::{self, Counting};
 use anyhow::{Context, bail};
 use clap::ValueEnum;
-use foveal_core::asset::codec::Codec;
 use foveal_core::asset::picture::{Colour, Matrix, Picture};
 use foveal_core::view::surface::Screen;
-use foveal_media::encode::Speed;
 use foveal_media::generate::{FRAMES_PER_SECOND, Pan, Scene};
 use foveal_media::prepare::{PrepareSettings, ProjectionChoice};
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
@@ -96,14 +94,8 @@ impl Generated {
             } else {
                 ProjectionChoice::Flat
             },
-            cut: None,
-            levels: None,
-            ratio: 2,
-            codec: Codec::Vp9,
-            quality: None,
-            speed: Speed::Default,
             jobs: output::jobs(None)?,
-            most_frames: None,
+            ..PrepareSettings::default()
         })
     }
 

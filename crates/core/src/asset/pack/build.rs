@@ -1,6 +1,8 @@
 //! Which bytes does a new pack begin and end with?
 
-use super::{Description, Entry, HEADER_BYTES, Header, PackError, TableEntry, index::Layout};
+use super::{
+    Description, Entry, HEADER_BYTES, Header, PackError, PlacedChunk, TableEntry, index::Layout,
+};
 use crate::asset::tile_grid::Tile;
 use crate::asset::unit::UnitId;
 
@@ -67,14 +69,54 @@ impl PackBuilder {
         access_units
             .iter()
             .for_each(|unit| chunk.extend_from_slice(unit));
-        let entry = Entry {
-            offset: self.at,
+        self.take_up(PlacedChunk {
+            tile,
+            first_frame,
             bytes: chunk.len() as u32,
             crc32c: crc32c::crc32c(&chunk),
-        };
-        self.at += chunk.len() as u64;
-        self.chunks.push((tile, first_frame, entry));
+        });
         chunk
+    }
+
+    /// Notes the next chunk, which lies in the file already.
+    pub fn take_up(&mut self, chunk: PlacedChunk) {
+        let entry = Entry {
+            offset: self.at,
+            bytes: chunk.bytes,
+            crc32c: chunk.crc32c,
+        };
+        self.at += u64::from(chunk.bytes);
+        self.chunks.push((chunk.tile, chunk.first_frame, entry));
+    }
+
+    /// Number of chunks noted so far.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.chunks.len()
+    }
+
+    /// Whether no chunk was noted.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.chunks.is_empty()
+    }
+
+    /// Where the next chunk is to be written.
+    #[must_use]
+    pub fn end(&self) -> u64 {
+        self.at
+    }
+
+    /// The chunks noted after the first `count`.
+    #[must_use]
+    pub fn chunks_after(&self, count: usize) -> Vec<PlacedChunk> {
+        let placed = |(tile, first_frame, entry): &(Tile, u32, Entry)| PlacedChunk {
+            tile: *tile,
+            first_frame: *first_frame,
+            bytes: entry.bytes,
+            crc32c: entry.crc32c,
+        };
+        self.chunks[count..].iter().map(placed).collect()
     }
 
     /// The bytes before and after the chunks. Every unit of `description` must have been pushed

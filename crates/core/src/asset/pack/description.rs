@@ -3,6 +3,7 @@
 use super::{MAX_FRAMES, MAX_GROUP, PackError};
 use crate::asset::codec::Codec;
 use crate::asset::picture::Colour;
+use crate::asset::rate::QualityScale;
 use crate::asset::tile_grid::{Cut, TileGrid};
 use crate::view::surface::{Projection, Screen, Surface};
 use serde::{Deserialize, Serialize};
@@ -24,8 +25,15 @@ pub struct Description {
     pub ratio: u32,
     /// Codec of every tile.
     pub codec: Codec,
-    /// Quantiser or quality of each level, finest first.
+    /// Quantiser or quality of each level, finest first; 0 where bit rates were asked for.
     pub quality: Vec<u8>,
+    /// The scale of `quality`.
+    #[serde(default, skip_serializing_if = "QualityScale::is_default")]
+    pub quality_scale: QualityScale,
+    /// Bits per second that each tile of a level was coded for, finest level first; empty where the
+    /// quality was fixed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bit_rates: Vec<u32>,
     /// Frames in a full group of each level, finest first; each a multiple of those before it.
     pub groups: Vec<u32>,
     /// Number of frames.
@@ -114,6 +122,11 @@ impl Description {
                 found,
                 expected,
             ));
+        }
+        if !self.bit_rates.is_empty() && self.bit_rates.len() != levels {
+            let expected = format!("none or {levels}, one a level");
+            let found = format!("{} entries", self.bit_rates.len());
+            return Err(PackError::new("description.bit_rates", found, expected));
         }
         let in_range = self.groups.iter().all(|g| (1..=MAX_GROUP).contains(g));
         if !in_range || self.groups.windows(2).any(|pair| pair[1] % pair[0] != 0) {

@@ -7,12 +7,14 @@
 mod build;
 mod description;
 mod index;
+mod journal;
 #[cfg(test)]
 mod tests;
 
 pub use build::{PackBuilder, PackHead, SideTable};
 pub use description::{Description, Source, TableEntry};
 pub use index::{Entry, Pack, split_chunk};
+pub use journal::{Identity, JOURNAL_MAGIC, Journal, PlacedChunk, Step, read_any_journal};
 
 use thiserror::Error;
 

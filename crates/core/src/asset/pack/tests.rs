@@ -3,6 +3,7 @@
 use super::*;
 use crate::asset::codec::Codec;
 use crate::asset::picture::{Colour, Matrix};
+use crate::asset::rate::QualityScale;
 use crate::asset::tile_grid::{Cut, Tile};
 use crate::asset::unit::UnitId;
 use crate::view::surface::Projection;
@@ -17,6 +18,8 @@ fn description() -> Description {
         ratio: 2,
         codec: Codec::Png,
         quality: vec![0; 3],
+        quality_scale: QualityScale::default(),
+        bit_rates: Vec::new(),
         groups: vec![2, 4, 4],
         frames: 7,
         frame_rate: [30, 1],
@@ -220,6 +223,29 @@ fn bytes_of_hex(hex: &str) -> Vec<u8> {
     let digits: Vec<u8> = hex.bytes().filter(u8::is_ascii_hexdigit).collect();
     let byte = |pair: &[u8]| u8::from_str_radix(core::str::from_utf8(pair).unwrap(), 16).unwrap();
     digits.chunks(2).map(byte).collect()
+}
+
+#[test]
+fn a_description_without_a_scale_is_on_the_quantiser_scale() {
+    let plain = description();
+    let json = serde_json::to_string(&plain).unwrap();
+    assert!(
+        !json.contains("quality_scale") && !json.contains("bit_rates"),
+        "{json}"
+    );
+    assert_eq!(Description::parse(json.as_bytes()), Ok(plain.clone()));
+    let rated = Description {
+        quality_scale: QualityScale::Ijg,
+        bit_rates: vec![9, 8, 7],
+        ..plain
+    };
+    let json = serde_json::to_vec(&rated).unwrap();
+    assert_eq!(Description::parse(&json), Ok(rated.clone()));
+    let short = Description {
+        bit_rates: vec![9, 8],
+        ..rated
+    };
+    assert_eq!(short.check().unwrap_err().field, "description.bit_rates");
 }
 
 #[test]

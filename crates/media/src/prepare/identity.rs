@@ -1,0 +1,59 @@
+//! Is this the same input, made into the same pack by the same program, as before?
+
+use super::PrepareError;
+use super::plan::Plan;
+use crate::error::MediaError;
+use foveal_core::asset::pack::Identity;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use std::time::SystemTime;
+
+/// Bytes at the beginning of an input that are compared.
+const FIRST_BYTES: u64 = 1 << 20;
+
+/// What changes when a file is written to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Stamp {
+    bytes: u64,
+    modified: Option<SystemTime>,
+}
+
+impl Stamp {
+    /// The stamp of a file; `None` where there is none under that name.
+    pub(super) fn of(input: &Path) -> Option<Self> {
+        let there = std::fs::metadata(input).ok()?;
+        Some(Self {
+            bytes: there.len(),
+            modified: there.modified().ok(),
+        })
+    }
+}
+
+/// What a pack that was begun must agree in to be gone on with.
+pub(super) fn identity_of(input: &Path, plan: &Plan) -> Result<Identity, PrepareError> {
+    let unreadable = |e: std::io::Error| MediaError::Open {
+        path: input.to_owned(),
+        reason: e.to_string(),
+    };
+    let mut first = Vec::new();
+    let file = File::open(input).map_err(unreadable)?;
+    file.take(FIRST_BYTES)
+        .read_to_end(&mut first)
+        .map_err(unreadable)?;
+    let codecs = ffmpeg_next::codec::version();
+    let [major, minor, micro] = [codecs >> 16, codecs >> 8 & 255, codecs & 255];
+    Ok(Identity {
+        program: format!(
+            "{}, libavcodec {major}.{minor}.{micro}",
+            plan.description.generator
+        ),
+        input: format!(
+            "{}, {:?}, {:08x}",
+            plan.description.source.name,
+            Stamp::of(input),
+            crc32c::crc32c(&first)
+        ),
+        settings: plan.what_decides_the_bytes(),
+    })
+}

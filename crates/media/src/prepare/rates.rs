@@ -1,0 +1,71 @@
+//! How fine, or of how many bytes, is each level coded?
+
+use super::PrepareError;
+use crate::encode::Rate;
+use foveal_core::asset::codec::Codec;
+use foveal_core::asset::pack::Description;
+use foveal_core::asset::rate::QualityScale;
+
+/// What the caller asks for: one value for all levels, or one a level, finest first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Quality {
+    /// Fixed quantisers, lower is finer.
+    Quantiser(Vec<u8>),
+    /// JPEG qualities on the scale of the Independent JPEG Group, 1 to 100, higher is finer.
+    Ijg(Vec<u8>),
+    /// Bits per second of each tile.
+    BitRate(Vec<u32>),
+}
+
+/// The rate of each level, finest first; the codec's default where nothing is asked for.
+pub(super) fn rates_of(
+    quality: Option<&Quality>,
+    codec: Codec,
+    levels: u8,
+) -> Result<Vec<Rate>, PrepareError> {
+    let asked: Vec<Rate> = match quality {
+        None => vec![Rate::Quantiser(default_quantiser(codec))],
+        Some(Quality::Quantiser(all)) => all.iter().map(|q| Rate::Quantiser(*q)).collect(),
+        Some(Quality::Ijg(all)) => all.iter().map(|q| Rate::Ijg(*q)).collect(),
+        Some(Quality::BitRate(all)) => all.iter().map(|bits| Rate::Bits(*bits)).collect(),
+    };
+    match asked.len() {
+        1 => Ok(vec![asked[0]; usize::from(levels)]),
+        count if count == usize::from(levels) => Ok(asked),
+        count => Err(PrepareError::Option(format!(
+            "{count} qualities or bit rates for {levels} levels; give one for all, or one a level, \
+             finest first"
+        ))),
+    }
+}
+
+/// Writes the rates into a description.
+pub(super) fn describe(rates: &[Rate], description: &mut Description) {
+    let quality = |rate: &Rate| match rate {
+        Rate::Quantiser(q) | Rate::Ijg(q) => *q,
+        Rate::Bits(_) => 0,
+    };
+    let bits = |rate: &Rate| match rate {
+        Rate::Bits(bits) => Some(*bits),
+        _ => None,
+    };
+    description.quality = rates.iter().map(quality).collect();
+    description.bit_rates = rates.iter().filter_map(bits).collect();
+    description.quality_scale = match rates.first() {
+        Some(Rate::Ijg(_)) => QualityScale::Ijg,
+        _ => QualityScale::Quantiser,
+    };
+}
+
+/// About the same quality in every codec: 40 to 44 dB on natural video.
+fn default_quantiser(codec: Codec) -> u8 {
+    match codec {
+        Codec::Vp9 => 24,
+        Codec::Vp8 => 16,
+        Codec::H264 => 26,
+        Codec::Hevc => 27,
+        Codec::Av1 => 28,
+        Codec::Jpeg => 3,
+        Codec::Png => 0,
+    }
+}

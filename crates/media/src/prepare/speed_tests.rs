@@ -1,0 +1,98 @@
+//! Where does the time of a preparation go?
+
+use super::*;
+use crate::encode::{Rate, Speed};
+use crate::generate::Scene;
+use crate::source::SourceInfo;
+use foveal_core::asset::codec::Codec;
+use foveal_core::asset::picture::{Colour, Matrix};
+use std::time::Instant;
+
+fn info([width, height]: [u32; 2]) -> SourceInfo {
+    SourceInfo {
+        width,
+        height,
+        frame_rate: [30, 1],
+        frames: Some(8),
+        seconds: None,
+        colour: Colour {
+            matrix: Matrix::Bt709,
+            full_range: false,
+            chroma_left: false,
+        },
+        spherical: None,
+        stereo: None,
+        has_alpha: false,
+        pixel_aspect: None,
+        is_hdr: false,
+        codec: "none".to_owned(),
+        pixel_format: "yuv420p".to_owned(),
+        bytes: 0,
+        looks_still: false,
+    }
+}
+
+/// `cargo test --release -p foveal-media speed_of_preparing -- --ignored --nocapture`
+#[test]
+#[ignore = "a measurement"]
+fn speed_of_preparing() {
+    let size = [4096, 2048];
+    for (name, scene, projection) in [
+        ("wide", Scene::wide(size), ProjectionChoice::Flat),
+        ("sphere", Scene::panorama(size), ProjectionChoice::Equirect),
+    ] {
+        let settings = PrepareSettings {
+            projection,
+            ..PrepareSettings::default()
+        };
+        let plan = Plan::new(Path::new("none"), &info(size), &settings).unwrap();
+        let pixels = f64::from(size[0] * size[1]) * 8.0 / 1e6;
+        let say = |what: &str, begun: Instant| {
+            let seconds = begun.elapsed().as_secs_f64();
+            println!(
+                "{name}: {what} {:.0} source MPix/s of one thread",
+                pixels / seconds
+            );
+        };
+        let frames: Vec<Picture> = (0..8).map(|n| scene.frame(n)).collect();
+        let cutter = Cutter::new(&plan);
+        let begun = Instant::now();
+        let cut: Vec<_> = frames.iter().map(|frame| cutter.tiles_of(frame)).collect();
+        say("cutting", begun);
+        let groups: Vec<(u8, Vec<Picture>)> = (0..plan.grid.levels)
+            .flat_map(|level| {
+                let cut = &cut;
+                (0..plan.grid.tiles_in_level(level) as usize).map(move |rank| {
+                    let of = |frame: &Vec<Vec<Picture>>| frame[usize::from(level)][rank].clone();
+                    (level, cut.iter().map(of).collect())
+                })
+            })
+            .collect();
+        let notes = Notes::new(&plan.grid, plan.description.colour);
+        let begun = Instant::now();
+        for (level, group) in &groups {
+            notes.measure(*level, group);
+        }
+        say("measuring", begun);
+        for (codec, speed, rate) in [
+            (Codec::Vp9, Speed::Default, 24),
+            (Codec::Vp9, Speed::Fast, 24),
+            (Codec::Vp9, Speed::Small, 24),
+            (Codec::Jpeg, Speed::Default, 3),
+        ] {
+            let settings = EncodeSettings {
+                codec,
+                rate: Rate::Quantiser(rate),
+                frame_rate: [30, 1],
+                speed,
+            };
+            let begun = Instant::now();
+            let mut bytes = 0;
+            for (_, group) in &groups {
+                let units = encode_group(&settings, group).unwrap();
+                bytes += units.iter().map(Vec::len).sum::<usize>();
+            }
+            say(&format!("{codec:?} {speed:?}, {} kB,", bytes / 1000), begun);
+        }
+    }
+}
