@@ -11,7 +11,8 @@ use foveal_media::VideoInput;
 use foveal_media::encode::Speed;
 use foveal_media::pack_file::{PackFile, partial_path};
 use foveal_media::prepare::{
-    Plan, PrepareError, PrepareSettings, Progress, ProjectionChoice, prepare, rehearse,
+    Plan, PrepareError, PrepareSettings, Progress, ProjectionChoice, StereoChoice, prepare,
+    rehearse,
 };
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -23,6 +24,18 @@ enum ProjectionName {
     Flat,
     Equirect,
     HalfEquirect,
+    /// Faces in 3x2, 6x1 or 1x6, or in 4x1 without top and bottom.
+    Cube,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum StereoName {
+    Auto,
+    Mono,
+    /// Side by side.
+    Sbs,
+    /// Top and bottom.
+    Tb,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -42,6 +55,9 @@ pub(crate) struct PrepareVideoArgs {
     /// How the picture surrounds the eye; auto goes by metadata, name and size, and says so.
     #[arg(long, value_enum, default_value = "auto")]
     projection: ProjectionName,
+    /// Where the pictures of two eyes lie; auto goes by metadata and name, and says so.
+    #[arg(long, value_enum, default_value = "auto")]
+    stereo: StereoName,
     #[command(flatten)]
     cut: CutOptions,
     /// Codec of the tiles.
@@ -132,6 +148,13 @@ impl PrepareVideoArgs {
                 ProjectionName::Flat => ProjectionChoice::Flat,
                 ProjectionName::Equirect => ProjectionChoice::Equirect,
                 ProjectionName::HalfEquirect => ProjectionChoice::HalfEquirect,
+                ProjectionName::Cube => ProjectionChoice::Cube,
+            },
+            stereo: match self.stereo {
+                StereoName::Auto => StereoChoice::Auto,
+                StereoName::Mono => StereoChoice::Mono,
+                StereoName::Sbs => StereoChoice::SideBySide,
+                StereoName::Tb => StereoChoice::TopBottom,
             },
             cut: match (self.cut.grid, self.cut.tile) {
                 (Some(grid), _) => Some(Cut::Grid(grid)),

@@ -1,12 +1,14 @@
 //! Turns files into packs and packs into frames.
 
 mod convert;
+pub mod cube_layout;
 mod cut_short;
 pub mod decode;
 pub mod decode_pool;
 mod deliver;
 pub mod encode;
 pub mod error;
+pub mod eye_layout;
 mod ffmpeg;
 mod frame;
 mod frame_file;

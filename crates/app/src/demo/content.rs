@@ -9,7 +9,9 @@ use foveal_core::asset::picture::{Colour, Matrix};
 use foveal_media::encode::Speed;
 use foveal_media::generate::{FRAMES_PER_SECOND, Scene};
 use foveal_media::pack_file::PackFile;
-use foveal_media::prepare::{Plan, PrepareSettings, Progress, ProjectionChoice, prepare};
+use foveal_media::prepare::{
+    Plan, PrepareSettings, Progress, ProjectionChoice, StereoChoice, prepare,
+};
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter, VideoInput};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -151,6 +153,7 @@ impl Content {
         let info = VideoInput::open(&self.source)?.info().clone();
         let settings = PrepareSettings {
             projection: ProjectionChoice::Auto,
+            stereo: StereoChoice::Auto,
             cut: None,
             levels: None,
             ratio: 2,

@@ -5,10 +5,13 @@
 //! threads as asked for. A pack is the same bytes for any number of them.
 
 mod cutter;
+mod name_words;
 mod notes;
 mod plan;
+mod surround;
 
-pub use plan::{Plan, PrepareSettings, ProjectionChoice, Surround};
+pub use plan::{Plan, PrepareSettings};
+pub use surround::{ProjectionChoice, StereoChoice, Surround};
 
 use crate::encode::{EncodeSettings, encode_group};
 use crate::error::MediaError;
