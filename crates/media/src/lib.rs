@@ -40,6 +40,8 @@ mod format_tests;
 #[cfg(test)]
 mod input_tests;
 #[cfg(test)]
+mod layout_tests;
+#[cfg(test)]
 mod pack_tests;
 #[cfg(test)]
 mod scenes;
