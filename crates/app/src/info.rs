@@ -34,6 +34,12 @@ pub(crate) struct PackInfo {
     /// Pixels of one face at level 0.
     face_width: u32,
     face_height: u32,
+    /// Eyes with a picture of their own.
+    eyes: u8,
+    /// Faces of one eye.
+    faces: u32,
+    /// Width and height of a pixel to each other.
+    pixel_aspect: [u32; 2],
     cut: Cut,
     units: usize,
     levels: u8,
@@ -66,6 +72,9 @@ impl PackInfo {
             height: about.source.size[1],
             face_width: about.size[0],
             face_height: about.size[1],
+            eyes: about.eyes,
+            faces: pack.grid().surface.faces_of_an_eye(),
+            pixel_aspect: about.pixel_aspect,
             cut: about.cut,
             units: pack.units().count(),
             levels: about.levels,
@@ -84,10 +93,21 @@ impl PackInfo {
     }
 
     pub(crate) fn text(&self) -> String {
-        let surround = match self.projection {
-            Projection::Flat => "flat".to_owned(),
-            Projection::Cube => format!("cube of {0}x{0} px faces", self.face_width),
+        let [wide, high] = self.pixel_aspect;
+        let mut surround = match (self.projection, self.faces) {
+            (Projection::Flat, _) if wide != high => format!("flat, pixels of {wide}:{high}"),
+            (Projection::Flat, _) => "flat".to_owned(),
+            (Projection::Cube, 4) => {
+                format!(
+                    "four faces of {0}x{0} px round the horizon",
+                    self.face_width
+                )
+            }
+            (Projection::Cube, _) => format!("cube of {0}x{0} px faces", self.face_width),
         };
+        if self.eyes > 1 {
+            surround += ", for each of two eyes";
+        }
         let cut = match self.cut {
             Cut::Tile(px) => format!("tiles of {px} px"),
             Cut::Grid([c, r]) => format!("a grid of {c}x{r} a face"),

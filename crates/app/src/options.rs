@@ -200,6 +200,7 @@ impl ViewOptions {
                     axes: Axes::FRONT,
                     field,
                     size,
+                    eye: Default::default(),
                 }
             }
         })
@@ -216,7 +217,11 @@ impl ViewOptions {
     fn default_size(&self, surface: &Surface) -> anyhow::Result<[u32; 2]> {
         let [w, h] = surface.size;
         let (width, height_of_width) = match surface.projection {
-            Projection::Flat => (w, f64::from(h) / f64::from(w)),
+            Projection::Flat => {
+                let height_of_width = surface.tangents[1] / surface.tangents[0];
+                let shown = (f64::from(h) / height_of_width).round() as u32;
+                (w.max(shown), height_of_width)
+            }
             Projection::Cube => {
                 let across = 2.0 * (self.fov()?.0 / 2.0).tan() / surface.pitch();
                 // Even, and 16:10 as headset eyes roughly are.

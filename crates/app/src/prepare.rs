@@ -10,7 +10,8 @@ use foveal_media::VideoInput;
 use foveal_media::encode::Speed;
 use foveal_media::pack_file::{PackFile, partial_path};
 use foveal_media::prepare::{
-    Event, Plan, PrepareError, PrepareSettings, ProjectionChoice, prepare_resumable, rehearse,
+    Event, Plan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice, prepare_resumable,
+    rehearse,
 };
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -22,6 +23,18 @@ enum ProjectionName {
     Flat,
     Equirect,
     HalfEquirect,
+    /// Faces in 3x2, 6x1 or 1x6, or in 4x1 without top and bottom.
+    Cube,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum StereoName {
+    Auto,
+    Mono,
+    /// Side by side.
+    Sbs,
+    /// Top and bottom.
+    Tb,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -34,6 +47,9 @@ pub(crate) struct PrepareVideoArgs {
     /// How the picture surrounds the eye; auto goes by metadata, name and size, and says so.
     #[arg(long, value_enum, default_value = "auto")]
     projection: ProjectionName,
+    /// Where the pictures of two eyes lie; auto goes by metadata and name, and says so.
+    #[arg(long, value_enum, default_value = "auto")]
+    stereo: StereoName,
     #[command(flatten)]
     cut: CutOptions,
     #[command(flatten)]
@@ -119,6 +135,13 @@ impl PrepareVideoArgs {
                 ProjectionName::Flat => ProjectionChoice::Flat,
                 ProjectionName::Equirect => ProjectionChoice::Equirect,
                 ProjectionName::HalfEquirect => ProjectionChoice::HalfEquirect,
+                ProjectionName::Cube => ProjectionChoice::Cube,
+            },
+            stereo: match self.stereo {
+                StereoName::Auto => StereoChoice::Auto,
+                StereoName::Mono => StereoChoice::Mono,
+                StereoName::Sbs => StereoChoice::SideBySide,
+                StereoName::Tb => StereoChoice::TopBottom,
             },
             cut: self.cut.asked(),
             levels: self.cut.levels,

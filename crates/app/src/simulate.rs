@@ -14,6 +14,8 @@ use foveal_core::selection::policy::PolicyConfig;
 use foveal_core::selection::session::{Session, sha256_hex};
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::yaw_pitch_from_direction;
+use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::surface::Eye;
 use foveal_media::pack_file::PackFile;
 use foveal_media::picture_from_rgba::picture_from_rgba;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
@@ -34,6 +36,23 @@ enum Pictures {
     Video,
     /// None: only figures.
     None,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum EyeName {
+    Left,
+    Right,
+    Both,
+}
+
+impl EyeName {
+    fn eyes(self) -> &'static [Eye] {
+        match self {
+            Self::Left => &[Eye::Left],
+            Self::Right => &[Eye::Right],
+            Self::Both => &[Eye::Left, Eye::Right],
+        }
+    }
 }
 
 #[derive(Clone, Debug, Args)]
@@ -69,6 +88,9 @@ pub(crate) struct SimulateArgs {
     /// What pictures to write.
     #[arg(long, value_enum, default_value = "png")]
     pictures: Pictures,
+    /// Whose picture to write, of content for two eyes; both lie side by side.
+    #[arg(long, value_enum, default_value = "left")]
+    eye: EyeName,
     /// Write every Nth picture.
     #[arg(long, value_name = "N", default_value_t = 1)]
     every: u32,
@@ -434,7 +456,20 @@ impl<'a> PictureSink<'a> {
             return Ok(());
         }
         let marks = self.args.heat_map.then(|| marks(report));
-        match player.canvas.picture(&report.view, marks.as_ref())? {
+        let mut picture: Option<RgbaImage> = None;
+        for eye in self.args.eye.eyes() {
+            let view = EyeView {
+                eye: *eye,
+                ..report.view
+            };
+            let drawn = player.canvas.picture(&view, marks.as_ref())?;
+            picture = match (picture, drawn) {
+                (Some(left), Some(right)) => Some(left.beside(&right)),
+                (None, drawn) => drawn,
+                (left, None) => left,
+            };
+        }
+        match picture {
             Some(image) if self.args.pictures == Pictures::Png => {
                 write_png(&self.args.out.join(format!("frame_{frame:05}.png")), &image)
             }

@@ -63,6 +63,7 @@ impl Decision {
             axes: Axes::FRONT,
             field: Field::across(Radians::from_degrees(48.0), size),
             size,
+            eye: Default::default(),
         };
         Self {
             luma,

@@ -1,6 +1,7 @@
 //! Turns files into packs and packs into frames.
 
 mod convert;
+pub mod cube_layout;
 mod cut_short;
 pub mod decode;
 pub mod decode_pool;
@@ -9,6 +10,7 @@ mod deliver;
 pub mod encode;
 mod encoder;
 pub mod error;
+pub mod eye_layout;
 mod ffmpeg;
 mod frame;
 mod frame_file;
@@ -42,6 +44,8 @@ mod decode_pool_tests;
 mod format_tests;
 #[cfg(test)]
 mod input_tests;
+#[cfg(test)]
+mod layout_tests;
 #[cfg(test)]
 mod pack_tests;
 #[cfg(test)]

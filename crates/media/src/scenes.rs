@@ -195,6 +195,7 @@ pub(crate) fn read_one(path: &Path) -> (VideoInput, Picture) {
 pub(crate) fn settings(projection: ProjectionChoice, codec: Codec) -> PrepareSettings {
     PrepareSettings {
         projection,
+        stereo: crate::prepare::StereoChoice::Auto,
         cut: Some(Cut::Tile(32)),
         levels: Some(3),
         codec,

@@ -1,11 +1,14 @@
 // Which colour does a pixel of a view into a cube get?
 //
-// Reads the resident tiles; a ray always meets a face. See shared/picture.wgsl.
+// Reads the resident tiles; where a panorama has no face it is black. See shared/picture.wgsl.
 
 // Draws the pixels whose samples lie in one tile, and leaves the others.
 @fragment
 fn reconstruct_cube_inside(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let seen = seen_by(position.xy);
+    if (!seen.inside) {
+        return vec4f(0.0, 0.0, 0.0, 1.0);
+    }
     let found = picture_at(seen.face, seen.place, seen.footprint, false);
     if (!found.complete) {
         discard;
@@ -16,5 +19,8 @@ fn reconstruct_cube_inside(@builtin(position) position: vec4f) -> @location(0) v
 @fragment
 fn reconstruct_cube(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let seen = seen_by(position.xy);
+    if (!seen.inside) {
+        return vec4f(0.0, 0.0, 0.0, 1.0);
+    }
     return vec4f(picture_at(seen.face, seen.place, seen.footprint, true).colour, 1.0);
 }

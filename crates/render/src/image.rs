@@ -43,6 +43,26 @@ impl RgbaImage {
         image
     }
 
+    /// This picture with another of the same height to its right.
+    ///
+    /// # Panics
+    /// When their heights differ.
+    #[must_use]
+    pub fn beside(&self, right: &Self) -> Self {
+        assert_eq!(self.size[1], right.size[1], "pictures of two heights");
+        let rows = |image: &Self| image.size[0].max(1) as usize * 4;
+        let pairs = self
+            .pixels
+            .chunks(rows(self))
+            .zip(right.pixels.chunks(rows(right)));
+        Self {
+            size: [self.size[0] + right.size[0], self.size[1]],
+            pixels: pairs
+                .flat_map(|(left, right)| [left, right].concat())
+                .collect(),
+        }
+    }
+
     /// The four bytes of the pixel in column `x` of row `y`.
     #[must_use]
     pub fn pixel(&self, [x, y]: [u32; 2]) -> [u8; 4] {

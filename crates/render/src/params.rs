@@ -46,8 +46,10 @@ pub struct TileParams {
     pub coarsest_scale: f32,
     /// Where a chroma sample of level 0 lies across its two luma columns, 0 to 1.
     pub chroma_offset: f32,
+    /// Faces of one eye; those of the other follow.
+    pub faces_of_an_eye: u32,
     /// Keeps the rows that follow at a multiple of sixteen.
-    pub unused: [u32; 2],
+    pub unused: u32,
     /// Rows that turn (Y, U, V, 1) into red, green, blue, all 0 to 1.
     pub rgb_from_yuv: [[f32; 4]; 3],
 }
@@ -58,6 +60,10 @@ pub struct TileParams {
 pub struct ViewParams {
     /// Columns of the matrix that turns (column, row, 1) into a homogeneous place or a ray.
     pub content_from_pixel: [[f32; 4]; 3],
+    /// The first face of the eye that looks.
+    pub first_face: u32,
+    /// Keeps the size a multiple of sixteen.
+    pub unused: [u32; 3],
 }
 
 /// What the overlay draws.
@@ -96,6 +102,8 @@ impl ViewParams {
         let column = |c: glam::DVec3| [c.x as f32, c.y as f32, c.z as f32, 0.0];
         Self {
             content_from_pixel: [column(m.x_axis), column(m.y_axis), column(m.z_axis)],
+            first_face: grid.surface.first_face(view.eye),
+            unused: [0; 3],
         }
     }
 }
@@ -129,7 +137,8 @@ impl TileParams {
             growth: grid.blend_pixels() as f32,
             coarsest_scale: grid.scale(grid.coarsest()) as f32,
             chroma_offset: if colour.chroma_left { 0.25 } else { 0.5 },
-            unused: [0; 2],
+            faces_of_an_eye: grid.surface.faces_of_an_eye(),
+            unused: 0,
             rgb_from_yuv: rgb_from_yuv(colour),
         }
     }

@@ -9,7 +9,7 @@ mod common;
 use common::*;
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::surface::Surface;
+use foveal_core::view::surface::{Eye, Surface};
 use foveal_render::{Gpu, Overlay};
 use std::path::Path;
 
@@ -141,4 +141,18 @@ fn a_cube_fine_round_a_gaze_at_an_edge() {
     assert_golden("cube_gaze", &scene, &tiles, &view, None);
     assert_golden("cube_levels", &scene, &tiles, &view, Some(marks()));
     assert_golden("cube_coarsest", &scene, &[], &view, None);
+}
+
+#[test]
+fn a_panorama_without_poles_at_the_corner_of_a_face_for_the_right_eye() {
+    let surface = Surface::cube(512).without_poles().for_two_eyes();
+    let grid = TileGrid::new(surface, Cut::Tile(64), 4, 2).unwrap();
+    let scene = Scene::new(grid, FULL, |face, place| {
+        let [y, u, v] = detail_around(&surface, face, place);
+        if face < 4 { [y, v, u] } else { [y, u, v] }
+    });
+    let right = surface.first_face(Eye::Right);
+    let tiles = fine_around(&scene.grid, right, [500.0, 120.0], [70.0, 45.0]);
+    let view = of_right_eye(turned([45.0, 30.0, 0.0], 70.0, [96, 72]));
+    assert_golden("panorama_right_eye", &scene, &tiles, &view, None);
 }

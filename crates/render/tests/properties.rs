@@ -7,8 +7,8 @@ use common::*;
 use foveal_core::asset::picture::{Colour, Matrix, Picture};
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::surface::Surface;
-use foveal_render::{Gpu, RgbaImage};
+use foveal_core::view::surface::{Eye, Surface};
+use foveal_render::{Gpu, RgbaImage, twin};
 
 fn flat_scene(size: [u32; 2], cut: Cut, levels: u8, ratio: u32, colour: Colour) -> Scene {
     let grid = TileGrid::new(flat(size), cut, levels, ratio).unwrap();
@@ -327,4 +327,90 @@ fn a_cube_of_fine_tiles_shows_the_function_that_it_was_made_from() {
             }
         }
     }
+}
+
+#[test]
+fn each_eye_sees_its_own_content_as_if_there_were_no_other() {
+    let gpu = Gpu::open_blocking().unwrap();
+    for (surface, view) in [
+        (
+            Surface::cube(96),
+            turned([45.0, 30.0, 10.0], 90.0, [90, 70]),
+        ),
+        (
+            Surface::cube(96).without_poles(),
+            turned([45.0, 30.0, 10.0], 90.0, [90, 70]),
+        ),
+        (
+            flat([150, 90]),
+            EyeView::filling(&flat([150, 90]), [120, 72]),
+        ),
+    ] {
+        let both = waves_on(surface.for_two_eyes(), Cut::Tile(32), 3, 2);
+        let tiles = both.some_tiles(9);
+        let count = surface.faces() as usize;
+        let mut drawn = both.on_gpu(&gpu, &tiles);
+        for (eye, first) in [(Eye::Left, 0), (Eye::Right, count)] {
+            let alone = Scene {
+                grid: TileGrid::new(surface, Cut::Tile(32), 3, 2).unwrap(),
+                colour: both.colour,
+                faces: both.faces[first..first + count].to_vec(),
+            };
+            let its = tiles
+                .iter()
+                .filter(|tile| (first..first + count).contains(&usize::from(tile.face)));
+            let own = |tile: &Tile| Tile {
+                face: tile.face - first as u8,
+                ..*tile
+            };
+            let its: Vec<Tile> = its.map(own).collect();
+            let expected = alone.on_gpu(&gpu, &its).reconstruct(&view).unwrap();
+            let seen = drawn.reconstruct(&EyeView { eye, ..view }).unwrap();
+            assert_eq!(
+                difference(&seen, &expected),
+                (0, 0.0),
+                "{surface:?} {eye:?}"
+            );
+            let other = twin::reconstruct(&alone.in_memory(&its), &of_right_eye(view));
+            assert!(
+                difference(&other, &expected).0 <= 3,
+                "one picture serves both eyes"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_panorama_is_black_where_it_has_no_face_and_as_a_cube_elsewhere() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let whole = waves_on(Surface::cube(96), Cut::Tile(32), 3, 2);
+    let ring = waves_on(Surface::cube(96).without_poles(), Cut::Tile(32), 3, 2);
+    let view = turned([30.0, 40.0, 0.0], 100.0, [100, 80]);
+    let expected = whole
+        .on_gpu(&gpu, &whole.finest())
+        .reconstruct(&view)
+        .unwrap();
+    let seen = ring
+        .on_gpu(&gpu, &ring.finest())
+        .reconstruct(&view)
+        .unwrap();
+    let (mut black, mut same) = (0, 0);
+    for y in 0..80 {
+        for x in 0..100 {
+            let ray = view.ray([f64::from(x) + 0.5, f64::from(y) + 0.5]);
+            match ring.grid.surface.locate(ray) {
+                None => {
+                    assert_eq!(seen.pixel([x, y]), [0, 0, 0, 255], "{x},{y}");
+                    black += 1;
+                }
+                // Within two samples of a missing face borders repeat instead of going on.
+                Some((_, place)) if (4.0..92.0).contains(&place[1]) => {
+                    assert_eq!(seen.pixel([x, y]), expected.pixel([x, y]), "{x},{y}");
+                    same += 1;
+                }
+                Some(_) => {}
+            }
+        }
+    }
+    assert!(black > 1000 && same > 1000, "{black} {same}");
 }

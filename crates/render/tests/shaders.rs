@@ -154,11 +154,12 @@ fn uniforms_have_one_layout_in_rust_and_in_wgsl() {
                 growth,
                 coarsest_scale,
                 chroma_offset,
+                faces_of_an_eye,
                 unused,
                 rgb_from_yuv
             ]
         );
-        same_layout!(module, "View", ViewParams, [content_from_pixel]);
+        same_layout!(module, "View", ViewParams, [content_from_pixel, first_face]);
         if shader.name == "overlay" {
             same_layout!(
                 module,

@@ -125,3 +125,39 @@ fn a_cube_is_drawn_as_by_its_twin() {
         }
     }
 }
+
+#[test]
+fn two_eyes_and_missing_faces_are_drawn_as_by_their_twin() {
+    let cube = Surface::cube(100);
+    for (surface, cut, name) in [
+        (cube.for_two_eyes(), Cut::Tile(32), "two cubes"),
+        (cube.without_poles(), Cut::Tile(32), "panorama"),
+        (
+            cube.without_poles(),
+            Cut::Grid([4, 4]),
+            "panorama of a grid",
+        ),
+        (
+            cube.without_poles().for_two_eyes(),
+            Cut::Tile(32),
+            "two panoramas",
+        ),
+    ] {
+        let scene = waves_on(surface, cut, 4, 2);
+        for turn in [[0.0, 0.0, 0.0], [45.0, 44.0, 0.0], [135.0, -60.0, 20.0]] {
+            for (across, size) in [(110.0, [120, 90]), (20.0, [90, 120])] {
+                let view = of_right_eye(turned(turn, across, size));
+                assert_alike(&scene, &view, 3, &format!("{name} {turn:?} {across}"));
+            }
+        }
+    }
+    let scene = waves_on(flat([190, 90]).for_two_eyes(), Cut::Tile(32), 4, 2);
+    for (name, view) in plane_views(&scene.grid.surface) {
+        assert_alike(
+            &scene,
+            &of_right_eye(view),
+            3,
+            &format!("two planes {name}"),
+        );
+    }
+}

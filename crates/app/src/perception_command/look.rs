@@ -59,6 +59,7 @@ impl LookOptions {
             axes: Axes::FRONT,
             field: Field::across(Radians::from_degrees(self.fov), size),
             size,
+            eye: Default::default(),
         };
         Ok(Onlooker {
             view,

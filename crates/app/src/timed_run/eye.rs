@@ -18,7 +18,7 @@ pub(crate) const DWELL: u32 = 9;
 const SPREAD_DEG: f64 = 0.5;
 
 /// An eye that jumps, and the head that follows it on 360° content.
-pub(crate) struct Eye {
+pub(crate) struct JumpingEye {
     surface: Surface,
     random: Random,
     head: FollowingHead,
@@ -26,7 +26,7 @@ pub(crate) struct Eye {
     frames: u32,
 }
 
-impl Eye {
+impl JumpingEye {
     pub(crate) fn new(surface: Surface, seed: u64) -> Self {
         Self {
             surface,

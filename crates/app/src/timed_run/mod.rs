@@ -7,12 +7,12 @@ pub(crate) use run::Run;
 
 use crate::canvas::Drawing;
 use crate::player::{Player, PlayerOptions};
-use eye::Eye;
+use eye::JumpingEye;
 use foveal_core::selection::policy::PolicyConfig;
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
-use foveal_core::view::surface::{Projection, Screen, Surface};
+use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
 use foveal_media::pack_file::PackFile;
 use std::sync::Arc;
 
@@ -56,7 +56,7 @@ impl Conditions<'_> {
             size: [width, height.max(1) as u32],
             ..display
         };
-        let eye = Eye::new(surface, self.seed);
+        let eye = JumpingEye::new(surface, self.seed);
         Ok(Run::new(player, eye, drawn, about.frames))
     }
 }
@@ -71,6 +71,7 @@ fn display(surface: &Surface) -> EyeView {
                 axes: Axes::FRONT,
                 field: Field::across(Radians::from_degrees(HEADSET_FIELD_DEG), size),
                 size,
+                eye: Eye::default(),
             }
         }
     }

@@ -1,6 +1,6 @@
 //! How fast is a pack played under one policy, and is it in time?
 
-use super::eye::{DWELL, Eye};
+use super::eye::{DWELL, JumpingEye};
 use crate::player::{FrameReport, Player};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use foveal_core::units::{Radians, Seconds};
@@ -19,7 +19,7 @@ const RIM: u32 = 12;
 /// A player, its viewer, and what its frames took.
 pub(crate) struct Run {
     player: Player,
-    eye: Eye,
+    eye: JumpingEye,
     /// What the picture is drawn for, which may be smaller than what levels are chosen for.
     drawn: EyeView,
     frames_of_pack: u32,
@@ -38,7 +38,12 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    pub(crate) fn new(player: Player, eye: Eye, drawn: EyeView, frames_of_pack: u32) -> Self {
+    pub(crate) fn new(
+        player: Player,
+        eye: JumpingEye,
+        drawn: EyeView,
+        frames_of_pack: u32,
+    ) -> Self {
         Self {
             player,
             eye,

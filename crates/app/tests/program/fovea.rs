@@ -182,6 +182,7 @@ fn the_fovea_of_a_picture_around_the_viewer_is_that_of_the_whole_picture() {
         axes: Axes::FRONT,
         field: Field::across(Radians::from_degrees(100.0), size),
         size,
+        eye: Default::default(),
     };
     assert_same_in_the_fovea(&folder, &pack, (&surface, "24,0.6"), &view, &looks);
 }

@@ -115,6 +115,7 @@ fn every_tile_of_a_picture_around_the_viewer_is_of_the_frame_shown() {
         axes: Axes::FRONT,
         field: Field::across(Radians::from_degrees(100.0), size),
         size,
+        eye: Default::default(),
     };
     assert_one_frame_a_picture(&folder, &pack, &Surface::cube(256), &view);
 }

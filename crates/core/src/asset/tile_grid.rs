@@ -78,6 +78,12 @@ pub enum GridError {
     /// Grid out of range.
     #[error("a grid of {0}x{1}; each must be 1 to 256 and leave cells of at least 2 pixels")]
     Grid(u32, u32),
+    /// Eyes out of range.
+    #[error("pictures for {0} eyes; there must be 1 or 2")]
+    Eyes(u8),
+    /// Faces of a cube out of range.
+    #[error("a cube of {0} faces; it must have 6, or 4 without top and bottom")]
+    Faces(u8),
     /// More tiles than a pack can address.
     #[error("{0} tiles; at most {MAX_TILES} can be addressed: use larger tiles")]
     Tiles(u64),
@@ -108,6 +114,12 @@ impl TileGrid {
         let [w, h] = self.surface.size;
         if w == 0 || h == 0 || w > MAX_SIDE || h > MAX_SIDE {
             return Err(GridError::Size(w, h));
+        }
+        if !(1..=2).contains(&self.surface.eyes) {
+            return Err(GridError::Eyes(self.surface.eyes));
+        }
+        if ![4, 6].contains(&self.surface.cube_faces) {
+            return Err(GridError::Faces(self.surface.cube_faces));
         }
         if self.levels == 0 || self.levels > MAX_LEVELS {
             return Err(GridError::Levels(self.levels));
@@ -142,10 +154,37 @@ impl TileGrid {
         self.levels - 1
     }
 
-    /// Number of faces.
+    /// Number of faces of all eyes.
     #[must_use]
     pub fn faces(&self) -> u32 {
         self.surface.faces()
+    }
+
+    /// The tile that shows the left eye what `tile` shows its own.
+    #[must_use]
+    pub fn for_left_eye(&self, tile: Tile) -> Tile {
+        Tile {
+            face: (u32::from(tile.face) % self.surface.faces_of_an_eye()) as u8,
+            ..tile
+        }
+    }
+
+    /// What `tile` is to every eye: one tile, or the left eye's and the right eye's.
+    pub fn for_every_eye(&self, tile: Tile) -> impl Iterator<Item = Tile> + use<> {
+        let (left, step) = (
+            self.for_left_eye(tile),
+            self.surface.faces_of_an_eye() as u8,
+        );
+        (0..self.surface.eyes).map(move |eye| Tile {
+            face: left.face + eye * step,
+            ..left
+        })
+    }
+
+    /// All tiles of a level that the left eye has, in rank order: the first of [`Self::tiles_of`].
+    pub fn tiles_of_left_eye(&self, level: u8) -> impl Iterator<Item = Tile> + '_ {
+        let tiles = self.tiles_in_level(level) / u32::from(self.surface.eyes);
+        (0..tiles).map(move |rank| self.tile_at(level, rank))
     }
 
     /// Level-0 pixels under one pixel of `level`, on a side: `ratio^level`.
@@ -318,6 +357,18 @@ mod tests {
         [
             (Surface::cube(4096), Cut::Tile(256), 5, 2),
             (Surface::cube(3000), Cut::Grid([4, 4]), 3, 4),
+            (
+                Surface::cube(300).without_poles().for_two_eyes(),
+                Cut::Tile(64),
+                3,
+                2,
+            ),
+            (
+                Surface::flat([500, 300], screen).for_two_eyes(),
+                Cut::Tile(64),
+                3,
+                2,
+            ),
             (Surface::flat([1280, 720], screen), Cut::Tile(512), 5, 2),
             (Surface::flat([1281, 723], screen), Cut::Tile(128), 4, 2),
             (Surface::flat([7, 3], screen), Cut::Tile(128), 2, 2),
@@ -370,6 +421,24 @@ mod tests {
     }
 
     #[test]
+    fn every_tile_has_one_twin_an_eye_in_the_same_direction() {
+        for grid in grids() {
+            for level in 0..grid.levels {
+                let mut seen: Vec<Tile> = Vec::new();
+                for left in grid.tiles_of_left_eye(level) {
+                    for tile in grid.for_every_eye(left) {
+                        assert_eq!(grid.for_left_eye(tile), left);
+                        assert_eq!(grid.centre(tile), grid.centre(left));
+                        seen.push(tile);
+                    }
+                }
+                seen.sort_by_key(|tile| grid.rank(*tile));
+                assert_eq!(seen, grid.tiles_of(level).collect::<Vec<_>>());
+            }
+        }
+    }
+
+    #[test]
     fn kastner_s_grid_has_its_tile_sizes() {
         let grid = TileGrid::new(Surface::cube(3000), Cut::Grid([4, 4]), 3, 4).unwrap();
         let sides = [0, 1, 2].map(|level| grid.tile_size(grid.tile_at(level, 5))[0]);
@@ -398,6 +467,33 @@ mod tests {
             (flat(64, 64), Cut::Grid([64, 1]), 3, 2),
             (flat(64, 64), Cut::Grid([0, 1]), 3, 2),
             (flat(65_536, 65_536), Cut::Tile(16), 3, 2),
+            (
+                Surface {
+                    eyes: 0,
+                    ..flat(64, 64)
+                },
+                Cut::Tile(64),
+                3,
+                2,
+            ),
+            (
+                Surface {
+                    eyes: 3,
+                    ..flat(64, 64)
+                },
+                Cut::Tile(64),
+                3,
+                2,
+            ),
+            (
+                Surface {
+                    cube_faces: 5,
+                    ..Surface::cube(64)
+                },
+                Cut::Tile(64),
+                3,
+                2,
+            ),
         ] {
             assert!(TileGrid::new(surface, cut, levels, ratio).is_err());
         }

@@ -123,11 +123,11 @@ fn next_fixation(surface: &Surface, random: &mut Random, from: DVec3) -> DVec3 {
 }
 
 fn is_on(surface: &Surface, direction: DVec3) -> bool {
-    surface.projection == Projection::Cube
-        || surface.locate(direction).is_some_and(|(_, place)| {
-            let tangent = surface.tangent(place);
-            (0..2).all(|k| tangent[k].abs() <= INSIDE * surface.tangents[k])
-        })
+    surface.locate(direction).is_some_and(|(_, place)| {
+        let tangent = surface.tangent(place);
+        let inside = (0..2).all(|k| tangent[k].abs() <= INSIDE * surface.tangents[k]);
+        surface.projection == Projection::Cube || inside
+    })
 }
 
 #[cfg(test)]

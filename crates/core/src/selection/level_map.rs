@@ -3,10 +3,11 @@
 use crate::asset::tile_grid::{Cut, Tile, TileGrid};
 use std::collections::BTreeSet;
 
-/// A level for every cell of a grid.
+/// A level for every cell of a grid. Both eyes look at the same place, so what is chosen for a
+/// cell of one eye is chosen for the same cell of the other.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LevelMap {
-    /// Face-major, then rows, then columns: the rank of the cell.
+    /// Face-major, then rows, then columns: the rank of the left eye's cell.
     levels: Vec<u8>,
 }
 
@@ -15,19 +16,19 @@ impl LevelMap {
     #[must_use]
     pub fn filled(grid: &TileGrid, level: u8) -> Self {
         Self {
-            levels: vec![level; grid.tiles_in_level(0) as usize],
+            levels: vec![level; grid.tiles_of_left_eye(0).count()],
         }
     }
 
-    /// The level that `level_of` gives each cell.
+    /// The level that `level_of` gives each cell; it is asked for those of the left eye.
     #[must_use]
     pub fn from_cells(grid: &TileGrid, level_of: impl FnMut(Tile) -> u8) -> Self {
         Self {
-            levels: grid.tiles_of(0).map(level_of).collect(),
+            levels: grid.tiles_of_left_eye(0).map(level_of).collect(),
         }
     }
 
-    /// Levels by rank of the cell.
+    /// Levels by rank of the left eye's cell.
     #[must_use]
     pub fn levels(&self) -> &[u8] {
         &self.levels
@@ -36,16 +37,16 @@ impl LevelMap {
     /// The level of a cell.
     #[must_use]
     pub fn level(&self, grid: &TileGrid, cell: Tile) -> u8 {
-        self.levels[grid.rank(cell) as usize]
+        self.levels[grid.rank(grid.for_left_eye(cell)) as usize]
     }
 
-    /// Makes a cell at least as fine as `level`.
+    /// Makes a cell, for both eyes, at least as fine as `level`.
     pub fn refine(&mut self, grid: &TileGrid, cell: Tile, level: u8) {
-        let at = &mut self.levels[grid.rank(cell) as usize];
+        let at = &mut self.levels[grid.rank(grid.for_left_eye(cell)) as usize];
         *at = level.min(*at);
     }
 
-    /// Number of cells whose level differs.
+    /// Number of the left eye's cells whose level differs.
     #[must_use]
     pub fn changes_from(&self, before: &Self) -> u64 {
         self.levels
@@ -125,6 +126,7 @@ impl LevelMap {
                 .filter(|cell| self.level(grid, *cell) == tile.level)
                 .filter(|cell| grid.tile_over(*cell, tile.level) == *tile)
                 .collect();
+            // Of one eye; the other's tiles are the same size.
             let cost = |level: u8| {
                 let over = served.iter().map(|cell| grid.tile_over(*cell, level));
                 let tiles: BTreeSet<Tile> = over.collect();

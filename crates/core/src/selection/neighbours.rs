@@ -9,7 +9,7 @@ const OUT: f64 = 1e-6;
 const ALONG: f64 = 1e-3;
 
 /// The cells that share an edge or a corner with `cell`, without itself: eight inside a face, fewer
-/// at the border of flat content and seven in the corner of a cube face, where three faces meet.
+/// at the border of flat content or of a face without a neighbour, and seven in the corner of a cube face, where three faces meet.
 #[must_use]
 pub(super) fn neighbours(grid: &TileGrid, cell: Tile) -> Vec<Tile> {
     let from = grid.origin(cell).map(f64::from);
@@ -50,8 +50,10 @@ fn cell_beyond(grid: &TileGrid, face: u8, place: [f64; 2]) -> Option<Tile> {
     if surface.projection == Projection::Flat {
         return None;
     }
-    let (face, place) = surface.locate(surface.direction(u32::from(face), place))?;
-    Some(grid.cell_at(face, place))
+    let (beside, place) = surface.locate(surface.direction(u32::from(face), place))?;
+    // What is located is the left eye's.
+    let first = u32::from(face) / surface.faces_of_an_eye() * surface.faces_of_an_eye();
+    Some(grid.cell_at(first + beside, place))
 }
 
 #[cfg(test)]
@@ -74,9 +76,23 @@ mod tests {
     }
 
     #[test]
+    fn a_panorama_without_poles_closes_round_the_horizon_alone() {
+        let panorama = Surface::cube(3000).without_poles().for_two_eyes();
+        let grid = TileGrid::new(panorama, Cut::Grid([4, 4]), 3, 4).unwrap();
+        for cell in grid.tiles_of(0) {
+            let next = neighbours(&grid, cell);
+            let at_rim = cell.y == 0 || cell.y == 3;
+            assert_eq!(next.len(), if at_rim { 5 } else { 8 }, "{cell:?}");
+            let same_eye = |other: &Tile| other.face / 4 == cell.face / 4;
+            assert!(next.iter().all(same_eye), "{cell:?}");
+        }
+    }
+
+    #[test]
     fn touching_is_mutual() {
         let flat = Surface::flat([1000, 600], Screen::default());
-        for surface in [Surface::cube(640), flat] {
+        let panorama = Surface::cube(640).without_poles().for_two_eyes();
+        for surface in [Surface::cube(640), flat, panorama] {
             let grid = TileGrid::new(surface, Cut::Tile(128), 3, 2).unwrap();
             for cell in grid.tiles_of(0) {
                 for next in neighbours(&grid, cell) {

@@ -11,6 +11,7 @@ use crate::perception::parameters::{EyeState, Model, Parameters};
 use crate::units::{Ppd, Radians};
 use crate::view::axes::{angle_between, direction_between};
 use crate::view::eye_view::EyeView;
+use crate::view::surface::Projection;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -124,7 +125,7 @@ pub struct Moment {
     pub state: EyeState,
 }
 
-/// What was chosen for one frame.
+/// What was chosen for one frame: the same for both eyes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selection {
     /// The level at which each cell is shown.
@@ -146,7 +147,7 @@ impl Selector {
     #[must_use]
     pub fn new(grid: TileGrid, config: PolicyConfig) -> Self {
         let cells = grid
-            .tiles_of(0)
+            .tiles_of_left_eye(0)
             .map(|cell| CellBounds::new(&grid, cell))
             .collect();
         Self {
@@ -218,7 +219,7 @@ impl Selector {
                 .for_each(|next| levels.refine(grid, next, middle));
         }
         let lowest: Vec<Tile> = grid
-            .tiles_of(0)
+            .tiles_of_left_eye(0)
             .filter(|cell| levels.level(grid, *cell) == grid.coarsest())
             .take(self.config.noisy_cells as usize)
             .collect();
@@ -229,17 +230,21 @@ impl Selector {
     }
 
     fn cells_at_gaze(&self, gaze: DVec3) -> Vec<Tile> {
-        let Some((face, place)) = self.grid.surface.locate(gaze) else {
+        let surface = &self.grid.surface;
+        let under = surface.locate(gaze);
+        let under = under.map(|(face, place)| self.grid.cell_at(face, place));
+        if under.is_none() && surface.projection == Projection::Flat {
             return Vec::new();
-        };
+        }
         match self.config.edge_rule {
-            EdgeRule::Single => vec![self.grid.cell_at(face, place)],
+            EdgeRule::Single => under.into_iter().collect(),
             EdgeRule::Conservative => {
                 let margin = self.config.edge_margin.0 + 1e-9;
                 let near = |cell: &Tile| angle_to_cell(&self.grid, *cell, gaze).0 <= margin;
-                let mut cells: Vec<Tile> = self.grid.tiles_of(0).filter(near).collect();
+                let cells = self.grid.tiles_of_left_eye(0);
+                let mut cells: Vec<Tile> = cells.filter(near).collect();
                 if cells.is_empty() {
-                    cells.push(self.grid.cell_at(face, place));
+                    cells.extend(under);
                 }
                 cells
             }

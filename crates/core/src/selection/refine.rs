@@ -28,7 +28,8 @@ pub struct Refiner {
     worth: Worth,
     /// Two units a tile: now, and in the groups that begin next.
     catalog: Catalog,
-    /// All tiles but those of the coarsest level, coarsest first.
+    /// All tiles of the left eye but those of the coarsest level, coarsest first; each is bought
+    /// together with the same tile of the right eye.
     tiles: Vec<Tile>,
     /// Number of the first tile of each level, by level.
     first: Vec<u32>,
@@ -53,7 +54,9 @@ impl Refiner {
     #[must_use]
     pub fn new(grid: TileGrid, config: PolicyConfig) -> Self {
         let finer = (0..grid.coarsest()).rev();
-        let tiles: Vec<Tile> = finer.flat_map(|level| grid.tiles_of(level)).collect();
+        let tiles: Vec<Tile> = finer
+            .flat_map(|level| grid.tiles_of_left_eye(level))
+            .collect();
         let mut first = vec![0; usize::from(grid.levels)];
         for (number, tile) in (0..).zip(&tiles) {
             if tile.x == 0 && tile.y == 0 && tile.face == 0 {
@@ -139,7 +142,15 @@ impl Refiner {
     }
 
     fn number(&self, tile: Tile) -> usize {
+        let tile = self.grid.for_left_eye(tile);
         (self.first[usize::from(tile.level)] + self.grid.rank(tile)) as usize
+    }
+
+    /// Bytes of the units that show a tile to every eye.
+    fn bytes(&self, content: &dyn Content, tile: Tile, frame: u32) -> u32 {
+        let units = self.grid.for_every_eye(tile);
+        let bytes = units.map(|tile| content.bytes(content.unit(tile, frame)));
+        bytes.fold(0, u32::saturating_add)
     }
 
     fn holds(&self, number: usize, unit: UnitId) -> bool {
@@ -156,7 +167,9 @@ impl Refiner {
     /// The finest level that is held for each cell and worth showing there.
     fn shown(&self, content: &dyn Content, frame: u32, gains: &Gains) -> LevelMap {
         let shows = |(number, tile): (usize, &Tile)| {
-            self.holds(number, content.unit(*tile, frame)) && gains.of(&self.grid, *tile) > 0.0
+            let gain = |tile| gains.of(&self.grid, tile);
+            self.holds(number, content.unit(*tile, frame))
+                && self.grid.for_every_eye(*tile).map(gain).sum::<f64>() > 0.0
         };
         let held: Vec<bool> = self.tiles.iter().enumerate().map(shows).collect();
         LevelMap::from_cells(&self.grid, |cell| {
@@ -175,13 +188,16 @@ impl Refiner {
             for number in 0..count {
                 let tile = self.tiles[number];
                 let unit = content.unit(tile, horizon.frame);
-                let value = horizon.weight * horizon.gains.over(&self.grid, tile, &horizon.shown);
+                let over = |tile| horizon.gains.over(&self.grid, tile, &horizon.shown);
+                let gain: f64 = self.grid.for_every_eye(tile).map(over).sum();
+                let value = horizon.weight * gain;
+                let bytes = self.bytes(content, tile, horizon.frame);
                 let entry = 2 * number + which;
                 worth_it[entry] = value > 0.0;
                 let at = entry as u32;
                 self.catalog
                     .set_level(at, u8::from(!self.holds(number, unit)));
-                self.catalog.set_bytes(at, &[content.bytes(unit)]);
+                self.catalog.set_bytes(at, &[bytes]);
                 self.catalog.set_values(at, &[value]);
             }
         }
@@ -194,7 +210,7 @@ impl Refiner {
                 let unit = content.unit(self.tiles[number], horizon.frame);
                 if !self.holds(number, unit) {
                     self.keep(number, unit);
-                    bytes += u64::from(content.bytes(unit));
+                    bytes += u64::from(self.bytes(content, self.tiles[number], horizon.frame));
                 }
             }
         }
@@ -340,6 +356,7 @@ mod tests {
                 axes: Axes::FRONT,
                 field: Field::across(Radians::from_degrees(100.0), size),
                 size,
+                eye: Default::default(),
             }),
             state: EyeState::Steady,
         }
@@ -509,6 +526,28 @@ mod tests {
             finest.iter().map(|level| f64::from(*level)).sum::<f64>() / finest.len() as f64
         });
         assert!(shares[0] < shares[1], "{shares:?}");
+    }
+
+    #[test]
+    fn both_eyes_are_bought_for_together_out_of_one_budget() {
+        let surface = grid().surface.for_two_eyes();
+        let both = TileGrid { surface, ..grid() };
+        for policy in BUDGETED {
+            let mut refiner = Refiner::new(both, config(policy));
+            let selection = refiner.refine(&Busy, 0, &moment(20.0), Some(60_000));
+            let finer = selection.tiles.iter().filter(|tile| tile.level < 3);
+            let bytes = finer.map(|tile| u64::from(Busy.bytes(Busy.unit(*tile, 0))));
+            assert!(bytes.sum::<u64>() <= refiner.spent() && refiner.spent() <= 60_000);
+            assert!(
+                selection.tiles.iter().any(|tile| tile.level < 3),
+                "{policy:?}"
+            );
+            for tile in &selection.tiles {
+                for twin in both.for_every_eye(*tile) {
+                    assert!(selection.tiles.contains(&twin), "{policy:?} {twin:?}");
+                }
+            }
+        }
     }
 
     #[test]

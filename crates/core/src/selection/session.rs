@@ -187,6 +187,7 @@ impl SessionFrame {
                 axes: self.head.axes(),
                 field: head.field,
                 size: head.size,
+                eye: Default::default(),
             }),
             state: self.state,
         }
@@ -386,6 +387,7 @@ fn scripted_session(surface: Surface, config: PolicyConfig) -> Session {
         axes: HeadPose::default().axes(),
         field: Field::across(Radians::from_degrees(100.0), size),
         size,
+        eye: Default::default(),
     };
     let frames = (0..20).map(|frame| {
         let gaze = path.at(Seconds(f64::from(frame) * 0.1)).0;

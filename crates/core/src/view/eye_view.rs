@@ -1,7 +1,7 @@
 //! Which ray belongs to a pixel of what shows the picture?
 
 use super::axes::Axes;
-use super::surface::{Projection, Surface};
+use super::surface::{Eye, Projection, Surface};
 use crate::units::{Ppd, Radians};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
@@ -16,6 +16,8 @@ pub struct EyeView {
     pub field: Field,
     /// Columns and rows of the picture.
     pub size: [u32; 2],
+    /// Whose picture it shows, where each eye has its own.
+    pub eye: Eye,
 }
 
 /// Tangents of the four half angles of a field of view, each measured outwards from the axis.
@@ -59,6 +61,7 @@ impl EyeView {
             axes: Axes::FRONT,
             field: Field::symmetric(surface.tangents),
             size,
+            eye: Eye::Left,
         }
     }
 
@@ -168,6 +171,7 @@ mod tests {
             axes: Axes::from_yaw_pitch_roll(Radians(0.4), Radians(-0.2), Radians(0.1)),
             field: Field::across(Radians(1.7), size),
             size,
+            eye: Eye::Left,
         };
         for place in [[0.5, 0.5], [320.0, 240.0], [639.5, 13.5]] {
             let back = view.place(view.ray(place).normalize()).unwrap();

@@ -18,6 +18,17 @@ pub enum Projection {
     Cube,
 }
 
+/// One of the two eyes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Eye {
+    /// The left eye; of content for one eye, that eye.
+    #[default]
+    Left,
+    /// The right eye.
+    Right,
+}
+
 /// The flat screen that flat content fills, given by what a person can measure.
 ///
 /// Size in inches along the diagonal and distance from the eye in metres; the default is a 24 inch
@@ -48,6 +59,34 @@ pub struct Surface {
     pub size: [u32; 2],
     /// Half of a face's width and height at unit distance (tangents of the half angles).
     pub tangents: [f64; 2],
+    /// Eyes that have a picture of their own, 1 or 2. The faces of the right eye follow those of
+    /// the left and lie in the same directions.
+    #[serde(default = "one_eye", skip_serializing_if = "is_one_eye")]
+    pub eyes: u8,
+    /// Faces of a cube that there are, an eye: 6, or the first 4 where the source shows neither
+    /// top nor bottom. Flat content ignores it.
+    #[serde(default = "all_faces", skip_serializing_if = "are_all_faces")]
+    pub cube_faces: u8,
+}
+
+/// The number of eyes of content that does not say it.
+pub(crate) fn one_eye() -> u8 {
+    1
+}
+
+/// Whether this is [`one_eye`], so that nothing needs to be written.
+pub(crate) fn is_one_eye(eyes: &u8) -> bool {
+    *eyes == one_eye()
+}
+
+/// The number of faces of a cube that does not say it.
+pub(crate) fn all_faces() -> u8 {
+    6
+}
+
+/// Whether these are [`all_faces`], so that nothing needs to be written.
+pub(crate) fn are_all_faces(faces: &u8) -> bool {
+    *faces == all_faces()
 }
 
 /// The faces of the cube: front, right, back, left, top, bottom.
@@ -93,6 +132,20 @@ impl Surface {
             projection: Projection::Flat,
             size,
             tangents: [w * per_pixel, h * per_pixel],
+            eyes: one_eye(),
+            cube_faces: all_faces(),
+        }
+    }
+
+    /// Flat content whose pixels are `aspect[0]` wide for `aspect[1]` of height, filling `screen`.
+    #[must_use]
+    pub fn flat_with_pixels(size: [u32; 2], aspect: [u32; 2], screen: Screen) -> Self {
+        let [w, h] = [0, 1].map(|k| f64::from(size[k]) * f64::from(aspect[k]));
+        let half_diagonal = screen.diagonal_inches * 0.0254 / 2.0 / screen.distance_m;
+        let per_unit = half_diagonal / (w * w + h * h).sqrt();
+        Self {
+            tangents: [w * per_unit, h * per_unit],
+            ..Self::flat(size, screen)
         }
     }
 
@@ -103,22 +156,55 @@ impl Surface {
             projection: Projection::Cube,
             size: [face_size; 2],
             tangents: [1.0; 2],
+            eyes: one_eye(),
+            cube_faces: all_faces(),
         }
     }
 
-    /// Number of faces: 1 or 6.
+    /// This surface with only the four faces round the horizon: towards top and bottom there is
+    /// nothing.
+    #[must_use]
+    pub fn without_poles(self) -> Self {
+        Self {
+            cube_faces: 4,
+            ..self
+        }
+    }
+
+    /// This surface with a picture for each eye.
+    #[must_use]
+    pub fn for_two_eyes(self) -> Self {
+        Self { eyes: 2, ..self }
+    }
+
+    /// Number of faces of all eyes: 1, 4 or 6 an eye.
     #[must_use]
     pub fn faces(&self) -> u32 {
+        u32::from(self.eyes) * self.faces_of_an_eye()
+    }
+
+    /// Number of faces that one eye has: 1, 4 or 6.
+    #[must_use]
+    pub fn faces_of_an_eye(&self) -> u32 {
         match self.projection {
             Projection::Flat => 1,
-            Projection::Cube => 6,
+            Projection::Cube => u32::from(self.cube_faces),
         }
     }
 
-    /// Orientation of a face.
+    /// The first face of what an eye is shown; where there is one picture both eyes see it.
+    #[must_use]
+    pub fn first_face(&self, eye: Eye) -> u32 {
+        match eye {
+            Eye::Right if self.eyes > 1 => self.faces_of_an_eye(),
+            _ => 0,
+        }
+    }
+
+    /// Orientation of a face, of either eye.
     #[must_use]
     pub fn axes(&self, face: u32) -> Axes {
-        CUBE_FACES[face as usize]
+        CUBE_FACES[(face % self.faces_of_an_eye()) as usize]
     }
 
     /// Tangent-plane position of a place on a face, `place` in level-0 pixels (0 is the left or top
@@ -134,16 +220,20 @@ impl Surface {
         self.axes(face).at(self.tangent(place)).normalize()
     }
 
-    /// The face that `direction` meets and the place on it in level-0 pixels.
+    /// The face that `direction` meets and the place on it in level-0 pixels: the left eye's, to
+    /// which [`Self::first_face`] adds that of another.
     ///
-    /// `None` when it looks away from flat content; beside flat content the place lies outside
-    /// [0, size).
+    /// `None` when it looks away from flat content, or at a face that there is not; beside flat
+    /// content the place lies outside [0, size).
     #[must_use]
     pub fn locate(&self, direction: DVec3) -> Option<(u32, [f64; 2])> {
         let face = match self.projection {
             Projection::Flat => 0,
             Projection::Cube => cube_face(direction),
         };
+        if face >= self.faces_of_an_eye() {
+            return None;
+        }
         let axes = self.axes(face);
         let depth = direction.dot(axes.forward);
         if depth <= 1e-9 {
@@ -241,6 +331,40 @@ mod tests {
         let centre = cube.ppd([2048.0, 2048.0]).0;
         assert!((centre - 35.74).abs() < 0.01, "{centre}");
         assert!(cube.ppd([0.0, 0.0]).0 > 1.7 * centre);
+    }
+
+    #[test]
+    fn a_panorama_without_poles_has_nothing_above_and_below() {
+        let panorama = Surface::cube(8).without_poles();
+        assert_eq!((panorama.faces(), panorama.pixels()), (4, 4 * 64));
+        assert_eq!(panorama.locate(DVec3::new(0.1, 1.0, 0.1)), None);
+        assert_eq!(panorama.locate(DVec3::new(0.1, -1.0, 0.1)), None);
+        assert_eq!(panorama.locate(DVec3::X).map(|found| found.0), Some(1));
+    }
+
+    #[test]
+    fn the_faces_of_the_right_eye_lie_where_those_of_the_left_do() {
+        for surface in [Surface::cube(8), Surface::cube(8).without_poles()] {
+            let both = surface.for_two_eyes();
+            let right = both.first_face(Eye::Right);
+            assert_eq!(
+                (both.faces(), right),
+                (2 * surface.faces(), surface.faces())
+            );
+            assert_eq!(surface.first_face(Eye::Right), 0);
+            for face in 0..surface.faces() {
+                assert_eq!(both.axes(right + face), surface.axes(face));
+            }
+        }
+    }
+
+    #[test]
+    fn wide_pixels_fill_the_screen_that_twice_as_many_square_ones_do() {
+        let screen = Screen::default();
+        let wide = Surface::flat_with_pixels([960, 1080], [2, 1], screen);
+        let square = Surface::flat([1920, 1080], screen);
+        assert_eq!(wide.tangents, square.tangents);
+        assert!(wide.pitch() > 1.9 * square.pitch());
     }
 
     #[test]

@@ -1,16 +1,31 @@
 //! Which tiles does a source picture become?
 
-use super::plan::{Plan, Surround};
+use super::plan::Plan;
+use super::surround::Surround;
+use crate::cube_layout::CubeLayout;
+use crate::eye_layout::EyeLayout;
 use crate::parallel::in_parallel;
 use crate::pyramid::halve;
 use crate::sphere::CubeSampler;
 use foveal_core::asset::picture::Picture;
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
+use std::borrow::Cow;
+
+/// How one eye's picture becomes faces.
+enum Turn {
+    /// It is the face.
+    Flat,
+    /// By resampling.
+    Sphere(Box<CubeSampler>),
+    /// By cutting; the flag says that chroma lies on the left luma sample of each pair.
+    Cube(CubeLayout, bool),
+}
 
 /// Turns source pictures into the tiles of all levels.
 pub(super) struct Cutter {
     grid: TileGrid,
-    sampler: Option<CubeSampler>,
+    eyes: EyeLayout,
+    turn: Turn,
     stretch_to_full_range: bool,
     jobs: usize,
 }
@@ -18,19 +33,19 @@ pub(super) struct Cutter {
 impl Cutter {
     pub(super) fn new(plan: &Plan) -> Self {
         let face = plan.grid.surface.size[0];
-        let source = plan.description.source.size;
-        let sampler = match plan.surround {
-            Surround::Flat => None,
-            Surround::Equirect(coverage) => Some(CubeSampler::new(
-                source,
-                face,
-                coverage,
-                plan.source_chroma_left,
-            )),
+        let left = plan.source_chroma_left;
+        let turn = match plan.surround {
+            Surround::Flat => Turn::Flat,
+            Surround::Equirect(coverage) => {
+                let sampler = CubeSampler::new(plan.eye_size, face, coverage, left);
+                Turn::Sphere(Box::new(sampler))
+            }
+            Surround::Cube(layout) => Turn::Cube(layout, left),
         };
         Self {
             grid: plan.grid,
-            sampler,
+            eyes: plan.eyes,
+            turn,
             stretch_to_full_range: plan.stretch_to_full_range,
             jobs: plan.jobs,
         }
@@ -45,17 +60,28 @@ impl Cutter {
         } else {
             picture
         };
-        let cube;
-        let faces = match &self.sampler {
-            Some(sampler) => {
-                cube = sampler.cube_from_equirect(picture, self.jobs);
-                &cube[..]
-            }
-            None => std::slice::from_ref(picture),
-        };
+        let eyes = self.eyes.split(picture);
+        let faces = self.faces_of(&eyes);
         match self.grid.cut {
-            Cut::Tile(_) => self.cut_pyramid(faces),
-            Cut::Grid(_) => self.cut_grid(faces),
+            Cut::Tile(_) => self.cut_pyramid(&faces),
+            Cut::Grid(_) => self.cut_grid(&faces),
+        }
+    }
+
+    /// The faces of all eyes, the left eye's first.
+    fn faces_of<'a>(&self, eyes: &'a [Picture]) -> Cow<'a, [Picture]> {
+        match &self.turn {
+            Turn::Flat => Cow::Borrowed(eyes),
+            Turn::Sphere(sampler) => {
+                let cubes = eyes
+                    .iter()
+                    .map(|eye| sampler.cube_from_equirect(eye, self.jobs));
+                cubes.flatten().collect()
+            }
+            Turn::Cube(layout, left) => eyes
+                .iter()
+                .flat_map(|eye| layout.split(eye, *left))
+                .collect(),
         }
     }
 

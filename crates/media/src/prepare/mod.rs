@@ -6,14 +6,17 @@
 
 mod cutter;
 mod identity;
+mod name_words;
 mod notes;
 mod plan;
 mod rates;
 #[cfg(test)]
 mod speed_tests;
+mod surround;
 
-pub use plan::{Plan, PrepareSettings, ProjectionChoice, Surround};
+pub use plan::{Plan, PrepareSettings};
 pub use rates::Quality;
+pub use surround::{ProjectionChoice, StereoChoice, Surround};
 
 use crate::encode::{EncodeSettings, encode_group};
 use crate::error::MediaError;

@@ -2,10 +2,11 @@
 
 use super::PrepareError;
 use super::rates::{Quality, describe, rates_of};
+use super::surround::{ProjectionChoice, StereoChoice, Surround, SurroundOfEyes, surround_of};
 use crate::encode::{Rate, Speed};
+use crate::eye_layout::EyeLayout;
 use crate::source::SourceInfo;
 use crate::sphere::{Coverage, face_size_for};
-use crate::spherical::{Projection as SourceProjection, Spherical, StereoLayout};
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::{Description, Source};
 use foveal_core::asset::picture::Colour;
@@ -14,34 +15,13 @@ use foveal_core::asset::tile_grid::{Cut, TileGrid};
 use foveal_core::view::surface::{Screen, Surface};
 use std::path::Path;
 
-/// What the caller says about the projection of the input.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ProjectionChoice {
-    /// Find it from metadata, name and size.
-    #[default]
-    Auto,
-    /// A flat picture.
-    Flat,
-    /// The whole sphere, longitude across and latitude down.
-    Equirect,
-    /// The front half of the sphere (VR180).
-    HalfEquirect,
-}
-
-/// How the input is turned into faces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Surround {
-    /// It is the one face.
-    Flat,
-    /// It is resampled to a cube.
-    Equirect(Coverage),
-}
-
 /// What the caller asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrepareSettings {
     /// Projection of the input.
     pub projection: ProjectionChoice,
+    /// Where in a frame the pictures of the eyes lie.
+    pub stereo: StereoChoice,
     /// How pictures are cut; by size of the source if `None`.
     pub cut: Option<Cut>,
     /// Number of levels; five, fewer for tiny pictures, if `None`.
@@ -65,6 +45,7 @@ impl Default for PrepareSettings {
     fn default() -> Self {
         Self {
             projection: ProjectionChoice::Auto,
+            stereo: StereoChoice::Auto,
             cut: None,
             levels: None,
             ratio: 2,
@@ -86,12 +67,16 @@ pub struct Plan {
     pub grid: TileGrid,
     /// How the input becomes faces.
     pub surround: Surround,
+    /// Where in a frame the pictures of the eyes lie.
+    pub eyes: EyeLayout,
     /// What a person should know: how the projection was found, what was dropped.
     pub notes: Vec<String>,
     /// Frames as far as the container tells.
     pub frames: Option<u64>,
     /// Rate of each level, finest first.
     pub(super) rates: Vec<Rate>,
+    /// Pixels of one eye's picture in the source.
+    pub(super) eye_size: [u32; 2],
     pub(super) speed: Speed,
     pub(super) jobs: usize,
     pub(super) most_frames: Option<u32>,
@@ -103,8 +88,6 @@ pub struct Plan {
 const LEVELS: u8 = 5;
 /// The longer side of a coarsest level is not halved below this many pixels.
 const LEAST_COARSEST: u32 = 16;
-/// A picture twice as wide as high counts as a sphere from this width on when nothing else tells.
-const SPHERE_WIDTH: u32 = 3840;
 /// Frame rate above which groups are twice as long.
 const FAST_FPS: f64 = 40.0;
 
@@ -116,8 +99,9 @@ impl Plan {
         settings: &PrepareSettings,
     ) -> Result<Self, PrepareError> {
         let mut notes = Vec::new();
-        let surround = surround(input, info, settings.projection, &mut notes)?;
-        let surface = surface(info, surround);
+        let found = surround_of(input, info, settings, &mut notes)?;
+        let surround = found.surround;
+        let surface = surface(&found);
         let levels = settings
             .levels
             .unwrap_or_else(|| default_levels(surface, settings.ratio));
@@ -128,7 +112,7 @@ impl Plan {
         let stretch_to_full_range = settings.codec == Codec::Jpeg && !info.colour.full_range;
         let colour = Colour {
             full_range: info.colour.full_range || stretch_to_full_range,
-            chroma_left: info.colour.chroma_left && surround == Surround::Flat,
+            chroma_left: info.colour.chroma_left && !matches!(surround, Surround::Equirect(_)),
             ..info.colour
         };
         let rates = rates_of(settings.quality.as_ref(), settings.codec, levels)?;
@@ -137,6 +121,9 @@ impl Plan {
             generator: concat!("foveal ", env!("CARGO_PKG_VERSION")).to_owned(),
             projection: surface.projection,
             size: surface.size,
+            eyes: surface.eyes,
+            cube_faces: surface.cube_faces,
+            pixel_aspect: found.pixel_aspect,
             cut,
             levels,
             ratio: settings.ratio,
@@ -167,6 +154,8 @@ impl Plan {
             description,
             grid,
             surround,
+            eyes: found.eyes,
+            eye_size: found.eye_size,
             notes,
             frames: info.frames,
             rates,
@@ -186,7 +175,7 @@ impl Plan {
         format!(
             "{:?}",
             (
-                (about, self.grid, self.surround, &self.rates),
+                (about, self.grid, self.surround, self.eyes, &self.rates),
                 (self.speed, self.most_frames),
                 (self.source_chroma_left, self.stretch_to_full_range),
             )
@@ -215,10 +204,33 @@ fn losses(info: &SourceInfo) -> Vec<String> {
     notes
 }
 
-fn surface(info: &SourceInfo, surround: Surround) -> Surface {
-    match surround {
-        Surround::Flat => Surface::flat([info.width, info.height], Screen::default()),
-        Surround::Equirect(coverage) => Surface::cube(face_size_for(info.width, coverage)),
+fn surface(found: &SurroundOfEyes) -> Surface {
+    let [w, h] = found.eye_size;
+    let surface = match found.surround {
+        Surround::Flat => {
+            Surface::flat_with_pixels(found.eye_size, found.pixel_aspect, Screen::default())
+        }
+        // Squeezed across or down, the longer side says how much detail there is.
+        Surround::Equirect(Coverage::Full) if found.eyes.eyes() > 1 => {
+            Surface::cube(face_size_for(w.max(2 * h), Coverage::Full))
+        }
+        Surround::Equirect(Coverage::FrontHalf) if found.eyes.eyes() > 1 => {
+            Surface::cube(face_size_for(w.max(h), Coverage::FrontHalf))
+        }
+        Surround::Equirect(coverage) => Surface::cube(face_size_for(w, coverage)),
+        Surround::Cube(layout) => {
+            let cube = Surface::cube(layout.face_size(found.eye_size));
+            if layout.faces() == 4 {
+                cube.without_poles()
+            } else {
+                cube
+            }
+        }
+    };
+    if found.eyes.eyes() > 1 {
+        surface.for_two_eyes()
+    } else {
+        surface
     }
 }
 
@@ -240,122 +252,11 @@ fn groups(levels: u8, fps: f64) -> Vec<u32> {
     (0..levels).map(|level| of_level(level) * factor).collect()
 }
 
-fn surround(
-    input: &Path,
-    info: &SourceInfo,
-    choice: ProjectionChoice,
-    notes: &mut Vec<String>,
-) -> Result<Surround, PrepareError> {
-    match choice {
-        ProjectionChoice::Flat => return Ok(Surround::Flat),
-        ProjectionChoice::Equirect => return Ok(Surround::Equirect(Coverage::Full)),
-        ProjectionChoice::HalfEquirect => return Ok(Surround::Equirect(Coverage::FrontHalf)),
-        ProjectionChoice::Auto => {}
-    }
-    if let Some(stereo) = info.stereo {
-        let layout = match stereo.layout {
-            StereoLayout::SideBySide => "side by side",
-            StereoLayout::TopBottom => "top and bottom",
-            StereoLayout::Other => "interleaved",
-        };
-        return Err(PrepareError::Option(format!(
-            "{} holds two eyes ({layout}), which cannot be prepared; give --projection flat to \
-             prepare the pair as one flat picture, or one eye by itself",
-            input.display()
-        )));
-    }
-    if let Some(spherical) = &info.spherical {
-        return surround_by_metadata(input, spherical, notes);
-    }
-    let twice_as_wide = info.width == 2 * info.height;
-    let name = input
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_lowercase();
-    let words = ["equirect", "pano", "sphere"];
-    let named = words.iter().any(|word| name.contains(word)) || names_a_full_turn(&name);
-    if twice_as_wide && (named || info.width >= SPHERE_WIDTH) {
-        let why = if named {
-            "by its name and 2:1 size"
-        } else {
-            "by its 2:1 size"
-        };
-        notes.push(format!(
-            "taken for 360° {why}; give --projection flat if it is not"
-        ));
-        return Ok(Surround::Equirect(Coverage::Full));
-    }
-    let hint = if twice_as_wide {
-        "; give --projection equirect if it is 360°"
-    } else {
-        ""
-    };
-    notes.push(format!("taken for flat by its size{hint}"));
-    Ok(Surround::Flat)
-}
-
-/// Whether a name says 360 and means degrees: not a size as in `640x360`, `360p` or `xbox360`.
-fn names_a_full_turn(name: &str) -> bool {
-    name.match_indices("360").any(|(at, _)| {
-        let before = name[..at].chars().next_back();
-        let after = name[at + 3..].chars().next();
-        !before.is_some_and(char::is_alphanumeric)
-            && !after.is_some_and(|c| c.is_ascii_digit() || c == 'p' || c == 'x')
-    })
-}
-
-fn surround_by_metadata(
-    input: &Path,
-    spherical: &Spherical,
-    notes: &mut Vec<String>,
-) -> Result<Surround, PrepareError> {
-    if [spherical.yaw_deg, spherical.pitch_deg, spherical.roll_deg] != [0.0; 3] {
-        notes.push("the turn of the sphere in its metadata is not applied".to_owned());
-    }
-    match spherical.projection {
-        SourceProjection::Equirect => {
-            notes.push("360° by its spherical metadata".to_owned());
-            Ok(Surround::Equirect(Coverage::Full))
-        }
-        SourceProjection::EquirectPart { .. } if spherical.is_half() => {
-            notes.push("180° by its spherical metadata".to_owned());
-            Ok(Surround::Equirect(Coverage::FrontHalf))
-        }
-        _ => Err(PrepareError::Option(format!(
-            "{} is a cube or a part of a sphere by its metadata, which cannot be prepared; make \
-             it equirectangular with FFmpeg's filter v360, or give --projection flat",
-            input.display()
-        ))),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scenes::{group, write_clip};
     use crate::{ClipCodec, VideoInput};
-
-    #[test]
-    fn a_size_in_a_name_is_no_full_turn() {
-        for name in [
-            "tour_360.mp4",
-            "360.mkv",
-            "beach-360-4k.mp4",
-            "360video.mp4",
-        ] {
-            assert!(names_a_full_turn(name), "{name}");
-        }
-        for name in [
-            "clip_640x360.mp4",
-            "360p.mp4",
-            "xbox360.mp4",
-            "13600.mp4",
-            "a.mp4",
-        ] {
-            assert!(!names_a_full_turn(name), "{name}");
-        }
-    }
 
     #[test]
     fn what_does_not_reach_the_pack_is_said() {

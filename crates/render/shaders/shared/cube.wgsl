@@ -1,7 +1,8 @@
 // What surrounds a face of the cube?
 //
 // Faces, their axes and the rule for rays on an edge are those of `cube_face` and `CUBE_FACES` in
-// core. A face goes on over its edge on the plane of its neighbour, unfolded about the edge.
+// core. A face goes on over its edge on the plane of its neighbour, unfolded about the edge; where
+// a panorama has no face above and below, its border samples repeat.
 
 struct Axes {
     forward: vec3f,
@@ -9,13 +10,24 @@ struct Axes {
     down: vec3f,
 }
 
+// A face as the left eye counts it: both eyes' faces lie in the same directions.
+fn side_of(face: u32) -> u32 {
+    return select(face, face - tiles.faces_of_an_eye, face >= tiles.faces_of_an_eye);
+}
+
+// Whether there are faces over the borders of axis k: always beside, not always above and below.
+fn has_beside(k: u32) -> bool {
+    return k == 0u || tiles.faces_of_an_eye == 6u;
+}
+
 // The four faces around the horizon are quarter turns of the first; the others look up and down.
 fn axes_of(face: u32) -> Axes {
-    let turn = f32(face);
+    let side = side_of(face);
+    let turn = f32(side);
     let cosine = 1.0 - min(turn, 4.0 - turn);
-    let sine = (2.0 - turn) * f32(face & 1u);
+    let sine = (2.0 - turn) * f32(side & 1u);
     let up = 9.0 - 2.0 * turn;
-    let is_polar = face > 3u;
+    let is_polar = side > 3u;
     let forward = select(vec3f(sine, 0.0, -cosine), vec3f(0.0, up, 0.0), is_polar);
     let right = select(vec3f(cosine, 0.0, sine), vec3f(1.0, 0.0, 0.0), is_polar);
     let down = select(vec3f(0.0, -1.0, 0.0), vec3f(0.0, 0.0, -up), is_polar);
@@ -44,11 +56,13 @@ fn place_of(tangent: vec2f) -> vec2f {
 fn seen_by(pixel: vec2f) -> Seen {
     let ray = view.content_from_pixel * vec3f(pixel, 1.0);
     let face = cube_face(ray);
-    let axes = axes_of(face);
+    // A face that there is not has no number: where it would lie is drawn black.
+    let axes = axes_of(min(face, tiles.faces_of_an_eye - 1u));
     let place = place_of(tangent_of(axes, ray));
     let right = place_of(tangent_of(axes, ray + view.content_from_pixel[0]));
     let down = place_of(tangent_of(axes, ray + view.content_from_pixel[1]));
-    return Seen(true, face, place, display_footprint(right - place, down - place));
+    let footprint = display_footprint(right - place, down - place);
+    return Seen(face < tiles.faces_of_an_eye, view.first_face + face, place, footprint);
 }
 
 // Bit face * 4 + k * 2 + high: whether the neighbour over the low or high border of axis k touches
@@ -56,7 +70,7 @@ fn seen_by(pixel: vec2f) -> Seen {
 const TOUCHES_HIGH = 0xf019d5u;
 
 fn touches_high(face: u32, k: u32, high: u32) -> bool {
-    return ((TOUCHES_HIGH >> (face * 4u + k * 2u + high)) & 1u) != 0u;
+    return ((TOUCHES_HIGH >> (side_of(face) * 4u + k * 2u + high)) & 1u) != 0u;
 }
 
 struct Neighbour {
@@ -81,7 +95,9 @@ fn neighbour(face: u32, place: vec2f, k: u32, high: bool) -> Neighbour {
     let beside_axes = axes_of(beside);
     let ray = outward + axes.forward * (1.0 - depth) + edge * along;
     let runs_right = abs(dot(edge, beside_axes.right)) > 0.5;
-    return Neighbour(beside, place_of(tangent_of(beside_axes, ray)), select(1u, 0u, runs_right));
+    let first = face - side_of(face);
+    let place_beside = place_of(tangent_of(beside_axes, ray));
+    return Neighbour(first + beside, place_beside, select(1u, 0u, runs_right));
 }
 
 // The footprint with the cells over the edges nearby.
@@ -91,6 +107,7 @@ fn widened_across(face: u32, place: vec2f, known: f32) -> f32 {
     let near_high = tiles.size - place < vec2f(reach);
     var borders = select(0u, 1u, near_low.x) | select(0u, 2u, near_high.x)
         | select(0u, 4u, near_low.y) | select(0u, 8u, near_high.y);
+    borders = select(borders & 3u, borders, has_beside(1u));
     var widest = known;
     while (borders != 0u) {
         let border = borders & (~borders + 1u);
@@ -138,12 +155,12 @@ fn corner_sample(
     let own = fetch(plane, level, face, vec2f(x_tap.within, y_tap.within));
     let weight = vec2f(weight_of(x, right), weight_of(y, below));
     let over_x = x_tap.beyond != 0;
-    let over_y = y_tap.beyond != 0;
+    let over_y = y_tap.beyond != 0 && has_beside(1u);
     if (!over_x && !over_y) {
         return own * (weight.x * weight.y);
     }
     let is_near_corner = (x.low.beyond != 0 || x.high.beyond != 0)
-        && (y.low.beyond != 0 || y.high.beyond != 0);
+        && (y.low.beyond != 0 || y.high.beyond != 0) && has_beside(1u);
     let is_corner = over_x && over_y;
     let along = select(place, vec2f(x_tap.centre, y_tap.centre), is_near_corner);
     let beyond = 0.5 * tiles.size

@@ -7,7 +7,7 @@ fn seen_by(pixel: vec2f) -> Seen {
     let place = here.xy / here.z;
     let inside = here.z > 0.0 && all(place >= vec2f(0.0)) && all(place < tiles.size);
     let footprint = display_footprint(right.xy / right.z - place, down.xy / down.z - place);
-    return Seen(inside, 0u, place, footprint);
+    return Seen(inside, view.first_face, place, footprint);
 }
 
 fn widened_across(face: u32, place: vec2f, known: f32) -> f32 {

@@ -6,6 +6,8 @@
 struct View {
     // Turns (column, row, 1) into a homogeneous place on flat content, into a ray on a cube.
     content_from_pixel: mat3x3f,
+    // The first face of the eye that looks.
+    first_face: u32,
 }
 
 @group(0) @binding(4) var<uniform> view: View;

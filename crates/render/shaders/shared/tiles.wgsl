@@ -20,7 +20,9 @@ struct Tiles {
     growth: f32,
     coarsest_scale: f32,
     chroma_offset: f32,
-    unused: vec2u,
+    // Faces of one eye; those of the other follow.
+    faces_of_an_eye: u32,
+    unused: u32,
     rgb_from_yuv: array<vec4f, 3>,
 }
 

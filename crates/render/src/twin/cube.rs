@@ -2,10 +2,10 @@
 
 use super::footprint::widened;
 use super::lattice::{Axis, Bracket, axis_of, bracket, samples_in, tap_at, tap_of, weight_of};
-use super::screen::{Seen, display_footprint};
+use super::screen::{Seen, View, display_footprint};
 use super::tiles::{Plane, TwinTiles, fetch};
 use foveal_core::view::surface::CUBE_FACES;
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 struct Axes {
     forward: Vec3,
@@ -13,8 +13,17 @@ struct Axes {
     down: Vec3,
 }
 
-fn axes_of(face: u32) -> Axes {
-    let axes = CUBE_FACES[face as usize];
+fn side_of(tiles: &TwinTiles, face: u32) -> u32 {
+    let faces = tiles.params.faces_of_an_eye;
+    if face >= faces { face - faces } else { face }
+}
+
+fn has_beside(tiles: &TwinTiles, k: u32) -> bool {
+    k == 0 || tiles.params.faces_of_an_eye == 6
+}
+
+fn axes_of(tiles: &TwinTiles, face: u32) -> Axes {
+    let axes = CUBE_FACES[side_of(tiles, face) as usize];
     Axes {
         forward: axes.forward.as_vec3(),
         right: axes.right.as_vec3(),
@@ -41,25 +50,32 @@ fn place_of(tiles: &TwinTiles, tangent: Vec2) -> Vec2 {
     (tangent + 1.0) * 0.5 * tiles.size()
 }
 
-pub(super) fn seen_by(tiles: &TwinTiles, content_from_pixel: &Mat3, pixel: Vec2) -> Seen {
-    let ray = *content_from_pixel * pixel.extend(1.0);
+pub(super) fn seen_by(tiles: &TwinTiles, view: &View, pixel: Vec2) -> Seen {
+    let ray = view.content_from_pixel * pixel.extend(1.0);
     let face = cube_face(ray);
-    let axes = axes_of(face);
+    let axes = axes_of(tiles, face.min(tiles.params.faces_of_an_eye - 1));
     let place = place_of(tiles, tangent_of(&axes, ray));
-    let right = place_of(tiles, tangent_of(&axes, ray + content_from_pixel.x_axis));
-    let down = place_of(tiles, tangent_of(&axes, ray + content_from_pixel.y_axis));
+    let right = place_of(
+        tiles,
+        tangent_of(&axes, ray + view.content_from_pixel.x_axis),
+    );
+    let down = place_of(
+        tiles,
+        tangent_of(&axes, ray + view.content_from_pixel.y_axis),
+    );
+    let footprint = display_footprint(right - place, down - place);
     Seen {
-        inside: true,
-        face,
+        inside: face < tiles.params.faces_of_an_eye,
+        face: view.first_face + face,
         place,
-        footprint: display_footprint(right - place, down - place),
+        footprint,
     }
 }
 
 const TOUCHES_HIGH: u32 = 0x00f0_19d5;
 
-fn touches_high(face: u32, k: u32, high: u32) -> bool {
-    (TOUCHES_HIGH >> (face * 4 + k * 2 + high)) & 1 != 0
+fn touches_high(tiles: &TwinTiles, face: u32, k: u32, high: u32) -> bool {
+    (TOUCHES_HIGH >> (side_of(tiles, face) * 4 + k * 2 + high)) & 1 != 0
 }
 
 struct Neighbour {
@@ -69,7 +85,7 @@ struct Neighbour {
 }
 
 fn neighbour(tiles: &TwinTiles, face: u32, place: Vec2, k: u32, high: bool) -> Neighbour {
-    let axes = axes_of(face);
+    let axes = axes_of(tiles, face);
     let tangent = place * 2.0 / tiles.size() - 1.0;
     let across = if k == 1 { tangent.y } else { tangent.x };
     let edge = if k == 1 { axes.right } else { axes.down };
@@ -78,12 +94,14 @@ fn neighbour(tiles: &TwinTiles, face: u32, place: Vec2, k: u32, high: bool) -> N
     let outward = if k == 1 { axes.down } else { axes.right } * side;
     let depth = across * side - 1.0;
     let beside = cube_face(outward);
-    let beside_axes = axes_of(beside);
+    let beside_axes = axes_of(tiles, beside);
     let ray = outward + axes.forward * (1.0 - depth) + edge * along;
     let runs_right = edge.dot(beside_axes.right).abs() > 0.5;
+    let first = face - side_of(tiles, face);
+    let place_beside = place_of(tiles, tangent_of(&beside_axes, ray));
     Neighbour {
-        face: beside,
-        place: place_of(tiles, tangent_of(&beside_axes, ray)),
+        face: first + beside,
+        place: place_beside,
         along: if runs_right { 0 } else { 1 },
     }
 }
@@ -96,6 +114,11 @@ pub(super) fn widened_across(tiles: &TwinTiles, face: u32, place: Vec2, known: f
         | u32::from(near_high.x) << 1
         | u32::from(near_low.y) << 2
         | u32::from(near_high.y) << 3;
+    borders = if has_beside(tiles, 1) {
+        borders
+    } else {
+        borders & 3
+    };
     let mut widest = known;
     while borders != 0 {
         let border = borders & (!borders + 1);
@@ -107,7 +130,7 @@ pub(super) fn widened_across(tiles: &TwinTiles, face: u32, place: Vec2, known: f
     widest
 }
 
-pub(super) fn beyond_edges(face: u32, axis: &Axis, k: usize) -> Vec2 {
+pub(super) fn beyond_edges(tiles: &TwinTiles, face: u32, axis: &Axis, k: usize) -> Vec2 {
     let last = tap_at(
         axis,
         axis.last_segment,
@@ -115,7 +138,7 @@ pub(super) fn beyond_edges(face: u32, axis: &Axis, k: usize) -> Vec2 {
     );
     let low_depth = tap_at(axis, 0, 0).centre;
     let high_depth = axis.size - last.centre;
-    let touches = |high| touches_high(face, k as u32, high);
+    let touches = |high| touches_high(tiles, face, k as u32, high);
     let low = if touches(0) { high_depth } else { low_depth };
     let high = if touches(1) { high_depth } else { low_depth };
     Vec2::new(low, high)
@@ -166,12 +189,13 @@ pub(super) fn corner_sample(
     );
     let weight = Vec2::new(weight_of(x, right), weight_of(y, below));
     let over_x = x_tap.beyond != 0;
-    let over_y = y_tap.beyond != 0;
+    let over_y = y_tap.beyond != 0 && has_beside(tiles, 1);
     if !over_x && !over_y {
         return own * (weight.x * weight.y);
     }
-    let is_near_corner =
-        (x.low.beyond != 0 || x.high.beyond != 0) && (y.low.beyond != 0 || y.high.beyond != 0);
+    let is_near_corner = (x.low.beyond != 0 || x.high.beyond != 0)
+        && (y.low.beyond != 0 || y.high.beyond != 0)
+        && has_beside(tiles, 1);
     let is_corner = over_x && over_y;
     let along = if is_near_corner {
         Vec2::new(x_tap.centre, y_tap.centre)
@@ -208,17 +232,28 @@ pub(super) fn corner_sample(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use foveal_core::asset::picture::{Colour, Matrix};
+    use foveal_core::asset::tile_grid::{Cut, TileGrid};
+    use foveal_core::view::surface::Surface;
 
     #[test]
-    fn the_table_of_touching_borders_follows_from_the_axes() {
-        for face in 0..6 {
-            let axes = axes_of(face);
+    fn the_table_of_touching_borders_follows_from_the_axes_of_either_eye() {
+        let surface = Surface::cube(64).for_two_eyes();
+        let grid = TileGrid::new(surface, Cut::Tile(32), 2, 2).unwrap();
+        let colour = Colour {
+            matrix: Matrix::Bt709,
+            full_range: true,
+            chroma_left: false,
+        };
+        let tiles = TwinTiles::new(&grid, colour);
+        for face in 0..12 {
+            let axes = axes_of(&tiles, face);
             for (k, axis) in [axes.right, axes.down].into_iter().enumerate() {
                 for high in 0..2 {
                     let outward = if high == 1 { axis } else { -axis };
-                    let beside = axes_of(cube_face(outward));
+                    let beside = axes_of(&tiles, cube_face(outward));
                     let back = axes.forward.dot(beside.right) + axes.forward.dot(beside.down);
-                    assert_eq!(touches_high(face, k as u32, high), back > 0.0);
+                    assert_eq!(touches_high(&tiles, face, k as u32, high), back > 0.0);
                 }
             }
         }

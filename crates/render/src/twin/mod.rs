@@ -23,16 +23,17 @@ use crate::params::{Overlay, ViewParams};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Projection;
 use glam::{Mat3, Vec2, Vec3, Vec4};
+use screen::View;
 
 /// The picture that `view` shows of the resident tiles.
 #[must_use]
 pub fn reconstruct(tiles: &TwinTiles, view: &EyeView) -> RgbaImage {
-    let m = matrix(tiles, view);
+    let params = params_of(tiles, view);
     let mut image = RgbaImage::black(view.size);
     for_every_pixel(view.size, |at, position| {
         let colour = match tiles.grid.surface.projection {
-            Projection::Flat => reconstruct_plane::reconstruct_plane(tiles, &m, position),
-            Projection::Cube => reconstruct_cube::reconstruct_cube(tiles, &m, position),
+            Projection::Flat => reconstruct_plane::reconstruct_plane(tiles, &params, position),
+            Projection::Cube => reconstruct_cube::reconstruct_cube(tiles, &params, position),
         };
         image.set_pixel(at, code(colour));
     });
@@ -42,10 +43,10 @@ pub fn reconstruct(tiles: &TwinTiles, view: &EyeView) -> RgbaImage {
 /// The picture with the levels, borders and gaze that `marks` asks for.
 #[must_use]
 pub fn heat_map(tiles: &TwinTiles, view: &EyeView, marks: &Overlay) -> RgbaImage {
-    let m = matrix(tiles, view);
+    let params = params_of(tiles, view);
     let mut image = reconstruct(tiles, view);
     for_every_pixel(view.size, |at, position| {
-        let drawn = overlay::overlay(tiles, &m, marks, position);
+        let drawn = overlay::overlay(tiles, &params, marks, position);
         let [r, g, b, a] = image.pixel(at).map(|c| f32::from(c) / 255.0);
         let blended = drawn.truncate() * drawn.w + Vec3::new(r, g, b) * (1.0 - drawn.w);
         image.set_pixel(at, code(blended.extend(a)));
@@ -53,10 +54,14 @@ pub fn heat_map(tiles: &TwinTiles, view: &EyeView, marks: &Overlay) -> RgbaImage
     image
 }
 
-fn matrix(tiles: &TwinTiles, view: &EyeView) -> Mat3 {
-    let [x, y, z] = ViewParams::new(view, &tiles.grid).content_from_pixel;
+fn params_of(tiles: &TwinTiles, view: &EyeView) -> View {
+    let params = ViewParams::new(view, &tiles.grid);
+    let [x, y, z] = params.content_from_pixel;
     let column = |c: [f32; 4]| Vec4::from(c).truncate();
-    Mat3::from_cols(column(x), column(y), column(z))
+    View {
+        content_from_pixel: Mat3::from_cols(column(x), column(y), column(z)),
+        first_face: params.first_face,
+    }
 }
 
 fn for_every_pixel(size: [u32; 2], mut draw: impl FnMut([u32; 2], Vec2)) {

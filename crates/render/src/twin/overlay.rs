@@ -1,12 +1,12 @@
 //! Which level does each place show, and where is the gaze? Twin of `shaders/overlay.wgsl`.
 
 use super::footprint::{level_of, shown_footprint};
-use super::screen::Seen;
+use super::screen::{Seen, View};
 use super::tiles::{TwinTiles, cell_at, scale_of, shown_in, source_at};
 use super::{cube, mix, plane};
 use crate::params::Overlay;
 use foveal_core::view::surface::Projection;
-use glam::{Mat3, Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
 fn ramp(at: f32) -> Vec3 {
     let red = Vec3::new(0.843, 0.098, 0.110);
@@ -44,7 +44,7 @@ fn over(under: Vec4, colour: Vec3, cover: f32) -> Vec4 {
     (sum / alpha.max(0.001)).extend(alpha)
 }
 
-pub(super) fn overlay(tiles: &TwinTiles, view: &Mat3, marks: &Overlay, position: Vec2) -> Vec4 {
+pub(super) fn overlay(tiles: &TwinTiles, view: &View, marks: &Overlay, position: Vec2) -> Vec4 {
     let mut drawn = Vec4::ZERO;
     let seen = match tiles.grid.surface.projection {
         Projection::Flat => plane::seen_by(tiles, view, position),

@@ -64,7 +64,7 @@ fn corner_across(
 fn beyond_edges(tiles: &TwinTiles, face: u32, axis: &Axis, k: usize) -> Vec2 {
     match tiles.grid.surface.projection {
         Projection::Flat => plane::beyond_edges(axis),
-        Projection::Cube => cube::beyond_edges(face, axis, k),
+        Projection::Cube => cube::beyond_edges(tiles, face, axis, k),
     }
 }
 

@@ -1,20 +1,20 @@
 //! What surrounds the one face of flat content? Twin of `shaders/shared/plane.wgsl`.
 
 use super::lattice::{Axis, Bracket, tap_of, weight_of};
-use super::screen::{Seen, display_footprint};
+use super::screen::{Seen, View, display_footprint};
 use super::tiles::{Plane, TwinTiles, fetch};
-use glam::{Mat3, Vec2, Vec3Swizzles};
+use glam::{Vec2, Vec3Swizzles};
 
-pub(super) fn seen_by(tiles: &TwinTiles, content_from_pixel: &Mat3, pixel: Vec2) -> Seen {
-    let here = *content_from_pixel * pixel.extend(1.0);
-    let right = here + content_from_pixel.x_axis;
-    let down = here + content_from_pixel.y_axis;
+pub(super) fn seen_by(tiles: &TwinTiles, view: &View, pixel: Vec2) -> Seen {
+    let here = view.content_from_pixel * pixel.extend(1.0);
+    let right = here + view.content_from_pixel.x_axis;
+    let down = here + view.content_from_pixel.y_axis;
     let place = here.xy() / here.z;
     let inside = here.z > 0.0 && place.cmpge(Vec2::ZERO).all() && place.cmplt(tiles.size()).all();
     let footprint = display_footprint(right.xy() / right.z - place, down.xy() / down.z - place);
     Seen {
         inside,
-        face: 0,
+        face: view.first_face,
         place,
         footprint,
     }

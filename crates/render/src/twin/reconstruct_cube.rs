@@ -2,10 +2,14 @@
 
 use super::cube::seen_by;
 use super::picture::picture_at;
+use super::screen::View;
 use super::tiles::TwinTiles;
-use glam::{Mat3, Vec2, Vec4};
+use glam::{Vec2, Vec4};
 
-pub(super) fn reconstruct_cube(tiles: &TwinTiles, view: &Mat3, position: Vec2) -> Vec4 {
+pub(super) fn reconstruct_cube(tiles: &TwinTiles, view: &View, position: Vec2) -> Vec4 {
     let seen = seen_by(tiles, view, position);
+    if !seen.inside {
+        return Vec4::new(0.0, 0.0, 0.0, 1.0);
+    }
     picture_at(tiles, seen.face, seen.place, seen.footprint).extend(1.0)
 }

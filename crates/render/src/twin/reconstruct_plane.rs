@@ -3,10 +3,11 @@
 
 use super::picture::picture_at;
 use super::plane::seen_by;
+use super::screen::View;
 use super::tiles::TwinTiles;
-use glam::{Mat3, Vec2, Vec4};
+use glam::{Vec2, Vec4};
 
-pub(super) fn reconstruct_plane(tiles: &TwinTiles, view: &Mat3, position: Vec2) -> Vec4 {
+pub(super) fn reconstruct_plane(tiles: &TwinTiles, view: &View, position: Vec2) -> Vec4 {
     let seen = seen_by(tiles, view, position);
     if !seen.inside {
         return Vec4::new(0.0, 0.0, 0.0, 1.0);

@@ -1,6 +1,11 @@
 //! What does a pixel show? Twin of `shaders/shared/screen.wgsl`.
 
-use glam::Vec2;
+use glam::{Mat3, Vec2};
+
+pub(super) struct View {
+    pub(super) content_from_pixel: Mat3,
+    pub(super) first_face: u32,
+}
 
 pub(super) struct Seen {
     pub(super) inside: bool,

@@ -8,7 +8,7 @@ use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
-use foveal_core::view::surface::{Screen, Surface};
+use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
 use foveal_render::twin::TwinTiles;
 use foveal_render::{Gpu, Renderer, RgbaImage};
 
@@ -204,6 +204,30 @@ pub fn cube_waves(face_size: u32, cut: Cut, levels: u8, ratio: u32) -> Scene {
     })
 }
 
+/// Waves on a surface of any number of faces and eyes; each eye sees other ones.
+pub fn waves_on(surface: Surface, cut: Cut, levels: u8, ratio: u32) -> Scene {
+    let grid = TileGrid::new(surface, cut, levels, ratio).unwrap();
+    Scene::new(grid, FULL, |face, place| {
+        let phase = if face < surface.faces_of_an_eye() {
+            0.0
+        } else {
+            0.8
+        };
+        match surface.projection {
+            Projection::Flat => waves_moved(phase, place),
+            Projection::Cube => waves_around_moved(phase, &surface, face, place),
+        }
+    })
+}
+
+/// What the other eye sees.
+pub fn of_right_eye(view: EyeView) -> EyeView {
+    EyeView {
+        eye: Eye::Right,
+        ..view
+    }
+}
+
 /// A view turned by degrees of yaw, pitch and roll, `across` degrees wide.
 pub fn turned([yaw, pitch, roll]: [f64; 3], across: f64, size: [u32; 2]) -> EyeView {
     let [yaw, pitch, roll, across] = [yaw, pitch, roll, across].map(Radians::from_degrees);
@@ -211,6 +235,7 @@ pub fn turned([yaw, pitch, roll]: [f64; 3], across: f64, size: [u32; 2]) -> EyeV
         axes: Axes::from_yaw_pitch_roll(yaw, pitch, roll),
         field: Field::across(across, size),
         size,
+        eye: Default::default(),
     }
 }
 
@@ -228,6 +253,7 @@ pub fn window(surface: &Surface, from: [f64; 2], size: [u32; 2], zoom: f64) -> E
             down: tangent(1, to[1]),
         },
         size,
+        eye: Default::default(),
     }
 }
 

@@ -5,7 +5,9 @@ use crate::asset::codec::Codec;
 use crate::asset::picture::Colour;
 use crate::asset::rate::QualityScale;
 use crate::asset::tile_grid::{Cut, TileGrid};
-use crate::view::surface::{Projection, Screen, Surface};
+use crate::view::surface::{
+    Projection, Screen, Surface, all_faces, are_all_faces, is_one_eye, one_eye,
+};
 use serde::{Deserialize, Serialize};
 
 /// The JSON description of a video pack.
@@ -17,6 +19,15 @@ pub struct Description {
     pub projection: Projection,
     /// Pixels of one face at level 0.
     pub size: [u32; 2],
+    /// Eyes that have pictures of their own, 1 or 2: the right eye's faces follow the left's.
+    #[serde(default = "one_eye", skip_serializing_if = "is_one_eye")]
+    pub eyes: u8,
+    /// Faces of a cube, an eye: 6, or 4 without top and bottom; 6 for flat content, too.
+    #[serde(default = "all_faces", skip_serializing_if = "are_all_faces")]
+    pub cube_faces: u8,
+    /// Width and height of a pixel of flat content, to each other.
+    #[serde(default = "square_pixels", skip_serializing_if = "are_square_pixels")]
+    pub pixel_aspect: [u32; 2],
     /// How faces are cut into tiles.
     pub cut: Cut,
     /// Number of levels.
@@ -50,6 +61,18 @@ pub struct Description {
     pub tables: Vec<TableEntry>,
 }
 
+/// The shape of pixels of content that does not say it.
+fn square_pixels() -> [u32; 2] {
+    [1, 1]
+}
+
+fn are_square_pixels(aspect: &[u32; 2]) -> bool {
+    *aspect == square_pixels()
+}
+
+/// Longest side of a pixel for a shortest of 1.
+const MOST_STRETCH: u32 = 16;
+
 /// What a pack was made from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {
@@ -78,6 +101,9 @@ pub struct TableEntry {
     pub crc32c: u32,
 }
 
+/// The fields that make the tile grid, for messages.
+const GRID_FIELDS: &str = "description: size, eyes, cube_faces, cut, levels, ratio";
+
 impl Description {
     /// Reads the JSON of a description; trailing spaces are padding.
     pub fn parse(bytes: &[u8]) -> Result<Self, PackError> {
@@ -91,7 +117,16 @@ impl Description {
     pub fn check(&self) -> Result<(), PackError> {
         self.grid(Screen::default())
             .check()
-            .map_err(|e| PackError::new("description: size, cut, levels, ratio", e, "a grid"))?;
+            .map_err(|e| PackError::new(GRID_FIELDS, e, "a grid"))?;
+        let [wide, high] = self.pixel_aspect;
+        let most = |side: u32| u64::from(side) * u64::from(MOST_STRETCH);
+        if u64::from(wide) > most(high) || u64::from(high) > most(wide) || wide == 0 {
+            return Err(PackError::new(
+                "description.pixel_aspect",
+                format!("{wide}:{high}"),
+                format!("positive numbers, at most {MOST_STRETCH}:1"),
+            ));
+        }
         let square = self.size[0] == self.size[1];
         if self.projection == Projection::Cube && !square {
             let found = format!("{}x{}", self.size[0], self.size[1]);
@@ -144,8 +179,13 @@ impl Description {
     #[must_use]
     pub fn grid(&self, screen: Screen) -> TileGrid {
         let surface = match self.projection {
-            Projection::Flat => Surface::flat(self.size, screen),
+            Projection::Flat => Surface::flat_with_pixels(self.size, self.pixel_aspect, screen),
             Projection::Cube => Surface::cube(self.size[0]),
+        };
+        let surface = Surface {
+            eyes: self.eyes,
+            cube_faces: self.cube_faces,
+            ..surface
         };
         TileGrid {
             surface,

@@ -6,13 +6,16 @@ use crate::asset::picture::{Colour, Matrix};
 use crate::asset::rate::QualityScale;
 use crate::asset::tile_grid::{Cut, Tile};
 use crate::asset::unit::UnitId;
-use crate::view::surface::Projection;
+use crate::view::surface::{Projection, Screen};
 
 fn description() -> Description {
     Description {
         generator: "test".into(),
         projection: Projection::Flat,
         size: [100, 60],
+        eyes: 1,
+        cube_faces: 6,
+        pixel_aspect: [1, 1],
         cut: Cut::Tile(32),
         levels: 3,
         ratio: 2,
@@ -93,6 +96,66 @@ fn a_pack_reads_back_as_it_was_written() {
     }
     assert_eq!(pack.description().tables[0].bytes, 56);
     assert!(parse_anything(&bytes));
+}
+
+#[test]
+fn what_is_usual_is_not_written_and_what_is_not_reads_back() {
+    let usual = serde_json::to_string(&description()).unwrap();
+    assert!(
+        !usual.contains("eyes") && !usual.contains("cube_faces"),
+        "{usual}"
+    );
+    assert!(!usual.contains("pixel_aspect"), "{usual}");
+    let both = Description {
+        projection: Projection::Cube,
+        size: [64, 64],
+        eyes: 2,
+        cube_faces: 4,
+        ..description()
+    };
+    let wide = Description {
+        pixel_aspect: [2, 1],
+        eyes: 2,
+        ..description()
+    };
+    for unusual in [both, wide] {
+        let json = serde_json::to_vec(&unusual).unwrap();
+        assert_eq!(Description::parse(&json).unwrap(), unusual);
+        let surface = unusual.grid(Screen::default()).surface;
+        assert_eq!((surface.eyes, surface.faces() % 2), (2, 0));
+    }
+}
+
+#[test]
+fn eyes_faces_and_pixels_out_of_range_are_refused() {
+    for wrong in [
+        Description {
+            eyes: 0,
+            ..description()
+        },
+        Description {
+            eyes: 3,
+            ..description()
+        },
+        Description {
+            cube_faces: 5,
+            ..description()
+        },
+        Description {
+            pixel_aspect: [0, 1],
+            ..description()
+        },
+        Description {
+            pixel_aspect: [1, 17],
+            ..description()
+        },
+        Description {
+            pixel_aspect: [u32::MAX, 1],
+            ..description()
+        },
+    ] {
+        assert!(Description::parse(&serde_json::to_vec(&wrong).unwrap()).is_err());
+    }
 }
 
 #[test]

@@ -416,6 +416,7 @@ mod tests {
             axes: Axes::FRONT,
             field: Field::across(Radians(1.2), size),
             size,
+            eye: Default::default(),
         };
         for (model, spread) in [
             (Model::Paper, 0.0),

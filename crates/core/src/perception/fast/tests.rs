@@ -70,6 +70,7 @@ fn onlooker(size: [u32; 2], fov_deg: f64, spread_deg: f64, state: EyeState) -> O
             axes: Axes::FRONT,
             field: Field::across(degrees(fov_deg), size),
             size,
+            eye: Default::default(),
         },
         gaze: Gaze {
             direction: direction_from_yaw_pitch(degrees(fov_deg / 9.0), degrees(-1.3)),

@@ -17,6 +17,7 @@ fn onlooker(yaw_deg: f64, state: EyeState) -> Onlooker {
             axes: Axes::FRONT,
             field: Field::across(degrees(40.0), SIZE),
             size: SIZE,
+            eye: Default::default(),
         },
         gaze: Gaze {
             direction: direction_from_yaw_pitch(degrees(yaw_deg), Radians(0.0)),

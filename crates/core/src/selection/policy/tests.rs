@@ -123,6 +123,7 @@ fn viewport_takes_what_is_in_view_at_the_density_of_the_display() {
             axes: Axes::FRONT,
             field,
             size,
+            eye: Default::default(),
         });
         share(
             &selector,
@@ -209,6 +210,64 @@ fn bounds_skip_no_cell_that_probing_would_refine() {
                 .map(|p| level_of_footprint(&grid, selector.acuity_footprint(&moment.gaze, &p)))
                 .min();
             assert_eq!(Some(selector.acuity_level(bounds, &moment)), probed);
+        }
+    }
+}
+
+#[test]
+fn what_is_chosen_for_one_eye_is_chosen_for_the_other_and_counts_twice() {
+    let one = TileGrid::new(Surface::cube(1024), Cut::Tile(128), 4, 2).unwrap();
+    let surface = one.surface.for_two_eyes();
+    let both = TileGrid { surface, ..one };
+    let field = Field::across(Radians::from_degrees(90.0), [640, 400]);
+    let view = Some(EyeView {
+        axes: Axes::FRONT,
+        field,
+        size: [640, 400],
+        eye: Default::default(),
+    });
+    for policy in [
+        Policy::Full,
+        Policy::Coarsest,
+        Policy::Viewport,
+        Policy::Grid,
+        Policy::Acuity,
+    ] {
+        for edge_rule in [EdgeRule::Conservative, EdgeRule::Single] {
+            let config = PolicyConfig {
+                edge_rule,
+                noisy_cells: 7,
+                ..PolicyConfig::new(policy)
+            };
+            let moment = Moment {
+                view,
+                ..degrees(40.0, 31.0)
+            };
+            let mono = Selector::new(one, config.clone()).select(&moment);
+            let stereo = Selector::new(both, config).select(&moment);
+            assert_eq!(stereo.levels.levels(), mono.levels.levels());
+            let twins = mono.tiles.iter().flat_map(|tile| both.for_every_eye(*tile));
+            let mut twins: Vec<Tile> = twins.collect();
+            twins.sort_by_key(|tile| (core::cmp::Reverse(tile.level), both.rank(*tile)));
+            assert_eq!(stereo.tiles, twins, "{policy:?} {edge_rule:?}");
+        }
+    }
+}
+
+#[test]
+fn nothing_is_selected_where_a_panorama_has_no_face() {
+    let panorama = Surface::cube(1024).without_poles();
+    let grid = TileGrid::new(panorama, Cut::Tile(128), 4, 2).unwrap();
+    for policy in [Policy::Full, Policy::Grid, Policy::Acuity] {
+        let selector = Selector::new(grid, PolicyConfig::new(policy));
+        for pitch in [-90.0, -60.0, 0.0, 44.9, 60.0, 90.0] {
+            let selection = selector.select(&degrees(10.0, pitch));
+            assert!(selection.tiles.iter().all(|tile| tile.face < 4));
+            let shown = pixels(&grid, &selection.tiles) as f64 / grid.surface.pixels() as f64;
+            assert!(
+                policy == Policy::Full || shown < 0.3,
+                "{policy:?} {pitch}: {shown}"
+            );
         }
     }
 }

@@ -1,0 +1,323 @@
+//! How does the input surround the eyes?
+//!
+//! By what the caller says, else by metadata, else by name and size; whatever is assumed is said.
+
+use super::PrepareError;
+use super::name_words::NameWords;
+use super::plan::PrepareSettings;
+use crate::cube_layout::CubeLayout;
+use crate::eye_layout::{EyeLayout, Packing};
+use crate::source::SourceInfo;
+use crate::sphere::Coverage;
+use crate::spherical::{Projection as SourceProjection, Spherical, StereoLayout};
+use std::path::Path;
+
+/// What the caller says about the projection of the input.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ProjectionChoice {
+    /// Find it from metadata, name and size.
+    #[default]
+    Auto,
+    /// A flat picture.
+    Flat,
+    /// The whole sphere, longitude across and latitude down.
+    Equirect,
+    /// The front half of the sphere (VR180).
+    HalfEquirect,
+    /// Faces of a cube, laid out as their metadata or their shape tells.
+    Cube,
+}
+
+/// What the caller says about the two eyes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StereoChoice {
+    /// Find it from metadata and name.
+    #[default]
+    Auto,
+    /// One picture for both eyes.
+    Mono,
+    /// Next to each other.
+    SideBySide,
+    /// One above the other.
+    TopBottom,
+}
+
+/// How each eye's picture is turned into faces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Surround {
+    /// It is the one face.
+    Flat,
+    /// It is resampled to a cube.
+    Equirect(Coverage),
+    /// It is cut into faces.
+    Cube(CubeLayout),
+}
+
+/// What was found, for an input of one size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct SurroundOfEyes {
+    pub(super) surround: Surround,
+    pub(super) eyes: EyeLayout,
+    /// Pixels of one eye's picture.
+    pub(super) eye_size: [u32; 2],
+    /// Width and height of a pixel to each other, where a flat picture was squeezed.
+    pub(super) pixel_aspect: [u32; 2],
+}
+
+/// A picture twice as wide as high counts as a sphere from this width on when nothing else tells.
+const SPHERE_WIDTH: u32 = 3840;
+/// Six square faces in a row count as a cube from this face size on when nothing else tells.
+const CUBE_FACE: u32 = 256;
+/// A flat eye narrower than this, width over height, was squeezed to half its width.
+const NARROWEST: f64 = 1.2;
+/// A flat eye wider than this was squeezed to half its height.
+const WIDEST: f64 = 2.8;
+
+/// Finds how `input` surrounds the eyes, and notes what was assumed; refuses what does not fit.
+pub(super) fn surround_of(
+    input: &Path,
+    info: &SourceInfo,
+    settings: &PrepareSettings,
+    notes: &mut Vec<String>,
+) -> Result<SurroundOfEyes, PrepareError> {
+    let wrong = |why: String| PrepareError::Option(format!("{}: {why}", input.display()));
+    let words = NameWords::of(input);
+    let frame = [info.width, info.height];
+    let eyes = eyes_of(info, settings, &words, notes).map_err(wrong)?;
+    let eye_size = eyes.eye_size(frame).map_err(wrong)?;
+    let found = Found {
+        info,
+        words: &words,
+        eye_size,
+        two_eyes: eyes.eyes() > 1,
+    };
+    let surround = match settings.projection {
+        ProjectionChoice::Flat => Surround::Flat,
+        ProjectionChoice::Equirect => Surround::Equirect(Coverage::Full),
+        ProjectionChoice::HalfEquirect => Surround::Equirect(Coverage::FrontHalf),
+        ProjectionChoice::Cube => Surround::Cube(found.cube(notes).map_err(wrong)?),
+        ProjectionChoice::Auto => found.surround(notes).map_err(wrong)?,
+    };
+    if let Some(turn) = info.spherical.as_ref().and_then(turn_of) {
+        notes.push(format!(
+            "the turn of the sphere in its metadata ({turn}) is not applied"
+        ));
+    }
+    let mut pixel_aspect = [1, 1];
+    if eyes.eyes() > 1 {
+        pixel_aspect = squeeze_of(surround, eye_size, notes);
+    }
+    Ok(SurroundOfEyes {
+        surround,
+        eyes,
+        eye_size,
+        pixel_aspect,
+    })
+}
+
+/// Yaw, pitch and roll in words; `None` where the sphere is not turned.
+fn turn_of(spherical: &Spherical) -> Option<String> {
+    let turn = [spherical.yaw_deg, spherical.pitch_deg, spherical.roll_deg];
+    let [yaw, pitch, roll] = turn;
+    (turn != [0.0; 3]).then(|| format!("yaw {yaw:.1}°, pitch {pitch:.1}°, roll {roll:.1}°"))
+}
+
+/// Where the eyes lie: as the caller says, else by metadata, else by name.
+fn eyes_of(
+    info: &SourceInfo,
+    settings: &PrepareSettings,
+    words: &NameWords,
+    notes: &mut Vec<String>,
+) -> Result<EyeLayout, String> {
+    let told = info.stereo.map(|stereo| {
+        let packing = match stereo.layout {
+            StereoLayout::SideBySide => Some(Packing::SideBySide),
+            StereoLayout::TopBottom => Some(Packing::TopBottom),
+            StereoLayout::Other => None,
+        };
+        (packing, stereo.right_first)
+    });
+    let asked = |packing| EyeLayout {
+        packing,
+        right_first: told == Some((Some(packing), true)),
+    };
+    match (settings.stereo, told) {
+        (StereoChoice::Mono, _) => Ok(EyeLayout::default()),
+        (StereoChoice::SideBySide, _) => Ok(asked(Packing::SideBySide)),
+        (StereoChoice::TopBottom, _) => Ok(asked(Packing::TopBottom)),
+        (StereoChoice::Auto, Some((Some(packing), right_first))) => {
+            let eyes = EyeLayout {
+                packing,
+                right_first,
+            };
+            notes.push(format!("two eyes, {}, by its metadata", words_of(eyes)));
+            Ok(eyes)
+        }
+        (StereoChoice::Auto, Some((None, _))) => Err(
+            "holds two eyes in one picture or in turns, which cannot be prepared; bring them side \
+             by side with `ffmpeg -i FILE -vf stereo3d=..:sbsl OUT`, or give --stereo mono"
+                .to_owned(),
+        ),
+        (StereoChoice::Auto, None) => Ok(eyes_by_name(info, settings, words, notes)),
+    }
+}
+
+fn eyes_by_name(
+    info: &SourceInfo,
+    settings: &PrepareSettings,
+    words: &NameWords,
+    notes: &mut Vec<String>,
+) -> EyeLayout {
+    let may_be_half = matches!(
+        settings.projection,
+        ProjectionChoice::Auto | ProjectionChoice::HalfEquirect
+    );
+    let mut why = "by its name";
+    let mut named = words.eyes();
+    if named.is_none() && may_be_half && words.names_half() && info.width == 2 * info.height {
+        why = "by its name and 2:1 size, as 180° pictures of both eyes lie";
+        named = Some(EyeLayout {
+            packing: Packing::SideBySide,
+            right_first: false,
+        });
+    }
+    let Some(eyes) = named else {
+        return EyeLayout::default();
+    };
+    let words = words_of(eyes);
+    notes.push(format!(
+        "taken for two eyes, {words}, {why}; give --stereo mono if it is not"
+    ));
+    eyes
+}
+
+fn words_of(eyes: EyeLayout) -> &'static str {
+    match (eyes.packing, eyes.right_first) {
+        (Packing::Mono, _) => "one picture",
+        (Packing::SideBySide, false) => "side by side",
+        (Packing::SideBySide, true) => "side by side, the right eye first",
+        (Packing::TopBottom, false) => "one above the other",
+        (Packing::TopBottom, true) => "one above the other, the right eye first",
+    }
+}
+
+/// What is known where projection is looked for.
+struct Found<'a> {
+    info: &'a SourceInfo,
+    words: &'a NameWords,
+    eye_size: [u32; 2],
+    two_eyes: bool,
+}
+
+impl Found<'_> {
+    fn cube(&self, notes: &mut Vec<String>) -> Result<CubeLayout, String> {
+        let layout = match self.info.spherical.map(|spherical| spherical.projection) {
+            Some(SourceProjection::Cube { padding }) => {
+                CubeLayout::of_metadata(self.eye_size, padding)?
+            }
+            _ => CubeLayout::of_size(self.eye_size)?,
+        };
+        notes.push(format!("a cube of {}", layout.words()));
+        Ok(layout)
+    }
+
+    fn surround(&self, notes: &mut Vec<String>) -> Result<Surround, String> {
+        match self.info.spherical {
+            Some(spherical) => self.by_metadata(&spherical, notes),
+            None => self.by_name_and_size(notes),
+        }
+    }
+
+    fn by_metadata(
+        &self,
+        spherical: &Spherical,
+        notes: &mut Vec<String>,
+    ) -> Result<Surround, String> {
+        match spherical.projection {
+            SourceProjection::Equirect => {
+                notes.push("360° by its spherical metadata".to_owned());
+                Ok(Surround::Equirect(Coverage::Full))
+            }
+            SourceProjection::EquirectPart { .. } if spherical.is_half() => {
+                notes.push("180° by its spherical metadata".to_owned());
+                Ok(Surround::Equirect(Coverage::FrontHalf))
+            }
+            SourceProjection::Cube { .. } => Ok(Surround::Cube(self.cube(notes)?)),
+            SourceProjection::EquirectPart { .. } => Err(
+                "shows a part of a sphere by its metadata, which cannot be prepared; make it whole \
+                 with FFmpeg's filter pad, or give --projection flat"
+                    .to_owned(),
+            ),
+        }
+    }
+
+    fn by_name_and_size(&self, notes: &mut Vec<String>) -> Result<Surround, String> {
+        let [w, h] = self.eye_size;
+        let is = |columns: u64, rows: u64| u64::from(w) * rows == u64::from(h) * columns;
+        let mut taken = |what: &str, named: bool| {
+            let by_name = if named { "name and " } else { "" };
+            let shape = shape_of(self.eye_size);
+            notes.push(format!(
+                "taken for {what} by its {by_name}{shape} size; give --projection flat if it is not"
+            ));
+        };
+        if self.words.names_equiangular() {
+            return Err(
+                "is an equi-angular cube by its name, which cannot be prepared; make it a plain one \
+                 with `ffmpeg -i FILE -vf v360=eac:c3x2 OUT` and give --projection cube"
+                    .to_owned(),
+            );
+        }
+        if self.words.names_half() && is(1, 1) {
+            taken("180°", true);
+            return Ok(Surround::Equirect(Coverage::FrontHalf));
+        }
+        let named = self.words.names_sphere();
+        // An eye of 360° may be squeezed to half its width or height.
+        let squeezed = named && self.two_eyes && (is(1, 1) || is(4, 1));
+        if squeezed || is(2, 1) && (named || w >= SPHERE_WIDTH) {
+            taken("360°", named);
+            return Ok(Surround::Equirect(Coverage::Full));
+        }
+        let named = self.words.names_cube();
+        if named && CubeLayout::of_size(self.eye_size).is_ok() || is(6, 1) && h >= CUBE_FACE {
+            taken("a cube", named);
+            return Ok(Surround::Cube(self.cube(notes)?));
+        }
+        let hint = match () {
+            () if is(2, 1) => "; give --projection equirect if it is 360°",
+            () if is(4, 1) => "; give --projection cube if it is four faces round the horizon",
+            () if is(3, 2) && w >= SPHERE_WIDTH => "; give --projection cube if it is six faces",
+            () => "",
+        };
+        notes.push(format!("taken for flat by its size{hint}"));
+        Ok(Surround::Flat)
+    }
+}
+
+/// Width to height in the smallest whole numbers.
+fn shape_of([w, h]: [u32; 2]) -> String {
+    let (mut a, mut b) = (w.max(1), h);
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    format!("{}:{}", w / a, h / a)
+}
+
+/// The shape of the pixels of one eye of two: a flat picture of an unlikely shape was squeezed to
+/// share its frame. Spheres are resampled whatever their shape.
+fn squeeze_of(surround: Surround, [w, h]: [u32; 2], notes: &mut Vec<String>) -> [u32; 2] {
+    let shape = f64::from(w) / f64::from(h.max(1));
+    let said = match surround {
+        Surround::Flat if shape < NARROWEST => ([2, 1], "width"),
+        Surround::Flat if shape > WIDEST => ([1, 2], "height"),
+        Surround::Equirect(Coverage::Full) if shape < 1.5 => ([1, 1], "width"),
+        Surround::Equirect(Coverage::Full) if shape > 3.0 => ([1, 1], "height"),
+        _ => return [1, 1],
+    };
+    notes.push(format!(
+        "each eye's {w}x{h} pixels are taken for half the {}",
+        said.1
+    ));
+    said.0
+}
