@@ -15,6 +15,7 @@ mod picture_file;
 mod player;
 mod plot;
 mod prepare;
+mod preset;
 mod replay;
 mod select;
 mod simulate;

@@ -4,6 +4,7 @@
 
 use crate::canvas::{Canvas, Drawing};
 use crate::gaze::{GazeSource, Look};
+use crate::options::check_thresholds;
 use crate::output;
 use anyhow::{Context, bail};
 use foveal_core::asset::cues::CueTable;
@@ -138,6 +139,14 @@ impl Player {
         if spends && tables.signatures.is_none() {
             bail!(
                 "{}: has no signatures, by which this policy values units; prepare it again",
+                file.path().display(),
+            );
+        }
+        check_thresholds(&options.config, &grid)?;
+        if options.config.needs_cues() && (tables.cues.is_none() || tables.signatures.is_none()) {
+            bail!(
+                "{}: has no cues, which tell the variance of cells; prepare it again, or give \
+                 --noisy-cells N in place of --noise-threshold",
                 file.path().display(),
             );
         }

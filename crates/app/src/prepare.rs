@@ -3,6 +3,7 @@
 use crate::info::PackInfo;
 use crate::options::CutOptions;
 use crate::output::{self, WrongUsage, out_of_range};
+use crate::preset::SystemPreset;
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use foveal_core::asset::codec::Codec;
@@ -44,6 +45,9 @@ pub(crate) struct PrepareVideoArgs {
     projection: ProjectionName,
     #[command(flatten)]
     cut: CutOptions,
+    /// Cut as a published system does.
+    #[arg(long, value_enum, value_name = "NAME")]
+    preset: Option<SystemPreset>,
     /// Codec of the tiles.
     #[arg(long, value_enum, default_value = "vp9")]
     codec: CodecName,
@@ -126,6 +130,10 @@ impl PrepareVideoArgs {
         if self.frames == Some(0) {
             bail!(out_of_range("--frames", 0, "at least 1"));
         }
+        let given = || self.cut.clone();
+        let cut = self
+            .preset
+            .map_or_else(given, |preset| preset.cut(&self.cut));
         Ok(PrepareSettings {
             projection: match self.projection {
                 ProjectionName::Auto => ProjectionChoice::Auto,
@@ -133,12 +141,12 @@ impl PrepareVideoArgs {
                 ProjectionName::Equirect => ProjectionChoice::Equirect,
                 ProjectionName::HalfEquirect => ProjectionChoice::HalfEquirect,
             },
-            cut: match (self.cut.grid, self.cut.tile) {
+            cut: match (cut.grid, cut.tile) {
                 (Some(grid), _) => Some(Cut::Grid(grid)),
                 (None, tile) => tile.map(Cut::Tile),
             },
-            levels: self.cut.levels,
-            ratio: self.cut.level_ratio,
+            levels: cut.levels,
+            ratio: cut.ratio(),
             codec: match self.codec {
                 CodecName::Vp9 => Codec::Vp9,
                 CodecName::Jpeg => Codec::Jpeg,

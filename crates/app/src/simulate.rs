@@ -7,6 +7,7 @@ use crate::options::{PolicyOptions, ViewOptions};
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::picture_file::write_png;
 use crate::player::{FrameReport, Player, PlayerOptions};
+use crate::preset::SystemPreset;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::asset::picture::{Colour, Matrix};
@@ -14,6 +15,7 @@ use foveal_core::selection::policy::PolicyConfig;
 use foveal_core::selection::session::{Session, sha256_hex};
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::yaw_pitch_from_direction;
+use foveal_core::view::surface::Projection;
 use foveal_media::pack_file::PackFile;
 use foveal_media::picture_from_rgba::picture_from_rgba;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
@@ -101,9 +103,10 @@ struct Watching {
     /// Levels are chosen for the gaze that is expected by then.
     #[arg(long, value_name = "MS", value_parser = parse_delay, default_value = "0")]
     late: Seconds,
-    /// How gaze follows the head: free-viewing, search or a file that `gaze fit head` wrote.
-    #[arg(long, value_name = "NAME|FILE.toml", default_value = "free-viewing")]
-    preset: String,
+    /// How gaze follows the head: free-viewing (default), search or a file that `gaze fit head`
+    /// wrote; or, beside that, a published system to choose as: kastner-2016.
+    #[arg(long, value_name = "NAME|FILE.toml")]
+    preset: Vec<String>,
 }
 
 impl Watching {
@@ -112,10 +115,25 @@ impl Watching {
     }
 
     fn viewer(&self) -> anyhow::Result<Viewer> {
+        let is_of_viewer = |name: &&String| SystemPreset::named(name).is_none();
+        let mut of_viewer = self.preset.iter().filter(is_of_viewer);
+        let preset = of_viewer.next().map_or("free-viewing", String::as_str);
+        if let Some(second) = of_viewer.next() {
+            bail!(WrongUsage(format!(
+                "--preset: gaze follows the head as in {preset} or as in {second}, not both"
+            )));
+        }
         Ok(Viewer {
-            preset: preset_of(&self.preset)?,
+            preset: preset_of(preset)?,
             late: Seconds(self.late.0 + self.link().delay.0),
         })
+    }
+
+    /// The published system that was asked for.
+    fn system(&self) -> Option<SystemPreset> {
+        self.preset
+            .iter()
+            .find_map(|name| SystemPreset::named(name))
     }
 }
 
@@ -146,9 +164,11 @@ pub(crate) struct RunSummary {
 const MOST_EVERY: u32 = 10_000;
 
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
-    let config = args.config()?;
+    args.check()?;
     let file = Arc::new(PackFile::open(&args.pack)?);
     let about = file.pack().description();
+    let args = &args.with_preset(about.projection);
+    let config = args.config()?;
     let frames = args.frames.unwrap_or(about.frames).min(about.frames);
     if args.frames.is_some_and(|asked| asked > frames) {
         output::say(&format!(
@@ -186,14 +206,23 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let session = session(&player, &reports).write();
     output::write_whole(&args.out.join("session.jsonl"), session.as_bytes())?;
     output::write_whole(&args.out.join("frames.csv"), csv(&reports).as_bytes())?;
-    let policy = args.policy.policy.name();
+    let policy = args.policy.name().name();
     let summary = summarise(policy, &reports, player.canvas.gpu_bytes(), &session);
     output::result(args.json, &summary, &summary.text(&args.out))
 }
 
 impl SimulateArgs {
-    /// The policy, once all options have been checked that need no pack.
-    fn config(&self) -> anyhow::Result<PolicyConfig> {
+    /// These options with those that a preset stands for.
+    fn with_preset(&self, projection: Projection) -> Self {
+        let mut with = self.clone();
+        if let Some(preset) = self.watching.system() {
+            with.policy = preset.policy(&self.policy, projection);
+        }
+        with
+    }
+
+    /// Checks the options that need no pack.
+    fn check(&self) -> anyhow::Result<()> {
         if !(1..=MOST_EVERY).contains(&self.every) {
             bail!(out_of_range(
                 "--every",
@@ -204,11 +233,19 @@ impl SimulateArgs {
         if self.frames == Some(0) {
             bail!(out_of_range("--frames", 0, "at least 1"));
         }
+        if self.watching.system().is_none() {
+            self.config()?;
+        }
+        Ok(())
+    }
+
+    /// The policy.
+    fn config(&self) -> anyhow::Result<PolicyConfig> {
         let config = self.policy.config()?;
         if self.watching.link.is_some() && !config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
                 "--link: {} spends no budget; give --policy uniform, eccentricity or perceptual",
-                self.policy.policy.name()
+                self.policy.name().name()
             )));
         }
         Ok(config)
