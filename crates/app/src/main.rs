@@ -17,6 +17,7 @@ mod plot;
 mod prepare;
 mod preset;
 mod replay;
+mod sampling;
 mod select;
 mod simulate;
 mod verify;

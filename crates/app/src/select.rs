@@ -6,6 +6,7 @@ use crate::options::{
 };
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::preset::SystemPreset;
+use crate::sampling::sample_count;
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use foveal_core::asset::tile_grid::TileGrid;
@@ -13,7 +14,7 @@ use foveal_core::gaze::sample::GazeSample;
 use foveal_core::gaze::scan::Random;
 use foveal_core::perception::parameters::EyeState;
 use foveal_core::selection::level_map::{histogram, pixels};
-use foveal_core::selection::policy::{Moment, Selector};
+use foveal_core::selection::policy::{Moment, Policy, Selector};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::{Projection, Surface};
@@ -113,6 +114,10 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
             args.policy.name().name()
         )));
     }
+    let samples = match config.policy {
+        Policy::Sampled => Some(sample_count(&config, &args.view.eye_view(&surface)?)),
+        _ => None,
+    };
     let selector = Selector::new(grid, config);
     let faces = args.source_faces.unwrap_or(surface.faces());
     if faces == 0 || faces > surface.faces() {
@@ -128,7 +133,7 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
             state: EyeState::Steady,
         };
         let tiles = selector.select(&moment).tiles;
-        let pixels = pixels(&grid, &tiles);
+        let pixels = samples.map_or_else(|| pixels(&grid, &tiles), u64::from);
         One {
             pixels,
             share: pixels as f64 / source,

@@ -1,9 +1,9 @@
 //! What does an eye get from a pack, and what did that take?
 
-use crate::canvas::{Drawing, RendererName};
+use crate::canvas::{Drawing, RendererName, Showing};
 use crate::gaze::{GazeChoice, GazeSource, Viewer, interrupted, parse_gaze, preset_of};
 use crate::link::{Link, parse_delay, parse_link};
-use crate::options::{PolicyOptions, ViewOptions};
+use crate::options::{PolicyOptions, Switch, ViewOptions};
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::picture_file::write_png;
 use crate::player::{FrameReport, Player, PlayerOptions};
@@ -11,7 +11,7 @@ use crate::preset::SystemPreset;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::asset::picture::{Colour, Matrix};
-use foveal_core::selection::policy::PolicyConfig;
+use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_core::selection::session::{Session, sha256_hex};
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::yaw_pitch_from_direction;
@@ -19,7 +19,7 @@ use foveal_core::view::surface::Projection;
 use foveal_media::pack_file::PackFile;
 use foveal_media::picture_from_rgba::picture_from_rgba;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
-use foveal_render::{Overlay, RgbaImage};
+use foveal_render::{Interpolation, Overlay, RgbaImage};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -58,6 +58,8 @@ pub(crate) struct SimulateArgs {
     watching: Watching,
     #[command(flatten)]
     view: ViewOptions,
+    #[command(flatten)]
+    showing: ShowingOptions,
     /// Stop after this many frames (default: all).
     #[arg(long, value_name = "N")]
     frames: Option<u32>,
@@ -89,6 +91,36 @@ pub(crate) struct SimulateArgs {
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Reconstruction {
+    /// Resident tiles in one atlas, faded into each other where levels meet.
+    Atlas,
+    /// A texture for every level, as large as the whole surface there; nothing fades.
+    Textures,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum InterpolationName {
+    /// The nearest sample, as published.
+    Nearest,
+    /// The nearest sample and those that touch it, by distance.
+    Blended,
+}
+
+/// How what is resident becomes a picture.
+#[derive(Clone, Debug, Args)]
+struct ShowingOptions {
+    /// What tiles lie in on the GPU.
+    #[arg(long, value_enum, default_value = "atlas")]
+    reconstruction: Reconstruction,
+    /// sampled: how pixels between samples are filled (default: blended; nearest in the preset).
+    #[arg(long, value_enum)]
+    interpolation: Option<InterpolationName>,
+    /// Blur what lies outside the fovea as acuity falls off.
+    #[arg(long, value_enum, default_value = "off")]
+    blur: Switch,
 }
 
 /// What is known of the viewer, and what can arrive in time.
@@ -169,6 +201,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let about = file.pack().description();
     let args = &args.with_preset(about.projection);
     let config = args.config()?;
+    let config_policy = config.policy;
     let frames = args.frames.unwrap_or(about.frames).min(about.frames);
     if args.frames.is_some_and(|asked| asked > frames) {
         output::say(&format!(
@@ -185,6 +218,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             view: args.view.eye_view(&surface)?,
             screen: args.view.screen,
             drawing: Drawing::open(args.renderer)?,
+            showing: args.showing(config_policy)?,
             paced: args.paced,
             bytes_per_s: args.watching.link().bytes_per_s,
             jobs: output::jobs(args.jobs)?,
@@ -219,6 +253,31 @@ impl SimulateArgs {
             with.policy = preset.policy(&self.policy, projection);
         }
         with
+    }
+
+    fn showing(&self, policy: Policy) -> anyhow::Result<Showing> {
+        let has_textures = self.showing.reconstruction == Reconstruction::Textures;
+        if has_textures && policy == Policy::Sampled {
+            bail!(WrongUsage(
+                "--reconstruction textures shows tiles, --policy sampled samples; give one of them"
+                    .to_owned()
+            ));
+        }
+        if has_textures && self.heat_map {
+            bail!(WrongUsage(
+                "--heat-map marks the tiles of --reconstruction atlas; give one of them".to_owned()
+            ));
+        }
+        let published = self.watching.system().map(|_| InterpolationName::Nearest);
+        let interpolation = self.showing.interpolation.or(published);
+        Ok(Showing {
+            has_textures,
+            interpolation: match interpolation.unwrap_or(InterpolationName::Blended) {
+                InterpolationName::Nearest => Interpolation::Nearest,
+                InterpolationName::Blended => Interpolation::Blended,
+            },
+            blurs: self.showing.blur == Switch::On,
+        })
     }
 
     /// Checks the options that need no pack.

@@ -2,6 +2,7 @@
 
 pub mod codec;
 pub mod cues;
+pub mod gather;
 pub mod order;
 pub mod pack;
 pub mod picture;
