@@ -1,12 +1,17 @@
 //! What draws the picture: the GPU, or the CPU twin of its passes?
 
-use anyhow::Context;
+use crate::sampling::Samples;
+use anyhow::{Context, bail};
 use clap::ValueEnum;
 use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use foveal_core::perception::sample_mask::SampleMask;
 use foveal_core::view::eye_view::EyeView;
+use foveal_render::twin::TwinSamples;
 use foveal_render::twin::{self, TwinTiles};
-use foveal_render::{Gpu, Overlay, Renderer, RgbaImage};
+use foveal_render::{
+    Gpu, Interpolation, Overlay, RadialBlur, Renderer, RgbaImage, TextureRenderer,
+};
 
 /// Which renderer was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -53,27 +58,101 @@ const MOST_LAYERS: u32 = 256;
 /// Resident tiles and what draws them.
 pub(crate) enum Canvas {
     Gpu(Box<Renderer>),
-    Cpu(Box<TwinTiles>),
+    Cpu(Box<CpuCanvas>),
+    Textures(Box<TextureRenderer>),
     None,
+}
+
+/// Tiles and samples in main memory, and what is done with them.
+pub(crate) struct CpuCanvas {
+    tiles: TwinTiles,
+    samples: Option<TwinSamples>,
+    blur: Option<RadialBlur>,
+    has_textures: bool,
+}
+
+/// How resident tiles become a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Showing {
+    /// A texture for every level in place of the atlas.
+    pub(crate) has_textures: bool,
+    /// How pixels between samples are filled.
+    pub(crate) interpolation: Interpolation,
+    /// Whether what lies outside the fovea is blurred.
+    pub(crate) blurs: bool,
 }
 
 impl Canvas {
     /// A canvas for the tiles of `grid`.
-    pub(crate) fn new(drawing: &Drawing, grid: &TileGrid, colour: Colour) -> anyhow::Result<Self> {
+    pub(crate) fn new(
+        drawing: &Drawing,
+        grid: &TileGrid,
+        colour: Colour,
+        showing: Showing,
+    ) -> anyhow::Result<Self> {
         Ok(match drawing {
+            Drawing::Gpu(gpu) if showing.has_textures => {
+                let renderer = TextureRenderer::new(gpu, grid, colour);
+                Self::Textures(Box::new(renderer.context("--reconstruction textures")?))
+            }
             Drawing::Gpu(gpu) => {
                 Self::Gpu(Box::new(Renderer::new(gpu, grid, colour, MOST_LAYERS)?))
             }
-            Drawing::Cpu => Self::Cpu(Box::new(TwinTiles::new(grid, colour))),
+            Drawing::Cpu => Self::Cpu(Box::new(CpuCanvas {
+                tiles: TwinTiles::new(grid, colour),
+                samples: None,
+                blur: None,
+                has_textures: showing.has_textures,
+            })),
             Drawing::None => Self::None,
         })
+    }
+
+    /// From now on shows samples round the gaze over the coarsest level.
+    pub(crate) fn sample_by(
+        &mut self,
+        mask: &SampleMask,
+        interpolation: Interpolation,
+    ) -> anyhow::Result<()> {
+        match self {
+            Self::Gpu(renderer) => renderer.sample_by(mask, interpolation)?,
+            Self::Cpu(cpu) => cpu.samples = Some(TwinSamples::new(mask.clone(), interpolation)),
+            Self::Textures(_) | Self::None => {}
+        }
+        Ok(())
+    }
+
+    /// Makes the samples of a frame those shown.
+    pub(crate) fn show_samples(&mut self, samples: &Samples) -> anyhow::Result<()> {
+        let Samples { corner, codes } = samples;
+        match self {
+            Self::Gpu(renderer) => renderer.show_samples(*corner, codes)?,
+            Self::Cpu(cpu) => {
+                if let Some(shown) = &mut cpu.samples {
+                    shown.show(*corner, codes);
+                }
+            }
+            Self::Textures(_) | Self::None => {}
+        }
+        Ok(())
+    }
+
+    /// Blurs the pictures drawn from now on outside the fovea of this gaze.
+    pub(crate) fn set_blur(&mut self, blur: Option<RadialBlur>) {
+        match self {
+            Self::Gpu(renderer) => renderer.radial_blur = blur,
+            Self::Cpu(cpu) => cpu.blur = blur,
+            Self::Textures(renderer) => renderer.radial_blur = blur,
+            Self::None => {}
+        }
     }
 
     /// From now on source frame `frame` is shown.
     pub(crate) fn begin_frame(&mut self, frame: u32) {
         match self {
             Self::Gpu(renderer) => renderer.tiles().begin_frame(frame),
-            Self::Cpu(tiles) => tiles.begin_frame(frame),
+            Self::Cpu(cpu) => cpu.tiles.begin_frame(frame),
+            Self::Textures(renderer) => renderer.begin_frame(frame),
             Self::None => {}
         }
     }
@@ -87,7 +166,8 @@ impl Canvas {
     ) -> anyhow::Result<()> {
         match self {
             Self::Gpu(renderer) => renderer.tiles().upload(tile, frame, &picture)?,
-            Self::Cpu(tiles) => tiles.upload(tile, frame, &picture)?,
+            Self::Cpu(cpu) => cpu.tiles.upload(tile, frame, &picture)?,
+            Self::Textures(renderer) => renderer.upload(tile, frame, &picture)?,
             Self::None => {}
         }
         Ok(())
@@ -97,8 +177,9 @@ impl Canvas {
     pub(crate) fn retain(&mut self, wanted: &[Tile]) {
         match self {
             Self::Gpu(renderer) => renderer.tiles().retain(wanted),
-            Self::Cpu(tiles) => tiles.retain(wanted),
-            Self::None => {}
+            Self::Cpu(cpu) => cpu.tiles.retain(wanted),
+            // Every tile has its place in its level's texture, in use or not.
+            Self::Textures(_) | Self::None => {}
         }
     }
 
@@ -106,6 +187,7 @@ impl Canvas {
     pub(crate) fn settle(&mut self) -> anyhow::Result<()> {
         match self {
             Self::Gpu(renderer) => Ok(renderer.tiles().settle()?),
+            Self::Textures(renderer) => Ok(renderer.settle()?),
             Self::Cpu(_) | Self::None => Ok(()),
         }
     }
@@ -114,7 +196,8 @@ impl Canvas {
     pub(crate) fn wrong_frame_tiles(&mut self) -> usize {
         match self {
             Self::Gpu(renderer) => renderer.tiles().wrong_frame_tiles(),
-            Self::Cpu(tiles) => tiles.wrong_frame_tiles(),
+            Self::Cpu(cpu) => cpu.tiles.wrong_frame_tiles(),
+            Self::Textures(renderer) => renderer.wrong_frame_tiles(),
             Self::None => 0,
         }
     }
@@ -122,8 +205,9 @@ impl Canvas {
     /// Bytes of GPU memory in use.
     pub(crate) fn gpu_bytes(&mut self) -> u64 {
         match self {
-            Self::Gpu(renderer) => renderer.tiles().gpu_bytes(),
-            _ => 0,
+            Self::Gpu(renderer) => renderer.gpu_bytes(),
+            Self::Textures(renderer) => renderer.gpu_bytes(),
+            Self::Cpu(_) | Self::None => 0,
         }
     }
 
@@ -131,8 +215,8 @@ impl Canvas {
     pub(crate) fn read_tile(&mut self, tile: Tile) -> anyhow::Result<Option<Picture>> {
         Ok(match self {
             Self::Gpu(renderer) => Some(renderer.tiles().read_tile(tile)?),
-            Self::Cpu(tiles) => tiles.read_tile(tile),
-            Self::None => None,
+            Self::Cpu(cpu) => cpu.tiles.read_tile(tile),
+            Self::Textures(_) | Self::None => None,
         })
     }
 
@@ -146,9 +230,29 @@ impl Canvas {
         Ok(match (self, marks) {
             (Self::Gpu(renderer), None) => Some(renderer.reconstruct(view)?),
             (Self::Gpu(renderer), Some(marks)) => Some(renderer.heat_map(view, marks)?),
-            (Self::Cpu(tiles), None) => Some(twin::reconstruct(tiles, view)),
-            (Self::Cpu(tiles), Some(marks)) => Some(twin::heat_map(tiles, view, marks)),
+            (Self::Cpu(cpu), None) => Some(cpu.picture(view)),
+            (Self::Cpu(cpu), Some(marks)) => {
+                Some(twin::marked(&cpu.tiles, view, marks, cpu.picture(view)))
+            }
+            (Self::Textures(renderer), None) => Some(renderer.reconstruct(view)?),
+            (Self::Textures(_), Some(_)) => {
+                bail!("--heat-map marks the tiles of the atlas: leave --reconstruction textures")
+            }
             (Self::None, _) => None,
         })
+    }
+}
+
+impl CpuCanvas {
+    fn picture(&self, view: &EyeView) -> RgbaImage {
+        let picture = match &self.samples {
+            Some(samples) => twin::interpolate_sparse(&self.tiles, samples, view),
+            None if self.has_textures => twin::reconstruct_textures(&self.tiles, view),
+            None => twin::reconstruct(&self.tiles, view),
+        };
+        match &self.blur {
+            Some(blur) => twin::blur_radial(&picture, view, blur),
+            None => picture,
+        }
     }
 }

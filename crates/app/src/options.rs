@@ -4,9 +4,9 @@ use crate::output::out_of_range;
 use crate::perception_options::PerceptionOptions;
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
-use foveal_core::asset::tile_grid::Cut;
+use foveal_core::asset::tile_grid::{Cut, TileGrid};
 use foveal_core::perception::acuity::AcuityModel;
-use foveal_core::selection::policy::{EdgeRule, Policy, PolicyConfig};
+use foveal_core::selection::policy::{EdgeRule, MASK_SIDE, MaskConfig, Policy, PolicyConfig};
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
@@ -19,6 +19,10 @@ pub(crate) enum PolicyName {
     Coarsest,
     Viewport,
     Grid,
+    /// A level by the angle between tile and gaze.
+    Distance,
+    /// Tiles by distance, of which only samples are shown.
+    Sampled,
     Acuity,
     /// Units in view, raised evenly within --link.
     Uniform,
@@ -57,9 +61,9 @@ pub(crate) enum EdgeRuleName {
 /// Which rule chooses levels.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PolicyOptions {
-    /// How levels are chosen.
-    #[arg(long, value_enum, default_value = "acuity")]
-    pub(crate) policy: PolicyName,
+    /// How levels are chosen (default: acuity, or the preset's).
+    #[arg(long, value_enum)]
+    pub(crate) policy: Option<PolicyName>,
     /// The eye of the acuity policy.
     #[arg(long, value_enum, default_value = "linear")]
     acuity: AcuityName,
@@ -93,6 +97,25 @@ pub(crate) struct PolicyOptions {
     /// grid: how many lowest-level cells, in index order, are promoted to the middle level.
     #[arg(long, value_name = "N", default_value_t = 0)]
     noisy_cells: u32,
+    /// grid: RGB variance, in squared code values (0 to 16384), above which a cell is promoted to
+    /// the middle level.
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    noise_threshold: Option<f64>,
+    /// distance, sampled: degrees from the gaze up to which each level is shown, finest first, as
+    /// 3,12; beyond the last all is coarsest (default: where acuity allows the next level).
+    #[arg(
+        long,
+        value_name = "D1,D2,..",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    thresholds: Vec<f64>,
+    /// sampled: how many samples (default: as many as acuity asks for; 690926 in the preset).
+    #[arg(long, value_name = "N")]
+    pub(crate) samples: Option<u32>,
+    /// sampled: pixels of the view on a side of the square that samples lie in.
+    #[arg(long, value_name = "PX", default_value_t = MASK_SIDE)]
+    mask_size: u32,
     #[command(flatten)]
     perception: PerceptionOptions,
     /// perceptual: fetch what is salient outside the region that gaze predicts.
@@ -101,19 +124,31 @@ pub(crate) struct PolicyOptions {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Switch {
+pub(crate) enum Switch {
     On,
     Off,
 }
 
+/// Longest side of a sample mask: as of a view.
+const MOST_MASK_SIDE: u32 = 4096;
+/// Most that a mean variance of 8-bit colours is told to be in a pack.
+const MOST_VARIANCE: f64 = 16_384.0;
+
 impl PolicyOptions {
+    /// The policy that was asked for.
+    pub(crate) fn name(&self) -> PolicyName {
+        self.policy.unwrap_or(PolicyName::Acuity)
+    }
+
     /// The policy with its parameters, checked.
     pub(crate) fn config(&self) -> anyhow::Result<PolicyConfig> {
-        let policy = match self.policy {
+        let policy = match self.name() {
             PolicyName::Full => Policy::Full,
             PolicyName::Coarsest => Policy::Coarsest,
             PolicyName::Viewport => Policy::Viewport,
             PolicyName::Grid => Policy::Grid,
+            PolicyName::Distance => Policy::Distance,
+            PolicyName::Sampled => Policy::Sampled,
             PolicyName::Acuity => Policy::Acuity,
             PolicyName::Uniform => Policy::Uniform,
             PolicyName::Eccentricity => Policy::Eccentricity,
@@ -139,10 +174,66 @@ impl PolicyOptions {
             },
             edge_margin: angle("--edge-margin", self.edge_margin)?,
             noisy_cells: self.noisy_cells,
+            noise_threshold: self.noise_threshold()?,
+            thresholds: self.thresholds()?,
+            mask: self.mask()?,
             perception: self.perception.parameters()?,
             saliency: self.saliency == Switch::On,
         })
     }
+
+    fn noise_threshold(&self) -> anyhow::Result<Option<f64>> {
+        match self.noise_threshold {
+            Some(variance) if !(0.0..=MOST_VARIANCE).contains(&variance) => bail!(out_of_range(
+                "--noise-threshold",
+                variance,
+                "a variance of 0 to 16384"
+            )),
+            threshold => Ok(threshold),
+        }
+    }
+
+    fn thresholds(&self) -> anyhow::Result<Vec<Radians>> {
+        if self.thresholds.windows(2).any(|pair| pair[0] > pair[1]) {
+            let given = self.thresholds.iter().map(f64::to_string);
+            let given = given.collect::<Vec<_>>().join(",");
+            bail!(out_of_range("--thresholds", given, "angles that rise"));
+        }
+        let angles = self.thresholds.iter();
+        angles
+            .map(|degrees| angle("--thresholds", *degrees))
+            .collect()
+    }
+
+    fn mask(&self) -> anyhow::Result<MaskConfig> {
+        let side = self.mask_size;
+        if !(1..=MOST_MASK_SIDE).contains(&side) {
+            let range = format!("1 to {MOST_MASK_SIDE} pixels");
+            bail!(out_of_range("--mask-size", side, &range));
+        }
+        match self.samples {
+            Some(samples) if !(1..=side * side).contains(&samples) => bail!(out_of_range(
+                "--samples",
+                samples,
+                &format!("1 to the {} pixels of the mask", side * side)
+            )),
+            samples => Ok(MaskConfig { side, samples }),
+        }
+    }
+}
+
+/// Whether there is a level beyond every threshold.
+pub(crate) fn check_thresholds(config: &PolicyConfig, grid: &TileGrid) -> anyhow::Result<()> {
+    let (given, most) = (config.thresholds.len(), usize::from(grid.coarsest()));
+    if given <= most {
+        return Ok(());
+    }
+    let range = format!("at most {most} angles for {} levels", grid.levels);
+    bail!(out_of_range(
+        "--thresholds",
+        format!("{given} angles"),
+        &range
+    ))
 }
 
 fn angle(option: &str, degrees: f64) -> anyhow::Result<Radians> {
@@ -246,15 +337,20 @@ pub(crate) struct CutOptions {
     /// Number of levels.
     #[arg(long, value_name = "N")]
     pub(crate) levels: Option<u8>,
-    /// Linear ratio between levels, 2 or 4.
-    #[arg(long, value_name = "2|4", default_value_t = 2)]
-    pub(crate) level_ratio: u32,
+    /// Linear ratio between levels, 2 or 4 (default: 2).
+    #[arg(long, value_name = "2|4")]
+    pub(crate) level_ratio: Option<u32>,
 }
 
 impl CutOptions {
     /// The cut that was asked for.
     pub(crate) fn asked(&self) -> Option<Cut> {
         self.grid.map(Cut::Grid).or(self.tile.map(Cut::Tile))
+    }
+
+    /// The ratio between levels that was asked for, or the default.
+    pub(crate) fn ratio(&self) -> u32 {
+        self.level_ratio.unwrap_or(2)
     }
 
     /// The cut that was asked for, or the default for content on a surface.

@@ -2,11 +2,14 @@
 //!
 //! Select, decode, upload: the one path that every command that plays a pack goes through.
 
-use crate::canvas::{Canvas, Drawing};
+use crate::canvas::{Canvas, Drawing, Showing};
 use crate::gaze::{GazeSource, Look};
+use crate::options::check_thresholds;
 use crate::output;
+use crate::sampling::Sampling;
 use anyhow::{Context, bail};
 use foveal_core::asset::cues::CueTable;
+use foveal_core::asset::picture::Picture;
 use foveal_core::asset::signature::Signatures;
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use foveal_core::asset::unit::UnitId;
@@ -16,7 +19,7 @@ use foveal_core::selection::budget::Budget;
 use foveal_core::selection::chooser::Chooser;
 use foveal_core::selection::content::{Content, PackContent};
 use foveal_core::selection::level_map::{LevelMap, histogram};
-use foveal_core::selection::policy::{Moment, PolicyConfig, Selection};
+use foveal_core::selection::policy::{Moment, Policy, PolicyConfig, Selection};
 use foveal_core::selection::session::{Given, SessionFrame, SessionHead};
 use foveal_core::selection::worth::Worth;
 use foveal_core::units::Seconds;
@@ -25,7 +28,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::{Projection, Screen};
 use foveal_media::decode_pool::{DecodePool, DecodedTile, TileError};
 use foveal_media::pack_file::PackFile;
-use foveal_render::RgbaImage;
+use foveal_render::{RadialBlur, RgbaImage};
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -50,6 +53,9 @@ pub(crate) struct Player {
     paced: bool,
     /// Tiles that could not be decoded so far.
     failed: usize,
+    /// Under a policy that shows samples.
+    sampling: Option<Sampling>,
+    blurs: bool,
 }
 
 /// The side tables that value units.
@@ -81,6 +87,7 @@ pub(crate) struct PlayerOptions {
     pub(crate) view: EyeView,
     pub(crate) screen: Screen,
     pub(crate) drawing: Drawing,
+    pub(crate) showing: Showing,
     /// What a link brings, for policies that spend a budget; infinite for content at hand.
     pub(crate) bytes_per_s: f64,
     /// Show a frame when its time is over, complete or not.
@@ -109,7 +116,8 @@ pub(crate) struct FrameReport {
     pub(crate) missing: Vec<Tile>,
     /// Tiles shown of each level, finest first.
     pub(crate) histogram: Vec<u32>,
-    /// Pixels of the tiles that were asked for, the whole coarsest level included.
+    /// Pixels of the tiles that were asked for, the whole coarsest level included; the samples
+    /// where only those are shown.
     pub(crate) pixels: u64,
     /// Those over the pixels of the finest level.
     pub(crate) share: f64,
@@ -147,7 +155,21 @@ impl Player {
                 file.path().display(),
             );
         }
+        check_thresholds(&options.config, &grid)?;
+        if options.config.needs_cues() && (tables.cues.is_none() || tables.signatures.is_none()) {
+            bail!(
+                "{}: has no cues, which tell the variance of cells; prepare it again, or give \
+                 --noisy-cells N in place of --noise-threshold",
+                file.path().display(),
+            );
+        }
         let budget = spends.then(|| Budget::new(options.bytes_per_s));
+        let mut canvas = Canvas::new(&options.drawing, &grid, about.colour, options.showing)?;
+        let samples = options.config.policy == Policy::Sampled;
+        let sampling = samples.then(|| Sampling::new(&options.config, &options.view));
+        if let Some(sampling) = &sampling {
+            canvas.sample_by(&sampling.mask, options.showing.interpolation)?;
+        }
         Ok(Self {
             chooser: Chooser::new(grid, options.config.clone()),
             judge: options.judged.then(|| Worth::judge(&grid)),
@@ -156,7 +178,9 @@ impl Player {
             tables,
             config: options.config,
             pool: DecodePool::new(Arc::clone(&file), options.jobs),
-            canvas: Canvas::new(&options.drawing, &grid, about.colour)?,
+            canvas,
+            sampling,
+            blurs: options.showing.blurs,
             view: options.view,
             grid,
             times_ns,
@@ -230,8 +254,9 @@ impl Player {
             .sum();
         let begun = Instant::now();
         let (tiles, failed_tiles) = self.make_resident(frame, decoded)?;
+        self.show_round(&given.gaze, &view)?;
         let upload = begun.elapsed();
-        let pixels: u64 = wanted.iter().map(|tile| self.grid.tile_pixels(*tile)).sum();
+        let pixels = self.pixels(&wanted);
         let level_changes = self
             .before
             .as_ref()
@@ -265,6 +290,44 @@ impl Player {
             failed_tiles,
             level_changes,
         })
+    }
+
+    /// Pixels shown of these tiles.
+    fn pixels(&self, wanted: &[Tile]) -> u64 {
+        match &self.sampling {
+            Some(sampling) => sampling.mask.places.len() as u64,
+            None => wanted.iter().map(|tile| self.grid.tile_pixels(*tile)).sum(),
+        }
+    }
+
+    /// Moves what follows the gaze: the samples and the blur.
+    fn show_round(&mut self, gaze: &GazeSample, view: &EyeView) -> anyhow::Result<()> {
+        self.canvas
+            .set_blur(self.blurs.then(|| RadialBlur::round(gaze.gaze_in_content)));
+        match &self.sampling {
+            Some(sampling) => {
+                let samples = sampling.gather(&self.grid, view, gaze);
+                self.canvas.show_samples(&samples)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Makes a decoded tile resident; where samples are shown, only the coarsest level is, and the
+    /// samples are gathered from the others.
+    fn take(&mut self, tile: Tile, frame: u32, picture: Picture) -> anyhow::Result<()> {
+        let is_base = tile.level == self.grid.coarsest();
+        match &mut self.sampling {
+            Some(sampling) if is_base => {
+                sampling.keep(tile, picture.clone());
+                self.canvas.upload(tile, frame, picture)
+            }
+            Some(sampling) => {
+                sampling.keep(tile, picture);
+                Ok(())
+            }
+            None => self.canvas.upload(tile, frame, picture),
+        }
     }
 
     /// Chooses for what was expected of the viewer, within what can arrive until then.
@@ -410,11 +473,12 @@ impl Player {
         decoded: Vec<DecodedTile>,
     ) -> anyhow::Result<(Vec<Tile>, usize)> {
         self.canvas.begin_frame(frame);
+        self.sampling.iter_mut().for_each(Sampling::begin_frame);
         let (mut tiles, mut failed) = (Vec::with_capacity(decoded.len()), 0);
         for DecodedTile { tile, picture, .. } in decoded {
             match picture {
                 Ok((picture, number)) if number == i64::from(frame) => {
-                    self.canvas.upload(tile, frame, picture)?;
+                    self.take(tile, frame, picture)?;
                     tiles.push(tile);
                 }
                 Ok((_, number)) => bail!(

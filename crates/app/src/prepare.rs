@@ -4,6 +4,7 @@ use crate::codec_options::CodecOptions;
 use crate::info::PackInfo;
 use crate::options::CutOptions;
 use crate::output::{self, WrongUsage, out_of_range};
+use crate::preset::SystemPreset;
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use foveal_media::VideoInput;
@@ -52,6 +53,9 @@ pub(crate) struct PrepareVideoArgs {
     stereo: StereoName,
     #[command(flatten)]
     cut: CutOptions,
+    /// Cut as a published system does.
+    #[arg(long, value_enum, value_name = "NAME")]
+    preset: Option<SystemPreset>,
     #[command(flatten)]
     codec: CodecOptions,
     /// Twice as fast, larger files.
@@ -129,6 +133,10 @@ impl PrepareVideoArgs {
         if self.frames == Some(0) {
             bail!(out_of_range("--frames", 0, "at least 1"));
         }
+        let given = || self.cut.clone();
+        let cut = self
+            .preset
+            .map_or_else(given, |preset| preset.cut(&self.cut));
         Ok(PrepareSettings {
             projection: match self.projection {
                 ProjectionName::Auto => ProjectionChoice::Auto,
@@ -143,9 +151,9 @@ impl PrepareVideoArgs {
                 StereoName::Sbs => StereoChoice::SideBySide,
                 StereoName::Tb => StereoChoice::TopBottom,
             },
-            cut: self.cut.asked(),
-            levels: self.cut.levels,
-            ratio: self.cut.level_ratio,
+            cut: cut.asked(),
+            levels: cut.levels,
+            ratio: cut.ratio(),
             codec: self.codec.codec,
             quality: self.codec.quality()?,
             speed: match (self.fast, self.small) {

@@ -48,6 +48,9 @@ fn replay(session: &Session, pack: Option<&Path>) -> anyhow::Result<Session> {
     let signatures = file
         .signatures()?
         .with_context(|| format!("{name}: has no signatures; prepare it again"))?;
+    if session.head.policy.needs_cues() && cues.is_none() {
+        bail!("{name}: has no cues, by which the log chose; prepare it again");
+    }
     let content = PackContent {
         pack: file.pack(),
         signatures: &signatures,

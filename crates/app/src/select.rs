@@ -1,8 +1,12 @@
 //! What would be chosen, without content?
 
 use crate::gaze::{GazeChoice, GazeSource, Viewer, parse_gaze};
-use crate::options::{CutOptions, PolicyName, PolicyOptions, ViewOptions, parse_size};
+use crate::options::{
+    CutOptions, PolicyName, PolicyOptions, ViewOptions, check_thresholds, parse_size,
+};
 use crate::output::{self, WrongUsage, out_of_range};
+use crate::preset::SystemPreset;
+use crate::sampling::sample_count;
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use foveal_core::asset::tile_grid::TileGrid;
@@ -10,7 +14,7 @@ use foveal_core::gaze::sample::GazeSample;
 use foveal_core::gaze::scan::Random;
 use foveal_core::perception::parameters::EyeState;
 use foveal_core::selection::level_map::{histogram, pixels};
-use foveal_core::selection::policy::{Moment, Selector};
+use foveal_core::selection::policy::{Moment, Policy, Selector};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::{Projection, Surface};
@@ -41,6 +45,9 @@ pub(crate) struct SelectArgs {
     cut: CutOptions,
     #[command(flatten)]
     policy: PolicyOptions,
+    /// Cut and choose as a published system does.
+    #[arg(long, value_enum, value_name = "NAME")]
+    preset: Option<SystemPreset>,
     #[command(flatten)]
     view: ViewOptions,
     /// YAW,PITCH in degrees (to the right and up), or any other gaze at its beginning: center,
@@ -88,21 +95,29 @@ const MOST_GAZES: u32 = 1_000_000;
 
 pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
     let surface = args.surface()?;
+    let args = &args.with_preset(&surface);
     let levels = args.cut.levels.unwrap_or(5);
-    let grid = TileGrid::new(
-        surface,
-        args.cut.cut(&surface),
-        levels,
-        args.cut.level_ratio,
-    )
-    .map_err(|error| WrongUsage(error.to_string()))?;
+    let grid = TileGrid::new(surface, args.cut.cut(&surface), levels, args.cut.ratio())
+        .map_err(|error| WrongUsage(error.to_string()))?;
     let config = args.policy.config()?;
+    check_thresholds(&config, &grid)?;
+    if config.needs_cues() {
+        bail!(WrongUsage(
+            "--noise-threshold asks for the variance of a pack's cells: foveal simulate PACK \
+             --policy grid --noise-threshold V; without content give --noisy-cells N"
+                .to_owned()
+        ));
+    }
     if config.policy.spends_a_budget() {
         bail!(WrongUsage(format!(
             "--policy {0} weighs the units of a pack: foveal simulate PACK --policy {0}",
-            args.policy.policy.name()
+            args.policy.name().name()
         )));
     }
+    let samples = match config.policy {
+        Policy::Sampled => Some(sample_count(&config, &args.view.eye_view(&surface)?)),
+        _ => None,
+    };
     let selector = Selector::new(grid, config);
     let faces = args.source_faces.unwrap_or(surface.faces());
     if faces == 0 || faces > surface.faces() {
@@ -118,7 +133,7 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
             state: EyeState::Steady,
         };
         let tiles = selector.select(&moment).tiles;
-        let pixels = pixels(&grid, &tiles);
+        let pixels = samples.map_or_else(|| pixels(&grid, &tiles), u64::from);
         One {
             pixels,
             share: pixels as f64 / source,
@@ -150,6 +165,16 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
 }
 
 impl SelectArgs {
+    /// These options with those that the preset stands for.
+    fn with_preset(&self, surface: &Surface) -> Self {
+        let mut with = self.clone();
+        if let Some(preset) = self.preset {
+            with.cut = preset.cut(&self.cut);
+            with.policy = preset.policy(&self.policy, surface.projection);
+        }
+        with
+    }
+
     fn surface(&self) -> anyhow::Result<Surface> {
         Ok(match self.projection {
             ProjectionName::Cube => Surface::cube(
@@ -170,7 +195,7 @@ impl SelectArgs {
         if self.view.view.is_some() {
             return self.view.eye_view(surface).map(Some);
         }
-        if self.policy.policy != PolicyName::Viewport {
+        if self.policy.name() != PolicyName::Viewport {
             return Ok(None);
         }
         // Without pixels of its own the view is at least as dense as any content.

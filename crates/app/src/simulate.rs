@@ -1,25 +1,26 @@
 //! What does an eye get from a pack, and what did that take?
 
-use crate::canvas::{Drawing, RendererName};
+use crate::canvas::{Drawing, RendererName, Showing};
 use crate::gaze::{GazeChoice, GazeSource, Viewer, interrupted, parse_gaze, preset_of};
 use crate::link::{Link, parse_delay, parse_link};
-use crate::options::{PolicyOptions, ViewOptions};
+use crate::options::{PolicyOptions, Switch, ViewOptions};
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::picture_file::write_png;
 use crate::player::{FrameReport, Player, PlayerOptions};
+use crate::preset::SystemPreset;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::asset::picture::{Colour, Matrix};
-use foveal_core::selection::policy::PolicyConfig;
+use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_core::selection::session::{Session, sha256_hex};
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::surface::Eye;
+use foveal_core::view::surface::{Eye, Projection};
 use foveal_media::pack_file::PackFile;
 use foveal_media::picture_from_rgba::picture_from_rgba;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
-use foveal_render::{Overlay, RgbaImage};
+use foveal_render::{Interpolation, Overlay, RgbaImage};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -76,6 +77,8 @@ pub(crate) struct SimulateArgs {
     watching: Watching,
     #[command(flatten)]
     view: ViewOptions,
+    #[command(flatten)]
+    showing: ShowingOptions,
     /// First frame to play; decoding starts at its group's key frame, without showing.
     #[arg(long, value_name = "N", default_value_t = 0)]
     start: u32,
@@ -115,6 +118,36 @@ pub(crate) struct SimulateArgs {
     json: bool,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Reconstruction {
+    /// Resident tiles in one atlas, faded into each other where levels meet.
+    Atlas,
+    /// A texture for every level, as large as the whole surface there; nothing fades.
+    Textures,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum InterpolationName {
+    /// The nearest sample, as published.
+    Nearest,
+    /// The nearest sample and those that touch it, by distance.
+    Blended,
+}
+
+/// How what is resident becomes a picture.
+#[derive(Clone, Debug, Args)]
+struct ShowingOptions {
+    /// What tiles lie in on the GPU.
+    #[arg(long, value_enum, default_value = "atlas")]
+    reconstruction: Reconstruction,
+    /// sampled: how pixels between samples are filled (default: blended; nearest in the preset).
+    #[arg(long, value_enum)]
+    interpolation: Option<InterpolationName>,
+    /// Blur what lies outside the fovea as acuity falls off.
+    #[arg(long, value_enum, default_value = "off")]
+    blur: Switch,
+}
+
 /// What is known of the viewer, and what can arrive in time.
 #[derive(Clone, Debug, Args)]
 struct Watching {
@@ -127,9 +160,10 @@ struct Watching {
     /// Levels are chosen for the gaze that is expected by then.
     #[arg(long, value_name = "MS", value_parser = parse_delay, default_value = "0")]
     late: Seconds,
-    /// How gaze follows the head: free-viewing, search or a file that `gaze fit head` wrote.
-    #[arg(long, value_name = "NAME|FILE.toml", default_value = "free-viewing")]
-    preset: String,
+    /// How gaze follows the head: free-viewing (default), search or a file that `gaze fit head`
+    /// wrote; or, beside that, a published system to choose as: kastner-2016.
+    #[arg(long, value_name = "NAME|FILE.toml")]
+    preset: Vec<String>,
 }
 
 impl Watching {
@@ -138,10 +172,25 @@ impl Watching {
     }
 
     fn viewer(&self) -> anyhow::Result<Viewer> {
+        let is_of_viewer = |name: &&String| SystemPreset::named(name).is_none();
+        let mut of_viewer = self.preset.iter().filter(is_of_viewer);
+        let preset = of_viewer.next().map_or("free-viewing", String::as_str);
+        if let Some(second) = of_viewer.next() {
+            bail!(WrongUsage(format!(
+                "--preset: gaze follows the head as in {preset} or as in {second}, not both"
+            )));
+        }
         Ok(Viewer {
-            preset: preset_of(&self.preset)?,
+            preset: preset_of(preset)?,
             late: Seconds(self.late.0 + self.link().delay.0),
         })
+    }
+
+    /// The published system that was asked for.
+    fn system(&self) -> Option<SystemPreset> {
+        self.preset
+            .iter()
+            .find_map(|name| SystemPreset::named(name))
     }
 }
 
@@ -172,9 +221,12 @@ pub(crate) struct RunSummary {
 const MOST_EVERY: u32 = 10_000;
 
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
-    let config = args.config()?;
+    args.check()?;
     let file = Arc::new(PackFile::open(&args.pack)?);
     let about = file.pack().description();
+    let args = &args.with_preset(about.projection);
+    let config = args.config()?;
+    let config_policy = config.policy;
     let frames = args.frames_to_play(about.frames)?;
     let fps = about.frame_rate;
     let surface = about.grid(args.view.screen).surface;
@@ -185,6 +237,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             view: args.view.eye_view(&surface)?,
             screen: args.view.screen,
             drawing: Drawing::open(args.renderer)?,
+            showing: args.showing(config_policy)?,
             paced: args.paced,
             judged: true,
             bytes_per_s: args.watching.link().bytes_per_s,
@@ -207,7 +260,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let session = session(&player, &reports).write();
     output::write_whole(&args.out.join("session.jsonl"), session.as_bytes())?;
     output::write_whole(&args.out.join("frames.csv"), csv(&reports).as_bytes())?;
-    let policy = args.policy.policy.name();
+    let policy = args.policy.name().name();
     let summary = summarise(policy, &reports, player.canvas.gpu_bytes(), &session);
     output::result(args.json, &summary, &summary.text(&args.out))
 }
@@ -235,8 +288,42 @@ impl SimulateArgs {
         Ok(frames)
     }
 
-    /// The policy, once all options have been checked that need no pack.
-    fn config(&self) -> anyhow::Result<PolicyConfig> {
+    /// These options with those that a preset stands for.
+    fn with_preset(&self, projection: Projection) -> Self {
+        let mut with = self.clone();
+        if let Some(preset) = self.watching.system() {
+            with.policy = preset.policy(&self.policy, projection);
+        }
+        with
+    }
+
+    fn showing(&self, policy: Policy) -> anyhow::Result<Showing> {
+        let has_textures = self.showing.reconstruction == Reconstruction::Textures;
+        if has_textures && policy == Policy::Sampled {
+            bail!(WrongUsage(
+                "--reconstruction textures shows tiles, --policy sampled samples; give one of them"
+                    .to_owned()
+            ));
+        }
+        if has_textures && self.heat_map {
+            bail!(WrongUsage(
+                "--heat-map marks the tiles of --reconstruction atlas; give one of them".to_owned()
+            ));
+        }
+        let published = self.watching.system().map(|_| InterpolationName::Nearest);
+        let interpolation = self.showing.interpolation.or(published);
+        Ok(Showing {
+            has_textures,
+            interpolation: match interpolation.unwrap_or(InterpolationName::Blended) {
+                InterpolationName::Nearest => Interpolation::Nearest,
+                InterpolationName::Blended => Interpolation::Blended,
+            },
+            blurs: self.showing.blur == Switch::On,
+        })
+    }
+
+    /// Checks the options that need no pack.
+    fn check(&self) -> anyhow::Result<()> {
         if !(1..=MOST_EVERY).contains(&self.every) {
             bail!(out_of_range(
                 "--every",
@@ -247,11 +334,19 @@ impl SimulateArgs {
         if self.frames == Some(0) {
             bail!(out_of_range("--frames", 0, "at least 1"));
         }
+        if self.watching.system().is_none() {
+            self.config()?;
+        }
+        Ok(())
+    }
+
+    /// The policy.
+    fn config(&self) -> anyhow::Result<PolicyConfig> {
         let config = self.policy.config()?;
         if self.watching.link.is_some() && !config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
                 "--link: {} spends no budget; give --policy uniform, eccentricity or perceptual",
-                self.policy.policy.name()
+                self.policy.name().name()
             )));
         }
         Ok(config)

@@ -3,15 +3,18 @@
 //! [`Renderer`] is what a window, a browser and a headless run call: upload into
 //! [`Renderer::tiles`], then draw. Everything else in this crate serves it.
 
+use crate::blur::{Blur, RadialBlur};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
 use crate::params::{Overlay, ViewParams};
 use crate::passes::{Pass, Target};
 use crate::readback::ReadBack;
 use crate::residency::TileStore;
+use crate::sparse::{Interpolation, SparseStore};
 use crate::{device::Gpu, error::RenderError, shaders};
 use foveal_core::asset::picture::Colour;
 use foveal_core::asset::tile_grid::TileGrid;
+use foveal_core::perception::sample_mask::SampleMask;
 use foveal_core::view::eye_view::EyeView;
 
 /// Draws views of one picture's tiles; keeps its pipelines and its output texture.
@@ -22,6 +25,10 @@ pub struct Renderer {
     reconstruct: Pass,
     overlay: Option<Pass>,
     output: Target,
+    sparse: Option<SparseStore>,
+    blur: Option<Blur>,
+    /// What is blurred in the pictures drawn from now on; a window can turn it on and off.
+    pub radial_blur: Option<RadialBlur>,
 }
 
 impl Renderer {
@@ -42,7 +49,49 @@ impl Renderer {
             reconstruct: Pass::new(gpu, &shader),
             overlay: None,
             output: Target::new(gpu, [1, 1]),
+            sparse: None,
+            blur: None,
+            radial_blur: None,
         })
+    }
+
+    /// From now on shows samples round the gaze over the resident tiles, which need then be no
+    /// more than the coarsest level. Uploads the mask; refuses one larger than the device binds.
+    pub fn sample_by(
+        &mut self,
+        mask: &SampleMask,
+        interpolation: Interpolation,
+    ) -> Result<(), RenderError> {
+        let projection = self.grid.surface.projection;
+        self.sparse = Some(SparseStore::new(
+            &self.gpu,
+            projection,
+            mask,
+            interpolation,
+        )?);
+        Ok(())
+    }
+
+    /// Uploads Y, U and V of every sample, in the three low bytes of each; the mask's top left
+    /// pixel is shown at `corner` of the view.
+    ///
+    /// # Panics
+    /// [`Self::sample_by`] comes first.
+    pub fn show_samples(&mut self, corner: [i32; 2], codes: &[u32]) -> Result<(), RenderError> {
+        assert!(
+            self.sparse.is_some(),
+            "samples were given before their mask"
+        );
+        let gpu = &self.gpu;
+        self.sparse
+            .as_mut()
+            .map_or(Ok(()), |sparse| sparse.show(gpu, corner, codes))
+    }
+
+    /// Bytes of GPU memory of tiles, samples and tables.
+    #[must_use]
+    pub fn gpu_bytes(&self) -> u64 {
+        self.tiles.gpu_bytes() + self.sparse.as_ref().map_or(0, SparseStore::bytes)
     }
 
     /// The resident tiles, to upload to and to evict from.
@@ -58,17 +107,28 @@ impl Renderer {
         marks: Option<&Overlay>,
     ) -> Result<&wgpu::Texture, RenderError> {
         self.tiles.flush();
-        self.fit_output(view.size)?;
+        self.output.fit(&self.gpu, view.size)?;
         let params = ViewParams::new(view, &self.grid);
-        self.reconstruct
-            .draw(&self.gpu, &self.tiles, &self.output, &params, None);
+        match &mut self.sparse {
+            Some(sparse) => sparse.draw(&self.gpu, &self.tiles, &self.output, &params),
+            None => {
+                let tiles = &self.tiles;
+                self.reconstruct
+                    .draw(&self.gpu, tiles, &self.output, &params, None);
+            }
+        }
+        let blurred = self
+            .radial_blur
+            .as_ref()
+            .map(|wanted| Blur::of(&mut self.blur, &self.gpu, &self.output, view, wanted));
+        let shown = blurred.unwrap_or(&self.output);
         if marks.is_some() {
             let overlay = self.overlay.get_or_insert_with(|| {
                 Pass::over(&self.gpu, &shaders::overlay(self.grid.surface.projection))
             });
-            overlay.draw(&self.gpu, &self.tiles, &self.output, &params, marks);
+            overlay.draw(&self.gpu, &self.tiles, shown, &params, marks);
         }
-        Ok(&self.output.picture)
+        Ok(&shown.picture)
     }
 
     /// [`Self::draw`], with the picture on its way back to the CPU.
@@ -106,21 +166,5 @@ impl Renderer {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn heat_map(&mut self, view: &EyeView, marks: &Overlay) -> Result<RgbaImage, RenderError> {
         self.read(view, Some(marks))?.wait(&self.gpu)
-    }
-
-    fn fit_output(&mut self, size: [u32; 2]) -> Result<(), RenderError> {
-        let size = size.map(|side| side.max(1));
-        let (side, most) = (
-            size[0].max(size[1]),
-            self.gpu.device.limits().max_texture_dimension_2d,
-        );
-        if side > most {
-            let what = "the picture";
-            return Err(RenderError::TooLarge { what, side, most });
-        }
-        if self.output.size() != size {
-            self.output = Target::new(&self.gpu, size);
-        }
-        Ok(())
     }
 }

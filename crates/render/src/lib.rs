@@ -8,6 +8,7 @@
 
 mod atlas;
 mod atlas_shape;
+mod blur;
 mod device;
 mod error;
 mod frame;
@@ -21,9 +22,13 @@ mod read_tile;
 mod readback;
 mod reduce;
 mod residency;
+mod screen_pass;
 pub mod shaders;
+mod sparse;
+mod textures;
 pub mod twin;
 
+pub use blur::RadialBlur;
 pub use device::Gpu;
 pub use error::RenderError;
 pub use frame::Renderer;
@@ -31,3 +36,5 @@ pub use image::RgbaImage;
 pub use params::Overlay;
 pub use readback::ReadBack;
 pub use residency::TileStore;
+pub use sparse::Interpolation;
+pub use textures::{TextureRenderer, texture_bytes};

@@ -4,9 +4,11 @@
 //! compares them.
 
 use crate::atlas_shape::AtlasShape;
+use crate::blur::RadialBlur;
 use bytemuck::{Pod, Zeroable};
 use foveal_core::asset::picture::Colour;
 use foveal_core::asset::tile_grid::{Cut, TileGrid};
+use foveal_core::perception::sample_mask::{SPACINGS, SampleMask};
 use foveal_core::view::eye_view::EyeView;
 
 /// What stays the same from frame to frame.
@@ -80,6 +82,89 @@ pub struct Overlay {
     pub borders: f32,
     /// Keeps the size a multiple of eight.
     pub unused: f32,
+}
+
+/// Samples round the gaze.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct SparseParams {
+    /// Pixel of the view that the mask's top left pixel is shown at.
+    pub corner: [i32; 2],
+    /// Pixels of the mask on a side.
+    pub side: u32,
+    /// 1 to blend neighbouring samples, 0 to take the nearest.
+    pub blends: u32,
+    /// Pixels from one radius of `spacings` to the next.
+    pub spacing_step: f32,
+    /// Keeps what follows at a multiple of sixteen.
+    pub unused: f32,
+    /// The same.
+    pub unused_pair: [f32; 2],
+    /// Pixels between samples, by radius.
+    pub spacings: [[f32; 4]; SPACINGS / 4],
+}
+
+/// A blur outside the fovea.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct BlurParams {
+    /// Columns of the matrix that turns (column, row, 1) into a ray of depth 1.
+    pub ray_from_pixel: [[f32; 4]; 3],
+    /// Unit direction of the gaze.
+    pub gaze: [f32; 3],
+    /// Length of the chord from the gaze to the edge of the fovea, on the unit sphere.
+    pub fovea_chord: f32,
+    /// Radius of the fovea in radians.
+    pub fovea: f32,
+    /// Spread of the Gaussian by eccentricity beyond the fovea.
+    pub growth: f32,
+    /// Tangent of the angle that a pixel fills at the view's axis.
+    pub pitch: f32,
+    /// Last of the halves.
+    pub last: f32,
+}
+
+/// Spread of the Gaussian over the minimum angle of resolution whose limit, half a cycle, it dims
+/// to a half: sqrt(ln 2 / 2) / π over half a cycle.
+const SIGMA_OF_RESOLUTION: f64 = 0.374_774_4;
+
+impl SparseParams {
+    /// The parameters of a mask at the view's corner.
+    #[must_use]
+    pub(crate) fn new(mask: &SampleMask, blends: bool) -> Self {
+        let corner = f64::from(mask.side) * std::f64::consts::FRAC_1_SQRT_2 + 2.0;
+        let mut spacings = [[0.0; 4]; SPACINGS / 4];
+        spacings
+            .as_flattened_mut()
+            .copy_from_slice(&mask.spacings[..SPACINGS]);
+        Self {
+            corner: [0; 2],
+            side: mask.side,
+            blends: u32::from(blends),
+            spacing_step: (corner / SPACINGS as f64) as f32,
+            unused: 0.0,
+            unused_pair: [0.0; 2],
+            spacings,
+        }
+    }
+}
+
+impl BlurParams {
+    /// The parameters of `blur` in pictures of `view` with this many halves.
+    #[must_use]
+    pub(crate) fn new(view: &EyeView, blur: &RadialBlur, halves: u32) -> Self {
+        let m = view.ray_from_pixel();
+        let column = |c: glam::DVec3| [c.x as f32, c.y as f32, c.z as f32, 0.0];
+        Self {
+            ray_from_pixel: [column(m.x_axis), column(m.y_axis), column(m.z_axis)],
+            gaze: blur.gaze.as_vec3().to_array(),
+            fovea_chord: (2.0 * (blur.fovea.0 / 2.0).sin()) as f32,
+            fovea: blur.fovea.0 as f32,
+            growth: (SIGMA_OF_RESOLUTION * blur.slope) as f32,
+            pitch: (m.x_axis.length() * m.y_axis.length()).sqrt() as f32,
+            last: halves as f32 - 1.0,
+        }
+    }
 }
 
 impl Default for Overlay {

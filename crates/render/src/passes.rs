@@ -1,6 +1,7 @@
 //! How is a pass drawn?
 
 use crate::device::Gpu;
+use crate::error::RenderError;
 use crate::params::{Overlay, ViewParams};
 use crate::residency::TileStore;
 use crate::shaders::Shader;
@@ -40,6 +41,28 @@ impl Target {
         let depth = texture(DEPTH_FORMAT, wgpu::TextureUsages::empty());
         let views = [&picture, &depth].map(|t| t.create_view(&Default::default()));
         Self { picture, views }
+    }
+
+    /// What is drawn on, and read by passes after it.
+    pub(crate) fn picture_view(&self) -> &wgpu::TextureView {
+        &self.views[0]
+    }
+
+    /// Makes the target `size` pixels, at least 1 on a side; refuses what the device cannot draw.
+    pub(crate) fn fit(&mut self, gpu: &Gpu, size: [u32; 2]) -> Result<(), RenderError> {
+        let size = size.map(|side| side.max(1));
+        let (side, most) = (
+            size[0].max(size[1]),
+            gpu.device.limits().max_texture_dimension_2d,
+        );
+        if side > most {
+            let what = "the picture";
+            return Err(RenderError::TooLarge { what, side, most });
+        }
+        if self.size() != size {
+            *self = Self::new(gpu, size);
+        }
+        Ok(())
     }
 
     /// Columns and rows.

@@ -5,6 +5,7 @@
 use foveal_core::view::surface::Projection;
 
 const SCREEN: &str = include_str!("../shaders/shared/screen.wgsl");
+const COVER: &str = include_str!("../shaders/shared/cover.wgsl");
 const TILES: &str = include_str!("../shaders/shared/tiles.wgsl");
 const COLOUR: &str = include_str!("../shaders/shared/colour.wgsl");
 const LATTICE: &str = include_str!("../shaders/shared/lattice.wgsl");
@@ -15,6 +16,10 @@ const CUBE: &str = include_str!("../shaders/shared/cube.wgsl");
 const RECONSTRUCT_PLANE: &str = include_str!("../shaders/reconstruct_plane.wgsl");
 const RECONSTRUCT_CUBE: &str = include_str!("../shaders/reconstruct_cube.wgsl");
 const OVERLAY: &str = include_str!("../shaders/overlay.wgsl");
+const INTERPOLATE_SPARSE: &str = include_str!("../shaders/interpolate_sparse.wgsl");
+const BLUR_HALVE: &str = include_str!("../shaders/blur_halve.wgsl");
+const BLUR_RADIAL: &str = include_str!("../shaders/blur_radial.wgsl");
+const RECONSTRUCT_TEXTURES: &str = include_str!("../shaders/reconstruct_textures.wgsl");
 const BAND: &str = include_str!("../shaders/shared/band.wgsl");
 const DOUBLED: &str = include_str!("../shaders/shared/doubled.wgsl");
 const EYE: &str = include_str!("../shaders/shared/eye.wgsl");
@@ -62,19 +67,65 @@ pub fn reconstruct(projection: Projection) -> Shader {
 /// The pass that draws levels, borders and gaze over the picture.
 #[must_use]
 pub fn overlay(projection: Projection) -> Shader {
-    let surroundings = match projection {
-        Projection::Flat => PLANE,
-        Projection::Cube => CUBE,
-    };
     Shader {
         name: "overlay",
         steps: &[["cover", "overlay"]],
-        text: joined(surroundings, &[OVERLAY]),
+        text: joined(surroundings(projection), &[OVERLAY]),
+    }
+}
+
+/// The pass that draws samples round the gaze over the resident tiles.
+#[must_use]
+pub fn interpolate_sparse(projection: Projection) -> Shader {
+    Shader {
+        name: "interpolate_sparse",
+        steps: &[["cover", "interpolate_sparse"]],
+        text: joined(
+            surroundings(projection),
+            &[COLOUR, PICTURE, INTERPOLATE_SPARSE],
+        ),
+    }
+}
+
+/// The pass that draws from a texture for every level.
+#[must_use]
+pub fn reconstruct_textures(projection: Projection) -> Shader {
+    Shader {
+        name: "reconstruct_textures",
+        steps: &[["cover", "reconstruct_textures"]],
+        text: joined(surroundings(projection), &[COLOUR, RECONSTRUCT_TEXTURES]),
+    }
+}
+
+/// The pass that halves a picture.
+#[must_use]
+pub fn blur_halve() -> Shader {
+    Shader {
+        name: "blur_halve",
+        steps: &[["cover", "blur_halve"]],
+        text: [COVER, BLUR_HALVE].join("\n"),
+    }
+}
+
+/// The pass that blurs a picture outside the fovea.
+#[must_use]
+pub fn blur_radial() -> Shader {
+    Shader {
+        name: "blur_radial",
+        steps: &[["cover", "blur_radial"]],
+        text: [COVER, BLUR_RADIAL].join("\n"),
+    }
+}
+
+fn surroundings(projection: Projection) -> &'static str {
+    match projection {
+        Projection::Flat => PLANE,
+        Projection::Cube => CUBE,
     }
 }
 
 fn joined(surroundings: &str, entry: &[&str]) -> String {
-    let shared = [SCREEN, TILES, LATTICE, FOOTPRINT, surroundings];
+    let shared = [COVER, SCREEN, TILES, LATTICE, FOOTPRINT, surroundings];
     [shared.as_slice(), entry].concat().join("\n")
 }
 

@@ -5,6 +5,7 @@ use super::content::Prepared;
 use super::moment::Moment;
 use super::pictures::Pictures;
 use crate::canvas::Drawing;
+use crate::canvas::Showing;
 use crate::gaze::{GazeChoice, GazeSource, Viewer};
 use crate::options::ViewOptions;
 use crate::output::{self, Counting};
@@ -116,6 +117,7 @@ impl<'a> Stage<'a> {
             view: view.eye_view(&surface)?,
             screen: view.screen,
             drawing: self.conditions.drawing.clone(),
+            showing: Showing::default(),
             paced: false,
             judged: false,
             bytes_per_s: f64::INFINITY,

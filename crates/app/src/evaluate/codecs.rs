@@ -84,7 +84,7 @@ impl CodecsArgs {
         PrepareSettings {
             cut: self.cut.asked(),
             levels: self.cut.levels,
-            ratio: self.cut.level_ratio,
+            ratio: self.cut.ratio(),
             codec: coding.codec,
             quality: coding.quality.clone(),
             jobs,

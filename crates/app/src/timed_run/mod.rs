@@ -5,7 +5,7 @@ mod run;
 
 pub(crate) use run::Run;
 
-use crate::canvas::Drawing;
+use crate::canvas::{Drawing, Showing};
 use crate::player::{Player, PlayerOptions};
 use eye::JumpingEye;
 use foveal_core::selection::policy::PolicyConfig;
@@ -43,6 +43,7 @@ impl Conditions<'_> {
             view: display,
             screen: self.screen,
             drawing: self.drawing.clone(),
+            showing: Showing::default(),
             bytes_per_s: f64::INFINITY,
             paced,
             judged: false,

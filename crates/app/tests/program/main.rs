@@ -13,6 +13,7 @@ mod full;
 mod gaze_events;
 mod gaze_head;
 mod journey;
+mod kastner;
 mod live_gaze;
 mod no_adapter;
 mod numbers;

@@ -2,6 +2,7 @@
 
 pub mod codec;
 pub mod cues;
+pub mod gather;
 pub mod key_frame;
 pub mod order;
 pub mod pack;

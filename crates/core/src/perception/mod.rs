@@ -1,6 +1,7 @@
 //! What can the eye resolve, what is a finer level worth to it, and what draws it?
 
 pub mod acuity;
+pub mod blue_noise;
 pub mod csf;
 pub mod eye;
 pub mod fast;
@@ -10,7 +11,10 @@ pub mod luminance;
 pub mod parameters;
 pub mod pyramid;
 pub mod saliency;
+pub mod sample_mask;
 pub mod sensitivity;
 pub mod sensitivity_table;
 pub mod signature;
 pub mod spread;
+
+mod nearest_sample;

@@ -28,7 +28,8 @@ impl Chooser {
     /// What to show of a frame. `budget` is what can arrive for it, in bytes; `None` without limit.
     ///
     /// # Panics
-    /// A policy that spends a budget needs the content, whose bytes it spends on.
+    /// A policy that spends a budget needs the content, whose bytes it spends on, and one with a
+    /// noise threshold its cues.
     #[must_use]
     pub fn choose(
         &mut self,
@@ -38,7 +39,7 @@ impl Chooser {
         budget: Option<u64>,
     ) -> Selection {
         match (self, content) {
-            (Self::Rule(selector), _) => selector.select(moment),
+            (Self::Rule(selector), content) => selector.select_of(content, frame, moment),
             (Self::Budget(refiner), Some(content)) => {
                 refiner.refine(content, frame, moment, budget)
             }

@@ -3,6 +3,7 @@
 pub mod budget;
 pub mod chooser;
 pub mod content;
+pub mod distance;
 pub mod greedy;
 pub mod level_map;
 pub mod policy;

@@ -53,6 +53,13 @@ impl CellBounds {
         Radians((angle_between(gaze, self.centre).0 - self.radius.0).max(0.0))
     }
 
+    /// At least the angle between two neighbouring probes.
+    pub(super) fn probe_spacing(&self) -> Radians {
+        // Eight steps across a diameter; across a diagonal, and where a face is wide, they are
+        // longer than the mean by less than two.
+        Radians(self.radius.0 / 2.0)
+    }
+
     /// Least density of the cell.
     pub(super) fn least_ppd(&self) -> Ppd {
         self.ppd

@@ -1,5 +1,7 @@
 //! Which level does each policy give each part of the picture?
 
+use super::content::Content;
+use super::distance::{acuity_thresholds, angle_to_cell, distance_levels};
 use super::greedy::Misfit;
 use super::level_map::LevelMap;
 use super::need::{CellBounds, Probe, level_of_footprint, probes};
@@ -28,6 +30,12 @@ pub enum Policy {
     Viewport,
     /// Kastner 2016 on panoramas: the gaze's cell finest, its neighbours middle, the rest coarsest.
     Grid,
+    /// Kastner 2016 on wide screens: a level by the distance to the gaze, nothing finer than the
+    /// coarsest out of view.
+    Distance,
+    /// Kastner 2016 on wide screens: tiles as under `distance`, of which only samples are shown,
+    /// as dense round the gaze as the eye's acuity.
+    Sampled,
     /// The coarsest level that still meets the eye's limit everywhere in a cell.
     Acuity,
     /// UNI: everything in view is raised evenly, one level at a time.
@@ -44,6 +52,33 @@ impl Policy {
     #[must_use]
     pub fn spends_a_budget(self) -> bool {
         matches!(self, Self::Uniform | Self::Eccentricity | Self::Perceptual)
+    }
+}
+
+/// Pixels on a side of a sample mask unless another size is asked for (Kastner 2016).
+pub const MASK_SIDE: u32 = 1920;
+
+/// Which pixels round the gaze `sampled` shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MaskConfig {
+    /// Pixels of the view on a side of the square that samples lie in.
+    pub side: u32,
+    /// How many samples; `None` for as many as the eye's acuity asks for.
+    pub samples: Option<u32>,
+}
+
+impl Default for MaskConfig {
+    fn default() -> Self {
+        Self {
+            side: MASK_SIDE,
+            samples: None,
+        }
+    }
+}
+
+impl MaskConfig {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
     }
 }
 
@@ -77,6 +112,17 @@ pub struct PolicyConfig {
     /// `grid`: how many cells of the lowest level, in index order, count as noisy and are promoted
     /// to the middle level.
     pub noisy_cells: u32,
+    /// `grid`: mean variance of red, green and blue, in squared 8-bit code values, above which a
+    /// cell of the lowest level is promoted to the middle level; `None` looks at no content.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise_threshold: Option<f64>,
+    /// `distance`, `sampled`: angle from the gaze up to which each level is shown, finest first,
+    /// rising; beyond the last all is coarsest. Empty: where the eye's acuity allows the next level.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub thresholds: Vec<Radians>,
+    /// `sampled`: which samples are shown.
+    #[serde(default, skip_serializing_if = "MaskConfig::is_default")]
+    pub mask: MaskConfig,
     /// `perceptual`, `eccentricity`: what a step is worth.
     #[serde(default)]
     pub perception: Parameters,
@@ -97,9 +143,18 @@ impl PolicyConfig {
             edge_rule: EdgeRule::Conservative,
             edge_margin: Radians(0.0),
             noisy_cells: 0,
+            noise_threshold: None,
+            thresholds: Vec::new(),
+            mask: MaskConfig::default(),
             perception: Parameters::default(),
             saliency: false,
         }
+    }
+
+    /// Whether this policy looks at cues of the content.
+    #[must_use]
+    pub fn needs_cues(&self) -> bool {
+        self.policy == Policy::Grid && self.noise_threshold.is_some()
     }
 
     /// What happens when the best step does not fit into what a frame may spend: the corrected
@@ -140,6 +195,7 @@ pub struct Selector {
     grid: TileGrid,
     config: PolicyConfig,
     cells: Vec<CellBounds>,
+    thresholds: Vec<Radians>,
 }
 
 impl Selector {
@@ -150,10 +206,16 @@ impl Selector {
             .tiles_of_left_eye(0)
             .map(|cell| CellBounds::new(&grid, cell))
             .collect();
+        let thresholds = if config.thresholds.is_empty() {
+            acuity_thresholds(&grid, &config.acuity)
+        } else {
+            config.thresholds.clone()
+        };
         Self {
             grid,
             config,
             cells,
+            thresholds,
         }
     }
 
@@ -163,17 +225,33 @@ impl Selector {
         &self.grid
     }
 
-    /// The choice for one moment. A pure function; about 1 ms for a 16K cube under `acuity`.
+    /// The choice for one moment, without content. A pure function; about 1 ms for a 16K cube under
+    /// `acuity`.
     ///
     /// # Panics
-    /// `viewport` needs a view.
+    /// `viewport` needs a view, and a noise threshold content: see [`Self::select_of`].
     #[must_use]
     pub fn select(&self, moment: &Moment) -> Selection {
+        self.select_of(None, 0, moment)
+    }
+
+    /// [`Self::select`] for a frame of content, whose cues tell which cells are noisy.
+    ///
+    /// # Panics
+    /// `viewport` needs a view, and a noise threshold content with cues.
+    #[must_use]
+    pub fn select_of(
+        &self,
+        content: Option<&dyn Content>,
+        frame: u32,
+        moment: &Moment,
+    ) -> Selection {
         let mut levels = match self.config.policy {
             Policy::Full => LevelMap::filled(&self.grid, 0),
             Policy::Coarsest => LevelMap::filled(&self.grid, self.grid.coarsest()),
             Policy::Viewport => self.viewport(moment),
-            Policy::Grid => self.kastner_grid(&moment.gaze),
+            Policy::Grid => self.kastner_grid(content, frame, &moment.gaze),
+            Policy::Distance | Policy::Sampled => self.by_distance(moment),
             Policy::Acuity => self.acuity(moment),
             Policy::Uniform | Policy::Eccentricity | Policy::Perceptual => {
                 panic!(
@@ -207,7 +285,12 @@ impl Selector {
     }
 
     /// An acuity matrix by neighbourhood (Kastner 2016, framework 2, section 4.2).
-    fn kastner_grid(&self, gaze: &GazeSample) -> LevelMap {
+    fn kastner_grid(
+        &self,
+        content: Option<&dyn Content>,
+        frame: u32,
+        gaze: &GazeSample,
+    ) -> LevelMap {
         let grid = &self.grid;
         let mut levels = LevelMap::filled(grid, grid.coarsest());
         let middle = grid.levels / 2;
@@ -218,15 +301,24 @@ impl Selector {
                 .into_iter()
                 .for_each(|next| levels.refine(grid, next, middle));
         }
-        let lowest: Vec<Tile> = grid
-            .tiles_of_left_eye(0)
-            .filter(|cell| levels.level(grid, *cell) == grid.coarsest())
-            .take(self.config.noisy_cells as usize)
-            .collect();
-        lowest
+        let lowest = |cell: &Tile| levels.level(grid, *cell) == grid.coarsest();
+        let counted = grid.tiles_of_left_eye(0).filter(lowest);
+        let mut noisy: Vec<Tile> = counted.take(self.config.noisy_cells as usize).collect();
+        if let Some(threshold) = self.config.noise_threshold {
+            let above = |cell: &Tile| rgb_variance(content, *cell, frame) > threshold;
+            noisy.extend(grid.tiles_of(0).filter(above));
+        }
+        noisy
             .into_iter()
             .for_each(|cell| levels.refine(grid, cell, middle));
         levels
+    }
+
+    /// Framework 1 of Kastner 2016, section 4.1.3.
+    fn by_distance(&self, moment: &Moment) -> LevelMap {
+        let gaze = moment.gaze.gaze_in_content;
+        let view = moment.view.as_ref();
+        distance_levels(&self.grid, &self.cells, &self.thresholds, gaze, view)
     }
 
     fn cells_at_gaze(&self, gaze: DVec3) -> Vec<Tile> {
@@ -324,6 +416,14 @@ impl Selector {
     }
 }
 
+/// Mean variance of red, green and blue of a cell over the group of a frame, in squared code values:
+/// the variance determinant of Kastner 2016, section 4.2.1. Cues tell its root.
+fn rgb_variance(content: Option<&dyn Content>, cell: Tile, frame: u32) -> f64 {
+    let cues = content.and_then(|content| content.cues(content.unit(cell, frame)));
+    assert!(cues.is_some(), "a noise threshold was given no cues");
+    cues.map_or(0.0, |cues| cues.deviation * cues.deviation)
+}
+
 /// The direction on the way from `gaze` to `direction` that is `left` from the latter.
 fn toward(gaze: DVec3, direction: DVec3, eccentricity: Radians, left: Radians) -> DVec3 {
     if left >= eccentricity {
@@ -349,27 +449,6 @@ pub(super) fn in_view(view: &EyeView, direction: DVec3, margin: Radians) -> bool
     let field = view.field;
     (-reach(field.left)..=reach(field.right)).contains(&across)
         && (-reach(field.up)..=reach(field.down)).contains(&down)
-}
-
-/// Angle between a direction and the nearest place of a cell; 0 inside, borders included.
-fn angle_to_cell(grid: &TileGrid, cell: Tile, direction: DVec3) -> Radians {
-    let surface = &grid.surface;
-    let axes = surface.axes(u32::from(cell.face));
-    let depth = direction.dot(axes.forward);
-    if depth <= 1e-9 {
-        return Radians(core::f64::consts::PI);
-    }
-    let tangent = [
-        direction.dot(axes.right) / depth,
-        direction.dot(axes.down) / depth,
-    ];
-    let (from, size) = (grid.origin(cell), grid.covered(cell));
-    let nearest = [0, 1].map(|k| {
-        let side = f64::from(surface.size[k]);
-        let place = (tangent[k] / surface.tangents[k] + 1.0) / 2.0 * side;
-        place.clamp(f64::from(from[k]), f64::from(from[k] + size[k]))
-    });
-    angle_between(direction, surface.direction(u32::from(cell.face), nearest))
 }
 
 #[cfg(test)]

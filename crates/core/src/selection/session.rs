@@ -262,10 +262,12 @@ impl Session {
         text
     }
 
-    /// Whether replaying takes the content: its policy chose by the sizes and worth of units.
+    /// Whether replaying takes the content: its policy chose by the sizes and worth of units, or by
+    /// how noisy they are.
     #[must_use]
     pub fn needs_content(&self) -> bool {
-        self.head.policy.policy.spends_a_budget()
+        let config = &self.head.policy;
+        config.policy.spends_a_budget() || config.needs_cues()
     }
 
     /// The same run selected again from what was given: equal to this one, or something changed.
@@ -354,6 +356,8 @@ fn scripted_sessions_over(surfaces: [Surface; 2]) -> Vec<Session> {
     let policies = [
         Policy::Acuity,
         Policy::Grid,
+        Policy::Distance,
+        Policy::Sampled,
         Policy::Viewport,
         Policy::Full,
         Policy::Coarsest,
@@ -378,6 +382,7 @@ fn scripted_session(surface: Surface, config: PolicyConfig) -> Session {
     };
     let config = PolicyConfig {
         saliency: true,
+        noise_threshold: Some(3000.0),
         ..config
     };
     let path = ScanPath::new(&surface, 7, Seconds(2.0));

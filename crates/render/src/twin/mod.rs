@@ -4,22 +4,28 @@
 //! never optimised. [`TwinTiles`] takes the place of the tables and textures, so that pictures can
 //! be made, and shaders be judged, without a GPU.
 
+mod blur_halve;
+mod blur_radial;
 mod colour;
 mod cube;
 mod footprint;
+mod interpolate_sparse;
 mod lattice;
 mod overlay;
 mod picture;
 mod plane;
 mod reconstruct_cube;
 mod reconstruct_plane;
+mod reconstruct_textures;
 mod screen;
 mod tiles;
 
+pub use interpolate_sparse::TwinSamples;
 pub use tiles::TwinTiles;
 
+use crate::blur::{RadialBlur, halvings};
 use crate::image::RgbaImage;
-use crate::params::{Overlay, ViewParams};
+use crate::params::{BlurParams, Overlay, ViewParams};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Projection;
 use glam::{Mat3, Vec2, Vec3, Vec4};
@@ -40,11 +46,66 @@ pub fn reconstruct(tiles: &TwinTiles, view: &EyeView) -> RgbaImage {
     image
 }
 
+/// The picture that `view` shows of samples round the gaze, over the resident tiles.
+#[must_use]
+pub fn interpolate_sparse(tiles: &TwinTiles, samples: &TwinSamples, view: &EyeView) -> RgbaImage {
+    let params = params_of(tiles, view);
+    let mut image = RgbaImage::black(view.size);
+    for_every_pixel(view.size, |at, position| {
+        let colour = interpolate_sparse::interpolate_sparse(tiles, samples, &params, position);
+        image.set_pixel(at, code(colour));
+    });
+    image
+}
+
+/// The picture that `view` shows when every level has a texture of its own.
+#[must_use]
+pub fn reconstruct_textures(tiles: &TwinTiles, view: &EyeView) -> RgbaImage {
+    let params = params_of(tiles, view);
+    let mut image = RgbaImage::black(view.size);
+    for_every_pixel(view.size, |at, position| {
+        let colour = reconstruct_textures::reconstruct_textures(tiles, &params, position);
+        image.set_pixel(at, code(colour));
+    });
+    image
+}
+
+/// A picture that `view` shows, blurred outside the fovea.
+#[must_use]
+pub fn blur_radial(picture: &RgbaImage, view: &EyeView, blur: &RadialBlur) -> RgbaImage {
+    let mut halves: Vec<RgbaImage> = Vec::new();
+    for _ in 0..halvings(picture.size) {
+        let larger = halves.last().unwrap_or(picture);
+        let mut half = RgbaImage::black(larger.size.map(|side| (side / 2).max(1)));
+        for_every_pixel(half.size, |at, position| {
+            half.set_pixel(at, code(blur_halve::blur_halve(larger, position)));
+        });
+        halves.push(half);
+    }
+    let params = BlurParams::new(view, blur, halves.len() as u32);
+    let mut image = RgbaImage::black(picture.size);
+    for_every_pixel(picture.size, |at, position| {
+        let colour = blur_radial::blur_radial(&params, picture, &halves, position);
+        image.set_pixel(at, code(colour));
+    });
+    image
+}
+
 /// The picture with the levels, borders and gaze that `marks` asks for.
 #[must_use]
 pub fn heat_map(tiles: &TwinTiles, view: &EyeView, marks: &Overlay) -> RgbaImage {
+    marked(tiles, view, marks, reconstruct(tiles, view))
+}
+
+/// A picture of `view` with the levels, borders and gaze that `marks` asks for over it.
+#[must_use]
+pub fn marked(
+    tiles: &TwinTiles,
+    view: &EyeView,
+    marks: &Overlay,
+    mut image: RgbaImage,
+) -> RgbaImage {
     let params = params_of(tiles, view);
-    let mut image = reconstruct(tiles, view);
     for_every_pixel(view.size, |at, position| {
         let drawn = overlay::overlay(tiles, &params, marks, position);
         let [r, g, b, a] = image.pixel(at).map(|c| f32::from(c) / 255.0);

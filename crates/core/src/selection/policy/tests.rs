@@ -1,13 +1,16 @@
 //! Does each policy choose what it says?
 
 use super::*;
+use crate::asset::cues::Cues;
+use crate::asset::signature::Signature;
 use crate::asset::tile_grid::Cut;
+use crate::asset::unit::UnitId;
 use crate::gaze::scan::Random;
 use crate::selection::level_map::{histogram, pixels};
 use crate::units::Seconds;
 use crate::view::axes::Axes;
 use crate::view::eye_view::Field;
-use crate::view::surface::{Screen, Surface};
+use crate::view::surface::{Eye, Screen, Surface};
 use proptest::prelude::*;
 
 fn degrees(yaw: f64, pitch: f64) -> Moment {
@@ -295,4 +298,96 @@ proptest! {
             prop_assert_eq!(levels.level(&grid, grid.cell_at(face, place)), 0);
         }
     }
+}
+
+/// Content whose every third cell is noisy.
+struct EveryThird;
+
+impl Content for EveryThird {
+    fn unit(&self, tile: Tile, _frame: u32) -> UnitId {
+        UnitId(u32::from(tile.face) * 16 + u32::from(tile.y) * 4 + u32::from(tile.x))
+    }
+
+    fn next_group(&self, _frame: u32) -> Option<u32> {
+        None
+    }
+
+    fn bytes(&self, _unit: UnitId) -> u32 {
+        1
+    }
+
+    fn signature(&self, _unit: UnitId) -> Option<Signature> {
+        None
+    }
+
+    fn cues(&self, unit: UnitId) -> Option<Cues> {
+        Some(Cues {
+            deviation: if unit.0.is_multiple_of(3) { 40.0 } else { 10.0 },
+            ..Cues::default()
+        })
+    }
+}
+
+#[test]
+fn cells_of_a_variance_above_the_threshold_are_promoted_and_no_others() {
+    let grid = TileGrid::new(Surface::cube(3000), Cut::Grid([4, 4]), 3, 4).unwrap();
+    let moment = degrees(-10.0, 10.0);
+    let levels = |threshold| {
+        let config = PolicyConfig {
+            noise_threshold: threshold,
+            ..PolicyConfig::new(Policy::Grid)
+        };
+        let selector = Selector::new(grid, config);
+        selector.select_of(Some(&EveryThird), 0, &moment).levels
+    };
+    let plain = levels(None);
+    // 40² = 1600 is the variance of the noisy cells, and not above itself.
+    assert_eq!(levels(Some(1600.0)), plain);
+    assert_eq!(levels(Some(0.0)).levels().iter().max(), Some(&1));
+    let noisy = levels(Some(1599.0));
+    for cell in grid.tiles_of(0) {
+        let is_noisy = EveryThird.unit(cell, 0).0.is_multiple_of(3);
+        let expected = plain.level(&grid, cell).min(if is_noisy { 1 } else { 2 });
+        assert_eq!(noisy.level(&grid, cell), expected, "{cell:?}");
+    }
+}
+
+#[test]
+fn out_of_view_nothing_is_finer_than_the_coarsest_level() {
+    let size = [1280, 720];
+    let view = EyeView {
+        axes: Axes::FRONT,
+        field: Field::across(Radians::from_degrees(60.0), size),
+        size,
+        eye: Eye::Left,
+    };
+    let grid = TileGrid::new(Surface::cube(1024), Cut::Tile(64), 4, 2).unwrap();
+    let config = PolicyConfig {
+        thresholds: [20.0, 80.0, 180.0].map(Radians::from_degrees).to_vec(),
+        ..PolicyConfig::new(Policy::Distance)
+    };
+    let selector = Selector::new(grid, config);
+    let moment = degrees(25.0, 0.0);
+    let blind = distance_levels(
+        &grid,
+        &selector.cells,
+        &selector.thresholds,
+        moment.gaze.gaze_in_content,
+        Some(&view),
+    );
+    let all = selector.by_distance(&moment);
+    let (mut kept, mut dropped) = (0, 0);
+    for cell in grid.tiles_of(0) {
+        let (seen, anywhere) = (blind.level(&grid, cell), all.level(&grid, cell));
+        let visible =
+            probes(&grid, cell).any(|probe| in_view(&view, probe.direction, Radians(0.0)));
+        if visible {
+            assert_eq!(seen, anywhere, "{cell:?}");
+            kept += 1;
+        } else {
+            assert!(seen == grid.coarsest() || seen == anywhere);
+            dropped += u32::from(seen != anywhere);
+        }
+    }
+    assert!(kept > 50 && dropped > 100, "{kept} {dropped}");
 }

@@ -1,0 +1,76 @@
+//! Which samples of a frame are shown round the gaze?
+
+use foveal_core::asset::gather::Gather;
+use foveal_core::asset::picture::Picture;
+use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use foveal_core::gaze::sample::GazeSample;
+use foveal_core::perception::sample_mask::{MaskShape, SampleMask};
+use foveal_core::selection::policy::PolicyConfig;
+use foveal_core::view::eye_view::EyeView;
+use std::collections::BTreeMap;
+
+/// The mask that a policy asks for in a view.
+pub(crate) fn mask_shape(config: &PolicyConfig, view: &EyeView) -> MaskShape {
+    let field = view.field;
+    MaskShape {
+        side: config.mask.side,
+        pitch: (field.left + field.right) / f64::from(view.size[0]),
+        eye: config.acuity,
+    }
+}
+
+/// How many samples that is.
+pub(crate) fn sample_count(config: &PolicyConfig, view: &EyeView) -> u32 {
+    let wanted = || mask_shape(config, view).wanted_samples();
+    config.mask.samples.unwrap_or_else(wanted)
+}
+
+/// A mask, and what was gathered for it.
+pub(crate) struct Sampling {
+    pub(crate) mask: SampleMask,
+    /// Decoded tiles of the frame.
+    tiles: BTreeMap<Tile, Picture>,
+}
+
+/// Y, U and V of every sample, and the pixel of the view that the mask's top left lies on.
+pub(crate) struct Samples {
+    pub(crate) corner: [i32; 2],
+    pub(crate) codes: Vec<u32>,
+}
+
+impl Sampling {
+    /// The mask of a policy in a view.
+    pub(crate) fn new(config: &PolicyConfig, view: &EyeView) -> Self {
+        let shape = mask_shape(config, view);
+        Self {
+            mask: SampleMask::new(&shape, config.mask.samples),
+            tiles: BTreeMap::new(),
+        }
+    }
+
+    /// Forgets the tiles of the frame before.
+    pub(crate) fn begin_frame(&mut self) {
+        self.tiles.clear();
+    }
+
+    /// Keeps a decoded tile of the frame.
+    pub(crate) fn keep(&mut self, tile: Tile, picture: Picture) {
+        self.tiles.insert(tile, picture);
+    }
+
+    /// The samples round a gaze that the tiles kept show.
+    pub(crate) fn gather(&self, grid: &TileGrid, view: &EyeView, gaze: &GazeSample) -> Samples {
+        let half = (self.mask.side / 2) as i32;
+        let gaze = gaze.gaze_in_content;
+        let middle = view.place(gaze).unwrap_or([0.0; 2]);
+        let corner = middle.map(|place| place.clamp(-1e6, 1e6).floor() as i32 - half);
+        let footprint = grid.surface.locate(gaze).map_or(1.0, |(_, place)| {
+            grid.surface.ppd(place).0 / view.ppd_towards(gaze).0
+        });
+        let gather = Gather::new(grid, &self.tiles, footprint);
+        Samples {
+            corner,
+            codes: gather.codes(view, corner, &self.mask.places),
+        }
+    }
+}
