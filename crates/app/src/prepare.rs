@@ -60,6 +60,9 @@ pub(crate) struct PrepareVideoArgs {
     stereo: StereoName,
     #[command(flatten)]
     cut: CutOptions,
+    /// Leave the sound out.
+    #[arg(long)]
+    no_sound: bool,
     /// Codec of the tiles.
     #[arg(long, value_enum, default_value = "vp9")]
     codec: CodecName,
@@ -123,7 +126,9 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
     let begun = Instant::now();
     let prepared = prepare(&args.input, out, &plan, &mut note);
     bar.finish_and_clear();
-    prepared?;
+    for note in prepared?.notes {
+        output::say(&format!("{}: {note}", args.input.display()));
+    }
     let seconds = begun.elapsed().as_secs_f64();
     let info = PackInfo::new(&PackFile::open(out)?)?;
     let text = format!("{}: {seconds:.1} s\n{}", out.display(), info.text());
@@ -156,6 +161,7 @@ impl PrepareVideoArgs {
                 StereoName::Sbs => StereoChoice::SideBySide,
                 StereoName::Tb => StereoChoice::TopBottom,
             },
+            sound: !self.no_sound,
             cut: match (self.cut.grid, self.cut.tile) {
                 (Some(grid), _) => Some(Cut::Grid(grid)),
                 (None, tile) => tile.map(Cut::Tile),

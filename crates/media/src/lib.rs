@@ -15,6 +15,7 @@ mod frame_file;
 mod frame_reader;
 pub mod generate;
 pub mod input;
+mod large_still;
 mod orientation;
 pub mod pack_file;
 mod pack_writer;
@@ -22,6 +23,8 @@ mod parallel;
 pub mod picture_from_rgba;
 pub mod prepare;
 pub mod pyramid;
+pub mod sound;
+mod sound_reader;
 pub mod source;
 pub mod sphere;
 pub mod spherical;
@@ -47,6 +50,8 @@ mod pack_tests;
 mod scenes;
 #[cfg(test)]
 mod side_table_tests;
+#[cfg(test)]
+mod sound_tests;
 
 pub use decode::GroupDecoder;
 pub use encode::{EncodeSettings, Speed, encode_group};

@@ -154,6 +154,7 @@ impl Content {
         let settings = PrepareSettings {
             projection: ProjectionChoice::Auto,
             stereo: StereoChoice::Auto,
+            sound: true,
             cut: None,
             levels: None,
             ratio: 2,
@@ -194,7 +195,9 @@ impl Content {
         let mut note = |progress: Progress| bar.set_position(u64::from(progress.frames));
         let prepared = prepare(&self.source, pack, plan, &mut note);
         bar.finish_and_clear();
-        prepared?;
+        for note in prepared?.notes {
+            output::say(&format!("{}: {note}", self.source.display()));
+        }
         Ok(())
     }
 }

@@ -6,5 +6,6 @@ pub mod order;
 pub mod pack;
 pub mod picture;
 pub mod signature;
+pub mod sound;
 pub mod tile_grid;
 pub mod unit;

@@ -8,6 +8,7 @@ mod cutter;
 mod name_words;
 mod notes;
 mod plan;
+mod sound;
 mod surround;
 
 pub use plan::{Plan, PrepareSettings};
@@ -23,6 +24,7 @@ use cutter::Cutter;
 use foveal_core::asset::order::hilbert_distance;
 use foveal_core::asset::pack::{Description, MAX_FRAMES, SideTable};
 use foveal_core::asset::picture::Picture;
+use foveal_core::asset::sound::SOUND;
 use foveal_core::asset::tile_grid::{GridError, Tile};
 use notes::Notes;
 use std::path::Path;
@@ -91,8 +93,18 @@ struct CodedGroup {
     access_units: Vec<Vec<u8>>,
 }
 
-/// Prepares `input` as planned and writes it to `out`; returns the final description and the
-/// pack's bytes.
+/// What came of a preparation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prepared {
+    /// The final description.
+    pub description: Description,
+    /// Bytes of the pack.
+    pub bytes: u64,
+    /// What a person should know that no plan could tell.
+    pub notes: Vec<String>,
+}
+
+/// Prepares `input` as planned and writes it to `out`.
 ///
 /// On any error nothing is left under the name `out` (or what was there stays).
 pub fn prepare(
@@ -100,7 +112,7 @@ pub fn prepare(
     out: &Path,
     plan: &Plan,
     progress: &mut dyn FnMut(Progress),
-) -> Result<(Description, u64), PrepareError> {
+) -> Result<Prepared, PrepareError> {
     let mut writer = PackWriter::create(out, &plan.description)?;
     let (times, notes) = code(input, plan, None, &mut writer, progress)?;
     let mut description = plan.description.clone();
@@ -111,8 +123,26 @@ pub fn prepare(
         bytes: times.iter().flat_map(|time| time.to_le_bytes()).collect(),
     }];
     tables.extend(notes.into_tables());
+    let (sound, notes) = match plan.has_sound {
+        true => sound::sound_of(input, length_of(&times, description.fps())),
+        false => (None, Vec::new()),
+    };
+    tables.extend(sound.map(|sound| SideTable {
+        name: SOUND.to_owned(),
+        version: 1,
+        bytes: sound.write(),
+    }));
     let bytes = writer.finish(description.clone(), &tables)?;
-    Ok((description, bytes))
+    Ok(Prepared {
+        description,
+        bytes,
+        notes,
+    })
+}
+
+/// Seconds until the last frame has been shown.
+fn length_of(times: &[i64], fps: f64) -> f64 {
+    times.last().map_or(0.0, |&last| last as f64 / 1e9) + 1.0 / fps
 }
 
 /// Codes the first `frames` frames of `input` and keeps nothing: what [`prepare`] would cost.
