@@ -5,6 +5,7 @@ use clap::Args;
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::Description;
 use foveal_core::asset::rate::QualityScale;
+use foveal_core::asset::sound::{SOUND_RATE, SoundTable};
 use foveal_core::asset::tile_grid::Cut;
 use foveal_core::view::surface::Projection;
 use foveal_media::pack_file::PackFile;
@@ -40,6 +41,8 @@ pub(crate) struct PackInfo {
     faces: u32,
     /// Width and height of a pixel to each other.
     pixel_aspect: [u32; 2],
+    /// Its sound, if it has any.
+    sound: Option<SoundInfo>,
     cut: Cut,
     units: usize,
     levels: u8,
@@ -54,6 +57,29 @@ pub(crate) struct PackInfo {
     source: String,
     source_bytes: u64,
     generator: String,
+}
+
+/// What is said of a pack's sound.
+#[derive(Debug, Serialize)]
+struct SoundInfo {
+    codec: &'static str,
+    rate: u32,
+    channels: u8,
+    seconds: f64,
+    bytes: usize,
+}
+
+impl SoundInfo {
+    fn new(sound: &SoundTable) -> Self {
+        let packets = (0..sound.packets()).filter_map(|number| sound.packet(number));
+        Self {
+            codec: "opus",
+            rate: SOUND_RATE,
+            channels: sound.channels,
+            seconds: sound.samples as f64 / f64::from(SOUND_RATE),
+            bytes: packets.map(<[u8]>::len).sum(),
+        }
+    }
 }
 
 impl PackInfo {
@@ -75,6 +101,7 @@ impl PackInfo {
             eyes: about.eyes,
             faces: pack.grid().surface.faces_of_an_eye(),
             pixel_aspect: about.pixel_aspect,
+            sound: file.sound()?.map(|sound| SoundInfo::new(&sound)),
             cut: about.cut,
             units: pack.units().count(),
             levels: about.levels,
@@ -128,6 +155,17 @@ impl PackInfo {
             self.bytes as f64 / 1e6,
             self.source_bytes as f64 / 1e6,
         );
+        if let Some(sound) = &self.sound {
+            let _ = writeln!(
+                text,
+                "sound: {}, {} Hz, {} channels, {:.2} s, {:.2} MB",
+                sound.codec,
+                sound.rate,
+                sound.channels,
+                sound.seconds,
+                sound.bytes as f64 / 1e6
+            );
+        }
         for (level, bytes) in self.bytes_per_level.iter().enumerate() {
             let _ = writeln!(
                 text,

@@ -45,6 +45,8 @@ pub(crate) fn write_pack(
     let mut note = |progress: Progress| bar.set_position(u64::from(progress.frames));
     let prepared = prepare(source, pack, plan, &mut note);
     bar.finish_and_clear();
-    prepared?;
+    for note in prepared?.notes {
+        output::say(&format!("{}: {note}", source.display()));
+    }
     Ok(())
 }

@@ -58,6 +58,9 @@ pub(crate) struct PrepareVideoArgs {
     preset: Option<SystemPreset>,
     #[command(flatten)]
     codec: CodecOptions,
+    /// Leave the sound out.
+    #[arg(long)]
+    no_sound: bool,
     /// Twice as fast, larger files.
     #[arg(long, conflicts_with = "small")]
     fast: bool,
@@ -121,7 +124,9 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
     let begun = Instant::now();
     let prepared = prepare_resumable(&args.input, out, &plan, !args.no_resume, &mut tell);
     bar.finish_and_clear();
-    prepared?;
+    for note in prepared?.notes {
+        output::say(&format!("{}: {note}", args.input.display()));
+    }
     let seconds = begun.elapsed().as_secs_f64();
     let info = PackInfo::new(&PackFile::open(out)?)?;
     let text = format!("{}: {seconds:.1} s\n{}", out.display(), info.text());
@@ -151,6 +156,7 @@ impl PrepareVideoArgs {
                 StereoName::Sbs => StereoChoice::SideBySide,
                 StereoName::Tb => StereoChoice::TopBottom,
             },
+            sound: !self.no_sound,
             cut: cut.asked(),
             levels: cut.levels,
             ratio: cut.ratio(),

@@ -12,6 +12,7 @@ use foveal_core::asset::picture::Picture;
 use crate::deliver::{Delivery, has_alpha};
 use crate::error::MediaError;
 use crate::frame_reader::FrameReader;
+use crate::large_still::LargeStill;
 use crate::orientation::Orientation;
 use crate::source::{self, SourceInfo};
 use crate::spherical::{side_data_of, spherical_of, stereo_of};
@@ -38,15 +39,12 @@ pub struct TimedPicture {
 /// # }
 /// ```
 pub struct VideoInput {
-    path: PathBuf,
-    info: SourceInfo,
-    reader: FrameReader,
-    delivery: Delivery,
-    timeline: Timeline,
-    coded_size: [u32; 2],
-    /// Decoded to learn the colours, and not yet delivered.
-    first: Option<Video>,
-    delivered: u64,
+    source: Source,
+}
+
+enum Source {
+    Stream(Box<StreamInput>),
+    Still(Box<LargeStill>),
 }
 
 impl VideoInput {
@@ -56,6 +54,63 @@ impl VideoInput {
     /// The file is missing, empty, no video, holds no frame, or asks for a slanted rotation or a
     /// colour matrix that a picture cannot hold.
     pub fn open(path: &Path) -> Result<Self, MediaError> {
+        let source = match LargeStill::open(path)? {
+            Some(still) => Source::Still(Box::new(still)),
+            None => Source::Stream(Box::new(StreamInput::open(path)?)),
+        };
+        Ok(Self { source })
+    }
+
+    /// What is known of the file.
+    #[must_use]
+    pub fn info(&self) -> &SourceInfo {
+        match &self.source {
+            Source::Stream(stream) => &stream.info,
+            Source::Still(still) => still.info(),
+        }
+    }
+
+    /// Time stamp of the first picture in nanoseconds, 0 where it has none: what other streams of
+    /// the file are timed against.
+    pub(crate) fn first_stamp_ns(&self) -> i64 {
+        match &self.source {
+            Source::Stream(stream) => stream.first_stamp_ns,
+            Source::Still(_) => 0,
+        }
+    }
+
+    /// The next picture in the order of display; None after the last.
+    ///
+    /// # Errors
+    /// The file breaks off, its data are damaged, or the picture size changes; the error names the
+    /// frame. Pictures before it have been delivered.
+    pub fn next_frame(&mut self) -> Result<Option<TimedPicture>, MediaError> {
+        match &mut self.source {
+            Source::Stream(stream) => stream.next_frame(),
+            Source::Still(still) => Ok(still.picture()?.map(|picture| TimedPicture {
+                picture,
+                time_ns: 0,
+            })),
+        }
+    }
+}
+
+/// What FFmpeg reads.
+struct StreamInput {
+    path: PathBuf,
+    info: SourceInfo,
+    reader: FrameReader,
+    delivery: Delivery,
+    timeline: Timeline,
+    coded_size: [u32; 2],
+    first_stamp_ns: i64,
+    /// Decoded to learn the colours, and not yet delivered.
+    first: Option<Video>,
+    delivered: u64,
+}
+
+impl StreamInput {
+    fn open(path: &Path) -> Result<Self, MediaError> {
         let bytes = file_bytes(path)?;
         let mut reader = FrameReader::open(path, bytes)?;
         let no_frames = |reason| MediaError::NoFrames {
@@ -82,6 +137,7 @@ impl VideoInput {
         let coded_size = [first.width(), first.height()];
         let info = describe(&reader, &stream, &first, &delivery, bytes);
         let timeline = Timeline::new(stream.time_base(), info.frame_rate);
+        let first_stamp_ns = timeline.stamp_ns(first.timestamp());
         let path = path.to_owned();
         let first = Some(first);
         Ok(Self {
@@ -91,23 +147,13 @@ impl VideoInput {
             delivery,
             timeline,
             coded_size,
+            first_stamp_ns,
             first,
             delivered: 0,
         })
     }
 
-    /// What is known of the file.
-    #[must_use]
-    pub fn info(&self) -> &SourceInfo {
-        &self.info
-    }
-
-    /// The next picture in the order of display; None after the last.
-    ///
-    /// # Errors
-    /// The file breaks off, its data are damaged, or the picture size changes; the error names the
-    /// frame. Pictures before it have been delivered.
-    pub fn next_frame(&mut self) -> Result<Option<TimedPicture>, MediaError> {
+    fn next_frame(&mut self) -> Result<Option<TimedPicture>, MediaError> {
         let next = match self.first.take() {
             Some(frame) => Ok(Some(frame)),
             None => self.reader.next_frame(),
@@ -169,6 +215,7 @@ fn describe(
         colour: delivery.colour(),
         spherical: spherical_of(stream),
         stereo: stereo_of(stream),
+        sound: source::sound_of(reader.input()),
         has_alpha: has_second_stream || has_alpha(first.format()),
         pixel_aspect: pixel_aspect(first),
         is_hdr: matches!(

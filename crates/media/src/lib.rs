@@ -19,6 +19,7 @@ pub mod generate;
 mod ijg_jpeg;
 pub mod input;
 mod journal_file;
+mod large_still;
 mod orientation;
 pub mod pack_file;
 mod pack_writer;
@@ -27,6 +28,8 @@ pub mod picture_from_rgba;
 pub mod prepare;
 pub mod pyramid;
 mod rate_search;
+pub mod sound;
+mod sound_reader;
 pub mod source;
 pub mod sphere;
 pub mod spherical;
@@ -54,6 +57,8 @@ mod resume_tests;
 mod scenes;
 #[cfg(test)]
 mod side_table_tests;
+#[cfg(test)]
+mod sound_tests;
 
 pub use decode::GroupDecoder;
 pub use encode::{EncodeSettings, Rate, Speed, encode_group};

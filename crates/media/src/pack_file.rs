@@ -5,6 +5,7 @@ use foveal_core::asset::pack::{
     HEADER_BYTES, Header, Pack, PackError, TableEntry, check_crc, split_chunk,
 };
 use foveal_core::asset::signature::{SIGNATURES, Signatures};
+use foveal_core::asset::sound::{SOUND, SoundTable};
 use foveal_core::asset::unit::UnitId;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
@@ -199,6 +200,11 @@ impl PackFile {
         self.parse_table(CUES, parse)
     }
 
+    /// The sound, from the side table `sound`, as it is coded; `None` where the pack has none.
+    pub fn sound(&self) -> Result<Option<SoundTable>, PackFileError> {
+        self.parse_table(SOUND, |version, bytes| SoundTable::parse(version, &bytes))
+    }
+
     fn parse_table<T>(
         &self,
         name: &str,
@@ -227,6 +233,7 @@ impl PackFile {
             damage.extend(self.frame_times().err());
             damage.extend(self.signatures().err());
             damage.extend(self.cues().err());
+            damage.extend(self.sound().err());
         }
         let mut done = 0;
         for unit in self.pack.units() {

@@ -196,6 +196,7 @@ pub(crate) fn settings(projection: ProjectionChoice, codec: Codec) -> PrepareSet
     PrepareSettings {
         projection,
         stereo: crate::prepare::StereoChoice::Auto,
+        sound: true,
         cut: Some(Cut::Tile(32)),
         levels: Some(3),
         codec,

@@ -32,6 +32,8 @@ pub struct SourceInfo {
     pub spherical: Option<Spherical>,
     /// Layout of the two eyes, where the file names one.
     pub stereo: Option<Stereo>,
+    /// Its best sound stream, if it has any.
+    pub sound: Option<Sound>,
     /// True when the source has transparency, which is dropped.
     pub has_alpha: bool,
     /// Width over height of a pixel, as numerator and denominator, where pixels are not square.
@@ -46,6 +48,30 @@ pub struct SourceInfo {
     pub bytes: u64,
     /// True for an image file or a video of one frame.
     pub looks_still: bool,
+}
+
+/// What a file says about its sound.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sound {
+    /// FFmpeg's name of the codec, as `aac`.
+    pub codec: String,
+    /// Number of channels.
+    pub channels: u16,
+}
+
+/// The best sound stream of the file, as far as the container tells.
+pub(crate) fn sound_of(input: &Input) -> Option<Sound> {
+    let stream = input.streams().best(Type::Audio)?;
+    let parameters = stream.parameters();
+    let context = av::codec::Context::from_parameters(parameters.clone()).ok()?;
+    let channels = context
+        .decoder()
+        .audio()
+        .map_or(0, |audio| audio.channels());
+    Some(Sound {
+        codec: parameters.id().name().to_owned(),
+        channels,
+    })
 }
 
 /// The video stream to read: FFmpeg's choice, never the cover picture of a sound file.

@@ -64,6 +64,12 @@ impl Timeline {
         time
     }
 
+    /// A stamp in nanoseconds, 0 where there is none.
+    pub(crate) fn stamp_ns(&self, stamp: Option<i64>) -> i64 {
+        let ns = stamp.map_or(0, |ticks| self.ns_from_ticks(ticks));
+        i64::try_from(ns).unwrap_or(0)
+    }
+
     fn ns_from_ticks(&self, ticks: i64) -> i128 {
         let [num, den] = [self.tick.0, self.tick.1].map(i128::from);
         (i128::from(ticks) * num * NS_PER_SECOND).div_euclid(den)

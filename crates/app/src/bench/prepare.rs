@@ -146,7 +146,8 @@ fn time_one(
     let plan = Plan::new(clip, &info, settings)?;
     let out = folder.join("bench.foveal");
     let (begun, cpu_before) = (Instant::now(), cpu_seconds());
-    let (about, pack_bytes) = prepare(clip, &out, &plan, &mut |_| {})?;
+    let prepared = prepare(clip, &out, &plan, &mut |_| {})?;
+    let (about, pack_bytes) = (&prepared.description, prepared.bytes);
     let seconds = begun.elapsed().as_secs_f64();
     let cpu_seconds = cpu_seconds()
         .zip(cpu_before)

@@ -109,8 +109,9 @@ impl TrialOptions {
             bar.set_position(u64::from(progress.frames));
         });
         bar.finish_and_clear();
-        let (about, bytes) = prepared?;
+        let prepared = prepared?;
         let prepare_s = begun.elapsed().as_secs_f64();
+        let about = &prepared.description;
         let [width, height] = about.source.size.map(f64::from);
         let pixels = width * height * f64::from(about.frames);
         let played = self.play(&pack);
@@ -119,7 +120,7 @@ impl TrialOptions {
         Ok(Trial {
             prepare_s,
             prepare_mpix_per_s: pixels / prepare_s / 1e6,
-            bytes,
+            bytes: prepared.bytes,
             ..played?
         })
     }

@@ -9,5 +9,6 @@ pub mod pack;
 pub mod picture;
 pub mod rate;
 pub mod signature;
+pub mod sound;
 pub mod tile_grid;
 pub mod unit;

@@ -63,7 +63,7 @@ impl Cutter {
         let eyes = self.eyes.split(picture);
         let faces = self.faces_of(&eyes);
         match self.grid.cut {
-            Cut::Tile(_) => self.cut_pyramid(&faces),
+            Cut::Tile(_) => self.cut_pyramid(faces.into_owned()),
             Cut::Grid(_) => self.cut_grid(&faces),
         }
     }
@@ -86,8 +86,7 @@ impl Cutter {
     }
 
     /// Whole faces are halved, then every level is cut.
-    fn cut_pyramid(&self, faces: &[Picture]) -> Vec<Vec<Picture>> {
-        let mut faces: Vec<Picture> = faces.to_vec();
+    fn cut_pyramid(&self, mut faces: Vec<Picture>) -> Vec<Vec<Picture>> {
         let mut levels = Vec::new();
         for level in 0..self.grid.levels {
             if level > 0 {

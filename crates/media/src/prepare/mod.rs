@@ -10,6 +10,7 @@ mod name_words;
 mod notes;
 mod plan;
 mod rates;
+mod sound;
 #[cfg(test)]
 mod speed_tests;
 mod surround;
@@ -28,6 +29,7 @@ use cutter::Cutter;
 use foveal_core::asset::order::hilbert_distance;
 use foveal_core::asset::pack::{Description, MAX_FRAMES, SideTable, Step};
 use foveal_core::asset::picture::Picture;
+use foveal_core::asset::sound::SOUND;
 use foveal_core::asset::tile_grid::{GridError, Tile};
 use identity::{Stamp, identity_of};
 use notes::Notes;
@@ -111,8 +113,18 @@ struct CodedGroup {
     access_units: Vec<Vec<u8>>,
 }
 
-/// Prepares `input` as planned and writes it to `out`; returns the final description and the
-/// pack's bytes.
+/// What came of a preparation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prepared {
+    /// The final description.
+    pub description: Description,
+    /// Bytes of the pack.
+    pub bytes: u64,
+    /// What a person should know that no plan could tell.
+    pub notes: Vec<String>,
+}
+
+/// Prepares `input` as planned and writes it to `out`.
 ///
 /// On any error nothing is left under the name `out` (or what was there stays).
 pub fn prepare(
@@ -120,7 +132,7 @@ pub fn prepare(
     out: &Path,
     plan: &Plan,
     progress: &mut dyn FnMut(Progress),
-) -> Result<(Description, u64), PrepareError> {
+) -> Result<Prepared, PrepareError> {
     let writer = PackWriter::create(out, &plan.description)?;
     write_pack(input, plan, writer, &[], progress)
 }
@@ -146,7 +158,7 @@ pub fn prepare_resumable(
     plan: &Plan,
     go_on: bool,
     tell: &mut dyn FnMut(Event),
-) -> Result<(Description, u64), PrepareError> {
+) -> Result<Prepared, PrepareError> {
     let identity = identity_of(input, plan)?;
     let begun = PackWriter::resume(out, &plan.description, identity, go_on)?;
     if let Some(note) = begun.note {
@@ -163,18 +175,23 @@ fn write_pack(
     mut writer: PackWriter,
     steps: &[Step],
     progress: &mut dyn FnMut(Progress),
-) -> Result<(Description, u64), PrepareError> {
+) -> Result<Prepared, PrepareError> {
     let mut coder = Coder::new(plan);
     for step in steps {
         coder.take_up(step);
     }
     let before = Stamp::of(input);
     let coded = code(input, &mut coder, None, &mut writer, progress);
+    let Coder { times, notes, .. } = coder;
+    let fps = plan.description.fps();
+    let (sound, said) = match coded.is_ok() && plan.has_sound {
+        true => sound::sound_of(input, length_of(&times, fps)),
+        false => (None, Vec::new()),
+    };
     if Stamp::of(input) != before {
         return Err(PrepareError::Changed(input.display().to_string()));
     }
     coded?;
-    let Coder { times, notes, .. } = coder;
     let mut description = plan.description.clone();
     description.frames = times.len() as u32;
     let mut tables = vec![SideTable {
@@ -183,8 +200,22 @@ fn write_pack(
         bytes: times.iter().flat_map(|time| time.to_le_bytes()).collect(),
     }];
     tables.extend(notes.into_tables());
+    tables.extend(sound.map(|sound| SideTable {
+        name: SOUND.to_owned(),
+        version: 1,
+        bytes: sound.write(),
+    }));
     let bytes = writer.finish(description.clone(), &tables)?;
-    Ok((description, bytes))
+    Ok(Prepared {
+        description,
+        bytes,
+        notes: said,
+    })
+}
+
+/// Seconds until the last frame has been shown.
+fn length_of(times: &[i64], fps: f64) -> f64 {
+    times.last().map_or(0.0, |&last| last as f64 / 1e9) + 1.0 / fps
 }
 
 /// Codes the first `frames` frames of `input` and keeps nothing: what [`prepare`] would cost.

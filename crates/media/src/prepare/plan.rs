@@ -5,7 +5,7 @@ use super::rates::{Quality, describe, rates_of};
 use super::surround::{ProjectionChoice, StereoChoice, Surround, SurroundOfEyes, surround_of};
 use crate::encode::{Rate, Speed};
 use crate::eye_layout::EyeLayout;
-use crate::source::SourceInfo;
+use crate::source::{Sound, SourceInfo};
 use crate::sphere::{Coverage, face_size_for};
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::{Description, Source};
@@ -22,6 +22,8 @@ pub struct PrepareSettings {
     pub projection: ProjectionChoice,
     /// Where in a frame the pictures of the eyes lie.
     pub stereo: StereoChoice,
+    /// Whether its sound comes along.
+    pub sound: bool,
     /// How pictures are cut; by size of the source if `None`.
     pub cut: Option<Cut>,
     /// Number of levels; five, fewer for tiny pictures, if `None`.
@@ -46,6 +48,7 @@ impl Default for PrepareSettings {
         Self {
             projection: ProjectionChoice::Auto,
             stereo: StereoChoice::Auto,
+            sound: true,
             cut: None,
             levels: None,
             ratio: 2,
@@ -77,6 +80,8 @@ pub struct Plan {
     pub(super) rates: Vec<Rate>,
     /// Pixels of one eye's picture in the source.
     pub(super) eye_size: [u32; 2],
+    /// Whether the pack is to have sound.
+    pub(super) has_sound: bool,
     pub(super) speed: Speed,
     pub(super) jobs: usize,
     pub(super) most_frames: Option<u32>,
@@ -108,6 +113,7 @@ impl Plan {
         let cut = settings.cut.unwrap_or(Cut::pyramid_for(&surface));
         let grid = TileGrid::new(surface, cut, levels, settings.ratio)?;
         notes.extend(losses(info));
+        notes.extend(sound_note(info, settings.sound));
         // JPEG stores planes as full range whatever the source has.
         let stretch_to_full_range = settings.codec == Codec::Jpeg && !info.colour.full_range;
         let colour = Colour {
@@ -159,6 +165,7 @@ impl Plan {
             notes,
             frames: info.frames,
             rates,
+            has_sound: settings.sound && info.sound.is_some(),
             speed: settings.speed,
             jobs: settings.jobs.max(1),
             most_frames: settings.most_frames,
@@ -176,7 +183,7 @@ impl Plan {
             "{:?}",
             (
                 (about, self.grid, self.surround, self.eyes, &self.rates),
-                (self.speed, self.most_frames),
+                (self.speed, self.most_frames, self.has_sound),
                 (self.source_chroma_left, self.stretch_to_full_range),
             )
         )
@@ -202,6 +209,20 @@ fn losses(info: &SourceInfo) -> Vec<String> {
         notes.push(format!("{} is brought to 8-bit 4:2:0", info.pixel_format));
     }
     notes
+}
+
+/// What becomes of the sound, where that is not what one expects.
+fn sound_note(info: &SourceInfo, is_wanted: bool) -> Option<String> {
+    match &info.sound {
+        None if !info.looks_still => Some("it has no sound".to_owned()),
+        Some(sound) if is_wanted && sound.channels > 2 => {
+            let Sound { channels, codec } = sound;
+            Some(format!(
+                "the {channels} channels of its sound ({codec}) are mixed down to two"
+            ))
+        }
+        _ => None,
+    }
 }
 
 fn surface(found: &SurroundOfEyes) -> Surface {

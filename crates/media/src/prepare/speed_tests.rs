@@ -22,6 +22,7 @@ fn info([width, height]: [u32; 2]) -> SourceInfo {
         },
         spherical: None,
         stereo: None,
+        sound: None,
         has_alpha: false,
         pixel_aspect: None,
         is_hdr: false,

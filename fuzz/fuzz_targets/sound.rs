@@ -1,0 +1,14 @@
+//! Do any bytes in the side table `sound` make its parser panic, or read as something else?
+
+#![no_main]
+
+use foveal_core::asset::sound::SoundTable;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|data: &[u8]| {
+    if let Ok(table) = SoundTable::parse(1, data) {
+        assert_eq!(table.write(), data);
+        let bytes: usize = (0..table.packets()).filter_map(|n| table.packet(n)).map(<[u8]>::len).sum();
+        assert!(bytes <= data.len());
+    }
+});
