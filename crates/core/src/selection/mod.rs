@@ -8,6 +8,7 @@ pub mod level_map;
 pub mod policy;
 pub mod refine;
 pub mod session;
+pub mod session_log;
 pub mod worth;
 
 mod need;
