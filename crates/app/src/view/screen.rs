@@ -100,6 +100,11 @@ impl Screen {
         self.health.lost.load(Ordering::Relaxed)
     }
 
+    /// Lets the driver tell what happened: a lost device, finished uploads.
+    pub(crate) fn listen(&self) {
+        let _ = self.gpu.device.poll(wgpu::PollType::Poll);
+    }
+
     /// What the driver complained about since the last call.
     pub(crate) fn take_errors(&self) -> u64 {
         self.health.errors.swap(0, Ordering::Relaxed)
@@ -136,8 +141,6 @@ impl Screen {
         let output = self.lay_out(placed, size, words);
         self.paint(&target.texture, size, output);
         self.gpu.queue.present(target);
-        // Frees what finished uploads held.
-        let _ = self.gpu.device.poll(wgpu::PollType::Poll);
         if !fits {
             self.surface.configure(&self.gpu.device, &self.config);
         }

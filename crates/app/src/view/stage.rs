@@ -22,7 +22,9 @@ use std::sync::Arc;
 
 /// How long a paused picture may stay as it is before the next one is shown unfinished.
 const PATIENCE_S: f64 = 0.25;
-/// Nor is it chosen anew more often than this while the view moves.
+/// Longest time that a frame is begun ahead of its own.
+const MOST_LEAD_S: f64 = 1.0;
+/// A picture is not chosen anew more often than this while the view moves.
 const CHOOSE_EVERY_S: f64 = 0.03;
 
 /// The moment that a step is made for.
@@ -46,6 +48,9 @@ pub(crate) struct Stage {
     coming: Option<Staged>,
     /// The viewer went elsewhere in time, and what is on screen is no longer before what comes.
     jumped: bool,
+    /// How long a frame is on its way, in seconds, where that is longer than it is shown: so far
+    /// ahead of its time the next one is begun.
+    lead: f64,
     /// The last tick whose coarsest level is damaged.
     damaged: Option<u64>,
     /// Damage was told of.
@@ -100,6 +105,7 @@ impl Stage {
             shown: None,
             coming: None,
             jumped: false,
+            lead: 0.0,
             damaged: None,
             told: false,
         }
@@ -252,6 +258,7 @@ impl Stage {
     /// The viewer goes elsewhere in time.
     pub(crate) fn jump(&mut self) {
         self.coming = None;
+        self.lead = 0.0;
         self.jumped = true;
         self.damaged = None;
     }
@@ -285,6 +292,9 @@ impl Stage {
         }
         let tiles: Vec<Tile> = coming.resident.iter().copied().collect();
         self.renderer.tiles().retain(&tiles);
+        if now.playing {
+            self.learn_lead(now, coming.tick);
+        }
         let before = self.shown.as_ref().map(|shown| shown.tick);
         let late = now.playing && coming.missing().next().is_some();
         let left_out = match before {
@@ -296,6 +306,17 @@ impl Stage {
         self.jumped = false;
         self.count(figures);
         Ok(())
+    }
+
+    /// Begins frames earlier when they come after their time, and later again when they do not.
+    fn learn_lead(&mut self, now: &Now, tick: u64) {
+        let [begin, end] = [tick, tick + 1].map(|tick| self.timeline.time_of(tick).0);
+        let late = now.media.0 - end;
+        self.lead = if late > 0.0 {
+            (self.lead + 0.5 * (now.media.0 - begin)).min(MOST_LEAD_S)
+        } else {
+            self.lead * 0.95
+        };
     }
 
     /// Counts what is on screen.
@@ -326,7 +347,7 @@ impl Stage {
         }
         // A frame under way is shown, however late, before another is begun.
         let fits = |coming: &Staged| match now.playing {
-            true => coming.tick <= target + 1,
+            true => coming.tick <= target + 1 || self.lead > 0.0,
             false => coming.tick == target,
         };
         if !self.coming.as_ref().is_some_and(fits) {
@@ -343,7 +364,8 @@ impl Stage {
         }
         let shown = self.shown_tick().filter(|_| !self.jumped);
         let after = |tick: Option<u64>| tick.map_or(0, |tick| tick + 1);
-        due.max(after(shown)).max(after(self.damaged))
+        let ahead = self.timeline.tick_at(Seconds(now.media.0 + self.lead));
+        due.max(ahead).max(after(shown)).max(after(self.damaged))
     }
 
     fn staged(&self, tick: u64, now: &Now) -> Staged {

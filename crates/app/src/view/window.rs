@@ -37,6 +37,8 @@ const TRY_EVERY: Duration = Duration::from_millis(250);
 const WHEEL_PIXELS: f64 = 60.0;
 /// How long a window may take to become as large as it was told, in seconds.
 const RESIZE_S: f64 = 1.0;
+/// How long a surface that gave nothing is left alone, in seconds.
+const AGAIN_S: f64 = 0.02;
 /// Pixels of a screen whose size nobody tells.
 const USUAL_SCREEN: [u32; 2] = [1920, 1080];
 
@@ -97,6 +99,8 @@ struct Open {
     resizing: Option<f64>,
     /// The picture is not what it should be.
     stale: bool,
+    /// When to try again to show it.
+    again: Option<f64>,
 }
 
 impl ApplicationHandler<Wake> for App {
@@ -215,6 +219,7 @@ impl Open {
             pointer: [0.0; 2],
             resizing: None,
             stale: true,
+            again: None,
             window,
         })
     }
@@ -341,6 +346,7 @@ impl Open {
         instance: &wgpu::Instance,
         proxy: &EventLoopProxy<Wake>,
     ) -> anyhow::Result<Wish> {
+        self.screen.listen();
         if self.screen.is_lost() {
             self.recover(instance, proxy)?;
         }
@@ -358,7 +364,8 @@ impl Open {
                 return Ok(Wish::Quit);
             }
         }
-        if self.stale && self.pane().is_some() && !self.hidden {
+        let waits = self.again.is_some_and(|again| now.0 < again);
+        if self.stale && !waits && self.pane().is_some() && !self.hidden {
             self.window.request_redraw();
         }
         Ok(Wish::Nothing)
@@ -457,6 +464,7 @@ impl Open {
             overlay::paint(painter, lines.as_deref(), message.as_deref());
         })?;
         self.stale = showing == Showing::Again;
+        self.again = self.stale.then_some(now.0 + AGAIN_S);
         Ok(())
     }
 
@@ -471,7 +479,8 @@ impl Open {
                 .next_step(&self.stage, Seconds(now))
                 .map(|next| next.0)
         };
-        let times = [script, resizing, viewer];
+        let again = self.again.filter(|_| self.stale);
+        let times = [script, resizing, viewer, again];
         times.into_iter().flatten().reduce(f64::min)
     }
 }
