@@ -16,7 +16,7 @@ use foveal_core::view::axes::angle_between;
 use foveal_core::view::eye_view::EyeView;
 use foveal_media::pack_file::PackFile;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -50,10 +50,11 @@ pub(crate) struct Choice {
 
 struct Log {
     path: PathBuf,
-    out: BufWriter<File>,
+    out: File,
 }
 
 impl Log {
+    /// Writes whole lines at once: what was written when the program is killed can be replayed.
     fn write(&mut self, text: &str) -> anyhow::Result<()> {
         let written = self.out.write_all(text.as_bytes());
         written.with_context(|| format!("--log {}: cannot be written", self.path.display()))
@@ -74,7 +75,7 @@ impl Choice {
                 .with_context(|| format!("--log {}: cannot be written", path.display()))?;
             anyhow::Ok(Log {
                 path: path.to_owned(),
-                out: BufWriter::new(out),
+                out,
             })
         });
         let choice = Self {
@@ -193,14 +194,5 @@ impl Choice {
             ..self.config.clone()
         };
         SessionHead::new(&name.to_string_lossy(), &self.grid, config, &aim.view)
-    }
-
-    /// Writes down what is still on its way to the log.
-    pub(crate) fn finish(&mut self) -> anyhow::Result<()> {
-        let Some(log) = &mut self.log else {
-            return Ok(());
-        };
-        let written = log.out.flush();
-        written.with_context(|| format!("--log {}: cannot be written", log.path.display()))
     }
 }

@@ -464,11 +464,6 @@ impl Viewer {
     pub(crate) fn worst_sound(&self) -> Option<Seconds> {
         self.sound.as_ref().map(|_| Seconds(self.worst_sound))
     }
-
-    /// Ends the session and its log.
-    pub(crate) fn finish(&mut self) -> anyhow::Result<()> {
-        self.choice.finish()
-    }
 }
 
 /// A policy as it is called on the command line.

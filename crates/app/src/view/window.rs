@@ -153,10 +153,8 @@ impl App {
     }
 
     fn finish(&mut self, event_loop: &ActiveEventLoop) {
-        let result = self.open.as_mut().map(|open| {
-            open.viewer.finish()?;
-            Ok(Summary::new(&open.viewer))
-        });
+        let result = self.open.as_ref();
+        let result = result.map(|open| Ok(Summary::new(&open.viewer)));
         let missing = || Err(anyhow!("there is no window"));
         self.end(event_loop, result.unwrap_or_else(missing));
     }

@@ -22,3 +22,4 @@ mod scenes;
 mod selection;
 mod support;
 mod unwritable;
+mod view;
