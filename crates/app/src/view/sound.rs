@@ -7,7 +7,7 @@
 use super::samples::Samples;
 use anyhow::{Context, anyhow};
 use cpal::traits::{DeviceTrait, HostTrait, StreamTrait};
-use cpal::{OutputCallbackInfo, SampleFormat, StreamConfig};
+use cpal::{BufferSize, ErrorKind, OutputCallbackInfo, SampleFormat, StreamConfig};
 use foveal_core::units::Seconds;
 use std::collections::VecDeque;
 use std::sync::mpsc::{Sender, channel};
@@ -19,6 +19,10 @@ use std::time::{Duration, Instant};
 const AHEAD_S: f64 = 0.25;
 /// Sound that is read at once.
 const CHUNK_S: f64 = 0.02;
+/// What a device takes at once: enough for a busy machine, little beside what it plays late.
+const BUFFER_S: f64 = 0.04;
+/// Time until a broken device is tried again.
+const RETRY: Duration = Duration::from_secs(1);
 /// What was heard longer ago than this says nothing of now.
 const STALE: Duration = Duration::from_millis(500);
 
@@ -45,8 +49,12 @@ struct State {
     front: f64,
     /// When which time of the content was heard.
     heard: Option<(Instant, f64)>,
-    /// Callbacks that found too little.
+    /// Callbacks that found too little, and what the device missed by itself.
     gaps: u64,
+    /// The device is gone.
+    broken: bool,
+    /// A device is there that was not told where to begin.
+    waits: bool,
 }
 
 /// What a device takes.
@@ -68,6 +76,8 @@ impl Sound {
                 front: 0.0,
                 heard: None,
                 gaps: 0,
+                broken: false,
+                waits: false,
             }),
             wake: Condvar::new(),
         });
@@ -93,8 +103,14 @@ impl Sound {
         state.ahead.clear();
         state.front = at.0;
         state.heard = None;
+        state.waits = false;
         drop(state);
         self.shared.wake.notify_one();
+    }
+
+    /// Whether a device came back and must be [`Self::set`].
+    pub(crate) fn waits(&self) -> bool {
+        self.shared.lock().waits
     }
 
     /// The time of the content that is heard now; `None` while nothing is.
@@ -154,14 +170,40 @@ impl Shared {
         self.wake.notify_one();
     }
 
+    /// The device tells of a fault: what it missed is counted, what ends it ends the stream.
+    fn fault(&self, error: &cpal::Error) {
+        let mut state = self.lock();
+        match error.kind() {
+            ErrorKind::Xrun => state.gaps += 1,
+            ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
+            _ if !state.broken => {
+                state.broken = true;
+                state.heard = None;
+                crate::output::say(&format!("foveal: sound: {error}; trying again"));
+            }
+            _ => {}
+        }
+        drop(state);
+        self.wake.notify_one();
+    }
+
+    /// Waits before a device is tried again; `false` to stop.
+    fn pause_before_retry(&self) -> bool {
+        let state = self.lock();
+        let waited = self
+            .wake
+            .wait_timeout_while(state, RETRY, |state| !state.stop);
+        !waited.unwrap_or_else(PoisonError::into_inner).0.stop
+    }
+
     /// Reads ahead until told to stop.
-    fn read_ahead(&self, mut samples: Samples, round: Seconds, taken: Taken) {
+    fn read_ahead(&self, samples: &mut Samples, round: Seconds, taken: Taken) {
         let channels = usize::from(taken.channels);
         let frames = (f64::from(taken.rate) * CHUNK_S) as usize;
         let most = (f64::from(taken.rate) * AHEAD_S) as usize * channels;
         let mut chunk = vec![0.0; frames * channels];
         let mut state = self.lock();
-        while !state.stop {
+        while !state.stop && !state.broken {
             if !state.playing || state.ahead.len() >= most {
                 state = self
                     .wake
@@ -182,24 +224,39 @@ impl Shared {
     }
 }
 
-/// Opens a device, says how that went, and plays.
+/// Opens a device, says how that went, and plays; opens it again when it breaks.
 fn play(
     shared: &Arc<Shared>,
     mut samples: Samples,
     round: Seconds,
     opened: &Sender<anyhow::Result<()>>,
 ) {
-    match open_device(shared, &samples) {
-        Ok((stream, taken)) => {
-            // Whoever asked may be gone; the shared state tells.
-            let _ = opened.send(Ok(()));
-            samples.mix_to(taken.channels);
-            shared.read_ahead(samples, round, taken);
-            drop(stream);
+    let mut first = true;
+    loop {
+        match open_device(shared, &samples) {
+            Ok((stream, taken)) => {
+                if std::mem::take(&mut first) {
+                    // Whoever asked may be gone; the shared state tells.
+                    let _ = opened.send(Ok(()));
+                }
+                samples.mix_to(taken.channels);
+                shared.read_ahead(&mut samples, round, taken);
+                drop(stream);
+            }
+            Err(error) if first => {
+                let _ = opened.send(Err(error));
+                return;
+            }
+            Err(_) => {}
         }
-        Err(error) => {
-            let _ = opened.send(Err(error));
+        if !shared.pause_before_retry() {
+            return;
         }
+        let mut state = shared.lock();
+        state.broken = false;
+        state.ahead.clear();
+        state.playing = false;
+        state.waits = true;
     }
 }
 
@@ -223,6 +280,7 @@ fn open_device(shared: &Arc<Shared>, samples: &Samples) -> anyhow::Result<(cpal:
     if takes_rate {
         config.sample_rate = samples.rate();
     }
+    config.buffer_size = BufferSize::Fixed((f64::from(config.sample_rate) * BUFFER_S) as u32);
     let taken = Taken {
         rate: config.sample_rate,
         channels: config.channels,
@@ -230,15 +288,11 @@ fn open_device(shared: &Arc<Shared>, samples: &Samples) -> anyhow::Result<(cpal:
     let theirs = Arc::clone(shared);
     let fill = move |out: &mut [f32], about: &OutputCallbackInfo| {
         let stamp = about.timestamp();
-        let latency = stamp.playback.duration_since(stamp.callback);
+        let latency = stamp.playback.duration_since(stamp.callback).min(STALE);
         theirs.fill(out, taken, latency);
     };
-    let lost = Arc::clone(shared);
-    let failed = move |error: cpal::Error| {
-        // The picture goes on by its own clock.
-        lost.lock().heard = None;
-        crate::output::say(&format!("foveal: sound: {error}"));
-    };
+    let theirs = Arc::clone(shared);
+    let failed = move |error: cpal::Error| theirs.fault(&error);
     let stream = device
         .build_output_stream(config, fill, failed, None)
         .map_err(|error| refused("gives no stream", error))?;

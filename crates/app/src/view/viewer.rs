@@ -31,6 +31,8 @@ const POLICIES: [Policy; 8] = [
 const FOVEA_DEG: f64 = 2.5;
 /// How long a message stays, in seconds.
 const MESSAGE_S: f64 = 3.0;
+/// How long sound and picture may take to come together after a beginning or a jump, in seconds.
+const SOUND_BEGINS_S: f64 = 2.0;
 /// How often figures are painted anew, in seconds.
 const FIGURES_S: f64 = 0.25;
 /// How often a gaze that moves by itself is looked at while nothing plays, in seconds.
@@ -66,8 +68,10 @@ pub(crate) struct Viewer {
     /// What the last step was made for.
     last: Option<(Aim, Shown)>,
     painted: f64,
-    /// Greatest distance of picture and sound so far.
+    /// Greatest distance of picture and sound so far, once both had begun.
     worst_sound: f64,
+    /// When the sound was last told where to begin.
+    sound_set: f64,
 }
 
 /// What only a window can do.
@@ -99,6 +103,7 @@ impl Viewer {
             last: None,
             painted: 0.0,
             worst_sound: 0.0,
+            sound_set: 0.0,
         };
         if !begin.paused {
             viewer.play(now);
@@ -111,7 +116,8 @@ impl Viewer {
         self.set_sound(now);
     }
 
-    fn set_sound(&self, now: Seconds) {
+    fn set_sound(&mut self, now: Seconds) {
+        self.sound_set = now.0;
         if let Some(sound) = &self.sound {
             sound.set(self.clock.is_playing(), self.clock.time(now));
         }
@@ -261,6 +267,9 @@ impl Viewer {
     }
 
     fn follow_sound(&mut self, stage: &Stage, now: Seconds) {
+        if self.sound.as_ref().is_some_and(Sound::waits) {
+            self.set_sound(now);
+        }
         let heard = self.sound.as_ref().and_then(Sound::heard);
         if let Some(heard) = heard.filter(|_| self.is_moving(stage)) {
             self.clock.follow(heard, now);
@@ -279,7 +288,7 @@ impl Viewer {
 
     /// What selection is given, with the head turned to where it points.
     fn aim(&mut self, stage: &Stage, pane: &Pane, now: Seconds) -> Aim {
-        let behind_sound = self.behind_sound(stage);
+        let behind_sound = self.behind_sound(stage, now);
         let watched = Watched {
             now,
             pointer: &self.pointer,
@@ -300,12 +309,12 @@ impl Viewer {
     }
 
     /// How far the frame on screen is from what is heard; 0 while that frame lasts.
-    fn behind_sound(&mut self, stage: &Stage) -> Option<Seconds> {
+    fn behind_sound(&mut self, stage: &Stage, now: Seconds) -> Option<Seconds> {
         let heard = self.sound.as_ref()?.heard()?;
         let tick = stage.shown_tick()?;
         let [begin, end] = [tick, tick + 1].map(|tick| stage.timeline().time_of(tick).0);
         let behind = (heard.0 - end).max(0.0) + (heard.0 - begin).min(0.0);
-        if self.figures.frames > 1 {
+        if now.0 - self.sound_set > SOUND_BEGINS_S {
             self.worst_sound = self.worst_sound.max(behind.abs());
         }
         Some(Seconds(behind))
