@@ -27,6 +27,9 @@ has_library:libavutil     libavutil-dev       ffmpeg-free-devel     ffmpeg      
 has_library:libswscale    libswscale-dev      ffmpeg-free-devel     ffmpeg             ffmpeg
 has_library:libswresample libswresample-dev   ffmpeg-free-devel     ffmpeg             ffmpeg
 has_vulkan_loader         libvulkan1          vulkan-loader         vulkan-icd-loader  -
+has_library:alsa          libasound2-dev      alsa-lib-devel        alsa-lib           -
+has_keyboard_library      libxkbcommon-x11-0  libxkbcommon-x11      libxkbcommon-x11   -
+has_xvfb                  xvfb                xorg-x11-server-Xvfb  xorg-server-xvfb   -
 has_vulkan_driver         mesa-vulkan-drivers mesa-vulkan-drivers   vulkan-swrast      -
 has_command:node          nodejs              nodejs                nodejs             node
 has_command:python3       python3             python3               python             python
@@ -36,7 +39,9 @@ TABLE
 
 has_command() { command -v "$1" >/dev/null 2>&1; }
 has_compiler() { has_command cc && has_command c++ && has_command make; }
-has_library() { pkg-config --exists "$1" 2>/dev/null; }
+has_library() {
+  { [ "$1" = alsa ] && [ "$(uname)" = Darwin ]; } || pkg-config --exists "$1" 2>/dev/null
+}
 has_pip() {
   python3 -c 'import importlib.util as u; assert u.find_spec("pip")' </dev/null 2>/dev/null
 }
@@ -54,6 +59,15 @@ has_libclang() {
     /Library/Developer/CommandLineTools/usr/lib/libclang.dylib \
     /opt/homebrew/opt/llvm/lib/libclang.dylib /usr/local/opt/llvm/lib/libclang.dylib
 }
+
+# macOS plays sound and opens windows through what it brings itself.
+has_keyboard_library() {
+  [ "$(uname)" = Darwin ] || has_file /usr/lib/*-linux-gnu*/libxkbcommon-x11.so.0 \
+    /usr/lib/libxkbcommon-x11.so.0 /usr/lib64/libxkbcommon-x11.so.0
+}
+
+# The tests open windows on a display without a screen.
+has_xvfb() { [ "$(uname)" = Darwin ] || has_command Xvfb; }
 
 # macOS draws through Metal, which it brings itself.
 has_vulkan_loader() {

@@ -25,6 +25,7 @@ mod select;
 mod simulate;
 mod timed_run;
 mod verify;
+mod view;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -50,6 +51,13 @@ enum Command {
     Select(select::SelectArgs),
     /// Play a pack headless: pictures of what the eye gets, figures, and a log.
     Simulate(simulate::SimulateArgs),
+    /// Watch a pack in a window.
+    #[command(mut_arg("policy", |policy| {
+        policy
+            .default_value("viewport")
+            .default_value_if("demo", "true", "acuity")
+    }))]
+    View(view::ViewArgs),
     /// Prepare and play clips under several policies, and show in a page what was saved.
     Demo(demo::DemoArgs),
     /// What the eye sees, and what a finer picture is worth to it.
@@ -82,6 +90,7 @@ fn main() -> ExitCode {
         Command::Verify(args) => verify::run(&args),
         Command::Select(args) => select::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::View(args) => view::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Perception(command) => perception_command::run(&command),
         Command::Bench(command) => bench::run(&command),

@@ -297,7 +297,8 @@ impl ViewOptions {
         })
     }
 
-    fn fov(&self) -> anyhow::Result<Radians> {
+    /// Horizontal field of view of 360° content.
+    pub(crate) fn fov(&self) -> anyhow::Result<Radians> {
         if (1.0..=170.0).contains(&self.fov) {
             Ok(Radians::from_degrees(self.fov))
         } else {

@@ -4,14 +4,15 @@ use crate::output::{self, WrongUsage};
 use anyhow::{Context, bail};
 use clap::Args;
 use foveal_core::selection::content::PackContent;
-use foveal_core::selection::session::{Session, sha256_hex};
+use foveal_core::selection::session::{Session, SessionFrame, sha256_hex};
+use foveal_core::selection::session_log::SessionLog;
 use foveal_media::pack_file::PackFile;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ReplayArgs {
-    /// The session.jsonl that simulate wrote.
+    /// The session.jsonl that simulate wrote, or what view --log did.
     log: PathBuf,
     /// The pack that was played; needed where the policy weighed its units.
     #[arg(long, value_name = "PACK")]
@@ -32,14 +33,14 @@ struct Replayed {
 }
 
 /// The run selected again, on its pack where that is needed.
-fn replay(session: &Session, pack: Option<&Path>) -> anyhow::Result<Session> {
-    if !session.needs_content() {
-        return Ok(session.replay(None));
-    }
+fn replay(log: &SessionLog, pack: Option<&Path>) -> anyhow::Result<SessionLog> {
+    let Some(weighed) = log.parts.iter().find(|part| part.needs_content()) else {
+        return Ok(log.replay(None));
+    };
     let Some(pack) = pack else {
         bail!(WrongUsage(format!(
             "--pack is needed: {:?} weighed the units of {}",
-            session.head.policy.policy, session.head.pack
+            weighed.head.policy.policy, weighed.head.pack
         )));
     };
     let file = PackFile::open(pack)?;
@@ -48,7 +49,8 @@ fn replay(session: &Session, pack: Option<&Path>) -> anyhow::Result<Session> {
     let signatures = file
         .signatures()?
         .with_context(|| format!("{name}: has no signatures; prepare it again"))?;
-    if session.head.policy.needs_cues() && cues.is_none() {
+    let needs_cues = |part: &Session| part.head.policy.needs_cues();
+    if log.parts.iter().any(needs_cues) && cues.is_none() {
         bail!("{name}: has no cues, by which the log chose; prepare it again");
     }
     let content = PackContent {
@@ -56,6 +58,15 @@ fn replay(session: &Session, pack: Option<&Path>) -> anyhow::Result<Session> {
         signatures: &signatures,
         cues: cues.as_ref(),
     };
+    log.parts
+        .iter()
+        .try_for_each(|part| check_belongs(part, &file))?;
+    Ok(log.replay(Some(&content)))
+}
+
+/// Refuses a session of another pack.
+fn check_belongs(session: &Session, file: &PackFile) -> anyhow::Result<()> {
+    let name = file.path().display();
     let about = file.pack().description();
     let mut grid = *file.pack().grid();
     // Flat content may have filled another screen.
@@ -66,34 +77,31 @@ fn replay(session: &Session, pack: Option<&Path>) -> anyhow::Result<Session> {
             session.head.pack
         );
     }
-    if let Some(frame) = session
-        .frames
-        .iter()
-        .find(|frame| frame.frame >= about.frames)
-    {
+    let beyond = |frame: &&SessionFrame| frame.frame >= about.frames;
+    if let Some(frame) = session.frames.iter().find(beyond) {
         bail!(
             "{name}: has {} frames, the log asks for frame {}",
             about.frames,
             frame.frame
         );
     }
-    Ok(session.replay(Some(&content)))
+    Ok(())
 }
 
 pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     let name = args.log.display();
     let text = output::read_text(&args.log, "the session.jsonl of a simulate")?;
-    let session = Session::parse(&text).with_context(|| name.to_string())?;
-    let again = replay(&session, args.pack.as_deref())?;
-    let mut differing = session
-        .frames
-        .iter()
-        .zip(&again.frames)
-        .filter(|(a, b)| a != b)
-        .peekable();
+    let log = SessionLog::parse(&text).with_context(|| name.to_string())?;
+    let again = replay(&log, args.pack.as_deref())?;
+    let frames = |log: &SessionLog| -> Vec<SessionFrame> {
+        let frames = log.parts.iter().flat_map(|part| &part.frames);
+        frames.cloned().collect()
+    };
+    let (before, after) = (frames(&log), frames(&again));
+    let mut differing = before.iter().zip(&after).filter(|(a, b)| a != b).peekable();
     let first_difference = differing.peek().map(|(frame, _)| frame.frame);
     let replayed = Replayed {
-        frames: session.frames.len(),
+        frames: before.len(),
         differing_frames: differing.count(),
         first_difference,
         log_sha256: sha256_hex(text.as_bytes()),

@@ -57,7 +57,7 @@ pub(crate) fn parse_gaze(text: &str) -> anyhow::Result<GazeChoice> {
         _ => match text {
             "center" | "centre" => GazeChoice::At([0.0, 0.0]),
             "scan" => GazeChoice::Scan,
-            "mouse" => bail!("the mouse needs a window, and this command has none; give {FORMS}"),
+            "mouse" => bail!("the mouse needs a window, as `foveal view` has; give {FORMS}"),
             _ => GazeChoice::At(direction(text)?),
         },
     })

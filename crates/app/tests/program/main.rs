@@ -25,3 +25,4 @@ mod scenes;
 mod selection;
 mod support;
 mod unwritable;
+mod view;

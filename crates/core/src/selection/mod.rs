@@ -9,6 +9,7 @@ pub mod level_map;
 pub mod policy;
 pub mod refine;
 pub mod session;
+pub mod session_log;
 pub mod worth;
 
 mod need;

@@ -6,6 +6,7 @@
 use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::units::{Ppd, Radians};
 use crate::view::axes::angle_between;
+use crate::view::eye_view::EyeView;
 use glam::DVec3;
 
 /// Places a cell is probed at on each axis, borders included: corners alone are too few where a
@@ -69,6 +70,24 @@ impl CellBounds {
 /// The places at which a cell is probed, borders included.
 pub(super) fn probes(grid: &TileGrid, cell: Tile) -> impl Iterator<Item = Probe> + '_ {
     (0..PROBES * PROBES).map(move |k| probe(grid, cell, [k % PROBES, k / PROBES]))
+}
+
+/// Places that a view looks at or would if it were half as large again, each with its cell.
+pub(super) fn probes_under(grid: &TileGrid, view: &EyeView) -> impl Iterator<Item = (Tile, Probe)> {
+    (0..PROBES * PROBES).filter_map(move |k| {
+        let across = |step: u32| f64::from(step) / f64::from(PROBES - 1) * 1.5 - 0.25;
+        let step = [k % PROBES, k / PROBES];
+        let direction = view
+            .ray([0, 1].map(|k| across(step[k]) * f64::from(view.size[k])))
+            .normalize();
+        let (face, place) = grid.surface.locate(direction)?;
+        let side = grid.surface.size.map(f64::from);
+        if (0..2).any(|k| !(0.0..side[k]).contains(&place[k])) {
+            return None;
+        }
+        let ppd = grid.surface.ppd(place);
+        Some((grid.cell_at(face, place), Probe { direction, ppd }))
+    })
 }
 
 fn probe(grid: &TileGrid, cell: Tile, step: [u32; 2]) -> Probe {

@@ -4,7 +4,7 @@ use super::content::Content;
 use super::distance::{acuity_thresholds, angle_to_cell, distance_levels};
 use super::greedy::Misfit;
 use super::level_map::LevelMap;
-use super::need::{CellBounds, Probe, level_of_footprint, probes};
+use super::need::{CellBounds, Probe, level_of_footprint, probes, probes_under};
 use super::neighbours::neighbours;
 use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::gaze::sample::GazeSample;
@@ -180,6 +180,34 @@ pub struct Moment {
     pub state: EyeState,
 }
 
+impl Moment {
+    /// Angle at the eye between the gaze and a direction in the content's space; half a turn for
+    /// what a picture that fills other angles at the eye does not show.
+    #[must_use]
+    pub fn eccentricity(&self, direction: DVec3) -> Radians {
+        let seen = self.seen([self.gaze.gaze_in_content, direction]);
+        seen.map_or(Radians(core::f64::consts::PI), |[gaze, direction]| {
+            angle_between(gaze, direction)
+        })
+    }
+
+    /// Directions as they appear to the eye; `None` where one of them is not shown.
+    fn seen<const N: usize>(&self, directions: [DVec3; N]) -> Option<[DVec3; N]> {
+        let Some(view) = &self.view else {
+            return Some(directions);
+        };
+        let seen = directions.map(|direction| view.seen_direction(direction));
+        seen.iter()
+            .all(Option::is_some)
+            .then(|| seen.map(Option::unwrap_or_default))
+    }
+
+    /// Whether the picture fills other angles at the eye than the content does around it.
+    fn is_magnified(&self) -> bool {
+        self.view.is_some_and(|view| view.field.at_eye.is_some())
+    }
+}
+
 /// What was chosen for one frame: the same for both eyes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selection {
@@ -271,17 +299,33 @@ impl Selector {
             "the viewport policy chooses by what is in view"
         );
         let margin = self.config.margin;
-        LevelMap::from_cells(&self.grid, |cell| {
+        let shown = |view: &EyeView, probe: &Probe| {
+            level_of_footprint(&self.grid, display_footprint(view, probe))
+        };
+        let mut levels = LevelMap::from_cells(&self.grid, |cell| {
             let Some(view) = view else {
                 return self.grid.coarsest();
             };
             let seen =
                 probes(&self.grid, cell).filter(|probe| in_view(view, probe.direction, margin));
-            let level = seen
-                .map(|probe| level_of_footprint(&self.grid, display_footprint(view, &probe)))
-                .min();
+            let level = seen.map(|probe| shown(view, &probe)).min();
             level.unwrap_or(self.grid.coarsest())
-        })
+        });
+        if let Some(view) = view {
+            self.refine_under(view, &mut levels, |probe| shown(view, probe));
+        }
+        levels
+    }
+
+    /// Refines the cells that a window looks at, which may show less than the space between two
+    /// probes of a cell.
+    fn refine_under(&self, view: &EyeView, levels: &mut LevelMap, level_at: impl Fn(&Probe) -> u8) {
+        if view.field.at_eye.is_none() {
+            return;
+        }
+        for (cell, probe) in probes_under(&self.grid, view) {
+            levels.refine(&self.grid, cell, level_at(&probe));
+        }
     }
 
     /// An acuity matrix by neighbourhood (Kastner 2016, framework 2, section 4.2).
@@ -345,15 +389,22 @@ impl Selector {
 
     fn acuity(&self, moment: &Moment) -> LevelMap {
         let mut cells = self.cells.iter();
-        LevelMap::from_cells(&self.grid, |_| {
+        let mut levels = LevelMap::from_cells(&self.grid, |_| {
             cells
                 .next()
                 .map_or(0, |bounds| self.acuity_level(bounds, moment))
-        })
+        });
+        if let Some(view) = &moment.view {
+            self.refine_under(view, &mut levels, |probe| self.allowed_level(moment, probe));
+        }
+        levels
     }
 
     fn acuity_level(&self, bounds: &CellBounds, moment: &Moment) -> u8 {
         let gaze = &moment.gaze;
+        if moment.is_magnified() {
+            return self.magnified_level(bounds, moment);
+        }
         let nearest = bounds.least_eccentricity(gaze.gaze_in_content);
         let coarsest = self.grid.coarsest();
         let beyond = self.beyond_disc(nearest, gaze);
@@ -363,17 +414,28 @@ impl Selector {
         if level_of_footprint(&self.grid, least) == coarsest {
             return coarsest;
         }
-        let allowed = |probe: Probe| {
-            let footprint = self.acuity_footprint(gaze, &probe);
-            level_of_footprint(
-                &self.grid,
-                footprint.max(self.display_limit(moment, &probe)),
-            )
-        };
         probes(&self.grid, bounds.cell)
-            .map(allowed)
+            .map(|probe| self.allowed_level(moment, &probe))
             .min()
             .unwrap_or(0)
+    }
+
+    /// The level of a cell in a window: bounds on the sphere say nothing of angles at the eye, but
+    /// what is not in view, or nearly, is not seen at all.
+    fn magnified_level(&self, bounds: &CellBounds, moment: &Moment) -> u8 {
+        let Some(view) = &moment.view else {
+            return self.grid.coarsest();
+        };
+        probes(&self.grid, bounds.cell)
+            .filter(|probe| in_view(view, probe.direction, self.config.margin))
+            .map(|probe| self.allowed_level(moment, &probe))
+            .min()
+            .unwrap_or(self.grid.coarsest())
+    }
+
+    fn allowed_level(&self, moment: &Moment, probe: &Probe) -> u8 {
+        let footprint = self.acuity_footprint(moment, probe);
+        level_of_footprint(&self.grid, footprint.max(self.display_limit(moment, probe)))
     }
 
     /// Level-0 pixels that a texel may span at a place before this eye could tell: the density of
@@ -381,14 +443,19 @@ impl Selector {
     ///
     /// Eccentricity counts from the edge of the safety disc and the gaze's spread: whoever is off
     /// by that much still sees no coarser texel than the model allows.
-    fn acuity_footprint(&self, gaze: &GazeSample, probe: &Probe) -> f64 {
-        let eccentricity = angle_between(gaze.gaze_in_content, probe.direction);
-        let beyond = self.beyond_disc(eccentricity, gaze);
-        let disc = self.disc_footprint(eccentricity, probe.ppd);
+    fn acuity_footprint(&self, moment: &Moment, probe: &Probe) -> f64 {
+        let Some([gaze, direction]) = moment.seen([moment.gaze.gaze_in_content, probe.direction])
+        else {
+            return f64::MAX;
+        };
+        let ppd = seen_ppd(moment, probe);
+        let eccentricity = angle_between(gaze, direction);
+        let beyond = self.beyond_disc(eccentricity, &moment.gaze);
+        let disc = self.disc_footprint(eccentricity, ppd);
         // The nearest direction to the gaze that an eye off by the disc's radius could look along.
-        let toward = toward(gaze.gaze_in_content, probe.direction, eccentricity, beyond);
-        let acuity = self.config.acuity.acuity(toward, probe.direction);
-        (probe.ppd.0 / (2.0 * acuity.0)).min(disc)
+        let toward = toward(gaze, direction, eccentricity, beyond);
+        let acuity = self.config.acuity.acuity(toward, direction);
+        (ppd.0 / (2.0 * acuity.0)).min(disc)
     }
 
     fn beyond_disc(&self, eccentricity: Radians, gaze: &GazeSample) -> Radians {
@@ -408,11 +475,11 @@ impl Selector {
 
     /// The footprint under which the display shows no difference; the safety disc is exempt.
     fn display_limit(&self, moment: &Moment, probe: &Probe) -> f64 {
-        let eccentricity = angle_between(moment.gaze.gaze_in_content, probe.direction);
+        let eccentricity = moment.eccentricity(probe.direction);
         let limit = moment
             .view
             .map_or(0.0, |view| display_footprint(&view, probe));
-        limit.min(self.disc_footprint(eccentricity, probe.ppd))
+        limit.min(self.disc_footprint(eccentricity, seen_ppd(moment, probe)))
     }
 }
 
@@ -433,6 +500,12 @@ fn toward(gaze: DVec3, direction: DVec3, eccentricity: Radians, left: Radians) -
         return direction;
     }
     direction_between(gaze, direction, 1.0 - left.0 / eccentricity.0)
+}
+
+/// Density of the content at the eye, in the direction of a probe.
+fn seen_ppd(moment: &Moment, probe: &Probe) -> Ppd {
+    let view = moment.view.as_ref();
+    view.map_or(probe.ppd, |view| view.seen_ppd(probe.ppd, probe.direction))
 }
 
 /// Level-0 pixels under one pixel of the display at the place of a probe.

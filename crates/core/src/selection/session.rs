@@ -7,6 +7,7 @@ use super::chooser::Chooser;
 use super::content::Content;
 use super::level_map::{histogram, pixels};
 use super::policy::{Moment, Policy, PolicyConfig, Selection};
+use super::session_log::SessionLog;
 use crate::asset::cues::Cues;
 use crate::asset::signature::Signature;
 use crate::asset::tile_grid::{Cut, Tile, TileGrid};
@@ -71,6 +72,9 @@ pub struct SessionFrame {
     pub pixels: u64,
     /// SHA-256 of the tiles.
     pub sha256: String,
+    /// How far the picture was behind the sound when this was chosen, where there was sound.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub behind_sound_s: Option<Seconds>,
 }
 
 /// What selection is given at one frame, as far as it is logged.
@@ -142,14 +146,8 @@ impl SessionHead {
                 "grid: {cells} cells, at most {MAX_REPLAYED_CELLS} are replayed"
             ));
         }
-        let field = self.field;
-        let tangents = [field.left, field.right, field.up, field.down];
         let surface = self.grid.surface.tangents;
-        if tangents
-            .iter()
-            .chain(&surface)
-            .any(|t| !(1e-6..=1e6).contains(t))
-        {
+        if !self.field.is_open() || surface.iter().any(|t| !(1e-6..=1e6).contains(t)) {
             return wrong("field, tangents: expected tangents between 1e-6 and 1e6".to_owned());
         }
         if self.size.contains(&0) {
@@ -215,7 +213,14 @@ impl SessionFrame {
             tiles: histogram(grid, &selection.tiles),
             pixels: pixels(grid, &selection.tiles),
             sha256: hex(&hash.finalize()),
+            behind_sound_s: None,
         }
+    }
+
+    /// The line of the log.
+    #[must_use]
+    pub fn write(&self) -> String {
+        line_of(self)
     }
 
     fn check(&self, line: usize) -> Result<(), SessionError> {
@@ -280,7 +285,10 @@ impl Session {
         let again = |frame: &SessionFrame| {
             let moment = frame.moment(&self.head);
             let selection = chooser.choose(content, frame.frame, &moment, frame.budget);
-            SessionFrame::new(frame.frame, &frame.given(), &self.head.grid, &selection)
+            SessionFrame {
+                behind_sound_s: frame.behind_sound_s,
+                ..SessionFrame::new(frame.frame, &frame.given(), &self.head.grid, &selection)
+            }
         };
         Self {
             head: self.head.clone(),
@@ -310,7 +318,7 @@ pub fn parse_anything(data: &[u8]) -> bool {
     let Ok(text) = core::str::from_utf8(data) else {
         return false;
     };
-    Session::parse(text).is_ok_and(|session| Session::parse(&session.write()).is_ok())
+    SessionLog::parse(text).is_ok_and(|log| SessionLog::parse(&log.write()).is_ok())
 }
 
 /// Content whose sizes and measures follow from the unit's number.

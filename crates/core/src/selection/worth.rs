@@ -18,6 +18,7 @@ use crate::perception::signature::band_steps;
 use crate::perception::spread::SpreadTable;
 use crate::units::{Cpd, Ppd, Radians};
 use crate::view::axes::angle_between;
+use crate::view::eye_view::EyeView;
 use std::sync::OnceLock;
 
 /// Gain of every step over every cell.
@@ -195,9 +196,13 @@ impl Worth {
         let visible =
             |place: &&Place| view.is_none_or(|view| in_view(view, place.direction, NO_MARGIN));
         let looked = |place: &Place| {
-            let apart = angle_between(moment.gaze.gaze_in_content, place.direction);
-            let display = view.map_or(f64::INFINITY, |view| view.ppd_towards(place.direction).0);
-            self.looked_at(place, spread.effective(apart), Cpd(display / 2.0))
+            let apart = moment.eccentricity(place.direction);
+            let display = view.map_or(f64::INFINITY, |view| {
+                let ppd = view.ppd_towards(place.direction);
+                view.seen_ppd(ppd, place.direction).0
+            });
+            let place = view.map_or(*place, |view| seen_place(view, place));
+            self.looked_at(&place, spread.effective(apart), Cpd(display / 2.0))
         };
         cell.places.iter().filter(visible).map(looked).collect()
     }
@@ -308,6 +313,17 @@ impl Worth {
         let all: f64 = drawn.iter().sum();
         let share = if all > 0.0 { WANDER / all } else { 0.0 };
         drawn.iter().map(|drawn| drawn * share).collect()
+    }
+}
+
+/// A place as it appears to the eye.
+fn seen_place(view: &EyeView, place: &Place) -> Place {
+    let ppd = view.seen_ppd(place.ppd, place.direction);
+    let closer = place.ppd.0 / ppd.0;
+    Place {
+        ppd,
+        area_deg2: place.area_deg2 * closer * closer,
+        ..*place
     }
 }
 

@@ -20,7 +20,8 @@ pub struct EyeView {
     pub eye: Eye,
 }
 
-/// Tangents of the four half angles of a field of view, each measured outwards from the axis.
+/// Tangents of the four half angles of a field of view, each measured outwards from the axis: a
+/// side beyond the axis is negative.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Field {
     /// To the left.
@@ -31,18 +32,42 @@ pub struct Field {
     pub up: f64,
     /// Down.
     pub down: f64,
+    /// The same four tangents of the angles that the picture fills at the viewer's eye; `None`
+    /// where those are the angles of the content. They differ in a window on a desk, which fills
+    /// the same part of the eye's field whatever it shows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_eye: Option<[f64; 4]>,
 }
 
 impl Field {
+    /// A field of tangents to the left, right, up and down, as the content fills it at the eye.
+    #[must_use]
+    pub fn of([left, right, up, down]: [f64; 4]) -> Self {
+        Self {
+            left,
+            right,
+            up,
+            down,
+            at_eye: None,
+        }
+    }
+
     /// A symmetric field with the given half tangents.
     #[must_use]
     pub fn symmetric([x, y]: [f64; 2]) -> Self {
-        Self {
-            left: x,
-            right: x,
-            up: y,
-            down: y,
-        }
+        Self::of([x, x, y, y])
+    }
+
+    /// Whether a picture can be seen through it: finite tangents, and a width and height of 1e-6 to
+    /// 2e6 at unit distance, of the content as at the eye.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        let own = [self.left, self.right, self.up, self.down];
+        let open = |[left, right, up, down]: [f64; 4]| {
+            [left, right, up, down].iter().all(|t| t.abs() <= 1e6)
+                && [left + right, up + down].iter().all(|side| *side >= 1e-6)
+        };
+        open(own) && self.at_eye.is_none_or(open)
     }
 
     /// A symmetric field `across` wide whose pixels are square in a picture of `size`.
@@ -116,6 +141,38 @@ impl EyeView {
         ])
     }
 
+    /// This view as it appears to the eye: the same pixels, in the angles that they fill there.
+    #[must_use]
+    pub fn as_seen(&self) -> Self {
+        Self {
+            field: self.field.at_eye.map_or(self.field, Field::of),
+            ..*self
+        }
+    }
+
+    /// The direction in which a world direction appears to the eye: itself, unless the picture
+    /// fills other angles there than those of the content. `None` behind such a picture.
+    #[must_use]
+    pub fn seen_direction(&self, direction: DVec3) -> Option<DVec3> {
+        if self.field.at_eye.is_none() {
+            return Some(direction);
+        }
+        let place = self.place(direction)?;
+        Some(self.as_seen().ray(place).normalize())
+    }
+
+    /// What content of `ppd` pixels per degree has at the eye, in a world direction.
+    #[must_use]
+    pub fn seen_ppd(&self, ppd: Ppd, direction: DVec3) -> Ppd {
+        if self.field.at_eye.is_none() {
+            return ppd;
+        }
+        let Some(seen) = self.seen_direction(direction) else {
+            return ppd;
+        };
+        Ppd(ppd.0 * self.as_seen().ppd_towards(seen).0 / self.ppd_towards(direction).0)
+    }
+
     /// Pixels per degree in a world direction, across the radius; outside the field that of its
     /// farthest corner.
     #[must_use]
@@ -162,6 +219,46 @@ mod tests {
             let view = EyeView::filling(&surface, size);
             assert_eq!(view.content_from_pixel(&surface), DMat3::IDENTITY);
         }
+    }
+
+    #[test]
+    fn what_fills_the_same_angle_at_the_eye_is_seen_alike_however_far_it_is_zoomed() {
+        let size = [1000, 500];
+        let at_eye = [0.4, 0.4, 0.2, 0.2];
+        for shown in [
+            [1.2, 1.2, 0.6, 0.6],
+            [0.05, 0.05, 0.025, 0.025],
+            [-0.3, 0.5, -0.1, 0.2],
+        ] {
+            let field = Field {
+                at_eye: Some(at_eye),
+                ..Field::of(shown)
+            };
+            assert!(field.is_open());
+            let view = EyeView {
+                axes: Axes::FRONT,
+                field,
+                size,
+                eye: Eye::Left,
+            };
+            let corner = view.ray([0.0, 0.0]).normalize();
+            let seen = view.seen_direction(corner).unwrap();
+            assert!((seen - Axes::FRONT.at([-0.4, -0.2]).normalize()).length() < 1e-12);
+            // A display pixel of the content is a display pixel at the eye.
+            let ppd = view.seen_ppd(view.ppd_towards(corner), corner);
+            assert!((ppd.0 / view.as_seen().ppd_towards(seen).0 - 1.0).abs() < 1e-12);
+            assert_eq!(view.seen_direction(DVec3::Z), None);
+        }
+        assert!(!Field::of([-0.5, 0.5, 0.1, 0.1]).is_open());
+    }
+
+    #[test]
+    fn without_another_angle_at_the_eye_nothing_is_changed() {
+        let surface = Surface::flat([640, 480], Screen::default());
+        let view = EyeView::filling(&surface, [640, 480]);
+        assert_eq!(view.seen_direction(DVec3::Z), Some(DVec3::Z));
+        assert_eq!(view.seen_ppd(Ppd(3.0), DVec3::X), Ppd(3.0));
+        assert_eq!(view.as_seen(), view);
     }
 
     #[test]

@@ -251,6 +251,7 @@ pub fn window(surface: &Surface, from: [f64; 2], size: [u32; 2], zoom: f64) -> E
             right: tangent(0, to[0]),
             up: -tangent(1, from[1]),
             down: tangent(1, to[1]),
+            at_eye: None,
         },
         size,
         eye: Default::default(),

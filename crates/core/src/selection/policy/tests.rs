@@ -210,7 +210,7 @@ fn bounds_skip_no_cell_that_probing_would_refine() {
         let moment = degrees(33.0, -21.0);
         for bounds in &selector.cells {
             let probed = probes(&grid, bounds.cell)
-                .map(|p| level_of_footprint(&grid, selector.acuity_footprint(&moment.gaze, &p)))
+                .map(|p| level_of_footprint(&grid, selector.acuity_footprint(&moment, &p)))
                 .min();
             assert_eq!(Some(selector.acuity_level(bounds, &moment)), probed);
         }

@@ -1,0 +1,142 @@
+//! `foveal view`: what is in the window?
+
+mod choice;
+mod clock;
+mod feed;
+mod figures;
+mod keys;
+mod looking;
+mod overlay;
+mod samples;
+mod scene;
+mod screen;
+mod screenshot;
+mod script;
+mod sound;
+mod stage;
+mod summary;
+mod timeline;
+mod viewer;
+mod window;
+
+use crate::gaze::{Viewer as Watching, preset_of};
+use crate::options::{PolicyOptions, ViewOptions};
+use crate::output::{self, WrongUsage};
+use anyhow::{Context, bail};
+use clap::Args;
+use foveal_core::units::Seconds;
+use foveal_media::pack_file::PackFile;
+use looking::{WindowGaze, parse_window_gaze};
+use samples::Samples;
+use script::Script;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Keys: space pauses, arrows and the mouse move, the wheel zooms, H shows all keys and figures.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ViewArgs {
+    /// The pack.
+    pack: PathBuf,
+    /// Take the mouse for the gaze and show only what an eye there could see. Otherwise everything
+    /// in view is shown as fine as the display can, and the mouse decides what comes first.
+    #[arg(long)]
+    demo: bool,
+    /// mouse, center (of the window), YAW,PITCH in degrees, scan, trace:FILE, head:FILE, udp:PORT,
+    /// ws:URL or osc:PORT.
+    #[arg(
+        long,
+        value_name = "G",
+        default_value = "mouse",
+        allow_hyphen_values = true
+    )]
+    #[arg(value_parser = parse_window_gaze)]
+    gaze: WindowGaze,
+    #[command(flatten)]
+    policy: PolicyOptions,
+    #[command(flatten)]
+    view: ViewOptions,
+    /// How gaze follows the head: free-viewing, search or a file that `gaze fit head` wrote.
+    #[arg(long, value_name = "NAME|FILE.toml", default_value = "free-viewing")]
+    preset: String,
+    /// Begin paused.
+    #[arg(long)]
+    paused: bool,
+    /// Stay at the end instead of beginning anew.
+    #[arg(long)]
+    once: bool,
+    /// Begin on the full screen.
+    #[arg(long)]
+    full_screen: bool,
+    /// Sound that begins with the content, as a WAV file.
+    #[arg(long, value_name = "FILE")]
+    sound: Option<PathBuf>,
+    /// Write what was selected and for which gaze to this file, for `foveal replay`.
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
+    /// Where screenshots go (default: beside the pack).
+    #[arg(long, value_name = "DIR")]
+    screenshots: Option<PathBuf>,
+    /// A file with one thing a line to happen by itself: SECONDS and key NAME, move X Y, leave,
+    /// drag DX DY, wheel STEPS, resize W H, screenshot FILE, settle or quit.
+    #[arg(long, value_name = "FILE")]
+    script: Option<PathBuf>,
+    /// Decoding threads (default: all cores).
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Seed of the scan path.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON object at the end.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was read before a window opens: whatever is wrong is said without one.
+struct Ready {
+    args: ViewArgs,
+    file: Arc<PackFile>,
+    watching: Watching,
+    script: Script,
+    samples: Option<Samples>,
+    jobs: usize,
+}
+
+impl Ready {
+    fn new(args: &ViewArgs) -> anyhow::Result<Self> {
+        let jobs = output::jobs(args.jobs)?;
+        let file = Arc::new(PackFile::open(&args.pack)?);
+        if let Some(log) = &args.log {
+            output::spare_inputs(log, [args.pack.as_path()])?;
+        }
+        if let Some(folder) = args.screenshots.as_ref().filter(|folder| !folder.is_dir()) {
+            bail!(WrongUsage(format!(
+                "--screenshots {}: no folder there; make it first",
+                folder.display()
+            )));
+        }
+        // Says what is wrong with the options before a window is there.
+        args.policy.config()?;
+        let surface = file.pack().description().grid(args.view.screen).surface;
+        args.view.eye_view(&surface)?;
+        let script = args.script.as_ref().map(|path| {
+            let text = output::read_text(path, "a script")?;
+            Script::parse(&text).with_context(|| format!("--script {}", path.display()))
+        });
+        Ok(Self {
+            watching: Watching {
+                preset: preset_of(&args.preset)?,
+                late: Seconds(0.0),
+            },
+            script: script.transpose()?.unwrap_or_default(),
+            samples: args.sound.as_deref().map(Samples::open_wav).transpose()?,
+            args: args.clone(),
+            file,
+            jobs,
+        })
+    }
+}
+
+pub(crate) fn run(args: &ViewArgs) -> anyhow::Result<()> {
+    let summary = window::run(Ready::new(args)?)?;
+    output::result(args.json, &summary, &summary.text())
+}

@@ -1,0 +1,64 @@
+//! What is written over the picture?
+
+use super::keys::KEYS;
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, pos2, vec2};
+
+const TEXT: Color32 = Color32::from_rgb(235, 235, 235);
+const FAINT: Color32 = Color32::from_rgb(160, 165, 170);
+const BACK: Color32 = Color32::from_black_alpha(170);
+const SIZE: f32 = 13.0;
+const LINE: f32 = 18.0;
+const GAP: f32 = 10.0;
+
+/// One line: what it is, and its value.
+pub(crate) type Line = (String, String);
+
+/// Paints figures at the left, keys at the right, and a message at the bottom.
+pub(crate) fn paint(painter: &Painter, figures: Option<&[Line]>, message: Option<&str>) {
+    let whole = painter.clip_rect();
+    if let Some(figures) = figures {
+        let lines = figures
+            .iter()
+            .map(|(what, value)| (what.as_str(), value.as_str()));
+        table(
+            painter,
+            whole.left_top() + vec2(GAP, GAP),
+            130.0,
+            330.0,
+            lines,
+        );
+        let width = 240.0;
+        let right = whole.right() - width - GAP;
+        // A narrow window shows figures, not keys.
+        if right > 350.0 {
+            table(painter, pos2(right, whole.top() + GAP), 100.0, width, KEYS);
+        }
+    }
+    if let Some(message) = message {
+        let place = pos2(whole.center().x, whole.bottom() - 2.0 * GAP);
+        let font = FontId::proportional(SIZE + 1.0);
+        let back = painter.add(Shape::Noop);
+        let rect = painter.text(place, Align2::CENTER_BOTTOM, message, font, TEXT);
+        painter.set(back, Shape::rect_filled(rect.expand(6.0), 4.0, BACK));
+    }
+}
+
+fn table<'a>(
+    painter: &Painter,
+    at: Pos2,
+    indent: f32,
+    width: f32,
+    lines: impl IntoIterator<Item = (&'a str, &'a str)>,
+) {
+    let lines: Vec<(&str, &str)> = lines.into_iter().collect();
+    let height = LINE * lines.len() as f32 + GAP;
+    let rect = Rect::from_min_size(at, vec2(width, height));
+    painter.rect_filled(rect, 4.0, BACK);
+    let font = FontId::proportional(SIZE);
+    for (row, (what, value)) in lines.into_iter().enumerate() {
+        let left = at + vec2(GAP, GAP / 2.0 + LINE * row as f32);
+        painter.text(left, Align2::LEFT_TOP, what, font.clone(), FAINT);
+        let value_at = left + vec2(indent, 0.0);
+        painter.text(value_at, Align2::LEFT_TOP, value, font.clone(), TEXT);
+    }
+}

@@ -1,0 +1,194 @@
+//! What is to happen by itself while a window is open?
+//!
+//! For kiosks, demonstrations and trials: a file with one thing a line, `SECONDS WHAT`, as
+//! `0.5 key space`. While a line waits for the picture to settle, the script's time stands still.
+
+use super::keys::key_named;
+use anyhow::{Context, bail};
+use foveal_core::units::Seconds;
+use std::path::PathBuf;
+use winit::keyboard::Key;
+
+/// What a line may say, for messages.
+const FORMS: &str = "SECONDS and one of: key NAME, move X Y, leave, drag DX DY, wheel STEPS, \
+                     resize W H, screenshot FILE, settle, quit";
+/// Longest script in lines.
+const MOST_LINES: usize = 100_000;
+
+/// One thing that happens.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Deed {
+    Key(Key),
+    /// The pointer to a place in the window, in pixels.
+    Move([f64; 2]),
+    /// The pointer out of the window.
+    Leave,
+    /// The content drawn along, in pixels.
+    Drag([f64; 2]),
+    /// The wheel away from the viewer, in steps.
+    Wheel(f64),
+    Resize([u32; 2]),
+    Screenshot(PathBuf),
+    /// Wait until nothing in view can get finer.
+    Settle,
+    /// The GPU taken away: nobody's wish, but a window must survive it.
+    LoseDevice,
+    Quit,
+}
+
+/// What is still to happen.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Script {
+    /// In order of time, the next one last.
+    rest: Vec<(f64, Deed)>,
+    /// How long it waited so far.
+    waited: f64,
+    waiting_since: Option<f64>,
+}
+
+impl Script {
+    /// Reads a script; an error names the line.
+    pub(crate) fn parse(text: &str) -> anyhow::Result<Self> {
+        let mut rest = Vec::new();
+        let mut before = 0.0;
+        for (number, line) in text.lines().enumerate() {
+            let line = line.trim();
+            if line.is_empty() || line.starts_with('#') {
+                continue;
+            }
+            let here = || format!("line {}: \"{line}\"", number + 1);
+            let (at, deed) = parse_line(line).with_context(here)?;
+            if at < before {
+                bail!("{}: comes after {before} s; sort the lines by time", here());
+            }
+            if rest.len() == MOST_LINES {
+                bail!("{}: more than {MOST_LINES} lines", here());
+            }
+            before = at;
+            rest.push((at, deed));
+        }
+        rest.reverse();
+        Ok(Self {
+            rest,
+            ..Self::default()
+        })
+    }
+
+    /// The next thing, if it is time for it; a picture that is not `settled` is waited for.
+    pub(crate) fn next(&mut self, now: Seconds, settled: bool) -> Option<Deed> {
+        let (at, deed) = self.rest.last()?;
+        if now.0 - self.waited < *at && self.waiting_since.is_none() {
+            return None;
+        }
+        if *deed == Deed::Settle && !settled {
+            self.waiting_since.get_or_insert(now.0);
+            return None;
+        }
+        if let Some(since) = self.waiting_since.take() {
+            self.waited += now.0 - since;
+        }
+        self.rest.pop().map(|(_, deed)| deed)
+    }
+
+    /// When to ask again; `None` when nothing is left, or it waits for the picture.
+    pub(crate) fn due(&self) -> Option<Seconds> {
+        let (at, _) = self.rest.last()?;
+        self.waiting_since
+            .is_none()
+            .then_some(Seconds(at + self.waited))
+    }
+}
+
+fn parse_line(line: &str) -> anyhow::Result<(f64, Deed)> {
+    let (at, rest) = line.split_once(char::is_whitespace).context(FORMS)?;
+    let at: f64 = at.parse().ok().context(FORMS)?;
+    if !(0.0..=1e7).contains(&at) {
+        bail!("expected a time of 0 to 10000000 s");
+    }
+    let rest = rest.trim();
+    let (what, given) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+    let given = given.trim();
+    let number = |text: &str| text.parse::<f64>().ok().filter(|n| n.abs() <= 1e5);
+    let pair = || {
+        let (a, b) = given.split_once(char::is_whitespace)?;
+        Some([number(a)?, number(b.trim())?])
+    };
+    let nothing = |deed: Deed| given.is_empty().then_some(deed);
+    let deed = match what {
+        "key" => key_named(given).map(Deed::Key),
+        "move" => pair().map(Deed::Move),
+        "leave" => nothing(Deed::Leave),
+        "drag" => pair().map(Deed::Drag),
+        "wheel" => number(given).map(Deed::Wheel),
+        "resize" => pair().map(|size| Deed::Resize(size.map(|side| side.max(0.0) as u32))),
+        "screenshot" if !given.is_empty() => Some(Deed::Screenshot(given.into())),
+        "settle" => nothing(Deed::Settle),
+        "lose-device" => nothing(Deed::LoseDevice),
+        "quit" => nothing(Deed::Quit),
+        _ => None,
+    };
+    Ok((at, deed.with_context(|| format!("expected {FORMS}"))?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_script_happens_in_order_and_waits_for_the_picture() {
+        let text = "# a demonstration\n0 key space\n\n0.5 settle\n0.5 screenshot a b.png\n1 quit";
+        let mut script = Script::parse(text).unwrap();
+        let mut next = |now: f64, settled| script.next(Seconds(now), settled);
+        assert!(matches!(next(0.0, false), Some(Deed::Key(_))));
+        assert_eq!(next(0.4, true), None);
+        assert_eq!(next(0.6, false), None);
+        assert_eq!(next(9.0, false), None);
+        assert_eq!(next(9.6, true), Some(Deed::Settle));
+        assert_eq!(next(9.6, true), Some(Deed::Screenshot("a b.png".into())));
+        assert_eq!(next(9.9, true), None);
+        assert_eq!(next(10.1, true), Some(Deed::Quit));
+        assert_eq!(script.due(), None);
+    }
+
+    #[test]
+    fn what_is_no_deed_is_refused_with_its_line() {
+        for line in [
+            "key space",
+            "0",
+            "0 key nothing",
+            "x quit",
+            "-1 quit",
+            "nan quit",
+            "0 move 1",
+            "0 move 1 inf",
+            "0 resize a b",
+            "0 screenshot",
+            "0 quit now",
+            "0 dance",
+            "1e9 quit",
+        ] {
+            let error = Script::parse(&format!("0 settle\n{line}")).unwrap_err();
+            assert!(error.to_string().starts_with("line 2"), "{line}: {error}");
+        }
+        let unsorted = Script::parse("2 settle\n1 quit").unwrap_err().to_string();
+        assert!(unsorted.contains("sort"), "{unsorted}");
+    }
+
+    #[test]
+    fn any_text_is_read_or_refused() {
+        let mut state = 7u64;
+        let words = [
+            "0", "1.5", "key", "space", "move", "\n", " ", "settle", "-3", "é", "quit",
+        ];
+        for _ in 0..5000 {
+            let mut text = String::new();
+            for _ in 0..12 {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                text.push_str(words[(state >> 33) as usize % words.len()]);
+            }
+            let _ = Script::parse(&text);
+        }
+    }
+}

@@ -1,0 +1,303 @@
+//! How is sound played in step with the picture?
+//!
+//! One thread reads samples ahead, the device's callback takes them and notes which moment of the
+//! content is heard when: that moment is the clock of the picture. Without a device there is
+//! silence and the picture has its own clock.
+
+use super::samples::Samples;
+use anyhow::{Context, anyhow};
+use cpal::traits::{DeviceTrait, HostTrait, StreamTrait};
+use cpal::{BufferSize, ErrorKind, OutputCallbackInfo, SampleFormat, StreamConfig};
+use foveal_core::units::Seconds;
+use std::collections::VecDeque;
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Sound that is read ahead of what is heard.
+const AHEAD_S: f64 = 0.25;
+/// Sound that is read at once.
+const CHUNK_S: f64 = 0.02;
+/// What a device takes at once: enough for a busy machine, little beside what it plays late.
+const BUFFER_S: f64 = 0.04;
+/// Time until a broken device is tried again.
+const RETRY: Duration = Duration::from_secs(1);
+/// What was heard longer ago than this says nothing of now.
+const STALE: Duration = Duration::from_millis(500);
+
+/// Sound on its way to a device.
+pub(crate) struct Sound {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+struct Shared {
+    state: Mutex<State>,
+    wake: Condvar,
+}
+
+/// Bounded by what is read ahead.
+struct State {
+    playing: bool,
+    stop: bool,
+    /// Counts the jumps, so that what was read before one is not played after it.
+    jumps: u64,
+    /// Interleaved, at the device's rate.
+    ahead: VecDeque<f32>,
+    /// Time in the content of the first sample of `ahead`.
+    front: f64,
+    /// When which time of the content was heard.
+    heard: Option<(Instant, f64)>,
+    /// Callbacks that found too little, and what the device missed by itself.
+    gaps: u64,
+    /// The device is gone.
+    broken: bool,
+    /// A device is there that was not told where to begin.
+    waits: bool,
+}
+
+/// What a device takes.
+#[derive(Clone, Copy, Debug)]
+struct Taken {
+    rate: u32,
+    channels: u16,
+}
+
+impl Sound {
+    /// Opens the default device for samples that repeat with the content, every `round`.
+    pub(crate) fn open(samples: Samples, round: Seconds) -> anyhow::Result<Self> {
+        let shared = Arc::new(Shared {
+            state: Mutex::new(State {
+                playing: false,
+                stop: false,
+                jumps: 0,
+                ahead: VecDeque::new(),
+                front: 0.0,
+                heard: None,
+                gaps: 0,
+                broken: false,
+                waits: false,
+            }),
+            wake: Condvar::new(),
+        });
+        let (send, opened) = channel();
+        let theirs = Arc::clone(&shared);
+        // A stream stays on the thread that made it.
+        let thread = std::thread::Builder::new()
+            .name("sound".to_owned())
+            .spawn(move || play(&theirs, samples, round, &send))?;
+        let opened = opened.recv().context("the sound thread ended");
+        opened.and_then(|opened| opened)?;
+        Ok(Self {
+            shared,
+            thread: Some(thread),
+        })
+    }
+
+    /// Plays on from a time of the content, or stops there.
+    pub(crate) fn set(&self, playing: bool, at: Seconds) {
+        let mut state = self.shared.lock();
+        state.playing = playing;
+        state.jumps += 1;
+        state.ahead.clear();
+        state.front = at.0;
+        state.heard = None;
+        state.waits = false;
+        drop(state);
+        self.shared.wake.notify_one();
+    }
+
+    /// Whether a device came back and must be [`Self::set`].
+    pub(crate) fn waits(&self) -> bool {
+        self.shared.lock().waits
+    }
+
+    /// The time of the content that is heard now; `None` while nothing is.
+    pub(crate) fn heard(&self) -> Option<Seconds> {
+        let (at, time) = self.shared.lock().heard?;
+        let now = Instant::now();
+        let fresh = now.saturating_duration_since(at) < STALE;
+        // What is on its way to the loudspeaker is heard later than now.
+        let since = match now.checked_duration_since(at) {
+            Some(since) => since.as_secs_f64(),
+            None => -at.duration_since(now).as_secs_f64(),
+        };
+        fresh.then_some(Seconds(time + since))
+    }
+
+    /// Times that the device found too little to play.
+    pub(crate) fn gaps(&self) -> u64 {
+        self.shared.lock().gaps
+    }
+}
+
+impl Drop for Sound {
+    fn drop(&mut self) {
+        self.shared.lock().stop = true;
+        self.shared.wake.notify_one();
+        if let Some(thread) = self.thread.take() {
+            // A thread that panicked has already said so.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Fills what the device asks for, and notes what is heard when.
+    fn fill(&self, out: &mut [f32], taken: Taken, latency: Duration) {
+        out.fill(0.0);
+        let mut state = self.lock();
+        if !state.playing {
+            return;
+        }
+        let count = out.len().min(state.ahead.len());
+        state.gaps += u64::from(count < out.len());
+        if count == 0 {
+            state.heard = None;
+            return;
+        }
+        out.iter_mut()
+            .zip(state.ahead.drain(..count))
+            .for_each(|(out, sample)| *out = sample);
+        state.heard = Some((Instant::now() + latency, state.front));
+        state.front += (count / usize::from(taken.channels)) as f64 / f64::from(taken.rate);
+        drop(state);
+        self.wake.notify_one();
+    }
+
+    /// The device tells of a fault: what it missed is counted, what ends it ends the stream.
+    fn fault(&self, error: &cpal::Error) {
+        let mut state = self.lock();
+        match error.kind() {
+            ErrorKind::Xrun => state.gaps += 1,
+            ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
+            _ if !state.broken => {
+                state.broken = true;
+                state.heard = None;
+                crate::output::say(&format!("foveal: sound: {error}; trying again"));
+            }
+            _ => {}
+        }
+        drop(state);
+        self.wake.notify_one();
+    }
+
+    /// Waits before a device is tried again; `false` to stop.
+    fn pause_before_retry(&self) -> bool {
+        let state = self.lock();
+        let waited = self
+            .wake
+            .wait_timeout_while(state, RETRY, |state| !state.stop);
+        !waited.unwrap_or_else(PoisonError::into_inner).0.stop
+    }
+
+    /// Reads ahead until told to stop.
+    fn read_ahead(&self, samples: &mut Samples, round: Seconds, taken: Taken) {
+        let channels = usize::from(taken.channels);
+        let frames = (f64::from(taken.rate) * CHUNK_S) as usize;
+        let most = (f64::from(taken.rate) * AHEAD_S) as usize * channels;
+        let mut chunk = vec![0.0; frames * channels];
+        let mut state = self.lock();
+        while !state.stop && !state.broken {
+            if !state.playing || state.ahead.len() >= most {
+                state = self
+                    .wake
+                    .wait(state)
+                    .unwrap_or_else(PoisonError::into_inner);
+                continue;
+            }
+            let jumps = state.jumps;
+            let read = (state.ahead.len() / channels) as f64 / f64::from(taken.rate);
+            let from = Seconds(state.front + read);
+            drop(state);
+            samples.fill(from, round, taken.rate, &mut chunk);
+            state = self.lock();
+            if state.jumps == jumps {
+                state.ahead.extend(&chunk);
+            }
+        }
+    }
+}
+
+/// Opens a device, says how that went, and plays; opens it again when it breaks.
+fn play(
+    shared: &Arc<Shared>,
+    mut samples: Samples,
+    round: Seconds,
+    opened: &Sender<anyhow::Result<()>>,
+) {
+    let mut first = true;
+    loop {
+        match open_device(shared, &samples) {
+            Ok((stream, taken)) => {
+                if std::mem::take(&mut first) {
+                    // Whoever asked may be gone; the shared state tells.
+                    let _ = opened.send(Ok(()));
+                }
+                samples.mix_to(taken.channels);
+                shared.read_ahead(&mut samples, round, taken);
+                drop(stream);
+            }
+            Err(error) if first => {
+                let _ = opened.send(Err(error));
+                return;
+            }
+            Err(_) => {}
+        }
+        if !shared.pause_before_retry() {
+            return;
+        }
+        let mut state = shared.lock();
+        state.broken = false;
+        state.ahead.clear();
+        state.playing = false;
+        state.waits = true;
+    }
+}
+
+fn open_device(shared: &Arc<Shared>, samples: &Samples) -> anyhow::Result<(cpal::Stream, Taken)> {
+    let device = cpal::default_host()
+        .default_output_device()
+        .context("there is no sound device")?;
+    let refused = |what: &str, error: cpal::Error| anyhow!("the sound device {what}: {error}");
+    let default = device
+        .default_output_config()
+        .map_err(|error| refused("tells no format", error))?;
+    let mut config: StreamConfig = default.config();
+    let takes_rate = device
+        .supported_output_configs()
+        .map_err(|error| refused("tells no formats", error))?
+        .any(|range| {
+            range.channels() == config.channels
+                && range.sample_format() == SampleFormat::F32
+                && (range.min_sample_rate()..=range.max_sample_rate()).contains(&samples.rate())
+        });
+    if takes_rate {
+        config.sample_rate = samples.rate();
+    }
+    config.buffer_size = BufferSize::Fixed((f64::from(config.sample_rate) * BUFFER_S) as u32);
+    let taken = Taken {
+        rate: config.sample_rate,
+        channels: config.channels,
+    };
+    let theirs = Arc::clone(shared);
+    let fill = move |out: &mut [f32], about: &OutputCallbackInfo| {
+        let stamp = about.timestamp();
+        let latency = stamp.playback.duration_since(stamp.callback).min(STALE);
+        theirs.fill(out, taken, latency);
+    };
+    let theirs = Arc::clone(shared);
+    let failed = move |error: cpal::Error| theirs.fault(&error);
+    let stream = device
+        .build_output_stream(config, fill, failed, None)
+        .map_err(|error| refused("gives no stream", error))?;
+    stream
+        .play()
+        .map_err(|error| refused("does not play", error))?;
+    Ok((stream, taken))
+}

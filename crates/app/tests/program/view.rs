@@ -1,0 +1,216 @@
+//! Does a window show what the headless run shows, and does it survive what happens to windows?
+
+use crate::scenes::write_clip;
+use crate::support::{Folder, Ran, Rgb, command, done, finish, frame_picture, refused};
+use foveal_core::asset::picture::Picture;
+use foveal_media::generate::numbered_tiles;
+use serde_json::Value;
+use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+/// A display without a screen, which goes away with the value.
+struct Display {
+    server: Child,
+    name: String,
+}
+
+impl Display {
+    /// Starts one; `None`, and a line that says so, where there is no Xvfb.
+    fn start() -> Option<Self> {
+        static NEXT: OnceLock<std::sync::atomic::AtomicU32> = OnceLock::new();
+        let next = NEXT.get_or_init(|| (200 + std::process::id() % 20_000).into());
+        let number = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        let name = format!(":{number}");
+        let started = Command::new("Xvfb")
+            .args([&name, "-screen", "0", "1000x700x24", "-nolisten", "tcp"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn();
+        let Ok(server) = started else {
+            eprintln!("SKIPPED: there is no Xvfb, so no window was opened (apt-get install xvfb)");
+            return None;
+        };
+        let socket = format!("/tmp/.X11-unix/X{number}");
+        let until = Instant::now() + Duration::from_secs(60);
+        while !std::path::Path::new(&socket).exists() {
+            assert!(Instant::now() < until, "Xvfb {name} does not start");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        Some(Self { server, name })
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+/// Opens a pack on a display of its own and lets a script run to its end; `None` without Xvfb.
+fn watched(folder: &Folder, pack: &str, script: &str, options: &[&str]) -> Option<Value> {
+    let display = Display::start()?;
+    let script = folder.holding("script.txt", script.as_bytes());
+    let mut view = command(&["view", pack, "--script", &script, "--json"]);
+    view.args(options);
+    view.env("DISPLAY", &display.name)
+        .env_remove("WAYLAND_DISPLAY")
+        .env("XDG_RUNTIME_DIR", folder.to_str().unwrap());
+    let ran: Ran = finish(view);
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    Some(serde_json::from_str(&ran.stdout).unwrap())
+}
+
+/// A flat pack of six frames in which every tile tells its frame.
+fn flat_pack(folder: &Folder) -> String {
+    let pictures: Vec<Picture> = (0..6)
+        .map(|frame| numbered_tiles([512, 288], 64, frame))
+        .collect();
+    let clip = write_clip(folder, "clip.mkv", &pictures);
+    let pack = folder.name("clip.foveal");
+    done(&[
+        "prepare", "video", &clip, "--out", &pack, "--tile", "64", "--fast",
+    ]);
+    pack
+}
+
+/// The headless picture of a frame, everything in view at display density.
+fn headless(folder: &Folder, pack: &str, size: &str, frame: usize) -> Rgb {
+    let out = folder.name(&format!("headless-{size}"));
+    done(&[
+        "simulate", pack, "--out", &out, "--gaze", "center", "--policy", "viewport", "--view", size,
+    ]);
+    frame_picture(&out, frame)
+}
+
+#[test]
+fn a_settled_window_shows_the_picture_of_the_headless_run() {
+    let folder = Folder::new();
+    let pack = flat_pack(&folder);
+    let (first, last) = (folder.name("first.png"), folder.name("last.png"));
+    let script = format!(
+        "0 settle\n0 screenshot {first}\n0.1 key End\n0.1 settle\n0.1 screenshot {last}\n0.2 quit"
+    );
+    let options = ["--view", "400x225", "--paused"];
+    let Some(summary) = watched(&folder, &pack, &script, &options) else {
+        return;
+    };
+    assert_eq!(summary["wrong_frame_tiles"], 0);
+    for (shot, frame) in [(first, 0), (last, 5)] {
+        let expected = headless(&folder, &pack, "400x225", frame);
+        assert!(Rgb::read(&shot).difference(&expected) <= 1, "frame {frame}");
+    }
+}
+
+#[test]
+fn a_step_forward_and_one_back_come_to_the_same_frame() {
+    let folder = Folder::new();
+    let pack = flat_pack(&folder);
+    let shots = ["a.png", "b.png", "c.png"].map(|name| folder.name(name));
+    let script = format!(
+        "0 settle\n0 screenshot {}\n0 key .\n0 settle\n0 screenshot {}\n0 key ,\n0 settle\n\
+         0 screenshot {}\n0 quit",
+        shots[0], shots[1], shots[2]
+    );
+    let options = ["--view", "400x225", "--paused"];
+    if watched(&folder, &pack, &script, &options).is_none() {
+        return;
+    }
+    let [a, b, c] = shots.map(|shot| Rgb::read(&shot));
+    assert_eq!(a.difference(&c), 0);
+    assert!(b.difference(&headless(&folder, &pack, "400x225", 1)) <= 1);
+    assert!(a.difference(&b) > 8, "the next frame is the same picture");
+}
+
+#[test]
+fn a_window_survives_a_lost_gpu_and_losing_all_its_pixels() {
+    let folder = Folder::new();
+    let pack = flat_pack(&folder);
+    let (before, after) = (folder.name("before.png"), folder.name("after.png"));
+    let script = format!(
+        "0 settle\n0 screenshot {before}\n0.1 lose-device\n0.6 settle\n0.6 resize 0 0\n\
+         0.8 resize 400 225\n0.9 settle\n0.9 screenshot {after}\n1 quit"
+    );
+    let options = ["--view", "400x225", "--paused"];
+    let Some(summary) = watched(&folder, &pack, &script, &options) else {
+        return;
+    };
+    assert_eq!(summary["lost_devices"], 1, "{summary}");
+    assert_eq!(Rgb::read(&before).difference(&Rgb::read(&after)), 0);
+}
+
+#[test]
+fn the_log_of_a_wandering_viewer_replays() {
+    let folder = Folder::new();
+    let pack = flat_pack(&folder);
+    let log = folder.name("log.jsonl");
+    let script = "0 move 100 100\n0.1 wheel 6\n0.2 drag 30 -20\n0.3 key p\n0.5 move 300 50\n\
+                  0.7 leave\n0.8 key 0\n0.9 resize 300 300\n1.2 settle\n1.5 quit";
+    let options = ["--view", "400x225", "--demo", "--log", &log];
+    if watched(&folder, &pack, script, &options).is_none() {
+        return;
+    }
+    let text = std::fs::read_to_string(&log).unwrap();
+    let heads = text.lines().filter(|line| line.contains("foveal_session"));
+    assert!(
+        heads.count() >= 3,
+        "zoom and policy begin new sessions: {text}"
+    );
+    done(&["replay", &log, "--pack", &pack]);
+}
+
+#[test]
+fn a_close_look_decodes_little_and_shows_the_finest_pixels() {
+    let folder = Folder::new();
+    let pack = flat_pack(&folder);
+    let shot = folder.name("close.png");
+    let script = format!("0 move 200 112\n0 wheel 60\n0.1 settle\n0.1 screenshot {shot}\n0.1 quit");
+    let options = ["--view", "400x225", "--paused"];
+    let Some(summary) = watched(&folder, &pack, &script, &options) else {
+        return;
+    };
+    assert_eq!(summary["damaged_tiles"], 0);
+    // 400 display pixels are 12.5 of the content: neighbours differ by little, but not by nothing.
+    let picture = Rgb::read(&shot);
+    let across: Vec<u8> = (0..400).map(|x| picture.at([x, 112])[1]).collect();
+    let steps = across.windows(2).map(|pair| pair[0].abs_diff(pair[1]));
+    assert!(steps.max().unwrap_or(0) < 80, "{across:?}");
+}
+
+#[test]
+fn without_a_display_it_is_said_what_is_missing() {
+    let folder = Folder::new();
+    let pack = flat_pack(&folder);
+    let mut view = command(&["view", &pack]);
+    for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+        view.env_remove(name);
+    }
+    let ran = finish(view);
+    assert_eq!(ran.code, Some(1), "{ran:?}");
+    for word in ["no window can be opened", "display", "simulate"] {
+        assert!(ran.stderr.contains(word), "no {word:?} in {}", ran.stderr);
+    }
+}
+
+#[test]
+fn what_is_wrong_is_said_before_a_window_opens() {
+    let folder = Folder::new();
+    let broken = folder.holding("broken.foveal", b"no pack at all");
+    refused(1, &["view", &broken], &["broken.foveal"]);
+    let pack = flat_pack(&folder);
+    let script = folder.holding("script.txt", b"0 settle\n1 dance");
+    refused(
+        1,
+        &["view", &pack, "--script", &script],
+        &["line 2", "dance", "settle"],
+    );
+    let nowhere = folder.name("nowhere");
+    refused(
+        2,
+        &["view", &pack, "--screenshots", &nowhere],
+        &["--screenshots", "folder"],
+    );
+    refused(1, &["view", &pack, "--sound", &script], &["--sound", "WAV"]);
+    refused(2, &["view", &pack, "--gaze", "cat"], &["mouse"]);
+}

@@ -1,0 +1,170 @@
+//! How is a run logged whose view or policy changed on the way?
+//!
+//! As several sessions, one after the other: each begins with a head, whose line tells itself apart
+//! from the lines of frames, and is selected again by itself.
+
+use super::content::Content;
+use super::session::{Session, SessionError};
+
+/// What the line of a head begins with.
+const HEAD: &str = "{\"foveal_session\":";
+
+/// The sessions of a run, in order; at least one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SessionLog {
+    /// Each under one view and one policy.
+    pub parts: Vec<Session>,
+}
+
+impl SessionLog {
+    /// Reads a log; refuses what [`Session::parse`] refuses, with the line in the whole file.
+    ///
+    /// ```
+    /// use foveal_core::selection::session_log::SessionLog;
+    /// assert!(SessionLog::parse("").is_err());
+    /// ```
+    pub fn parse(text: &str) -> Result<Self, SessionError> {
+        let mut parts = Vec::new();
+        let (mut rest, mut before) = (text, 0);
+        loop {
+            let mut heads = rest.match_indices(HEAD).map(|(at, _)| at);
+            let next = heads.find(|&at| at > 0 && rest.as_bytes()[at - 1] == b'\n');
+            let (part, after) = rest.split_at(next.unwrap_or(rest.len()));
+            parts.push(Session::parse(part).map_err(|error| moved(error, before))?);
+            before += part.lines().count();
+            if after.is_empty() {
+                return Ok(Self { parts });
+            }
+            rest = after;
+        }
+    }
+
+    /// The log as text.
+    #[must_use]
+    pub fn write(&self) -> String {
+        self.parts.iter().map(Session::write).collect()
+    }
+
+    /// Whether replaying takes the content.
+    #[must_use]
+    pub fn needs_content(&self) -> bool {
+        self.parts.iter().any(Session::needs_content)
+    }
+
+    /// The same run selected again from what was given.
+    ///
+    /// # Panics
+    /// When the content is needed and not given; see [`Self::needs_content`].
+    #[must_use]
+    pub fn replay(&self, content: Option<&dyn Content>) -> Self {
+        let parts = self.parts.iter().map(|part| part.replay(content));
+        Self {
+            parts: parts.collect(),
+        }
+    }
+}
+
+/// An error with its line counted from the start of the file.
+fn moved(error: SessionError, before: usize) -> SessionError {
+    match error {
+        SessionError::Line { line, why } => SessionError::Line {
+            line: line + before,
+            why,
+        },
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asset::tile_grid::{Cut, TileGrid};
+    use crate::gaze::sample::{GazeSample, HeadPose};
+    use crate::perception::parameters::EyeState;
+    use crate::selection::chooser::Chooser;
+    use crate::selection::policy::{Moment, Policy, PolicyConfig};
+    use crate::selection::session::{Given, SessionFrame, SessionHead};
+    use crate::units::{Radians, Seconds};
+    use crate::view::axes::Axes;
+    use crate::view::eye_view::{EyeView, Field};
+    use crate::view::surface::Surface;
+
+    /// Frames under one policy in a window whose picture shows `tangent` to each side.
+    fn part(policy: Policy, tangent: f64) -> Session {
+        let grid = TileGrid::new(Surface::cube(1024), Cut::Tile(128), 4, 2).unwrap();
+        let config = PolicyConfig::new(policy);
+        let field = Field {
+            at_eye: Some([0.4; 4]),
+            ..Field::symmetric([tangent; 2])
+        };
+        let view = EyeView {
+            axes: Axes::FRONT,
+            field,
+            size: [800, 800],
+            eye: Default::default(),
+        };
+        let mut chooser = Chooser::new(grid, config.clone());
+        let frames = (0..5).map(|frame| {
+            let yaw = Radians::from_degrees(f64::from(frame) * 3.0);
+            let given = Given {
+                gaze: GazeSample::at(Seconds(f64::from(frame)), yaw, Radians(0.0)),
+                head: HeadPose::default(),
+                state: EyeState::Steady,
+                budget: None,
+            };
+            let moment = Moment {
+                gaze: given.gaze,
+                view: Some(view),
+                state: given.state,
+            };
+            let selection = chooser.choose(None, frame, &moment, None);
+            SessionFrame {
+                behind_sound_s: Some(Seconds(0.004)),
+                ..SessionFrame::new(frame, &given, &grid, &selection)
+            }
+        });
+        Session {
+            frames: frames.collect(),
+            head: SessionHead::new("made", &grid, config, &view),
+        }
+    }
+
+    #[test]
+    fn a_run_that_was_zoomed_and_given_another_policy_replays_to_the_same_text() {
+        let log = SessionLog {
+            parts: vec![
+                part(Policy::Viewport, 1.0),
+                part(Policy::Viewport, 0.01),
+                part(Policy::Acuity, 1.0),
+            ],
+        };
+        let text = log.write();
+        let read = SessionLog::parse(&text).unwrap();
+        assert_eq!(read, log);
+        assert_eq!(read.replay(None).write(), text);
+    }
+
+    #[test]
+    fn a_damaged_line_of_a_later_part_is_named_by_its_place_in_the_file() {
+        let log = SessionLog {
+            parts: vec![part(Policy::Viewport, 1.0), part(Policy::Acuity, 1.0)],
+        };
+        let text = log.write();
+        let at = text.rfind("\"frame\":4").unwrap();
+        let damaged = format!("{}x{}", &text[..at + 8], &text[at + 9..]);
+        let error = SessionLog::parse(&damaged).unwrap_err().to_string();
+        assert!(error.starts_with("line 12"), "{error}");
+    }
+
+    #[test]
+    fn a_window_zoomed_between_the_probes_of_a_cell_is_shown_at_its_finest() {
+        for policy in [Policy::Viewport, Policy::Acuity] {
+            let zoomed = part(policy, 1e-3);
+            assert!(
+                zoomed.frames[0].tiles[0] > 0,
+                "{:?}",
+                zoomed.frames[0].tiles
+            );
+        }
+    }
+}
