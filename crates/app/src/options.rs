@@ -6,7 +6,9 @@ use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::asset::tile_grid::{Cut, TileGrid};
 use foveal_core::perception::acuity::AcuityModel;
-use foveal_core::selection::policy::{EdgeRule, MASK_SIDE, MaskConfig, Policy, PolicyConfig};
+use foveal_core::selection::policy::{
+    EdgeRule, MASK_SIDE, MaskConfig, Policy, PolicyConfig, STEADINESS,
+};
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
@@ -116,6 +118,15 @@ pub(crate) struct PolicyOptions {
     /// sampled: pixels of the view on a side of the square that samples lie in.
     #[arg(long, value_name = "PX", default_value_t = MASK_SIDE)]
     mask_size: u32,
+    /// How far the gaze may go before what it leaves becomes coarser, in degrees; 0 follows every
+    /// tremble. For policies that spend no budget.
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = STEADINESS.to_degrees(),
+        allow_negative_numbers = true
+    )]
+    steadiness: f64,
     #[command(flatten)]
     perception: PerceptionOptions,
     /// perceptual: fetch what is salient outside the region that gaze predicts.
@@ -177,6 +188,7 @@ impl PolicyOptions {
             noise_threshold: self.noise_threshold()?,
             thresholds: self.thresholds()?,
             mask: self.mask()?,
+            steadiness: angle("--steadiness", self.steadiness)?,
             perception: self.perception.parameters()?,
             saliency: self.saliency == Switch::On,
         })

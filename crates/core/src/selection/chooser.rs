@@ -1,15 +1,17 @@
 //! Who chooses the levels of a frame: a rule, or what a budget buys?
 
 use super::content::Content;
-use super::policy::{Moment, PolicyConfig, Selection, Selector};
+use super::policy::{Moment, PolicyConfig, Selection};
 use super::refine::Refiner;
+use super::steady::SteadySelector;
 use crate::asset::tile_grid::TileGrid;
 
 /// Chooses frame after frame under one policy, whichever it is.
 #[derive(Clone, Debug)]
 pub enum Chooser {
-    /// A rule: each frame depends on its moment alone.
-    Rule(Box<Selector>),
+    /// A rule: a frame depends on its moment, and on what was shown as far as it keeps levels
+    /// steady.
+    Rule(Box<SteadySelector>),
     /// Step by step, within what can arrive: a frame also depends on what came before.
     Budget(Box<Refiner>),
 }
@@ -21,7 +23,7 @@ impl Chooser {
         if config.policy.spends_a_budget() {
             Self::Budget(Box::new(Refiner::new(grid, config)))
         } else {
-            Self::Rule(Box::new(Selector::new(grid, config)))
+            Self::Rule(Box::new(SteadySelector::new(grid, config)))
         }
     }
 
@@ -39,7 +41,7 @@ impl Chooser {
         budget: Option<u64>,
     ) -> Selection {
         match (self, content) {
-            (Self::Rule(selector), content) => selector.select_of(content, frame, moment),
+            (Self::Rule(selector), content) => selector.select(content, frame, moment),
             (Self::Budget(refiner), Some(content)) => {
                 refiner.refine(content, frame, moment, budget)
             }

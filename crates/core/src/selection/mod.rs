@@ -10,6 +10,7 @@ pub mod policy;
 pub mod refine;
 pub mod session;
 pub mod session_log;
+pub mod steady;
 pub mod worth;
 
 mod need;

@@ -55,6 +55,17 @@ impl Policy {
     }
 }
 
+/// How far a gaze strays that means to stay: fixational eye movements and a tracker's noise.
+pub const STEADINESS: Radians = Radians(core::f64::consts::PI / 180.0);
+
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde calls it with a reference"
+)]
+fn is_none(angle: &Radians) -> bool {
+    angle.0 == 0.0
+}
+
 /// Pixels on a side of a sample mask unless another size is asked for (Kastner 2016).
 pub const MASK_SIDE: u32 = 1920;
 
@@ -123,6 +134,10 @@ pub struct PolicyConfig {
     /// `sampled`: which samples are shown.
     #[serde(default, skip_serializing_if = "MaskConfig::is_default")]
     pub mask: MaskConfig,
+    /// How far the gaze may go before what it leaves becomes coarser, for policies that spend no
+    /// budget; see [`steady`](super::steady).
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub steadiness: Radians,
     /// `perceptual`, `eccentricity`: what a step is worth.
     #[serde(default)]
     pub perception: Parameters,
@@ -146,6 +161,7 @@ impl PolicyConfig {
             noise_threshold: None,
             thresholds: Vec::new(),
             mask: MaskConfig::default(),
+            steadiness: STEADINESS,
             perception: Parameters::default(),
             saliency: false,
         }
@@ -274,7 +290,19 @@ impl Selector {
         frame: u32,
         moment: &Moment,
     ) -> Selection {
-        let mut levels = match self.config.policy {
+        let mut levels = self.levels_of(content, frame, moment);
+        let tiles = levels.cover(&self.grid);
+        Selection { levels, tiles }
+    }
+
+    /// The level that each cell needs; the tiles that show it may be finer.
+    pub(super) fn levels_of(
+        &self,
+        content: Option<&dyn Content>,
+        frame: u32,
+        moment: &Moment,
+    ) -> LevelMap {
+        match self.config.policy {
             Policy::Full => LevelMap::filled(&self.grid, 0),
             Policy::Coarsest => LevelMap::filled(&self.grid, self.grid.coarsest()),
             Policy::Viewport => self.viewport(moment),
@@ -287,9 +315,23 @@ impl Selector {
                     self.config.policy
                 )
             }
-        };
-        let tiles = levels.cover(&self.grid);
-        Selection { levels, tiles }
+        }
+    }
+
+    /// The selector of a viewer who may look up to `slack` beside where the gaze is: its levels are
+    /// as fine or finer. What `acuity` makes of it, it takes from the moment's spread.
+    pub(super) fn loosened(&self, slack: Radians) -> Self {
+        let wider = |angle: Radians| Radians(angle.0 + slack.0);
+        let mut loose = self.clone();
+        loose.thresholds = self.thresholds.iter().copied().map(wider).collect();
+        loose.config.margin = wider(self.config.margin);
+        // A single cell under the gaze becomes all that the gaze is near.
+        loose.config.edge_margin = wider(match self.config.edge_rule {
+            EdgeRule::Conservative => self.config.edge_margin,
+            EdgeRule::Single => Radians(0.0),
+        });
+        loose.config.edge_rule = EdgeRule::Conservative;
+        loose
     }
 
     fn viewport(&self, moment: &Moment) -> LevelMap {
@@ -473,12 +515,16 @@ impl Selector {
         1.0 + outside * ppd.0 / self.grid.blend_pixels()
     }
 
-    /// The footprint under which the display shows no difference; the safety disc is exempt.
+    /// The footprint under which the display shows no difference; the safety disc is exempt. On a
+    /// sphere that of the display's densest corner, so that a head that nods under a steady eye
+    /// changes nothing.
     fn display_limit(&self, moment: &Moment, probe: &Probe) -> f64 {
         let eccentricity = moment.eccentricity(probe.direction);
-        let limit = moment
-            .view
-            .map_or(0.0, |view| display_footprint(&view, probe));
+        let turns = self.grid.surface.projection == Projection::Cube && !moment.is_magnified();
+        let limit = moment.view.map_or(0.0, |view| match turns {
+            true => probe.ppd.0 / view.most_ppd().0,
+            false => display_footprint(&view, probe),
+        });
         limit.min(self.disc_footprint(eccentricity, seen_ppd(moment, probe)))
     }
 }

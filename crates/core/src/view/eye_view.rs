@@ -177,8 +177,7 @@ impl EyeView {
     /// farthest corner.
     #[must_use]
     pub fn ppd_towards(&self, direction: DVec3) -> Ppd {
-        let f = self.field;
-        let corner = [f.left.max(f.right), f.up.max(f.down)];
+        let corner = self.farthest_corner();
         let depth = direction.dot(self.axes.forward);
         let inside = |across: f64, most: f64| {
             if depth <= 1e-9 {
@@ -189,6 +188,24 @@ impl EyeView {
         };
         let a = inside(direction.dot(self.axes.right), corner[0]);
         let b = inside(direction.dot(self.axes.down), corner[1]);
+        self.ppd_at([a, b])
+    }
+
+    /// Pixels per degree in the farthest corner, where they are densest: however the head turns, no
+    /// direction is shown with more.
+    #[must_use]
+    pub fn most_ppd(&self) -> Ppd {
+        self.ppd_at(self.farthest_corner())
+    }
+
+    fn farthest_corner(&self) -> [f64; 2] {
+        let f = self.field;
+        [f.left.max(f.right), f.up.max(f.down)]
+    }
+
+    /// Pixels per degree where the tangents to the right and down are these.
+    fn ppd_at(&self, [a, b]: [f64; 2]) -> Ppd {
+        let f = self.field;
         let pitch_x = (f.left + f.right) / f64::from(self.size[0]);
         let pitch_y = (f.up + f.down) / f64::from(self.size[1]);
         let spacing = Radians(pitch_x.min(pitch_y) / (1.0 + a * a + b * b).sqrt());
