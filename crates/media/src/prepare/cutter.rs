@@ -1,6 +1,7 @@
 //! Which tiles does a source picture become?
 
 use super::plan::{Plan, Surround};
+use crate::encode::Speed;
 use crate::parallel::in_parallel;
 use crate::pyramid::halve;
 use crate::sphere::CubeSampler;
@@ -21,12 +22,13 @@ impl Cutter {
         let source = plan.description.source.size;
         let sampler = match plan.surround {
             Surround::Flat => None,
-            Surround::Equirect(coverage) => Some(CubeSampler::new(
-                source,
-                face,
-                coverage,
-                plan.source_chroma_left,
-            )),
+            Surround::Equirect(coverage) => {
+                let sampler = match plan.speed {
+                    Speed::Default | Speed::Fast => CubeSampler::fast,
+                    Speed::Small | Speed::Reference => CubeSampler::new,
+                };
+                Some(sampler(source, face, coverage, plan.source_chroma_left))
+            }
         };
         Self {
             grid: plan.grid,
