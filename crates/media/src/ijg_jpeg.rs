@@ -1,7 +1,8 @@
 //! How does a picture become a JPEG of a quality that other programs call the same?
 //!
 //! Qualities 1 to 100 scale the tables of annex K of ITU-T T.81 the way the library of the
-//! Independent JPEG Group does. FFmpeg's encoder cannot: it has one quantiser, and fixes that of the mean.
+//! Independent JPEG Group does. FFmpeg's encoder cannot: it has one quantiser, and fixes that of
+//! the mean.
 
 use foveal_core::asset::picture::Picture;
 use jpeg_encoder::{Encoder, EncodingError, ImageBuffer, JpegColorType, SamplingFactor};

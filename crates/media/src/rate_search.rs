@@ -2,7 +2,8 @@
 //!
 //! Encoders steer their quantiser from frame to frame towards a bit rate. In a group of eight
 //! frames that a fresh encoder codes, they have nothing to go by: up to 2.4 times the bytes asked
-//! for were measured. So the group is coded at several fixed quantisers, and the finest that fits is
+//! for were measured. So the group is coded at several fixed quantisers, and the finest that
+//! fits is
 //! taken: all frames of a group are of one quality, and the bytes are never more than asked for
 //! unless the coarsest quantiser takes them.
 

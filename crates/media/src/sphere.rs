@@ -132,7 +132,8 @@ impl CubeSampler {
     }
 
     /// A sampler that takes a widened cubic kernel and remembers where samples look: some ten times
-    /// as fast, a little softer and with a little more aliasing of the finest detail. Takes 12 bytes
+    /// as fast, a little softer and with a little more aliasing of the finest detail. Takes 12
+    /// bytes
     /// a face pixel; sizes that it cannot do are sampled as by [`Self::new`].
     ///
     /// # Panics
