@@ -131,7 +131,7 @@ impl CubeSampler {
         }
     }
 
-    /// A sampler that takes a widened cubic kernel and remembers where samples look: some ten times
+    /// A sampler that takes a widened cubic kernel and remembers where samples look: about twice
     /// as fast, a little softer and with a little more aliasing of the finest detail. Takes 12
     /// bytes
     /// a face pixel; sizes that it cannot do are sampled as by [`Self::new`].
