@@ -18,8 +18,8 @@ const ALIGNMENT: u64 = 128;
 
 /// A decoder for the groups of tiles of one size.
 ///
-/// Codecs that predict keep state from one access unit to the next, so a jump needs [`GroupDecoder::restart`] and
-/// then a key frame. Takes one thread; opening costs about 0.01 ms.
+/// Codecs that predict keep state from one access unit to the next, so a jump needs
+/// [`GroupDecoder::restart`] and then a key frame. Takes one thread; opening costs about 0.01 ms.
 pub struct GroupDecoder {
     codec: Codec,
     size: [u32; 2],

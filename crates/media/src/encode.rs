@@ -47,13 +47,13 @@ pub enum Speed {
 /// What decides how many bytes pictures take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rate {
-    /// A fixed quantiser, lower is finer: VP8, VP9 and AV1 0-63, H.264 and HEVC 0-51, JPEG 1-31; PNG
-    /// is lossless and ignores it.
+    /// A fixed quantiser, lower is finer: VP8, VP9 and AV1 0-63, H.264 and HEVC 0-51, JPEG 1-31;
+    /// PNG is lossless and ignores it.
     Quantiser(u8),
     /// JPEG with the Independent JPEG Group's tables at this quality, 1-100, higher is finer.
     Ijg(u8),
-    /// The finest quantiser at which the group takes at most so many bits per second, for the codecs
-    /// that predict; takes four to six times as long.
+    /// The finest quantiser at which the group takes at most so many bits per second, for the
+    /// codecs that predict; takes four to six times as long.
     Bits(u32),
 }
 

@@ -1,7 +1,8 @@
 //! How does a picture become a JPEG of a quality that other programs call the same?
 //!
-//! Qualities 1 to 100 scale the tables of annex K of ITU-T T.81 the way the Independent JPEG Group's
-//! library does. FFmpeg's encoder cannot: it has one quantiser, and fixes that of the mean.
+//! Qualities 1 to 100 scale the tables of annex K of ITU-T T.81 the way the library of the
+//! Independent JPEG Group does. FFmpeg's encoder cannot: it has one quantiser, and fixes that of
+//! the mean.
 
 use foveal_core::asset::picture::Picture;
 use jpeg_encoder::{Encoder, EncodingError, ImageBuffer, JpegColorType, SamplingFactor};
@@ -54,10 +55,10 @@ impl ImageBuffer for Rows<'_> {
         let width = usize::from(self.size[0]);
         buffers[0].extend_from_slice(&self.picture.planes[0][usize::from(y) * width..][..width]);
         let columns = width.div_ceil(2);
-        for p in 1..3 {
-            let row = &self.picture.planes[p][usize::from(y / 2) * columns..][..columns];
+        for (plane, buffer) in self.picture.planes.iter().zip(buffers).skip(1) {
+            let row = &plane[usize::from(y / 2) * columns..][..columns];
             let doubled = row.iter().flat_map(|sample| [*sample; 2]);
-            buffers[p].extend(doubled.take(width));
+            buffer.extend(doubled.take(width));
         }
     }
 }

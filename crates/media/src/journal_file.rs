@@ -1,7 +1,8 @@
 //! How does a preparation that was stopped go on where it was?
 //!
-//! Beside a pack that grows lies a journal ([`foveal_core::asset::pack::Journal`]) that tells how far
-//! the pack is good. It is made at the first step and goes away when the pack is whole, so there is
+//! Beside a pack that grows lies a journal ([`foveal_core::asset::pack::Journal`]) that tells how
+//! far the pack is good. It is made at the first step and goes away when the pack is whole, so
+//! there is
 //! at most one for each name of a pack.
 
 use foveal_core::asset::pack::{

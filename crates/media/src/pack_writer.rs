@@ -174,7 +174,8 @@ impl PackWriter {
         PackFileError::Io {
             path: self.path.clone(),
             what: format!(
-                "cannot be written after {} bytes; free space there or choose another --out ({left})",
+                "cannot be written after {} bytes; free space there or choose another --out \
+                 ({left})",
                 self.builder.end()
             ),
             source,

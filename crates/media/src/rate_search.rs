@@ -1,9 +1,10 @@
 //! Which quantiser brings a group to the bytes that it may take?
 //!
-//! Encoders steer their quantiser from frame to frame towards a bit rate. In a group of eight frames
-//! that a fresh encoder codes, they have nothing to go by: up to 2.4 times the bytes asked for were
-//! measured. So the group is coded at fixed quantisers, four or five times, and the finest that fits
-//! is taken: all frames of a group are of one quality, and the bytes are never more than asked for
+//! Encoders steer their quantiser from frame to frame towards a bit rate. In a group of eight
+//! frames that a fresh encoder codes, they have nothing to go by: up to 2.4 times the bytes asked
+//! for were measured. So the group is coded at several fixed quantisers, and the finest that
+//! fits is
+//! taken: all frames of a group are of one quality, and the bytes are never more than asked for
 //! unless the coarsest quantiser takes them.
 
 /// Quantiser steps in which bytes halve, about, in all codecs: the first guess only.

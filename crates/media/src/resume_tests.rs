@@ -37,7 +37,10 @@ fn run(
         };
         prepare_resumable(clip, out, &plan, go_on, &mut tell)
     }));
-    let ended = ended.is_ok_and(|ended| ended.map(|_| ()).unwrap() == ());
+    let ended = ended.is_ok_and(|ended| {
+        ended.unwrap();
+        true
+    });
     (notes, ended)
 }
 

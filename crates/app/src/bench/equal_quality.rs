@@ -79,7 +79,10 @@ fn groups_of(frames: &[Picture], tile: u32) -> Vec<Vec<Picture>> {
     let place = |n: u32| {
         // Two steps that share no factor with the count visit all columns and rows.
         let [x, y] = [n * 5 % PLACES, n * 7 % PLACES];
-        [across * x / (PLACES - 1) & !1, down * y / (PLACES - 1) & !1]
+        [
+            (across * x / (PLACES - 1)) & !1,
+            (down * y / (PLACES - 1)) & !1,
+        ]
     };
     let cut = |n| {
         frames

@@ -42,7 +42,8 @@ pub(crate) struct PrepareBenchArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "generate")]
     input: Option<PathBuf>,
     /// Frames of each clip.
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=600))]
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=600))]
     frames: u32,
     /// Threads (default: all cores).
     #[arg(long, value_name = "N")]

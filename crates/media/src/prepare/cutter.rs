@@ -3,6 +3,7 @@
 use super::plan::Plan;
 use super::surround::Surround;
 use crate::cube_layout::CubeLayout;
+use crate::encode::Speed;
 use crate::eye_layout::EyeLayout;
 use crate::parallel::in_parallel;
 use crate::pyramid::halve;
@@ -37,8 +38,11 @@ impl Cutter {
         let turn = match plan.surround {
             Surround::Flat => Turn::Flat,
             Surround::Equirect(coverage) => {
-                let sampler = CubeSampler::new(plan.eye_size, face, coverage, left);
-                Turn::Sphere(Box::new(sampler))
+                let sampler = match plan.speed {
+                    Speed::Default | Speed::Fast => CubeSampler::fast,
+                    Speed::Small | Speed::Reference => CubeSampler::new,
+                };
+                Turn::Sphere(Box::new(sampler(plan.eye_size, face, coverage, left)))
             }
             Surround::Cube(layout) => Turn::Cube(layout, left),
         };

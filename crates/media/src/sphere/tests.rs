@@ -125,6 +125,53 @@ fn a_sphere_survives_the_way_to_the_cube_and_back() {
 }
 
 #[test]
+fn the_fast_way_shows_what_the_exact_one_does() {
+    for (w, face) in [(1024, 256), (960, 240), (512, 128)] {
+        for (coverage, given) in [(Coverage::Full, w), (Coverage::FrontHalf, w / 2)] {
+            for siting in [Siting::Centre, Siting::Left] {
+                let left = matches!(siting, Siting::Left);
+                for axis in AXES {
+                    let plate = zone_plate(DVec3::from_array(axis), 0.2, face);
+                    let whole = equirect_of([w, w / 2], siting, plate);
+                    let source = whole.crop([(w - given) / 2, 0], [given, w / 2]);
+                    let size = [given, w / 2];
+                    let fast = CubeSampler::fast(size, face, coverage, left);
+                    assert!(fast.fast.is_some(), "{w}");
+                    let fast = fast.cube_from_equirect(&source, 2);
+                    let exact = CubeSampler::new(size, face, coverage, left);
+                    let exact = exact.cube_from_equirect(&source, 2);
+                    for (f, (fast, exact)) in fast.iter().zip(&exact).enumerate() {
+                        for p in 0..3 {
+                            let reached = psnr(&fast.planes[p], &exact.planes[p]);
+                            let pairs = fast.planes[p].iter().zip(&exact.planes[p]);
+                            let most = pairs.map(|(a, b)| a.abs_diff(*b)).max();
+                            let what = format!("{w} {coverage:?} {axis:?} face {f} plane {p}");
+                            assert!(reached > 36.0, "{what}: {reached:.1} dB, {most:?}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_fast_way_keeps_constants_and_does_not_depend_on_threads() {
+    for size in [[512, 256], [1000, 500], [130, 65], [64, 32]] {
+        let sampler = CubeSampler::fast(size, 128, Coverage::Full, true);
+        for face in sampler.cube_from_equirect(&Picture::filled(size[0], size[1], [77, 99, 201]), 3)
+        {
+            assert_eq!(face, Picture::filled(128, 128, [77, 99, 201]), "{size:?}");
+        }
+    }
+    let plate = zone_plate(DVec3::new(0.2, 1.0, 0.1), 0.4, 128);
+    let equirect = equirect_of([512, 256], Siting::Left, plate);
+    let sampler = CubeSampler::fast([512, 256], 128, Coverage::Full, true);
+    let one = sampler.cube_from_equirect(&equirect, 1);
+    assert_eq!(one, sampler.cube_from_equirect(&equirect, 5));
+}
+
+#[test]
 fn a_constant_stays_constant_at_any_size() {
     for size in [[64, 32], [100, 50], [66, 34], [1000, 333], [2, 2], [30, 90]] {
         for (face, coverage) in [
@@ -267,6 +314,10 @@ fn conversion_speed() {
             let rate = f64::from(w * w / 2) / seconds / 1e6;
             println!("{w}: {jobs} jobs {seconds:.3} s, {rate:.1} MPix/s of luma");
         }
+        let fast = CubeSampler::fast([w, w / 2], face, Coverage::Full, true);
+        let start = std::time::Instant::now();
+        std::hint::black_box(fast.cube_from_equirect(&equirect, 1));
+        println!("{w}: fast, 1 job {:.3} s", start.elapsed().as_secs_f64());
         let cube = sampler.cube_from_equirect(&equirect, 2);
         let start = std::time::Instant::now();
         std::hint::black_box(equirect_from_cube(&cube, [w, w / 2], 2));
