@@ -12,6 +12,7 @@ mod full;
 mod gaze_events;
 mod gaze_head;
 mod journey;
+mod layouts;
 mod live_gaze;
 mod no_adapter;
 mod numbers;
