@@ -8,7 +8,8 @@ use libfuzzer_sys::fuzz_target;
 fuzz_target!(|data: &[u8]| {
     if let Ok(table) = SoundTable::parse(1, data) {
         assert_eq!(table.write(), data);
-        let bytes: usize = (0..table.packets()).filter_map(|n| table.packet(n)).map(<[u8]>::len).sum();
+        let packets = (0..table.packets()).filter_map(|number| table.packet(number));
+        let bytes: usize = packets.map(<[u8]>::len).sum();
         assert!(bytes <= data.len());
     }
 });

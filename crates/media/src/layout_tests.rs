@@ -239,3 +239,54 @@ fn damaged_boxes_of_projection_and_stereo_are_survived() {
     }
     assert!(opened > 0, "most damage leaves a readable file");
 }
+
+#[test]
+fn names_and_sizes_say_what_is_taken_for_what() {
+    let clip = write_clip("mkv", ClipCodec::Ffv1, &group([64, 64], 1, 1));
+    let plain = VideoInput::open(&clip).unwrap().info().clone();
+    let auto = settings(ProjectionChoice::Auto, Codec::Png);
+    for (name, size, eyes, face, faces) in [
+        ("film.mp4", [1920, 1080], 1, [1920, 1080], 1),
+        ("photo.jpg", [6000, 4000], 1, [6000, 4000], 1),
+        ("wide.png", [12_000, 3000], 1, [12_000, 3000], 1),
+        ("tour.mp4", [4096, 2048], 1, [1024, 1024], 6),
+        ("tour_180.mp4", [5760, 2880], 2, [1440, 1440], 6),
+        ("tour_180_LR.mp4", [5760, 2880], 2, [1440, 1440], 6),
+        ("tour_180.mp4", [2880, 2880], 1, [1440, 1440], 6),
+        ("tour_360_TB.mp4", [4096, 4096], 2, [1024, 1024], 6),
+        ("tour_360_TB.mp4", [4096, 2048], 2, [1024, 1024], 6),
+        ("tour_360_SBS.mp4", [4096, 2048], 2, [1024, 1024], 6),
+        ("film_sbs.mkv", [3840, 1080], 2, [1920, 1080], 1),
+        ("film_hsbs.mkv", [1920, 1080], 2, [960, 1080], 1),
+        ("strip.mp4", [6144, 1024], 1, [1024, 1024], 6),
+        ("room_cube.mp4", [3072, 2048], 1, [1024, 1024], 6),
+        ("market_cube.png", [12_000, 3000], 1, [3000, 3000], 4),
+        ("room_cube_TB.mp4", [3072, 4096], 2, [1024, 1024], 6),
+    ] {
+        let info = crate::SourceInfo {
+            width: size[0],
+            height: size[1],
+            ..plain.clone()
+        };
+        let plan = crate::prepare::Plan::new(name.as_ref(), &info, &auto).unwrap();
+        let surface = plan.grid.surface;
+        let found = (surface.eyes, surface.size, surface.faces_of_an_eye());
+        assert_eq!(
+            found,
+            (eyes, face, faces),
+            "{name} {size:?}: {:?}",
+            plan.notes
+        );
+        assert!(
+            plan.notes.iter().any(|note| note.contains("taken for")),
+            "{name}"
+        );
+    }
+    let info = crate::SourceInfo {
+        width: 3072,
+        height: 2048,
+        ..plain
+    };
+    let error = crate::prepare::Plan::new("room_eac.webm".as_ref(), &info, &auto).unwrap_err();
+    assert!(error.to_string().contains("v360=eac:c3x2"), "{error}");
+}

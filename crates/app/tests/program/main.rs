@@ -14,6 +14,7 @@ mod gaze_events;
 mod gaze_head;
 mod journey;
 mod kastner;
+mod layouts;
 mod live_gaze;
 mod no_adapter;
 mod numbers;

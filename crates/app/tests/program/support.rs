@@ -146,7 +146,7 @@ pub(crate) fn assert_keys(value: &Value, keys: &[&str]) {
 /// An RGB picture read back from a file.
 pub(crate) struct Rgb {
     pub(crate) size: [u32; 2],
-    pixels: Vec<u8>,
+    pub(crate) pixels: Vec<u8>,
 }
 
 impl Rgb {

@@ -9,7 +9,8 @@ const OUT: f64 = 1e-6;
 const ALONG: f64 = 1e-3;
 
 /// The cells that share an edge or a corner with `cell`, without itself: eight inside a face, fewer
-/// at the border of flat content or of a face without a neighbour, and seven in the corner of a cube face, where three faces meet.
+/// at the border of flat content or of a face without a neighbour, and seven in the corner of a
+/// cube face, where three faces meet.
 #[must_use]
 pub(super) fn neighbours(grid: &TileGrid, cell: Tile) -> Vec<Tile> {
     let from = grid.origin(cell).map(f64::from);

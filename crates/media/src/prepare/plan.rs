@@ -143,16 +143,7 @@ impl Plan {
                 .map_or(1, |frames| frames.clamp(1, 1 << 24) as u32),
             frame_rate,
             colour,
-            source: Source {
-                name: input
-                    .file_name()
-                    .unwrap_or_default()
-                    .to_string_lossy()
-                    .into_owned(),
-                size: [info.width, info.height],
-                bytes: info.bytes,
-                codec: info.codec.clone(),
-            },
+            source: source_of(input, info),
             tables: Vec::new(),
         };
         describe(&rates, &mut description);
@@ -209,6 +200,16 @@ fn losses(info: &SourceInfo) -> Vec<String> {
         notes.push(format!("{} is brought to 8-bit 4:2:0", info.pixel_format));
     }
     notes
+}
+
+fn source_of(input: &Path, info: &SourceInfo) -> Source {
+    let name = input.file_name().unwrap_or_default();
+    Source {
+        name: name.to_string_lossy().into_owned(),
+        size: [info.width, info.height],
+        bytes: info.bytes,
+        codec: info.codec.clone(),
+    }
 }
 
 /// What becomes of the sound, where that is not what one expects.

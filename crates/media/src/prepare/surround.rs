@@ -263,8 +263,8 @@ impl Found<'_> {
         };
         if self.words.names_equiangular() {
             return Err(
-                "is an equi-angular cube by its name, which cannot be prepared; make it a plain one \
-                 with `ffmpeg -i FILE -vf v360=eac:c3x2 OUT` and give --projection cube"
+                "is an equi-angular cube by its name, which cannot be prepared; make it a plain \
+                 one with `ffmpeg -i FILE -vf v360=eac:c3x2 OUT` and give --projection cube"
                     .to_owned(),
             );
         }
