@@ -311,7 +311,9 @@ mod tests {
     proptest! {
         #[test]
         fn any_way_through_flat_content_stays_on_it(
-            steps in prop::collection::vec((-500.0..500.0f64, -500.0..500.0f64, 0.5..2.0f64), 1..20),
+            steps in prop::collection::vec(
+                (-500.0..500.0f64, -500.0..500.0f64, 0.5..2.0f64), 1..20,
+            ),
             size in (1u32..3000, 1u32..3000),
             window in (1u32..2000, 1u32..2000),
         ) {
