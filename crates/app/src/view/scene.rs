@@ -137,10 +137,8 @@ impl Scene {
         let widest = widest.min(1.0);
         self.zoom = (self.zoom * factor).clamp(widest, (CLOSEST / whole).max(1.0));
         let after = self.scale(pane);
-        for k in 0..2 {
-            let off = place[k] - f64::from(pane.size[k]) / 2.0;
-            self.centre[k] += off / before - off / after;
-        }
+        let off = [0, 1].map(|k| place[k] - f64::from(pane.size[k]) / 2.0);
+        self.centre = [0, 1].map(|k| self.centre[k] + off[k] / before - off[k] / after);
         self.keep_inside(pane);
     }
 
