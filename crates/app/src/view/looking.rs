@@ -6,6 +6,7 @@
 use super::choice::Aim;
 use super::scene::Shown;
 use crate::gaze::{GazeChoice, GazeSource, Viewer, parse_gaze};
+use anyhow::anyhow;
 use foveal_core::gaze::loss::HOLD;
 use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
 use foveal_core::gaze::spread::GazeEvidence;
@@ -30,7 +31,7 @@ pub(crate) fn parse_window_gaze(text: &str) -> anyhow::Result<WindowGaze> {
     Ok(match text {
         "mouse" => WindowGaze::Mouse,
         "center" | "centre" => WindowGaze::Centre,
-        _ => WindowGaze::Other(parse_gaze(text)?),
+        _ => WindowGaze::Other(parse_gaze(text).map_err(|error| anyhow!("mouse, or: {error}"))?),
     })
 }
 

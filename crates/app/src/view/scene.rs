@@ -137,10 +137,8 @@ impl Scene {
         let widest = widest.min(1.0);
         self.zoom = (self.zoom * factor).clamp(widest, (CLOSEST / whole).max(1.0));
         let after = self.scale(pane);
-        for k in 0..2 {
-            let off = place[k] - f64::from(pane.size[k]) / 2.0;
-            self.centre[k] += off / before - off / after;
-        }
+        let off = [0, 1].map(|k| place[k] - f64::from(pane.size[k]) / 2.0);
+        self.centre = [0, 1].map(|k| self.centre[k] + off[k] / before - off[k] / after);
         self.keep_inside(pane);
     }
 
@@ -313,7 +311,9 @@ mod tests {
     proptest! {
         #[test]
         fn any_way_through_flat_content_stays_on_it(
-            steps in prop::collection::vec((-500.0..500.0f64, -500.0..500.0f64, 0.5..2.0f64), 1..20),
+            steps in prop::collection::vec(
+                (-500.0..500.0f64, -500.0..500.0f64, 0.5..2.0f64), 1..20,
+            ),
             size in (1u32..3000, 1u32..3000),
             window in (1u32..2000, 1u32..2000),
         ) {

@@ -253,7 +253,11 @@ impl Open {
             }
             WindowEvent::CursorMoved { position, .. } => self.point([position.x, position.y]),
             WindowEvent::CursorLeft { .. } => self.viewer.pointer.leave(now),
-            WindowEvent::MouseInput { state, button, .. } if button == MouseButton::Left => {
+            WindowEvent::MouseInput {
+                state,
+                button: MouseButton::Left,
+                ..
+            } => {
                 self.dragging = state == ElementState::Pressed;
             }
             WindowEvent::MouseWheel { delta, .. } => self.wheel(match delta {

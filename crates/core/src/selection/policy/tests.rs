@@ -391,3 +391,56 @@ fn out_of_view_nothing_is_finer_than_the_coarsest_level() {
     }
     assert!(kept > 50 && dropped > 100, "{kept} {dropped}");
 }
+
+/// A window of 1280x720 on a sphere whose picture fills `at_eye` times its own angles at the eye.
+fn window(field: f64, at_eye: Option<f64>, yaw: f64) -> Moment {
+    let size = [1280, 720];
+    let own = Field::across(Radians::from_degrees(field), size);
+    let seen = at_eye.map(|share| [own.left, own.right, own.up, own.down].map(|t| t * share));
+    Moment {
+        view: Some(EyeView {
+            axes: Axes::FRONT,
+            field: Field {
+                at_eye: seen,
+                ..own
+            },
+            size,
+            eye: Eye::Left,
+        }),
+        ..degrees(yaw, 0.0)
+    }
+}
+
+#[test]
+fn a_window_that_fills_the_angles_of_its_content_shows_what_any_view_of_it_shows() {
+    let selector = cube_16k(PolicyConfig::new(Policy::Acuity));
+    for yaw in [0.0, 20.0, -35.0] {
+        let plain = selector.select(&window(90.0, None, yaw)).levels;
+        let same = selector.select(&window(90.0, Some(1.0), yaw)).levels;
+        let view = window(90.0, None, yaw).view.unwrap();
+        let grid = selector.grid();
+        for cell in grid.tiles_of(0) {
+            if in_view(&view, grid.centre(cell), Radians(0.0)) {
+                assert_eq!(plain.level(grid, cell), same.level(grid, cell), "{cell:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_shown_smaller_is_nearer_to_the_gaze_and_what_is_not_shown_is_coarsest() {
+    let selector = cube_16k(PolicyConfig::new(Policy::Acuity));
+    let grid = selector.grid();
+    let small = window(90.0, Some(0.2), 0.0);
+    let whole = window(90.0, Some(1.0), 0.0);
+    let eccentricity = |moment: &Moment| {
+        let aside = crate::view::axes::direction_from_yaw_pitch(Radians(0.5), Radians(0.0));
+        moment.eccentricity(aside).to_degrees()
+    };
+    assert!((eccentricity(&whole) - Radians(0.5).to_degrees()).abs() < 1e-9);
+    assert!(eccentricity(&small) < 0.25 * eccentricity(&whole));
+    let levels = selector.select(&small).levels;
+    let behind = grid.cell_at(2, [2000.0, 2000.0]);
+    assert_eq!(levels.level(grid, behind), grid.coarsest());
+    assert_eq!(small.eccentricity(-Axes::FRONT.forward).to_degrees(), 180.0);
+}
