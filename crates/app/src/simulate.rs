@@ -105,7 +105,7 @@ enum Reconstruction {
 enum InterpolationName {
     /// The nearest sample, as published.
     Nearest,
-    /// The nearest sample and those that touch it, by distance.
+    /// The nearest sample and those that touch it, by distance, each the mean of its surroundings.
     Blended,
 }
 
@@ -201,7 +201,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let about = file.pack().description();
     let args = &args.with_preset(about.projection);
     let config = args.config()?;
-    let config_policy = config.policy;
+    let showing = args.showing(config.policy)?;
     let frames = args.frames.unwrap_or(about.frames).min(about.frames);
     if args.frames.is_some_and(|asked| asked > frames) {
         output::say(&format!(
@@ -218,7 +218,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             view: args.view.eye_view(&surface)?,
             screen: args.view.screen,
             drawing: Drawing::open(args.renderer)?,
-            showing: args.showing(config_policy)?,
+            showing,
             paced: args.paced,
             bytes_per_s: args.watching.link().bytes_per_s,
             jobs: output::jobs(args.jobs)?,
