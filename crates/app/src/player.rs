@@ -28,7 +28,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::{Projection, Screen};
 use foveal_media::decode_pool::{DecodePool, DecodedTile, TileError};
 use foveal_media::pack_file::PackFile;
-use foveal_render::{RadialBlur, RgbaImage};
+use foveal_render::{Interpolation, RadialBlur, RgbaImage};
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -166,7 +166,8 @@ impl Player {
         let budget = spends.then(|| Budget::new(options.bytes_per_s));
         let mut canvas = Canvas::new(&options.drawing, &grid, about.colour, options.showing)?;
         let samples = options.config.policy == Policy::Sampled;
-        let sampling = samples.then(|| Sampling::new(&options.config, &options.view));
+        let averages = options.showing.interpolation == Interpolation::Blended;
+        let sampling = samples.then(|| Sampling::new(&options.config, &options.view, averages));
         if let Some(sampling) = &sampling {
             canvas.sample_by(&sampling.mask, options.showing.interpolation)?;
         }

@@ -28,6 +28,8 @@ pub(crate) fn sample_count(config: &PolicyConfig, view: &EyeView) -> u32 {
 /// A mask, and what was gathered for it.
 pub(crate) struct Sampling {
     pub(crate) mask: SampleMask,
+    /// Whether a sample is the mean of what it stands for, not of its own pixel alone.
+    averages: bool,
     /// Decoded tiles of the frame.
     tiles: BTreeMap<Tile, Picture>,
 }
@@ -40,10 +42,11 @@ pub(crate) struct Samples {
 
 impl Sampling {
     /// The mask of a policy in a view.
-    pub(crate) fn new(config: &PolicyConfig, view: &EyeView) -> Self {
+    pub(crate) fn new(config: &PolicyConfig, view: &EyeView, averages: bool) -> Self {
         let shape = mask_shape(config, view);
         Self {
             mask: SampleMask::new(&shape, config.mask.samples),
+            averages,
             tiles: BTreeMap::new(),
         }
     }
@@ -70,7 +73,13 @@ impl Sampling {
         let gather = Gather::new(grid, &self.tiles, footprint);
         Samples {
             corner,
-            codes: gather.codes(view, corner, &self.mask.places),
+            codes: gather.codes(view, corner, &self.mask.places, |place| {
+                if self.averages {
+                    self.mask.spacing(place)
+                } else {
+                    1.0
+                }
+            }),
         }
     }
 }

@@ -130,7 +130,7 @@ enum Reconstruction {
 enum InterpolationName {
     /// The nearest sample, as published.
     Nearest,
-    /// The nearest sample and those that touch it, by distance.
+    /// The nearest sample and those that touch it, by distance, each the mean of its surroundings.
     Blended,
 }
 
@@ -226,7 +226,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let about = file.pack().description();
     let args = &args.with_preset(about.projection);
     let config = args.config()?;
-    let config_policy = config.policy;
+    let showing = args.showing(config.policy)?;
     let frames = args.frames_to_play(about.frames)?;
     let fps = about.frame_rate;
     let surface = about.grid(args.view.screen).surface;
@@ -237,7 +237,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             view: args.view.eye_view(&surface)?,
             screen: args.view.screen,
             drawing: Drawing::open(args.renderer)?,
-            showing: args.showing(config_policy)?,
+            showing,
             paced: args.paced,
             judged: true,
             bytes_per_s: args.watching.link().bytes_per_s,

@@ -11,7 +11,7 @@ use common::{FULL, Scene, turned, waves, waves_around};
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Surface;
-use foveal_render::{Gpu, RenderError, Renderer};
+use foveal_render::{Gpu, RadialBlur, RenderError, Renderer};
 use std::time::Instant;
 
 const SIZE: [u32; 2] = [1280, 720];
@@ -95,6 +95,26 @@ fn measure(gpu: &Gpu, scene: &Scene, view: &EyeView, name: &str) -> Result<(), R
     Ok(())
 }
 
+/// Prints what the blur costs on top of a picture.
+fn time_blur(gpu: &Gpu, scene: &Scene, view: &EyeView, name: &str) -> Result<(), RenderError> {
+    let mut renderer = scene.on_gpu(gpu, &foveated(&scene.grid));
+    let gaze = view.ray(view.size.map(|side| f64::from(side) / 2.0));
+    let mut each = |blur| -> Result<f64, RenderError> {
+        renderer.radial_blur = blur;
+        renderer.reconstruct(view)?;
+        let cpu = cpu_ms();
+        for _ in 0..FRAMES {
+            renderer.reconstruct(view)?;
+        }
+        Ok((cpu_ms() - cpu) / FRAMES as f64)
+    };
+    let sharp = each(None)?;
+    let blurred = each(Some(RadialBlur::round(gaze.normalize())))?;
+    let more = (blurred / sharp - 1.0) * 100.0;
+    println!("{name:20} blur: CPU {sharp:.1} ms to {blurred:.1} ms, {more:.0} % more");
+    Ok(())
+}
+
 /// Prints what the twin needs for one picture.
 fn time_twin(scene: &Scene, view: &EyeView) {
     let memory = scene.in_memory(&foveated(&scene.grid));
@@ -140,6 +160,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         &cube,
         &turned([5.0, 3.0, 0.0], 50.0, SIZE),
         "cube 50 degrees",
+    )?;
+    let one_to_one = common::window(&flat, middle, SIZE, 1.0);
+    time_blur(&gpu, &plane, &one_to_one, "plane 1 to 1")?;
+    time_blur(
+        &gpu,
+        &cube,
+        &turned([20.0, 10.0, 0.0], 90.0, SIZE),
+        "cube 90 degrees",
     )?;
     time_twin(&plane, &common::window(&flat, middle, SIZE, 1.0));
     time_twin(&cube, &turned([5.0, 3.0, 0.0], 50.0, SIZE));

@@ -9,6 +9,7 @@ use crate::error::RenderError;
 use crate::level_map::shown_map;
 use crate::params::{TileParams, ViewParams};
 use crate::passes::Target;
+#[cfg(not(target_arch = "wasm32"))]
 use crate::readback::ReadBack;
 use crate::residency::check;
 use crate::screen_pass::{Reads, ScreenPass, buffer};

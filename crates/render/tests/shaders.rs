@@ -3,8 +3,11 @@
 
 use foveal_core::view::surface::Projection;
 use foveal_render::importance::{Band, Eye};
-use foveal_render::params::{Overlay, TileParams, ViewParams};
-use foveal_render::shaders::{Shader, importance, overlay, reconstruct};
+use foveal_render::params::{BlurParams, Overlay, SparseParams, TileParams, ViewParams};
+use foveal_render::shaders::{
+    Shader, blur_halve, blur_radial, importance, interpolate_sparse, overlay, reconstruct,
+    reconstruct_textures,
+};
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Module, TypeInner};
@@ -13,7 +16,15 @@ use std::mem::offset_of;
 fn all() -> Vec<(Shader, Projection)> {
     [Projection::Flat, Projection::Cube]
         .into_iter()
-        .flat_map(|p| [(reconstruct(p), p), (overlay(p), p)])
+        .flat_map(|p| {
+            let over_tiles = [
+                reconstruct,
+                overlay,
+                interpolate_sparse,
+                reconstruct_textures,
+            ];
+            over_tiles.map(|shader| (shader(p), p))
+        })
         .collect()
 }
 
@@ -46,6 +57,31 @@ macro_rules! same_layout {
         let expected = vec![$((stringify!($field).to_owned(), offset_of!($ty, $field) as u32)),*];
         assert_eq!(layout(&$module, $name), (size_of::<$ty>() as u32, expected), $name);
     };
+}
+
+#[test]
+fn the_blur_is_valid_with_no_capability_that_a_browser_lacks() {
+    for shader in [blur_halve(), blur_radial()] {
+        let module = parsed(&shader);
+        Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{}: {e:?}", shader.name));
+    }
+    let module = parsed(&blur_radial());
+    same_layout!(
+        module,
+        "Blur",
+        BlurParams,
+        [
+            ray_from_pixel,
+            gaze,
+            fovea_chord,
+            fovea,
+            growth,
+            pitch,
+            last
+        ]
+    );
 }
 
 #[test]
@@ -160,6 +196,22 @@ fn uniforms_have_one_layout_in_rust_and_in_wgsl() {
             ]
         );
         same_layout!(module, "View", ViewParams, [content_from_pixel, first_face]);
+        if shader.name == "interpolate_sparse" {
+            same_layout!(
+                module,
+                "Sparse",
+                SparseParams,
+                [
+                    corner,
+                    side,
+                    blends,
+                    spacing_step,
+                    unused,
+                    unused_pair,
+                    spacings
+                ]
+            );
+        }
         if shader.name == "overlay" {
             same_layout!(
                 module,

@@ -1,7 +1,7 @@
 //! Does the program do what the two frameworks of Kastner 2016 do?
 
-use crate::scenes::{noisy_clip, write_clip};
-use crate::support::{Folder, done, json, refused};
+use crate::scenes::{noisy_clip, waves, write_clip};
+use crate::support::{Folder, done, frame_picture, json, refused};
 use foveal_core::asset::picture::Picture;
 use serde_json::json;
 
@@ -149,4 +149,150 @@ fn what_needs_content_is_refused_without_it() {
         &[&WIDE[..], &wrong[..]].concat(),
         &["--noise-threshold", "0 to 16384"],
     );
+}
+
+#[test]
+fn the_published_mask_is_2_08_percent_of_8k() {
+    let one = json(&WIDE);
+    assert_eq!(one["pixels"], json!(690_926));
+    assert_eq!((one["share"].as_f64().unwrap() * 1e4).round(), 208.0);
+    let wanted = json(&[
+        "select",
+        "--projection",
+        "flat",
+        "--size",
+        "7680x4320",
+        "--policy",
+        "sampled",
+    ]);
+    let samples = wanted["pixels"].as_u64().unwrap();
+    assert!((14_000..=42_000).contains(&samples), "{samples}");
+    let wrong = |option: &'static str, value: &'static str| [&WIDE[..], &[option, value]].concat();
+    refused(2, &wrong("--samples", "0"), &["--samples", "1 to"]);
+    refused(2, &wrong("--samples", "3686401"), &["--samples", "3686400"]);
+    refused(2, &wrong("--mask-size", "0"), &["--mask-size", "1 to 4096"]);
+}
+
+/// A pack of soft waves, 512 x 256, as the preset cuts it.
+fn wave_pack(folder: &Folder) -> String {
+    let clip = write_clip(folder, "w.mkv", &waves([512, 256], 2));
+    let pack = folder.name("w.foveal");
+    let how = ["--preset", "kastner-2016", "--codec", "png"];
+    done(&[&["prepare", "video", &clip, "--out", &pack], &how[..]].concat());
+    pack
+}
+
+#[test]
+fn samples_show_the_whole_picture_near_the_gaze_and_something_everywhere() {
+    let folder = Folder::new();
+    let pack = wave_pack(&folder);
+    let play = |name: &str, options: &[&str]| {
+        let out = folder.name(name);
+        let how = [
+            "--gaze", "-20,9", "--frames", "1", "--view", "512x256", "--out", &out,
+        ];
+        let run = json(&[&["simulate", &pack], &how[..], options].concat());
+        (frame_picture(&out, 0), run)
+    };
+    let (whole, _) = play("whole", &["--policy", "full"]);
+    let masked = [
+        "--samples",
+        "40000",
+        "--mask-size",
+        "480",
+        "--preset",
+        "kastner-2016",
+    ];
+    for (n, options) in [
+        &[][..],
+        &["--renderer", "cpu"],
+        &["--interpolation", "blended"],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let (shown, run) = play(&format!("sampled {n}"), &[&masked[..], options].concat());
+        assert_eq!(run["pixels_share_mean"], json!(40_000.0 / (512.0 * 256.0)));
+        assert_eq!(run["wrong_frame_tiles"], json!(0));
+        let (mut near, mut sum) = (0, 0);
+        for place in whole.places() {
+            let (a, b) = (whole.at(place), shown.at(place));
+            let apart = (0..3)
+                .map(|k| u32::from(a[k].abs_diff(b[k])))
+                .max()
+                .unwrap();
+            // The gaze is at pixel (51, 33); 2.5° are 25 pixels.
+            if place[0].abs_diff(51) < 14 && place[1].abs_diff(33) < 14 {
+                near = near.max(apart);
+            }
+            sum += apart;
+        }
+        // Near the gaze only chroma differs, which samples take unfiltered; elsewhere a hole, or
+        // a sample of nothing, would be far off.
+        assert!(near <= 14, "{options:?}: {near}");
+        assert!(sum / (512 * 256) < 20, "{options:?}: {sum}");
+    }
+}
+
+#[test]
+fn a_texture_for_every_level_takes_1_0664_of_the_finest_and_draws_on_both_sides() {
+    let folder = Folder::new();
+    let pack = wave_pack(&folder);
+    let play = |name: &str, options: &[&str]| {
+        let out = folder.name(name);
+        let how = [
+            "--policy", "distance", "--gaze", "0,0", "--frames", "1", "--out", &out,
+        ];
+        let run = json(&[&["simulate", &pack], &how[..], options].concat());
+        (frame_picture(&out, 0), run["gpu_bytes"].as_f64().unwrap())
+    };
+    let (gpu, bytes) = play("gpu", &["--reconstruction", "textures"]);
+    let share = bytes / (512.0 * 256.0 * 1.5);
+    assert!((1.0664..1.07).contains(&share), "{share}");
+    let (cpu, _) = play(
+        "cpu",
+        &["--reconstruction", "textures", "--renderer", "cpu"],
+    );
+    let alike = |place| (0..3).all(|k| gpu.at(place)[k].abs_diff(cpu.at(place)[k]) <= 1);
+    assert!(gpu.places().all(alike));
+    let out = folder.name("none");
+    let textures = [
+        "simulate",
+        &pack,
+        "--out",
+        &out,
+        "--reconstruction",
+        "textures",
+    ];
+    refused(
+        2,
+        &[&textures[..], &["--policy", "sampled"]].concat(),
+        &["--reconstruction"],
+    );
+    refused(
+        2,
+        &[&textures[..], &["--heat-map"]].concat(),
+        &["--heat-map"],
+    );
+}
+
+#[test]
+fn the_blur_is_off_unless_asked_for_and_leaves_where_the_eye_looks() {
+    let folder = Folder::new();
+    let pack = half_noisy(&folder);
+    let play = |name: &str, options: &[&str]| {
+        let out = folder.name(name);
+        let how = [
+            "--policy", "full", "--gaze", "12,0", "--frames", "1", "--out", &out,
+        ];
+        done(&[&["simulate", &pack], &how[..], options].concat());
+        frame_picture(&out, 0)
+    };
+    let (plain, off) = (play("plain", &[]), play("off", &["--blur", "off"]));
+    let blurred = play("on", &["--blur", "on"]);
+    assert!(plain.places().all(|place| plain.at(place) == off.at(place)));
+    let changed = plain
+        .places()
+        .filter(|place| plain.at(*place) != blurred.at(*place));
+    assert!(changed.count() > 1000);
 }

@@ -2,7 +2,7 @@
 //!
 //! The sampling of Kastner 2016, section 4.1.3: a pixel-based access to the decoded tile of each
 //! sample, at the level that the tile has. Here a sample is the mean of what a pixel of the view
-//! covers there, so that a level finer than the view does not alias.
+//! covers there, or of what the sample stands for, so that what is finer does not alias.
 
 use super::picture::Picture;
 use super::tile_grid::{Tile, TileGrid};
@@ -36,31 +36,37 @@ impl<'a> Gather<'a> {
         }
     }
 
-    /// The colours of samples of a view, whose `places` count from the pixel at `corner`; 0 for
-    /// those out of view or beside the content's directions.
+    /// The colours of samples of a view, whose `places` count from the pixel at `corner`: each the
+    /// mean of a square as many pixels of the view wide as `across` says. A sample out of view
+    /// takes the colour of the nearest pixel in view, as pixels there may be nearest to it.
     #[must_use]
-    pub fn codes(&self, view: &EyeView, corner: [i32; 2], places: &[[u16; 2]]) -> Vec<u32> {
+    pub fn codes(
+        &self,
+        view: &EyeView,
+        corner: [i32; 2],
+        places: &[[u16; 2]],
+        across: impl Fn([u16; 2]) -> f64,
+    ) -> Vec<u32> {
         let ray_from_pixel = view.ray_from_pixel();
-        let code = |[x, y]: &[u16; 2]| {
-            let pixel = [corner[0] + i32::from(*x), corner[1] + i32::from(*y)];
-            let inside = (0..2).all(|k| pixel[k] >= 0 && pixel[k] < view.size[k] as i32);
-            if !inside {
-                return 0;
-            }
-            let [x, y] = pixel.map(|k| f64::from(k) + 0.5);
+        let code = |place: &[u16; 2]| {
+            let [x, y] = [0, 1].map(|k| {
+                let pixel = corner[k] + i32::from(place[k]);
+                f64::from(pixel.clamp(0, view.size[k] as i32 - 1)) + 0.5
+            });
             let found = self
                 .grid
                 .surface
                 .locate(ray_from_pixel * DVec3::new(x, y, 1.0));
-            found.map_or(0, |(face, place)| self.code_at(face, place))
+            found.map_or(0, |(face, at)| self.code_at(face, at, across(*place)))
         };
         places.iter().map(code).collect()
     }
 
-    /// Y, U and V in the low three bytes, lowest first, at a place of a face in level-0 pixels;
+    /// Y, U and V in the low three bytes, lowest first, at a place of a face in level-0 pixels: the
+    /// mean of a square of `across` pixels of the view;
     /// places beyond the border take the nearest tile's border. 0 where no tile is.
     #[must_use]
-    pub fn code_at(&self, face: u32, place: [f64; 2]) -> u32 {
+    pub fn code_at(&self, face: u32, place: [f64; 2], across: f64) -> u32 {
         let cell = self.grid.cell_at(face, place);
         let Some((tile, picture)) = self.shown[self.grid.rank(cell) as usize] else {
             return 0;
@@ -68,7 +74,7 @@ impl<'a> Gather<'a> {
         let scale = f64::from(self.grid.scale(tile.level));
         let from = self.grid.origin(tile);
         let at = [0, 1].map(|k| (place[k] - f64::from(from[k])) / scale);
-        let across = (self.footprint / scale).max(1.0);
+        let across = (across * self.footprint / scale).max(1.0);
         let luma = mean(picture, 0, at, across);
         let [u, v] = [1, 2].map(|p| mean(picture, p, at.map(|k| k / 2.0), across / 2.0));
         luma | u << 8 | v << 16
@@ -136,7 +142,7 @@ mod tests {
                 let place = [f64::from(x) + 0.5, 60.2];
                 let cell = grid.cell_at(0, place);
                 let scale = f64::from(grid.scale((cell.x % 3) as u8));
-                let code = gather.code_at(0, place);
+                let code = gather.code_at(0, place, 1.0);
                 let away = (f64::from(code & 255) - place[0]).abs();
                 assert!(
                     away <= footprint.max(scale) + 1.0,
@@ -153,7 +159,7 @@ mod tests {
         let tiles = ramps(&grid);
         let gather = Gather::new(&grid, &tiles, 1.0);
         for x in 0..50 {
-            assert_eq!(gather.code_at(0, [f64::from(x) + 0.5, 3.5]) & 255, x);
+            assert_eq!(gather.code_at(0, [f64::from(x) + 0.5, 3.5], 1.0) & 255, x);
         }
     }
 
@@ -161,11 +167,14 @@ mod tests {
     fn no_tile_is_no_colour_and_no_place_is_out_of_bounds() {
         let grid = grid();
         let none = BTreeMap::new();
-        assert_eq!(Gather::new(&grid, &none, 1.0).code_at(0, [3.0, 3.0]), 0);
+        assert_eq!(
+            Gather::new(&grid, &none, 1.0).code_at(0, [3.0, 3.0], 1.0),
+            0
+        );
         let tiles = ramps(&grid);
         let gather = Gather::new(&grid, &tiles, 40.0);
         for place in [[-9.0, -9.0], [199.99, 119.99], [500.0, 500.0], [0.0, 119.0]] {
-            assert_ne!(gather.code_at(0, place), 0);
+            assert_ne!(gather.code_at(0, place, 1.0), 0);
         }
     }
 }

@@ -107,6 +107,18 @@ impl SampleMask {
     }
 }
 
+impl SampleMask {
+    /// Mean distance between samples round a place of the mask, in pixels.
+    #[must_use]
+    pub fn spacing(&self, place: [u16; 2]) -> f64 {
+        let middle = f64::from(self.side / 2);
+        let [x, y] = place.map(|k| f64::from(k) - middle);
+        let corner = f64::from(self.side) * core::f64::consts::FRAC_1_SQRT_2 + 2.0;
+        let step = ((x * x + y * y).sqrt() / corner * SPACINGS as f64) as usize;
+        f64::from(self.spacings[step.min(SPACINGS - 1)])
+    }
+}
+
 /// The places of the first `count` pixels by threshold over density, row by row, and by how much
 /// that count stretches the density.
 fn first_places(shape: &MaskShape, density: &[f64], count: usize) -> (Vec<[u16; 2]>, f64) {

@@ -128,7 +128,7 @@ pub struct PolicyConfig {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise_threshold: Option<f64>,
     /// `distance`, `sampled`: angle from the gaze up to which each level is shown, finest first,
-    /// rising; beyond the last all is coarsest. Empty: where the eye's acuity allows the next level.
+    /// rising; beyond the last all is coarsest. Empty: where acuity allows the next level.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub thresholds: Vec<Radians>,
     /// `sampled`: which samples are shown.
@@ -529,8 +529,8 @@ impl Selector {
     }
 }
 
-/// Mean variance of red, green and blue of a cell over the group of a frame, in squared code values:
-/// the variance determinant of Kastner 2016, section 4.2.1. Cues tell its root.
+/// Mean variance of red, green and blue of a cell over the group of a frame, in squared code
+/// values: the variance determinant of Kastner 2016, section 4.2.1. Cues tell its root.
 fn rgb_variance(content: Option<&dyn Content>, cell: Tile, frame: u32) -> f64 {
     let cues = content.and_then(|content| content.cues(content.unit(cell, frame)));
     assert!(cues.is_some(), "a noise threshold was given no cues");

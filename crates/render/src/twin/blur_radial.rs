@@ -1,4 +1,4 @@
-//! How does a finished picture look when it is blurred as far as the eye is blind to detail? Twin of
+//! How does a picture look when it is blurred as far as the eye is blind to detail? Twin of
 //! `shaders/blur_radial.wgsl`.
 
 use super::mix;
