@@ -1,9 +1,9 @@
 //! When does a level that is shown give way to a coarser one?
 //!
 //! A gaze that stays is never still: it trembles and drifts, and a tracker adds its noise. Levels
-//! that followed it would flicker wherever it rests near a border. So a cell becomes finer as soon as
-//! it must, and coarser only when it need not be that fine for a gaze anywhere within a small angle
-//! of where it is (a Schmitt trigger in space).
+//! that followed it would flicker wherever it rests near a border. So a cell becomes finer as soon
+//! as it must, and coarser only when it need not be that fine for a gaze anywhere within a small
+//! angle of where it is (a Schmitt trigger in space).
 
 use super::content::Content;
 use super::level_map::LevelMap;
