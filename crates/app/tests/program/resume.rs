@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// Four periods of 32 frames and a part.
-const FRAMES: u32 = 140;
+/// Nine periods of 32 frames and a part: a process that is slow to be stopped does not end first.
+const FRAMES: u32 = 300;
 
 /// Starts the command and sends it a signal once its journal has more than so many bytes.
 fn stopped_at(arguments: &[&str], journal: &str, more_than: u64, signal: &str) {
