@@ -1,8 +1,8 @@
 //! Which decoder does a tile get: the processor's or the graphics device's?
 //!
-//! A picture that the device decodes is handed over twice, in and out, which takes a millisecond
-//! or so whatever its size; a thread decodes a tile of 512 x 512 pixels in that time. So small
-//! tiles stay with the processor unless the device is asked for.
+//! A picture that the device decodes is handed over twice, in and out, which is taken to cost a
+//! millisecond whatever its size; a thread decodes a tile of 512 x 512 pixels in that time. So
+//! small tiles stay with the processor unless the device is asked for.
 
 use crate::decode::GroupDecoder;
 use crate::error::MediaError;
@@ -108,6 +108,9 @@ impl Decoders {
 mod tests {
     use super::*;
     use crate::hardware::MOST_SESSIONS;
+    use crate::scenes::group;
+    use crate::{EncodeSettings, Rate, Speed, encode_group};
+    use ffmpeg_next::ffi::AVPixelFormat;
 
     #[test]
     fn a_device_is_looked_for_only_where_it_would_decode() {
@@ -119,16 +122,56 @@ mod tests {
         assert!(error.to_string().contains("--decoder hardware"), "{error}");
     }
 
+    /// Decoders of H.264 on a device that is not there.
+    fn pretended(format: AVPixelFormat) -> Decoders {
+        Decoders {
+            device: Some(HardwareDevice::pretended(format)),
+            ..Decoders::software(Codec::H264)
+        }
+    }
+
     #[test]
     fn decoders_beyond_those_that_a_device_takes_are_the_processor_s() {
-        let Ok(decoders) = Decoders::new(DecoderChoice::Hardware, Codec::H264, 1) else {
-            eprintln!("SKIPPED: no device decodes here, so sharing one was not tried");
-            return;
+        let decoders = pretended(AVPixelFormat::AV_PIX_FMT_VAAPI);
+        let open = || decoders.open([256, 256]).unwrap();
+        let all: Vec<_> = (0..MOST_SESSIONS + 3).map(|_| open()).collect();
+        assert_eq!(decoders.device_use().decoders, MOST_SESSIONS);
+        drop(all);
+        drop(open());
+        assert_eq!(decoders.device_use().decoders, MOST_SESSIONS + 1);
+        assert_eq!(decoders.device_use().failed, 0);
+    }
+
+    #[test]
+    fn a_decoder_that_its_device_refuses_goes_on_in_software_and_is_counted() {
+        let size = [96, 64];
+        let settings = EncodeSettings {
+            codec: Codec::H264,
+            rate: Rate::Quantiser(20),
+            frame_rate: [25, 1],
+            speed: Speed::Default,
         };
-        let open: Vec<_> = (0..MOST_SESSIONS + 3)
-            .map(|_| decoders.open([256, 256]).unwrap())
-            .collect();
-        assert!(decoders.device_use().decoders <= MOST_SESSIONS);
-        drop(open);
+        let units = encode_group(&settings, &group(size, 6, 3)).unwrap();
+        let mut software = GroupDecoder::new(Codec::H264, size).unwrap();
+        // No decoder offers the first; the second is what software decodes to.
+        for (format, failed) in [
+            (AVPixelFormat::AV_PIX_FMT_MEDIACODEC, 1),
+            (AVPixelFormat::AV_PIX_FMT_YUV420P, 0),
+        ] {
+            let decoders = pretended(format);
+            let mut decoder = decoders.open(size).unwrap();
+            for turn in 0..2 {
+                for (number, unit) in (0..).zip(&units) {
+                    let expected = software.decode(unit, number).unwrap();
+                    assert_eq!(decoder.decode(unit, number).unwrap(), expected);
+                }
+                software.restart();
+                decoder.restart();
+                let used = decoders.device_use();
+                assert_eq!((used.decoders, used.failed), (1, failed), "turn {turn}");
+            }
+            // Damage is damage on a device, too.
+            assert!(decoder.decode(&units[0][..units[0].len() / 2], 0).is_err());
+        }
     }
 }

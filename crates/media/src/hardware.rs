@@ -56,8 +56,8 @@ impl HardwareDevice {
     pub(crate) fn open(codec: Codec) -> Result<Arc<Self>, MediaError> {
         start();
         let none = |tried: &str| MediaError::Setting {
-            field: "--decoder hardware".to_owned(),
-            found: format!("a device that does not decode {} ({tried})", codec.name()),
+            field: "the device of --decoder hardware".to_owned(),
+            found: format!("none that decodes {} ({tried})", codec.name()),
             expected: "a graphics device and its driver that FFmpeg knows (`ffmpeg -hwaccels`); \
                        give --decoder auto or software"
                 .to_owned(),
@@ -88,6 +88,24 @@ impl HardwareDevice {
             [] => Err(none("this FFmpeg was built without devices for it")),
             _ => Err(none(&format!("tried {}", tried.join("; ")))),
         }
+    }
+
+    /// A device that is not there, whose decoders are told to decode to `format`.
+    #[cfg(test)]
+    #[allow(unsafe_code, reason = "ffmpeg-next does not wrap hardware contexts")]
+    pub(crate) fn pretended(format: ffi::AVPixelFormat) -> Arc<Self> {
+        start();
+        // SAFETY: allocates a context that is never initialised, which FFmpeg allows to be freed.
+        let context = unsafe { ffi::av_hwdevice_ctx_alloc(Kind::AV_HWDEVICE_TYPE_VAAPI) };
+        assert!(!context.is_null(), "this FFmpeg knows VA-API");
+        Arc::new(Self {
+            context,
+            name: "pretended".to_owned(),
+            format,
+            open: AtomicUsize::new(0),
+            opened: AtomicUsize::new(0),
+            failed: AtomicUsize::new(0),
+        })
     }
 
     /// What kind of device it is, as FFmpeg names it.

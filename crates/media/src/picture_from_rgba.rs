@@ -34,11 +34,17 @@ pub fn picture_from_rgba(rgba: &[u8], [width, height]: [u32; 2], colour: Colour)
 /// Planes that grow by two rows of a picture.
 pub(crate) struct PlanesOfRows {
     pub(crate) picture: Picture,
-    /// Of red, green and blue in Y, Cb and Cr, code values a code value.
-    weights: [[f32; 3]; 3],
+    /// Of red, green and blue in Y, Cb and Cr: [`ONE`] for a code value a code value.
+    weights: [[i32; 3]; 3],
     /// Y, Cb and Cr of black, and a half: what is cut off after it is rounded.
-    offsets: [f32; 3],
+    offsets: [i32; 3],
+    /// Sums of two by two pixels of the last two rows.
+    sums: Vec<[i32; 3]>,
 }
+
+/// Bits behind the point of a weight: three of them are off by less than 0.006 code values.
+const BITS: u32 = 16;
+const ONE: f32 = (1 << BITS) as f32;
 
 impl PlanesOfRows {
     /// Planes without rows yet of a picture of `size`.
@@ -55,6 +61,12 @@ impl PlanesOfRows {
             let step = chroma / (2.0 * (1.0 - grey[of]) * 255.0);
             [0, 1, 2].map(|c| (f32::from(u8::from(c == of)) - grey[c]) * step)
         };
+        let weights = [
+            grey.map(|weight| weight * luma / 255.0),
+            difference(2),
+            difference(0),
+        ];
+        let fixed = |value: f32| (value * ONE).round() as i32;
         let planes = [0, 1, 2].map(|p| {
             let [w, h] = plane_size(width, height, p).map(|side| side as usize);
             Vec::with_capacity(w * h)
@@ -65,12 +77,9 @@ impl PlanesOfRows {
                 height,
                 planes,
             },
-            weights: [
-                grey.map(|weight| weight * luma / 255.0),
-                difference(2),
-                difference(0),
-            ],
-            offsets: [black + 0.5, 128.5, 128.5],
+            weights: weights.map(|row| row.map(fixed)),
+            offsets: [black + 0.5, 128.5, 128.5].map(fixed),
+            sums: Vec::new(),
         }
     }
 
@@ -87,42 +96,47 @@ impl PlanesOfRows {
     }
 
     fn push_of<const N: usize>(&mut self, top: &[u8], bottom: Option<&[u8]>) {
+        let [luma, blue, red] = &mut self.picture.planes;
+        let code = |plane: usize, sum: [i32; 3], bits: u32| {
+            let scale = bits - BITS;
+            let [r, g, b] = self.weights[plane];
+            let fixed = (self.offsets[plane] << scale) + r * sum[0] + g * sum[1] + b * sum[2];
+            (fixed >> bits).clamp(0, 255) as u8
+        };
         for row in [Some(top), bottom].into_iter().flatten() {
-            let pixels = row
-                .chunks_exact(N)
-                .map(|pixel| rgb::<N>(pixel).map(f32::from));
-            let code = |rgb| code(self.weights[0], self.offsets[0], rgb);
-            self.picture.planes[0].extend(pixels.map(code));
+            luma.extend(
+                row.chunks_exact(N)
+                    .map(|pixel| code(0, rgb::<N>(pixel), BITS)),
+            );
         }
         let bottom = bottom.unwrap_or(top);
-        let pairs = top.chunks(2 * N).zip(bottom.chunks(2 * N));
-        for (above, below) in pairs {
-            // The last pixel of an odd width stands for two.
-            let last = above.len() - N;
-            let corners = [above, &above[last..], below, &below[last..]].map(rgb::<N>);
-            let mean = [0, 1, 2].map(|c| {
-                let sum: u16 = corners.iter().map(|corner| u16::from(corner[c])).sum();
-                f32::from(sum) / 4.0
-            });
-            for plane in [1, 2] {
-                let sample = code(self.weights[plane], self.offsets[plane], mean);
-                self.picture.planes[plane].push(sample);
-            }
+        let pairs = top.chunks_exact(2 * N).zip(bottom.chunks_exact(2 * N));
+        self.sums.clear();
+        self.sums.extend(pairs.map(|(above, below)| {
+            let left = added(rgb::<N>(above), rgb::<N>(below));
+            added(left, added(rgb::<N>(&above[N..]), rgb::<N>(&below[N..])))
+        }));
+        // The last pixel of an odd width stands for two.
+        if let Some(above) = top.chunks_exact(2 * N).remainder().get(..N) {
+            let below = bottom.chunks_exact(2 * N).remainder();
+            let last = added(rgb::<N>(above), rgb::<N>(below));
+            self.sums.push(added(last, last));
         }
+        blue.extend(self.sums.iter().map(|sum| code(1, *sum, BITS + 2)));
+        red.extend(self.sums.iter().map(|sum| code(2, *sum, BITS + 2)));
     }
 }
 
-fn rgb<const N: usize>(pixel: &[u8]) -> [u8; 3] {
+fn rgb<const N: usize>(pixel: &[u8]) -> [i32; 3] {
     if N < 3 {
-        [pixel[0]; 3]
+        [i32::from(pixel[0]); 3]
     } else {
-        [pixel[0], pixel[1], pixel[2]]
+        [0, 1, 2].map(|c| i32::from(pixel[c]))
     }
 }
 
-/// Cut off, not rounded: the offset holds the half. Saturates.
-fn code(weights: [f32; 3], offset: f32, [r, g, b]: [f32; 3]) -> u8 {
-    (offset + weights[0] * r + weights[1] * g + weights[2] * b) as u8
+fn added(a: [i32; 3], b: [i32; 3]) -> [i32; 3] {
+    [0, 1, 2].map(|c| a[c] + b[c])
 }
 
 #[cfg(test)]
