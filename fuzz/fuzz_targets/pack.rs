@@ -10,6 +10,7 @@ use foveal_core::asset::pack::{
     Description, HEADER_BYTES, PackBuilder, SideTable, Source, parse_anything,
 };
 use foveal_core::asset::picture::{Colour, Matrix};
+use foveal_core::asset::rate::QualityScale;
 use foveal_core::asset::tile_grid::Cut;
 use foveal_core::view::surface::{Projection, Screen};
 use libfuzzer_sys::fuzz_target;
@@ -41,6 +42,8 @@ fn good_pack() -> Vec<u8> {
         ratio: 2,
         codec: Codec::Png,
         quality: vec![0; 2],
+        quality_scale: QualityScale::default(),
+        bit_rates: Vec::new(),
         groups: vec![2, 4],
         frames: 5,
         frame_rate: [25, 1],

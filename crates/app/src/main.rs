@@ -3,6 +3,7 @@
 mod bench;
 mod canvas;
 mod codec_options;
+mod decoding;
 mod demo;
 mod evaluate;
 mod gaze;
@@ -26,6 +27,7 @@ mod simulate;
 mod timed_run;
 mod verify;
 mod view;
+mod watching;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

@@ -3,6 +3,7 @@
 //! Select, decode, upload: the one path that every command that plays a pack goes through.
 
 use crate::canvas::{Canvas, Drawing, Showing};
+use crate::decoding::Decoding;
 use crate::gaze::{GazeSource, Look};
 use crate::options::check_thresholds;
 use crate::output;
@@ -27,6 +28,7 @@ use foveal_core::view::axes::angle_between;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::{Projection, Screen};
 use foveal_media::decode_pool::{DecodePool, DecodedTile, TileError};
+use foveal_media::decoders::DeviceUse;
 use foveal_media::pack_file::PackFile;
 use foveal_render::{Interpolation, RadialBlur, RgbaImage};
 use std::collections::HashSet;
@@ -94,8 +96,7 @@ pub(crate) struct PlayerOptions {
     pub(crate) paced: bool,
     /// Judge every frame; takes some milliseconds each.
     pub(crate) judged: bool,
-    /// Decoding threads.
-    pub(crate) jobs: usize,
+    pub(crate) decoding: Decoding,
 }
 
 /// What one frame took.
@@ -178,7 +179,7 @@ impl Player {
             shown_until: Seconds(0.0),
             tables,
             config: options.config,
-            pool: DecodePool::new(Arc::clone(&file), options.jobs),
+            pool: options.decoding.pool(Arc::clone(&file))?,
             canvas,
             sampling,
             blurs: options.showing.blurs,
@@ -196,6 +197,11 @@ impl Player {
     /// The tiles of the pack.
     pub(crate) fn grid(&self) -> &TileGrid {
         &self.grid
+    }
+
+    /// What a graphics device decoded so far.
+    pub(crate) fn device_use(&self) -> DeviceUse {
+        self.pool.device_use()
     }
 
     /// A resident tile by itself, in its own pixels; `None` when nothing draws.

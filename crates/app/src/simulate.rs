@@ -1,19 +1,18 @@
 //! What does an eye get from a pack, and what did that take?
 
 use crate::canvas::{Drawing, RendererName, Showing};
-use crate::gaze::{GazeChoice, GazeSource, Viewer, interrupted, parse_gaze, preset_of};
-use crate::link::{Link, parse_delay, parse_link};
+use crate::decoding::{DecodingOptions, DeviceReport};
+use crate::gaze::{GazeChoice, GazeSource, interrupted, parse_gaze};
 use crate::options::{PolicyOptions, Switch, ViewOptions};
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::picture_file::write_png;
 use crate::player::{FrameReport, Player, PlayerOptions};
-use crate::preset::SystemPreset;
+use crate::watching::Watching;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::asset::picture::{Colour, Matrix};
 use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_core::selection::session::{Session, sha256_hex};
-use foveal_core::units::Seconds;
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::{Eye, Projection};
@@ -107,9 +106,8 @@ pub(crate) struct SimulateArgs {
     /// otherwise every frame is waited for.
     #[arg(long)]
     paced: bool,
-    /// Decoding threads (default: all cores).
-    #[arg(long, value_name = "N")]
-    jobs: Option<usize>,
+    #[command(flatten)]
+    decoding: DecodingOptions,
     /// Seed of the scan path.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -148,52 +146,6 @@ struct ShowingOptions {
     blur: Switch,
 }
 
-/// What is known of the viewer, and what can arrive in time.
-#[derive(Clone, Debug, Args)]
-struct Watching {
-    /// RATE[,DELAY] between the pack and the viewer, as 4g,30ms or 8mbit (3g, 4g, 5g are 2, 40, 67
-    /// Mbit/s): what uniform, eccentricity and perceptual may spend on finer tiles than those of
-    /// the coarsest level, which is always sent (default: no limit).
-    #[arg(long, value_name = "L", value_parser = parse_link)]
-    link: Option<Link>,
-    /// How long before a frame is shown its gaze must be known, in ms; the link's delay adds to it.
-    /// Levels are chosen for the gaze that is expected by then.
-    #[arg(long, value_name = "MS", value_parser = parse_delay, default_value = "0")]
-    late: Seconds,
-    /// How gaze follows the head: free-viewing (default), search or a file that `gaze fit head`
-    /// wrote; or, beside that, a published system to choose as: kastner-2016.
-    #[arg(long, value_name = "NAME|FILE.toml")]
-    preset: Vec<String>,
-}
-
-impl Watching {
-    fn link(&self) -> Link {
-        self.link.unwrap_or_default()
-    }
-
-    fn viewer(&self) -> anyhow::Result<Viewer> {
-        let is_of_viewer = |name: &&String| SystemPreset::named(name).is_none();
-        let mut of_viewer = self.preset.iter().filter(is_of_viewer);
-        let preset = of_viewer.next().map_or("free-viewing", String::as_str);
-        if let Some(second) = of_viewer.next() {
-            bail!(WrongUsage(format!(
-                "--preset: gaze follows the head as in {preset} or as in {second}, not both"
-            )));
-        }
-        Ok(Viewer {
-            preset: preset_of(preset)?,
-            late: Seconds(self.late.0 + self.link().delay.0),
-        })
-    }
-
-    /// The published system that was asked for.
-    fn system(&self) -> Option<SystemPreset> {
-        self.preset
-            .iter()
-            .find_map(|name| SystemPreset::named(name))
-    }
-}
-
 /// What a run took.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct RunSummary {
@@ -214,6 +166,7 @@ pub(crate) struct RunSummary {
     /// signatures.
     pub(crate) detail_share_mean: Option<f64>,
     pub(crate) gpu_bytes: u64,
+    pub(crate) decoded_on: DeviceReport,
     pub(crate) log_sha256: String,
 }
 
@@ -241,7 +194,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             paced: args.paced,
             judged: true,
             bytes_per_s: args.watching.link().bytes_per_s,
-            jobs: output::jobs(args.jobs)?,
+            decoding: args.decoding.decoding()?,
         },
     )?;
     let length = player.time(frames.end - 1);
@@ -261,7 +214,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     output::write_whole(&args.out.join("session.jsonl"), session.as_bytes())?;
     output::write_whole(&args.out.join("frames.csv"), csv(&reports).as_bytes())?;
     let policy = args.policy.name().name();
-    let summary = summarise(policy, &reports, player.canvas.gpu_bytes(), &session);
+    let summary = summarise(policy, &reports, &mut player, &session);
     output::result(args.json, &summary, &summary.text(&args.out))
 }
 
@@ -406,7 +359,7 @@ pub(crate) fn session(player: &Player, reports: &[FrameReport]) -> Session {
 pub(crate) fn summarise(
     policy: String,
     reports: &[FrameReport],
-    gpu_bytes: u64,
+    player: &mut Player,
     session: &str,
 ) -> RunSummary {
     let count = reports.len().max(1) as f64;
@@ -432,7 +385,8 @@ pub(crate) fn summarise(
         level_changes: reports.iter().map(|r| r.level_changes).sum(),
         gaze_error_deg_mean: reports.iter().map(|r| r.gaze_error_deg).sum::<f64>() / count,
         detail_share_mean: detail.map(|sum| sum / count),
-        gpu_bytes,
+        gpu_bytes: player.canvas.gpu_bytes(),
+        decoded_on: DeviceReport::new(player.device_use()),
         log_sha256: sha256_hex(session.as_bytes()),
     }
 }
@@ -443,7 +397,7 @@ impl RunSummary {
             "{} frames under {}: {:.2} % of the pixels (most {:.2} %), {:.2} MB fetched, \
              {:.1} MPix decoded\n\
              decoding {:.1} ms a frame (95th percentile {:.1}), {} late frames, {} damaged tiles, \
-             {} level changes, {:.2} MB on the GPU\n{}{}",
+             {} level changes, {:.2} MB on the GPU\n{}{}{}",
             self.frames,
             self.policy,
             self.pixels_share_mean * 100.0,
@@ -462,6 +416,7 @@ impl RunSummary {
                     share * 100.0,
                     self.gaze_error_deg_mean
                 )),
+            self.decoded_on.text(),
             out.display(),
         )
     }

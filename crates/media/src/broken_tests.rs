@@ -2,9 +2,12 @@
 
 use av::format::Pixel;
 use ffmpeg_next as av;
+use foveal_core::asset::codec::Codec;
 use foveal_core::asset::picture::Picture;
 
-use crate::scenes::{Scratch, VIDEO, group, raw, read, write_clip, write_raw};
+use crate::pack_file::PackFile;
+use crate::prepare::ProjectionChoice;
+use crate::scenes::{Scratch, VIDEO, group, prepared, raw, read, settings, write_clip, write_raw};
 use crate::{ClipCodec, ClipFormat, ClipWriter, MediaError, VideoInput};
 
 #[test]
@@ -39,6 +42,87 @@ fn a_truncated_file_is_told_with_file_frame_and_time_after_its_good_frames() {
                 _ => panic!("{what}"),
             }
         }
+    }
+}
+
+/// Where the blocks of a Matroska file of one track say how many milliseconds after their cluster
+/// they are shown.
+fn stamps_of_blocks(bytes: &[u8], count: usize) -> Vec<usize> {
+    let mut from = 0;
+    let mut found = Vec::new();
+    for frame in 0..count {
+        let [high, low] = (frame as u16 * 40).to_be_bytes();
+        let block = [0x81, high, low, 0x80];
+        let place = bytes[from..].windows(4).position(|four| four == block);
+        from += place.unwrap() + 1;
+        found.push(from);
+    }
+    found
+}
+
+#[test]
+fn stamps_that_jump_back_forward_or_not_at_all_give_times_that_rise() {
+    let clip = write_clip("mkv", ClipCodec::Ffv1, &group([64, 48], 12, 5));
+    let good = std::fs::read(&*clip).unwrap();
+    let places = stamps_of_blocks(&good, 12);
+    let stamps: [fn(usize) -> i16; 6] = [
+        |_| 0,
+        |frame| 440 - frame as i16 * 40,
+        |frame| if frame < 6 { frame as i16 * 40 } else { 30_000 },
+        |frame| {
+            if frame < 6 {
+                30_000 + frame as i16
+            } else {
+                frame as i16
+            }
+        },
+        |frame| if frame % 2 == 0 { i16::MIN } else { i16::MAX },
+        |frame| (frame as i16).wrapping_mul(7919),
+    ];
+    for (turn, stamp) in stamps.into_iter().enumerate() {
+        let mut bad = good.clone();
+        for (frame, at) in places.iter().enumerate() {
+            bad[*at..at + 2].copy_from_slice(&stamp(frame).to_be_bytes());
+        }
+        let bad = Scratch::holding("mkv", &bad);
+        let pictures = read(&bad).1.unwrap();
+        assert_eq!(pictures.len(), 12, "{turn}");
+        assert_eq!(pictures[0].time_ns, 0);
+        let rises = |pair: &[crate::TimedPicture]| pair[0].time_ns < pair[1].time_ns;
+        assert!(pictures.windows(2).all(rises), "{turn}");
+        let pack = prepared(&bad, &settings(ProjectionChoice::Flat, Codec::Png));
+        let times = PackFile::open(&pack).unwrap().frame_times().unwrap();
+        let shown: Vec<i64> = pictures.iter().map(|timed| timed.time_ns).collect();
+        assert_eq!(times, shown, "{turn}");
+    }
+}
+
+#[test]
+fn a_file_that_is_cut_while_it_is_read_is_told_and_ends() {
+    let pictures = group([256, 192], 60, 3);
+    for (ending, codec) in [
+        ("mkv", ClipCodec::Ffv1),
+        ("mp4", ClipCodec::H264(4)),
+        ("avi", ClipCodec::Mjpeg(2)),
+    ] {
+        let clip = write_clip(ending, codec, &pictures);
+        let mut input = VideoInput::open(&clip).unwrap();
+        assert!(input.next_frame().unwrap().is_some());
+        let file = std::fs::File::options().write(true).open(&*clip).unwrap();
+        file.set_len(file.metadata().unwrap().len() * 6 / 10)
+            .unwrap();
+        let mut count = 1;
+        let end = loop {
+            match input.next_frame() {
+                Ok(Some(_)) => count += 1,
+                Ok(None) => break None,
+                Err(error) => break Some(error),
+            }
+            assert!(count <= 60, "{ending}");
+        };
+        assert!(count < 60, "{ending}: all frames of a file that lost some");
+        let told = matches!(end, Some(MediaError::Broken { .. }));
+        assert!(told, "{ending}: {count} frames, then {end:?}");
     }
 }
 

@@ -10,7 +10,8 @@ use foveal_core::asset::picture::Picture;
 
 use crate::error::MediaError;
 use crate::ffmpeg::{start, wants_more};
-use crate::frame::picture_from_frame;
+use crate::frame::{picture_from_frame, picture_from_nv12};
+use crate::hardware::{Session, decoder_name};
 use crate::stacked_png::picture_from_png;
 
 /// What FFmpeg adds to the sides of a picture at most when it checks `max_pixels`.
@@ -25,6 +26,8 @@ pub struct GroupDecoder {
     size: [u32; 2],
     /// None for PNG, which has no state.
     decoder: Option<decoder::Video>,
+    /// Where a graphics device decodes.
+    session: Option<Session>,
     /// False from a restart to the next key frame.
     started: bool,
 }
@@ -43,29 +46,39 @@ impl GroupDecoder {
                 expected: "sides of 1 to 65535".to_owned(),
             });
         }
-        let decoder = match codec {
-            Codec::Vp8 => Some("vp8"),
-            Codec::Vp9 => Some("vp9"),
-            Codec::H264 => Some("h264"),
-            Codec::Hevc => Some("hevc"),
-            Codec::Av1 => Some("libdav1d"),
-            Codec::Jpeg => Some("mjpeg"),
-            Codec::Png => None,
-        };
-        let decoder = decoder.map(|name| open_decoder(name, codec.coded_size(size)));
-        let decoder = decoder.transpose().map_err(|reason| MediaError::Setting {
-            field: format!("the {} decoder of this FFmpeg", codec.name()),
-            found: reason,
-            expected: "an FFmpeg that was built with it (`ffmpeg -decoders` lists them); install \
-                       one, or prepare the pack with another --codec"
-                .to_owned(),
-        })?;
         Ok(Self {
             codec,
             size,
-            decoder,
+            decoder: open_software(codec, size)?,
+            session: None,
             started: false,
         })
+    }
+
+    /// The same on a graphics device; by the processor where the device takes no such stream,
+    /// which is known at the first key frame.
+    pub(crate) fn on_device(
+        codec: Codec,
+        size: [u32; 2],
+        session: Session,
+    ) -> Result<Self, MediaError> {
+        let coded_size = codec.coded_size(size);
+        let opened = decoder_name(codec)
+            .ok_or_else(|| "no device decodes it".to_owned())
+            .and_then(|name| open_decoder(name, coded_size, Some(&session)));
+        match opened {
+            Ok(decoder) => Ok(Self {
+                codec,
+                size,
+                decoder: Some(decoder),
+                session: Some(session),
+                started: false,
+            }),
+            Err(_) => {
+                session.fail();
+                Self::new(codec, size)
+            }
+        }
     }
 
     /// Width and height of its pictures in pixels.
@@ -93,7 +106,10 @@ impl GroupDecoder {
         access_unit: &[u8],
         frame_number: i64,
     ) -> Result<(Picture, i64), MediaError> {
-        let decoded = self.decode_checked(access_unit, frame_number);
+        let mut decoded = self.decode_checked(access_unit, frame_number);
+        if decoded.is_err() && self.leave_device()? && is_key_frame(self.codec, access_unit) {
+            decoded = self.decode_checked(access_unit, frame_number);
+        }
         if decoded.is_err() {
             self.restart();
         }
@@ -102,6 +118,17 @@ impl GroupDecoder {
             frame: frame_number,
             reason,
         })
+    }
+
+    /// Goes on without the device that failed; false where there was none.
+    fn leave_device(&mut self) -> Result<bool, MediaError> {
+        let Some(session) = self.session.take() else {
+            return Ok(false);
+        };
+        session.fail();
+        self.decoder = open_software(self.codec, self.size)?;
+        self.started = false;
+        Ok(true)
     }
 
     fn decode_checked(&mut self, unit: &[u8], number: i64) -> Result<(Picture, i64), String> {
@@ -129,10 +156,16 @@ impl GroupDecoder {
         {
             return Err("more than one picture".to_owned());
         }
+        if let Some(session) = &self.session {
+            frame = session.download(&frame)?;
+        }
         let coded_size = self.codec.coded_size(size);
         check_frame(&frame, self.codec, coded_size)?;
         let out = frame.pts().ok_or("the picture lost its frame number")?;
-        let mut picture = picture_from_frame(&frame)?;
+        let mut picture = match frame.format() {
+            Pixel::NV12 => picture_from_nv12(&frame)?,
+            _ => picture_from_frame(&frame)?,
+        };
         if coded_size != size {
             picture = picture.crop([0, 0], size);
         }
@@ -141,12 +174,35 @@ impl GroupDecoder {
     }
 }
 
-fn open_decoder(name: &str, size: [u32; 2]) -> Result<decoder::Video, String> {
+/// The processor's decoder; none for PNG.
+fn open_software(codec: Codec, size: [u32; 2]) -> Result<Option<decoder::Video>, MediaError> {
+    let name = match codec {
+        Codec::Av1 => Some("libdav1d"),
+        codec => decoder_name(codec),
+    };
+    let opened = name.map(|name| open_decoder(name, codec.coded_size(size), None));
+    opened.transpose().map_err(|reason| MediaError::Setting {
+        field: format!("the {} decoder of this FFmpeg", codec.name()),
+        found: reason,
+        expected: "an FFmpeg that was built with it (`ffmpeg -decoders` lists them); install one, \
+                   or prepare the pack with another --codec"
+            .to_owned(),
+    })
+}
+
+fn open_decoder(
+    name: &str,
+    size: [u32; 2],
+    session: Option<&Session>,
+) -> Result<decoder::Video, String> {
     let codec = decoder::find_by_name(name).ok_or_else(|| format!("no {name}"))?;
     let mut context = codec::Context::new_with_codec(codec);
     context.set_threading(codec::threading::Config::count(1));
     // dav1d and others then hold nothing back.
     context.set_flags(codec::Flags::LOW_DELAY);
+    if let Some(session) = session {
+        session.attach(&mut context)?;
+    }
     let mut decoder = context.decoder();
     // Damage is reported, not concealed.
     decoder.check(decoder::Check::EXPLODE);
@@ -174,7 +230,8 @@ fn check_frame(frame: &Video, codec: Codec, size: [u32; 2]) -> Result<(), String
     } else {
         Pixel::YUV420P
     };
-    if frame.format() != format {
+    // Devices interleave chroma.
+    if frame.format() != format && frame.format() != Pixel::NV12 {
         return Err(format!(
             "the pixel format is {:?}, expected {format:?}",
             frame.format()

@@ -9,6 +9,7 @@
 
 use crate::decode::GroupDecoder;
 use crate::decode_streams::{Stream, Streams};
+use crate::decoders::{DecoderChoice, Decoders, DeviceUse};
 use crate::error::MediaError;
 use crate::pack_file::{PackFile, PackFileError};
 use foveal_core::asset::pack::split_chunk;
@@ -67,6 +68,7 @@ pub struct DecodePool {
 #[derive(Debug)]
 struct Shared {
     pack: Arc<PackFile>,
+    decoders: Decoders,
     state: Mutex<State>,
     wake: Condvar,
     wake_coarsest: Condvar,
@@ -121,8 +123,38 @@ impl DecodePool {
     /// A pool of `workers` threads (at least one) on a pack, and one more for its coarsest level.
     #[must_use]
     pub fn new(pack: Arc<PackFile>, workers: usize) -> Self {
+        let decoders = Decoders::software(pack.pack().description().codec);
+        Self::with(pack, workers, decoders)
+    }
+
+    /// The same with decoders on a graphics device, as chosen.
+    ///
+    /// # Errors
+    /// [`DecoderChoice::Hardware`] without a device.
+    pub fn choosing(
+        pack: Arc<PackFile>,
+        workers: usize,
+        choice: DecoderChoice,
+    ) -> Result<Self, MediaError> {
+        let (grid, codec) = (pack.pack().grid(), pack.pack().description().codec);
+        let first = |level| grid.tiles_of(level).next();
+        let largest = (0..grid.levels)
+            .filter_map(first)
+            .map(|tile| grid.tile_pixels(tile));
+        let decoders = Decoders::new(choice, codec, largest.max().unwrap_or(0))?;
+        Ok(Self::with(pack, workers, decoders))
+    }
+
+    /// What was decoded on a graphics device so far.
+    #[must_use]
+    pub fn device_use(&self) -> DeviceUse {
+        self.shared.decoders.device_use()
+    }
+
+    fn with(pack: Arc<PackFile>, workers: usize, decoders: Decoders) -> Self {
         let shared = Arc::new(Shared {
             pack,
+            decoders,
             state: Mutex::default(),
             wake: Condvar::new(),
             wake_coarsest: Condvar::new(),
@@ -309,10 +341,7 @@ impl Shared {
         let spare = self.lock().streams.spare(size);
         match spare {
             Some(decoder) => Ok(decoder),
-            None => Ok(GroupDecoder::new(
-                self.pack.pack().description().codec,
-                size,
-            )?),
+            None => Ok(self.decoders.open(size)?),
         }
     }
 

@@ -58,6 +58,37 @@ pub(crate) fn picture_from_frame(frame: &Video) -> Result<Picture, String> {
     })
 }
 
+/// The frame as a picture; refuses another format than NV12, whose chroma is interleaved.
+pub(crate) fn picture_from_nv12(frame: &Video) -> Result<Picture, String> {
+    let [width, height] = [frame.width(), frame.height()];
+    let [w, h] = [width as usize, height as usize];
+    let [half_w, half_h] = plane_size(width, height, 1).map(|n| n as usize);
+    let fits = frame.planes() == 2
+        && [w, 2 * half_w]
+            .into_iter()
+            .enumerate()
+            .all(|(p, width)| (width..=i32::MAX as usize).contains(&frame.stride(p)));
+    if frame.format() != Pixel::NV12 || !fits {
+        return Err(format!(
+            "the pixel format is {:?}, expected NV12 with rows from the top",
+            frame.format()
+        ));
+    }
+    let luma = frame.data(0).chunks(frame.stride(0)).take(h);
+    let mut planes = [w * h, half_w * half_h, half_w * half_h].map(Vec::with_capacity);
+    luma.for_each(|row| planes[0].extend_from_slice(&row[..w]));
+    for row in frame.data(1).chunks(frame.stride(1)).take(half_h) {
+        let pairs = row[..2 * half_w].chunks_exact(2);
+        planes[1].extend(pairs.clone().map(|pair| pair[0]));
+        planes[2].extend(pairs.map(|pair| pair[1]));
+    }
+    Ok(Picture {
+        width,
+        height,
+        planes,
+    })
+}
+
 /// Whether each of the three planes has a positive row step of at least its width (decoders of raw
 /// video hand out negative ones, which ffmpeg-next's slices cannot express).
 pub(crate) fn rows_run_down(frame: &Video) -> bool {
@@ -71,4 +102,36 @@ pub(crate) fn rows_run_down(frame: &Video) -> bool {
 /// Whether the format is what a [`Picture`] holds, in limited or full range.
 pub(crate) fn is_420(format: Pixel) -> bool {
     matches!(format, Pixel::YUV420P | Pixel::YUVJ420P)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes::scene;
+
+    #[test]
+    fn interleaved_chroma_comes_apart_at_any_size_and_stride() {
+        crate::ffmpeg::start();
+        for size in [[64, 48], [33, 17], [1, 1], [2, 7]] {
+            let picture = scene(size, 3, 5);
+            let mut frame = new_frame(Pixel::NV12, size).unwrap();
+            let [w, h] = picture.plane_size(1).map(|side| side as usize);
+            let stride = frame.stride(0);
+            let rows = picture.planes[0].chunks_exact(size[0] as usize);
+            for (to, from) in frame.data_mut(0).chunks_mut(stride).zip(rows) {
+                to[..from.len()].copy_from_slice(from);
+            }
+            let stride = frame.stride(1);
+            for (x, y) in (0..w * h).map(|at| (at % w, at / w)) {
+                for p in [1, 2] {
+                    let sample = picture.planes[p][y * w + x];
+                    frame.data_mut(1)[y * stride + 2 * x + p - 1] = sample;
+                }
+            }
+            assert_eq!(picture_from_nv12(&frame).unwrap(), picture, "{size:?}");
+            assert!(picture_from_frame(&frame).is_err());
+            let planar = frame_from_picture(&picture, Pixel::YUV420P).unwrap();
+            assert!(picture_from_nv12(&planar).is_err());
+        }
+    }
 }

@@ -7,13 +7,13 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use foveal_core::asset::picture::{Colour, Matrix, Picture, plane_size};
+use foveal_core::asset::picture::{Colour, Matrix, Picture};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 use crate::error::MediaError;
-use crate::picture_from_rgba::picture_from_rgba;
+use crate::picture_from_rgba::PlanesOfRows;
 use crate::source::SourceInfo;
 
 /// Most pixels of a picture, with its margin of 128 a side, that FFmpeg's decoders take.
@@ -126,24 +126,16 @@ impl LargeStill {
 
 /// Planes that grow by rows.
 struct Planes {
-    picture: Picture,
-    /// The even row that waits for the odd one, as RGBA.
+    planes: PlanesOfRows,
+    /// The even row that waits for the odd one.
     waiting: Vec<u8>,
     rows: u32,
 }
 
 impl Planes {
-    fn new([width, height]: [u32; 2]) -> Self {
-        let planes = [0, 1, 2].map(|p| {
-            let [w, h] = plane_size(width, height, p);
-            Vec::with_capacity(w as usize * h as usize)
-        });
+    fn new(size: [u32; 2]) -> Self {
         Self {
-            picture: Picture {
-                width,
-                height,
-                planes,
-            },
+            planes: PlanesOfRows::new(size, COLOUR),
             waiting: Vec::new(),
             rows: 0,
         }
@@ -151,31 +143,24 @@ impl Planes {
 
     /// Appends a row of `channels` samples a pixel: grey, grey and alpha, RGB or RGBA.
     fn push(&mut self, row: &[u8], channels: usize) {
-        let rgba = |pixel: &[u8]| match channels {
-            1 | 2 => [pixel[0], pixel[0], pixel[0], 255],
-            _ => [pixel[0], pixel[1], pixel[2], 255],
-        };
-        self.waiting
-            .extend(row.chunks_exact(channels).flat_map(rgba));
         self.rows += 1;
-        if self.rows.is_multiple_of(2) || self.rows == self.picture.height {
-            let rows = 2 - self.rows % 2;
-            let strip = picture_from_rgba(&self.waiting, [self.picture.width, rows], COLOUR);
-            for (plane, new) in self.picture.planes.iter_mut().zip(strip.planes) {
-                plane.extend(new);
-            }
+        if self.rows.is_multiple_of(2) {
+            self.planes.push(&self.waiting, Some(row), channels);
+        } else if self.rows == self.planes.picture.height {
+            self.planes.push(row, None, channels);
+        } else {
             self.waiting.clear();
+            self.waiting.extend_from_slice(row);
         }
     }
 
     fn finish(self) -> Result<Picture, String> {
-        if self.picture.is_consistent() {
-            return Ok(self.picture);
+        let picture = self.planes.picture;
+        if picture.is_consistent() {
+            return Ok(picture);
         }
-        Err(format!(
-            "{} of {} rows are there",
-            self.rows, self.picture.height
-        ))
+        let height = picture.height;
+        Err(format!("{} of {height} rows are there", self.rows))
     }
 }
 

@@ -6,6 +6,7 @@ use super::moment::Moment;
 use super::pictures::Pictures;
 use crate::canvas::Drawing;
 use crate::canvas::Showing;
+use crate::decoding::Decoding;
 use crate::gaze::{GazeChoice, GazeSource, Viewer};
 use crate::options::ViewOptions;
 use crate::output::{self, Counting};
@@ -121,7 +122,7 @@ impl<'a> Stage<'a> {
             paced: false,
             judged: false,
             bytes_per_s: f64::INFINITY,
-            jobs: output::jobs(None)?,
+            decoding: Decoding::software()?,
         };
         let player = Player::new(Arc::clone(&self.content.file), options)?;
         let length = player.time(self.frames - 1);
@@ -181,8 +182,7 @@ impl Run {
         let log = session(&self.player, &reports).write();
         output::write_whole(&folder.join("session.jsonl"), log.as_bytes())?;
         output::write_whole(&folder.join("frames.csv"), csv(&reports).as_bytes())?;
-        let gpu_bytes = self.player.canvas.gpu_bytes();
-        let summary = summarise(word(self.policy), &reports, gpu_bytes, &log);
+        let summary = summarise(word(self.policy), &reports, &mut self.player, &log);
         Ok(PolicyRun { summary, reports })
     }
 }

@@ -1,6 +1,7 @@
 //! What does a video take, prepared and played in one way?
 
 use crate::canvas::Drawing;
+use crate::decoding::Decoding;
 use crate::kept_pack::plan_of;
 use crate::output::{self, Counting, out_of_range};
 use crate::timed_run::{Conditions, Run};
@@ -8,6 +9,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_core::view::surface::Screen;
+use foveal_media::decoders::DecoderChoice;
 use foveal_media::pack_file::PackFile;
 use foveal_media::prepare::{PrepareSettings, prepare};
 use serde::Serialize;
@@ -130,7 +132,10 @@ impl TrialOptions {
             file: Arc::new(PackFile::open(pack)?),
             drawing: &Drawing::None,
             screen: Screen::default(),
-            jobs: self.jobs()?,
+            decoding: Decoding {
+                jobs: self.jobs()?,
+                choice: DecoderChoice::Software,
+            },
             seed: self.seed,
         };
         let run = |policy, frames| -> anyhow::Result<Run> {

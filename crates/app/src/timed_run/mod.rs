@@ -6,6 +6,7 @@ mod run;
 pub(crate) use run::Run;
 
 use crate::canvas::{Drawing, Showing};
+use crate::decoding::Decoding;
 use crate::player::{Player, PlayerOptions};
 use eye::JumpingEye;
 use foveal_core::selection::policy::PolicyConfig;
@@ -28,7 +29,7 @@ pub(crate) struct Conditions<'a> {
     pub(crate) drawing: &'a Drawing,
     /// What flat content fills.
     pub(crate) screen: Screen,
-    pub(crate) jobs: usize,
+    pub(crate) decoding: Decoding,
     pub(crate) seed: u64,
 }
 
@@ -47,7 +48,7 @@ impl Conditions<'_> {
             bytes_per_s: f64::INFINITY,
             paced,
             judged: false,
-            jobs: self.jobs,
+            decoding: self.decoding,
         };
         let player = Player::new(Arc::clone(&self.file), options)?;
         let [w, h] = display.size;

@@ -6,6 +6,7 @@ use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::direction_at;
 use foveal_core::view::eye_view::EyeView;
+use foveal_media::decoders::DeviceUse;
 use glam::DVec3;
 use std::time::{Duration, Instant};
 
@@ -129,6 +130,11 @@ impl Run {
     /// Mean share of the pixels.
     pub(crate) fn share(&self) -> f64 {
         self.shares.iter().sum::<f64>() / self.shares.len().max(1) as f64
+    }
+
+    /// What a graphics device decoded so far.
+    pub(crate) fn device_use(&self) -> DeviceUse {
+        self.player.device_use()
     }
 
     pub(crate) fn gpu_bytes(&mut self) -> u64 {

@@ -5,7 +5,6 @@
 
 use foveal_core::asset::tile_grid::Tile;
 use foveal_media::decode_pool::{DecodePool, DecodedTile};
-use foveal_media::pack_file::PackFile;
 use std::collections::{HashSet, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -41,15 +40,14 @@ struct State {
 }
 
 impl DecodeFeed {
-    /// Begins to decode; `woken` is called when something is done, at most every 8 ms.
+    /// Begins to decode with a pool of `jobs` threads; `woken` is called when something is done, at most every 8 ms.
     pub(crate) fn new(
-        file: Arc<PackFile>,
+        pool: DecodePool,
         jobs: usize,
         woken: impl Fn() + Send + 'static,
     ) -> anyhow::Result<Self> {
         let shared = Arc::new(Shared::default());
         let theirs = Arc::clone(&shared);
-        let pool = DecodePool::new(file, jobs);
         let thread = std::thread::Builder::new()
             .name("decode feed".to_owned())
             .spawn(move || theirs.work(pool, jobs.max(1) * AHEAD, &woken))?;

@@ -19,12 +19,14 @@ mod timeline;
 mod viewer;
 mod window;
 
+use crate::decoding::{Decoding, DecodingOptions};
 use crate::gaze::{Viewer as Watching, preset_of};
 use crate::options::{PolicyOptions, ViewOptions};
 use crate::output::{self, WrongUsage};
 use anyhow::{Context, bail};
 use clap::Args;
 use foveal_core::units::Seconds;
+use foveal_media::decode_pool::DecodePool;
 use foveal_media::pack_file::PackFile;
 use looking::{WindowGaze, parse_window_gaze};
 use samples::Samples;
@@ -80,9 +82,8 @@ pub(crate) struct ViewArgs {
     /// drag DX DY, wheel STEPS, resize W H, screenshot FILE, settle or quit.
     #[arg(long, value_name = "FILE")]
     script: Option<PathBuf>,
-    /// Decoding threads (default: all cores).
-    #[arg(long, value_name = "N")]
-    jobs: Option<usize>,
+    #[command(flatten)]
+    decoding: DecodingOptions,
     /// Seed of the scan path.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -98,12 +99,14 @@ struct Ready {
     watching: Watching,
     script: Script,
     samples: Option<Samples>,
-    jobs: usize,
+    decoding: Decoding,
+    /// Until the window is there.
+    pool: Option<DecodePool>,
 }
 
 impl Ready {
     fn new(args: &ViewArgs) -> anyhow::Result<Self> {
-        let jobs = output::jobs(args.jobs)?;
+        let decoding = args.decoding.decoding()?;
         let file = Arc::new(PackFile::open(&args.pack)?);
         if let Some(log) = &args.log {
             output::spare_inputs(log, [args.pack.as_path()])?;
@@ -130,8 +133,9 @@ impl Ready {
             script: script.transpose()?.unwrap_or_default(),
             samples: args.sound.as_deref().map(Samples::open_wav).transpose()?,
             args: args.clone(),
+            pool: Some(decoding.pool(Arc::clone(&file))?),
             file,
-            jobs,
+            decoding,
         })
     }
 }

@@ -203,7 +203,11 @@ impl Open {
             once: args.once,
             paused: args.paused,
         };
-        let feed = DecodeFeed::new(Arc::clone(&file), ready.jobs, waker(proxy))?;
+        let pool = match ready.pool.take() {
+            Some(pool) => pool,
+            None => ready.decoding.pool(Arc::clone(&file))?,
+        };
+        let feed = DecodeFeed::new(pool, ready.decoding.jobs, waker(proxy))?;
         let size = window.inner_size();
         Ok(Self {
             screen,

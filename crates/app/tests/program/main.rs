@@ -7,6 +7,7 @@
 
 mod bridge;
 mod damage;
+mod endurance;
 mod experiments;
 mod fovea;
 mod full;

@@ -6,6 +6,7 @@
 mod content;
 
 use crate::canvas::{Drawing, RendererName};
+use crate::decoding::{DecodingOptions, DeviceReport};
 use crate::demo::machine::Machine;
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::timed_run::{Conditions, Run};
@@ -41,9 +42,8 @@ pub(crate) struct VideoArgs {
     /// What draws the pictures.
     #[arg(long, value_enum, default_value = "gpu")]
     renderer: RendererName,
-    /// Decoding threads (default: all cores).
-    #[arg(long, value_name = "N")]
-    jobs: Option<usize>,
+    #[command(flatten)]
+    decoding: DecodingOptions,
     /// Seed of the gaze.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -75,6 +75,8 @@ struct Report {
     frames: u32,
     turns: u32,
     jobs: usize,
+    /// Where the foveated frames were decoded.
+    decoded_on: DeviceReport,
     /// Choosing and decoding, frames a second.
     foveated_fps: f64,
     viewport_fps: f64,
@@ -115,7 +117,7 @@ pub(super) fn run(args: &VideoArgs) -> anyhow::Result<()> {
             file: Arc::new(PackFile::open(&content.pack)?),
             drawing: &drawing,
             screen: args.generate.map_or_else(Screen::default, |_| WALL),
-            jobs: output::jobs(args.jobs)?,
+            decoding: args.decoding.decoding()?,
             seed: args.seed,
         },
     };
@@ -195,7 +197,8 @@ impl Bench<'_> {
             size: about.source.size,
             frames: frames.div_ceil(TURNS) * TURNS,
             turns: TURNS,
-            jobs: conditions.jobs,
+            jobs: conditions.decoding.jobs,
+            decoded_on: DeviceReport::new(foveated.device_use()),
             foveated_fps: fps(&foveated),
             viewport_fps: fps(&viewport),
             full_fps: fps(&full),

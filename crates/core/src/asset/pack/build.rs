@@ -2,6 +2,7 @@
 
 use super::{
     Description, Entry, HEADER_BYTES, Header, PackError, PlacedChunk, TableEntry, index::Layout,
+    needs::Written,
 };
 use crate::asset::tile_grid::Tile;
 use crate::asset::unit::UnitId;
@@ -183,7 +184,7 @@ impl PackBuilder {
         index_bytes: u64,
         tail_bytes: u64,
     ) -> Result<Vec<u8>, PackError> {
-        let mut json = serde_json::to_vec(description)
+        let mut json = serde_json::to_vec(&Written::new(description))
             .map_err(|e| PackError::new("description", e, "valid JSON"))?;
         let room = self.data_offset as usize - HEADER_BYTES;
         if json.len() > room {

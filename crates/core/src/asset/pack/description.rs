@@ -1,5 +1,6 @@
 //! What does a pack say about its content?
 
+use super::needs::check_needs;
 use super::{MAX_FRAMES, MAX_GROUP, PackError};
 use crate::asset::codec::Codec;
 use crate::asset::picture::Colour;
@@ -107,6 +108,7 @@ const GRID_FIELDS: &str = "description: size, eyes, cube_faces, cut, levels, rat
 impl Description {
     /// Reads the JSON of a description; trailing spaces are padding.
     pub fn parse(bytes: &[u8]) -> Result<Self, PackError> {
+        check_needs(bytes)?;
         let description: Self = serde_json::from_slice(bytes)
             .map_err(|e| PackError::new("description", e, "the JSON of docs/formats/pack.md"))?;
         description.check()?;

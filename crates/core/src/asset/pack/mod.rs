@@ -8,6 +8,7 @@ mod build;
 mod description;
 mod index;
 mod journal;
+mod needs;
 #[cfg(test)]
 mod tests;
 
@@ -123,7 +124,7 @@ impl Header {
         }
         let version = u32_at(bytes, 8);
         if version != VERSION {
-            return Err(PackError::new("version", version, VERSION));
+            return Err(wrong_version(version));
         }
         check_crc("header", &bytes[..60], u32_at(bytes, 60))?;
         let header = Self {
@@ -173,6 +174,16 @@ impl Header {
     pub fn data_offset(&self) -> u64 {
         HEADER_BYTES as u64 + u64::from(self.description_bytes)
     }
+}
+
+/// Says what to do about a pack of another version.
+fn wrong_version(version: u32) -> PackError {
+    let why = if version > VERSION {
+        "a newer foveal wrote this pack; update foveal"
+    } else {
+        "damaged bytes; copy the pack again"
+    };
+    PackError::new("version", version, format!("{VERSION} ({why})"))
 }
 
 /// Takes any bytes for a whole pack and reads all of it that can be read: the body of the fuzz

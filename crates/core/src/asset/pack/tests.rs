@@ -126,6 +126,90 @@ fn what_is_usual_is_not_written_and_what_is_not_reads_back() {
     }
 }
 
+/// The description of a finished pack of one frame, as its bytes.
+fn written(description: Description) -> Vec<u8> {
+    let description = Description {
+        levels: 1,
+        quality: vec![0],
+        groups: vec![8],
+        frames: 1,
+        ..description
+    };
+    let mut builder = PackBuilder::new(&description);
+    let layout = index::Layout::new(&description).unwrap();
+    for tile in layout.grid.tiles_of(0) {
+        builder.push(tile, 0, &[vec![1]]);
+    }
+    let head = builder.finish(description, &[]).unwrap().head;
+    head[HEADER_BYTES..].to_vec()
+}
+
+#[test]
+fn a_pack_says_what_a_reader_must_know_to_show_it() {
+    let cube = Description {
+        projection: Projection::Cube,
+        size: [32, 32],
+        ..description()
+    };
+    for (unusual, needs) in [
+        (cube.clone(), &[][..]),
+        (
+            Description {
+                eyes: 2,
+                cube_faces: 4,
+                ..cube
+            },
+            &["eyes", "cube_faces"],
+        ),
+        (
+            Description {
+                pixel_aspect: [4, 3],
+                ..description()
+            },
+            &["pixel_aspect"],
+        ),
+        (
+            Description {
+                pixel_aspect: [2, 2],
+                ..description()
+            },
+            &[],
+        ),
+    ] {
+        let bytes = written(unusual);
+        let json: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
+        let found = json.get("needs").map(|needs| needs.as_array().unwrap());
+        let found = found.map(|needs| needs.iter().map(|name| name.as_str().unwrap()).collect());
+        let found: Vec<&str> = found.unwrap_or_default();
+        assert_eq!(found, needs);
+        assert!(Description::parse(&bytes).is_ok());
+    }
+}
+
+#[test]
+fn what_a_later_foveal_writes_is_refused_with_what_to_do() {
+    let mut bytes = pack_bytes();
+    bytes[8..12].copy_from_slice(&2_u32.to_le_bytes());
+    let error = Header::parse(&bytes).unwrap_err().to_string();
+    assert!(error.contains("version: found 2, expected 1"), "{error}");
+    assert!(error.contains("update foveal"), "{error}");
+    bytes[8..12].copy_from_slice(&0_u32.to_le_bytes());
+    let error = Header::parse(&bytes).unwrap_err().to_string();
+    assert!(!error.contains("update foveal"), "{error}");
+    // What is needed is told even where the rest has another form.
+    let later = br#"{"needs": ["eyes", "depth"], "projection": "lightfield"}"#;
+    let error = Description::parse(later).unwrap_err().to_string();
+    assert!(error.contains("description.needs: found depth"), "{error}");
+    assert!(error.contains("update foveal"), "{error}");
+    let long = format!(r#"{{"needs": ["{}"]}}"#, "\\u001b".repeat(100_000));
+    let error = Description::parse(long.as_bytes()).unwrap_err().to_string();
+    assert!(
+        error.len() < 1000 && !error.contains('\x1b'),
+        "{}",
+        error.len()
+    );
+}
+
 #[test]
 fn eyes_faces_and_pixels_out_of_range_are_refused() {
     for wrong in [

@@ -1,0 +1,64 @@
+//! What must a reader understand to show a pack rightly?
+//!
+//! A reader passes over fields that it does not know. Where that would show a wrong picture, the
+//! description lists the field in `needs`, and whoever does not know it refuses the pack.
+
+use super::{Description, PackError};
+use crate::view::surface::{are_all_faces, is_one_eye};
+use serde::{Deserialize, Serialize};
+
+/// What this program understands.
+const UNDERSTOOD: [&str; 3] = ["eyes", "cube_faces", "pixel_aspect"];
+
+/// A description as it is written.
+#[derive(Serialize)]
+pub(super) struct Written<'a> {
+    #[serde(flatten)]
+    description: &'a Description,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    needs: Vec<&'static str>,
+}
+
+impl<'a> Written<'a> {
+    /// The description with what it needs.
+    pub(super) fn new(description: &'a Description) -> Self {
+        let needed = [
+            !is_one_eye(&description.eyes),
+            !are_all_faces(&description.cube_faces),
+            description.pixel_aspect[0] != description.pixel_aspect[1],
+        ];
+        let needs = UNDERSTOOD.into_iter().zip(needed);
+        Self {
+            description,
+            needs: needs.filter_map(|(name, is)| is.then_some(name)).collect(),
+        }
+    }
+}
+
+/// The one field that is read before all others, which a later version may write otherwise.
+#[derive(Deserialize)]
+struct Needs {
+    #[serde(default)]
+    needs: Vec<String>,
+}
+
+/// Refuses a description that needs what this program does not understand.
+pub(super) fn check_needs(json: &[u8]) -> Result<(), PackError> {
+    let Needs { needs } = serde_json::from_slice(json)
+        .map_err(|e| PackError::new("description", e, "the JSON of docs/formats/pack.md"))?;
+    let is_new = |name: &&String| !UNDERSTOOD.contains(&name.as_str());
+    match needs.iter().find(is_new) {
+        None => Ok(()),
+        Some(name) => Err(PackError::new(
+            "description.needs",
+            name.chars()
+                .take(64)
+                .flat_map(char::escape_default)
+                .collect::<String>(),
+            format!(
+                "nothing but {} (a newer foveal wrote this pack; update foveal)",
+                UNDERSTOOD.join(", ")
+            ),
+        )),
+    }
+}
