@@ -165,13 +165,13 @@ impl<'a> PoleRows<'a> {
     fn row(&self, level: u8, row: usize) -> &[u8] {
         let width = self.plane.width >> level;
         match level.checked_sub(1) {
-            None => self.plane.turn(self.from_top(row)),
+            None => self.plane.turn(self.row_of_plane(row)),
             Some(halving) => &self.halved[usize::from(halving)][row * (width + TAPS)..][..width],
         }
     }
 
     #[inline]
-    fn from_top(&self, row: usize) -> usize {
+    fn row_of_plane(&self, row: usize) -> usize {
         if self.is_top {
             row
         } else {
@@ -192,7 +192,9 @@ impl<'a> PoleRows<'a> {
         let rows: [&[u8; TAPS]; INNER] = std::array::from_fn(|k| {
             let row = (top + k as i64).clamp(0, last) as usize;
             let samples = match widening.halvings.checked_sub(1) {
-                None => self.plane.taps(self.from_top(row), first as usize, TAPS),
+                None => self
+                    .plane
+                    .taps(self.row_of_plane(row), first as usize, TAPS),
                 Some(halving) => {
                     let start = row * (width as usize + TAPS) + first as usize;
                     &self.halved[usize::from(halving)][start..start + TAPS]
