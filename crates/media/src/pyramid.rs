@@ -3,7 +3,9 @@
 //! Coarse texel `i` covers exactly the fine texels `ratio * i .. ratio * (i + 1)`, so a place keeps
 //! its position at every level. A level is half of the one before, filtered by six taps an axis.
 
+use crate::parallel::in_parallel;
 use foveal_core::asset::picture::Picture;
+use std::ops::Range;
 
 /// Weights of the six fine texels around a coarse one, in 32nds.
 ///
@@ -15,6 +17,9 @@ const TAPS: [i32; 6] = [-1, 4, 13, 13, 4, -1];
 
 /// Fine texels before the first texel that a coarse one covers.
 const REACH: usize = 2;
+
+/// Coarse rows in one part of the work.
+const STRIP: usize = 32;
 
 /// The level that is `ratio` times coarser on each side; sizes round up, borders repeat.
 ///
@@ -45,11 +50,51 @@ pub fn halve(picture: &Picture, ratio: u32) -> Picture {
     coarse
 }
 
+/// [`halve`] of each picture, the same for any number of threads `jobs`.
+///
+/// # Panics
+/// As [`halve`].
+#[must_use]
+pub fn halve_all(pictures: &[Picture], ratio: u32, jobs: usize) -> Vec<Picture> {
+    if ratio != 2 {
+        return in_parallel(jobs, pictures.len(), |k| halve(&pictures[k], ratio));
+    }
+    let strips_of = |(k, picture): (usize, &Picture)| {
+        let strips = (0..3).flat_map(|p| {
+            let rows = picture.plane_size(p)[1].div_ceil(2) as usize;
+            let strip = |start: usize| (k, p, start..(start + STRIP).min(rows));
+            (0..rows).step_by(STRIP).map(strip).collect::<Vec<_>>()
+        });
+        strips.collect::<Vec<_>>()
+    };
+    let strips: Vec<_> = pictures.iter().enumerate().flat_map(strips_of).collect();
+    let rows = in_parallel(jobs, strips.len(), |strip| {
+        let (k, p, rows) = &strips[strip];
+        let picture = &pictures[*k];
+        half_rows(&picture.planes[*p], picture.plane_size(*p), rows.clone())
+    });
+    let half = |picture: &Picture| Picture {
+        width: picture.width.div_ceil(2),
+        height: picture.height.div_ceil(2),
+        planes: Default::default(),
+    };
+    let mut coarse: Vec<Picture> = pictures.iter().map(half).collect();
+    for ((k, p, _), rows) in strips.iter().zip(rows) {
+        coarse[*k].planes[*p].extend(rows);
+    }
+    coarse
+}
+
 /// Half of one plane: down the columns first, then along the row.
 fn half_plane(fine: &[u8], size: [u32; 2]) -> Vec<u8> {
+    half_rows(fine, size, 0..size[1].div_ceil(2) as usize)
+}
+
+/// Some rows of the half.
+fn half_rows(fine: &[u8], size: [u32; 2], range: Range<usize>) -> Vec<u8> {
     let [w, h] = size.map(|n| n as usize);
-    let [coarse_w, coarse_h] = [w.div_ceil(2), h.div_ceil(2)];
-    let mut coarse = vec![0; coarse_w * coarse_h];
+    let coarse_w = w.div_ceil(2);
+    let mut coarse = vec![0; coarse_w * range.len()];
     if coarse.is_empty() {
         return coarse;
     }
@@ -57,7 +102,7 @@ fn half_plane(fine: &[u8], size: [u32; 2]) -> Vec<u8> {
     let mut column = vec![0i16; 2 * coarse_w + 2 * REACH];
     let mut even = vec![0i16; coarse_w + REACH];
     let mut odd = vec![0i16; coarse_w + REACH];
-    for (y, out) in coarse.chunks_exact_mut(coarse_w).enumerate() {
+    for (y, out) in range.zip(coarse.chunks_exact_mut(coarse_w)) {
         let rows = [0, 1, 2, 3, 4, 5].map(|tap| {
             let row = (2 * y + tap).saturating_sub(REACH).min(h - 1);
             &fine[row * w..][..w]
@@ -153,6 +198,15 @@ mod tests {
                 let slow = slow_half_plane(&picture.planes[p], picture.plane_size(p));
                 prop_assert_eq!(&coarse.planes[p], &slow);
             }
+        }
+
+        #[test]
+        fn strips_and_threads_change_nothing(
+            w in 1u32..70, h in 1u32..200, jobs in 1usize..4, ratio in 0u32..3
+        ) {
+            let pictures = [noise(w, h, 1), noise(h, w, 2)];
+            let each: Vec<_> = pictures.iter().map(|picture| halve(picture, 1 << ratio)).collect();
+            prop_assert_eq!(halve_all(&pictures, 1 << ratio, jobs), each);
         }
 
         #[test]

@@ -76,8 +76,8 @@ pub struct CubeSampler {
     coverage: Coverage,
     chroma_left: bool,
     kernel: Kernel,
-    /// Of luma and of chroma, for the fast way where it can be gone.
-    fast: Option<(fast::Cubic, [fast::Places; 2])>,
+    /// For the fast way where it can be gone.
+    fast: Option<Box<fast::Fast>>,
 }
 
 /// Columns of half an upright face, or rows of a quarter of the top face, in one part of the work.
@@ -131,10 +131,10 @@ impl CubeSampler {
         }
     }
 
-    /// A sampler that takes a widened cubic kernel and remembers where samples look: about twice
-    /// as fast, a little softer and with a little more aliasing of the finest detail. Takes 12
-    /// bytes
-    /// a face pixel; sizes that it cannot do are sampled as by [`Self::new`].
+    /// A sampler that takes a widened cubic kernel and remembers where samples look: many times
+    /// as fast, a little softer and with a little more aliasing of the finest detail. Takes about
+    /// 13 bytes a pixel of one face, and about 11 MB for the caps; sizes that it cannot do are sampled as
+    /// by [`Self::new`].
     ///
     /// # Panics
     /// As [`Self::new`].
@@ -142,10 +142,8 @@ impl CubeSampler {
     pub fn fast(size: [u32; 2], face: u32, coverage: Coverage, chroma_left: bool) -> Self {
         let mut this = Self::new(size, face, coverage, chroma_left);
         let empty = Picture::filled(size[0], size[1], [0; 3]);
-        let places = |p| fast::Places::new(&this.plane(&empty, p));
-        this.fast = places(0)
-            .zip(places(1))
-            .map(|(luma, chroma)| (fast::Cubic::new(), [luma, chroma]));
+        let [luma, chroma] = [0, 1].map(|p| this.plane(&empty, p));
+        this.fast = fast::Fast::new(&luma, &chroma, &this.kernel).map(Box::new);
         this
     }
 
@@ -162,13 +160,26 @@ impl CubeSampler {
         );
         assert!(picture.is_consistent(), "a picture lacks samples");
         let planes = [0, 1, 2].map(|p| self.plane(picture, p));
+        let blocks = match &self.fast {
+            Some(fast) => fast.blocks(&planes, jobs),
+            None => self.blocks(&planes, jobs),
+        };
+        let mut faces = CUBE_FACES.map(|_| Picture::filled(self.face, self.face, [16, 128, 128]));
+        for (p, block) in blocks {
+            block.write_to(&mut faces[block.face].planes[p], planes[p].face);
+        }
+        if self.coverage == Coverage::FrontHalf {
+            blacken_back(&mut faces);
+        }
+        faces
+    }
+
+    /// All samples of the six faces, with the plane that they are of.
+    fn blocks(&self, planes: &[Plane; 3], jobs: usize) -> Vec<(usize, Block)> {
         let caps =
             [0, 1, 2].map(|p: usize| [0, 1].map(|pole| Cap::new(&planes[p], &self.kernel, pole)));
-        if let Some(fast) = &self.fast {
-            return self.fast_cube(fast, &planes, &caps, jobs);
-        }
         let parts = self.parts();
-        let parts_of_planes = in_parallel(jobs, parts.len(), |part| {
+        let blocks = in_parallel(jobs, parts.len(), |part| {
             let Part {
                 plane: p,
                 poles,
@@ -181,59 +192,9 @@ impl CubeSampler {
             } else {
                 sides::side_blocks(plane, kernel, range)
             };
-            (p, blocks)
+            blocks.into_iter().map(move |block| (p, block))
         });
-        let mut faces = CUBE_FACES.map(|_| Picture::filled(self.face, self.face, [16, 128, 128]));
-        for (p, blocks) in parts_of_planes {
-            for block in blocks {
-                block.write_to(&mut faces[block.face].planes[p], planes[p].face);
-            }
-        }
-        if self.coverage == Coverage::FrontHalf {
-            blacken_back(&mut faces);
-        }
-        faces
-    }
-
-    /// The six faces, each row by itself.
-    fn fast_cube(
-        &self,
-        (cubic, places): &(fast::Cubic, [fast::Places; 2]),
-        planes: &[Plane; 3],
-        caps: &[[Cap; 2]; 3],
-        jobs: usize,
-    ) -> [Picture; 6] {
-        let rows = [0, 1, 2].map(|p| fast::Rows::new(&places[p.min(1)], &planes[p]));
-        let blocks_of = |p: usize| 6 * planes[p].face.div_ceil(STRIP);
-        let [luma, chroma] = [blocks_of(0), blocks_of(1)];
-        let strips = in_parallel(jobs, luma + 2 * chroma, |strip| {
-            let (p, strip) = match strip.checked_sub(luma) {
-                None => (0, strip),
-                Some(strip) => (1 + strip / chroma, strip % chroma),
-            };
-            let size = planes[p].face;
-            let [face, y] = [strip % 6, strip / 6 * STRIP];
-            let count = STRIP.min(size - y);
-            let mut samples = vec![0; size * count];
-            for (row, out) in samples.chunks_exact_mut(size).enumerate() {
-                rows[p].fill(cubic, (&self.kernel, &caps[p]), [face, y + row], out);
-            }
-            let block = Block {
-                face,
-                at: [0, y],
-                width: size,
-                samples,
-            };
-            (p, block)
-        });
-        let mut faces = CUBE_FACES.map(|_| Picture::filled(self.face, self.face, [16, 128, 128]));
-        for (p, block) in strips {
-            block.write_to(&mut faces[block.face].planes[p], planes[p].face);
-        }
-        if self.coverage == Coverage::FrontHalf {
-            blacken_back(&mut faces);
-        }
-        faces
+        blocks.into_iter().flatten().collect()
     }
 
     /// Plane `p` of the source, ready to be read across its borders.

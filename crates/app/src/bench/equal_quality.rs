@@ -4,6 +4,7 @@ use foveal_core::asset::codec::Codec;
 use foveal_core::asset::picture::Picture;
 use foveal_media::{EncodeSettings, GroupDecoder, Rate, Speed, VideoInput, encode_group};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Sides of the tiles that are coded, pixels: those of spheres and of flat content.
@@ -84,13 +85,15 @@ fn groups_of(frames: &[Picture], tile: u32) -> Vec<Vec<Picture>> {
             (down * y / (PLACES - 1)) & !1,
         ]
     };
-    let cut = |n| {
+    let cut = |corner| {
         frames
             .iter()
-            .map(|frame| frame.crop(place(n), [tile; 2]))
+            .map(|frame| frame.crop(corner, [tile; 2]))
             .collect()
     };
-    (0..PLACES).map(cut).collect()
+    // In a picture hardly larger than a tile places coincide.
+    let different: BTreeSet<[u32; 2]> = (0..PLACES).map(place).collect();
+    different.into_iter().map(cut).collect()
 }
 
 /// PSNR in decibels and the logarithm of bytes at each quantiser.

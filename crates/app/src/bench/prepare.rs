@@ -104,11 +104,11 @@ type Rows = (Vec<SpeedRow>, Vec<SizeRow>);
 fn measure(args: &PrepareBenchArgs, jobs: usize, folder: &Path) -> anyhow::Result<Rows> {
     let (mut speed, mut sizes) = (Vec::new(), Vec::new());
     let clips: Vec<(String, PathBuf, ProjectionChoice)> = match &args.input {
-        Some(file) => vec![(
-            file.display().to_string(),
-            file.clone(),
-            ProjectionChoice::Auto,
-        )],
+        Some(file) => {
+            // Reports are passed on, folders are nobody's business.
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            vec![(name.into_owned(), file.clone(), ProjectionChoice::Auto)]
+        }
         None => {
             let write = |generated| write_clip(generated, args.frames, folder);
             args.generate

@@ -74,6 +74,38 @@ fn a_benchmark_without_content_or_with_too_few_frames_is_refused() {
 }
 
 #[test]
+fn preparing_is_timed_at_every_speed_and_its_sizes_are_compared() {
+    let folder = Folder::new();
+    let clip = wide_clip(&folder, [256, 256], 8);
+    let report = json(&["bench", "prepare", "--input", &clip, "--frames", "8"]);
+    let speeds = report["speed"].as_array().unwrap();
+    let ways: Vec<_> = speeds
+        .iter()
+        .map(|row| row["way"].as_str().unwrap())
+        .collect();
+    assert_eq!(ways, ["default", "--fast", "--small", "--codec jpeg"]);
+    for row in speeds {
+        assert_eq!(row["content"], "clip.mkv");
+        assert!(number(row, "pack_bytes") > 0.0, "{row}");
+        let mpix = number(row, "source_mpix_per_s") * number(row, "seconds");
+        assert!((mpix - 256.0 * 256.0 * 8.0 / 1e6).abs() < 1e-6, "{row}");
+    }
+    let sizes = report["sizes"].as_array().unwrap();
+    let of = |way: &str| {
+        let row = sizes.iter().find(|row| row["way"] == way).unwrap();
+        number(row, "bytes_over_reference")
+    };
+    assert_eq!(sizes.len(), 3, "one size of tile fits: {report}");
+    assert!(of("--small") < of("--fast"), "{report}");
+    refused(
+        1,
+        &["bench", "prepare", "--input", &folder.name("none.mkv")],
+        &["none.mkv"],
+    );
+    refused(2, &["bench", "prepare", "--frames", "0"], &["--frames"]);
+}
+
+#[test]
 fn codecs_are_compared_by_time_bytes_and_speed() {
     let folder = Folder::new();
     let clip = wide_clip(&folder, [320, 180], 8);

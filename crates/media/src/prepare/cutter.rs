@@ -6,7 +6,7 @@ use crate::cube_layout::CubeLayout;
 use crate::encode::Speed;
 use crate::eye_layout::EyeLayout;
 use crate::parallel::in_parallel;
-use crate::pyramid::halve;
+use crate::pyramid::{halve, halve_all};
 use crate::sphere::CubeSampler;
 use foveal_core::asset::picture::Picture;
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
@@ -94,16 +94,15 @@ impl Cutter {
         let mut levels = Vec::new();
         for level in 0..self.grid.levels {
             if level > 0 {
-                faces = in_parallel(self.jobs, faces.len(), |face| {
-                    halve(&faces[face], self.grid.ratio)
-                });
+                faces = halve_all(&faces, self.grid.ratio, self.jobs);
             }
             let scale = self.grid.scale(level);
-            let cut = |tile: Tile| {
+            let count = self.grid.tiles_in_level(level);
+            levels.push(in_parallel(self.jobs, count as usize, |rank| {
+                let tile = self.grid.tile_at(level, rank as u32);
                 let corner = self.grid.origin(tile).map(|side| side / scale);
                 faces[usize::from(tile.face)].crop(corner, self.grid.tile_size(tile))
-            };
-            levels.push(self.grid.tiles_of(level).map(cut).collect());
+            }));
         }
         levels
     }

@@ -4,9 +4,12 @@
 //! then every sample counts by its place on the face and the area it stands for. So a row beyond
 //! the pole counts where it lies, on the other side.
 
+mod table;
+
 use super::kernel::{Kernel, REACH};
 use super::plane::Plane;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+pub(super) use table::CapTable;
 
 /// Spacing of samples along a circle, in face samples.
 const SPACING: f64 = 0.6;
@@ -26,6 +29,8 @@ pub(super) struct Cap {
 
 /// The samples of one source row, counter-clockwise or clockwise as the face sees them.
 struct Circle {
+    /// Row of the source, counted from the pole.
+    row: usize,
     radius: f32,
     /// Face samples squared that one sample stands for.
     area: f32,
@@ -37,6 +42,26 @@ impl Cap {
     /// The samples around the upper (0) or lower (1) pole, in the orientation of the top face:
     /// `super::poles` mirrors the bottom face.
     pub(super) fn new(plane: &Plane, kernel: &Kernel, pole: usize) -> Self {
+        let mut this = Self::without_values(plane);
+        for circle in &mut this.circles {
+            let row = if pole == 0 {
+                circle.row
+            } else {
+                plane.height - 1 - circle.row
+            };
+            let turn = plane.turn(row);
+            let ratio = circle.ratio(plane.width);
+            let count = circle.samples.len();
+            for (k, sample) in circle.samples.iter_mut().enumerate() {
+                let column = plane.column(yaw_of(k, count));
+                sample[2] = around_turn(turn, kernel, column, ratio);
+            }
+        }
+        this
+    }
+
+    /// The places of the samples, all of code value 0.
+    fn without_values(plane: &Plane) -> Self {
         let scale = plane.face as f64 / 2.0;
         let stretch = plane.pole_stretch();
         let reach = REACH * stretch;
@@ -58,12 +83,7 @@ impl Cap {
             let cos = libm::cos(angle);
             let correction = POLE_RULE.get(row).unwrap_or(&1.0);
             let depth = step / (cos * cos) * scale * correction;
-            let row = if pole == 0 {
-                row
-            } else {
-                plane.height - 1 - row
-            };
-            circles.push(Circle::new(plane, kernel, row, [radius, depth], stretch));
+            circles.push(Circle::new(plane, row, [radius, depth], stretch));
         }
         Self {
             circles,
@@ -74,59 +94,69 @@ impl Cap {
 
     /// Code value at a place of the tangent plane, within the cap.
     pub(super) fn at(&self, kernel: &Kernel, a: f64, b: f64) -> u8 {
+        let [mut sum, mut total] = [0.0f32; 2];
+        self.each_weight(kernel, [a, b], |circle, k, weight| {
+            sum += weight * circle.samples[k][2];
+            total += weight;
+        });
+        code_value(sum / total)
+    }
+
+    /// Tells each sample that counts at a place of the tangent plane, and how much.
+    fn each_weight(
+        &self,
+        kernel: &Kernel,
+        [a, b]: [f64; 2],
+        mut tell: impl FnMut(&Circle, usize, f32),
+    ) {
         let [x, y] = [(a * self.scale) as f32, (b * self.scale) as f32];
         let stretch = self.reach / REACH as f32;
         let far = self.reach * std::f32::consts::SQRT_2;
         let radius = (x * x + y * y).sqrt();
-        let [mut sum, mut total] = [0.0f32; 2];
-        for circle in self
-            .circles
-            .iter()
-            .filter(|c| (c.radius - radius).abs() <= far)
-        {
-            let [mut circle_sum, mut circle_total] = [0.0f32; 2];
-            for [u, v, value] in &circle.samples {
+        let near = |circle: &&Circle| (circle.radius - radius).abs() <= far;
+        for circle in self.circles.iter().filter(near) {
+            for (k, [u, v, _]) in circle.samples.iter().enumerate() {
                 let [dx, dy] = [(u - x).abs(), (v - y).abs()];
                 if dx < self.reach && dy < self.reach {
                     let weight = kernel.at(dx / stretch) * kernel.at(dy / stretch);
-                    circle_sum += weight * value;
-                    circle_total += weight;
+                    tell(circle, k, weight * circle.area);
                 }
             }
-            sum += circle_sum * circle.area;
-            total += circle_total * circle.area;
         }
-        (sum / total + 0.5).clamp(0.0, 255.0) as u8
     }
 }
 
 impl Circle {
-    fn new(
-        plane: &Plane,
-        kernel: &Kernel,
-        row: usize,
-        [radius, depth]: [f64; 2],
-        stretch: f64,
-    ) -> Self {
-        let turn = plane.turn(row);
+    fn new(plane: &Plane, row: usize, [radius, depth]: [f64; 2], stretch: f64) -> Self {
         let around = TAU * radius;
-        let count = ((around / (SPACING * stretch)).ceil() as usize).clamp(16, turn.len().max(16));
-        let ratio = (turn.len() as f64 / count as f64).max(1.0);
-        let samples = (0..count)
-            .map(|k| {
-                let yaw = TAU * k as f64 / count as f64;
-                let value = around_turn(turn, kernel, plane.column(yaw), ratio);
-                let [x, y] = [libm::sin(yaw) * radius, libm::cos(yaw) * radius];
-                [x as f32, y as f32, value]
-            })
-            .collect();
-        let area = (around / count as f64 * depth) as f32;
+        let most = plane.width.max(16);
+        let count = ((around / (SPACING * stretch)).ceil() as usize).clamp(16, most);
+        let samples = (0..count).map(|k| {
+            let yaw = yaw_of(k, count);
+            let [x, y] = [libm::sin(yaw) * radius, libm::cos(yaw) * radius];
+            [x as f32, y as f32, 0.0]
+        });
         Self {
+            row,
             radius: radius as f32,
-            area,
-            samples,
+            area: (around / count as f64 * depth) as f32,
+            samples: samples.collect(),
         }
     }
+
+    /// Columns a sample where a turn has `width`, at least one.
+    fn ratio(&self, width: usize) -> f64 {
+        (width as f64 / self.samples.len() as f64).max(1.0)
+    }
+}
+
+fn yaw_of(k: usize, count: usize) -> f64 {
+    TAU * k as f64 / count as f64
+}
+
+#[inline]
+fn code_value(value: f32) -> u8 {
+    (value + 0.5).clamp(0.0, 255.0) as u8
 }
 
 /// Filtered value at a fractional column of a turn, `ratio` columns wide a unit of the kernel.
