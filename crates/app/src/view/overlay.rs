@@ -1,6 +1,5 @@
 //! What is written over the picture?
 
-use super::keys::KEYS;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, pos2, vec2};
 
 const TEXT: Color32 = Color32::from_rgb(235, 235, 235);
@@ -13,10 +12,17 @@ const GAP: f32 = 10.0;
 /// One line: what it is, and its value.
 pub(crate) type Line = (String, String);
 
+/// One line: keys, and what they do.
+pub(crate) type Key = (&'static str, &'static str);
+
 /// Paints figures at the left, keys at the right, and a message at the bottom.
-pub(crate) fn paint(painter: &Painter, figures: Option<&[Line]>, message: Option<&str>) {
+pub(crate) fn paint(
+    painter: &Painter,
+    told: Option<&(Vec<Line>, Vec<Key>)>,
+    message: Option<&str>,
+) {
     let whole = painter.clip_rect();
-    if let Some(figures) = figures {
+    if let Some((figures, keys)) = told {
         let lines = figures
             .iter()
             .map(|(what, value)| (what.as_str(), value.as_str()));
@@ -31,7 +37,13 @@ pub(crate) fn paint(painter: &Painter, figures: Option<&[Line]>, message: Option
         let right = whole.right() - width - GAP;
         // A narrow window shows figures, not keys.
         if right > 350.0 {
-            table(painter, pos2(right, whole.top() + GAP), 100.0, width, KEYS);
+            table(
+                painter,
+                pos2(right, whole.top() + GAP),
+                100.0,
+                width,
+                keys.iter().copied(),
+            );
         }
     }
     if let Some(message) = message {
