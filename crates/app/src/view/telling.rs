@@ -55,21 +55,18 @@ impl Viewer {
             reconstruction(&style.showing)
         };
         let blur = if style.showing.blurs { ", blurred" } else { "" };
-        match self.two_eyes {
-            true => format!("{what}{blur}, eye {}", self.eye.name()),
-            false => format!("{what}{blur}"),
-        }
+        format!("{what}{blur}")
     }
 
+    /// The figures, for people.
     pub(super) fn lines(&self, stage: &Stage, now: Seconds) -> Vec<Line> {
         let [fps, upload] = self.figures.rates(now);
         let timeline = stage.timeline();
         let media = self.clock.time(now);
         let frame = stage.shown_tick().map_or(0, |tick| timeline.frame_of(tick));
-        let state = if self.is_moving(stage) {
-            ""
-        } else {
-            ", paused"
+        let shown = match self.is_moving(stage) {
+            true => format!("{fps:.1} frames/s"),
+            false => "paused".to_owned(),
         };
         let figures = &self.figures;
         let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
@@ -80,13 +77,13 @@ impl Viewer {
             line(
                 "time",
                 format!(
-                    "{:.2} of {:.2} s, frame {frame}{state}",
+                    "{:.2} / {:.2} s, frame {frame}",
                     timeline.within(media).0,
                     timeline.length().0
                 ),
             ),
             line("zoom", format!("{:.2}", self.scene.zoom())),
-            line("shown", format!("{fps:.1} frames/s")),
+            line("shown", shown),
             line(
                 "decode, draw",
                 format!(
@@ -128,12 +125,15 @@ impl Viewer {
                 ),
             ),
         ];
+        if self.two_eyes {
+            lines.push(line("eye", self.eye.name().to_owned()));
+        }
         if let Some(sound) = &self.sound {
             let off = self.drift.worst_and_p95_ms();
             let off = off.map_or("at the beginning".to_owned(), |[worst, p95]| {
-                format!("95 % within {p95:.0} ms, all {worst:.0}")
+                format!("95 % in {p95:.0} ms, all {worst:.0}")
             });
-            lines.push(line("sound", format!("{off}, {} gaps", sound.gaps())));
+            lines.push(line("sound", format!("{off}; {} gaps", sound.gaps())));
         }
         lines
     }

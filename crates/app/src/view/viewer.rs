@@ -348,7 +348,7 @@ impl Viewer {
     }
 
     /// Whether the content moves.
-    fn is_moving(&self, stage: &Stage) -> bool {
+    pub(super) fn is_moving(&self, stage: &Stage) -> bool {
         self.clock.is_playing() && !stage.timeline().is_still()
     }
 
