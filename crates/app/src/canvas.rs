@@ -220,6 +220,20 @@ impl Canvas {
         })
     }
 
+    /// The texture of the picture that a view shows on the GPU, with `marks` over it if there are
+    /// any and tiles lie in the atlas; the next call reuses it. `None` where no GPU draws.
+    pub(crate) fn draw(
+        &mut self,
+        view: &EyeView,
+        marks: Option<&Overlay>,
+    ) -> anyhow::Result<Option<&wgpu::Texture>> {
+        Ok(match self {
+            Self::Gpu(renderer) => Some(renderer.draw(view, marks)?),
+            Self::Textures(renderer) => Some(renderer.draw(view)?),
+            Self::Cpu(_) | Self::None => None,
+        })
+    }
+
     /// The picture that a view shows, with `marks` over it if there are any; `None` when nothing
     /// draws.
     pub(crate) fn picture(

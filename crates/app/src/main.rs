@@ -23,6 +23,7 @@ mod preset;
 mod replay;
 mod sampling;
 mod select;
+mod showing_options;
 mod simulate;
 mod timed_run;
 mod verify;

@@ -9,9 +9,9 @@ use foveal_core::selection::policy::PolicyConfig;
 use foveal_core::view::eye_view::EyeView;
 use std::collections::BTreeMap;
 
-/// The mask that a policy asks for in a view.
+/// The mask that a policy asks for in a view: pixels count by the angles that they fill at the eye.
 pub(crate) fn mask_shape(config: &PolicyConfig, view: &EyeView) -> MaskShape {
-    let field = view.field;
+    let field = view.as_seen().field;
     MaskShape {
         side: config.mask.side,
         pitch: (field.left + field.right) / f64::from(view.size[0]),

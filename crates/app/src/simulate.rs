@@ -3,10 +3,11 @@
 use crate::canvas::{Drawing, RendererName, Showing};
 use crate::decoding::{DecodingOptions, DeviceReport};
 use crate::gaze::{GazeChoice, GazeSource, interrupted, parse_gaze};
-use crate::options::{PolicyOptions, Switch, ViewOptions};
+use crate::options::{PolicyOptions, ViewOptions};
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::picture_file::write_png;
 use crate::player::{FrameReport, Player, PlayerOptions};
+use crate::showing_options::{EyeName, InterpolationName, ShowingOptions};
 use crate::watching::Watching;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
@@ -15,11 +16,11 @@ use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_core::selection::session::{Session, sha256_hex};
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::surface::{Eye, Projection};
+use foveal_core::view::surface::Projection;
 use foveal_media::pack_file::PackFile;
 use foveal_media::picture_from_rgba::picture_from_rgba;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
-use foveal_render::{Interpolation, Overlay, RgbaImage};
+use foveal_render::{Overlay, RgbaImage};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -36,23 +37,6 @@ enum Pictures {
     Video,
     /// None: only figures.
     None,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum EyeName {
-    Left,
-    Right,
-    Both,
-}
-
-impl EyeName {
-    fn eyes(self) -> &'static [Eye] {
-        match self {
-            Self::Left => &[Eye::Left],
-            Self::Right => &[Eye::Right],
-            Self::Both => &[Eye::Left, Eye::Right],
-        }
-    }
 }
 
 #[derive(Clone, Debug, Args)]
@@ -114,36 +98,6 @@ pub(crate) struct SimulateArgs {
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Reconstruction {
-    /// Resident tiles in one atlas, faded into each other where levels meet.
-    Atlas,
-    /// A texture for every level, as large as the whole surface there; nothing fades.
-    Textures,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum InterpolationName {
-    /// The nearest sample, as published.
-    Nearest,
-    /// The nearest sample and those that touch it, by distance, each the mean of its surroundings.
-    Blended,
-}
-
-/// How what is resident becomes a picture.
-#[derive(Clone, Debug, Args)]
-struct ShowingOptions {
-    /// What tiles lie in on the GPU.
-    #[arg(long, value_enum, default_value = "atlas")]
-    reconstruction: Reconstruction,
-    /// sampled: how pixels between samples are filled (default: blended; nearest in the preset).
-    #[arg(long, value_enum)]
-    interpolation: Option<InterpolationName>,
-    /// Blur what lies outside the fovea as acuity falls off.
-    #[arg(long, value_enum, default_value = "off")]
-    blur: Switch,
 }
 
 /// What a run took.
@@ -251,7 +205,7 @@ impl SimulateArgs {
     }
 
     fn showing(&self, policy: Policy) -> anyhow::Result<Showing> {
-        let has_textures = self.showing.reconstruction == Reconstruction::Textures;
+        let has_textures = self.showing.has_textures();
         if has_textures && policy == Policy::Sampled {
             bail!(WrongUsage(
                 "--reconstruction textures shows tiles, --policy sampled samples; give one of them"
@@ -263,16 +217,11 @@ impl SimulateArgs {
                 "--heat-map marks the tiles of --reconstruction atlas; give one of them".to_owned()
             ));
         }
-        let published = self.watching.system().map(|_| InterpolationName::Nearest);
-        let interpolation = self.showing.interpolation.or(published);
-        Ok(Showing {
-            has_textures,
-            interpolation: match interpolation.unwrap_or(InterpolationName::Blended) {
-                InterpolationName::Nearest => Interpolation::Nearest,
-                InterpolationName::Blended => Interpolation::Blended,
-            },
-            blurs: self.showing.blur == Switch::On,
-        })
+        let usual = match self.watching.system() {
+            Some(_) => InterpolationName::Nearest,
+            None => InterpolationName::Blended,
+        };
+        Ok(self.showing.showing(usual))
     }
 
     /// Checks the options that need no pack.

@@ -1,12 +1,15 @@
 //! Which tiles does the policy choose, and how is that written down?
 
 use super::timeline::Timeline;
+use crate::link::Link;
+use crate::options::check_thresholds;
 use anyhow::{Context, bail};
 use foveal_core::asset::cues::CueTable;
 use foveal_core::asset::signature::Signatures;
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use foveal_core::gaze::sample::{GazeSample, HeadPose};
 use foveal_core::perception::parameters::{EyeState, Parameters};
+use foveal_core::selection::budget::{Budget, MOST_SAVED_S};
 use foveal_core::selection::chooser::Chooser;
 use foveal_core::selection::content::{Content, PackContent};
 use foveal_core::selection::policy::{Moment, Policy, PolicyConfig};
@@ -46,11 +49,36 @@ pub(crate) struct Choice {
     /// The chooser, and the head of the session that it chooses in.
     running: Option<(Chooser, SessionHead)>,
     log: Option<Log>,
+    link: Option<Spending>,
+}
+
+/// What a link brings, and what was bought of it.
+struct Spending {
+    budget: Budget,
+    /// When it was last asked.
+    until: f64,
+    /// When it was last spent.
+    bought: f64,
 }
 
 struct Log {
     path: PathBuf,
     out: File,
+}
+
+impl Spending {
+    /// Bytes that can be spent at a time.
+    fn ask(&mut self, now: Seconds) -> u64 {
+        let passed = now.0 - std::mem::replace(&mut self.until, now.0);
+        self.budget.after(Seconds(passed))
+    }
+
+    fn spend(&mut self, bytes: u64, now: Seconds) {
+        self.budget.spend(bytes);
+        if bytes > 0 {
+            self.bought = now.0;
+        }
+    }
 }
 
 impl Log {
@@ -62,11 +90,13 @@ impl Log {
 }
 
 impl Choice {
-    /// Chooses tiles of `grid`, and writes down what for and how where `log` says so.
+    /// Chooses tiles of `grid` within what a link brings, and writes down what for and how where
+    /// `log` says so.
     pub(crate) fn new(
         file: Arc<PackFile>,
         grid: TileGrid,
         config: PolicyConfig,
+        link: Option<Link>,
         log: Option<&Path>,
     ) -> anyhow::Result<Self> {
         let tables = (file.signatures()?, file.cues()?);
@@ -85,10 +115,15 @@ impl Choice {
             tables,
             running: None,
             log: log.transpose()?,
+            link: link.map(|link| Spending {
+                budget: Budget::new(link.bytes_per_s),
+                until: 0.0,
+                bought: 0.0,
+            }),
         };
         if !choice.can(choice.config.policy) {
             bail!(
-                "{}: has no signatures, by which this policy values units; prepare it again",
+                "{}: has no signatures or cues, by which this policy chooses; prepare it again",
                 choice.file.path().display(),
             );
         }
@@ -103,15 +138,34 @@ impl Choice {
         &self.config.perception
     }
 
+    /// The policy with its parameters.
+    pub(crate) fn config(&self) -> &PolicyConfig {
+        &self.config
+    }
+
     /// Whether the pack has what a policy chooses by.
     pub(crate) fn can(&self, policy: Policy) -> bool {
-        !policy.spends_a_budget() || self.tables.0.is_some()
+        let config = PolicyConfig {
+            policy,
+            ..self.config.clone()
+        };
+        let cues = self.tables.0.is_some() && self.tables.1.is_some();
+        (!policy.spends_a_budget() || self.tables.0.is_some())
+            && (!config.needs_cues() || cues)
+            && check_thresholds(&config, &self.grid).is_ok()
     }
 
     /// Chooses by another policy from now on.
     pub(crate) fn change(&mut self, config: PolicyConfig) {
         self.config = config;
         self.running = None;
+    }
+
+    /// Whether a link may still bring what was not chosen yet for lack of bytes.
+    fn saves_up(&self, now: f64) -> bool {
+        let link = self.link.as_ref();
+        let link = link.filter(|_| self.config.policy.spends_a_budget());
+        link.is_some_and(|link| now - link.bought < 2.0 * MOST_SAVED_S)
     }
 
     /// Whether the choice for `now` could be another than for `before`.
@@ -121,7 +175,9 @@ impl Choice {
             self.config.policy,
             Policy::Full | Policy::Coarsest | Policy::Viewport | Policy::Uniform
         );
-        now.view != before.view || gaze_counts && moved.to_degrees() > STILL_DEG
+        self.saves_up(now.gaze.time.0)
+            || now.view != before.view
+            || gaze_counts && moved.to_degrees() > STILL_DEG
     }
 
     /// The tiles to show of a frame, the whole coarsest level included.
@@ -165,13 +221,19 @@ impl Choice {
             cues: self.tables.1.as_ref(),
         });
         let content = content.as_ref().map(|content| content as &dyn Content);
-        let selection = chooser.choose(content, frame, &moment, None);
+        let spends = self.config.policy.spends_a_budget();
+        let mut link = self.link.as_mut().filter(|_| spends);
+        let budget = link.as_mut().map(|link| link.ask(aim.gaze.time));
+        let selection = chooser.choose(content, frame, &moment, budget);
+        if let (Some(link), Chooser::Budget(refiner)) = (link, chooser) {
+            link.spend(refiner.spent(), aim.gaze.time);
+        }
         if let Some(log) = &mut self.log {
             let given = Given {
                 gaze: aim.gaze,
                 head: aim.head,
                 state: aim.state,
-                budget: None,
+                budget,
             };
             let line = SessionFrame {
                 behind_sound_s: aim.behind_sound,

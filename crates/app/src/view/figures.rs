@@ -9,6 +9,15 @@ const WINDOW_S: f64 = 2.0;
 /// Most frames that are remembered.
 const MOST: usize = 1024;
 
+/// How a frame came on screen.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Shown {
+    /// Frames before it that never came, because it was due.
+    pub(crate) left_out: u64,
+    /// Tiles of it were not there in time.
+    pub(crate) late: bool,
+}
+
 /// What is counted while a window is open.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Figures {
@@ -22,8 +31,13 @@ pub(crate) struct Figures {
     pub(crate) frames: u64,
     /// Frames never shown, because the next was due.
     pub(crate) left_out_frames: u64,
-    /// Frames shown with a coarser level standing in for tiles that were late.
+    /// Frames whose tiles were decoded too late: shown after their time, or with a coarser level
+    /// standing in.
     pub(crate) late_frames: u64,
+    /// Frames that took longer to draw than they last.
+    pub(crate) slow_draws: u64,
+    /// Smoothed time from choosing what is shown until it is on screen, in seconds.
+    pub(crate) draw_s: f64,
     pub(crate) damaged_tiles: u64,
     /// Frames whose coarsest level was damaged: the frame before stayed.
     pub(crate) damaged_frames: u64,
@@ -54,8 +68,16 @@ impl Figures {
         self.decode_ms += (ms - self.decode_ms) * if self.frames < 2 { 1.0 } else { 0.1 };
     }
 
+    /// What was to be shown was on screen `seconds` later; a frame lasts `period`. Times are
+    /// smoothed, as one slow drawing says little of the next.
+    pub(crate) fn drawn(&mut self, seconds: f64, period: Seconds) {
+        let first = self.draw_s == 0.0;
+        self.draw_s += (seconds - self.draw_s) * if first { 1.0 } else { 0.2 };
+        self.slow_draws += u64::from(seconds > period.0);
+    }
+
     /// A frame of the content came on screen.
-    pub(crate) fn shown(&mut self, now: Seconds, left_out: u64, late: bool) {
+    pub(crate) fn shown(&mut self, now: Seconds, Shown { left_out, late }: Shown) {
         self.frames += 1;
         self.left_out_frames += left_out;
         self.late_frames += u64::from(late);
@@ -66,19 +88,15 @@ impl Figures {
     }
 
     /// Frames a second and megabytes a second of late.
-    pub(crate) fn rates(&mut self, now: Seconds) -> [f64; 2] {
-        let old = |lately: &VecDeque<(f64, u64)>| {
-            lately.front().is_some_and(|(at, _)| now.0 - at > WINDOW_S)
-        };
-        while old(&self.lately) {
-            self.lately.pop_front();
-        }
-        let Some((first, bytes)) = self.lately.front() else {
+    pub(crate) fn rates(&self, now: Seconds) -> [f64; 2] {
+        let recent = |(at, _): &&(f64, u64)| now.0 - at <= WINDOW_S;
+        let mut lately = self.lately.iter().filter(recent);
+        let Some((first, bytes)) = lately.next() else {
             return [0.0; 2];
         };
         let passed = (now.0 - first).max(1e-3);
         let megabytes = (self.uploaded_bytes - bytes) as f64 / 1e6;
-        [(self.lately.len() - 1) as f64 / passed, megabytes / passed]
+        [lately.count() as f64 / passed, megabytes / passed]
     }
 }
 
@@ -87,10 +105,19 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_frame_that_takes_longer_to_draw_than_it_lasts_is_counted() {
+        let mut figures = Figures::default();
+        figures.drawn(0.03, Seconds(0.04));
+        figures.drawn(0.05, Seconds(0.04));
+        assert_eq!(figures.slow_draws, 1);
+        assert!((figures.draw_s - 0.034).abs() < 1e-12, "{}", figures.draw_s);
+    }
+
+    #[test]
     fn rates_are_of_the_last_two_seconds() {
         let mut figures = Figures::default();
         for k in 0..300 {
-            figures.shown(Seconds(f64::from(k) / 30.0), 0, false);
+            figures.shown(Seconds(f64::from(k) / 30.0), Shown::default());
         }
         let [fps, _] = figures.rates(Seconds(299.0 / 30.0));
         assert!((fps - 30.0).abs() < 0.6, "{fps}");

@@ -21,6 +21,14 @@ pub(crate) enum Action {
     Policy(i32),
     HeatMap,
     Borders,
+    /// Blur what lies outside the fovea, or not.
+    Blur,
+    /// The other way to fill pixels between samples.
+    Interpolation,
+    /// Tiles in textures, or in the atlas.
+    Textures,
+    /// The next eye.
+    Eye,
     Screenshot,
     FullScreen,
     Overlay,
@@ -34,21 +42,41 @@ const SKIP_S: f64 = 5.0;
 /// What a key zooms by.
 pub(crate) const ZOOM: f64 = 1.25;
 
-/// The keys, for people.
-pub(crate) const KEYS: [(&str, &str); 13] = [
-    ("space", "pause, play"),
-    (", .", "frame back, forward"),
-    ("[ ]", "5 s back, forward"),
-    ("Home End", "first, last frame"),
-    ("arrows, drag", "turn, move"),
-    ("+ -, wheel", "zoom"),
-    ("0", "whole picture"),
-    ("P", "next policy"),
-    ("M  B", "heat map, borders"),
-    ("S", "screenshot"),
-    ("F11", "full screen"),
-    ("H F1", "this overlay"),
-    ("Q Esc", "quit"),
+/// What a key needs to do something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Needs {
+    Nothing,
+    /// Content of more than one frame.
+    Frames,
+    /// Content for two eyes.
+    TwoEyes,
+    /// A policy that shows samples.
+    Samples,
+    /// A policy that shows tiles.
+    Tiles,
+    /// Tiles in an atlas, as levels are marked there.
+    Atlas,
+}
+
+/// The keys, for people, and what they need.
+pub(crate) const KEYS: [(&str, &str, Needs); 17] = [
+    ("space", "pause, play", Needs::Frames),
+    (", .", "frame back, forward", Needs::Frames),
+    ("[ ]", "5 s back, forward", Needs::Frames),
+    ("Home End", "first, last frame", Needs::Frames),
+    ("arrows, drag", "turn, move", Needs::Nothing),
+    ("+ -, wheel", "zoom", Needs::Nothing),
+    ("0", "whole picture", Needs::Nothing),
+    ("P", "next policy", Needs::Nothing),
+    ("R", "radial blur", Needs::Nothing),
+    ("I", "interpolation", Needs::Samples),
+    ("T", "textures, atlas", Needs::Tiles),
+    ("E", "left, right, both eyes", Needs::TwoEyes),
+    ("M  B", "heat map, borders", Needs::Atlas),
+    ("S", "screenshot", Needs::Nothing),
+    ("F11", "full screen", Needs::Nothing),
+    ("H F1", "this overlay", Needs::Nothing),
+    ("Q Esc", "quit", Needs::Nothing),
 ];
 
 /// What a key means; `None` for keys that mean nothing.
@@ -90,6 +118,10 @@ fn action_of_character(text: &str) -> Option<Action> {
         "P" => Action::Policy(-1),
         "m" | "M" => Action::HeatMap,
         "b" | "B" => Action::Borders,
+        "r" | "R" => Action::Blur,
+        "i" | "I" => Action::Interpolation,
+        "t" | "T" => Action::Textures,
+        "e" | "E" => Action::Eye,
         "s" | "S" => Action::Screenshot,
         "h" | "H" => Action::Overlay,
         "q" | "Q" => Action::Quit,
@@ -122,7 +154,7 @@ mod tests {
 
     #[test]
     fn every_key_that_is_listed_does_something() {
-        let words = KEYS.iter().flat_map(|(keys, _)| keys.split([' ']));
+        let words = KEYS.iter().flat_map(|(keys, ..)| keys.split([' ']));
         for word in words.filter(|word| !word.is_empty()) {
             let word = word
                 .strip_suffix(',')

@@ -2,8 +2,11 @@
 
 mod choice;
 mod clock;
+mod drift;
+mod easel;
 mod feed;
 mod figures;
+mod heard;
 mod keys;
 mod looking;
 mod overlay;
@@ -15,17 +18,20 @@ mod script;
 mod sound;
 mod stage;
 mod summary;
+mod telling;
 mod timeline;
 mod viewer;
 mod window;
 
 use crate::decoding::{Decoding, DecodingOptions};
 use crate::gaze::{Viewer as Watching, preset_of};
-use crate::options::{PolicyOptions, ViewOptions};
+use crate::link::{Link, parse_link};
+use crate::options::{PolicyOptions, ViewOptions, check_thresholds};
 use crate::output::{self, WrongUsage};
+use crate::showing_options::{EyeName, ShowingOptions};
 use anyhow::{Context, bail};
 use clap::Args;
-use foveal_core::units::Seconds;
+use foveal_core::selection::policy::Policy;
 use foveal_media::decode_pool::DecodePool;
 use foveal_media::pack_file::PackFile;
 use looking::{WindowGaze, parse_window_gaze};
@@ -57,6 +63,15 @@ pub(crate) struct ViewArgs {
     policy: PolicyOptions,
     #[command(flatten)]
     view: ViewOptions,
+    #[command(flatten)]
+    showing: ShowingOptions,
+    /// Whose picture is shown, of content for two eyes; both lie side by side.
+    #[arg(long, value_enum, default_value = "left")]
+    eye: EyeName,
+    /// RATE[,DELAY] between the pack and the viewer, as 4g,30ms or 8mbit: what uniform,
+    /// eccentricity and perceptual may spend (default: no limit).
+    #[arg(long, value_name = "L", value_parser = parse_link)]
+    link: Option<Link>,
     /// How gaze follows the head: free-viewing, search or a file that `gaze fit head` wrote.
     #[arg(long, value_name = "NAME|FILE.toml", default_value = "free-viewing")]
     preset: String,
@@ -69,9 +84,9 @@ pub(crate) struct ViewArgs {
     /// Begin on the full screen.
     #[arg(long)]
     full_screen: bool,
-    /// Sound that begins with the content, as a WAV file.
-    #[arg(long, value_name = "FILE")]
-    sound: Option<PathBuf>,
+    /// Play no sound.
+    #[arg(long)]
+    mute: bool,
     /// Write what was selected and for which gaze to this file, for `foveal replay`.
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
@@ -118,7 +133,20 @@ impl Ready {
             )));
         }
         // Says what is wrong with the options before a window is there.
-        args.policy.config()?;
+        let config = args.policy.config()?;
+        check_thresholds(&config, &file.pack().description().grid(args.view.screen))?;
+        if args.link.is_some() && !config.policy.spends_a_budget() {
+            bail!(WrongUsage(format!(
+                "--link: {} spends no budget; give --policy uniform, eccentricity or perceptual",
+                args.policy.name().name()
+            )));
+        }
+        if args.showing.has_textures() && config.policy == Policy::Sampled {
+            bail!(WrongUsage(
+                "--reconstruction textures shows tiles, --policy sampled samples; give one of them"
+                    .to_owned()
+            ));
+        }
         let surface = file.pack().description().grid(args.view.screen).surface;
         args.view.eye_view(&surface)?;
         let script = args.script.as_ref().map(|path| {
@@ -128,16 +156,22 @@ impl Ready {
         Ok(Self {
             watching: Watching {
                 preset: preset_of(&args.preset)?,
-                late: Seconds(0.0),
+                late: args.link.unwrap_or_default().delay,
             },
             script: script.transpose()?.unwrap_or_default(),
-            samples: args.sound.as_deref().map(Samples::open_wav).transpose()?,
+            samples: if args.mute { None } else { sound_of(&file) },
             args: args.clone(),
             pool: Some(decoding.pool(Arc::clone(&file))?),
             file,
             decoding,
         })
     }
+}
+
+/// The sound of a pack; one that is damaged is told of and left out.
+fn sound_of(file: &PackFile) -> Option<Samples> {
+    let damaged = |error: anyhow::Error| output::say(&format!("foveal: {error:#}; no sound"));
+    Samples::of_pack(file).map_err(damaged).ok().flatten()
 }
 
 pub(crate) fn run(args: &ViewArgs) -> anyhow::Result<()> {

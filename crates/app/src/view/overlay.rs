@@ -1,37 +1,51 @@
 //! What is written over the picture?
 
-use super::keys::KEYS;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, pos2, vec2};
 
 const TEXT: Color32 = Color32::from_rgb(235, 235, 235);
 const FAINT: Color32 = Color32::from_rgb(160, 165, 170);
-const BACK: Color32 = Color32::from_black_alpha(170);
-const SIZE: f32 = 13.0;
-const LINE: f32 = 18.0;
+const BACK: Color32 = Color32::from_black_alpha(190);
+const SIZE: f32 = 12.0;
+const LINE: f32 = 15.5;
 const GAP: f32 = 10.0;
+/// Less than half of a small window: the middle stays free.
+const FIGURES_WIDTH: f32 = 290.0;
 
 /// One line: what it is, and its value.
 pub(crate) type Line = (String, String);
 
+/// One line: keys, and what they do.
+pub(crate) type Key = (&'static str, &'static str);
+
 /// Paints figures at the left, keys at the right, and a message at the bottom.
-pub(crate) fn paint(painter: &Painter, figures: Option<&[Line]>, message: Option<&str>) {
+pub(crate) fn paint(
+    painter: &Painter,
+    told: Option<&(Vec<Line>, Vec<Key>)>,
+    message: Option<&str>,
+) {
     let whole = painter.clip_rect();
-    if let Some(figures) = figures {
+    if let Some((figures, keys)) = told {
         let lines = figures
             .iter()
             .map(|(what, value)| (what.as_str(), value.as_str()));
         table(
             painter,
             whole.left_top() + vec2(GAP, GAP),
-            130.0,
-            330.0,
+            85.0,
+            FIGURES_WIDTH,
             lines,
         );
-        let width = 240.0;
+        let width = 190.0;
         let right = whole.right() - width - GAP;
         // A narrow window shows figures, not keys.
-        if right > 350.0 {
-            table(painter, pos2(right, whole.top() + GAP), 100.0, width, KEYS);
+        if right > FIGURES_WIDTH + 3.0 * GAP {
+            table(
+                painter,
+                pos2(right, whole.top() + GAP),
+                75.0,
+                width,
+                keys.iter().copied(),
+            );
         }
     }
     if let Some(message) = message {
@@ -50,10 +64,13 @@ fn table<'a>(
     width: f32,
     lines: impl IntoIterator<Item = (&'a str, &'a str)>,
 ) {
-    let lines: Vec<(&str, &str)> = lines.into_iter().collect();
+    // What does not fit into the height is left out, what does not fit into the width cut off.
+    let room = (painter.clip_rect().bottom() - at.y - 2.0 * GAP) / LINE;
+    let lines: Vec<(&str, &str)> = lines.into_iter().take(room.max(0.0) as usize).collect();
     let height = LINE * lines.len() as f32 + GAP;
     let rect = Rect::from_min_size(at, vec2(width, height));
     painter.rect_filled(rect, 4.0, BACK);
+    let painter = painter.with_clip_rect(rect);
     let font = FontId::proportional(SIZE);
     for (row, (what, value)) in lines.into_iter().enumerate() {
         let left = at + vec2(GAP, GAP / 2.0 + LINE * row as f32);

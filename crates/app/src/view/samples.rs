@@ -2,12 +2,9 @@
 //!
 //! The one place that knows where sound comes from.
 
-use anyhow::{Context, bail};
 use foveal_core::units::Seconds;
-use hound::{SampleFormat, WavReader};
-use std::fs::File;
-use std::io::BufReader;
-use std::path::Path;
+use foveal_media::pack_file::PackFile;
+use foveal_media::sound::SoundTrack;
 
 /// Reads interleaved samples, all channels of a frame together, from a time on; what lies beyond
 /// the end stays as it is.
@@ -24,30 +21,17 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    /// The sound of a WAV file.
-    pub(crate) fn open_wav(path: &Path) -> anyhow::Result<Self> {
-        let name = path.display();
-        let mut reader =
-            WavReader::open(path).with_context(|| format!("--sound {name}: no WAV file"))?;
-        let spec = reader.spec();
-        if !(1000..=384_000).contains(&spec.sample_rate) || !(1..=64).contains(&spec.channels) {
-            bail!(
-                "--sound {name}: {} Hz and {} channels; give 1000 to 384000 Hz, 1 to 64 channels",
-                spec.sample_rate,
-                spec.channels
-            );
-        }
-        let rate = spec.sample_rate;
-        let read = move |from: Seconds, out: &mut [f32]| {
-            let frame = (from.0 * f64::from(rate))
-                .round()
-                .clamp(0.0, f64::from(u32::MAX));
-            if frame as u32 >= reader.duration() || reader.seek(frame as u32).is_err() {
-                return;
-            }
-            read_wav(&mut reader, out);
-        };
-        Ok(Self::new(rate, spec.channels, Box::new(read)))
+    /// The sound of a pack; `None` where it has none.
+    pub(crate) fn of_pack(file: &PackFile) -> anyhow::Result<Option<Self>> {
+        let track = SoundTrack::open(file)?;
+        Ok(track.map(|mut track| {
+            let (rate, channels) = (track.rate(), track.channels() as u16);
+            Self::new(
+                rate,
+                channels,
+                Box::new(move |from: Seconds, out: &mut [f32]| track.read(from, out)),
+            )
+        }))
     }
 
     fn new(rate: u32, channels: u16, read: Read) -> Self {
@@ -117,24 +101,6 @@ impl Samples {
                     _ => sample(channel.min(channels - 1)),
                 };
             }
-        }
-    }
-}
-
-/// Reads samples of any depth; a damaged file ends early.
-fn read_wav(reader: &mut WavReader<BufReader<File>>, out: &mut [f32]) {
-    let spec = reader.spec();
-    match spec.sample_format {
-        SampleFormat::Float => {
-            let samples = reader.samples::<f32>().map_while(Result::ok);
-            out.iter_mut().zip(samples).for_each(|(out, s)| *out = s);
-        }
-        SampleFormat::Int => {
-            let most = (1i64 << (spec.bits_per_sample.clamp(1, 32) - 1)) as f32;
-            let samples = reader.samples::<i32>().map_while(Result::ok);
-            out.iter_mut()
-                .zip(samples)
-                .for_each(|(out, s)| *out = s as f32 / most);
         }
     }
 }

@@ -8,6 +8,7 @@ use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
+use glam::DVec3;
 
 /// Display pixels over one pixel of the content at the closest.
 const CLOSEST: f64 = 32.0;
@@ -22,7 +23,10 @@ pub(crate) struct Scene {
     surface: Surface,
     /// Half the width of a sphere's view at unit distance, before zooming.
     tangent: f64,
+    /// Where the viewer turned the head by hand.
     head: HeadPose,
+    /// Where the head is turned to by whatever else moves it; the hand adds to that.
+    led: Option<HeadPose>,
     zoom: f64,
     /// Flat content: the place in the window's centre, in level-0 pixels.
     centre: [f64; 2],
@@ -63,6 +67,15 @@ impl Pane {
         }
     }
 
+    /// One of `count` equal parts of it, side by side.
+    pub(crate) fn part(&self, count: usize) -> Self {
+        let [w, h] = self.size;
+        Self {
+            size: [(w / count.max(1) as u32).max(1), h],
+            ..*self
+        }
+    }
+
     /// Tangents at the eye, before the window's centre, of a picture that begins at `origin`.
     fn at_eye(&self, origin: [u32; 2], size: [u32; 2]) -> [f64; 4] {
         let from = |k: usize| f64::from(self.size[k]) / 2.0 - f64::from(origin[k]);
@@ -78,6 +91,7 @@ impl Scene {
             surface,
             tangent: (fov.0 / 2.0).tan(),
             head: HeadPose::default(),
+            led: None,
             zoom: 1.0,
             centre: surface.size.map(|side| f64::from(side) / 2.0),
         }
@@ -90,15 +104,38 @@ impl Scene {
         self.centre = self.surface.size.map(|side| f64::from(side) / 2.0);
     }
 
-    /// Where the viewer turned the head.
+    /// Where the head is turned to.
     pub(crate) fn head(&self) -> HeadPose {
-        self.head
+        let Some(led) = self.led else {
+            return self.head;
+        };
+        let steepest = Radians::from_degrees(STEEPEST_DEG).0;
+        let pitch = led.pitch.0 + self.head.pitch.0;
+        HeadPose {
+            yaw: Radians(led.yaw.0 + self.head.yaw.0),
+            pitch: Radians(pitch.clamp(-steepest, steepest)),
+            roll: led.roll,
+        }
     }
 
-    /// Turns the head, where there is a sphere to look around in.
+    /// Turns the head, where there is a sphere to look around in; what the hand turned stays.
     pub(crate) fn look_along(&mut self, head: HeadPose) {
         if self.surface.projection != Projection::Flat {
-            self.head = head;
+            self.led = Some(head);
+        }
+    }
+
+    /// A gaze of whoever is led, with the head turned on by hand: the eye stays in the head.
+    pub(crate) fn with_the_hand(&self, gaze_in_content: DVec3) -> DVec3 {
+        match self.led {
+            Some(led) if self.head != HeadPose::default() => {
+                let (from, to) = (led.axes(), self.head().axes());
+                let part = |axis: DVec3| gaze_in_content.dot(axis);
+                to.right * part(from.right)
+                    + to.down * part(from.down)
+                    + to.forward * part(from.forward)
+            }
+            _ => gaze_in_content,
         }
     }
 
@@ -167,7 +204,7 @@ impl Scene {
                     ..Field::symmetric([across, across * h / w])
                 };
                 let view = EyeView {
-                    axes: self.head.axes(),
+                    axes: self.head().axes(),
                     field,
                     size: pane.size,
                     eye: Eye::Left,
@@ -306,6 +343,32 @@ mod tests {
         assert!((scene.head().yaw.0 + 0.02).abs() < 1e-12);
         scene.drag([0.0, 1e6], &pane);
         assert!((scene.head().pitch.to_degrees() - STEEPEST_DEG).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_hand_turns_a_led_head_on_and_takes_the_gaze_along() {
+        let mut scene = Scene::new(Surface::cube(1024), Radians::from_degrees(90.0));
+        let pane = pane([1000, 1000]);
+        let led = HeadPose {
+            yaw: Radians(0.5),
+            pitch: Radians(0.2),
+            roll: Radians(0.1),
+        };
+        scene.look_along(led);
+        let gaze = scene.shown(&pane).view.ray([300.0, 700.0]).normalize();
+        assert_eq!(scene.with_the_hand(gaze), gaze);
+        scene.drag([-50.0, 20.0], &pane);
+        scene.look_along(led);
+        assert!((scene.head().yaw.0 - 0.6).abs() < 1e-12);
+        assert!((scene.head().pitch.0 - 0.24).abs() < 1e-12);
+        let place = scene
+            .shown(&pane)
+            .view
+            .place(scene.with_the_hand(gaze))
+            .unwrap();
+        assert!((place[0] - 300.0).abs() < 1e-6 && (place[1] - 700.0).abs() < 1e-6);
+        scene.reset();
+        assert_eq!(scene.head(), led);
     }
 
     proptest! {

@@ -16,8 +16,10 @@ pub(crate) struct Screen {
     health: Arc<Health>,
     egui: egui::Context,
     painter: egui_wgpu::Renderer,
-    /// The picture as egui knows it.
-    picture: Option<(wgpu::Texture, egui::TextureId)>,
+    /// The pictures as egui knows them, from left to right.
+    pictures: [Option<(wgpu::Texture, egui::TextureId)>; 2],
+    /// A picture that was kept while the one beside it was drawn.
+    kept: Option<wgpu::Texture>,
 }
 
 /// What the driver told of the device.
@@ -27,11 +29,10 @@ struct Health {
     errors: AtomicU64,
 }
 
-/// A picture and where it goes.
-pub(crate) struct Placed<'a> {
-    pub(crate) picture: &'a wgpu::Texture,
-    /// Left and top in the window, in pixels.
-    pub(crate) origin: [u32; 2],
+/// Pictures and where they go.
+pub(crate) struct Placed {
+    /// One or two, each with its left and top in the window, in pixels.
+    pub(crate) pictures: Vec<(wgpu::Texture, [u32; 2])>,
     pub(crate) pixels_per_point: f32,
 }
 
@@ -88,7 +89,8 @@ impl Screen {
             gpu: Gpu::from_parts(device, queue),
             health,
             egui: egui::Context::default(),
-            picture: None,
+            pictures: [None, None],
+            kept: None,
         })
     }
 
@@ -119,10 +121,34 @@ impl Screen {
         self.surface.configure(&self.gpu.device, &self.config);
     }
 
-    /// Shows a picture pixel for pixel, black around it, and over it what `words` paints.
+    /// A copy of a picture, which stays when the next one is drawn into its texture.
+    pub(crate) fn keep(&mut self, picture: &wgpu::Texture) -> wgpu::Texture {
+        let size = picture.size();
+        let device = &self.gpu.device;
+        let kept = self.kept.take().filter(|kept| kept.size() == size);
+        let kept = kept.unwrap_or_else(|| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("picture beside another"),
+                size,
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: picture.format(),
+                usage: wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
+        });
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_texture(picture.as_image_copy(), kept.as_image_copy(), size);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.kept = Some(kept.clone());
+        kept
+    }
+
+    /// Shows pictures pixel for pixel, black around them, and over it what `words` paints.
     pub(crate) fn show(
         &mut self,
-        placed: &Placed<'_>,
+        placed: &Placed,
         words: impl FnMut(&egui::Painter),
     ) -> anyhow::Result<Showing> {
         use wgpu::CurrentSurfaceTexture as Current;
@@ -147,23 +173,23 @@ impl Screen {
         Ok(Showing::Shown)
     }
 
-    /// The picture and the words, as shapes.
+    /// The pictures and the words, as shapes.
     fn lay_out(
         &mut self,
-        placed: &Placed<'_>,
+        placed: &Placed,
         size: [u32; 2],
         mut words: impl FnMut(&egui::Painter),
     ) -> egui::FullOutput {
-        let id = self.picture_id(placed.picture);
         let scale = placed.pixels_per_point;
         let points = |pixels: u32| pixels as f32 / scale;
         let whole = Rect::from_min_size(pos2(0.0, 0.0), size.map(points).into());
-        let [left, top] = placed.origin.map(points);
-        let picture = vec2(
-            points(placed.picture.width()),
-            points(placed.picture.height()),
-        );
-        let rect = Rect::from_min_size(pos2(left, top), picture);
+        let mut pictures = Vec::new();
+        for (at, (picture, origin)) in placed.pictures.iter().take(2).enumerate() {
+            let [left, top] = origin.map(points);
+            let side = vec2(points(picture.width()), points(picture.height()));
+            let rect = Rect::from_min_size(pos2(left, top), side);
+            pictures.push((self.picture_id(at, picture), rect));
+        }
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         let mut input = egui::RawInput {
             screen_rect: Some(whole),
@@ -173,15 +199,17 @@ impl Screen {
         let viewport = input.viewports.entry(input.viewport_id).or_default();
         viewport.native_pixels_per_point = Some(scale);
         self.egui.run_ui(input, |ui| {
-            ui.painter().image(id, rect, uv, Color32::WHITE);
+            for (id, rect) in &pictures {
+                ui.painter().image(*id, *rect, uv, Color32::WHITE);
+            }
             words(ui.painter());
         })
     }
 
-    fn picture_id(&mut self, picture: &wgpu::Texture) -> egui::TextureId {
+    fn picture_id(&mut self, at: usize, picture: &wgpu::Texture) -> egui::TextureId {
         let nearest = wgpu::FilterMode::Nearest;
         let device = &self.gpu.device;
-        match &mut self.picture {
+        match &mut self.pictures[at] {
             Some((known, id)) if known == picture => *id,
             Some((known, id)) => {
                 let view = picture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -193,7 +221,7 @@ impl Screen {
             None => {
                 let view = picture.create_view(&wgpu::TextureViewDescriptor::default());
                 let id = self.painter.register_native_texture(device, &view, nearest);
-                self.picture = Some((picture.clone(), id));
+                self.pictures[at] = Some((picture.clone(), id));
                 id
             }
         }

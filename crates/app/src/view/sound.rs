@@ -4,6 +4,7 @@
 //! content is heard when: that moment is the clock of the picture. Without a device there is
 //! silence and the picture has its own clock.
 
+use super::heard::HeardLine;
 use super::samples::Samples;
 use anyhow::{Context, anyhow};
 use cpal::traits::{DeviceTrait, HostTrait, StreamTrait};
@@ -33,6 +34,7 @@ pub(crate) struct Sound {
 }
 
 struct Shared {
+    begun: Instant,
     state: Mutex<State>,
     wake: Condvar,
 }
@@ -47,8 +49,8 @@ struct State {
     ahead: VecDeque<f32>,
     /// Time in the content of the first sample of `ahead`.
     front: f64,
-    /// When which time of the content was heard.
-    heard: Option<(Instant, f64)>,
+    /// When which time of the content is heard, in seconds since `begun`.
+    heard: HeardLine,
     /// Callbacks that found too little, and what the device missed by itself.
     gaps: u64,
     /// The device is gone.
@@ -68,13 +70,14 @@ impl Sound {
     /// Opens the default device for samples that repeat with the content, every `round`.
     pub(crate) fn open(samples: Samples, round: Seconds) -> anyhow::Result<Self> {
         let shared = Arc::new(Shared {
+            begun: Instant::now(),
             state: Mutex::new(State {
                 playing: false,
                 stop: false,
                 jumps: 0,
                 ahead: VecDeque::new(),
                 front: 0.0,
-                heard: None,
+                heard: HeardLine::default(),
                 gaps: 0,
                 broken: false,
                 waits: false,
@@ -102,7 +105,7 @@ impl Sound {
         state.jumps += 1;
         state.ahead.clear();
         state.front = at.0;
-        state.heard = None;
+        state.heard.forget();
         state.waits = false;
         drop(state);
         self.shared.wake.notify_one();
@@ -115,15 +118,9 @@ impl Sound {
 
     /// The time of the content that is heard now; `None` while nothing is.
     pub(crate) fn heard(&self) -> Option<Seconds> {
-        let (at, time) = self.shared.lock().heard?;
-        let now = Instant::now();
-        let fresh = now.saturating_duration_since(at) < STALE;
-        // What is on its way to the loudspeaker is heard later than now.
-        let since = match now.checked_duration_since(at) {
-            Some(since) => since.as_secs_f64(),
-            None => -at.duration_since(now).as_secs_f64(),
-        };
-        fresh.then_some(Seconds(time + since))
+        let state = self.shared.lock();
+        let now = self.shared.begun.elapsed().as_secs_f64();
+        state.heard.at(now, STALE.as_secs_f64()).map(Seconds)
     }
 
     /// Times that the device found too little to play.
@@ -158,13 +155,18 @@ impl Shared {
         let count = out.len().min(state.ahead.len());
         state.gaps += u64::from(count < out.len());
         if count == 0 {
-            state.heard = None;
+            state.heard.forget();
             return;
         }
         out.iter_mut()
             .zip(state.ahead.drain(..count))
             .for_each(|(out, sample)| *out = sample);
-        state.heard = Some((Instant::now() + latency, state.front));
+        let (now, front) = (self.begun.elapsed().as_secs_f64(), state.front);
+        state.heard.note(now, now + latency.as_secs_f64(), front);
+        if count < out.len() {
+            // What follows is heard later by what was missing.
+            state.heard.forget();
+        }
         state.front += (count / usize::from(taken.channels)) as f64 / f64::from(taken.rate);
         drop(state);
         self.wake.notify_one();
@@ -178,7 +180,7 @@ impl Shared {
             ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
             _ if !state.broken => {
                 state.broken = true;
-                state.heard = None;
+                state.heard.forget();
                 crate::output::say(&format!("foveal: sound: {error}; trying again"));
             }
             _ => {}

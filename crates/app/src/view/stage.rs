@@ -5,8 +5,9 @@
 //! of that frame. A frame that stays, paused or still, is refined until nothing is missing.
 
 use super::choice::{Aim, Choice};
+use super::easel::Easel;
 use super::feed::DecodeFeed;
-use super::figures::Figures;
+use super::figures::{Figures, Shown};
 use super::timeline::Timeline;
 use anyhow::{Context, bail};
 use foveal_core::asset::picture::Picture;
@@ -16,7 +17,6 @@ use foveal_core::units::Seconds;
 use foveal_core::view::axes::angle_between;
 use foveal_media::decode_pool::DecodedTile;
 use foveal_media::pack_file::PackFile;
-use foveal_render::Renderer;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -43,7 +43,7 @@ pub(crate) struct Stage {
     grid: TileGrid,
     timeline: Timeline,
     feed: DecodeFeed,
-    pub(crate) renderer: Renderer,
+    pub(crate) easel: Easel,
     shown: Option<Staged>,
     coming: Option<Staged>,
     /// The viewer went elsewhere in time, and what is on screen is no longer before what comes.
@@ -94,14 +94,14 @@ impl Stage {
         grid: TileGrid,
         timeline: Timeline,
         feed: DecodeFeed,
-        renderer: Renderer,
+        easel: Easel,
     ) -> Self {
         Self {
             file,
             grid,
             timeline,
             feed,
-            renderer,
+            easel,
             shown: None,
             coming: None,
             jumped: false,
@@ -112,10 +112,22 @@ impl Stage {
     }
 
     /// Begins anew on another device.
-    pub(crate) fn restart(&mut self, renderer: Renderer) {
-        self.renderer = renderer;
+    pub(crate) fn restart(&mut self, easel: Easel) {
+        self.easel = easel;
+        self.fetch_anew();
+    }
+
+    /// Fetches all tiles once more: what shows them keeps none.
+    pub(crate) fn fetch_anew(&mut self) {
         self.shown = None;
         self.coming = None;
+    }
+
+    /// How long the frame on screen is shown.
+    pub(crate) fn period(&self) -> Seconds {
+        let tick = self.shown_tick().unwrap_or(0);
+        let [begin, end] = [tick, tick + 1].map(|tick| self.timeline.time_of(tick).0);
+        Seconds(end - begin)
     }
 
     pub(crate) fn timeline(&self) -> &Timeline {
@@ -225,7 +237,7 @@ impl Stage {
         match self.shown.as_mut().filter(|shown| shown.frame == frame) {
             Some(shown) if shown.wanted.contains(&tile) => {
                 figures.uploaded(&picture);
-                self.renderer.tiles().upload(tile, frame, &picture)?;
+                self.easel.upload(tile, frame, picture)?;
                 shown.resident.insert(tile);
                 Ok(true)
             }
@@ -284,24 +296,26 @@ impl Stage {
         let Some(mut coming) = self.coming.take() else {
             return Ok(());
         };
-        self.renderer.tiles().begin_frame(coming.frame);
+        self.easel.begin_frame(coming.frame);
         for (tile, picture) in coming.decoded.drain() {
             figures.uploaded(&picture);
-            self.renderer.tiles().upload(tile, coming.frame, &picture)?;
+            self.easel.upload(tile, coming.frame, picture)?;
             coming.resident.insert(tile);
         }
         let tiles: Vec<Tile> = coming.resident.iter().copied().collect();
-        self.renderer.tiles().retain(&tiles);
+        self.easel.retain(&tiles);
         if now.playing {
             self.learn_lead(now, coming.tick);
         }
         let before = self.shown.as_ref().map(|shown| shown.tick);
-        let late = now.playing && coming.missing().next().is_some();
+        let overdue = now.media.0 > self.timeline.time_of(coming.tick + 1).0;
+        let incomplete = coming.missing().next().is_some();
         let left_out = match before {
             Some(before) if now.playing && !self.jumped => coming.tick.saturating_sub(before + 1),
             _ => 0,
         };
-        figures.shown(now.wall, left_out, late && before.is_some());
+        let late = now.playing && before.is_some() && (incomplete || overdue);
+        figures.shown(now.wall, Shown { left_out, late });
         self.shown = Some(coming);
         self.jumped = false;
         self.count(figures);
@@ -327,8 +341,8 @@ impl Stage {
             figures.histogram = histogram(&self.grid, &tiles);
             figures.share = pixels as f64 / self.grid.surface.pixels() as f64;
         }
-        figures.wrong_frame_tiles += self.renderer.tiles().wrong_frame_tiles() as u64;
-        figures.gpu_bytes = self.renderer.tiles().gpu_bytes();
+        figures.wrong_frame_tiles += self.easel.wrong_frame_tiles() as u64;
+        figures.gpu_bytes = self.easel.gpu_bytes();
     }
 
     /// Orders tiles for the frame that comes, or for the one that stays.
@@ -441,7 +455,7 @@ impl Stage {
         if gone {
             let wanted: HashSet<Tile> = shown.wanted.iter().copied().collect();
             shown.resident.retain(|tile| wanted.contains(tile));
-            self.renderer.tiles().retain(&shown.wanted);
+            self.easel.retain(&shown.wanted);
         }
         self.count(figures);
         gone

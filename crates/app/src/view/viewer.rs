@@ -4,26 +4,35 @@
 
 use super::choice::{Aim, Choice};
 use super::clock::MediaClock;
+use super::drift::Drift;
+use super::easel::Style;
 use super::figures::Figures;
 use super::keys::Action;
 use super::looking::{Looking, Pointer, Watched};
-use super::overlay::Line;
+use super::overlay::{Key, Line};
 use super::scene::{Pane, Scene, Shown};
 use super::sound::Sound;
 use super::stage::{Now, Stage};
+use super::telling;
 use crate::options::PolicyOptions;
+use crate::showing_options::EyeName;
+use foveal_core::gaze::sample::GazeSample;
 use foveal_core::selection::policy::Policy;
 use foveal_core::units::Seconds;
-use foveal_render::Overlay;
+use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::surface::Eye;
+use foveal_render::{Interpolation, Overlay};
 
 /// The policies that a key goes through.
-const POLICIES: [Policy; 8] = [
+const POLICIES: [Policy; 10] = [
     Policy::Viewport,
     Policy::Acuity,
     Policy::Perceptual,
     Policy::Eccentricity,
     Policy::Uniform,
     Policy::Grid,
+    Policy::Distance,
+    Policy::Sampled,
     Policy::Full,
     Policy::Coarsest,
 ];
@@ -33,6 +42,8 @@ const FOVEA_DEG: f64 = 2.5;
 const MESSAGE_S: f64 = 3.0;
 /// How long sound and picture may take to come together after a beginning or a jump, in seconds.
 const SOUND_BEGINS_S: f64 = 2.0;
+/// Longest time of drawing that is made up for by showing a later frame, in seconds.
+const MOST_DRAW_S: f64 = 0.5;
 /// How often figures are painted anew, in seconds.
 const FIGURES_S: f64 = 0.25;
 /// How often a gaze that moves by itself is looked at while nothing plays, in seconds.
@@ -48,17 +59,21 @@ pub(crate) struct Begin {
     /// Stay at the end instead of beginning anew.
     pub(crate) once: bool,
     pub(crate) paused: bool,
+    /// Whose picture is shown.
+    pub(crate) eye: EyeName,
+    /// Whether there is one for each eye.
+    pub(crate) two_eyes: bool,
 }
 
 /// A viewer's session.
 pub(crate) struct Viewer {
     policy: PolicyOptions,
     pub(crate) scene: Scene,
-    clock: MediaClock,
-    choice: Choice,
+    pub(super) clock: MediaClock,
+    pub(super) choice: Choice,
     looking: Looking,
     pub(crate) pointer: Pointer,
-    sound: Option<Sound>,
+    pub(super) sound: Option<Sound>,
     once: bool,
     pub(crate) figures: Figures,
     overlay: bool,
@@ -68,8 +83,10 @@ pub(crate) struct Viewer {
     /// What the last step was made for.
     last: Option<(Aim, Shown)>,
     painted: f64,
-    /// Greatest distance of picture and sound so far, once both had begun.
-    worst_sound: f64,
+    /// How far picture and sound were from each other when frames were shown.
+    pub(crate) drift: Drift,
+    pub(super) eye: EyeName,
+    pub(super) two_eyes: bool,
     /// When the sound was last told where to begin.
     sound_set: f64,
 }
@@ -102,7 +119,9 @@ impl Viewer {
             message: None,
             last: None,
             painted: 0.0,
-            worst_sound: 0.0,
+            drift: Drift::new(),
+            eye: begin.eye,
+            two_eyes: begin.two_eyes,
             sound_set: 0.0,
         };
         if !begin.paused {
@@ -151,6 +170,10 @@ impl Viewer {
             }
             Action::Reset => self.scene.reset(),
             Action::Policy(by) => self.next_policy(by, stage, now),
+            Action::Blur | Action::Interpolation | Action::Textures => {
+                self.restyle(action, stage, now);
+            }
+            Action::Eye => self.next_eye(now),
             Action::HeatMap => self.heat_map = !self.heat_map,
             Action::Borders => self.borders = !self.borders,
             Action::Overlay => self.overlay = !self.overlay,
@@ -215,9 +238,67 @@ impl Viewer {
             Ok(config) => {
                 self.choice.change(config);
                 stage.forget_choice();
-                self.say(format!("policy {}", name_of(policy)), now);
+                let mut style = stage.easel.style();
+                style.samples = policy == Policy::Sampled;
+                style.showing.has_textures &= !style.samples;
+                let said = format!("policy {}", telling::policy(policy));
+                self.take_style(style, stage, said, now);
             }
             Err(error) => self.say(error.to_string(), now),
+        }
+    }
+
+    /// Shows tiles in another way.
+    fn restyle(&mut self, action: Action, stage: &mut Stage, now: Seconds) {
+        let mut style = stage.easel.style();
+        let showing = &mut style.showing;
+        let said = match action {
+            Action::Interpolation if !style.samples => {
+                "policy sampled has pixels to fill between samples, this one has not"
+            }
+            Action::Textures if style.samples => "policy sampled shows no tiles",
+            Action::Interpolation => {
+                showing.interpolation = match showing.interpolation {
+                    Interpolation::Nearest => Interpolation::Blended,
+                    Interpolation::Blended => Interpolation::Nearest,
+                };
+                telling::interpolation(showing.interpolation)
+            }
+            Action::Textures => {
+                showing.has_textures = !showing.has_textures;
+                telling::reconstruction(showing)
+            }
+            _ => {
+                showing.blurs = !showing.blurs;
+                if showing.blurs { "blur on" } else { "blur off" }
+            }
+        };
+        self.take_style(style, stage, said.to_owned(), now);
+    }
+
+    fn take_style(&mut self, style: Style, stage: &mut Stage, said: String, now: Seconds) {
+        match stage.easel.restyle(style) {
+            Ok(true) => stage.fetch_anew(),
+            Ok(false) => {}
+            Err(error) => return self.say(format!("{error:#}"), now),
+        }
+        self.say(said, now);
+    }
+
+    fn next_eye(&mut self, now: Seconds) {
+        if self.two_eyes {
+            self.eye = self.eye.next();
+            self.say(format!("eye {}", self.eye.name()), now);
+        } else {
+            self.say("there is one picture for both eyes".to_owned(), now);
+        }
+    }
+
+    /// The eyes whose pictures lie side by side in the window.
+    pub(crate) fn eyes(&self) -> &'static [Eye] {
+        match self.eye {
+            EyeName::Both if !self.two_eyes => &[Eye::Left],
+            eye => eye.eyes(),
         }
     }
 
@@ -235,18 +316,23 @@ impl Viewer {
     ) -> anyhow::Result<bool> {
         self.follow_sound(stage, now);
         self.stay_at_the_end(stage, now);
-        let aim = self.aim(stage, pane, now);
+        let aim = self.aim(pane, now);
+        if stage.easel.prepare(self.choice.config(), &aim.view)? {
+            stage.fetch_anew();
+        }
         let step = Now {
             wall: now,
-            media: self.clock.time(now),
+            media: self.due(stage, now),
             playing: self.is_moving(stage),
             aim,
         };
         let mut changed = stage.step(&step, &mut self.choice, &mut self.figures)?;
         let shown = self.scene.shown(pane);
         if let Some((before, shown_before)) = &self.last {
-            let marked = self.heat_map && before.gaze.gaze_in_content != aim.gaze.gaze_in_content;
-            changed |= *shown_before != shown || marked;
+            let style = stage.easel.style();
+            let follows = self.heat_map || style.samples || style.showing.blurs;
+            let moved = before.gaze.gaze_in_content != aim.gaze.gaze_in_content;
+            changed |= *shown_before != shown || follows && moved;
         }
         self.last = Some((aim, shown));
         if self
@@ -262,8 +348,18 @@ impl Viewer {
     }
 
     /// Whether the content moves.
-    fn is_moving(&self, stage: &Stage) -> bool {
+    pub(super) fn is_moving(&self, stage: &Stage) -> bool {
         self.clock.is_playing() && !stage.timeline().is_still()
+    }
+
+    /// The moment of the content to show: the one that it is when it has been drawn.
+    fn due(&self, stage: &Stage, now: Seconds) -> Seconds {
+        let drawing = if self.is_moving(stage) {
+            self.figures.draw_s.min(MOST_DRAW_S)
+        } else {
+            0.0
+        };
+        Seconds(self.clock.time(now).0 + drawing)
     }
 
     fn follow_sound(&mut self, stage: &Stage, now: Seconds) {
@@ -287,8 +383,7 @@ impl Viewer {
     }
 
     /// What selection is given, with the head turned to where it points.
-    fn aim(&mut self, stage: &Stage, pane: &Pane, now: Seconds) -> Aim {
-        let behind_sound = self.behind_sound(stage, now);
+    fn aim(&mut self, pane: &Pane, now: Seconds) -> Aim {
         let watched = Watched {
             now,
             pointer: &self.pointer,
@@ -302,22 +397,29 @@ impl Viewer {
             scene.shown(pane)
         });
         Aim {
+            gaze: GazeSample {
+                gaze_in_content: self.scene.with_the_hand(aim.gaze.gaze_in_content),
+                ..aim.gaze
+            },
             head: self.scene.head(),
-            behind_sound,
+            behind_sound: self.drift.last(),
             ..aim
         }
     }
 
-    /// How far the frame on screen is from what is heard; 0 while that frame lasts.
-    fn behind_sound(&mut self, stage: &Stage, now: Seconds) -> Option<Seconds> {
-        let heard = self.sound.as_ref()?.heard()?;
-        let tick = stage.shown_tick()?;
-        let [begin, end] = [tick, tick + 1].map(|tick| stage.timeline().time_of(tick).0);
-        let behind = (heard.0 - end).max(0.0) + (heard.0 - begin).min(0.0);
-        if now.0 - self.sound_set > SOUND_BEGINS_S {
-            self.worst_sound = self.worst_sound.max(behind.abs());
+    /// What is to be shown is on screen at `now`; `begun` is when it was chosen, if it was not
+    /// there before.
+    pub(crate) fn drawn(&mut self, stage: &Stage, begun: Option<Seconds>, now: Seconds) {
+        if let Some(begun) = begun.filter(|_| self.is_moving(stage)) {
+            self.figures.drawn(now.0 - begun.0, stage.period());
         }
-        Some(Seconds(behind))
+        let heard = self.sound.as_ref().and_then(Sound::heard);
+        let behind = heard.zip(stage.shown_tick()).map(|(heard, tick)| {
+            let span = [tick, tick + 1].map(|tick| stage.timeline().time_of(tick));
+            Drift::of_frame(heard, span)
+        });
+        let counts = self.is_moving(stage) && now.0 - self.sound_set > SOUND_BEGINS_S;
+        self.drift.note(behind, counts);
     }
 
     /// Whether nothing on screen is going to change by itself, or it plays.
@@ -333,7 +435,7 @@ impl Viewer {
     pub(crate) fn next_step(&self, stage: &Stage, now: Seconds) -> Option<Seconds> {
         let mut times = Vec::new();
         if self.is_moving(stage) {
-            let media = self.clock.time(now).0;
+            let media = self.due(stage, now).0;
             let due = stage.next_due().map_or(media, |due| due.0);
             // What is overdue comes with the tiles that are waited for.
             times.push(now.0 + if due > media { due - media } else { 0.02 });
@@ -367,10 +469,18 @@ impl Viewer {
         self.scene.shown(pane)
     }
 
+    /// What the last step was made for, in an eye's view.
+    pub(crate) fn aim_in(&self, view: &EyeView) -> Option<Aim> {
+        let (aim, _) = self.last?;
+        Some(Aim { view: *view, ..aim })
+    }
+
     /// What is drawn over the picture.
-    pub(crate) fn marks(&self) -> Option<Overlay> {
+    pub(crate) fn marks(&self, stage: &Stage) -> Option<Overlay> {
         let (aim, shown) = self.last.as_ref()?;
-        if !self.heat_map && !self.borders {
+        let style = stage.easel.style();
+        let marks = self.heat_map || self.borders;
+        if !marks || style.samples || style.showing.has_textures {
             return None;
         }
         let direction = aim.gaze.gaze_in_content;
@@ -396,86 +506,16 @@ impl Viewer {
         &mut self,
         stage: &Stage,
         now: Seconds,
-    ) -> (Option<Vec<Line>>, Option<String>) {
+    ) -> (Option<(Vec<Line>, Vec<Key>)>, Option<String>) {
         self.painted = now.0;
-        let lines = self.overlay.then(|| self.lines(stage, now));
+        let told = || (self.lines(stage, now), self.keys(stage));
+        let told = self.overlay.then(told);
         let message = self.message.as_ref().map(|(message, _)| message.clone());
-        (lines, message)
+        (told, message)
     }
 
-    fn lines(&mut self, stage: &Stage, now: Seconds) -> Vec<Line> {
-        let [fps, upload] = self.figures.rates(now);
-        let timeline = stage.timeline();
-        let media = self.clock.time(now);
-        let frame = stage.shown_tick().map_or(0, |tick| timeline.frame_of(tick));
-        let state = if self.is_moving(stage) {
-            ""
-        } else {
-            ", paused"
-        };
-        let figures = &self.figures;
-        let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
-        let line = |what: &str, value: String| (what.to_owned(), value);
-        let mut lines = vec![
-            line("policy", name_of(self.choice.policy())),
-            line(
-                "time",
-                format!(
-                    "{:.2} of {:.2} s, frame {frame}{state}",
-                    timeline.within(media).0,
-                    timeline.length().0
-                ),
-            ),
-            line("zoom", format!("{:.2}", self.scene.zoom())),
-            line("shown", format!("{fps:.1} frames/s")),
-            line("decode", format!("{:.1} ms a frame", figures.decode_ms)),
-            line("upload", format!("{upload:.1} MB/s")),
-            line(
-                "pixels",
-                format!("{:.2} % of the finest", figures.share * 100.0),
-            ),
-            line("tiles by level", levels.join(" / ")),
-            line(
-                "GPU memory",
-                format!("{:.1} MB", figures.gpu_bytes as f64 / 1e6),
-            ),
-            line(
-                "late / left out",
-                format!(
-                    "{} / {} frames",
-                    figures.late_frames, figures.left_out_frames
-                ),
-            ),
-            line(
-                "damaged",
-                format!(
-                    "{} tiles, {} frames",
-                    figures.damaged_tiles, figures.damaged_frames
-                ),
-            ),
-            line(
-                "recovered",
-                format!(
-                    "{} lost devices, {} errors",
-                    figures.lost_devices, figures.gpu_errors
-                ),
-            ),
-        ];
-        if let Some(sound) = &self.sound {
-            let worst = self.worst_sound * 1e3;
-            let gaps = sound.gaps();
-            lines.push(line("sound", format!("within {worst:.0} ms, {gaps} gaps")));
-        }
-        lines
+    /// Times that the sound device found too little to play.
+    pub(crate) fn sound_gaps(&self) -> u64 {
+        self.sound.as_ref().map_or(0, Sound::gaps)
     }
-
-    /// Greatest distance of picture and sound, where there is sound.
-    pub(crate) fn worst_sound(&self) -> Option<Seconds> {
-        self.sound.as_ref().map(|_| Seconds(self.worst_sound))
-    }
-}
-
-/// A policy as it is called on the command line.
-fn name_of(policy: Policy) -> String {
-    format!("{policy:?}").to_lowercase()
 }

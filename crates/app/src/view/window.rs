@@ -1,6 +1,7 @@
 //! What does the system's window tell, and what is done about it?
 
 use super::choice::Choice;
+use super::easel::{Easel, Style};
 use super::feed::DecodeFeed;
 use super::keys::{Action, ZOOM, action_of};
 use super::looking::Looking;
@@ -15,10 +16,13 @@ use super::timeline::Timeline;
 use super::viewer::{Begin, Viewer, Wish};
 use super::{Ready, screenshot};
 use crate::output::say;
+use crate::showing_options::InterpolationName;
 use anyhow::{Context, anyhow};
 use foveal_core::asset::tile_grid::TileGrid;
+use foveal_core::selection::policy::Policy;
 use foveal_core::units::Seconds;
-use foveal_render::Renderer;
+use foveal_core::view::eye_view::EyeView;
+use foveal_render::RgbaImage;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
@@ -27,8 +31,6 @@ use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
 
-/// Most layers of the atlas.
-const MOST_LAYERS: u32 = 256;
 /// Tries to get another device when one was lost.
 const MOST_TRIES: u32 = 20;
 /// Time between those.
@@ -101,12 +103,16 @@ struct Open {
     stale: bool,
     /// When to try again to show it.
     again: Option<f64>,
+    /// What times are counted from.
+    epoch: Instant,
+    /// When what is not yet shown was chosen.
+    stepped: Option<Seconds>,
 }
 
 impl ApplicationHandler<Wake> for App {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if let Some(ready) = self.ready.take() {
-            match Open::new(ready, event_loop, &self.instance, &self.proxy) {
+            match Open::new(ready, event_loop, (&self.instance, &self.proxy), self.begun) {
                 Ok(open) => self.open = Some(open),
                 Err(error) => self.end(event_loop, Err(error)),
             }
@@ -170,8 +176,8 @@ impl Open {
     fn new(
         mut ready: Ready,
         event_loop: &ActiveEventLoop,
-        instance: &wgpu::Instance,
-        proxy: &EventLoopProxy<Wake>,
+        (instance, proxy): (&wgpu::Instance, &EventLoopProxy<Wake>),
+        begun: Instant,
     ) -> anyhow::Result<Self> {
         let (args, file) = (&ready.args, Arc::clone(&ready.file));
         let about = file.pack().description();
@@ -179,7 +185,12 @@ impl Open {
         let view = args.view.eye_view(&grid.surface)?;
         let window = open_window(&ready, view.size, event_loop)?;
         let screen = Screen::open(instance, &window, waker(proxy))?;
-        let renderer = Renderer::new(screen.gpu(), &grid, about.colour, MOST_LAYERS)?;
+        let config = args.policy.config()?;
+        let style = Style {
+            showing: args.showing.showing(InterpolationName::Blended),
+            samples: config.policy == Policy::Sampled,
+        };
+        let easel = Easel::new(screen.gpu(), grid, about.colour, style)?;
         let timeline = Timeline::new(&file.frame_times()?, Seconds(1.0 / about.fps()));
         let length = timeline.length();
         let looking = Looking::open(
@@ -193,7 +204,7 @@ impl Open {
         let begin = Begin {
             policy: args.policy.clone(),
             scene: Scene::new(grid.surface, args.view.fov()?),
-            choice: Choice::new(Arc::clone(&file), grid, args.policy.config()?, log)?,
+            choice: Choice::new(Arc::clone(&file), grid, config, args.link, log)?,
             looking,
             sound: ready.samples.take().and_then(|samples| {
                 let opened = Sound::open(samples, length);
@@ -202,6 +213,8 @@ impl Open {
             }),
             once: args.once,
             paused: args.paused,
+            eye: args.eye,
+            two_eyes: grid.surface.eyes > 1,
         };
         let pool = match ready.pool.take() {
             Some(pool) => pool,
@@ -211,8 +224,8 @@ impl Open {
         let size = window.inner_size();
         Ok(Self {
             screen,
-            stage: Stage::new(file, grid, timeline, feed, renderer),
-            viewer: Viewer::new(begin, Seconds(0.0)),
+            stage: Stage::new(file, grid, timeline, feed, easel),
+            viewer: Viewer::new(begin, Seconds(begun.elapsed().as_secs_f64())),
             grid,
             ready,
             size: [size.width, size.height],
@@ -222,11 +235,13 @@ impl Open {
             resizing: None,
             stale: true,
             again: None,
+            epoch: begun,
+            stepped: None,
             window,
         })
     }
 
-    /// The window as what shows the picture; `None` while it has no pixels.
+    /// The part of the window that one eye's picture lies in; `None` while it has no pixels.
     fn pane(&self) -> Option<Pane> {
         if self.size.contains(&0) {
             return None;
@@ -238,7 +253,8 @@ impl Open {
         } else {
             screen
         };
-        Some(Pane::new(self.size, screen, self.ready.args.view.screen))
+        let pane = Pane::new(self.size, screen, self.ready.args.view.screen);
+        Some(pane.part(self.viewer.eyes().len()))
     }
 
     fn event(&mut self, event: WindowEvent, now: Seconds) -> anyhow::Result<Wish> {
@@ -286,7 +302,13 @@ impl Open {
             self.drag([0, 1].map(|k| place[k] - self.pointer[k]));
         }
         self.pointer = place;
-        self.viewer.pointer.move_to(place);
+        // Both eyes' pictures show the same place of the content, each in its part.
+        let across = self.pane().map_or(1.0, |pane| f64::from(pane.size[0]));
+        let count = self.viewer.eyes().len() as f64;
+        let part = (place[0] / across).floor().clamp(0.0, count - 1.0);
+        self.viewer
+            .pointer
+            .move_to([place[0] - part * across, place[1]]);
     }
 
     fn drag(&mut self, by: [f64; 2]) {
@@ -339,10 +361,27 @@ impl Open {
     /// The picture as it is shown, without words.
     fn screenshot(&mut self, pane: &Pane, path: &std::path::Path) -> anyhow::Result<()> {
         let shown = self.viewer.shown(pane);
-        let marks = self.viewer.marks();
-        let renderer = &mut self.stage.renderer;
-        let image = renderer.read(&shown.view, marks.as_ref())?;
-        crate::picture_file::write_png(path, &image.wait(self.screen.gpu())?)
+        let marks = self.viewer.marks(&self.stage);
+        let mut whole: Option<RgbaImage> = None;
+        for eye in self.viewer.eyes() {
+            let view = EyeView {
+                eye: *eye,
+                ..shown.view
+            };
+            self.follow(&view)?;
+            let image = self.stage.easel.read(&view, marks.as_ref())?;
+            whole = Some(whole.map_or(image.clone(), |left| left.beside(&image)));
+        }
+        let whole = whole.context("a picture of no eye")?;
+        crate::picture_file::write_png(path, &whole)
+    }
+
+    /// Moves what follows the gaze in an eye's view.
+    fn follow(&mut self, view: &EyeView) -> anyhow::Result<()> {
+        match self.viewer.aim_in(view) {
+            Some(aim) => self.stage.easel.follow(&aim),
+            None => Ok(()),
+        }
     }
 
     /// One turn: what the script says, what is due, what must be painted.
@@ -359,7 +398,10 @@ impl Open {
         self.viewer.figures.gpu_errors += self.screen.take_errors();
         loop {
             if let Some(pane) = self.pane().filter(|_| !self.hidden) {
-                self.stale |= self.viewer.step(&mut self.stage, &pane, now)?;
+                if self.viewer.step(&mut self.stage, &pane, now)? {
+                    self.stale = true;
+                    self.stepped = Some(now);
+                }
             }
             let waits = self.resizing.is_some_and(|until| now.0 < until);
             let settled = self.pane().is_none() || self.viewer.is_settled(&self.stage);
@@ -429,16 +471,17 @@ impl Open {
     ) -> anyhow::Result<()> {
         self.viewer.figures.lost_devices += 1;
         let colour = self.ready.file.pack().description().colour;
+        let style = self.stage.easel.style();
         let mut tries = 0;
         loop {
             tries += 1;
             let opened = Screen::open(instance, &self.window, waker(proxy)).and_then(|screen| {
-                let renderer = Renderer::new(screen.gpu(), &self.grid, colour, MOST_LAYERS)?;
-                Ok((screen, renderer))
+                let easel = Easel::new(screen.gpu(), self.grid, colour, style)?;
+                Ok((screen, easel))
             });
             match opened {
-                Ok((screen, renderer)) => {
-                    self.stage.restart(renderer);
+                Ok((screen, easel)) => {
+                    self.stage.restart(easel);
                     self.screen = screen;
                     self.stale = true;
                     return Ok(());
@@ -459,16 +502,34 @@ impl Open {
             return Ok(());
         }
         let shown = self.viewer.shown(&pane);
-        let marks = self.viewer.marks();
-        let (lines, message) = self.viewer.words(&self.stage, now);
+        let marks = self.viewer.marks(&self.stage);
+        let mut pictures = Vec::new();
+        let eyes = self.viewer.eyes();
+        for (part, eye) in (0..).zip(eyes) {
+            let view = EyeView {
+                eye: *eye,
+                ..shown.view
+            };
+            self.follow(&view)?;
+            let mut picture = self.stage.easel.draw(&view, marks.as_ref())?.clone();
+            if part + 1 < eyes.len() as u32 {
+                picture = self.screen.keep(&picture);
+            }
+            let [left, top] = shown.origin;
+            pictures.push((picture, [left + part * pane.size[0], top]));
+        }
+        let (told, message) = self.viewer.words(&self.stage, now);
         let placed = Placed {
-            picture: self.stage.renderer.draw(&shown.view, marks.as_ref())?,
-            origin: shown.origin,
+            pictures,
             pixels_per_point: self.window.scale_factor() as f32,
         };
         let showing = self.screen.show(&placed, |painter| {
-            overlay::paint(painter, lines.as_deref(), message.as_deref());
+            overlay::paint(painter, told.as_ref(), message.as_deref());
         })?;
+        if showing == Showing::Shown {
+            let after = Seconds(self.epoch.elapsed().as_secs_f64());
+            self.viewer.drawn(&self.stage, self.stepped.take(), after);
+        }
         self.stale = showing == Showing::Again;
         self.again = self.stale.then_some(now.0 + AGAIN_S);
         Ok(())

@@ -179,6 +179,79 @@ fn a_close_look_decodes_little_and_shows_the_finest_pixels() {
 }
 
 #[test]
+fn every_way_to_show_a_picture_shows_one_and_goes_back() {
+    let folder = Folder::new();
+    let pack = flat_pack(&folder);
+    let shots = ["plain", "textures", "blurred", "sampled", "back"].map(|name| folder.name(name));
+    let [plain, textures, blurred, sampled, back] = &shots;
+    // From viewport, seven times P comes to sampled, and three times on to viewport.
+    let next = |times: usize| "0 key p\n".repeat(times);
+    let script = format!(
+        "0 move 200 112\n0 settle\n0 screenshot {plain}\n0 key t\n0 settle\n\
+         0 screenshot {textures}\n0 key t\n0 key r\n0 settle\n0 screenshot {blurred}\n0 key r\n\
+         {}0 settle\n0 key i\n0 key t\n0 key e\n0 settle\n0 screenshot {sampled}\n\
+         {}0 settle\n0 screenshot {back}\n0 quit",
+        next(7),
+        next(3)
+    );
+    let options = ["--view", "400x225", "--paused", "--mask-size", "128"];
+    let Some(summary) = watched(&folder, &pack, &script, &options) else {
+        return;
+    };
+    assert_eq!(summary["wrong_frame_tiles"], 0);
+    let [plain, textures, blurred, sampled, back] = shots.map(|shot| Rgb::read(&shot));
+    assert_eq!(plain.difference(&back), 0);
+    assert!(plain.difference(&blurred) > 8, "nothing was blurred");
+    assert!(plain.difference(&sampled) > 8, "nothing was sampled");
+    // One level of the view: only its borders could differ.
+    assert!(plain.difference(&textures) <= 8);
+}
+
+#[test]
+fn a_link_brings_the_picture_bit_by_bit_and_its_log_replays() {
+    let folder = Folder::new();
+    let pack = flat_pack(&folder);
+    let log = folder.name("log.jsonl");
+    let script = "0 settle\n0.1 quit";
+    let options = [
+        "--view", "400x225", "--paused", "--policy", "uniform", "--link", "400kbit", "--log", &log,
+    ];
+    if watched(&folder, &pack, script, &options).is_none() {
+        return;
+    }
+    let text = std::fs::read_to_string(&log).unwrap();
+    let frames: Vec<Value> = text
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .filter(|line: &Value| line.get("budget").is_some())
+        .collect();
+    let pixels = |frame: &Value| frame["pixels"].as_u64().unwrap();
+    assert!(frames.len() > 2, "{text}");
+    assert!(
+        pixels(&frames[0]) < pixels(&frames[frames.len() - 1]),
+        "{text}"
+    );
+    done(&["replay", &log, "--pack", &pack]);
+}
+
+#[test]
+fn without_a_graphics_driver_it_is_said_what_is_missing() {
+    let folder = Folder::new();
+    let pack = flat_pack(&folder);
+    let Some(display) = Display::start() else {
+        return;
+    };
+    let mut view = command(&["view", &pack]);
+    view.env("DISPLAY", &display.name)
+        .env_remove("WAYLAND_DISPLAY")
+        .env("VK_DRIVER_FILES", "/nonexistent")
+        .env("VK_ICD_FILENAMES", "/nonexistent");
+    let ran = finish(view);
+    assert_eq!(ran.code, Some(1), "{ran:?}");
+    assert!(ran.stderr.contains("adapter"), "{}", ran.stderr);
+}
+
+#[test]
 fn without_a_display_it_is_said_what_is_missing() {
     let folder = Folder::new();
     let pack = flat_pack(&folder);
@@ -211,6 +284,16 @@ fn what_is_wrong_is_said_before_a_window_opens() {
         &["view", &pack, "--screenshots", &nowhere],
         &["--screenshots", "folder"],
     );
-    refused(1, &["view", &pack, "--sound", &script], &["--sound", "WAV"]);
+    refused(
+        2,
+        &["view", &pack, "--link", "4g"],
+        &["--link", "viewport", "perceptual"],
+    );
+    let textures = ["--reconstruction", "textures", "--policy", "sampled"];
+    refused(
+        2,
+        &[&["view", &pack][..], &textures].concat(),
+        &["tiles", "samples"],
+    );
     refused(2, &["view", &pack, "--gaze", "cat"], &["mouse"]);
 }

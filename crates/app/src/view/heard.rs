@@ -1,0 +1,126 @@
+//! Which moment of the content is heard now, by a device's noisy time stamps?
+//!
+//! A device takes sound in bursts and tells only roughly when each is heard; the sound itself
+//! leaves it evenly. So the stamps are one line with noise round it, and the line is what is heard.
+
+/// Share of a stamp's distance from the line that it moves the line by.
+const SHARE: f64 = 0.1;
+/// Stamps that count fully at first: each as much as all before it.
+const FIRST: u32 = 10;
+/// Distance from the line beyond which a stamp is of another line, in seconds.
+const ELSEWHERE_S: f64 = 0.08;
+/// So many such stamps in a row begin one.
+const MOST_ELSEWHERE: u32 = 3;
+
+/// The line through a device's stamps.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct HeardLine {
+    /// Time in the content minus that of the wall's clock, when it was last noted, and how often.
+    line: Option<Line>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    offset: f64,
+    noted: f64,
+    count: u32,
+    elsewhere: u32,
+}
+
+impl HeardLine {
+    /// Notes at `now` that the device plays `time` of the content at `at`, all in seconds.
+    pub(crate) fn note(&mut self, now: f64, at: f64, time: f64) {
+        let offset = time - at;
+        let fresh = Line {
+            offset,
+            noted: now,
+            count: 1,
+            elsewhere: 0,
+        };
+        let Some(line) = &mut self.line else {
+            self.line = Some(fresh);
+            return;
+        };
+        line.noted = now;
+        let off = offset - line.offset;
+        if off.abs() > ELSEWHERE_S {
+            line.elsewhere += 1;
+            if line.elsewhere >= MOST_ELSEWHERE {
+                *line = fresh;
+            }
+            return;
+        }
+        line.elsewhere = 0;
+        line.count = line.count.saturating_add(1);
+        let share = if line.count <= FIRST {
+            1.0 / f64::from(line.count)
+        } else {
+            SHARE
+        };
+        line.offset += off * share;
+    }
+
+    /// Forgets all stamps: what comes is another line.
+    pub(crate) fn forget(&mut self) {
+        self.line = None;
+    }
+
+    /// What is heard at `now`; `None` where nothing was noted for longer than `stale`.
+    pub(crate) fn at(&self, now: f64, stale: f64) -> Option<f64> {
+        let line = self.line.filter(|line| now - line.noted < stale)?;
+        Some(now + line.offset)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Notes a device that takes 20 ms at a time, its clock fast by `rate`, its stamps off by
+    /// `noise` of each step; returns the greatest error of the last half.
+    fn worst(rate: f64, noise: impl Fn(u32) -> f64) -> f64 {
+        let mut line = HeardLine::default();
+        let mut worst = 0.0f64;
+        for step in 0..400 {
+            let now = 7.0 + f64::from(step) * 0.02;
+            let played = |at: f64| (at - 7.1) * rate;
+            let at = now + 0.1;
+            line.note(now, at + noise(step), played(at));
+            if step > 200 {
+                let heard = line.at(now + 0.005, 0.5).unwrap();
+                worst = worst.max((heard - played(now + 0.005)).abs());
+            }
+        }
+        worst
+    }
+
+    proptest! {
+        #[test]
+        fn stamps_that_are_off_by_thirty_milliseconds_are_heard_evenly(
+            noise in prop::collection::vec(-0.03..0.03f64, 400),
+            rate in 0.9995..1.0005f64,
+        ) {
+            let mean = noise.iter().sum::<f64>() / 400.0;
+            let off = worst(rate, |step| noise[step as usize] - mean);
+            prop_assert!(off < 0.025, "{off}");
+        }
+    }
+
+    #[test]
+    fn a_single_wrong_stamp_moves_nothing() {
+        let off = worst(1.0, |step| if step == 250 { 5.0 } else { 0.0 });
+        assert!(off < 1e-9, "{off}");
+    }
+
+    #[test]
+    fn sound_that_went_elsewhere_is_followed_after_three_stamps() {
+        let mut line = HeardLine::default();
+        (0..50).for_each(|step| line.note(f64::from(step), f64::from(step), f64::from(step)));
+        (50..53).for_each(|step| line.note(f64::from(step), f64::from(step), 100.0));
+        assert_eq!(line.at(52.0, 0.5), Some(100.0));
+        assert_eq!(line.at(53.0, 0.5), None);
+        line.forget();
+        assert_eq!(line.at(52.0, 0.5), None);
+    }
+}

@@ -1,0 +1,140 @@
+//! How do a viewer's figures and settings read?
+
+use super::keys::{KEYS, Needs};
+use super::overlay::{Key, Line};
+use super::stage::Stage;
+use super::viewer::Viewer;
+use crate::canvas::Showing;
+use foveal_core::selection::policy::Policy;
+use foveal_core::units::Seconds;
+use foveal_render::Interpolation;
+
+/// A policy as it is called on the command line.
+pub(super) fn policy(policy: Policy) -> String {
+    format!("{policy:?}").to_lowercase()
+}
+
+/// What fills the pixels between samples.
+pub(super) fn interpolation(interpolation: Interpolation) -> &'static str {
+    match interpolation {
+        Interpolation::Nearest => "nearest sample",
+        Interpolation::Blended => "blended samples",
+    }
+}
+
+/// What tiles lie in.
+pub(super) fn reconstruction(showing: &Showing) -> &'static str {
+    if showing.has_textures {
+        "textures"
+    } else {
+        "atlas"
+    }
+}
+
+impl Viewer {
+    /// The keys that do something now.
+    pub(super) fn keys(&self, stage: &Stage) -> Vec<Key> {
+        let style = stage.easel.style();
+        let does = |needs| match needs {
+            Needs::Nothing => true,
+            Needs::Frames => !stage.timeline().is_still(),
+            Needs::TwoEyes => self.two_eyes,
+            Needs::Samples => style.samples,
+            Needs::Tiles => !style.samples,
+            Needs::Atlas => !style.samples && !style.showing.has_textures,
+        };
+        let here = KEYS.into_iter().filter(|(.., needs)| does(*needs));
+        here.map(|(keys, what, _)| (keys, what)).collect()
+    }
+
+    fn style_told(&self, stage: &Stage) -> String {
+        let style = stage.easel.style();
+        let what = if style.samples {
+            interpolation(style.showing.interpolation)
+        } else {
+            reconstruction(&style.showing)
+        };
+        let blur = if style.showing.blurs { ", blurred" } else { "" };
+        format!("{what}{blur}")
+    }
+
+    /// The figures, for people.
+    pub(super) fn lines(&self, stage: &Stage, now: Seconds) -> Vec<Line> {
+        let [fps, upload] = self.figures.rates(now);
+        let timeline = stage.timeline();
+        let media = self.clock.time(now);
+        let frame = stage.shown_tick().map_or(0, |tick| timeline.frame_of(tick));
+        let shown = match self.is_moving(stage) {
+            true => format!("{fps:.1} frames/s"),
+            false => "paused".to_owned(),
+        };
+        let figures = &self.figures;
+        let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
+        let line = |what: &str, value: String| (what.to_owned(), value);
+        let mut lines = vec![
+            line("policy", policy(self.choice.policy())),
+            line("picture", self.style_told(stage)),
+            line(
+                "time",
+                format!(
+                    "{:.2} / {:.2} s, frame {frame}",
+                    timeline.within(media).0,
+                    timeline.length().0
+                ),
+            ),
+            line("zoom", format!("{:.2}", self.scene.zoom())),
+            line("shown", shown),
+            line(
+                "decode, draw",
+                format!(
+                    "{:.1} ms, {:.1} ms a frame",
+                    figures.decode_ms,
+                    figures.draw_s * 1e3
+                ),
+            ),
+            line("upload", format!("{upload:.1} MB/s")),
+            line(
+                "pixels",
+                format!("{:.2} % of the finest", figures.share * 100.0),
+            ),
+            line("tiles by level", levels.join(" / ")),
+            line(
+                "GPU memory",
+                format!("{:.1} MB", figures.gpu_bytes as f64 / 1e6),
+            ),
+            line(
+                "late",
+                format!(
+                    "{} for decoding, {} for drawing",
+                    figures.late_frames, figures.slow_draws
+                ),
+            ),
+            line("left out", format!("{} frames", figures.left_out_frames)),
+            line(
+                "damaged",
+                format!(
+                    "{} tiles, {} frames",
+                    figures.damaged_tiles, figures.damaged_frames
+                ),
+            ),
+            line(
+                "recovered",
+                format!(
+                    "{} lost devices, {} errors",
+                    figures.lost_devices, figures.gpu_errors
+                ),
+            ),
+        ];
+        if self.two_eyes {
+            lines.push(line("eye", self.eye.name().to_owned()));
+        }
+        if let Some(sound) = &self.sound {
+            let off = self.drift.worst_and_p95_ms();
+            let off = off.map_or("at the beginning".to_owned(), |[worst, p95]| {
+                format!("95 % in {p95:.0} ms, all {worst:.0}")
+            });
+            lines.push(line("sound", format!("{off}; {} gaps", sound.gaps())));
+        }
+        lines
+    }
+}
