@@ -102,6 +102,26 @@ impl Viewer {
                 "GPU memory",
                 format!("{:.1} MB", figures.gpu_bytes as f64 / 1e6),
             ),
+        ];
+        lines.extend(self.carried_on());
+        if self.two_eyes {
+            lines.push(line("eye", self.eye.name().to_owned()));
+        }
+        if let Some(sound) = &self.sound {
+            let off = self.drift.worst_and_p95_ms();
+            let off = off.map_or("at the beginning".to_owned(), |[worst, p95]| {
+                format!("95 % in {p95:.0} ms, all {worst:.0}")
+            });
+            lines.push(line("sound", format!("{off}; {} gaps", sound.gaps())));
+        }
+        lines
+    }
+
+    /// What went wrong and was carried on from.
+    fn carried_on(&self) -> [Line; 4] {
+        let figures = &self.figures;
+        let line = |what: &str, value: String| (what.to_owned(), value);
+        [
             line(
                 "late",
                 format!(
@@ -124,17 +144,6 @@ impl Viewer {
                     figures.lost_devices, figures.gpu_errors
                 ),
             ),
-        ];
-        if self.two_eyes {
-            lines.push(line("eye", self.eye.name().to_owned()));
-        }
-        if let Some(sound) = &self.sound {
-            let off = self.drift.worst_and_p95_ms();
-            let off = off.map_or("at the beginning".to_owned(), |[worst, p95]| {
-                format!("95 % in {p95:.0} ms, all {worst:.0}")
-            });
-            lines.push(line("sound", format!("{off}; {} gaps", sound.gaps())));
-        }
-        lines
+        ]
     }
 }
