@@ -133,7 +133,7 @@ mod tests {
     /// The definition: means over two whole pyramids.
     #[test]
     fn a_signature_is_the_mean_difference_of_two_pyramids() {
-        for (size, ratio) in [([64, 48], 2), ([37, 53], 4), ([9, 5], 2), ([3, 8], 2)] {
+        for (size, ratio) in [([64, 48], 2u32), ([37, 53], 4), ([9, 5], 2), ([3, 8], 2)] {
             let mut picture = Picture::filled(size[0], size[1], [0, 128, 128]);
             for (k, sample) in (0u32..).zip(&mut picture.planes[0]) {
                 *sample = (k.wrapping_mul(2_654_435_761) >> 24) as u8;
