@@ -52,8 +52,8 @@ fn stamps_of_blocks(bytes: &[u8], count: usize) -> Vec<usize> {
     let mut found = Vec::new();
     for frame in 0..count {
         let [high, low] = (frame as u16 * 40).to_be_bytes();
-        let block = [0x81, high, low, 0x80];
-        let place = bytes[from..].windows(4).position(|four| four == block);
+        let is_block = |four: &[u8]| four[..3] == [0x81, high, low] && four[3] & 0x7f == 0;
+        let place = bytes[from..].windows(4).position(is_block);
         from += place.unwrap() + 1;
         found.push(from);
     }

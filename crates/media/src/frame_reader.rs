@@ -1,6 +1,6 @@
 //! How do the packets of a file become decoded frames, and where do they break off?
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use av::codec::{Id, threading};
 use av::format::context::Input;
@@ -33,6 +33,8 @@ pub(crate) struct FrameReader {
     failure: Option<String>,
     /// The container does not report that it is cut, so that this is told at its end.
     is_cut: bool,
+    path: PathBuf,
+    bytes: u64,
     /// Whether a frame has come out.
     has_begun: bool,
     early_errors: u32,
@@ -93,6 +95,8 @@ impl FrameReader {
             decoder,
             failure: None,
             is_cut,
+            path: path.to_owned(),
+            bytes,
             has_begun: false,
             early_errors: 0,
             early_error: None,
@@ -162,10 +166,18 @@ impl FrameReader {
                 Ok(()) if packet.size() == 0 => {}
                 Ok(()) => return self.decoder.send_packet(&packet).map_err(|e| e.to_string()),
                 Err(av::Error::Eof) if self.is_cut => return self.end(Some("it ends too early")),
+                Err(av::Error::Eof) if self.has_shrunk() => {
+                    return self.end(Some("it was cut while it was read"));
+                }
                 Err(av::Error::Eof) => return self.end(None),
                 Err(e) => return self.end(Some(&e.to_string())),
             }
         }
+    }
+
+    /// Whether the file is shorter than when it was opened.
+    fn has_shrunk(&self) -> bool {
+        std::fs::metadata(&self.path).is_ok_and(|there| there.len() < self.bytes)
     }
 
     fn end(&mut self, failure: Option<&str>) -> Result<(), String> {

@@ -40,7 +40,8 @@ struct State {
 }
 
 impl DecodeFeed {
-    /// Begins to decode with a pool of `jobs` threads; `woken` is called when something is done, at most every 8 ms.
+    /// Begins to decode with a pool of `jobs` threads; `woken` is called when something is done, at
+    /// most every 8 ms.
     pub(crate) fn new(
         pool: DecodePool,
         jobs: usize,
