@@ -133,8 +133,8 @@ impl CubeSampler {
 
     /// A sampler that takes a widened cubic kernel and remembers where samples look: many times
     /// as fast, a little softer and with a little more aliasing of the finest detail. Takes about
-    /// 13 bytes a pixel of one face, and about 11 MB for the caps; sizes that it cannot do are sampled as
-    /// by [`Self::new`].
+    /// 13 bytes a pixel of one face, and about 11 MB for the caps; sizes that it cannot do are
+    /// sampled as by [`Self::new`].
     ///
     /// # Panics
     /// As [`Self::new`].

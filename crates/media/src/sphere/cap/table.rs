@@ -1,7 +1,7 @@
 //! Which weights do the samples of a cap have, whatever the picture?
 //!
-//! Both poles and all frames share them. Samples are taken from rows that are halved along longitude
-//! about as often as their spacing allows, so that few source samples count for each.
+//! Both poles and all frames share them. Samples are taken from rows that are halved along
+//! longitude about as often as their spacing allows, so that few source samples count for each.
 
 use super::{Cap, code_value, yaw_of};
 use crate::sphere::kernel::{Kernel, REACH};

@@ -1,8 +1,8 @@
 //! How do the four upright faces get their samples, fast?
 //!
-//! A column of a face lies on one meridian, so columns are filtered first, each with one kernel for
-//! all rows and all four faces; then every sample of a column has a kernel of its own. The source is
-//! transposed strip by strip, so that both steps read samples that lie side by side.
+//! A column of a face lies on one meridian, so columns are filtered first, each with one kernel
+//! for all rows and all four faces; then every sample of a column has a kernel of its own. The
+//! source is transposed strip by strip, so that both steps read samples that lie side by side.
 
 use super::super::plane::Plane;
 use super::super::{Block, STRIP};
