@@ -63,7 +63,7 @@ impl Screen {
     ) -> anyhow::Result<Self> {
         let surface = instance
             .create_surface(Arc::clone(window))
-            .map_err(|reason| anyhow!("the window has no surface to draw on: {reason}"))?;
+            .map_err(|reason| RenderError::NoAdapter(reason.to_string()))?;
         let adapter = request_adapter(instance, &surface)?;
         let (device, queue) = request_device(&adapter)?;
         let health = Arc::new(Health::default());

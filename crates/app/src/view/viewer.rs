@@ -100,6 +100,9 @@ pub(crate) enum Wish {
     Quit,
 }
 
+/// Figures, and the keys that do something.
+pub(crate) type Told = (Vec<Line>, Vec<Key>);
+
 impl Viewer {
     /// A session that begins at `now`.
     pub(crate) fn new(begin: Begin, now: Seconds) -> Self {
@@ -502,11 +505,7 @@ impl Viewer {
     }
 
     /// What is written over the picture: figures where they are wanted, and a message.
-    pub(crate) fn words(
-        &mut self,
-        stage: &Stage,
-        now: Seconds,
-    ) -> (Option<(Vec<Line>, Vec<Key>)>, Option<String>) {
+    pub(crate) fn words(&mut self, stage: &Stage, now: Seconds) -> (Option<Told>, Option<String>) {
         self.painted = now.0;
         let told = || (self.lines(stage, now), self.keys(stage));
         let told = self.overlay.then(told);

@@ -397,11 +397,11 @@ impl Open {
         }
         self.viewer.figures.gpu_errors += self.screen.take_errors();
         loop {
-            if let Some(pane) = self.pane().filter(|_| !self.hidden) {
-                if self.viewer.step(&mut self.stage, &pane, now)? {
-                    self.stale = true;
-                    self.stepped = Some(now);
-                }
+            if let Some(pane) = self.pane().filter(|_| !self.hidden)
+                && self.viewer.step(&mut self.stage, &pane, now)?
+            {
+                self.stale = true;
+                self.stepped = Some(now);
             }
             let waits = self.resizing.is_some_and(|until| now.0 < until);
             let settled = self.pane().is_none() || self.viewer.is_settled(&self.stage);
