@@ -1,6 +1,6 @@
 //! How does a picture come into a window, with words over it?
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, bail};
 use egui::{Color32, Rect, pos2, vec2};
 use egui_wgpu::{RendererOptions, ScreenDescriptor};
 use foveal_render::{Gpu, RenderError};
