@@ -10,7 +10,7 @@ use crate::asset::signature::{BandContrast, SIGNATURE_BANDS, Signature};
 use crate::units::Ppd;
 
 /// The signature of a tile's picture, against the same picture `ratio` times coarser and enlarged
-/// again. Luminance is that of the default display. Costs about 25 ns a pixel.
+/// again. Luminance is that of the default display. Costs one pass over the picture.
 ///
 /// # Panics
 /// When `ratio` is not a power of two.
