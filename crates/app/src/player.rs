@@ -99,6 +99,10 @@ pub(crate) struct PlayerOptions {
     pub(crate) decoding: Decoding,
 }
 
+/// Share of a frame's time after which a paced frame waits for no finer tile: what is left is for
+/// uploading and drawing.
+const READY: f64 = 0.9;
+
 /// What one frame took.
 #[derive(Clone, Debug)]
 pub(crate) struct FrameReport {
@@ -132,7 +136,8 @@ pub(crate) struct FrameReport {
     pub(crate) decode: Duration,
     /// Making them resident.
     pub(crate) upload: Duration,
-    /// Whether the frame's time was over before its tiles were there.
+    /// Whether the frame's time was over before it could be shown, be it with coarser tiles in the
+    /// place of missing ones.
     pub(crate) late: bool,
     /// Tiles shown that hold another frame.
     pub(crate) wrong_frame_tiles: usize,
@@ -250,9 +255,10 @@ impl Player {
         let choose = begun.elapsed();
         let detail_share = self.detail_share(frame, &gaze, view, &selection.levels);
         let wanted = self.with_coarsest(&selection);
-        let begun = Instant::now();
         let period = self.period(frame);
-        let decoded = self.decode(frame, &gaze, &wanted, begun + period);
+        let deadline = begun + period.mul_f64(READY);
+        let begun = Instant::now();
+        let decoded = self.decode(frame, &gaze, &wanted, deadline);
         let decode = begun.elapsed();
         let new_bytes = self.fetch(&wanted, frame);
         let decoded_pixels = decoded
@@ -283,7 +289,7 @@ impl Player {
             detail_share,
             view,
             histogram: histogram(&self.grid, &tiles),
-            late: decode > period || !missing.is_empty(),
+            late: choose + decode > period,
             missing,
             tiles,
             pixels,

@@ -112,6 +112,8 @@ pub(crate) struct RunSummary {
     pub(crate) decode_ms_mean: f64,
     pub(crate) decode_ms_p95: f64,
     pub(crate) late_frames: usize,
+    /// Frames shown with a coarser tile in the place of one that was chosen.
+    pub(crate) incomplete_frames: usize,
     pub(crate) wrong_frame_tiles: usize,
     pub(crate) failed_tiles: usize,
     pub(crate) level_changes: u64,
@@ -329,6 +331,7 @@ pub(crate) fn summarise(
         decode_ms_mean: decode_ms.iter().sum::<f64>() / count,
         decode_ms_p95: decode_ms.get(p95).copied().unwrap_or_default(),
         late_frames: reports.iter().filter(|r| r.late).count(),
+        incomplete_frames: reports.iter().filter(|r| !r.missing.is_empty()).count(),
         wrong_frame_tiles: reports.iter().map(|r| r.wrong_frame_tiles).sum(),
         failed_tiles: reports.iter().map(|r| r.failed_tiles).sum(),
         level_changes: reports.iter().map(|r| r.level_changes).sum(),
@@ -345,8 +348,8 @@ impl RunSummary {
         format!(
             "{} frames under {}: {:.2} % of the pixels (most {:.2} %), {:.2} MB fetched, \
              {:.1} MPix decoded\n\
-             decoding {:.1} ms a frame (95th percentile {:.1}), {} late frames, {} damaged tiles, \
-             {} level changes, {:.2} MB on the GPU\n{}{}{}",
+             decoding {:.1} ms a frame (95th percentile {:.1}), {} late and {} incomplete frames, \
+             {} damaged tiles, {} level changes, {:.2} MB on the GPU\n{}{}{}",
             self.frames,
             self.policy,
             self.pixels_share_mean * 100.0,
@@ -356,6 +359,7 @@ impl RunSummary {
             self.decode_ms_mean,
             self.decode_ms_p95,
             self.late_frames,
+            self.incomplete_frames,
             self.failed_tiles,
             self.level_changes,
             self.gpu_bytes as f64 / 1e6,
@@ -374,7 +378,7 @@ impl RunSummary {
 /// The figures of a run as CSV, one line a frame.
 pub(crate) fn csv(reports: &[FrameReport]) -> String {
     let mut text = "frame,time_s,gaze_yaw_deg,gaze_pitch_deg,head_yaw_deg,head_pitch_deg,tiles,\
-                    pixels,share,decoded_pixels,new_bytes,decode_ms,upload_ms,late,level_changes,\
+                    pixels,share,decoded_pixels,new_bytes,decode_ms,upload_ms,late,missing_tiles,level_changes,\
                     gaze_error_deg,detail_share\n"
         .to_owned();
     for report in reports {
@@ -382,7 +386,7 @@ pub(crate) fn csv(reports: &[FrameReport]) -> String {
         let head = report.session.head;
         let _ = writeln!(
             text,
-            "{},{:.6},{:.4},{:.4},{:.4},{:.4},{},{},{:.6},{},{},{:.3},{:.3},{},{},{:.4},{}",
+            "{},{:.6},{:.4},{:.4},{:.4},{:.4},{},{},{:.6},{},{},{:.3},{:.3},{},{},{},{:.4},{}",
             report.session.frame,
             report.session.time_s.0,
             yaw.to_degrees(),
@@ -397,6 +401,7 @@ pub(crate) fn csv(reports: &[FrameReport]) -> String {
             report.decode.as_secs_f64() * 1e3,
             report.upload.as_secs_f64() * 1e3,
             u8::from(report.late),
+            report.missing.len(),
             report.level_changes,
             report.gaze_error_deg,
             report

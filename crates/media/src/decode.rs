@@ -106,36 +106,65 @@ impl GroupDecoder {
         access_unit: &[u8],
         frame_number: i64,
     ) -> Result<(Picture, i64), MediaError> {
-        let mut decoded = self.decode_checked(access_unit, frame_number);
-        if decoded.is_err() && self.leave_device()? && is_key_frame(self.codec, access_unit) {
-            decoded = self.decode_checked(access_unit, frame_number);
+        let decoded = match self.decoder {
+            Some(_) => self.frame(access_unit, frame_number),
+            None => {
+                let picture = picture_from_png(access_unit, self.size);
+                return picture
+                    .map(|picture| (picture, frame_number))
+                    .map_err(|reason| self.failed(frame_number, reason));
+            }
+        };
+        let picture = decoded.and_then(|(frame, out)| Ok((self.picture(&frame)?, out)));
+        picture.map_err(|reason| self.failed(frame_number, reason))
+    }
+
+    /// Decodes one access unit for the sake of those that build on it: no picture is copied.
+    ///
+    /// # Errors
+    /// As [`GroupDecoder::decode`].
+    pub fn skip(&mut self, access_unit: &[u8], frame_number: i64) -> Result<(), MediaError> {
+        if self.decoder.is_none() {
+            return Ok(());
         }
-        if decoded.is_err() {
-            self.restart();
-        }
-        decoded.map_err(|reason| MediaError::AccessUnit {
+        let decoded = self.frame(access_unit, frame_number);
+        decoded
+            .map(drop)
+            .map_err(|reason| self.failed(frame_number, reason))
+    }
+
+    fn failed(&mut self, frame: i64, reason: String) -> MediaError {
+        self.restart();
+        MediaError::AccessUnit {
             codec: self.codec.name(),
-            frame: frame_number,
+            frame,
             reason,
-        })
+        }
+    }
+
+    /// The frame of an access unit and the number that came out with it; a device that fails at a
+    /// key frame is left.
+    fn frame(&mut self, unit: &[u8], number: i64) -> Result<(Video, i64), String> {
+        let decoded = self.frame_checked(unit, number);
+        if decoded.is_ok() || !self.leave_device()? || !is_key_frame(self.codec, unit) {
+            return decoded;
+        }
+        self.frame_checked(unit, number)
     }
 
     /// Goes on without the device that failed; false where there was none.
-    fn leave_device(&mut self) -> Result<bool, MediaError> {
+    fn leave_device(&mut self) -> Result<bool, String> {
         let Some(session) = self.session.take() else {
             return Ok(false);
         };
         session.fail();
-        self.decoder = open_software(self.codec, self.size)?;
+        self.decoder = open_software(self.codec, self.size).map_err(|e| e.to_string())?;
         self.started = false;
         Ok(true)
     }
 
-    fn decode_checked(&mut self, unit: &[u8], number: i64) -> Result<(Picture, i64), String> {
-        let size = self.size;
-        let Some(decoder) = &mut self.decoder else {
-            return Ok((picture_from_png(unit, size)?, number));
-        };
+    fn frame_checked(&mut self, unit: &[u8], number: i64) -> Result<(Video, i64), String> {
+        let decoder = self.decoder.as_mut().ok_or("it has no frames")?;
         if unit.is_empty() {
             return Err("it is empty".to_owned());
         }
@@ -159,18 +188,21 @@ impl GroupDecoder {
         if let Some(session) = &self.session {
             frame = session.download(&frame)?;
         }
-        let coded_size = self.codec.coded_size(size);
-        check_frame(&frame, self.codec, coded_size)?;
+        check_frame(&frame, self.codec, self.codec.coded_size(self.size))?;
         let out = frame.pts().ok_or("the picture lost its frame number")?;
-        let mut picture = match frame.format() {
-            Pixel::NV12 => picture_from_nv12(&frame)?,
-            _ => picture_from_frame(&frame)?,
-        };
-        if coded_size != size {
-            picture = picture.crop([0, 0], size);
-        }
         self.started = true;
-        Ok((picture, out))
+        Ok((frame, out))
+    }
+
+    fn picture(&self, frame: &Video) -> Result<Picture, String> {
+        let picture = match frame.format() {
+            Pixel::NV12 => picture_from_nv12(frame)?,
+            _ => picture_from_frame(frame)?,
+        };
+        Ok(match [picture.width, picture.height] == self.size {
+            true => picture,
+            false => picture.crop([0, 0], self.size),
+        })
     }
 }
 

@@ -363,12 +363,12 @@ impl Shared {
         loop {
             let number = stream.next;
             let unit = units[(number - frames.start) as usize];
-            let picture = stream.decoder.decode(unit, i64::from(number))?;
             *decoded += 1;
             stream.next += 1;
             if number == frame {
-                return Ok(picture);
+                return Ok(stream.decoder.decode(unit, i64::from(number))?);
             }
+            stream.decoder.skip(unit, i64::from(number))?;
         }
     }
 }

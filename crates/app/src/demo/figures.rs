@@ -110,6 +110,9 @@ pub(super) fn rows(runs: &[PolicyRun]) -> Vec<Row> {
             s.decode_ms_p95
         }),
         row("Late frames", "", &|s| s.late_frames.to_string()),
+        row("Incomplete frames", "", &|s| {
+            s.incomplete_frames.to_string()
+        }),
         amount("GPU memory", "MB", &|s| s.gpu_bytes as f64 / 1e6),
         over("Pixels, of full", Cost::Pixels, FULL),
         over("Pixels, of viewport", Cost::Pixels, VIEWPORT),

@@ -209,7 +209,8 @@ fn how_to_read(seed: u64) -> String {
          ever missing.</p>\n\
          <p>Pixels are those of all tiles of a frame, over the pixels of the finest level. \
          Decoding time runs from asking for the tiles of a frame until the last one is there, on \
-         all cores; a frame is late when that takes longer than it is shown. Bytes count each \
+         all cores; a frame is late when choosing and that take longer than it is shown, and \
+         incomplete when a coarser tile stands in for one that was chosen. Bytes count each \
          tile’s group of pictures once, when it is first needed. The policies take turns \
          frame by frame in one run on the machine named above, so that other work on it touches \
          them alike.</p>\n\

@@ -71,6 +71,7 @@ pub(super) struct Trial {
     pub(super) fps_full: f64,
     pub(super) fps_coarsest: f64,
     pub(super) late_frames: u32,
+    pub(super) incomplete_frames: u32,
 }
 
 /// Frames that are played of the baseline, which decodes everything.
@@ -156,6 +157,7 @@ impl TrialOptions {
             fps_full: run(Policy::Full, FULL_FRAMES.min(self.play))?.decoding[0],
             fps_coarsest: run(Policy::Coarsest, self.play)?.decoding[0],
             late_frames: foveated.late,
+            incomplete_frames: foveated.incomplete,
         })
     }
 }

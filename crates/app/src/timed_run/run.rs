@@ -30,9 +30,13 @@ pub(crate) struct Run {
     /// Of every turn, frames a second.
     pub(crate) decoding: Vec<f64>,
     pub(crate) end_to_end: Vec<f64>,
+    /// Of every frame, the milliseconds of choosing.
+    pub(crate) choosing_ms: Vec<f64>,
     pub(crate) shares: Vec<f64>,
-    /// Frames whose tiles were not there within the media's frame.
+    /// Frames whose time was over before they could be shown.
     pub(crate) late: u32,
+    /// Frames shown with a coarser tile in the place of one that was chosen.
+    pub(crate) incomplete: u32,
     /// Of every saccade, the frames until the fovea showed its level.
     pub(crate) to_fovea: Vec<u32>,
     waiting: Option<u32>,
@@ -54,8 +58,10 @@ impl Run {
             frames: Vec::new(),
             decoding: Vec::new(),
             end_to_end: Vec::new(),
+            choosing_ms: Vec::new(),
             shares: Vec::new(),
             late: 0,
+            incomplete: 0,
             to_fovea: Vec::new(),
             waiting: None,
         }
@@ -111,8 +117,10 @@ impl Run {
         let jumped = (self.next - 1).is_multiple_of(DWELL);
         self.frames
             .push(((report.choose + report.decode).as_secs_f64(), jumped));
+        self.choosing_ms.push(report.choose.as_secs_f64() * 1e3);
         self.shares.push(report.share);
         self.late += u32::from(report.late);
+        self.incomplete += u32::from(!report.missing.is_empty());
         if jumped {
             // A jump that never arrived took at least as long as it lasted.
             self.to_fovea.extend(self.waiting);

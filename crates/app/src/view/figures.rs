@@ -14,8 +14,10 @@ const MOST: usize = 1024;
 pub(crate) struct Shown {
     /// Frames before it that never came, because it was due.
     pub(crate) left_out: u64,
-    /// Tiles of it were not there in time.
+    /// It came after its time.
     pub(crate) late: bool,
+    /// A coarser tile stood in for one of its own.
+    pub(crate) incomplete: bool,
 }
 
 /// What is counted while a window is open.
@@ -31,9 +33,10 @@ pub(crate) struct Figures {
     pub(crate) frames: u64,
     /// Frames never shown, because the next was due.
     pub(crate) left_out_frames: u64,
-    /// Frames whose tiles were decoded too late: shown after their time, or with a coarser level
-    /// standing in.
+    /// Frames shown after their time.
     pub(crate) late_frames: u64,
+    /// Frames shown with a coarser tile in the place of one that was chosen.
+    pub(crate) incomplete_frames: u64,
     /// Frames that took longer to draw than they last.
     pub(crate) slow_draws: u64,
     /// Smoothed time from choosing what is shown until it is on screen, in seconds.
@@ -77,10 +80,11 @@ impl Figures {
     }
 
     /// A frame of the content came on screen.
-    pub(crate) fn shown(&mut self, now: Seconds, Shown { left_out, late }: Shown) {
+    pub(crate) fn shown(&mut self, now: Seconds, how: Shown) {
         self.frames += 1;
-        self.left_out_frames += left_out;
-        self.late_frames += u64::from(late);
+        self.left_out_frames += how.left_out;
+        self.late_frames += u64::from(how.late);
+        self.incomplete_frames += u64::from(how.incomplete);
         if self.lately.len() == MOST {
             self.lately.pop_front();
         }

@@ -309,13 +309,17 @@ impl Stage {
         }
         let before = self.shown.as_ref().map(|shown| shown.tick);
         let overdue = now.media.0 > self.timeline.time_of(coming.tick + 1).0;
-        let incomplete = coming.missing().next().is_some();
         let left_out = match before {
             Some(before) if now.playing && !self.jumped => coming.tick.saturating_sub(before + 1),
             _ => 0,
         };
-        let late = now.playing && before.is_some() && (incomplete || overdue);
-        figures.shown(now.wall, Shown { left_out, late });
+        let follows = now.playing && before.is_some();
+        let how = Shown {
+            left_out,
+            late: follows && overdue,
+            incomplete: follows && coming.missing().next().is_some(),
+        };
+        figures.shown(now.wall, how);
         self.shown = Some(coming);
         self.jumped = false;
         self.count(figures);

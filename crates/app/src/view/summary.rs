@@ -8,6 +8,7 @@ use serde::Serialize;
 pub(crate) struct Summary {
     frames: u64,
     late_frames: u64,
+    incomplete_frames: u64,
     slow_draws: u64,
     left_out_frames: u64,
     wrong_frame_tiles: u64,
@@ -35,6 +36,7 @@ impl Summary {
         Self {
             frames: figures.frames,
             late_frames: figures.late_frames,
+            incomplete_frames: figures.incomplete_frames,
             slow_draws: figures.slow_draws,
             left_out_frames: figures.left_out_frames,
             wrong_frame_tiles: figures.wrong_frame_tiles,
@@ -55,11 +57,12 @@ impl Summary {
     /// For people.
     pub(crate) fn text(&self) -> String {
         format!(
-            "{} frames shown, {} late for decoding, {} for drawing, {} left out\n\
+            "{} frames shown, {} late for decoding, {} for drawing, {} incomplete, {} left out\n\
              {} damaged tiles, {} damaged frames, {} lost devices",
             self.frames,
             self.late_frames,
             self.slow_draws,
+            self.incomplete_frames,
             self.left_out_frames,
             self.damaged_tiles,
             self.damaged_frames,

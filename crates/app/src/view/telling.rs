@@ -125,8 +125,8 @@ impl Viewer {
             line(
                 "late",
                 format!(
-                    "{} for decoding, {} for drawing",
-                    figures.late_frames, figures.slow_draws
+                    "{} for decoding, {} for drawing, {} incomplete",
+                    figures.late_frames, figures.slow_draws, figures.incomplete_frames
                 ),
             ),
             line("left out", format!("{} frames", figures.left_out_frames)),

@@ -341,6 +341,21 @@ impl TileGrid {
         }
     }
 
+    /// The cells that a tile covers, row by row.
+    pub fn cells_under(&self, tile: Tile) -> impl Iterator<Item = Tile> + use<> {
+        let (origin, covered, span) = (self.origin(tile), self.covered(tile), self.span(0));
+        let [x, y] =
+            [0, 1].map(|k| origin[k] / span[k]..(origin[k] + covered[k]).div_ceil(span[k]));
+        y.flat_map(move |row| {
+            x.clone().map(move |column| Tile {
+                level: 0,
+                face: tile.face,
+                x: column as u16,
+                y: row as u16,
+            })
+        })
+    }
+
     /// All tiles of a level, in rank order.
     pub fn tiles_of(&self, level: u8) -> impl Iterator<Item = Tile> + '_ {
         (0..self.tiles_in_level(level)).map(move |rank| self.tile_at(level, rank))

@@ -6,7 +6,7 @@
 
 use super::level_map::LevelMap;
 use super::need::{CellBounds, probes};
-use super::policy::in_view;
+use super::sight::Sight;
 use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::perception::acuity::AcuityModel;
 use crate::units::Radians;
@@ -83,9 +83,9 @@ pub(super) fn distance_levels(
 /// Whether any place of a cell may be in view: a probe is, or lies no farther beside the view than
 /// the next probe.
 fn is_seen(grid: &TileGrid, bounds: &CellBounds, view: &EyeView, gaze: DVec3) -> bool {
-    let margin = bounds.probe_spacing();
+    let sight = Sight::new(view, bounds.probe_spacing());
     let mut places = probes(grid, bounds.cell);
-    places.any(|probe| in_view(view, probe.direction, margin))
+    places.any(|probe| sight.reaches(probe.direction))
         || angle_to_cell(grid, bounds.cell, gaze).0 <= ROUNDING
 }
 

@@ -89,20 +89,16 @@ impl LevelMap {
     fn cover_as_needed(&mut self, grid: &TileGrid) -> Vec<Tile> {
         let mut chosen = Vec::new();
         for level in 0..grid.coarsest() {
-            let mut wanted = vec![false; grid.tiles_in_level(level) as usize];
-            for cell in grid
-                .tiles_of(0)
-                .filter(|cell| self.level(grid, *cell) == level)
-            {
-                wanted[grid.rank(grid.tile_over(cell, level)) as usize] = true;
+            let at_level = (0..).zip(&self.levels).filter(|(_, of)| **of == level);
+            let cells = at_level.flat_map(|(rank, _)| grid.for_every_eye(grid.tile_at(0, rank)));
+            let wanted: BTreeSet<u32> = cells
+                .map(|cell| grid.rank(grid.tile_over(cell, level)))
+                .collect();
+            for tile in wanted.into_iter().map(|rank| grid.tile_at(level, rank)) {
+                grid.cells_under(tile)
+                    .for_each(|cell| self.refine(grid, cell, level));
+                chosen.push(tile);
             }
-            for cell in grid.tiles_of(0) {
-                if wanted[grid.rank(grid.tile_over(cell, level)) as usize] {
-                    self.refine(grid, cell, level);
-                }
-            }
-            let ranks = (0..).zip(&wanted).filter(|(_, wanted)| **wanted);
-            chosen.extend(ranks.map(|(rank, _)| grid.tile_at(level, rank)));
         }
         chosen.extend(grid.tiles_of(grid.coarsest()));
         chosen

@@ -16,3 +16,4 @@ pub mod worth;
 mod need;
 mod neighbours;
 mod places;
+mod sight;

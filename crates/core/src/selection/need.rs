@@ -54,6 +54,32 @@ impl CellBounds {
         Radians((angle_between(gaze, self.centre).0 - self.radius.0).max(0.0))
     }
 
+    /// How much nearer to the gaze another probe can be than the one called nearest: cosines of
+    /// small angles are told apart no better.
+    pub(super) const NEAREST_WITHIN: Radians = Radians(1e-7);
+
+    /// The place of those probed that is nearest to the gaze.
+    pub(super) fn nearest_probe(&self, grid: &TileGrid, gaze: DVec3) -> Probe {
+        let axes = grid.surface.axes(u32::from(self.cell.face));
+        let ahead = [axes.right, axes.down, axes.forward].map(|axis| axis.dot(gaze));
+        let tangents: [[f64; 2]; PROBES as usize] = core::array::from_fn(|step| {
+            grid.surface
+                .tangent(place(grid, self.cell, [step as u32; 2]))
+        });
+        let cosine = |[x, y]: [u32; 2]| {
+            let [a, b] = [tangents[x as usize][0], tangents[y as usize][1]];
+            (a * ahead[0] + b * ahead[1] + ahead[2]) / (a * a + b * b + 1.0).sqrt()
+        };
+        let mut nearest = (f64::NEG_INFINITY, [0; 2]);
+        for step in steps() {
+            let cosine = cosine(step);
+            if cosine > nearest.0 {
+                nearest = (cosine, step);
+            }
+        }
+        probe(grid, self.cell, nearest.1)
+    }
+
     /// At least the angle between two neighbouring probes.
     pub(super) fn probe_spacing(&self) -> Radians {
         // Eight steps across a diameter; across a diagonal, and where a face is wide, they are
@@ -69,7 +95,11 @@ impl CellBounds {
 
 /// The places at which a cell is probed, borders included.
 pub(super) fn probes(grid: &TileGrid, cell: Tile) -> impl Iterator<Item = Probe> + '_ {
-    (0..PROBES * PROBES).map(move |k| probe(grid, cell, [k % PROBES, k / PROBES]))
+    steps().map(move |step| probe(grid, cell, step))
+}
+
+fn steps() -> impl Iterator<Item = [u32; 2]> {
+    (0..PROBES * PROBES).map(|k| [k % PROBES, k / PROBES])
 }
 
 /// Places that a view looks at or would if it were half as large again, each with its cell.
@@ -91,14 +121,19 @@ pub(super) fn probes_under(grid: &TileGrid, view: &EyeView) -> impl Iterator<Ite
 }
 
 fn probe(grid: &TileGrid, cell: Tile, step: [u32; 2]) -> Probe {
-    let (from, size) = (grid.origin(cell), grid.covered(cell));
-    let place = [0, 1].map(|k| {
-        f64::from(from[k]) + f64::from(size[k]) * f64::from(step[k]) / f64::from(PROBES - 1)
-    });
+    let place = place(grid, cell, step);
     Probe {
         direction: grid.surface.direction(u32::from(cell.face), place),
         ppd: grid.surface.ppd(place),
     }
+}
+
+/// Level-0 pixels on the cell's face.
+fn place(grid: &TileGrid, cell: Tile, step: [u32; 2]) -> [f64; 2] {
+    let (from, size) = (grid.origin(cell), grid.covered(cell));
+    [0, 1].map(|k| {
+        f64::from(from[k]) + f64::from(size[k]) * f64::from(step[k]) / f64::from(PROBES - 1)
+    })
 }
 
 /// The coarsest level whose texels span no more than `footprint` level-0 pixels.

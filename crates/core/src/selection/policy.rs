@@ -6,6 +6,7 @@ use super::greedy::Misfit;
 use super::level_map::LevelMap;
 use super::need::{CellBounds, Probe, level_of_footprint, probes, probes_under};
 use super::neighbours::neighbours;
+use super::sight::Sight;
 use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::gaze::sample::GazeSample;
 use crate::perception::acuity::AcuityModel;
@@ -290,17 +291,19 @@ impl Selector {
         frame: u32,
         moment: &Moment,
     ) -> Selection {
-        let mut levels = self.levels_of(content, frame, moment);
+        let mut levels = self.levels_of(content, frame, moment, |_| true);
         let tiles = levels.cover(&self.grid);
         Selection { levels, tiles }
     }
 
-    /// The level that each cell needs; the tiles that show it may be finer.
+    /// The level that each cell needs; the tiles that show it may be finer. Cells whose rank is not
+    /// `asked` for may get any level.
     pub(super) fn levels_of(
         &self,
         content: Option<&dyn Content>,
         frame: u32,
         moment: &Moment,
+        asked: impl Fn(usize) -> bool,
     ) -> LevelMap {
         match self.config.policy {
             Policy::Full => LevelMap::filled(&self.grid, 0),
@@ -308,7 +311,7 @@ impl Selector {
             Policy::Viewport => self.viewport(moment),
             Policy::Grid => self.kastner_grid(content, frame, &moment.gaze),
             Policy::Distance | Policy::Sampled => self.by_distance(moment),
-            Policy::Acuity => self.acuity(moment),
+            Policy::Acuity => self.acuity(moment, asked),
             Policy::Uniform | Policy::Eccentricity | Policy::Perceptual => {
                 panic!(
                     "{:?} spends a budget: a Refiner chooses",
@@ -340,16 +343,15 @@ impl Selector {
             view.is_some(),
             "the viewport policy chooses by what is in view"
         );
-        let margin = self.config.margin;
         let shown = |view: &EyeView, probe: &Probe| {
             level_of_footprint(&self.grid, display_footprint(view, probe))
         };
+        let sight = view.map(|view| Sight::new(view, self.config.margin));
         let mut levels = LevelMap::from_cells(&self.grid, |cell| {
-            let Some(view) = view else {
+            let (Some(view), Some(sight)) = (view, sight) else {
                 return self.grid.coarsest();
             };
-            let seen =
-                probes(&self.grid, cell).filter(|probe| in_view(view, probe.direction, margin));
+            let seen = probes(&self.grid, cell).filter(|probe| sight.reaches(probe.direction));
             let level = seen.map(|probe| shown(view, &probe)).min();
             level.unwrap_or(self.grid.coarsest())
         });
@@ -429,12 +431,11 @@ impl Selector {
         }
     }
 
-    fn acuity(&self, moment: &Moment) -> LevelMap {
-        let mut cells = self.cells.iter();
-        let mut levels = LevelMap::from_cells(&self.grid, |_| {
-            cells
-                .next()
-                .map_or(0, |bounds| self.acuity_level(bounds, moment))
+    fn acuity(&self, moment: &Moment, asked: impl Fn(usize) -> bool) -> LevelMap {
+        let mut cells = self.cells.iter().enumerate();
+        let mut levels = LevelMap::from_cells(&self.grid, |_| match cells.next() {
+            Some((rank, bounds)) if asked(rank) => self.acuity_level(bounds, moment),
+            _ => self.grid.coarsest(),
         });
         if let Some(view) = &moment.view {
             self.refine_under(view, &mut levels, |probe| self.allowed_level(moment, probe));
@@ -447,19 +448,33 @@ impl Selector {
         if moment.is_magnified() {
             return self.magnified_level(bounds, moment);
         }
-        let nearest = bounds.least_eccentricity(gaze.gaze_in_content);
-        let coarsest = self.grid.coarsest();
-        let beyond = self.beyond_disc(nearest, gaze);
-        let best = self.config.acuity.best_acuity(beyond).0;
-        let disc = self.disc_footprint(nearest, bounds.least_ppd());
-        let least = (bounds.least_ppd().0 / (2.0 * best)).min(disc);
-        if level_of_footprint(&self.grid, least) == coarsest {
-            return coarsest;
+        let floor = |nearest| self.floor_level(bounds, nearest, moment);
+        if floor(bounds.least_eccentricity(gaze.gaze_in_content)) == self.grid.coarsest() {
+            return self.grid.coarsest();
+        }
+        let nearest = bounds.nearest_probe(&self.grid, gaze.gaze_in_content);
+        let found = self.allowed_level(moment, &nearest);
+        let eccentricity = moment.eccentricity(nearest.direction).0 - CellBounds::NEAREST_WITHIN.0;
+        if floor(Radians(eccentricity.max(0.0))) == found {
+            return found;
         }
         probes(&self.grid, bounds.cell)
             .map(|probe| self.allowed_level(moment, &probe))
             .min()
             .unwrap_or(0)
+    }
+
+    /// No place of a cell at `nearest` or farther from the gaze is allowed a finer level than this.
+    fn floor_level(&self, bounds: &CellBounds, nearest: Radians, moment: &Moment) -> u8 {
+        let ppd = bounds.least_ppd();
+        let best = self
+            .config
+            .acuity
+            .best_acuity(self.beyond_disc(nearest, &moment.gaze));
+        let display = moment.view.filter(|_| self.turns(moment));
+        let limit = display.map_or(0.0, |view| ppd.0 / view.most_ppd().0);
+        let footprint = (ppd.0 / (2.0 * best.0)).max(limit);
+        level_of_footprint(&self.grid, footprint.min(self.disc_footprint(nearest, ppd)))
     }
 
     /// The level of a cell in a window: bounds on the sphere say nothing of angles at the eye, but
@@ -468,8 +483,9 @@ impl Selector {
         let Some(view) = &moment.view else {
             return self.grid.coarsest();
         };
+        let sight = Sight::new(view, self.config.margin);
         probes(&self.grid, bounds.cell)
-            .filter(|probe| in_view(view, probe.direction, self.config.margin))
+            .filter(|probe| sight.reaches(probe.direction))
             .map(|probe| self.allowed_level(moment, &probe))
             .min()
             .unwrap_or(self.grid.coarsest())
@@ -515,13 +531,17 @@ impl Selector {
         1.0 + outside * ppd.0 / self.grid.blend_pixels()
     }
 
+    /// Whether the picture turns with a head inside the content.
+    fn turns(&self, moment: &Moment) -> bool {
+        self.grid.surface.projection == Projection::Cube && !moment.is_magnified()
+    }
+
     /// The footprint under which the display shows no difference; the safety disc is exempt. On a
     /// sphere that of the display's densest corner, so that a head that nods under a steady eye
     /// changes nothing.
     fn display_limit(&self, moment: &Moment, probe: &Probe) -> f64 {
         let eccentricity = moment.eccentricity(probe.direction);
-        let turns = self.grid.surface.projection == Projection::Cube && !moment.is_magnified();
-        let limit = moment.view.map_or(0.0, |view| match turns {
+        let limit = moment.view.map_or(0.0, |view| match self.turns(moment) {
             true => probe.ppd.0 / view.most_ppd().0,
             false => display_footprint(&view, probe),
         });
@@ -557,17 +577,6 @@ fn seen_ppd(moment: &Moment, probe: &Probe) -> Ppd {
 /// Level-0 pixels under one pixel of the display at the place of a probe.
 fn display_footprint(view: &EyeView, probe: &Probe) -> f64 {
     probe.ppd.0 / view.ppd_towards(probe.direction).0
-}
-
-/// Whether a direction is in view, or no more than `margin` beside it.
-pub(super) fn in_view(view: &EyeView, direction: DVec3, margin: Radians) -> bool {
-    let depth = direction.dot(view.axes.forward);
-    let across = libm::atan2(direction.dot(view.axes.right), depth);
-    let down = libm::atan2(direction.dot(view.axes.down), depth);
-    let reach = |tangent: f64| libm::atan(tangent) + margin.0;
-    let field = view.field;
-    (-reach(field.left)..=reach(field.right)).contains(&across)
-        && (-reach(field.up)..=reach(field.down)).contains(&down)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::content::Content;
 use super::greedy::{Catalog, CatalogBuilder, Chain, Misfit, Rule, Stage, Step};
 use super::level_map::LevelMap;
 use super::policy::{Moment, Policy, PolicyConfig, Selection};
-use super::worth::{Gains, Worth, cells_under};
+use super::worth::{Gains, Worth};
 use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::asset::unit::UnitId;
 use std::collections::BTreeSet;
@@ -233,7 +233,7 @@ impl Refiner {
         let mut levels = shown.clone();
         for number in chosen {
             let tile = self.tiles[*number];
-            for cell in cells_under(&self.grid, tile) {
+            for cell in self.grid.cells_under(tile) {
                 levels.refine(&self.grid, cell, tile.level);
             }
         }

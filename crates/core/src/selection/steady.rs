@@ -46,13 +46,18 @@ impl SteadySelector {
         moment: &Moment,
     ) -> Selection {
         let grid = *self.exact.grid();
-        let mut levels = self.exact.levels_of(content, frame, moment);
+        let mut levels = self.exact.levels_of(content, frame, moment, |_| true);
         if self.slack.0 > 0.0 {
             if let Some(before) = &self.before {
                 let mut stray = *moment;
                 stray.gaze.spread = Radians(stray.gaze.spread.0 + self.slack.0);
-                let enough = self.loose.levels_of(content, frame, &stray);
-                for cell in grid.tiles_of_left_eye(0) {
+                let [was, is] = [before, &levels].map(LevelMap::levels);
+                let coarser: Vec<bool> = was.iter().zip(is).map(|(was, is)| was < is).collect();
+                let enough = self
+                    .loose
+                    .levels_of(content, frame, &stray, |rank| coarser[rank]);
+                for (rank, _) in (0..).zip(&coarser).filter(|(_, coarser)| **coarser) {
+                    let cell = grid.tile_at(0, rank);
                     let kept = before.level(&grid, cell).max(enough.level(&grid, cell));
                     levels.refine(&grid, cell, kept);
                 }
@@ -167,7 +172,7 @@ mod tests {
             let grid = sphere();
             let _ = steady.select(None, 0, &moment([0.0; 2], [0.0; 2]));
             let far = moment([150.0, 10.0], [150.0, 10.0]);
-            let needed = rule.levels_of(None, 0, &far);
+            let needed = rule.levels_of(None, 0, &far, |_| true);
             let jumped = steady.select(None, 0, &far);
             for cell in grid.tiles_of(0) {
                 assert!(jumped.levels.level(&grid, cell) <= needed.level(&grid, cell));

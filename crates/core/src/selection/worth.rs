@@ -6,7 +6,8 @@
 use super::content::Content;
 use super::level_map::LevelMap;
 use super::places::{CellPlaces, Place};
-use super::policy::{Moment, Policy, PolicyConfig, in_view};
+use super::policy::{Moment, Policy, PolicyConfig};
+use super::sight::Sight;
 use crate::asset::signature::Signature;
 use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::perception::eye::{Seen, share_of_octave_below};
@@ -47,7 +48,7 @@ impl Gains {
     /// Gain of the step to a tile over all its cells.
     #[must_use]
     pub fn of(&self, grid: &TileGrid, tile: Tile) -> f64 {
-        cells_under(grid, tile)
+        grid.cells_under(tile)
             .map(|cell| self.step(grid, cell, tile.level))
             .sum()
     }
@@ -55,7 +56,7 @@ impl Gains {
     /// Gain of the step to a tile over those of its cells that are shown coarser.
     #[must_use]
     pub fn over(&self, grid: &TileGrid, tile: Tile, shown: &LevelMap) -> f64 {
-        cells_under(grid, tile)
+        grid.cells_under(tile)
             .filter(|cell| shown.level(grid, *cell) > tile.level)
             .map(|cell| self.step(grid, cell, tile.level))
             .sum()
@@ -78,20 +79,6 @@ impl Gains {
         }
         if all > 0.0 { gained / all } else { 1.0 }
     }
-}
-
-/// The cells that a tile covers.
-pub(super) fn cells_under(grid: &TileGrid, tile: Tile) -> impl Iterator<Item = Tile> {
-    let (origin, covered, span) = (grid.origin(tile), grid.covered(tile), grid.span(0));
-    let [x, y] = [0, 1].map(|k| origin[k] / span[k]..(origin[k] + covered[k]).div_ceil(span[k]));
-    y.flat_map(move |row| {
-        x.clone().map(move |column| Tile {
-            level: 0,
-            face: tile.face,
-            x: column as u16,
-            y: row as u16,
-        })
-    })
 }
 
 /// What is beside the view has no worth but by saliency.
@@ -193,8 +180,8 @@ impl Worth {
     /// The parts of a cell that are in view.
     fn looked(&self, cell: &CellPlaces, moment: &Moment, spread: &SpreadTable) -> Vec<Looked> {
         let view = moment.view.as_ref();
-        let visible =
-            |place: &&Place| view.is_none_or(|view| in_view(view, place.direction, NO_MARGIN));
+        let sight = view.map(|view| Sight::new(view, NO_MARGIN));
+        let visible = |place: &&Place| sight.is_none_or(|sight| sight.reaches(place.direction));
         let looked = |place: &Place| {
             let apart = moment.eccentricity(place.direction);
             let display = view.map_or(f64::INFINITY, |view| {

@@ -89,8 +89,10 @@ struct Report {
     foveated: Rates,
     viewport: Rates,
     full: Rates,
-    /// Foveated frames whose tiles were not there within the media's frame.
+    /// Foveated frames whose time was over before they could be shown.
     late_frames: u32,
+    /// Foveated frames shown with a coarser tile in the place of one that was chosen.
+    incomplete_frames: u32,
     frames_to_fovea_p95: u32,
     pixels_share_mean: f64,
     gpu_bytes: u64,
@@ -104,6 +106,8 @@ struct Rates {
     decode_fps: Rate,
     /// Choosing, decoding, uploading and drawing.
     end_to_end_fps: Rate,
+    /// Choosing alone, the median of all frames.
+    choose_ms: f64,
 }
 
 pub(super) fn run(args: &VideoArgs) -> anyhow::Result<()> {
@@ -193,7 +197,7 @@ impl Bench<'_> {
         let fps = |run: &Run| Rate::of(&run.decoding).median;
         Report {
             machine: Machine::here(conditions.drawing.name().to_owned()),
-            pack: conditions.file.path().display().to_string(),
+            pack: name_of(conditions.file.path()),
             size: about.source.size,
             frames: frames.div_ceil(TURNS) * TURNS,
             turns: TURNS,
@@ -207,6 +211,7 @@ impl Bench<'_> {
             ratio_viewport: ratio_to(&viewport),
             ratio_original: original_fps.map(|original| fps(&foveated) / original),
             late_frames: foveated.late,
+            incomplete_frames: foveated.incomplete,
             frames_to_fovea_p95: foveated.to_fovea.get(p95).copied().unwrap_or_default(),
             pixels_share_mean: foveated.share(),
             gpu_bytes,
@@ -216,6 +221,14 @@ impl Bench<'_> {
             full: Rates::of(&full),
         }
     }
+}
+
+/// Reports are passed on, folders are nobody's business.
+fn name_of(path: &Path) -> String {
+    path.file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
 }
 
 /// Frames a second that the original file's own decoder gives, on all cores.
@@ -246,6 +259,7 @@ impl Rates {
         Self {
             decode_fps: Rate::of(&run.decoding),
             end_to_end_fps: Rate::of(&run.end_to_end),
+            choose_ms: Rate::of(&run.choosing_ms).median,
         }
     }
 }
@@ -269,9 +283,10 @@ impl Report {
                 format!("{:.1} ({slowest:.1} to {fastest:.1})", rate.median)
             };
             text += &format!(
-                "{name}: {} frames/s decoded, {} drawn\n",
+                "{name}: {} frames/s decoded, {} drawn, {:.2} ms to choose\n",
                 of(rates.decode_fps),
-                of(rates.end_to_end_fps)
+                of(rates.end_to_end_fps),
+                rates.choose_ms
             );
         }
         if let (Some(fps), Some(ratio)) = (self.original_fps, self.ratio_original) {
@@ -280,12 +295,13 @@ impl Report {
         }
         text + &format!(
             "foveated is {:.1} times full and {:.1} times viewport; {:.2} % of the pixels\n\
-             {} late frames, fovea sharp {} frame(s) after a saccade (95th percentile), \
-             {:.2} MB on the GPU ({:.2} % of the whole)",
+             {} late and {} incomplete frames, fovea sharp {} frame(s) after a saccade \
+             (95th percentile), {:.2} MB on the GPU ({:.2} % of the whole)",
             self.ratio,
             self.ratio_viewport,
             self.pixels_share_mean * 100.0,
             self.late_frames,
+            self.incomplete_frames,
             self.frames_to_fovea_p95,
             self.gpu_bytes as f64 / 1e6,
             self.gpu_share * 100.0

@@ -376,11 +376,11 @@ fn out_of_view_nothing_is_finer_than_the_coarsest_level() {
         Some(&view),
     );
     let all = selector.by_distance(&moment);
+    let sight = Sight::new(&view, Radians(0.0));
     let (mut kept, mut dropped) = (0, 0);
     for cell in grid.tiles_of(0) {
         let (seen, anywhere) = (blind.level(&grid, cell), all.level(&grid, cell));
-        let visible =
-            probes(&grid, cell).any(|probe| in_view(&view, probe.direction, Radians(0.0)));
+        let visible = probes(&grid, cell).any(|probe| sight.reaches(probe.direction));
         if visible {
             assert_eq!(seen, anywhere, "{cell:?}");
             kept += 1;
@@ -418,9 +418,9 @@ fn a_window_that_fills_the_angles_of_its_content_shows_what_any_view_of_it_shows
         let plain = selector.select(&window(90.0, None, yaw)).levels;
         let same = selector.select(&window(90.0, Some(1.0), yaw)).levels;
         let view = window(90.0, None, yaw).view.unwrap();
-        let grid = selector.grid();
+        let (grid, sight) = (selector.grid(), Sight::new(&view, Radians(0.0)));
         for cell in grid.tiles_of(0) {
-            if in_view(&view, grid.centre(cell), Radians(0.0)) {
+            if sight.reaches(grid.centre(cell)) {
                 assert_eq!(plain.level(grid, cell), same.level(grid, cell), "{cell:?}");
             }
         }
@@ -443,4 +443,45 @@ fn what_is_shown_smaller_is_nearer_to_the_gaze_and_what_is_not_shown_is_coarsest
     let behind = grid.cell_at(2, [2000.0, 2000.0]);
     assert_eq!(levels.level(grid, behind), grid.coarsest());
     assert_eq!(small.eccentricity(-Axes::FRONT.forward).to_degrees(), 180.0);
+}
+
+#[test]
+fn what_skips_probes_gives_the_level_that_all_probes_give() {
+    let flat = Surface::flat([6000, 2500], Screen::default());
+    let grids = [
+        TileGrid::new(Surface::cube(4096), Cut::Tile(256), 5, 2).unwrap(),
+        TileGrid::new(flat, Cut::Tile(128), 5, 2).unwrap(),
+    ];
+    let models = [
+        AcuityModel::LINEAR,
+        AcuityModel::Watson,
+        AcuityModel::WatsonPaper,
+    ];
+    let mut random = Random::new(11);
+    for (grid, acuity) in grids
+        .into_iter()
+        .flat_map(|grid| models.map(|model| (grid, model)))
+    {
+        for (disc, spread, headset) in [(0.0, 0.0, false), (2.5, 0.5, true), (0.0, 2.0, true)] {
+            let config = PolicyConfig {
+                acuity,
+                safety_disc: Radians::from_degrees(disc),
+                ..PolicyConfig::new(Policy::Acuity)
+            };
+            let selector = Selector::new(grid, config);
+            let place = [0, 1].map(|k| random.unit() * f64::from(grid.surface.size[k]));
+            let mut moment = window(100.0, None, 0.0);
+            moment.view = moment.view.filter(|_| headset);
+            moment.gaze.gaze_in_content = grid.surface.direction(0, place);
+            moment.gaze.spread = Radians::from_degrees(spread);
+            for bounds in &selector.cells {
+                let all = probes(&grid, bounds.cell);
+                let finest = all
+                    .map(|probe| selector.allowed_level(&moment, &probe))
+                    .min();
+                let found = selector.acuity_level(bounds, &moment);
+                assert_eq!(Some(found), finest, "{acuity:?} {bounds:?} {moment:?}");
+            }
+        }
+    }
 }
