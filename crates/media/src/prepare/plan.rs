@@ -262,14 +262,13 @@ fn default_levels(surface: Surface, ratio: u32) -> u8 {
     (1..LEVELS).take_while(fits).count() as u8 + 1
 }
 
-/// Frames in a group, finest level first: 8, 8, 16, .. 16, 32, doubled for fast content. Short
-/// where the gaze switches, long where nothing ever switches (docs/concepts/video.md).
+/// Frames in a group: 8, at the coarsest level 32, doubled for fast content. Short where the gaze
+/// switches, long where nothing ever switches (docs/concepts/video.md).
 fn groups(levels: u8, fps: f64) -> Vec<u32> {
     let factor = if fps > FAST_FPS { 2 } else { 1 };
     let of_level = |level: u8| match level {
         _ if levels > 1 && level == levels - 1 => 32,
-        0 | 1 => 8,
-        _ => 16,
+        _ => 8,
     };
     (0..levels).map(|level| of_level(level) * factor).collect()
 }
