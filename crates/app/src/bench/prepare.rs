@@ -127,8 +127,12 @@ fn measure(args: &PrepareBenchArgs, jobs: usize, folder: &Path) -> anyhow::Resul
                 most_frames: Some(args.frames),
                 ..PrepareSettings::default()
             };
-            output::say(&format!("{name}: {}", way.0));
-            speed.push(time_one(&name, &clip, &settings, way.0, folder)?);
+            let row = time_one(&name, &clip, &settings, way.0, folder)?;
+            output::say(&format!(
+                "{name}, {}: {:.1} MPix/s",
+                way.0, row.source_mpix_per_s
+            ));
+            speed.push(row);
         }
         output::say(&format!("{name}: sizes at equal quality"));
         sizes.extend(sizes_at_equal_quality(&name, &clip)?);

@@ -39,8 +39,8 @@ impl Cutter {
             Surround::Flat => Turn::Flat,
             Surround::Equirect(coverage) => {
                 let sampler = match plan.speed {
-                    Speed::Default | Speed::Fast => CubeSampler::fast,
-                    Speed::Small | Speed::Reference => CubeSampler::new,
+                    Speed::Default | Speed::Fast | Speed::Small => CubeSampler::fast,
+                    Speed::Reference => CubeSampler::new,
                 };
                 Turn::Sphere(Box::new(sampler(plan.eye_size, face, coverage, left)))
             }
