@@ -378,8 +378,8 @@ impl RunSummary {
 /// The figures of a run as CSV, one line a frame.
 pub(crate) fn csv(reports: &[FrameReport]) -> String {
     let mut text = "frame,time_s,gaze_yaw_deg,gaze_pitch_deg,head_yaw_deg,head_pitch_deg,tiles,\
-                    pixels,share,decoded_pixels,new_bytes,decode_ms,upload_ms,late,missing_tiles,level_changes,\
-                    gaze_error_deg,detail_share\n"
+                    pixels,share,decoded_pixels,new_bytes,decode_ms,upload_ms,late,missing_tiles,\
+                    level_changes,gaze_error_deg,detail_share\n"
         .to_owned();
     for report in reports {
         let (yaw, pitch) = yaw_pitch_from_direction(report.gaze.gaze_in_content);
