@@ -1,7 +1,7 @@
 //! Where before the eye does a pixel lie, and how far from the gaze?
 //!
-//! Mantiuk et al. 2021, display geometry: eccentricity, and how many more pixels a degree holds away
-//! from the middle of a flat panel.
+//! Mantiuk et al. 2021, display geometry: eccentricity, and how many more pixels a degree holds
+//! away from the middle of a flat panel.
 
 use super::rules::GeometryRule;
 use super::viewing::Viewing;

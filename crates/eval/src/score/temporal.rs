@@ -1,7 +1,7 @@
 //! Which frames of the last quarter of a second does an eye weigh how much?
 //!
-//! Mantiuk et al. 2021, temporal channels: a sustained channel that answers to what stays, and a transient
-//! one, its derivative, that answers to what changes.
+//! Mantiuk et al. 2021, temporal channels: a sustained channel that answers to what stays, and a
+//! transient one, its derivative, that answers to what changes.
 
 use super::constants::{SUSTAINED_PEAK_S, SUSTAINED_WIDTH, TRANSIENT_GAIN};
 use super::rules::SamplingRule;

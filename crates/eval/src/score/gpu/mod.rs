@@ -1,9 +1,9 @@
 //! How is the metric computed on a graphics device?
 //!
 //! Passes in this order: `luminance`, `temporal` (once for every frame of a quarter of a second),
-//! `reduce` and `band` (once for every level), and for a heat map `gather` and `lost`. Their twin is [`super::fast`]. Sums of
-//! workgroups come back and are added in their order, in double precision. Shaders use neither
-//! subgroups nor half floats, and 8 storage buffers at most.
+//! `reduce` and `band` (once for every level), and for a heat map `gather` and `lost`. Their twin is
+//! [`super::fast`]. Sums of workgroups come back and are added in their order, in double precision.
+//! Shaders use neither subgroups nor half floats, and 8 storage buffers at most.
 
 mod buffers;
 mod passes;
