@@ -386,8 +386,9 @@ fn small_deep_and_opaque_pictures_are_scored_and_transparent_ones_are_not() {
     let grey = png(&folder, "grey.png", Grayscale, &[90; 256]);
     let more = ["--display", "standard_4k", "--gaze", "8,8"];
     for other in [&deep, &opaque] {
+        // Light of 8 and of 16 bits may differ in the last bit.
         let found = json(&[&["score", &plain, other], more.as_slice()].concat());
-        assert_eq!(found["jod"], 10.0, "{other}");
+        near(&found["jod"], 10.0, 1e-6);
     }
     let found = json(&[&["score", &plain, &grey], more.as_slice()].concat());
     assert!(found["jod"].as_f64().unwrap() < 10.0);
