@@ -6,6 +6,7 @@ mod codec_options;
 mod decoding;
 mod demo;
 mod evaluate;
+mod fire;
 mod gaze;
 mod gaze_command;
 mod info;
@@ -22,9 +23,11 @@ mod prepare;
 mod preset;
 mod replay;
 mod sampling;
+mod score;
 mod select;
 mod showing_options;
 mod simulate;
+mod simulate_score;
 mod timed_run;
 mod verify;
 mod view;
@@ -69,6 +72,8 @@ enum Command {
     /// What a part of Foveal costs on this machine.
     #[command(subcommand)]
     Bench(bench::Bench),
+    /// How good a picture or video looks to an eye that looks at a place in it.
+    Score(Box<score::ScoreArgs>),
     /// Compare ways to prepare and to play a video.
     #[command(subcommand)]
     Evaluate(evaluate::Evaluate),
@@ -97,6 +102,7 @@ fn main() -> ExitCode {
         Command::Demo(args) => demo::run(&args),
         Command::Perception(command) => perception_command::run(&command),
         Command::Bench(command) => bench::run(&command),
+        Command::Score(args) => score::run(&args),
         Command::Evaluate(command) => evaluate::run(&command),
         Command::Replay(args) => replay::run(&args),
         Command::Gaze(command) => gaze_command::run(&command),

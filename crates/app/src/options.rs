@@ -151,6 +151,14 @@ impl PolicyOptions {
         self.policy.unwrap_or(PolicyName::Acuity)
     }
 
+    /// The same parameters for a policy of this name.
+    pub(crate) fn named(&self, name: PolicyName) -> Self {
+        Self {
+            policy: Some(name),
+            ..self.clone()
+        }
+    }
+
     /// The policy with its parameters, checked.
     pub(crate) fn config(&self) -> anyhow::Result<PolicyConfig> {
         let policy = match self.name() {

@@ -7,7 +7,9 @@ use crate::options::{PolicyOptions, ViewOptions};
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::picture_file::write_png;
 use crate::player::{FrameReport, Player, PlayerOptions};
+use crate::score::Report;
 use crate::showing_options::{EyeName, InterpolationName, ShowingOptions};
+use crate::simulate_score::{Baseline, RunScoring, ScoringOptions};
 use crate::watching::Watching;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
@@ -95,6 +97,8 @@ pub(crate) struct SimulateArgs {
     /// Seed of the scan path.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    scoring: ScoringOptions,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -124,6 +128,9 @@ pub(crate) struct RunSummary {
     pub(crate) gpu_bytes: u64,
     pub(crate) decoded_on: DeviceReport,
     pub(crate) log_sha256: String,
+    /// How good it looked beside the full picture, where somebody asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) score: Option<Report>,
 }
 
 /// Most frames between two pictures.
@@ -139,13 +146,22 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let frames = args.frames_to_play(about.frames)?;
     let fps = about.frame_rate;
     let surface = about.grid(args.view.screen).surface;
+    let (view, drawing) = (args.view.eye_view(&surface)?, Drawing::open(args.renderer)?);
+    let mut scoring = args.scoring.open(&Baseline {
+        file: &file,
+        view,
+        screen: args.view.screen,
+        drawing: &drawing,
+        decoding: args.decoding.decoding()?,
+        frames: frames.len(),
+    })?;
     let mut player = Player::new(
         Arc::clone(&file),
         PlayerOptions {
             config,
-            view: args.view.eye_view(&surface)?,
+            view,
             screen: args.view.screen,
-            drawing: Drawing::open(args.renderer)?,
+            drawing,
             showing,
             paced: args.paced,
             judged: true,
@@ -164,13 +180,17 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("--out {}: the folder cannot be made", args.out.display()))?;
     let mut pictures = PictureSink::new(args, fps);
-    let reports = play(&mut player, &mut gaze, frames, &mut pictures)?;
+    let reports = play(&mut player, &mut gaze, frames, &mut pictures, &mut scoring)?;
     pictures.finish()?;
     let session = session(&player, &reports).write();
     output::write_whole(&args.out.join("session.jsonl"), session.as_bytes())?;
     output::write_whole(&args.out.join("frames.csv"), csv(&reports).as_bytes())?;
     let policy = args.policy.name().name();
-    let summary = summarise(policy, &reports, &mut player, &session);
+    let score = scoring.map(|scoring| scoring.report()).transpose()?;
+    let summary = RunSummary {
+        score,
+        ..summarise(policy, &reports, &mut player, &session)
+    };
     output::result(args.json, &summary, &summary.text(&args.out))
 }
 
@@ -263,6 +283,7 @@ fn play(
     gaze: &mut GazeSource,
     frames: Range<u32>,
     pictures: &mut PictureSink<'_>,
+    scoring: &mut Option<RunScoring>,
 ) -> anyhow::Result<Vec<FrameReport>> {
     let stop = gaze.is_live().then(interrupted).transpose()?;
     let stopped = || {
@@ -282,7 +303,11 @@ fn play(
         if stopped() && !reports.is_empty() {
             break;
         }
-        let report = player.play(frame, gaze)?;
+        let look = gaze.look(player.time(frame));
+        let report = player.show(frame, &look)?;
+        if let Some(scoring) = scoring {
+            scoring.frame(player, &look, &report)?;
+        }
         pictures.frame(player, &report)?;
         reports.push(report);
         bar.inc(1);
@@ -340,6 +365,7 @@ pub(crate) fn summarise(
         gpu_bytes: player.canvas.gpu_bytes(),
         decoded_on: DeviceReport::new(player.device_use()),
         log_sha256: sha256_hex(session.as_bytes()),
+        score: None,
     }
 }
 
@@ -349,7 +375,7 @@ impl RunSummary {
             "{} frames under {}: {:.2} % of the pixels (most {:.2} %), {:.2} MB fetched, \
              {:.1} MPix decoded\n\
              decoding {:.1} ms a frame (95th percentile {:.1}), {} late and {} incomplete frames, \
-             {} damaged tiles, {} level changes, {:.2} MB on the GPU\n{}{}{}",
+             {} damaged tiles, {} level changes, {:.2} MB on the GPU\n{}{}{}{}",
             self.frames,
             self.policy,
             self.pixels_share_mean * 100.0,
@@ -370,6 +396,7 @@ impl RunSummary {
                     self.gaze_error_deg_mean
                 )),
             self.decoded_on.text(),
+            self.score.as_ref().map_or(String::new(), Report::text),
             out.display(),
         )
     }

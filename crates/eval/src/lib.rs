@@ -5,4 +5,5 @@ pub mod fft_importance;
 pub mod gaze;
 pub mod importance_bench;
 pub mod path_bench;
+pub mod score;
 pub mod timing;

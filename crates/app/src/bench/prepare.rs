@@ -1,6 +1,7 @@
 //! How fast does a video become a pack, and how large is it beside what a slow encoder makes?
 
 use super::equal_quality::{SizeRow, sizes_at_equal_quality};
+use super::processor_time::cpu_seconds;
 use crate::demo::machine::Machine;
 use crate::output;
 use anyhow::Context;
@@ -217,15 +218,6 @@ fn write_clip(
 
 /// Quantiser of generated sources: visually lossless, as a camera's.
 const SOURCE_QUANTISER: u8 = 18;
-
-/// Processor time of this process so far, all threads; Linux tells it in hundredths of a second.
-fn cpu_seconds() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The name of the program, which may hold anything, ends with the last bracket.
-    let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
-    let ticks = |field: usize| fields.get(field)?.parse::<f64>().ok();
-    Some((ticks(11)? + ticks(12)?) / 100.0)
-}
 
 fn text(report: &Report) -> String {
     let mut text = report.machine.text();

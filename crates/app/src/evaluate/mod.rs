@@ -1,6 +1,7 @@
-//! Which experiment compares ways to prepare and to play a video?
+//! Which experiment compares ways to prepare and to play a video, or judges the judge?
 
 mod codecs;
+mod goldens;
 mod grid_sweep;
 mod trial;
 
@@ -12,11 +13,14 @@ pub(crate) enum Evaluate {
     Codecs(codecs::CodecsArgs),
     /// A video cut into grids of 2x2 to 16x16 with 2 to 6 levels: pixels, speed, late frames.
     GridSweep(grid_sweep::GridSweepArgs),
+    /// The score on pictures that come from formulas, against the published package's.
+    Goldens(goldens::GoldensArgs),
 }
 
 pub(crate) fn run(command: &Evaluate) -> anyhow::Result<()> {
     match command {
         Evaluate::Codecs(args) => codecs::run(args),
         Evaluate::GridSweep(args) => grid_sweep::run(args),
+        Evaluate::Goldens(args) => goldens::run(args),
     }
 }

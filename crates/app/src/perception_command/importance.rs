@@ -2,6 +2,7 @@
 
 use super::look::{LookOptions, read_picture};
 use super::sheet::sheet;
+use crate::fire::fire;
 use crate::output;
 use crate::picture_file::{RgbPicture, write_png};
 use anyhow::bail;
@@ -188,15 +189,6 @@ fn row(name: &'static str, file: PathBuf, update_file: Option<PathBuf>, map: &[f
     }
 }
 
-/// Black, violet, orange, light yellow: every step lighter than the one before.
-const FIRE: [[f32; 3]; 5] = [
-    [0.0, 0.0, 0.02],
-    [0.32, 0.07, 0.48],
-    [0.75, 0.21, 0.38],
-    [0.98, 0.55, 0.23],
-    [0.99, 0.98, 0.75],
-];
-
 fn heat(map: &[f32], size: [u32; 2]) -> RgbaImage {
     let most = map
         .iter()
@@ -206,16 +198,11 @@ fn heat(map: &[f32], size: [u32; 2]) -> RgbaImage {
         // The root keeps what is small in sight.
         let share = (value.abs() / most).sqrt();
         let colour = if *value < 0.0 {
-            [0.1 * share, 0.35 * share, share]
+            [0.1, 0.35, 1.0].map(|part| (part * share * 255.0_f32).round() as u8)
         } else {
-            let place = share * 4.0;
-            let low = (place as usize).min(3);
-            let part = place - low as f32;
-            [0, 1, 2].map(|k| FIRE[low][k] * (1.0 - part) + FIRE[low + 1][k] * part)
+            fire(share)
         };
-        for (byte, part) in pixel.iter_mut().zip(colour) {
-            *byte = (part * 255.0).round() as u8;
-        }
+        pixel[..3].copy_from_slice(&colour);
     }
     image
 }

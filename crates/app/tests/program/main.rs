@@ -24,6 +24,7 @@ mod perceptual;
 mod refusals;
 mod resume;
 mod scenes;
+mod score;
 mod selection;
 mod support;
 mod unwritable;

@@ -1,0 +1,219 @@
+//! What does it cost to score a frame?
+
+use super::processor_time::cpu_seconds;
+use crate::demo::machine::Machine;
+use crate::output::{self, out_of_range};
+use anyhow::{Context, bail};
+use clap::Args;
+use foveal_eval::score::clear::ClearJudge;
+use foveal_eval::score::golden::Golden;
+use foveal_eval::score::gpu::GpuJudge;
+use foveal_eval::score::{Display, Judge, Mode, ScorePicture, Viewing};
+use foveal_render::Gpu;
+use serde::Serialize;
+use std::time::Instant;
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ScoreBenchArgs {
+    /// Frames of each turn; 4 to 1000.
+    #[arg(long, value_name = "N", default_value_t = 12)]
+    frames: usize,
+    /// Turns, besides one to warm up; 3 to 100.
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    runs: usize,
+    /// Threads; processor time of all is what counts.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    jobs: usize,
+    /// Leave out the clear text, which takes some seconds a frame.
+    #[arg(long)]
+    no_baseline: bool,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Frames of the golden that is scored, round and round: 1920x1080 at 30 Hz, a moving gaze.
+const CASE: &str = "G14";
+/// Frames that the clear text is given.
+const CLEAR_FRAMES: usize = 2;
+
+#[derive(Debug, Serialize)]
+struct Report {
+    machine: Machine,
+    size: [u32; 2],
+    fps: f64,
+    jobs: usize,
+    frames: usize,
+    /// Processor seconds a frame.
+    fast: Option<Spread>,
+    /// Seconds by the clock a frame.
+    fast_clock: Spread,
+    /// Processor seconds a frame of the clear text.
+    clear: Option<f64>,
+    /// How many times longer the clear text takes.
+    ratio: Option<f64>,
+    gpu: Option<GpuRow>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Spread {
+    median: f64,
+    range: [f64; 2],
+}
+
+#[derive(Debug, Serialize)]
+struct GpuRow {
+    adapter: String,
+    /// Milliseconds a frame by the adapter's time stamps; null where it has none.
+    stamped_ms: Option<Spread>,
+    /// Milliseconds a frame by the clock, upload and read-back included.
+    clock_ms: Spread,
+}
+
+impl Spread {
+    fn of(mut values: Vec<f64>) -> Option<Self> {
+        values.sort_by(f64::total_cmp);
+        Some(Self {
+            median: *values.get(values.len() / 2)?,
+            range: [*values.first()?, *values.last()?],
+        })
+    }
+}
+
+/// Pictures, made before anything is timed.
+struct Content {
+    viewing: Viewing,
+    frames: Vec<([ScorePicture; 2], [f64; 2])>,
+}
+
+impl Content {
+    fn of(golden: &Golden) -> anyhow::Result<Self> {
+        let display = Display::named(golden.display).context("a named display")?;
+        let frame = |n: u32| -> anyhow::Result<_> {
+            Ok((golden.pictures(n)?, golden.gaze_at(n).unwrap_or_default()))
+        };
+        Ok(Self {
+            viewing: Viewing::new(display, golden.size, golden.fps, true, Mode::Compat)?,
+            frames: (0..golden.frames)
+                .map(frame)
+                .collect::<anyhow::Result<_>>()?,
+        })
+    }
+
+    fn at(&self, n: usize) -> &([ScorePicture; 2], [f64; 2]) {
+        &self.frames[n % self.frames.len()]
+    }
+}
+
+pub(super) fn run(args: &ScoreBenchArgs) -> anyhow::Result<()> {
+    if !(4..=1000).contains(&args.frames) {
+        bail!(out_of_range("--frames", args.frames, "4 to 1000"));
+    }
+    if !(3..=100).contains(&args.runs) {
+        bail!(out_of_range("--runs", args.runs, "3 to 100"));
+    }
+    let content = Content::of(Golden::named(CASE).context("a golden")?)?;
+    let (mut cpu, mut clock) = (Vec::new(), Vec::new());
+    let mut judge = Judge::new(&content.viewing, output::jobs(Some(args.jobs))?)?;
+    for turn in 0..=args.runs {
+        let (begun, before) = (Instant::now(), cpu_seconds());
+        for n in 0..args.frames {
+            let ([reference, test], gaze) = content.at(n);
+            judge.frame(reference, test, *gaze)?;
+        }
+        let frames = args.frames as f64;
+        let spent = cpu_seconds()
+            .zip(before)
+            .map(|(after, before)| (after - before) / frames);
+        if turn > 0 {
+            cpu.extend(spent);
+            clock.push(begun.elapsed().as_secs_f64() / frames);
+        }
+    }
+    let fast = Spread::of(cpu);
+    let clear = if args.no_baseline {
+        None
+    } else {
+        clear_seconds(&content)?
+    };
+    let report = Report {
+        machine: Machine::here("see below".to_owned()),
+        size: content.viewing.size,
+        fps: content.viewing.fps.unwrap_or_default(),
+        jobs: args.jobs,
+        frames: args.frames * args.runs,
+        fast,
+        fast_clock: Spread::of(clock).context("three turns at least")?,
+        clear,
+        ratio: clear.zip(fast).map(|(clear, fast)| clear / fast.median),
+        gpu: gpu_row(&content, args)?,
+    };
+    output::result(args.json, &report, &text(&report))
+}
+
+/// Processor seconds a frame of the clear text.
+fn clear_seconds(content: &Content) -> anyhow::Result<Option<f64>> {
+    let mut judge = ClearJudge::new(&content.viewing);
+    let before = cpu_seconds();
+    for n in 0..CLEAR_FRAMES {
+        let ([reference, test], gaze) = content.at(n);
+        judge.frame(reference, test, *gaze)?;
+    }
+    let spent = cpu_seconds()
+        .zip(before)
+        .map(|(after, before)| after - before);
+    Ok(spent.map(|seconds| seconds / CLEAR_FRAMES as f64))
+}
+
+/// The same on the device, where this machine has one.
+fn gpu_row(content: &Content, args: &ScoreBenchArgs) -> anyhow::Result<Option<GpuRow>> {
+    let Ok(gpu) = Gpu::open_blocking() else {
+        return Ok(None);
+    };
+    let mut judge = GpuJudge::new(&gpu.device, &gpu.queue, &content.viewing)?;
+    let (mut stamped, mut clock) = (Vec::new(), Vec::new());
+    for n in 0..args.frames + 1 {
+        let ([reference, test], gaze) = content.at(n);
+        let begun = Instant::now();
+        judge.frame(reference, test, *gaze)?;
+        if n > 0 {
+            clock.push(begun.elapsed().as_secs_f64() * 1e3);
+            stamped.extend(judge.gpu_time().map(|time| time.as_secs_f64() * 1e3));
+        }
+    }
+    Ok(Some(GpuRow {
+        adapter: gpu.adapter_name().to_owned(),
+        stamped_ms: Spread::of(stamped),
+        clock_ms: Spread::of(clock).context("four frames at least")?,
+    }))
+}
+
+fn text(report: &Report) -> String {
+    let mut text = report.machine.text();
+    let [w, h] = report.size;
+    text += &format!(
+        "\nscoring {w}x{h} at {} Hz, foveated, moving gaze, {} frames on {} threads:\n",
+        report.fps, report.frames, report.jobs
+    );
+    let row = |spread: &Spread, unit: &str| {
+        let [least, most] = spread.range;
+        format!(
+            "{:.3} {unit} a frame ({least:.3} to {most:.3})",
+            spread.median
+        )
+    };
+    if let Some(fast) = &report.fast {
+        text += &format!("processor time: {}\n", row(fast, "s"));
+    }
+    text += &format!("by the clock:   {}\n", row(&report.fast_clock, "s"));
+    if let (Some(clear), Some(ratio)) = (report.clear, report.ratio) {
+        text += &format!("clear text:     {clear:.3} s a frame, {ratio:.1} times as long\n");
+    }
+    if let Some(gpu) = &report.gpu {
+        let clock = row(&gpu.clock_ms, "ms");
+        let stamped = gpu.stamped_ms.as_ref();
+        let stamped = stamped.map_or("no time stamps".to_owned(), |spread| row(spread, "ms"));
+        text += &format!("{}: {stamped}; by the clock {clock}\n", gpu.adapter);
+    }
+    text
+}

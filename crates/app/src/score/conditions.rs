@@ -1,0 +1,173 @@
+//! Who looks at what, from where?
+
+use super::frames::Frames;
+use crate::options::parse_pair;
+use crate::output::{WrongUsage, out_of_range, read_text};
+use anyhow::{Context, anyhow, bail};
+use clap::ValueEnum;
+use foveal_eval::score::display::{DisplayFile, Transfer};
+use foveal_eval::score::gaze_trace::GazeTrace;
+use foveal_eval::score::{Display, Mode};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ModeName {
+    /// As the published package computes.
+    Compat,
+    /// Right where that one slips: borders, angles, the frame's real size, times.
+    Strict,
+}
+
+impl ModeName {
+    pub(crate) fn mode(self) -> Mode {
+        match self {
+            Self::Compat => Mode::Compat,
+            Self::Strict => Mode::Strict,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum DeviceName {
+    /// All cores.
+    Cpu,
+    /// The GPU, or a software Vulkan driver in its place: within 0.005 JOD.
+    Gpu,
+}
+
+/// Where in the pictures an eye looks.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum GazeOnPicture {
+    /// At the middle.
+    Centre,
+    /// At one place.
+    At([f64; 2]),
+    /// As a file says.
+    Trace(PathBuf, Arc<GazeTrace>),
+}
+
+/// Reads the value of `--gaze`.
+pub(crate) fn parse_centre(text: &str) -> anyhow::Result<GazeOnPicture> {
+    Ok(match text {
+        "center" | "centre" => GazeOnPicture::Centre,
+        _ => GazeOnPicture::At(
+            parse_pair(text).map_err(|_| anyhow!("expected X,Y in pixels or center"))?,
+        ),
+    })
+}
+
+/// The gaze that was asked for.
+pub(super) fn gaze_of(
+    gaze: Option<&GazeOnPicture>,
+    trace: Option<&Path>,
+) -> anyhow::Result<Option<GazeOnPicture>> {
+    let Some(path) = trace else {
+        return Ok(gaze.cloned());
+    };
+    let text = read_text(path, "a gaze trace")?;
+    let trace = GazeTrace::parse(&text).with_context(|| path.display().to_string())?;
+    Ok(Some(GazeOnPicture::Trace(path.to_owned(), Arc::new(trace))))
+}
+
+impl GazeOnPicture {
+    /// Where the eye looks in a frame of pictures of `size`.
+    pub(crate) fn at(&self, frame: u32, size: [u32; 2]) -> anyhow::Result<[f64; 2]> {
+        let (place, option) = match self {
+            // As the published package: the pixel after the middle.
+            Self::Centre => return Ok(size.map(|side| f64::from(side / 2))),
+            Self::At(place) => (*place, "--gaze".to_owned()),
+            Self::Trace(path, trace) => {
+                let Some(place) = trace.at(frame) else {
+                    bail!(
+                        "{}: no row for frame {frame}; give a row for every frame, or --frames N",
+                        path.display()
+                    );
+                };
+                (place, format!("{}: frame {frame}", path.display()))
+            }
+        };
+        let inside = |k: usize| (-0.5..=f64::from(size[k]) - 0.5).contains(&place[k]);
+        if inside(0) && inside(1) {
+            return Ok(place);
+        }
+        let found = format!("{},{}", place[0], place[1]);
+        let range = format!("a place in the picture of {}x{} pixels", size[0], size[1]);
+        bail!(out_of_range(&option, found, &range));
+    }
+
+    /// What results call it.
+    pub(super) fn source(&self) -> String {
+        match self {
+            Self::Centre => "center".to_owned(),
+            Self::At([x, y]) => format!("{x},{y}"),
+            Self::Trace(path, _) => format!("trace:{}", path.display()),
+        }
+    }
+}
+
+/// The displays that have names.
+pub(super) fn displays() -> Vec<Display> {
+    Display::NAMES
+        .into_iter()
+        .filter_map(Display::named)
+        .collect()
+}
+
+/// The display that was asked for, or else `own`.
+pub(super) fn display_of(choice: Option<&str>, own: Option<Display>) -> anyhow::Result<Display> {
+    let Some(choice) = choice else {
+        return own.ok_or_else(|| {
+            let names = Display::NAMES.join(", ");
+            let text = format!("--display: give one of {names}, or a file that describes it");
+            WrongUsage(text).into()
+        });
+    };
+    if let Some(display) = Display::named(choice) {
+        return Ok(display);
+    }
+    let path = Path::new(choice);
+    if !path.exists() {
+        let names = Display::NAMES.join(", ");
+        bail!(out_of_range(
+            "--display",
+            choice,
+            &format!("{names}, or a file that is there")
+        ));
+    }
+    let text = read_text(path, "a display")?;
+    let file: DisplayFile = toml::from_str(&text).with_context(|| choice.to_owned())?;
+    file.display().with_context(|| choice.to_owned())
+}
+
+/// Frames a second of both: what was asked for, what the files say, or none for stills.
+pub(super) fn fps_of(asked: Option<f64>, pair: [&Frames; 2]) -> anyhow::Result<Option<f64>> {
+    if asked.is_some() || pair.iter().all(|frames| frames.is_still) {
+        return Ok(asked);
+    }
+    let [reference, test] = pair;
+    let rates = pair.map(|frames| frames.fps);
+    match rates {
+        [Some(a), Some(b)] if (a / b - 1.0).abs() > 1e-3 => bail!(
+            "{}: {b} frames a second where the reference has {a}; give --fps",
+            test.name.display()
+        ),
+        [Some(rate), _] | [None, Some(rate)] => Ok(Some(rate)),
+        [None, None] => bail!(WrongUsage(format!(
+            "{}: numbered pictures tell no rate; give --fps",
+            reference.name.display()
+        ))),
+    }
+}
+
+/// Refuses code values that the display does not take for what they are.
+pub(super) fn check_hdr(display: &Display, pair: [&Frames; 2]) -> anyhow::Result<()> {
+    match pair.iter().find(|frames| frames.is_hdr) {
+        Some(frames) if display.transfer != Transfer::Pq => bail!(
+            "{}: its code values follow a high dynamic range curve; give a --display file with \
+             transfer = \"pq\", or convert it",
+            frames.name.display()
+        ),
+        _ => Ok(()),
+    }
+}

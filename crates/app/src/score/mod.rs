@@ -1,0 +1,287 @@
+//! How good does one picture or video look beside another, to an eye that looks at a place in it?
+
+mod conditions;
+mod engine;
+mod folder;
+mod frames;
+mod heat;
+mod pack_frames;
+mod picture;
+mod report;
+
+use crate::options::{PolicyName, PolicyOptions, ViewOptions};
+use crate::output::{self, Counting, WrongUsage};
+use anyhow::{Context, bail};
+use clap::{Args, ValueEnum};
+pub(crate) use conditions::{DeviceName, ModeName};
+use conditions::{GazeOnPicture, displays, fps_of, gaze_of, parse_centre};
+use engine::Frame;
+pub(crate) use engine::{Companions, Engine};
+use foveal_eval::score::companion::{Companion, CompanionJudge};
+use foveal_eval::score::{Display, Viewing};
+use frames::{Frames, Opening};
+use heat::write_heat;
+pub(crate) use pack_frames::display_of_view;
+pub(crate) use picture::from_image;
+pub(crate) use report::Report;
+use report::Single;
+use std::path::{Path, PathBuf};
+
+/// A measure by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum MetricName {
+    /// FovVideoVDP 1.2: just-objectionable differences, 10 is no difference.
+    #[value(name = "fovvideovdp")]
+    FovVideoVdp,
+    /// Peak signal to noise over red, green and blue.
+    Psnr,
+    /// The same, errors weighed by the cells of the eye that look there.
+    FwPsnr,
+    /// Structural similarity of luma.
+    Ssim,
+    /// The same in the square round the fovea.
+    FovealSsim,
+    /// Luma of equirectangular pictures, rows weighed by their length on the sphere.
+    WsPsnr,
+    /// Luma of equirectangular pictures at places spread evenly over the sphere.
+    SPsnr,
+}
+
+impl MetricName {
+    fn companion(self) -> Option<Companion> {
+        Some(match self {
+            Self::FovVideoVdp => return None,
+            Self::Psnr => Companion::Psnr,
+            Self::FwPsnr => Companion::FwPsnr,
+            Self::Ssim => Companion::Ssim,
+            Self::FovealSsim => Companion::FovealSsim,
+            Self::WsPsnr => Companion::WsPsnr,
+            Self::SPsnr => Companion::SPsnr,
+        })
+    }
+}
+
+/// Scores pictures, folders of numbered pictures, videos, or two packs under two policies.
+///
+/// Without --gaze nobody looks at a place, and eccentricity does not count.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ScoreArgs {
+    /// A picture, a folder of numbered pictures, a video or a pack: what should be seen.
+    #[arg(required_unless_present_any = ["list_displays", "cite"])]
+    reference: Option<PathBuf>,
+    /// The same in the same size: what is seen.
+    #[arg(required_unless_present_any = ["list_displays", "cite"])]
+    test: Option<PathBuf>,
+    /// What shows it: standard_4k, standard_fhd, standard_hmd, htc_vive_pro, or a file that
+    /// describes it (default, of packs alone: the view itself).
+    #[arg(long, value_name = "NAME|FILE.toml")]
+    display: Option<String>,
+    /// Where the eye looks: pixels from the middle of the first one, to the right and down, or
+    /// center.
+    #[arg(long, value_name = "X,Y", value_parser = parse_centre, allow_hyphen_values = true)]
+    #[arg(conflicts_with = "gaze_trace")]
+    gaze: Option<GazeOnPicture>,
+    /// The same frame by frame: CSV with frame,x_px,y_px.
+    #[arg(long, value_name = "FILE.csv")]
+    gaze_trace: Option<PathBuf>,
+    /// Frames a second (default: the video's; folders need it).
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    fps: Option<f64>,
+    /// Stop after this many frames (default: all).
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
+    /// What is measured.
+    #[arg(long, value_enum, default_value = "fovvideovdp")]
+    metric: MetricName,
+    /// As published, to compare with published scores, or right where that slips.
+    #[arg(long, value_enum, default_value = "compat")]
+    mode: ModeName,
+    /// Write what is lost at every pixel, the mean over all frames, as a picture.
+    #[arg(long, value_name = "OUT.png")]
+    heat: Option<PathBuf>,
+    /// What computes.
+    #[arg(long, value_enum, default_value = "cpu")]
+    device: DeviceName,
+    /// Threads (default: all cores).
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// The policy that the first of two packs is played under.
+    #[arg(long, value_enum, default_value = "full")]
+    reference_policy: PolicyName,
+    #[command(flatten)]
+    policy: PolicyOptions,
+    #[command(flatten)]
+    view: ViewOptions,
+    /// List the displays that have names.
+    #[arg(long)]
+    list_displays: bool,
+    /// Print version, parameters and paper, ready for a methods section.
+    #[arg(long, conflicts_with = "list_displays")]
+    cite: bool,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &ScoreArgs) -> anyhow::Result<()> {
+    if args.list_displays {
+        let list = report::displays(&displays());
+        return output::result(args.json, &list.0, &list.1);
+    }
+    if args.cite {
+        let cited = report::citation();
+        return output::result(args.json, &cited.0, &cited.1);
+    }
+    let (Some(reference), Some(test)) = (&args.reference, &args.test) else {
+        bail!(WrongUsage("give REFERENCE and TEST".to_owned()));
+    };
+    if let Some(heat) = &args.heat {
+        output::spare_inputs(heat, [reference.as_path(), test.as_path()])?;
+    }
+    args.score(reference, test)
+}
+
+impl ScoreArgs {
+    fn score(&self, reference: &Path, test: &Path) -> anyhow::Result<()> {
+        let mut pair = self.open(reference, test)?;
+        let size = pair.0.size;
+        let gaze = gaze_of(self.gaze.as_ref(), self.gaze_trace.as_deref())?;
+        let fps = fps_of(self.fps, [&pair.0, &pair.1])?;
+        let own = pair.0.display.clone();
+        let display = conditions::display_of(self.display.as_deref(), own)?;
+        conditions::check_hdr(&display, [&pair.0, &pair.1])?;
+        let foveated = gaze.is_some();
+        let viewing = Viewing::new(display, size, fps, foveated, self.mode.mode())
+            .with_context(|| reference.display().to_string())?;
+        match self.metric.companion() {
+            None => self.score_by_eye(&mut pair, &viewing, gaze.as_ref()),
+            Some(companion) => self.score_by(companion, &mut pair, &viewing, gaze.as_ref()),
+        }
+    }
+
+    fn open(&self, reference: &Path, test: &Path) -> anyhow::Result<(Frames, Frames)> {
+        let opening = |policy: Option<PolicyName>| Opening {
+            policy: policy.map_or_else(|| self.policy.clone(), |name| self.policy.named(name)),
+            view: self.view.clone(),
+            jobs: self.jobs,
+            needs_gaze: self.gaze.is_none() && self.gaze_trace.is_none(),
+        };
+        let reference = Frames::open(reference, &opening(Some(self.reference_policy)))?;
+        let test = Frames::open(test, &opening(None))?;
+        if test.size != reference.size {
+            let ([a, b], [c, d]) = (reference.size, test.size);
+            let name = test.name.display();
+            bail!("{name}: {c}x{d} pixels where the reference has {a}x{b}; bring both to one size");
+        }
+        if let (Some(wanted), Some(found)) = (reference.frames, test.frames)
+            && self.frames.is_none()
+            && wanted != found
+            && reference.is_exact
+            && test.is_exact
+        {
+            let name = test.name.display();
+            bail!("{name}: has {found} frames where the reference has {wanted}; give --frames N");
+        }
+        Ok((reference, test))
+    }
+
+    fn score_by_eye(
+        &self,
+        pair: &mut (Frames, Frames),
+        viewing: &Viewing,
+        gaze: Option<&GazeOnPicture>,
+    ) -> anyhow::Result<()> {
+        let mut engine = Engine::open(self.device, viewing, output::jobs(self.jobs)?)?;
+        if self.heat.is_some() {
+            engine.keep_heat()?;
+        }
+        let mut companions = Companions::beside(viewing)?;
+        self.each_frame(pair, viewing, gaze, |frame| {
+            companions.frame(&frame.reference, &frame.test, frame.gaze_px)?;
+            engine.frame(&frame.reference, &frame.test, frame.gaze_px)
+        })?;
+        let score = engine.score()?;
+        if let (Some(path), Some(heat)) = (&self.heat, engine.heat()?) {
+            write_heat(path, &heat)?;
+        }
+        let report = Report::new(viewing, self.mode.mode(), gaze, score).with(
+            companions.totals(),
+            engine.name(),
+            self.heat.clone(),
+        );
+        output::result(self.json, &report, &report.text())
+    }
+
+    fn score_by(
+        &self,
+        companion: Companion,
+        pair: &mut (Frames, Frames),
+        viewing: &Viewing,
+        gaze: Option<&GazeOnPicture>,
+    ) -> anyhow::Result<()> {
+        if self.heat.is_some() {
+            bail!(WrongUsage(
+                "--heat: only fovvideovdp tells where; leave --metric".to_owned()
+            ));
+        }
+        let mut judge = CompanionJudge::new(companion, viewing).context("--metric")?;
+        let mut per_frame = Vec::new();
+        self.each_frame(pair, viewing, gaze, |frame| {
+            per_frame.push(judge.frame(&frame.reference, &frame.test, frame.gaze_px)?);
+            Ok(())
+        })?;
+        let single = Single::new(companion, viewing, gaze, judge.total(), per_frame);
+        output::result(self.json, &single, &single.text())
+    }
+
+    /// Reads both to their end, frame by frame.
+    fn each_frame(
+        &self,
+        (reference, test): &mut (Frames, Frames),
+        viewing: &Viewing,
+        gaze: Option<&GazeOnPicture>,
+        mut take: impl FnMut(Frame) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let most = self.frames.unwrap_or(u32::MAX);
+        let length = reference.frames.map(|frames| frames.min(u64::from(most)));
+        let names = [reference.name.clone(), test.name.clone()];
+        let bar = output::bar(length, Counting::Frames);
+        for number in 0..most {
+            // A trace may end where the pictures do: it is asked when there is a picture.
+            let gaze_px = || match gaze {
+                Some(gaze) => gaze.at(number, viewing.size),
+                None => Ok([0.0; 2]),
+            };
+            let both = (reference.next(gaze_px)?, test.next(gaze_px)?);
+            let (reference, test) = match both {
+                (Some(reference), Some(test)) => (reference, test),
+                (None, None) if number > 0 => break,
+                (longer, _) => {
+                    let (name, other) = match longer {
+                        Some(_) => (&names[1], &names[0]),
+                        None => (&names[0], &names[1]),
+                    };
+                    bail!(
+                        "{}: ends after {number} frames, {} goes on; give --frames {}",
+                        name.display(),
+                        other.display(),
+                        number.max(1)
+                    );
+                }
+            };
+            take(Frame {
+                reference,
+                test,
+                gaze_px: gaze_px()?,
+            })?;
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Ok(())
+    }
+}
+
+/// A named display, or the one that a file describes.
+pub(crate) fn display_named(choice: &str) -> anyhow::Result<Display> {
+    conditions::display_of(Some(choice), None)
+}

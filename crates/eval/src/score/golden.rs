@@ -1,0 +1,255 @@
+//! Which pairs of pictures have scores that the published package was measured to give?
+//!
+//! Inputs come from formulas alone; the scores and energies were measured with pyfvvdp 1.2.2
+//! (PyTorch 2.15, single precision) on those inputs.
+
+use super::error::ScoreError;
+use super::picture::ScorePicture;
+use std::f64::consts::PI;
+
+/// A case and what the published package gives for it.
+#[derive(Clone, Copy, Debug)]
+pub struct Golden {
+    /// Its name.
+    pub id: &'static str,
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Frames; 1 is a still.
+    pub frames: u32,
+    /// Frames a second of a video.
+    pub fps: Option<f64>,
+    /// Name of the display.
+    pub display: &'static str,
+    /// Pixels that the scene moves a frame.
+    pub speed: f64,
+    /// What is done to the reference.
+    pub test: TestPicture,
+    /// Where the eye looks.
+    pub gaze: GoldenGaze,
+    /// First half of the SHA-256 of the reference's and of the test's bytes, in hexadecimal.
+    pub sha256: [&'static str; 2],
+    /// PSNR over all samples, decibels; infinite for the same.
+    pub psnr_db: f64,
+    /// Score of the published package.
+    pub jod: f64,
+    /// The same without its table of sensitivities.
+    pub jod_fine_table: f64,
+    /// The same with the right border.
+    pub jod_right_border: f64,
+    /// Energies of the published package, finest band first; none where it finds no difference.
+    pub sustained: &'static [f64],
+    /// Of a video.
+    pub transient: &'static [f64],
+}
+
+/// What is done to a frame to get its test.
+#[derive(Clone, Copy, Debug)]
+pub enum TestPicture {
+    /// Nothing.
+    Same,
+    /// Tiles of `tile` pixels become coarser beyond `radius` pixels round a place.
+    Foveated {
+        /// Where.
+        round: GoldenGaze,
+        /// Radius of what stays, pixels.
+        radius: f64,
+        /// Side of a tile, pixels.
+        tile: usize,
+        /// The path is this many frames late.
+        late: u32,
+    },
+    /// From this frame on all is two levels coarser.
+    Pop(u32),
+}
+
+/// A place in pixels.
+#[derive(Clone, Copy, Debug)]
+pub enum GoldenGaze {
+    /// Nobody looks at a place.
+    Everywhere,
+    /// One place.
+    At([f64; 2]),
+    /// Evenly from the first to the second place in the frames of the case.
+    Along([f64; 2], [f64; 2]),
+}
+
+impl GoldenGaze {
+    /// The place at a frame of `frames`.
+    #[must_use]
+    pub fn at(&self, frame: u32, frames: u32) -> Option<[f64; 2]> {
+        match *self {
+            Self::Everywhere => None,
+            Self::At(place) => Some(place),
+            Self::Along(from, to) => {
+                let share = f64::from(frame) / f64::from(frames - 1);
+                Some([0, 1].map(|k: usize| from[k] + (to[k] - from[k]) * share))
+            }
+        }
+    }
+}
+
+impl Golden {
+    /// The case of a name.
+    #[must_use]
+    pub fn named(id: &str) -> Option<&'static Self> {
+        super::golden_cases::GOLDENS
+            .iter()
+            .find(|golden| golden.id == id)
+    }
+
+    /// Every case.
+    #[must_use]
+    pub fn all() -> &'static [Self] {
+        &super::golden_cases::GOLDENS
+    }
+
+    /// Where the eye looks in a frame.
+    #[must_use]
+    pub fn gaze_at(&self, frame: u32) -> Option<[f64; 2]> {
+        self.gaze.at(frame, self.frames)
+    }
+
+    /// Bytes of reference and test of a frame: red, green, blue.
+    #[must_use]
+    pub fn bytes(&self, frame: u32) -> [Vec<u8>; 2] {
+        let reference = scene(self.size, f64::from(frame) * self.speed);
+        let test = match self.test {
+            TestPicture::Same => reference.clone(),
+            TestPicture::Pop(from) if frame < from => reference.clone(),
+            TestPicture::Pop(_) => {
+                let all = Foveation {
+                    round: [160.0, 120.0],
+                    radius: 1e-6,
+                    tile: 16,
+                    most: 2,
+                };
+                all.of(self.size, &reference)
+            }
+            TestPicture::Foveated {
+                round,
+                radius,
+                tile,
+                late,
+            } => {
+                let seen = frame.saturating_sub(late);
+                let foveation = Foveation {
+                    round: round.at(seen, self.frames).unwrap_or_default(),
+                    radius,
+                    tile,
+                    most: 4,
+                };
+                foveation.of(self.size, &reference)
+            }
+        };
+        [reference, test]
+    }
+
+    /// Reference and test of a frame.
+    ///
+    /// # Errors
+    /// Never for the cases of [`Self::all`].
+    pub fn pictures(&self, frame: u32) -> Result<[ScorePicture; 2], ScoreError> {
+        let [reference, test] = self.bytes(frame);
+        Ok([
+            ScorePicture::from_rgb8(self.size, reference)?,
+            ScorePicture::from_rgb8(self.size, test)?,
+        ])
+    }
+}
+
+/// A zone plate, two gratings and noise, moved by `shift` pixels: 8-bit red, green, blue.
+#[must_use]
+pub fn scene(size: [u32; 2], shift: f64) -> Vec<u8> {
+    let [w, h] = size.map(f64::from);
+    let mut bytes = Vec::with_capacity(size[0] as usize * size[1] as usize * 3);
+    for row in 0..size[1] {
+        for column in 0..size[0] {
+            let (x, y) = (f64::from(column), f64::from(row));
+            let moved = x + shift;
+            let [across, down] = [x - w / 2.0, y - h / 2.0];
+            let plate = (PI * (across * across + down * down) / (4.0 * w)).sin();
+            let grating = (2.0 * PI * (moved / 32.0 + y / 80.0)).sin();
+            let low = (2.0 * PI * (moved / w + 0.5 * y / h)).sin();
+            let key = (moved.floor() as i64).rem_euclid(65_536) as u32;
+            let noise = f64::from(hash(key.wrapping_add(row << 16))) / 4_294_967_296.0 - 0.5;
+            let base = 0.45 + 0.16 * plate + 0.10 * grating + 0.12 * low + 0.12 * noise;
+            for channel in [base + 0.05 * low, base, base - 0.05 * grating] {
+                bytes.push((255.0 * channel.clamp(0.0, 1.0) + 0.5).floor() as u8);
+            }
+        }
+    }
+    bytes
+}
+
+/// Bits of a number well mixed.
+fn hash(mut h: u32) -> u32 {
+    h ^= h >> 16;
+    h = h.wrapping_mul(0x7feb_352d);
+    h ^= h >> 15;
+    h = h.wrapping_mul(0x846c_a68b);
+    h ^ (h >> 16)
+}
+
+/// Tiles that become coarser with their distance from a place.
+pub struct Foveation {
+    /// Where, pixels.
+    pub round: [f64; 2],
+    /// Radius of what stays, pixels.
+    pub radius: f64,
+    /// Side of a tile, pixels.
+    pub tile: usize,
+    /// Coarsest level.
+    pub most: u32,
+}
+
+impl Foveation {
+    /// A picture of 8-bit red, green, blue foveated.
+    #[must_use]
+    pub fn of(&self, size: [u32; 2], rgb: &[u8]) -> Vec<u8> {
+        let size = size.map(|side| side as usize);
+        let levels: Vec<Vec<u8>> = (0..=self.most).map(|n| blocks(size, rgb, 1 << n)).collect();
+        let mut out = Vec::with_capacity(rgb.len());
+        for y in 0..size[1] {
+            for x in 0..size[0] {
+                let level = self.level([x / self.tile, y / self.tile]);
+                let at = (y * size[0] + x) * 3;
+                out.extend_from_slice(&levels[level][at..at + 3]);
+            }
+        }
+        out
+    }
+
+    fn level(&self, tile: [usize; 2]) -> usize {
+        let side = self.tile as f64;
+        let apart = |k: usize| (tile[k] as f64 + 0.5) * side - (self.round[k] + 0.5);
+        let distance = apart(0).hypot(apart(1)).max(1e-9);
+        let level = (distance / self.radius).log2().floor() + 1.0;
+        level.clamp(0.0, f64::from(self.most)) as usize
+    }
+}
+
+/// Every pixel the rounded mean of its aligned block, beyond the picture its border repeated.
+fn blocks([w, h]: [usize; 2], rgb: &[u8], side: usize) -> Vec<u8> {
+    let [across, down] = [w, h].map(|length| length.div_ceil(side));
+    let count = (side * side) as u32;
+    let mean = |block_x: usize, block_y: usize, channel: usize| {
+        let mut sum = 0;
+        for y in block_y * side..(block_y + 1) * side {
+            for x in block_x * side..(block_x + 1) * side {
+                let at = y.min(h - 1) * w + x.min(w - 1);
+                sum += u32::from(rgb[at * 3 + channel]);
+            }
+        }
+        ((sum + count / 2) / count) as u8
+    };
+    let means: Vec<[u8; 3]> = (0..across * down)
+        .map(|at| [0, 1, 2].map(|channel| mean(at % across, at / across, channel)))
+        .collect();
+    let mut out = Vec::with_capacity(rgb.len());
+    for y in 0..h {
+        for x in 0..w {
+            out.extend_from_slice(&means[y / side * across + x / side]);
+        }
+    }
+    out
+}
