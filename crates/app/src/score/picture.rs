@@ -16,7 +16,7 @@ const MOST_PIXELS: u64 = 1 << 27;
 const PNG_HEAD: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
 /// Reads a picture: PNG of any colour type and depth, anything else as FFmpeg gives it.
-pub(super) fn read_picture(path: &Path) -> anyhow::Result<ScorePicture> {
+pub(crate) fn read_picture(path: &Path) -> anyhow::Result<ScorePicture> {
     if is_png(path) {
         return read_png(path);
     }

@@ -34,6 +34,30 @@ fn the_command_that_goes_with_a_golden_gives_its_score() {
     }
 }
 
+#[test]
+fn a_photograph_at_hand_has_its_published_scores() {
+    refused(2, &["evaluate", "goldens", "G5"], &["G5", "--photo"]);
+    let folder = Folder::new();
+    goldens(&folder, &["G2"]);
+    let other = folder.name("goldens/G2/test/0000.png");
+    refused(
+        1,
+        &["evaluate", "goldens", "--photo", &other],
+        &["--photo", "0000.png", "256x256", "astronaut"],
+    );
+    let Ok(photo) = std::env::var("FOVEAL_GOLDEN_PHOTO") else {
+        eprintln!("SKIPPED: FOVEAL_GOLDEN_PHOTO names no astronaut.png, so G5 and G6 were not run");
+        return;
+    };
+    let report = json(&["evaluate", "goldens", "--photo", &photo, "G5", "G6"]);
+    let rows = report["goldens"].as_array().unwrap();
+    for (row, wanted) in rows.iter().zip([8.43239, 7.51087]) {
+        near(&row["jod"], wanted, 0.0005);
+        near(&row["worst_energy"], 0.0, 0.001);
+    }
+    assert_eq!(rows.len(), 2);
+}
+
 /// What every result has.
 const KEYS: [&str; 17] = [
     "metric",
