@@ -293,6 +293,11 @@ fn a_run_is_scored_against_the_full_picture() {
         "{coarsest}"
     );
     assert_eq!(coarsest["score"]["foveated"], true);
+    assert_eq!(
+        coarsest["score"]["gaze"],
+        "true gaze of the run: 0,0 degrees"
+    );
+    assert_keys(&coarsest["score"], &KEYS);
     let out = folder.name("unseen");
     let unseen = [
         "simulate",
@@ -304,6 +309,47 @@ fn a_run_is_scored_against_the_full_picture() {
         "none",
     ];
     refused(2, &unseen, &["--score", "--renderer"]);
+}
+
+#[test]
+fn a_run_is_scored_by_where_the_eye_looked_and_not_by_what_the_system_was_told() {
+    let folder = Folder::new();
+    let [pack, _] = pack(&folder);
+    // The eye jumps from the left to the right after the third frame.
+    let mut trace = "t_s,yaw_deg,pitch_deg,valid,spread_deg\n".to_owned();
+    for n in 0..60 {
+        let time = f64::from(n) * 0.005;
+        let yaw = if time < 0.11 { -15.0 } else { 15.0 };
+        trace += &format!("{time},{yaw},0,1,0.5\n");
+    }
+    let gaze = format!("trace:{}", folder.holding("jump.csv", trace.as_bytes()));
+    let run = |late: &str| {
+        let out = folder.name(late);
+        let words = [
+            "simulate",
+            &pack,
+            "--out",
+            &out,
+            "--pictures",
+            "none",
+            "--policy",
+            "acuity",
+            "--gaze",
+            &gaze,
+            "--score",
+            "--late",
+            late,
+        ];
+        let found = json(&words);
+        let source = found["score"]["gaze"].as_str().unwrap();
+        assert!(
+            source.starts_with("true gaze of the run: trace:"),
+            "{source}"
+        );
+        found["score"]["jod"].as_f64().unwrap()
+    };
+    let [in_time, late] = ["0", "100"].map(run);
+    assert!(late < in_time - 0.05, "{late} {in_time}");
 }
 
 #[test]
