@@ -180,6 +180,18 @@ impl<X, F: Feed<Error = X>, E: Easel<Error = X>> Stage<F, E> {
         self.shown.as_ref().map(|shown| shown.tick)
     }
 
+    /// The tick that is worked on, and all tiles that it is to show.
+    #[must_use]
+    pub fn wanted(&self) -> Option<(u64, &[Tile])> {
+        let staged = self.coming.as_ref().or(self.shown.as_ref())?;
+        Some((staged.tick, &staged.wanted))
+    }
+
+    /// Other times of the frames, once they are known better.
+    pub fn retime(&mut self, timeline: Timeline) {
+        self.timeline = timeline;
+    }
+
     /// Whether what is on screen is what is due, with nothing missing.
     pub fn is_settled(&self) -> bool {
         let complete = |shown: &Staged| shown.complete.is_some();
