@@ -22,12 +22,9 @@ export async function hasHeadset(): Promise<boolean> {
   return (await navigator.xr?.isSessionSupported("immersive-vr").catch(() => false)) === true;
 }
 
-/** Enters the headset; call it in a click. The promise settles when the viewer is out again.
- *  `drawn` hears how many eyes every callback drew. */
-export async function enterHeadset(
-  engine: EngineApi,
-  drawn: (eyes: number) => void,
-): Promise<void> {
+/** Enters the headset; call it in a click. `entered` hears of the first picture that all its views
+ *  got; the promise settles when the viewer is out again. */
+export async function enterHeadset(engine: EngineApi, entered: () => void): Promise<void> {
   const { xr } = navigator;
   if (xr === undefined) throw new Error("This browser has no WebXR.");
   const session = await xr.requestSession("immersive-vr", { optionalFeatures: ["local"] });
@@ -41,9 +38,13 @@ export async function enterHeadset(
     const space = await session
       .requestReferenceSpace("local")
       .catch(() => session.requestReferenceSpace("viewer"));
+    let seen = false;
     const frame = (_time: number, now: XRFrame): void => {
       session.requestAnimationFrame(frame);
-      drawn(draw(engine, target, now.getViewerPose(space)?.views ?? []));
+      const views = now.getViewerPose(space)?.views ?? [];
+      const all = draw(engine, target, views) === views.length && views.length > 0;
+      if (all && !seen) entered();
+      seen ||= all;
     };
     session.requestAnimationFrame(frame);
     await over;
@@ -53,6 +54,7 @@ export async function enterHeadset(
   }
 }
 
+/** Draws all views; returns how many got a picture. */
 function draw(engine: EngineApi, target: XrTarget, views: readonly XRView[]): number {
   let eyes = 0;
   target.begin();
