@@ -5,6 +5,7 @@
 mod steps;
 mod tidy;
 mod wasm;
+mod web;
 
 use std::process::ExitCode;
 
@@ -12,6 +13,8 @@ const USAGE: &str = "\
 cargo xtask COMMAND
   tidy            rules of ARCHITECTURE.md and STYLE.md that a machine can check
   wasm            core and render for the browser; the same selection natively and in wasm
+  web             the page: wasm, scripts and pages in web/dist, with their size
+  web-test        the tests of the page; its pictures beside those of the program
   ci              fmt, tidy, clippy, wasm, test: exactly what CI runs
   bless [FILTER]  run the tests (those whose name contains FILTER) and rewrite their goldens";
 
@@ -21,6 +24,8 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["tidy"] => tidy::run(),
         ["wasm"] => wasm::run(),
+        ["web"] => web::run(),
+        ["web-test"] => web::test(),
         ["ci"] => steps::ci(),
         ["bless"] => steps::bless(None),
         ["bless", filter] => steps::bless(Some(filter)),

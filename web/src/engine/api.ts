@@ -42,6 +42,13 @@ export interface EngineOptions {
   readonly cacheBytes?: number;
   /** Keeps what was selected and for which gaze, for {@link EngineApi.sessionLog}. */
   readonly log?: boolean;
+  /** The screen as a person can measure it; guessed from the device where it is left out. */
+  readonly screen?: {
+    /** Device pixels of the whole screen. */
+    readonly pixels: readonly [number, number];
+    readonly diagonalInches: number;
+    readonly distanceM: number;
+  };
   /** The width of a sphere's view before zooming, in degrees; 100 where it is left out. */
   readonly fieldDeg?: number;
 }
@@ -223,7 +230,10 @@ export interface EngineApi {
   reset(): void;
   /** Where the pointer is, or null when it left. */
   pointer(place: readonly [number, number] | null): void;
-  /** A gaze from a tracker; throws what is wrong with it. Null goes back to the pointer. */
+  /**
+   * A gaze from a tracker, an object or its JSON; null goes back to the pointer. What is wrong
+   * with it comes as an `error` that is not fatal.
+   */
   gaze(record: GazeRecord | string | null): void;
   play(): void;
   pause(): void;
@@ -247,6 +257,8 @@ export interface EngineApi {
    * before the first picture. Only with thread "main"; the bitmap is the caller's to close.
    */
   drawEye(request: EyeRequest): ImageBitmap | null;
+  /** Loses the graphics device or the worker, as tests do. */
+  lose(what: "gpu" | "worker"): void;
   on<K extends keyof EngineEvents>(name: K, heard: (value: EngineEvents[K]) => void): () => void;
   close(): void;
 }
