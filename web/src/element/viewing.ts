@@ -85,16 +85,8 @@ export class Viewing implements Actions {
   /** Follows a sender of gazes until the signal ends it. */
   follow(address: string, signal: AbortSignal): void {
     const { shell, tell } = this.around;
-    let refused = false;
     const heard = {
-      record: (line: string): void => {
-        try {
-          this.engine.gaze(line);
-        } catch (error) {
-          if (!refused) shell.say(`A gaze was refused: ${problemOf(error).message}`, "seen");
-          refused = true;
-        }
-      },
+      record: (line: string): void => this.engine.gaze(line),
       connected: (is: boolean): void => {
         tell("gazeconnection", is);
         if (is) shell.say("The gaze's sender is heard.", "seen");

@@ -79,10 +79,10 @@ export function eyeOf(view: XRView, size: readonly [number, number]): EyeRequest
     eye: view.eye === "right" ? "right" : "left",
     orientation: [x, y, z, w],
     tangents: [
-      (shiftX - 1) / scaleX,
-      (shiftX + 1) / scaleX,
-      (shiftY + 1) / scaleY,
-      (shiftY - 1) / scaleY,
+      (1 - shiftX) / scaleX,
+      (1 + shiftX) / scaleX,
+      (1 + shiftY) / scaleY,
+      (1 - shiftY) / scaleY,
     ],
     size,
   };
