@@ -38,6 +38,8 @@ export class Courier {
   readonly #extra: Want[] = [];
   #headWaits: ((head: Uint8Array | EngineProblem) => void) | null = null;
   #pumping = false;
+  /** The module that reads bytes is there. */
+  #reads = false;
   #lost = false;
   /** Chunks whose lengths are known; the newest last. */
   readonly #chunks = new Map<number, Chunk>();
@@ -83,6 +85,12 @@ export class Courier {
       this.#order();
       this.#pump();
     });
+  }
+
+  /** From now on bytes can be read. */
+  begin(): void {
+    this.#reads = true;
+    this.#pump();
   }
 
   /** Opens decoders for a pack. */
@@ -225,7 +233,7 @@ export class Courier {
   }
 
   #readHead(): void {
-    if (!this.#headWaits) return;
+    if (!this.#headWaits || !this.#reads) return;
     const { bytes, length } = this.#loader;
     try {
       const beginning = bytes.get({ offset: 0, bytes: 64 });
@@ -239,7 +247,6 @@ export class Courier {
       }
       this.#headWaits(head.slice());
     } catch (error) {
-      // Before the module is there nothing can be read; it asks again.
       this.#headWaits(problem("broken-pack", true, String(error)));
     }
   }

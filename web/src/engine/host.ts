@@ -46,7 +46,7 @@ export class Host implements Calls {
       ended: (why) => this.#end(why),
     });
     this.#courier = courier;
-    const [head] = await Promise.all([courier.head(), loadWasm()]);
+    const [head] = await Promise.all([courier.head(), loadWasm().then(() => courier.begin())]);
     const facts = JSON.parse(about(head)) as PackFacts;
     await courier.prepare(facts);
     this.#policy = options.policy ?? (options.demo ? "acuity" : "viewport");

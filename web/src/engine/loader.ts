@@ -4,7 +4,7 @@
 // waits for any more is given up, what failed is tried again, and no byte is asked for twice.
 
 import { Bytes, type Stretch } from "./bytes.ts";
-import { HOLE, nextRequest, type Want, without } from "./plan.ts";
+import { MOST_REQUEST, nextRequest, type Want, without } from "./plan.ts";
 import { Meter } from "./meter.ts";
 
 /** Requests under way at once: what browsers give one host over HTTP/1.1. */
@@ -14,7 +14,6 @@ const MOST_EARLY = 3;
 /** Bytes of a request, by what comes in this time, in seconds. */
 const REQUEST_S = 0.25;
 const LEAST_REQUEST = 128 * 1024;
-const MOST_REQUEST = 2 * 1024 * 1024;
 /** A request with less left than this is not given up. */
 const NEARLY_THERE = 32 * 1024;
 /** Waits between tries, in milliseconds. */
@@ -222,5 +221,3 @@ export class Loader {
     this.#events.restored();
   }
 }
-
-export { HOLE };

@@ -7,6 +7,9 @@ import type { Stretch } from "./bytes.ts";
 /** Bytes between two wanted stretches that are fetched along rather than asked for apart. */
 export const HOLE = 4096;
 
+/** Bytes of one request at most. */
+export const MOST_REQUEST = 2 * 1024 * 1024;
+
 /** A stretch that something waits for. */
 export interface Want extends Stretch {
   /** It may be needed soon, but nothing waits for it yet. */
@@ -30,13 +33,13 @@ export function without(wanted: Stretch, taken: readonly Stretch[]): Stretch[] {
 
 /**
  * The next request: the first gap in order of importance, with the gaps that follow it closely in
- * the file, at most `most` bytes. `gaps` are what is missing and not under way, by importance.
+ * the file while that makes no more than `most` bytes. `gaps` are what is missing and not under way, by importance.
  */
 export function nextRequest(gaps: readonly Want[], most: number): Want | null {
   const first = gaps[0];
   if (!first) return null;
   let begin = first.offset;
-  let end = Math.min(begin + first.bytes, begin + most);
+  let end = begin + Math.min(first.bytes, MOST_REQUEST);
   const early = first.early;
   const inFile = gaps.slice(1).sort((a, b) => a.offset - b.offset);
   for (const gap of inFile) {
