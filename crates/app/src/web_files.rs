@@ -8,7 +8,8 @@ pub(crate) struct WebFile {
     pub(crate) bytes: &'static [u8],
 }
 
-/// Every file of the page but what is made for the packs at hand.
+/// Every file of the page but what is made for the packs at hand; none where the program was built
+/// before the page.
 pub(crate) fn web_files() -> &'static [WebFile] {
-    &[]
+    include!(concat!(env!("OUT_DIR"), "/web_files.rs"))
 }
