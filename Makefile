@@ -17,7 +17,8 @@ help: ## list these targets
 setup: ## install what is missing to build and test
 	@scripts/install.sh
 
-build: web ## build the release program, with the page in it
+build: setup ## build the page, and the release program that carries it
+	@cargo xtask web || echo "build: the program will carry no pages: see above" >&2
 	cargo build --release
 
 web: setup ## build the page into web/dist and say how large it is

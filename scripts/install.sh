@@ -32,6 +32,8 @@ has_keyboard_library      libxkbcommon-x11-0  libxkbcommon-x11      libxkbcommon
 has_xvfb                  xvfb                xorg-x11-server-Xvfb  xorg-server-xvfb   -
 has_vulkan_driver         mesa-vulkan-drivers mesa-vulkan-drivers   vulkan-swrast      -
 has_command:node          nodejs              nodejs                nodejs             node
+has_command:npm           npm                 nodejs-npm            npm                node
+has_chromium              chromium            chromium              chromium           -
 has_command:python3       python3             python3               python             python
 has_pip                   python3-pip         python3-pip           python-pip         python
 TABLE
@@ -73,6 +75,12 @@ has_xvfb() { [ "$(uname)" = Darwin ] || has_command Xvfb; }
 has_vulkan_loader() {
   [ "$(uname)" = Darwin ] || has_file /usr/lib/*-linux-gnu*/libvulkan.so.1 \
     /usr/lib/libvulkan.so.1 /usr/lib64/libvulkan.so.1 /usr/local/lib/libvulkan.so.1
+}
+
+# The tests of the page run in it; macOS gets it from elsewhere.
+has_chromium() {
+  [ "$(uname)" = Darwin ] || has_command chromium || has_command chromium-browser ||
+    has_command google-chrome
 }
 
 # The tests draw with Mesa's lavapipe where there is no GPU.
