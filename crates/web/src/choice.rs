@@ -85,6 +85,11 @@ impl WebChoice {
         }
     }
 
+    /// Whether a choice waits for what it needs.
+    pub(crate) fn waits(&self) -> bool {
+        self.waits.is_some()
+    }
+
     /// Whether what a choice waited for is there, or may still be bought.
     fn may_go_on(&self, now: f64) -> bool {
         let spends = self.policy().spends_a_budget();

@@ -4,6 +4,7 @@ use crate::shelf::Shelf;
 use crate::viewer::Viewer;
 use foveal_core::asset::tile_grid::{Cut, Tile};
 use foveal_core::asset::unit::UnitId;
+use foveal_core::selection::content::Content;
 use std::collections::HashSet;
 
 /// Numbers of a row: kind, number, offset, bytes, frame, first frame of the unit, frames of the
@@ -126,6 +127,12 @@ impl Viewer {
         (0..coarsest)
             .rev()
             .for_each(|level| rows.pages_of(level, frame));
+        if let Some(next) = shelf.next_group(frame)
+            && self.choice.policy().spends_a_budget()
+        {
+            // What is bought for this frame is weighed against the next group.
+            (0..=coarsest).for_each(|level| rows.pages_of(level, next));
+        }
         for (tile, frame) in wanted.iter().filter(|(tile, _)| !is_base(tile)) {
             if self.coarse {
                 rows.block(*tile, *frame);

@@ -326,7 +326,7 @@ impl Viewer {
         let behind = |(aim, _): &(Aim, Shown)| {
             self.choice.differs(aim, aim) || self.stage.is_behind(aim, &self.choice)
         };
-        self.stage.is_settled() && !self.last.as_ref().is_none_or(behind)
+        self.stage.is_settled() && !self.choice.waits() && !self.last.as_ref().is_none_or(behind)
     }
 
     /// What of the canvas is picture, and what it shows.

@@ -78,6 +78,7 @@ export class Host implements Calls {
     }
     if (begin.time > 0) this.#show.seek(begin.time, seconds());
     courier.serve(this.#show);
+    void courier.tablesFor(this.#policy).then(() => this.#wake());
     this.#tell("ready", facts);
     this.#run();
     return facts;
