@@ -17,7 +17,8 @@ help: ## list these targets
 setup: ## install what is missing to build and test
 	@scripts/install.sh
 
-build: setup ## build the release program
+build: setup ## build the page, and the release program that carries it
+	@cargo xtask web || echo "build: the program will carry no pages: see above" >&2
 	cargo build --release
 
 demo: build ## prepare, stream and judge a clip into demo/ (INPUT=file for your own)

@@ -83,8 +83,7 @@ fn target_folder() -> Result<PathBuf, String> {
 /// The tools and libraries of the lock file, once.
 fn install(web: &Path) -> Outcome {
     let modified = |path: &str| fs::metadata(web.join(path)).and_then(|m| m.modified()).ok();
-    let [lock, installed] =
-        ["package-lock.json", "node_modules/.package-lock.json"].map(modified);
+    let [lock, installed] = ["package-lock.json", "node_modules/.package-lock.json"].map(modified);
     if installed.is_some() && installed >= lock {
         return Ok(());
     }
