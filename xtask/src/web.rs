@@ -52,7 +52,8 @@ pub(crate) fn run() -> Outcome {
     fs::write(web.join("dist").join(STAMP), "").map_err(|e| format!("web/dist: {e}"))
 }
 
-/// The tests of the TypeScript, and those that compare the page with the program.
+/// The tests of the TypeScript; then those in a browser, for which the program with the page in it
+/// is built, unless FOVEAL names one.
 pub(crate) fn test() -> Outcome {
     let web = repository_root().join("web");
     if !web.join("dist").join(STAMP).exists() {
@@ -60,9 +61,17 @@ pub(crate) fn test() -> Outcome {
     }
     install(&web)?;
     steps::run(&mut tool(&web, "tsc", &["--noEmit"]))?;
+    steps::run(&mut tool(&web, "tsc", &["--noEmit", "-p", "test"]))?;
     steps::run(&mut tool(&web, "vitest", &["run"]))?;
-    let tests = web.join("test/equality.mjs");
-    steps::run(Command::new("node").arg(tests).current_dir(&web))
+    let program = match std::env::var_os("FOVEAL") {
+        Some(program) => program.into(),
+        None => {
+            steps::run(&mut cargo(&["build", "--quiet", "-p", "foveal"]))?;
+            target_folder()?.join("debug/foveal")
+        }
+    };
+    let words = ["run", "--config", "vitest.e2e.config.ts"];
+    steps::run(tool(&web, "vitest", &words).env("FOVEAL", program))
 }
 
 fn build_module(web: &Path) -> Outcome {

@@ -148,6 +148,11 @@ impl Viewer {
         let shortest = u64::from(groups.first().copied().unwrap_or(1));
         let until = timeline.time_of(tick).0 + AHEAD_S;
         let round = timeline.frames();
+        // What follows in the units that are shown now.
+        let frame = timeline.frame_of(tick);
+        tiles
+            .iter()
+            .for_each(|tile| rows.tile(Kind::Bytes, *tile, frame));
         let mut next = tick;
         loop {
             let frame = next % round;

@@ -41,9 +41,13 @@ export class Host implements Calls {
   #policy: PolicyName = "viewport";
   #first: { seconds: number; trips: number } | null = null;
   #settled = false;
-  #scheduled: "soon" | "next" | null = null;
+  /** A step is on its way: soon, or with the next picture of the screen. */
+  #soon = false;
+  #next = false;
+  readonly #bell = new MessageChannel();
   #recovering = false;
   #told = 0;
+  #drawing = false;
   #closed = false;
   /** No device draws: only the coarsest level, on few pixels. */
   #software = false;
@@ -54,6 +58,10 @@ export class Host implements Calls {
 
   constructor(tell: Tell) {
     this.#tell = tell;
+    this.#bell.port1.onmessage = () => {
+      this.#soon = false;
+      this.#run();
+    };
   }
 
   async open(begin: HostOptions): Promise<PackFacts> {
@@ -110,27 +118,22 @@ export class Host implements Calls {
 
   /** Steps soon: something came or was asked for. */
   #wake(): void {
-    if (this.#scheduled === "soon" || this.#closed) return;
-    this.#scheduled = "soon";
-    const { port1, port2 } = new MessageChannel();
-    port1.onmessage = () => {
-      port1.close();
-      if (this.#scheduled === "soon") this.#run();
-    };
-    port2.postMessage(null);
+    if (this.#soon || this.#closed) return;
+    this.#soon = true;
+    this.#bell.port2.postMessage(null);
   }
 
   /** Steps at the next picture of the screen. */
   #again(): void {
-    if (this.#scheduled || this.#closed) return;
-    this.#scheduled = "next";
+    if (this.#next || this.#closed) return;
+    this.#next = true;
     requestAnimationFrame(() => {
-      if (this.#scheduled === "next") this.#run();
+      this.#next = false;
+      this.#run();
     });
   }
 
   #run(): void {
-    this.#scheduled = null;
     const [show, courier] = [this.#show, this.#courier];
     if (!show || !courier || this.#closed) return;
     if (show.isLost()) {
@@ -151,16 +154,7 @@ export class Host implements Calls {
       return this.#end(problem("broken-pack", true, "no frame has a whole coarsest level"));
     }
     if (told & FLAG.wants) courier.ask();
-    if (told & FLAG.draw) {
-      show.draw();
-      const passed = seconds() - began;
-      show.drawn(passed);
-      this.#frameMs += (passed * 1000 - this.#frameMs) * (this.#frameMs === 0 ? 1 : 0.1);
-      if (!this.#first) {
-        this.#first = { seconds: seconds() - this.#began, trips: courier.trips };
-        this.#tell("picture", this.#first.seconds);
-      }
-    }
+    if (told & FLAG.draw) this.#draw();
     if (told & FLAG.ended) this.#tell("ended", this.#time(show));
     const settled = (told & FLAG.settled) !== 0;
     const newly = settled && !this.#settled;
@@ -175,6 +169,25 @@ export class Host implements Calls {
       this.#tell("stats", this.#stats(show, courier));
     }
     if (told & FLAG.again) this.#again();
+  }
+
+  /** Draws at the next picture of the screen: more often, nobody would see it. */
+  #draw(): void {
+    if (this.#drawing) return;
+    this.#drawing = true;
+    requestAnimationFrame(() => {
+      this.#drawing = false;
+      const [show, courier] = [this.#show, this.#courier];
+      if (!show || !courier || this.#closed || show.isLost()) return;
+      const began = seconds();
+      show.draw();
+      const passed = seconds() - began;
+      show.drawn(passed);
+      this.#frameMs += (passed * 1000 - this.#frameMs) * (this.#frameMs === 0 ? 1 : 0.1);
+      if (this.#first) return;
+      this.#first = { seconds: seconds() - this.#began, trips: courier.trips };
+      this.#tell("picture", this.#first.seconds);
+    });
   }
 
   #stats(show: Show, courier: Courier): Stats {
@@ -352,6 +365,7 @@ export class Host implements Calls {
     this.#closed = true;
     const pieces = this.#courier?.take() ?? [];
     this.#courier?.close();
+    this.#bell.port1.close();
     this.#show?.free();
     this.#show = null;
     return pieces;

@@ -64,6 +64,7 @@ export class Loader {
   #wants: readonly Want[] = [];
   #tag: string | null = null;
   #tries = 0;
+  #failing = false;
   #waits = false;
   #closed = false;
   /** The next requests go past the browser's own cache. */
@@ -204,6 +205,7 @@ export class Loader {
   }
 
   #fail(why: Failure, status: number): void {
+    this.#failing = true;
     this.#events.failed(why, status);
     if (this.#waits || this.#closed) return;
     this.#waits = true;
@@ -216,8 +218,9 @@ export class Loader {
 
   #well(): void {
     this.#reload = false;
-    if (this.#tries === 0) return;
     this.#tries = 0;
+    if (!this.#failing) return;
+    this.#failing = false;
     this.#events.restored();
   }
 }

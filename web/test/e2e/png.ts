@@ -31,6 +31,18 @@ export class PNG {
     return new PNG(width, height, channels, unfiltered(rows, width * channels, height, channels));
   }
 
+  /** Samples of red, green and blue that differ from those of RGBA pixels of the same size. */
+  differing(rgba: Uint8Array): number {
+    if (rgba.length !== this.width * this.height * 4) return Number.POSITIVE_INFINITY;
+    let count = 0;
+    for (let at = 0; at < this.width * this.height; at += 1) {
+      for (let k = 0; k < 3; k += 1) {
+        if (this.samples[at * this.channels + k] !== rgba[at * 4 + k]) count += 1;
+      }
+    }
+    return count;
+  }
+
   /** The colour at a place from 0 to 1, averaged over a square of 9 pixels. */
   at(x: number, y: number): Rgb {
     const [column, row] = [Math.round(x * (this.width - 1)), Math.round(y * (this.height - 1))];

@@ -329,7 +329,7 @@ impl<X, F: Feed<Error = X>, E: Easel<Error = X>> Stage<F, E> {
         let tiles: Vec<Tile> = coming.resident.iter().copied().collect();
         self.easel.retain(&tiles);
         if now.playing {
-            self.learn_lead(now, coming.tick);
+            self.learn_lead(now, &coming);
         }
         let before = self.shown.as_ref().map(|shown| shown.tick);
         let overdue = now.media.0 > self.timeline.time_of(coming.tick + 1).0;
@@ -350,14 +350,18 @@ impl<X, F: Feed<Error = X>, E: Easel<Error = X>> Stage<F, E> {
         Ok(())
     }
 
-    /// Begins frames earlier when they come after their time, and later again when they do not.
-    fn learn_lead(&mut self, now: &Now, tick: u64) {
-        let [begin, end] = [tick, tick + 1].map(|tick| self.timeline.time_of(tick).0);
+    /// Begins frames earlier when they come after their time, though no earlier than they are on
+    /// their way, and later again when they wait for it: a stall does not slow what follows.
+    fn learn_lead(&mut self, now: &Now, shown: &Staged) {
+        let [begin, end] = [shown.tick, shown.tick + 1].map(|tick| self.timeline.time_of(tick).0);
         let late = now.media.0 - end;
         self.lead = if late > 0.0 {
-            (self.lead + 0.5 * (now.media.0 - begin)).min(MOST_LEAD_S)
+            let on_its_way = now.wall.0 - shown.begun;
+            let longer = self.lead + 0.5 * (now.media.0 - begin);
+            longer.min(on_its_way).min(MOST_LEAD_S)
         } else {
-            self.lead * 0.95
+            let waited = shown.complete.map_or(0.0, |complete| now.wall.0 - complete);
+            (self.lead * 0.95 - 0.5 * waited).max(0.0)
         };
     }
 
