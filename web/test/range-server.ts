@@ -155,7 +155,7 @@ export class RangeHost {
     const before = { method: request.method ?? "", path, at: performance.now() - this.began };
     if (this.options.allowOrigin !== undefined) {
       response.setHeader("access-control-allow-origin", this.options.allowOrigin);
-      response.setHeader("access-control-allow-headers", "range, if-match, if-range, if-none-match");
+      response.setHeader("access-control-allow-headers", "range, cache-control, if-range");
       response.setHeader(
         "access-control-expose-headers",
         "accept-ranges, content-length, content-range, etag",
@@ -201,7 +201,8 @@ export class RangeHost {
     if (inside.startsWith("..") || there === null || content === null) return nothing(404);
     const isPack = inside.endsWith(".foveal");
     const bytes = isPack ? this.spoil(content) : content;
-    const tag = `"${bytes.length.toString(16)}-${there.mtimeMs}${isPack ? this.faults.version : ""}"`;
+    const version = isPack ? this.faults.version : "";
+    const tag = `"${bytes.length.toString(16)}-${there.mtimeMs}${version}"`;
     response.setHeader("etag", tag);
     response.setHeader("content-type", TYPES[extname(inside)] ?? "application/octet-stream");
     const matches = request.headers["if-match"];

@@ -15,7 +15,7 @@ cargo xtask COMMAND
   wasm            core and render for the browser; the same selection natively and in wasm
   web             the page: wasm, scripts and pages in web/dist, with their size
   web-test        the tests of the page; its pictures beside those of the program
-  ci              fmt, tidy, clippy, wasm, test: exactly what CI runs
+  ci              fmt, tidy, web, clippy, wasm, test, web-test: exactly what CI runs
   bless [FILTER]  run the tests (those whose name contains FILTER) and rewrite their goldens";
 
 fn main() -> ExitCode {

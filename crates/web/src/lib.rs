@@ -18,9 +18,11 @@ mod wide;
 #[cfg(target_arch = "wasm32")]
 mod canvas;
 #[cfg(target_arch = "wasm32")]
+mod paper;
+#[cfg(target_arch = "wasm32")]
 mod show;
 
-pub use easel::WebEasel;
+pub use easel::{GpuEasel, WebEasel};
 pub use facts::{about, head_bytes};
 pub use needs::{Kind, ROW};
 pub use options::Options;

@@ -34,6 +34,9 @@ pub struct Options {
     /// Keep a session log.
     #[serde(default)]
     pub log: bool,
+    /// Draw without a graphics device.
+    #[serde(default)]
+    pub software: bool,
 }
 
 /// As `foveal view --fov`.

@@ -4,8 +4,9 @@
 //! page's clock, places are in device pixels of the canvas.
 
 use crate::canvas::Canvas;
-use crate::easel::WebEasel;
+use crate::easel::{WebEasel, twin_picture};
 use crate::options::Options;
+use crate::paper::Paper;
 use crate::viewer::Viewer;
 use crate::wide::EyeRequest;
 use foveal_core::asset::picture::{Picture, plane_size};
@@ -48,10 +49,16 @@ pub fn about(head: &[u8]) -> Outcome<String> {
 #[wasm_bindgen]
 pub struct Show {
     viewer: Viewer,
-    canvas: Canvas,
+    target: Target,
     /// The canvas that eyes of a headset are drawn on.
     headset: Option<Canvas>,
     lost: Arc<AtomicBool>,
+}
+
+/// What pictures are shown on.
+enum Target {
+    Device(Canvas),
+    Paper(Paper),
 }
 
 /// A device, and whether it was lost since.
@@ -66,7 +73,8 @@ async fn open_gpu() -> Outcome<(Gpu, Arc<AtomicBool>)> {
 
 #[wasm_bindgen]
 impl Show {
-    /// Opens a device and shows the pack that begins with `head`.
+    /// Opens a device, or none where `software` is asked for, and shows the pack that begins with
+    /// `head`.
     pub async fn open(
         canvas: OffscreenCanvas,
         head: Vec<u8>,
@@ -74,11 +82,21 @@ impl Show {
         now: f64,
     ) -> Outcome<Show> {
         let options = Options::parse(&options).map_err(refused)?;
-        let (gpu, lost) = open_gpu().await?;
+        let (gpu, lost) = if options.software {
+            (None, Arc::default())
+        } else {
+            let (gpu, lost) = open_gpu().await?;
+            (Some(gpu), lost)
+        };
         let viewer = Viewer::new(&head, &options, gpu, Seconds(now)).map_err(refused)?;
+        let target = if options.software {
+            Target::Paper(Paper::new(canvas).map_err(refused)?)
+        } else {
+            Target::Device(Canvas::new(canvas).map_err(refused)?)
+        };
         Ok(Self {
             viewer,
-            canvas: Canvas::new(canvas).map_err(refused)?,
+            target,
             headset: None,
             lost,
         })
@@ -93,19 +111,23 @@ impl Show {
     /// Gives the device back, as if it were lost.
     #[wasm_bindgen(js_name = loseDevice)]
     pub fn lose_device(&self) {
-        self.viewer.stage.easel.gpu.device.destroy();
+        if let WebEasel::Gpu(easel) = &self.viewer.stage.easel {
+            easel.gpu.device.destroy();
+        }
     }
 
     /// Begins anew on this device; [`Device::open`] opens it.
     pub fn restart(&mut self, device: Device) -> Outcome<()> {
         let shelf = self.viewer.shelf.borrow();
         let colour = shelf.pack.description().colour;
-        let easel = WebEasel::new(device.gpu, &shelf.grid, colour).map_err(refused)?;
+        let easel = WebEasel::new(Some(device.gpu), &shelf.grid, colour).map_err(refused)?;
         drop(shelf);
         self.viewer.stage.restart(easel);
         self.viewer.figures.lost_devices += 1;
         self.lost = device.lost;
-        self.canvas.forget_device();
+        if let Target::Device(canvas) = &mut self.target {
+            canvas.forget_device();
+        }
         self.headset = None;
         Ok(())
     }
@@ -202,11 +224,19 @@ impl Show {
     pub fn draw(&mut self) -> Outcome<()> {
         let (shown, marks) = (self.viewer.shown(), self.viewer.marks());
         let size = self.viewer.pane().size;
-        let easel = &mut self.viewer.stage.easel;
-        let picture = easel.renderer.draw(&shown.view, marks.as_ref());
-        let picture = picture.map_err(refused)?;
-        self.canvas.show(&easel.gpu, picture, shown.origin, size);
-        Ok(())
+        match (&mut self.viewer.stage.easel, &mut self.target) {
+            (WebEasel::Gpu(easel), Target::Device(canvas)) => {
+                let picture = easel.renderer.draw(&shown.view, marks.as_ref());
+                let picture = picture.map_err(refused)?;
+                canvas.show(&easel.gpu, picture, shown.origin, size);
+                Ok(())
+            }
+            (WebEasel::Twin(tiles), Target::Paper(paper)) => {
+                let picture = twin_picture(tiles, &shown.view, marks.as_ref());
+                paper.show(&picture, shown.origin, size).map_err(refused)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// What was to be drawn was drawn in this many seconds.
@@ -217,11 +247,18 @@ impl Show {
     /// The picture as it is drawn: a promise of [width, height, RGBA bytes].
     pub fn pixels(&mut self) -> Outcome<js_sys::Promise> {
         let (shown, marks) = (self.viewer.shown(), self.viewer.marks());
-        let easel = &mut self.viewer.stage.easel;
-        let read = easel.renderer.read(&shown.view, marks.as_ref());
-        let read = read.map_err(refused)?;
+        let read = match &mut self.viewer.stage.easel {
+            WebEasel::Gpu(easel) => {
+                let read = easel.renderer.read(&shown.view, marks.as_ref());
+                Ok(read.map_err(refused)?)
+            }
+            WebEasel::Twin(tiles) => Err(twin_picture(tiles, &shown.view, marks.as_ref())),
+        };
         Ok(wasm_bindgen_futures::future_to_promise(async move {
-            let image = read.await.map_err(refused)?;
+            let image = match read {
+                Ok(read) => read.await.map_err(refused)?,
+                Err(image) => image,
+            };
             let [width, height] = image.size.map(JsValue::from);
             let bytes = Uint8Array::from(image.pixels.as_slice());
             Ok(Array::of3(&width, &height, &bytes).into())
@@ -256,7 +293,9 @@ impl Show {
         if self.headset.is_none() {
             self.headset = Some(Canvas::new(canvas.clone()).map_err(refused)?);
         }
-        let easel = &mut self.viewer.stage.easel;
+        let WebEasel::Gpu(easel) = &mut self.viewer.stage.easel else {
+            return Ok(false);
+        };
         let picture = easel.renderer.draw(&view, None).map_err(refused)?;
         if let Some(headset) = &mut self.headset {
             headset.show(&easel.gpu, picture, [0, 0], view.size);

@@ -45,7 +45,7 @@ impl Viewer {
             "scale": self.scene.scale(&self.pane()),
             "gazeDeg": gaze_deg,
             "gazePlace": place,
-            "drawing": self.stage.easel.gpu.adapter_name(),
+            "drawing": self.stage.easel.name(),
         })
         .to_string()
     }

@@ -71,11 +71,12 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// A session that begins at `now` with a pack of which `head` is there.
+    /// A session that begins at `now` with a pack of which `head` is there; without a device the
+    /// CPU twin draws.
     pub fn new(
         head: &[u8],
         options: &Options,
-        gpu: foveal_render::Gpu,
+        gpu: Option<foveal_render::Gpu>,
         now: Seconds,
     ) -> Result<Self, String> {
         let shelf = Shelf::new(head, options.screen).map_err(|error| error.to_string())?;

@@ -21,7 +21,7 @@ export async function followDevice(
   const asking: Asking = DeviceOrientationEvent as unknown as Asking;
   const answer = await (asking.requestPermission?.() ?? Promise.resolve("granted"));
   if (answer !== "granted") {
-    throw new Error("The browser does not tell how the device is held: allow motion for this page.");
+    throw new Error("The browser does not tell how the device is held: allow this page motion.");
   }
   let first: number | null = null;
   const heard = (event: DeviceOrientationEvent): void => {

@@ -19,9 +19,9 @@ const ICONS = {
 } as const;
 
 /** What can be pressed. */
-export type ButtonName = "play" | "sound" | "figures" | "sensor" | "headset" | "fullscreen" | "keys";
+export type ButtonName = keyof typeof LABELS;
 
-const LABELS: Readonly<Record<ButtonName, string>> = {
+const LABELS = {
   play: "Play",
   sound: "Sound",
   figures: "Figures",
@@ -29,7 +29,7 @@ const LABELS: Readonly<Record<ButtonName, string>> = {
   headset: "Enter the headset",
   fullscreen: "Full screen",
   keys: "Keys",
-};
+} as const;
 
 const BUTTONS = Object.keys(LABELS) as readonly ButtonName[];
 

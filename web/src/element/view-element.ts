@@ -150,11 +150,11 @@ export class FovealView extends HTMLElement {
       this.viewing = new Viewing(engine, around, settings);
       watchInput(shell.stage, this, this.viewing, signal);
       engine.on("error", (problem) => {
-        if (problem.fatal && !signal.aborted) this.fail(problem, signal);
+        if (problem.fatal && !signal.aborted) this.fail(problem);
       });
       this.followGaze();
     } catch (thrown) {
-      if (!signal.aborted) this.fail(thrown, signal);
+      if (!signal.aborted) this.fail(thrown);
     }
   }
 
@@ -171,8 +171,8 @@ export class FovealView extends HTMLElement {
     };
   }
 
-  /** Says why nothing is shown, or shows what can be shown without a graphics device. */
-  private fail(thrown: unknown, _signal: AbortSignal): void {
+  /** Says why nothing is shown. */
+  private fail(thrown: unknown): void {
     const problem = problemOf(thrown);
     this.viewing = null;
     this.shell.showProblem(problem.message, () => this.reopen());

@@ -54,6 +54,7 @@ export class Viewing implements Actions {
       this.sound.turnOff();
       engine.close();
     });
+    shell.showNote(engine.pack.drawing === "software" ? SOFTWARE : null);
     tell("ready", engine.pack);
     shell.say(spokenFacts(engine.pack), "heard");
   }
@@ -153,8 +154,8 @@ export class Viewing implements Actions {
         this.engine.showLevels(overlay.showsLevels);
         break;
       case "fullscreen":
-        if (document.fullscreenElement === null) void host.requestFullscreen().catch(() => undefined);
-        else void document.exitFullscreen();
+        if (document.fullscreenElement !== null) void document.exitFullscreen();
+        else void host.requestFullscreen().catch(() => undefined);
         break;
       case "keys":
         shell.showKeys();
@@ -305,7 +306,7 @@ export class Viewing implements Actions {
   }
 
   private async offerHeadset(): Promise<void> {
-    const there = await hasHeadset();
+    const there = this.engine.pack.drawing === "gpu" && (await hasHeadset());
     if (!this.around.signal.aborted) this.around.shell.buttons.headset.hidden = !there;
   }
 
@@ -329,6 +330,10 @@ const LOST = {
   worker: "Drawing stopped; it begins again.",
   network: "The host cannot be reached. What is here stays, and the rest comes when it is back.",
 } as const;
+
+const SOFTWARE =
+  "This browser gives no WebGPU, so only the coarsest picture is shown. For all of it, open this " +
+  "page in a current Chrome, Edge, Safari or Firefox on a machine with a graphics device.";
 
 /** Columns and rows of device pixels of an element; at least one each. */
 export function deviceSize(of: HTMLElement): readonly [number, number] {

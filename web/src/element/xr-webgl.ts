@@ -30,7 +30,6 @@ export class WebGlTarget implements XrTarget {
     const canvas = document.createElement("canvas");
     const gl = canvas.getContext("webgl2", { xrCompatible: true, antialias: false, alpha: false });
     if (gl === null) throw new Error("The headset needs WebGL 2, which this browser lacks.");
-    await gl.makeXRCompatible();
     const layer = new XRWebGLLayer(session, gl, { antialias: false, depth: false, alpha: false });
     await session.updateRenderState({ baseLayer: layer });
     gl.useProgram(program(gl));

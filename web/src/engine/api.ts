@@ -71,6 +71,8 @@ export interface PackFacts {
   readonly bytes: number;
   /** What the pack was made from. */
   readonly name: string;
+  /** What draws: without a graphics device, the processor draws the coarsest level. */
+  readonly drawing: "gpu" | "software";
   /** The policies that this pack has the tables for. */
   readonly policies: readonly PolicyName[];
 }

@@ -15,7 +15,23 @@ const STATS_MS = 500;
 /** Longest wait for a picture to settle before its pixels are read, in milliseconds. */
 const SETTLE_MS = 20_000;
 
+/** Columns or rows that are drawn at most where no device draws. */
+const SOFTWARE_WIDTH = 480;
+
 const seconds = () => performance.now() / 1000;
+
+/** Whether there is a device to draw on. */
+async function findDevice(): Promise<boolean> {
+  if (!("gpu" in navigator)) return false;
+  const adapter = await navigator.gpu.requestAdapter().catch(() => null);
+  return adapter !== null;
+}
+
+function factsOf(about: string, software: boolean): PackFacts {
+  const facts = JSON.parse(about) as PackFacts;
+  if (!software) return { ...facts, drawing: "gpu" };
+  return { ...facts, drawing: "software", policies: ["coarsest"] };
+}
 
 export class Host implements Calls {
   readonly #tell: Tell;
@@ -33,6 +49,10 @@ export class Host implements Calls {
   #told = 0;
   #drawing = false;
   #closed = false;
+  /** No device draws: only the coarsest level, on few pixels. */
+  #software = false;
+  /** Pixels drawn over pixels of the canvas on the page. */
+  #scale = 1;
   #frameMs = 0;
   #waiting: (() => void)[] = [];
 
@@ -47,22 +67,28 @@ export class Host implements Calls {
   async open(begin: HostOptions): Promise<PackFacts> {
     this.#began = seconds();
     const { options } = begin;
-    if (!("gpu" in navigator) || !navigator.gpu) throw problem("no-webgpu", true);
     const courier = new Courier(begin, {
       wake: () => this.#wake(),
       tell: this.#tell,
       ended: (why) => this.#end(why),
     });
     this.#courier = courier;
-    const [head] = await Promise.all([courier.head(), loadWasm().then(() => courier.begin())]);
-    const facts = JSON.parse(about(head)) as PackFacts;
+    const [head, hasDevice] = await Promise.all([
+      courier.head(),
+      findDevice(),
+      loadWasm().then(() => courier.begin()),
+    ]);
+    this.#software = !hasDevice;
+    const facts = factsOf(about(head), this.#software);
     await courier.prepare(facts);
-    this.#policy = options.policy ?? (options.demo ? "acuity" : "viewport");
+    const wanted = options.policy ?? (options.demo ? "acuity" : "viewport");
+    this.#policy = this.#software ? "coarsest" : wanted;
     const told = JSON.stringify({
       name: begin.name,
       policy: this.#policy,
       coarse: options.privacy === "coarse",
-      size: options.size,
+      size: this.#scaled(options.size),
+      software: this.#software,
       screenSize: begin.screenSize,
       screen: begin.screen,
       fieldDeg: options.fieldDeg ?? 100,
@@ -82,6 +108,13 @@ export class Host implements Calls {
     this.#tell("ready", facts);
     this.#run();
     return facts;
+  }
+
+  /** The size that is drawn for a canvas of this size. */
+  #scaled([width, height]: readonly [number, number]): [number, number] {
+    this.#scale = this.#software ? Math.min(1, SOFTWARE_WIDTH / Math.max(width, height)) : 1;
+    const side = (of: number) => Math.max(1, Math.round(of * this.#scale));
+    return [side(width), side(height)];
   }
 
   /** Steps soon: something came or was asked for. */
@@ -209,15 +242,15 @@ export class Host implements Calls {
   }
 
   resize(width: number, height: number): void {
-    this.#do((show) => show.resize(width, height));
+    this.#do((show) => show.resize(...this.#scaled([width, height])));
   }
 
   drag(dx: number, dy: number): void {
-    this.#do((show) => show.drag(dx, dy));
+    this.#do((show) => show.drag(dx * this.#scale, dy * this.#scale));
   }
 
   zoom(factor: number, [x, y]: readonly [number, number]): void {
-    this.#do((show) => show.zoom(factor, x, y));
+    this.#do((show) => show.zoom(factor, x * this.#scale, y * this.#scale));
   }
 
   turn(pose: Pose | null): void {
@@ -229,7 +262,8 @@ export class Host implements Calls {
   }
 
   pointer(place: readonly [number, number] | null): void {
-    this.#do((show, now) => (place ? show.point(place[0], place[1]) : show.leave(now)));
+    const [x, y] = [(place?.[0] ?? 0) * this.#scale, (place?.[1] ?? 0) * this.#scale];
+    this.#do((show, now) => (place ? show.point(x, y) : show.leave(now)));
   }
 
   gaze(record: GazeRecord | string | null): void {
@@ -268,6 +302,7 @@ export class Host implements Calls {
   }
 
   setPolicy(name: PolicyName): void {
+    if (this.#software) return;
     void this.#courier?.tablesFor(name).then(() => {
       this.#do((show) => {
         show.setPolicy(name);

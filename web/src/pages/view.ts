@@ -26,7 +26,8 @@ function show(): void {
   const title = (pack.split("/").pop() ?? pack).replace(/\.foveal$/, "");
   name.textContent = title;
   document.title = title;
-  const attributes: Record<string, string | boolean> = { src: `./${addressOf(pack)}`, label: title };
+  const src = `./${addressOf(pack)}`;
+  const attributes: Record<string, string | boolean> = { src, label: title };
   for (const flag of FLAGS) if (asked.has(flag)) attributes[flag] = true;
   for (const value of VALUES) {
     const given = asked.get(value);

@@ -119,8 +119,8 @@ async function gazeServer(line: string): Promise<{ url: string; close: () => voi
     const accept = createHash("sha1")
       .update(`${key}258EAFA5-E914-47DA-95CA-C5AB0DC85B11`)
       .digest("base64");
-    const head = "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n";
-    socket.write(`${head}Sec-WebSocket-Accept: ${accept}\r\n\r\n`);
+    const head = "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\n";
+    socket.write(`${head}Connection: Upgrade\r\nSec-WebSocket-Accept: ${accept}\r\n\r\n`);
     const text = Buffer.from(line);
     socket.write(Buffer.concat([Buffer.from([0x81, text.length]), text]));
     sockets.add(socket);
