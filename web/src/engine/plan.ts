@@ -33,7 +33,8 @@ export function without(wanted: Stretch, taken: readonly Stretch[]): Stretch[] {
 
 /**
  * The next request: the first gap in order of importance, with the gaps that follow it closely in
- * the file while that makes no more than `most` bytes. `gaps` are what is missing and not under way, by importance.
+ * the file while that makes no more than `most` bytes. `gaps` are what is missing and not under
+ * way, by importance.
  */
 export function nextRequest(gaps: readonly Want[], most: number): Want | null {
   const first = gaps[0];

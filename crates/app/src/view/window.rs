@@ -221,12 +221,8 @@ impl Open {
             Some(pool) => pool,
             None => ready.decoding.pool(Arc::clone(&file))?,
         };
-        let feed = DecodeFeed::new(
-            file.path().to_owned(),
-            pool,
-            ready.decoding.jobs,
-            waker(proxy),
-        )?;
+        let (path, jobs) = (file.path().to_owned(), ready.decoding.jobs);
+        let feed = DecodeFeed::new(path, pool, jobs, waker(proxy))?;
         let size = window.inner_size();
         Ok(Self {
             screen,
