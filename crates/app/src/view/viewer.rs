@@ -20,7 +20,7 @@ use foveal_core::gaze::sample::GazeSample;
 use foveal_core::selection::aim::Aim;
 use foveal_core::selection::figures::Figures;
 use foveal_core::selection::policy::Policy;
-use foveal_core::selection::stage::{Chooses, Now};
+use foveal_core::selection::stage::Now;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::scene::{Pane, Scene, Shown};

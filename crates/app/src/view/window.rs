@@ -19,7 +19,6 @@ use anyhow::{Context, anyhow};
 use foveal_core::asset::tile_grid::TileGrid;
 use foveal_core::asset::timeline::Timeline;
 use foveal_core::selection::policy::Policy;
-use foveal_core::selection::stage::Easel as _;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::scene::{Pane, Scene};
