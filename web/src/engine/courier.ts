@@ -65,6 +65,7 @@ export class Courier {
         now: () => performance.now(),
         wait: (ms, then) => setTimeout(then, ms),
       },
+      begin.fresh,
     );
     for (const { offset, bytes } of begin.pieces) this.#loader.bytes.add(offset, bytes);
   }
@@ -75,7 +76,13 @@ export class Courier {
 
   /** Header and description; rejects with what is wrong. */
   head(): Promise<Uint8Array> {
-    this.#extra.push({ offset: 0, bytes: BEGINNING, early: false });
+    const beginning: Want = { offset: 0, bytes: BEGINNING, early: false };
+    this.#extra.push(beginning);
+    this.#onBytes.push(() => {
+      const whole = this.#loader.bytes.missing(this.#inFile(beginning)).length === 0;
+      if (whole) this.#extra.splice(this.#extra.indexOf(beginning), 1);
+      return whole;
+    });
     return new Promise((resolve, reject) => {
       this.#headWaits = (head) => {
         this.#headWaits = null;
@@ -207,17 +214,24 @@ export class Courier {
   /** What waits for bytes, and says whether it has them. */
   #onBytes: (() => boolean)[] = [];
 
+  /** What of a stretch the file has. */
+  #inFile(want: Want): Want {
+    const end = Math.min(want.offset + want.bytes, this.#loader.length ?? Infinity);
+    return { ...want, bytes: Math.max(0, end - want.offset) };
+  }
+
   #order(): void {
     const wants = this.#needs.map((need) => ({
       offset: need.offset,
       bytes: need.bytes,
       early: !isPage(need) && need.want === null,
     }));
-    const [now, later] = [this.#extra.filter((w) => !w.early), this.#extra.filter((w) => w.early)];
+    const extra = this.#extra.map((want) => this.#inFile(want));
+    const [now, later] = [false, true].map((early) => extra.filter((w) => w.early === early));
     // Nothing early goes before what is waited for.
     const waited = wants.filter((want) => !want.early);
     const early = wants.filter((want) => want.early);
-    this.#loader.want([...now, ...waited, ...later, ...early]);
+    this.#loader.want([...(now ?? []), ...waited, ...(later ?? []), ...early]);
   }
 
   /** Looks once what the bytes that came are good for. */

@@ -162,6 +162,9 @@ export class Decoders {
         worker.unit = -1;
         if (worker.decoder?.state !== "closed") worker.decoder?.close();
         worker.decoder = null;
+        this.#wants = this.#wants.filter(({ unit, frame }) => {
+          return unit !== want.unit || frame !== want.frame;
+        });
         if (!this.#closed) this.#events.failed(want, String(error));
         this.#end(worker);
       },

@@ -64,11 +64,11 @@ class PageEngine implements EngineApi {
   }
 
   /** Begins on a fresh canvas; a canvas that a worker draws on cannot be had back. */
-  async start(pieces: Pieces = []): Promise<void> {
+  async start(pieces: Pieces = [], fresh = false): Promise<void> {
     const before = this.#side;
-    const fresh = document.createElement("canvas");
-    [fresh.width, fresh.height] = this.#size as [number, number];
-    const canvas = fresh.transferControlToOffscreen();
+    const made = document.createElement("canvas");
+    [made.width, made.height] = this.#size as [number, number];
+    const canvas = made.transferControlToOffscreen();
     const tell = (name: keyof EngineEvents, value: never) => {
       if (side === this.#side) this.#say(name, value);
     };
@@ -78,10 +78,10 @@ class PageEngine implements EngineApi {
         : await startHere(tell);
     this.#side = side;
     before?.end();
-    if (this.#canvas.parentNode === this.#place) this.#canvas.replaceWith(fresh);
-    else this.#place.append(fresh);
-    fresh.className = this.#canvas.className;
-    this.#canvas = fresh;
+    if (this.#canvas.parentNode === this.#place) this.#canvas.replaceWith(made);
+    else this.#place.append(made);
+    made.className = this.#canvas.className;
+    this.#canvas = made;
     const url = new URL(this.#options.src, document.baseURI).href;
     const policy = this.#policy ?? this.#options.policy;
     const options: EngineOptions = {
@@ -91,7 +91,8 @@ class PageEngine implements EngineApi {
       ...(policy ? { policy } : {}),
     };
     const name = decodeURIComponent(new URL(url).pathname.split("/").pop() ?? "");
-    const begin = { canvas, options, url, name, pieces, time: this.#time, ...screenOf(options) };
+    const about = { options, url, name, pieces, fresh, time: this.#time };
+    const begin = { canvas, ...about, ...screenOf(options) };
     this.#pack = await side.ask("open", [begin], [canvas, ...buffers(pieces)]);
     this.#starts = 0;
     if (this.#levels) side.tell("showLevels", true);
@@ -117,7 +118,7 @@ class PageEngine implements EngineApi {
     if (name === "ended") this.#playing = false;
     for (const heard of this.#heard[name]) heard(value);
     if (name === "changed" && !this.#closed) {
-      this.start().catch((error: unknown) => this.#say("error", problemOf(error)));
+      this.start([], true).catch((error: unknown) => this.#say("error", problemOf(error)));
     }
   }
 

@@ -12,6 +12,8 @@ import { about, Device, FLAG, loadWasm, Show } from "./wasm.ts";
 
 /** How often figures are told while something changes, in milliseconds. */
 const STATS_MS = 500;
+/** How often it is looked whether the device is there, in milliseconds. */
+const LOOK_MS = 500;
 /** Longest wait for a picture to settle before its pixels are read, in milliseconds. */
 const SETTLE_MS = 20_000;
 
@@ -48,6 +50,7 @@ export class Host implements Calls {
   #recovering = false;
   #told = 0;
   #drawing = false;
+  #watch: ReturnType<typeof setInterval> | undefined;
   #closed = false;
   /** No device draws: only the coarsest level, on few pixels. */
   #software = false;
@@ -105,6 +108,8 @@ export class Host implements Calls {
     if (begin.time > 0) this.#show.seek(begin.time, seconds());
     courier.serve(this.#show);
     void courier.tablesFor(this.#policy).then(() => this.#wake());
+    // A device that is lost while nothing moves says nothing by itself.
+    this.#watch = setInterval(() => this.#show?.isLost() && this.#wake(), LOOK_MS);
     this.#tell("ready", facts);
     this.#run();
     return facts;
@@ -366,6 +371,7 @@ export class Host implements Calls {
     this.#closed = true;
     const pieces = this.#courier?.take() ?? [];
     this.#courier?.close();
+    clearInterval(this.#watch);
     this.#bell.port1.close();
     this.#show?.free();
     this.#show = null;

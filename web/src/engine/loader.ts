@@ -11,11 +11,12 @@ import { Meter } from "./meter.ts";
 const MOST_REQUESTS = 6;
 /** Of these, requests for what nothing waits for yet. */
 const MOST_EARLY = 3;
-/** Bytes of a request, by what comes in this time, in seconds. */
+/** Bytes of a request, by what comes in this time, in seconds; less where nothing waits. */
 const REQUEST_S = 0.25;
+const EARLY_S = 0.1;
 const LEAST_REQUEST = 128 * 1024;
 /** A request with less left than this is not given up. */
-const NEARLY_THERE = 32 * 1024;
+const NEARLY_THERE = 128 * 1024;
 /** Waits between tries, in milliseconds. */
 const FIRST_WAIT = 250;
 const MOST_WAIT = 8000;
@@ -67,10 +68,12 @@ export class Loader {
   #failing = false;
   #waits = false;
   #closed = false;
-  /** The next requests go past the browser's own cache. */
+  /** The next requests go past the browser's own cache; all do once that held another file. */
   #reload = false;
+  readonly #fresh: boolean;
 
-  constructor(url: string, most: number, events: LoaderEvents, world: World) {
+  constructor(url: string, most: number, events: LoaderEvents, world: World, fresh = false) {
+    this.#fresh = fresh;
     this.#url = url;
     this.#events = events;
     this.#world = world;
@@ -115,13 +118,12 @@ export class Loader {
 
   #go(): void {
     if (this.#closed || this.#waits) return;
-    const most = Math.min(
-      Math.max(this.meter.bytesPerSecond * REQUEST_S, LEAST_REQUEST),
-      MOST_REQUEST,
-    );
     while (this.#under.length < MOST_REQUESTS) {
       const early = this.#under.filter((request) => request.early).length;
-      const next = nextRequest(this.#gaps(early < MOST_EARLY), most);
+      const gaps = this.#gaps(early < MOST_EARLY);
+      const time = gaps[0]?.early ? EARLY_S : REQUEST_S;
+      const usual = Math.max(this.meter.bytesPerSecond * time, LEAST_REQUEST);
+      const next = nextRequest(gaps, Math.min(usual, MOST_REQUEST));
       if (!next) return;
       void this.#run(next);
     }
@@ -154,7 +156,7 @@ export class Loader {
       const answer = await this.#world.fetch(this.#url, {
         headers: { Range: `bytes=${want.offset}-${last}` },
         signal: abort.signal,
-        cache: this.#reload ? "reload" : "default",
+        cache: this.#reload || this.#fresh ? "reload" : "default",
         credentials: "same-origin",
       });
       status = answer.status;
