@@ -32,6 +32,8 @@ export class Viewing implements Actions {
   /** Where a skip has led that no figures have told of yet. */
   private skipping: number | null = null;
   private sensor: AbortController | null = null;
+  /** The last trouble that was said. */
+  private said = "";
 
   constructor(
     private readonly engine: EngineApi,
@@ -239,7 +241,9 @@ export class Viewing implements Actions {
     });
     engine.on("error", (problem) => {
       if (problem.fatal) this.sound.stop();
-      else shell.say(problem.message, "seen");
+      // A sender of wrong gazes sends many.
+      else if (problem.message !== this.said) shell.say(problem.message, "seen");
+      this.said = problem.message;
       tell("problem", problem);
     });
     engine.on("changed", (text) => {
@@ -251,6 +255,7 @@ export class Viewing implements Actions {
       tell("lost", what);
     });
     engine.on("restored", (what) => {
+      this.said = "";
       shell.say("It goes on.", "seen");
       tell("restored", what);
     });
