@@ -186,7 +186,8 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     output::write_whole(&args.out.join("session.jsonl"), session.as_bytes())?;
     output::write_whole(&args.out.join("frames.csv"), csv(&reports).as_bytes())?;
     let policy = args.policy.name().name();
-    let score = scoring.map(|scoring| scoring.report()).transpose()?;
+    let judged = |scoring: RunScoring| scoring.report(args.gaze.as_judged());
+    let score = scoring.map(judged).transpose()?;
     let summary = RunSummary {
         score,
         ..summarise(policy, &reports, &mut player, &session)

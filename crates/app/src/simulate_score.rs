@@ -120,8 +120,8 @@ impl RunScoring {
         self.engine.frame(&reference, &test, self.gaze_px)
     }
 
-    /// The score of the run.
-    pub(crate) fn report(&self) -> anyhow::Result<Report> {
+    /// The score of the run, by a `gaze` of that name.
+    pub(crate) fn report(&self, gaze: String) -> anyhow::Result<Report> {
         if self.unseen > 0 {
             output::say(&format!(
                 "in {} frames the gaze was not seen; they are scored for the last one that was",
@@ -129,8 +129,7 @@ impl RunScoring {
             ));
         }
         let score = self.engine.score()?;
-        let gaze = Some("true gaze of the run".to_owned());
-        let report = Report::judged(&self.viewing, self.mode.mode(), gaze, score);
+        let report = Report::judged(&self.viewing, self.mode.mode(), Some(gaze), score);
         Ok(report.with(self.companions.totals(), self.engine.name(), None))
     }
 }

@@ -3,6 +3,7 @@
 use super::processor_time::cpu_seconds;
 use crate::demo::machine::Machine;
 use crate::output::{self, out_of_range};
+use crate::score::Companions;
 use anyhow::{Context, bail};
 use clap::Args;
 use foveal_eval::score::clear::ClearJudge;
@@ -36,6 +37,10 @@ pub(crate) struct ScoreBenchArgs {
 const CASE: &str = "G14";
 /// Frames that the clear text is given.
 const CLEAR_FRAMES: usize = 2;
+/// After so many seconds a device that is slow, as software in its place, is given no more frames.
+const MOST_GPU_SECONDS: f64 = 10.0;
+/// But at least so many, one more to warm up.
+const LEAST_GPU_FRAMES: usize = 3;
 
 #[derive(Debug, Serialize)]
 struct Report {
@@ -44,12 +49,14 @@ struct Report {
     fps: f64,
     jobs: usize,
     frames: usize,
-    /// Processor seconds a frame.
-    fast: Option<Spread>,
+    /// Processor seconds a frame, all threads; null where the system does not tell.
+    cpu_s_per_frame: Option<Spread>,
     /// Seconds by the clock a frame.
-    fast_clock: Spread,
+    clock_s_per_frame: Spread,
+    /// Processor seconds a frame of the companions that `foveal score` tells beside it.
+    companions_cpu_s_per_frame: Option<f64>,
     /// Processor seconds a frame of the clear text.
-    clear: Option<f64>,
+    clear_cpu_s_per_frame: Option<f64>,
     /// How many times longer the clear text takes.
     ratio: Option<f64>,
     gpu: Option<GpuRow>,
@@ -113,56 +120,81 @@ pub(super) fn run(args: &ScoreBenchArgs) -> anyhow::Result<()> {
         bail!(out_of_range("--runs", args.runs, "3 to 100"));
     }
     let content = Content::of(Golden::named(CASE).context("a golden")?)?;
-    let (mut cpu, mut clock) = (Vec::new(), Vec::new());
-    let mut judge = Judge::new(&content.viewing, output::jobs(Some(args.jobs))?)?;
-    for turn in 0..=args.runs {
-        let (begun, before) = (Instant::now(), cpu_seconds());
-        for n in 0..args.frames {
-            let ([reference, test], gaze) = content.at(n);
-            judge.frame(reference, test, *gaze)?;
-        }
-        let frames = args.frames as f64;
-        let spent = cpu_seconds()
-            .zip(before)
-            .map(|(after, before)| (after - before) / frames);
-        if turn > 0 {
-            cpu.extend(spent);
-            clock.push(begun.elapsed().as_secs_f64() / frames);
-        }
-    }
-    let fast = Spread::of(cpu);
+    let (cpu, clock) = fast_seconds(&content, args)?;
     let clear = if args.no_baseline {
         None
     } else {
         clear_seconds(&content)?
     };
+    let gpu = gpu_row(&content, args)?;
+    let adapter = gpu.as_ref().map_or("none", |row| row.adapter.as_str());
     let report = Report {
-        machine: Machine::here("see below".to_owned()),
+        machine: Machine::here(adapter.to_owned()),
         size: content.viewing.size,
         fps: content.viewing.fps.unwrap_or_default(),
         jobs: args.jobs,
         frames: args.frames * args.runs,
-        fast,
-        fast_clock: Spread::of(clock).context("three turns at least")?,
-        clear,
-        ratio: clear.zip(fast).map(|(clear, fast)| clear / fast.median),
-        gpu: gpu_row(&content, args)?,
+        cpu_s_per_frame: cpu,
+        clock_s_per_frame: clock,
+        companions_cpu_s_per_frame: companion_seconds(&content, args.frames)?,
+        clear_cpu_s_per_frame: clear,
+        ratio: clear.zip(cpu).map(|(clear, fast)| clear / fast.median),
+        gpu,
     };
     output::result(args.json, &report, &text(&report))
+}
+
+/// Seconds a frame of the fast text: of processors, and by the clock.
+fn fast_seconds(
+    content: &Content,
+    args: &ScoreBenchArgs,
+) -> anyhow::Result<(Option<Spread>, Spread)> {
+    let (mut cpu, mut clock) = (Vec::new(), Vec::new());
+    let mut judge = Judge::new(&content.viewing, output::jobs(Some(args.jobs))?)?;
+    for turn in 0..=args.runs {
+        let begun = Instant::now();
+        let spent = seconds_each(args.frames, |n| {
+            let ([reference, test], gaze) = content.at(n);
+            judge.frame(reference, test, *gaze)?;
+            Ok(())
+        })?;
+        if turn > 0 {
+            cpu.extend(spent);
+            clock.push(begun.elapsed().as_secs_f64() / args.frames as f64);
+        }
+    }
+    let clock = Spread::of(clock).context("three turns at least")?;
+    Ok((Spread::of(cpu), clock))
+}
+
+/// Processor seconds that each of `frames` takes.
+fn seconds_each(
+    frames: usize,
+    mut take: impl FnMut(usize) -> anyhow::Result<()>,
+) -> anyhow::Result<Option<f64>> {
+    let before = cpu_seconds();
+    (0..frames).try_for_each(&mut take)?;
+    let spent = cpu_seconds().zip(before);
+    Ok(spent.map(|(after, before)| (after - before) / frames as f64))
 }
 
 /// Processor seconds a frame of the clear text.
 fn clear_seconds(content: &Content) -> anyhow::Result<Option<f64>> {
     let mut judge = ClearJudge::new(&content.viewing);
-    let before = cpu_seconds();
-    for n in 0..CLEAR_FRAMES {
+    seconds_each(CLEAR_FRAMES, |n| {
         let ([reference, test], gaze) = content.at(n);
         judge.frame(reference, test, *gaze)?;
-    }
-    let spent = cpu_seconds()
-        .zip(before)
-        .map(|(after, before)| after - before);
-    Ok(spent.map(|seconds| seconds / CLEAR_FRAMES as f64))
+        Ok(())
+    })
+}
+
+/// Processor seconds a frame of all that is told beside the score.
+fn companion_seconds(content: &Content, frames: usize) -> anyhow::Result<Option<f64>> {
+    let mut companions = Companions::beside(&content.viewing)?;
+    seconds_each(frames, |n| {
+        let ([reference, test], gaze) = content.at(n);
+        companions.frame(reference, test, *gaze)
+    })
 }
 
 /// The same on the device, where this machine has one.
@@ -172,7 +204,11 @@ fn gpu_row(content: &Content, args: &ScoreBenchArgs) -> anyhow::Result<Option<Gp
     };
     let mut judge = GpuJudge::new(&gpu.device, &gpu.queue, &content.viewing)?;
     let (mut stamped, mut clock) = (Vec::new(), Vec::new());
+    let first = Instant::now();
     for n in 0..args.frames + 1 {
+        if n > LEAST_GPU_FRAMES && first.elapsed().as_secs_f64() > MOST_GPU_SECONDS {
+            break;
+        }
         let ([reference, test], gaze) = content.at(n);
         let begun = Instant::now();
         judge.frame(reference, test, *gaze)?;
@@ -192,7 +228,7 @@ fn text(report: &Report) -> String {
     let mut text = report.machine.text();
     let [w, h] = report.size;
     text += &format!(
-        "\nscoring {w}x{h} at {} Hz, foveated, moving gaze, {} frames on {} threads:\n",
+        "\nscoring {w}x{h} at {} Hz, foveated, moving gaze, {} frames, threads: {}\n",
         report.fps, report.frames, report.jobs
     );
     let row = |spread: &Spread, unit: &str| {
@@ -202,11 +238,14 @@ fn text(report: &Report) -> String {
             spread.median
         )
     };
-    if let Some(fast) = &report.fast {
-        text += &format!("processor time: {}\n", row(fast, "s"));
+    if let Some(cpu) = &report.cpu_s_per_frame {
+        text += &format!("processor time: {}\n", row(cpu, "s"));
     }
-    text += &format!("by the clock:   {}\n", row(&report.fast_clock, "s"));
-    if let (Some(clear), Some(ratio)) = (report.clear, report.ratio) {
+    text += &format!("by the clock:   {}\n", row(&report.clock_s_per_frame, "s"));
+    if let Some(beside) = report.companions_cpu_s_per_frame {
+        text += &format!("its companions: {beside:.3} s more a frame\n");
+    }
+    if let (Some(clear), Some(ratio)) = (report.clear_cpu_s_per_frame, report.ratio) {
         text += &format!("clear text:     {clear:.3} s a frame, {ratio:.1} times as long\n");
     }
     if let Some(gpu) = &report.gpu {

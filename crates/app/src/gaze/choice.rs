@@ -24,6 +24,20 @@ pub(crate) enum GazeChoice {
     Live(LiveChoice),
 }
 
+impl GazeChoice {
+    /// What a judge calls the gaze by which it judged: nobody knows where a live eye looked, only
+    /// what was expected of it.
+    pub(crate) fn as_judged(&self) -> String {
+        match self {
+            Self::At([yaw, pitch]) => format!("true gaze of the run: {yaw},{pitch} degrees"),
+            Self::Scan => "true gaze of the run: scan".to_owned(),
+            Self::Trace(path) => format!("true gaze of the run: trace:{}", path.display()),
+            Self::Head(path) => format!("true gaze of the run: eyes of {}", path.display()),
+            Self::Live(sender) => format!("expected gaze of the run: {sender}"),
+        }
+    }
+}
+
 /// A sender of gazes.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum LiveChoice {

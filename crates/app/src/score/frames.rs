@@ -2,7 +2,7 @@
 
 use super::folder::numbered_pictures;
 use super::pack_frames::PackFrames;
-use super::picture::{from_image, is_png, read_picture};
+use super::picture::{check_source, from_image, is_png, read_picture};
 use crate::options::{PolicyOptions, ViewOptions};
 use crate::output;
 use anyhow::bail;
@@ -91,9 +91,7 @@ impl Frames {
     fn video(path: &Path) -> anyhow::Result<Self> {
         let input = VideoInput::open(path)?;
         let about = input.info();
-        if about.has_alpha {
-            output::say(&format!("{}: its transparency is dropped", path.display()));
-        }
+        check_source(path, about)?;
         let [frames, seconds] = about.frame_rate.map(f64::from);
         Ok(Self {
             name: path.to_owned(),

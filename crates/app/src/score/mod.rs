@@ -22,7 +22,7 @@ use foveal_eval::score::{Display, Viewing};
 use frames::{Frames, Opening};
 use heat::write_heat;
 pub(crate) use pack_frames::display_of_view;
-pub(crate) use picture::from_image;
+pub(crate) use picture::{from_image, read_picture};
 pub(crate) use report::Report;
 use report::Single;
 use std::path::{Path, PathBuf};

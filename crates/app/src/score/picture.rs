@@ -1,9 +1,10 @@
 //! How does a picture file become samples, all of its bits kept?
 
+use crate::output;
 use anyhow::{Context, bail};
 use foveal_eval::score::ScorePicture;
 use foveal_eval::score::picture::Samples;
-use foveal_media::VideoInput;
+use foveal_media::{SourceInfo, VideoInput};
 use foveal_render::RgbaImage;
 use png::{BitDepth, ColorType, Transformations};
 use std::fs::File;
@@ -16,16 +17,42 @@ const MOST_PIXELS: u64 = 1 << 27;
 const PNG_HEAD: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
 /// Reads a picture: PNG of any colour type and depth, anything else as FFmpeg gives it.
-pub(super) fn read_picture(path: &Path) -> anyhow::Result<ScorePicture> {
+pub(crate) fn read_picture(path: &Path) -> anyhow::Result<ScorePicture> {
     if is_png(path) {
         return read_png(path);
     }
     let mut input = VideoInput::open(path)?;
+    check_source(path, input.info())?;
     let colour = input.info().colour;
     match input.next_frame()? {
         Some(frame) => from_image(&RgbaImage::from_planes(&frame.picture, colour)),
         None => bail!("{}: holds no picture", path.display()),
     }
+}
+
+/// Refuses what FFmpeg would bring to 8-bit codes as what it is not.
+pub(super) fn check_source(path: &Path, about: &SourceInfo) -> anyhow::Result<()> {
+    let (name, format) = (path.display(), &about.pixel_format);
+    if is_floating(format) {
+        bail!(
+            "{name}: its samples ({format}) are floating point: light or codes, numbers or none; \
+             write it as PNG with 16 bits"
+        );
+    }
+    match about.has_alpha {
+        true if about.looks_still => bail!(
+            "{name}: has transparency ({format}), and colour depends on what lies behind; flatten \
+             it, or write it as an opaque PNG"
+        ),
+        true => output::say(&format!("{name}: its transparency is dropped")),
+        false => {}
+    }
+    Ok(())
+}
+
+/// Whether a pixel format by FFmpeg's name has floating point samples, as `gbrpf32le`.
+fn is_floating(format: &str) -> bool {
+    ["f16", "f32"].iter().any(|kind| format.contains(kind))
 }
 
 /// Whether a file is PNG by its first bytes.
@@ -101,4 +128,33 @@ fn rgb_of<T: Copy + PartialEq>(
         }
     };
     Ok(samples.chunks_exact(channels).flat_map(rgb).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn floating_point_is_told_by_the_name_of_a_format() {
+        for format in [
+            "gbrpf32le",
+            "gbrapf32be",
+            "grayf32le",
+            "rgbaf16le",
+            "yaf16be",
+        ] {
+            assert!(is_floating(format), "{format}");
+        }
+        for format in [
+            "yuv420p",
+            "gray16le",
+            "rgb48be",
+            "nv16",
+            "p016le",
+            "yuv444p16le",
+            "pal8",
+        ] {
+            assert!(!is_floating(format), "{format}");
+        }
+    }
 }

@@ -34,6 +34,30 @@ fn the_command_that_goes_with_a_golden_gives_its_score() {
     }
 }
 
+#[test]
+fn a_photograph_at_hand_has_its_published_scores() {
+    refused(2, &["evaluate", "goldens", "G5"], &["G5", "--photo"]);
+    let folder = Folder::new();
+    goldens(&folder, &["G2"]);
+    let other = folder.name("goldens/G2/test/0000.png");
+    refused(
+        1,
+        &["evaluate", "goldens", "--photo", &other],
+        &["--photo", "0000.png", "256x256", "astronaut"],
+    );
+    let Ok(photo) = std::env::var("FOVEAL_GOLDEN_PHOTO") else {
+        eprintln!("SKIPPED: FOVEAL_GOLDEN_PHOTO names no astronaut.png, so G5 and G6 were not run");
+        return;
+    };
+    let report = json(&["evaluate", "goldens", "--photo", &photo, "G5", "G6"]);
+    let rows = report["goldens"].as_array().unwrap();
+    for (row, wanted) in rows.iter().zip([8.43239, 7.51087]) {
+        near(&row["jod"], wanted, 0.0005);
+        near(&row["worst_energy"], 0.0, 0.001);
+    }
+    assert_eq!(rows.len(), 2);
+}
+
 /// What every result has.
 const KEYS: [&str; 17] = [
     "metric",
@@ -269,6 +293,11 @@ fn a_run_is_scored_against_the_full_picture() {
         "{coarsest}"
     );
     assert_eq!(coarsest["score"]["foveated"], true);
+    assert_eq!(
+        coarsest["score"]["gaze"],
+        "true gaze of the run: 0,0 degrees"
+    );
+    assert_keys(&coarsest["score"], &KEYS);
     let out = folder.name("unseen");
     let unseen = [
         "simulate",
@@ -280,6 +309,47 @@ fn a_run_is_scored_against_the_full_picture() {
         "none",
     ];
     refused(2, &unseen, &["--score", "--renderer"]);
+}
+
+#[test]
+fn a_run_is_scored_by_where_the_eye_looked_and_not_by_what_the_system_was_told() {
+    let folder = Folder::new();
+    let [pack, _] = pack(&folder);
+    // The eye jumps from the left to the right after the third frame.
+    let mut trace = "t_s,yaw_deg,pitch_deg,valid,spread_deg\n".to_owned();
+    for n in 0..60 {
+        let time = f64::from(n) * 0.005;
+        let yaw = if time < 0.11 { -15.0 } else { 15.0 };
+        trace += &format!("{time},{yaw},0,1,0.5\n");
+    }
+    let gaze = format!("trace:{}", folder.holding("jump.csv", trace.as_bytes()));
+    let run = |late: &str| {
+        let out = folder.name(late);
+        let words = [
+            "simulate",
+            &pack,
+            "--out",
+            &out,
+            "--pictures",
+            "none",
+            "--policy",
+            "acuity",
+            "--gaze",
+            &gaze,
+            "--score",
+            "--late",
+            late,
+        ];
+        let found = json(&words);
+        let source = found["score"]["gaze"].as_str().unwrap();
+        assert!(
+            source.starts_with("true gaze of the run: trace:"),
+            "{source}"
+        );
+        found["score"]["jod"].as_f64().unwrap()
+    };
+    let [in_time, late] = ["0", "100"].map(run);
+    assert!(late < in_time - 0.05, "{late} {in_time}");
 }
 
 #[test]

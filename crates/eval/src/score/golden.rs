@@ -97,10 +97,17 @@ impl Golden {
             .find(|golden| golden.id == id)
     }
 
-    /// Every case.
+    /// Every case whose reference comes from a formula.
     #[must_use]
     pub fn all() -> &'static [Self] {
         &super::golden_cases::GOLDENS
+    }
+
+    /// The cases whose reference is a photograph, which is no part of this project: stills, asked
+    /// by [`Self::pictures_of`].
+    #[must_use]
+    pub fn of_photograph() -> &'static [Self] {
+        &super::golden_cases::PHOTOGRAPHED
     }
 
     /// Where the eye looks in a frame.
@@ -113,9 +120,15 @@ impl Golden {
     #[must_use]
     pub fn bytes(&self, frame: u32) -> [Vec<u8>; 2] {
         let reference = scene(self.size, f64::from(frame) * self.speed);
-        let test = match self.test {
-            TestPicture::Same => reference.clone(),
-            TestPicture::Pop(from) if frame < from => reference.clone(),
+        let test = self.test_of(frame, &reference);
+        [reference, test]
+    }
+
+    /// Bytes of the test of a frame whose reference is given.
+    fn test_of(&self, frame: u32, reference: &[u8]) -> Vec<u8> {
+        match self.test {
+            TestPicture::Same => reference.to_vec(),
+            TestPicture::Pop(from) if frame < from => reference.to_vec(),
             TestPicture::Pop(_) => {
                 let all = Foveation {
                     round: [160.0, 120.0],
@@ -123,7 +136,7 @@ impl Golden {
                     tile: 16,
                     most: 2,
                 };
-                all.of(self.size, &reference)
+                all.of(self.size, reference)
             }
             TestPicture::Foveated {
                 round,
@@ -138,10 +151,9 @@ impl Golden {
                     tile,
                     most: 4,
                 };
-                foveation.of(self.size, &reference)
+                foveation.of(self.size, reference)
             }
-        };
-        [reference, test]
+        }
     }
 
     /// Reference and test of a frame.
@@ -154,6 +166,16 @@ impl Golden {
             ScorePicture::from_rgb8(self.size, reference)?,
             ScorePicture::from_rgb8(self.size, test)?,
         ])
+    }
+
+    /// Reference and test of a still whose reference is `photograph`: red, green, blue.
+    ///
+    /// # Errors
+    /// When it does not have three samples a pixel of the case's size.
+    pub fn pictures_of(&self, photograph: Vec<u8>) -> Result<[ScorePicture; 2], ScoreError> {
+        let reference = ScorePicture::from_rgb8(self.size, photograph.clone())?;
+        let test = self.test_of(0, &photograph);
+        Ok([reference, ScorePicture::from_rgb8(self.size, test)?])
     }
 }
 

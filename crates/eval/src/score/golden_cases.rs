@@ -17,7 +17,7 @@ const fn foveated(round: GoldenGaze, [radius, tile]: [f64; 2], late: u32) -> Tes
     }
 }
 
-/// Every case. Two of the published table need a photograph and are left out.
+/// Every case whose reference comes from a formula.
 pub(super) const GOLDENS: [Golden; 13] = [
     Golden {
         id: "G1",
@@ -238,6 +238,46 @@ pub(super) const GOLDENS: [Golden; 13] = [
         jod_fine_table: 10.0000,
         jod_right_border: 10.0000,
         sustained: &[],
+        transient: &[],
+    },
+];
+
+/// The cases whose reference is a photograph: `astronaut` of scikit-image (NASA, public domain).
+pub(super) const PHOTOGRAPHED: [Golden; 2] = [
+    Golden {
+        id: "G5",
+        size: [512, 512],
+        frames: 1,
+        fps: None,
+        display: "standard_hmd",
+        speed: 0.0,
+        test: foveated(GoldenGaze::At([255.0, 120.0]), [48.0, 32.0], 0),
+        gaze: GoldenGaze::At([255.0, 120.0]),
+        sha256: ["a8c429c18afa7b0f", "d2186d813104748e"],
+        psnr_db: 20.913,
+        jod: 8.43239,
+        jod_fine_table: 8.4286,
+        jod_right_border: 8.4324,
+        sustained: &[3.30155, 413.069, 777.376, 590.613, 496.238],
+        transient: &[],
+    },
+    Golden {
+        id: "G6",
+        size: [512, 512],
+        frames: 1,
+        fps: None,
+        display: "standard_4k",
+        speed: 0.0,
+        test: foveated(GoldenGaze::At([255.0, 120.0]), [48.0, 32.0], 0),
+        gaze: GoldenGaze::Everywhere,
+        sha256: ["a8c429c18afa7b0f", "d2186d813104748e"],
+        psnr_db: 20.913,
+        jod: 7.51087,
+        jod_fine_table: 7.5063,
+        jod_right_border: 7.5109,
+        sustained: &[
+            2.04132, 1013.26, 1637.16, 1063.91, 559.215, 682.475, 25.1039,
+        ],
         transient: &[],
     },
 ];

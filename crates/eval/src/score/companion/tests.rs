@@ -3,7 +3,8 @@
 use super::weight::cut_off;
 use super::*;
 use crate::score::golden::{Foveation, Golden, scene};
-use crate::score::{Display, Mode};
+use crate::score::{Display, Judge, Mode};
+use nv_flip::{FlipImageRgb8, FlipPool, flip};
 
 fn viewing(size: [u32; 2]) -> Viewing {
     let display = Display::named("standard_hmd").unwrap();
@@ -163,4 +164,44 @@ fn what_a_measure_needs_must_be_there() {
             .contains("the gaze")
     );
     assert!(refused(Companion::Ssim, &unseen).is_none());
+}
+
+/// Mean of FLIP (Andersson et al. 2020), by its authors' own code: 0 is no difference.
+fn mean_flip([w, h]: [u32; 2], reference: &[u8], test: &[u8], ppd: f64) -> f32 {
+    let [reference, test] = [reference, test].map(|rgb| FlipImageRgb8::with_data(w, h, rgb));
+    FlipPool::from_image(&flip(reference, test, ppd as f32)).mean()
+}
+
+#[test]
+fn flip_and_the_score_put_a_ladder_of_blur_and_one_of_distance_in_the_same_order() {
+    let size = [256, 256];
+    let reference = scene(size, 0.0);
+    // Neither knows a gaze here: FLIP never does.
+    for name in ["standard_hmd", "standard_fhd", "standard_4k"] {
+        let display = Display::named(name).unwrap();
+        let viewing = Viewing::new(display, size, None, false, Mode::Compat).unwrap();
+        let both = |radius: f64, most: u32| {
+            let blur = Foveation {
+                round: [128.0; 2],
+                radius,
+                tile: 16,
+                most,
+            };
+            let test = blur.of(size, &reference);
+            let mut judge = Judge::new(&viewing, 1).unwrap();
+            let pictures = [reference.clone(), test.clone()].map(|rgb| picture(size, rgb));
+            let score = judge.frame(&pictures[0], &pictures[1], [0.0; 2]).unwrap();
+            let flip = mean_flip(size, &reference, &test, viewing.display.ppd());
+            (flip, score.jod)
+        };
+        let coarser: Vec<(f32, f64)> = (0..=4).map(|most| both(1e-6, most)).collect();
+        let wider: Vec<(f32, f64)> = (0..4).map(|n| both(96.0 / f64::from(1 << n), 4)).collect();
+        assert_eq!(coarser[0], (0.0, 10.0), "{name}");
+        for ladder in [coarser, wider] {
+            let falls = ladder
+                .windows(2)
+                .all(|p| p[1].0 > p[0].0 && p[1].1 < p[0].1);
+            assert!(falls, "{name}: FLIP rises and JOD falls? {ladder:?}");
+        }
+    }
 }

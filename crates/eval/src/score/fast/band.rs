@@ -90,12 +90,15 @@ impl BandPass<'_> {
         let [columns, rows] = self.eye.size;
         let mut scratch = Scratch::new(columns);
         let mut sums = BandSums::default();
-        self.instructions.run(|| {
-            for y in strip * ROWS..((strip + 1) * ROWS).min(rows) {
-                let heat = heat.chunks_exact_mut(columns).nth(y - strip * ROWS);
-                self.row(y, &mut scratch, heat.unwrap_or_default(), &mut sums);
-            }
-        });
+        self.instructions.run(
+            #[inline(always)]
+            || {
+                for y in strip * ROWS..((strip + 1) * ROWS).min(rows) {
+                    let heat = heat.chunks_exact_mut(columns).nth(y - strip * ROWS);
+                    self.row(y, &mut scratch, heat.unwrap_or_default(), &mut sums);
+                }
+            },
+        );
         sums
     }
 
@@ -228,12 +231,21 @@ impl Table {
 
 #[inline(always)]
 fn mixed(near: Pair, far: Pair, share: f32) -> Pair {
-    [0, 1, 2, 3].map(|k| near[k] + (far[k] - near[k]) * share)
+    // Written out: a closure over the array is not inlined, and called for every pixel.
+    [
+        near[0] + (far[0] - near[0]) * share,
+        near[1] + (far[1] - near[1]) * share,
+        near[2] + (far[2] - near[2]) * share,
+        near[3] + (far[3] - near[3]) * share,
+    ]
 }
 
 #[inline(always)]
 fn along(pair: Pair, share: f32) -> [f32; 2] {
-    [0, 1].map(|k| pair[k] + (pair[k + 2] - pair[k]) * share)
+    [
+        pair[0] + (pair[2] - pair[0]) * share,
+        pair[1] + (pair[3] - pair[1]) * share,
+    ]
 }
 
 /// Adds up a row by zone.

@@ -38,7 +38,10 @@ impl Levels {
             let columns = half_size(size)[0];
             let strips = coarser[0].par_chunks_mut(columns * ROWS).enumerate();
             strips.for_each(|(strip, out)| {
-                instructions.run(|| step.strip(strip * ROWS, columns, out));
+                instructions.run(
+                    #[inline(always)]
+                    || step.strip(strip * ROWS, columns, out),
+                );
             });
         }
     }

@@ -110,14 +110,20 @@ impl Ring {
                 .par_chunks_mut(strip)
                 .enumerate()
                 .for_each(|(n, out)| {
-                    instructions.run(|| self.filter_strip(taps, n * strip, [out, &mut []]));
+                    instructions.run(
+                        #[inline(always)]
+                        || self.filter_strip(taps, n * strip, [out, &mut []]),
+                    );
                 }),
             [sustained, transient] => sustained
                 .par_chunks_mut(strip)
                 .zip(transient.par_chunks_mut(strip))
                 .enumerate()
                 .for_each(|(n, (s, t))| {
-                    instructions.run(|| self.filter_strip(taps, n * strip, [s, t]));
+                    instructions.run(
+                        #[inline(always)]
+                        || self.filter_strip(taps, n * strip, [s, t]),
+                    );
                 }),
             _ => unreachable!("one channel or two"),
         }
