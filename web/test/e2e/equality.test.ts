@@ -27,7 +27,7 @@ interface Scene {
   readonly size: readonly [number, number];
   /** Over what screen the page shows it, so that it fills the angles that it shows. */
   readonly diagonalInches: number;
-  /** Where the pointer is, in pixels, before and after a saccade; first where nobody's stands. */
+  /** Where the pointer is, in pixels, before and after a saccade. */
   readonly gazes: readonly [readonly [number, number], readonly [number, number]];
 }
 
@@ -43,7 +43,7 @@ const SCENES: readonly Scene[] = [
     pack: "flat",
     size: [1024, 576],
     diagonalInches: 24,
-    gazes: [[512, 288], [900, 400]],
+    gazes: [[300, 200], [900, 400]],
   },
   {
     pack: "sphere",
@@ -95,8 +95,15 @@ async function inPage(page: Page, scene: Scene, policy: string, frames: number):
   await page.evaluate("import('./foveal-view.js').then((it) => (window.Engine = it.Engine))");
   return page.evaluate(
     async ({ options, gazes, frames }) => {
-      const engine = await window.Engine.open(document.body, options);
+      const { policy, ...rest } = options;
+      // Choosing begins with the gaze: levels are kept steady, so that what was before counts.
+      const begin = { ...rest, policy: "coarsest" } as const;
+      const engine = await window.Engine.open(document.body, begin).catch((why: unknown) => {
+        throw new Error(JSON.stringify(why));
+      });
       engine.pointer(gazes[0]);
+      await engine.pixels();
+      engine.setPolicy(policy ?? "acuity");
       const pictures: string[] = [];
       const text = (data: Uint8Array) =>
         new Promise<string>((done) => {
