@@ -15,6 +15,7 @@ cargo xtask COMMAND
   wasm            core and render for the browser; the same selection natively and in wasm
   web             the page: wasm, scripts and pages in web/dist, with their size
   web-test        the tests of the page; its pictures beside those of the program
+  web-bench       whether the page's memory stays what it is, over minutes
   ci              fmt, tidy, web, clippy, wasm, test, web-test: exactly what CI runs
   bless [FILTER]  run the tests (those whose name contains FILTER) and rewrite their goldens";
 
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
         ["wasm"] => wasm::run(),
         ["web"] => web::run(),
         ["web-test"] => web::test(),
+        ["web-bench"] => web::bench(),
         ["ci"] => steps::ci(),
         ["bless"] => steps::bless(None),
         ["bless", filter] => steps::bless(Some(filter)),

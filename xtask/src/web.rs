@@ -63,6 +63,17 @@ pub(crate) fn test() -> Outcome {
     steps::run(&mut tool(&web, "tsc", &["--noEmit"]))?;
     steps::run(&mut tool(&web, "tsc", &["--noEmit", "-p", "test"]))?;
     steps::run(&mut tool(&web, "vitest", &["run"]))?;
+    in_browser(&web, "vitest.e2e.config.ts")
+}
+
+/// Whether memory stays what it is, over minutes of looking (MINUTES, 10 if nothing is said).
+pub(crate) fn bench() -> Outcome {
+    let web = repository_root().join("web");
+    install(&web)?;
+    in_browser(&web, "vitest.bench.config.ts")
+}
+
+fn in_browser(web: &Path, config: &str) -> Outcome {
     let program = match std::env::var_os("FOVEAL") {
         Some(program) => program.into(),
         None => {
@@ -70,8 +81,8 @@ pub(crate) fn test() -> Outcome {
             target_folder()?.join("debug/foveal")
         }
     };
-    let words = ["run", "--config", "vitest.e2e.config.ts"];
-    steps::run(tool(&web, "vitest", &words).env("FOVEAL", program))
+    let words = ["run", "--config", config];
+    steps::run(tool(web, "vitest", &words).env("FOVEAL", program))
 }
 
 fn build_module(web: &Path) -> Outcome {

@@ -12,6 +12,8 @@ mod needs;
 mod options;
 mod shelf;
 mod telling;
+#[cfg(test)]
+mod tests;
 mod viewer;
 mod wide;
 

@@ -4,13 +4,15 @@
 // waits for any more is given up, what failed is tried again, and no byte is asked for twice.
 
 import { Bytes, type Stretch } from "./bytes.ts";
-import { MOST_REQUEST, nextRequest, type Want, without } from "./plan.ts";
+import { LEAST_HOLE, MOST_HOLE, MOST_REQUEST, nextRequest, type Want, without } from "./plan.ts";
 import { Meter } from "./meter.ts";
 
-/** Requests under way at once: what browsers give one host over HTTP/1.1. */
-const MOST_REQUESTS = 6;
+/** Requests under way at once: over HTTP/1.1 browsers keep all but six of them back. */
+const MOST_REQUESTS = 16;
 /** Of these, requests for what nothing waits for yet. */
 const MOST_EARLY = 3;
+/** Connections to one host over HTTP/1.1. */
+const CONNECTIONS = 6;
 /** Bytes of a request, by what comes in this time, in seconds; less where nothing waits. */
 const REQUEST_S = 0.25;
 const EARLY_S = 0.1;
@@ -64,6 +66,8 @@ export class Loader {
   #under: Request[] = [];
   #wants: readonly Want[] = [];
   #tag: string | null = null;
+  /** Milliseconds to the first byte of an answer, the least of late. */
+  #trip = 0;
   #tries = 0;
   #failing = false;
   #waits = false;
@@ -123,10 +127,16 @@ export class Loader {
       const gaps = this.#gaps(early < MOST_EARLY);
       const time = gaps[0]?.early ? EARLY_S : REQUEST_S;
       const usual = Math.max(this.meter.bytesPerSecond * time, LEAST_REQUEST);
-      const next = nextRequest(gaps, Math.min(usual, MOST_REQUEST));
+      const next = nextRequest(gaps, Math.min(usual, MOST_REQUEST), this.#hole());
       if (!next) return;
       void this.#run(next);
     }
+  }
+
+  /** What would come while one connection waits for an answer. */
+  #hole(): number {
+    const waiting = (this.meter.bytesPerSecond * this.#trip) / 1000 / CONNECTIONS;
+    return Math.min(Math.max(waiting, LEAST_HOLE), MOST_HOLE);
   }
 
   /** What is missing and not under way, first what matters most. */
@@ -149,6 +159,7 @@ export class Loader {
     this.#under.push(request);
     this.requests++;
     this.meter.begin();
+    const asked = this.#world.now();
     let failure: Failure | null = null;
     let status = 0;
     try {
@@ -160,6 +171,8 @@ export class Loader {
         credentials: "same-origin",
       });
       status = answer.status;
+      const trip = this.#world.now() - asked;
+      this.#trip = this.#trip > 0 ? Math.min(trip, this.#trip * 1.05) : trip;
       failure = this.#judge(answer);
       if (failure) await answer.body?.cancel();
       else await this.#read(answer, request);

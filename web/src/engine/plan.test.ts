@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { HOLE, MOST_REQUEST, nextRequest, type Want, without } from "./plan.ts";
+import { LEAST_HOLE as HOLE, MOST_REQUEST, nextRequest, type Want, without } from "./plan.ts";
 
 const want = (offset: number, bytes: number, early = false): Want => ({ offset, bytes, early });
 

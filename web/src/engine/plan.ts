@@ -4,8 +4,12 @@
 
 import type { Stretch } from "./bytes.ts";
 
-/** Bytes between two wanted stretches that are fetched along rather than asked for apart. */
-export const HOLE = 4096;
+/**
+ * Bytes between two wanted stretches that are fetched along rather than asked for apart, at least
+ * and at most: as many as come while another request would be on its way.
+ */
+export const LEAST_HOLE = 4096;
+export const MOST_HOLE = 32 * 1024;
 
 /** Bytes of one request at most. */
 export const MOST_REQUEST = 2 * 1024 * 1024;
@@ -34,9 +38,13 @@ export function without(wanted: Stretch, taken: readonly Stretch[]): Stretch[] {
 /**
  * The next request: the first gap in order of importance, with the gaps that follow it closely in
  * the file while that makes no more than `most` bytes. `gaps` are what is missing and not under
- * way, by importance.
+ * way, by importance; `hole` bytes between them are fetched along.
  */
-export function nextRequest(gaps: readonly Want[], most: number): Want | null {
+export function nextRequest(
+  gaps: readonly Want[],
+  most: number,
+  hole = LEAST_HOLE,
+): Want | null {
   const first = gaps[0];
   if (!first) return null;
   let begin = first.offset;
@@ -44,12 +52,12 @@ export function nextRequest(gaps: readonly Want[], most: number): Want | null {
   const early = first.early;
   const inFile = gaps.slice(1).sort((a, b) => a.offset - b.offset);
   for (const gap of inFile) {
-    const follows = gap.offset >= begin && gap.offset <= end + HOLE;
+    const follows = gap.offset >= begin && gap.offset <= end + hole;
     const reaches = gap.offset + gap.bytes;
     if (follows && reaches > end && reaches - begin <= most) end = reaches;
   }
   for (const gap of inFile.reverse()) {
-    const precedes = gap.offset < begin && gap.offset + gap.bytes + HOLE >= begin;
+    const precedes = gap.offset < begin && gap.offset + gap.bytes + hole >= begin;
     if (precedes && end - gap.offset <= most) begin = gap.offset;
   }
   return { offset: begin, bytes: end - begin, early };

@@ -5,7 +5,7 @@ import { type Browser, type BrowserContextOptions, type Page, chromium } from "p
 import { PNG } from "./png.ts";
 
 /** Flags with which Chromium draws WebGPU that can be looked at, without a display or a GPU. */
-const DRAWS = [
+export const DRAWS = [
   "--no-sandbox",
   "--enable-unsafe-webgpu",
   "--enable-features=Vulkan",
@@ -17,7 +17,7 @@ const DRAWS = [
   "--autoplay-policy=user-gesture-required",
 ];
 
-function executable(): string {
+export function executable(): string {
   for (const name of ["chromium", "chromium-browser", "google-chrome"]) {
     try {
       return execFileSync("sh", ["-c", `command -v ${name}`], { encoding: "utf8" }).trim();
