@@ -78,7 +78,10 @@ export class Viewing implements Actions {
   }
 
   seek(seconds: number): void {
-    const there = Math.max(0, Math.min(seconds, this.engine.pack.seconds));
+    const { pack } = this.engine;
+    // The end of the last picture is the beginning of the first one's next round.
+    const last = pack.seconds * (1 - 0.5 / pack.frames);
+    const there = Math.max(0, Math.min(seconds, last));
     this.skipping = there;
     this.engine.seek(there);
     this.around.shell.showTime(there, this.engine.pack.seconds);
