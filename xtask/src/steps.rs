@@ -97,7 +97,7 @@ pub(crate) fn ci() -> Outcome {
     step("test", || {
         run(cargo(&["test", "--workspace"]).env("RUST_BACKTRACE", "1"))
     })?;
-    step("web-test", web::test)
+    step("web-test", web::test_after_workspace)
 }
 
 /// Runs the tests so that they write their golden files instead of comparing with them.

@@ -52,9 +52,21 @@ pub(crate) fn run() -> Outcome {
     fs::write(web.join("dist").join(STAMP), "").map_err(|e| format!("web/dist: {e}"))
 }
 
-/// The tests of the TypeScript; then those in a browser, for which the program with the page in it
-/// is built, unless FOVEAL names one.
+/// The tests of the TypeScript; then those in a browser.
 pub(crate) fn test() -> Outcome {
+    let web = test_typescript()?;
+    in_browser(&web, "vitest.e2e.config.ts", program()?)
+}
+
+/// The same with the program that the tests of the workspace have built.
+pub(crate) fn test_after_workspace() -> Outcome {
+    let web = test_typescript()?;
+    let program = target_folder()?.join("debug/foveal");
+    in_browser(&web, "vitest.e2e.config.ts", program)
+}
+
+/// Returns the folder of the TypeScript.
+fn test_typescript() -> Result<PathBuf, String> {
     let web = repository_root().join("web");
     if !web.join("dist").join(STAMP).exists() {
         run()?;
@@ -63,24 +75,26 @@ pub(crate) fn test() -> Outcome {
     steps::run(&mut tool(&web, "tsc", &["--noEmit"]))?;
     steps::run(&mut tool(&web, "tsc", &["--noEmit", "-p", "test"]))?;
     steps::run(&mut tool(&web, "vitest", &["run"]))?;
-    in_browser(&web, "vitest.e2e.config.ts")
+    Ok(web)
 }
 
 /// Whether memory stays what it is, over minutes of looking (MINUTES, 10 if nothing is said).
 pub(crate) fn bench() -> Outcome {
     let web = repository_root().join("web");
     install(&web)?;
-    in_browser(&web, "vitest.bench.config.ts")
+    in_browser(&web, "vitest.bench.config.ts", program()?)
 }
 
-fn in_browser(web: &Path, config: &str) -> Outcome {
-    let program = match std::env::var_os("FOVEAL") {
-        Some(program) => program.into(),
-        None => {
-            steps::run(&mut cargo(&["build", "--quiet", "-p", "foveal"]))?;
-            target_folder()?.join("debug/foveal")
-        }
-    };
+/// The program that FOVEAL names, else one that is built with the page in it.
+fn program() -> Result<PathBuf, String> {
+    if let Some(program) = std::env::var_os("FOVEAL") {
+        return Ok(program.into());
+    }
+    steps::run(&mut cargo(&["build", "--quiet", "-p", "foveal"]))?;
+    Ok(target_folder()?.join("debug/foveal"))
+}
+
+fn in_browser(web: &Path, config: &str, program: PathBuf) -> Outcome {
     let words = ["run", "--config", config];
     steps::run(tool(web, "vitest", &words).env("FOVEAL", program))
 }

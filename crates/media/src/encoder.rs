@@ -91,8 +91,8 @@ pub(crate) fn set_fixed_quality(video: &mut Video, quality: u8) {
 
 /// The finest and the coarsest quantiser of a VP9 group round the one that was asked for.
 ///
-/// What the key frame and the middle of a group hold, the other frames copy: finer there and coarser
-/// elsewhere, a group of the same mean quality takes 6 to 10 % fewer bytes
+/// What the key frame and the middle of a group hold, the other frames copy: finer there and
+/// coarser elsewhere, a group of the same mean quality takes 6 to 10 % fewer bytes
 /// (docs/decisions/0009-quantisers-within-bounds.md). The bounds keep its frames within about a
 /// decibel of each other.
 fn vp9_quantisers(quantiser: u8) -> [u8; 2] {
