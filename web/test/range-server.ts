@@ -13,6 +13,8 @@ export interface Asked {
   readonly method: string;
   readonly path: string;
   readonly status: number;
+  /** The range as it was asked for. */
+  readonly range: string;
   /** Bytes of the file, from first to last; empty (last < first) where none were sent. */
   readonly first: number;
   readonly last: number;
@@ -152,7 +154,12 @@ export class RangeHost {
     const done = this.log.filter((one) => one.whole);
     const virtualStart = Math.max(0, ...done.map((one) => one.virtualEnd));
     const trips = 1 + Math.max(0, ...done.map((one) => one.trips));
-    const before = { method: request.method ?? "", path, at: performance.now() - this.began };
+    const before = {
+      method: request.method ?? "",
+      path,
+      range: request.headers.range ?? "",
+      at: performance.now() - this.began,
+    };
     if (this.options.allowOrigin !== undefined) {
       response.setHeader("access-control-allow-origin", this.options.allowOrigin);
       response.setHeader("access-control-allow-headers", "range, cache-control, if-range");

@@ -13,6 +13,8 @@ const TICK = 0.1;
 const LEAD = 0.08;
 /** Seconds of packets that a decoder needs before the first that is heard (RFC 7845). */
 const PREROLL = 0.08;
+/** Seconds of the longest packet: with so much more, the last one reaches to the end. */
+const LONGEST_PACKET = 0.06;
 /** Bytes of a track's packets asked for at once stay small: this many seconds. */
 const PIECE = 0.5;
 
@@ -121,7 +123,8 @@ class Run {
     const from = this.asked - round * seconds;
     const until = Math.min(from + PIECE, seconds);
     try {
-      const packets = await this.engine.soundPackets(Math.max(0, from - PREROLL), until);
+      const begin = Math.max(0, from - PREROLL);
+      const packets = await this.engine.soundPackets(begin, until + LONGEST_PACKET);
       if (packets !== null && !this.ended) {
         const samples = await decode(packets);
         if (!this.ended) this.place(packets, samples, round, from, until);

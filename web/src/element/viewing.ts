@@ -32,6 +32,8 @@ export class Viewing implements Actions {
   /** Where a skip has led that no figures have told of yet. */
   private skipping: number | null = null;
   private sensor: AbortController | null = null;
+  /** The last trouble that was said. */
+  private said = "";
 
   constructor(
     private readonly engine: EngineApi,
@@ -76,7 +78,10 @@ export class Viewing implements Actions {
   }
 
   seek(seconds: number): void {
-    const there = Math.max(0, Math.min(seconds, this.engine.pack.seconds));
+    const { pack } = this.engine;
+    // The end of the last picture is the beginning of the first one's next round.
+    const last = pack.seconds * (1 - 0.5 / pack.frames);
+    const there = Math.max(0, Math.min(seconds, last));
     this.skipping = there;
     this.engine.seek(there);
     this.around.shell.showTime(there, this.engine.pack.seconds);
@@ -239,7 +244,9 @@ export class Viewing implements Actions {
     });
     engine.on("error", (problem) => {
       if (problem.fatal) this.sound.stop();
-      else shell.say(problem.message, "seen");
+      // A sender of wrong gazes sends many.
+      else if (problem.message !== this.said) shell.say(problem.message, "seen");
+      this.said = problem.message;
       tell("problem", problem);
     });
     engine.on("changed", (text) => {
@@ -251,6 +258,7 @@ export class Viewing implements Actions {
       tell("lost", what);
     });
     engine.on("restored", (what) => {
+      this.said = "";
       shell.say("It goes on.", "seen");
       tell("restored", what);
     });

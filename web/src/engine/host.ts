@@ -29,8 +29,13 @@ async function findDevice(): Promise<boolean> {
   return adapter !== null;
 }
 
-function factsOf(about: string, software: boolean): PackFacts {
-  const facts = JSON.parse(about) as PackFacts;
+function factsOf(head: Uint8Array, software: boolean): PackFacts {
+  let facts: PackFacts;
+  try {
+    facts = JSON.parse(about(head)) as PackFacts;
+  } catch (error) {
+    throw problem("broken-pack", true, String(error));
+  }
   if (!software) return { ...facts, drawing: "gpu" };
   return { ...facts, drawing: "software", policies: ["coarsest"] };
 }
@@ -82,7 +87,7 @@ export class Host implements Calls {
       loadWasm().then(() => courier.begin()),
     ]);
     this.#software = !hasDevice;
-    const facts = factsOf(about(head), this.#software);
+    const facts = factsOf(head, this.#software);
     await courier.prepare(facts);
     const wanted = options.policy ?? (options.demo ? "acuity" : "viewport");
     this.#policy = this.#software ? "coarsest" : wanted;

@@ -123,7 +123,7 @@ test("another file under the same address is noticed and shown", async () => {
 
 test("an address that names no video offers the list", async () => {
   await on("view.html", {}, async ({ page }) => {
-    await page.getByRole("link", { name: "all videos" }).click();
+    await page.getByRole("main").getByRole("link").click();
     await page.locator("#packs a").first().waitFor();
   });
 });
