@@ -131,13 +131,15 @@ async function inPage(page: Page, scene: Scene, policy: string, frames: number):
 /** The gazes of a log, as the trace by which the program looks alike. */
 function traceOf(log: string, frames: number): string {
   const lines = log.split("\n").filter((line) => line !== "");
-  const told = lines.map((line) => JSON.parse(line) as { frame?: number; gaze?: number[] });
+  type Line = { frame?: number; gaze?: number[]; spread_rad?: number };
+  const told = lines.map((line) => JSON.parse(line) as Line);
   const rows = Array.from({ length: frames }, (_, frame) => {
-    const at = told.filter((one) => one.frame === frame).at(-1)?.gaze;
-    const [x = 0, y = 0, z = -1] = at ?? [];
+    const at = told.filter((one) => one.frame === frame).at(-1);
+    const [x = 0, y = 0, z = -1] = at?.gaze ?? [];
+    const spread = ((at?.spread_rad ?? 0) * 180) / Math.PI;
     const yaw = (Math.atan2(x, -z) * 180) / Math.PI;
     const pitch = (Math.asin(y) * 180) / Math.PI;
-    return `${frame / 25 - 0.001},${yaw},${pitch},0.5,0,0`;
+    return `${frame / 25 - 0.001},${yaw},${pitch},${spread},0,0`;
   });
   return ["t_s,yaw_deg,pitch_deg,spread_deg,head_yaw_deg,head_pitch_deg", ...rows, ""].join("\n");
 }
