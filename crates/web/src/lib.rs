@@ -3,6 +3,14 @@
 //! Decisions are core's, pictures render's; here they meet, as they do in the app natively. All
 //! but the canvas compiles and is tested on every target.
 
+#![cfg_attr(
+    not(target_arch = "wasm32"),
+    allow(
+        dead_code,
+        reason = "the calls that use it are compiled for browsers alone"
+    )
+)]
+
 mod choice;
 mod easel;
 mod facts;

@@ -37,6 +37,9 @@ const ALONG = 7;
 /** Most bytes of planes that wait for their time. */
 const MOST_READY = 128 << 20;
 
+/** Most failures that are remembered. */
+const MOST_FAILED = 4096;
+
 interface Ready {
   readonly planes: Uint8Array;
   readonly decoded: number;
@@ -65,6 +68,8 @@ export class Decoders {
   /** Planes that wait for their time, oldest first. */
   readonly #ready = new Map<number, Ready>();
   #readyBytes = 0;
+  /** Frames of units that could not be decoded once. */
+  readonly #failed = new Set<number>();
   #closed = false;
 
   constructor(config: VideoDecoderConfig, count: number, events: DecoderEvents) {
@@ -162,13 +167,22 @@ export class Decoders {
         worker.unit = -1;
         if (worker.decoder?.state !== "closed") worker.decoder?.close();
         worker.decoder = null;
-        this.#wants = this.#wants.filter(({ unit, frame }) => {
-          return unit !== want.unit || frame !== want.frame;
-        });
-        if (!this.#closed) this.#events.failed(want, String(error));
+        if (!this.#closed) this.#fail(want, String(error));
         this.#end(worker);
       },
     );
+  }
+
+  /** A browser may take a decoder away: a fresh one tries once more. */
+  #fail(want: PictureWant, why: string): void {
+    const name = key(want.unit, want.frame);
+    if (this.#failed.size > MOST_FAILED) this.#failed.clear();
+    if (!this.#failed.has(name)) {
+      this.#failed.add(name);
+      return;
+    }
+    this.#wants = this.#wants.filter((other) => key(other.unit, other.frame) !== name);
+    this.#events.failed(want, why);
   }
 
   #end(worker: Worker): void {

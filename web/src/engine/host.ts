@@ -12,6 +12,8 @@ import { about, Device, FLAG, loadWasm, Show } from "./wasm.ts";
 
 /** How often figures are told while something changes, in milliseconds. */
 const STATS_MS = 500;
+/** Longest wait for a picture of the screen before a step, in milliseconds. */
+const LATE_MS = 250;
 /** How often it is looked whether the device is there, in milliseconds. */
 const LOOK_MS = 500;
 /** Longest wait for a picture to settle before its pixels are read, in milliseconds. */
@@ -55,6 +57,8 @@ export class Host implements Calls {
   #recovering = false;
   #told = 0;
   #drawing = false;
+  /** A policy that waits for its tables. */
+  #changing: Promise<void> = Promise.resolve();
   #watch: ReturnType<typeof setInterval> | undefined;
   #closed = false;
   /** No device draws: only the coarsest level, on few pixels. */
@@ -138,10 +142,15 @@ export class Host implements Calls {
   #again(): void {
     if (this.#next || this.#closed) return;
     this.#next = true;
-    requestAnimationFrame(() => {
+    const run = () => {
+      if (!this.#next) return;
       this.#next = false;
+      clearTimeout(late);
       this.#run();
-    });
+    };
+    // In a headset, or where the screen is busy, pictures of the page come late or never.
+    const late = setTimeout(run, LATE_MS);
+    requestAnimationFrame(run);
   }
 
   #run(): void {
@@ -313,7 +322,8 @@ export class Host implements Calls {
 
   setPolicy(name: PolicyName): void {
     if (this.#software) return;
-    void this.#courier?.tablesFor(name).then(() => {
+    const ready = this.#courier?.tablesFor(name) ?? Promise.resolve();
+    this.#changing = ready.then(() => {
       this.#do((show) => {
         show.setPolicy(name);
         this.#policy = name;
@@ -353,6 +363,7 @@ export class Host implements Calls {
   }
 
   async pixels(): Promise<Pixels> {
+    await this.#changing;
     await this.#whenSettled();
     if (!this.#show) throw problem("internal", false, "not open");
     const [width, height, data] = (await this.#show.pixels()) as [number, number, Uint8Array];

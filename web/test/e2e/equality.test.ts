@@ -57,6 +57,7 @@ interface Drawn {
   /** RGBA in base64: lists of numbers take minutes to cross. */
   readonly pictures: string[];
   readonly log: string;
+  readonly damaged: number;
 }
 
 declare global {
@@ -119,8 +120,9 @@ async function inPage(page: Page, scene: Scene, policy: string, frames: number):
         pictures.push(await text((await engine.pixels()).data));
       }
       const log = await engine.sessionLog();
+      const damaged = (await engine.stats()).damagedTiles;
       engine.close();
-      return { pictures, log };
+      return { pictures, log, damaged };
     },
     { options, gazes: scene.gazes, frames },
   );
@@ -129,13 +131,15 @@ async function inPage(page: Page, scene: Scene, policy: string, frames: number):
 /** The gazes of a log, as the trace by which the program looks alike. */
 function traceOf(log: string, frames: number): string {
   const lines = log.split("\n").filter((line) => line !== "");
-  const told = lines.map((line) => JSON.parse(line) as { frame?: number; gaze?: number[] });
+  type Line = { frame?: number; gaze?: number[]; spread_rad?: number };
+  const told = lines.map((line) => JSON.parse(line) as Line);
   const rows = Array.from({ length: frames }, (_, frame) => {
-    const at = told.filter((one) => one.frame === frame).at(-1)?.gaze;
-    const [x = 0, y = 0, z = -1] = at ?? [];
+    const at = told.filter((one) => one.frame === frame).at(-1);
+    const [x = 0, y = 0, z = -1] = at?.gaze ?? [];
+    const spread = ((at?.spread_rad ?? 0) * 180) / Math.PI;
     const yaw = (Math.atan2(x, -z) * 180) / Math.PI;
     const pitch = (Math.asin(y) * 180) / Math.PI;
-    return `${frame / 25 - 0.001},${yaw},${pitch},0.5,0,0`;
+    return `${frame / 25 - 0.001},${yaw},${pitch},${spread},0,0`;
   });
   return ["t_s,yaw_deg,pitch_deg,spread_deg,head_yaw_deg,head_pitch_deg", ...rows, ""].join("\n");
 }
@@ -174,7 +178,7 @@ for (const scene of SCENES) {
         const differing = native.map((picture, frame) => {
           return picture.differing(Buffer.from(drawn.pictures[frame] ?? "", "base64"));
         });
-        expect(differing).toEqual(Array.from({ length: frames }, () => 0));
+        expect([drawn.damaged, ...differing]).toEqual(Array.from({ length: frames + 1 }, () => 0));
       },
     );
   }
