@@ -93,7 +93,7 @@ impl Viewer {
             shelf,
             looking: Looking::default(),
             figures: Figures::default(),
-            clock: MediaClock::new(),
+            clock: MediaClock::default(),
             size: options.size,
             screen_size: options.screen_size,
             screen: options.screen,

@@ -44,7 +44,7 @@ export const STYLE = `
   height: 100%;
   display: block;
 }
-.stage .poster { object-fit: cover; filter: blur(0.25rem); transform: scale(1.02); }
+.stage .poster { object-fit: contain; filter: blur(0.25rem); transform: scale(1.02); }
 .stage canvas.plain { object-fit: contain; }
 :focus { outline: none; }
 :focus-visible { outline: 3px solid var(--accent); outline-offset: -3px; }

@@ -113,7 +113,7 @@ impl Viewer {
         let mut viewer = Self {
             policy: begin.policy,
             scene: begin.scene,
-            clock: MediaClock::new(),
+            clock: MediaClock::default(),
             choice: begin.choice,
             looking: begin.looking,
             pointer: Pointer::default(),

@@ -11,7 +11,9 @@ const JUMP_S: f64 = 0.2;
 const GLIDE: f64 = 0.1;
 
 /// Time in the content, counted on through all its rounds.
-#[derive(Clone, Copy, Debug)]
+///
+/// By default it is paused at the beginning.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct MediaClock {
     at: f64,
     /// When it was `at`; `None` while paused.
@@ -19,14 +21,6 @@ pub struct MediaClock {
 }
 
 impl MediaClock {
-    /// Paused at the beginning.
-    pub fn new() -> Self {
-        Self {
-            at: 0.0,
-            since: None,
-        }
-    }
-
     /// Time in the content.
     pub fn time(&self, now: Seconds) -> Seconds {
         let passed = self.since.map_or(0.0, |since| (now.0 - since).max(0.0));
@@ -71,7 +65,7 @@ mod tests {
 
     #[test]
     fn time_runs_only_while_it_plays() {
-        let mut clock = MediaClock::new();
+        let mut clock = MediaClock::default();
         assert_eq!(clock.time(Seconds(5.0)), Seconds(0.0));
         clock.play(Seconds(5.0));
         clock.play(Seconds(6.0));
@@ -86,7 +80,7 @@ mod tests {
 
     #[test]
     fn the_picture_comes_to_a_sound_that_runs_fast_and_stays_within_forty_milliseconds() {
-        let mut clock = MediaClock::new();
+        let mut clock = MediaClock::default();
         clock.play(Seconds(0.0));
         let heard = |now: f64| 0.15 + now * 1.001;
         for step in 1..600 {
