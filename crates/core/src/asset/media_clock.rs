@@ -11,7 +11,7 @@ const JUMP_S: f64 = 0.2;
 const GLIDE: f64 = 0.1;
 
 /// Time in the content, counted on through all its rounds.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct MediaClock {
     at: f64,
     /// When it was `at`; `None` while paused.
@@ -21,10 +21,7 @@ pub struct MediaClock {
 impl MediaClock {
     /// Paused at the beginning.
     pub fn new() -> Self {
-        Self {
-            at: 0.0,
-            since: None,
-        }
+        Self::default()
     }
 
     /// Time in the content.
