@@ -56,6 +56,8 @@ const SCENES: readonly Scene[] = [
 interface Drawn {
   /** RGBA in base64: lists of numbers take minutes to cross. */
   readonly pictures: string[];
+  /** What each of them was chosen for. */
+  readonly lines: string[];
   readonly log: string;
   readonly damaged: number;
 }
@@ -106,6 +108,7 @@ async function inPage(page: Page, scene: Scene, policy: string, frames: number):
       await engine.pixels();
       engine.setPolicy(policy ?? "acuity");
       const pictures: string[] = [];
+      const lines: string[] = [];
       const text = (data: Uint8Array) =>
         new Promise<string>((done) => {
           const reader = new FileReader();
@@ -118,27 +121,24 @@ async function inPage(page: Page, scene: Scene, policy: string, frames: number):
           engine.step(1);
         }
         pictures.push(await text((await engine.pixels()).data));
+        lines.push((await engine.sessionLog()).trimEnd().split("\n").at(-1) ?? "");
       }
       const log = await engine.sessionLog();
       const damaged = (await engine.stats()).damagedTiles;
       engine.close();
-      return { pictures, log, damaged };
+      return { pictures, lines, log, damaged };
     },
     { options, gazes: scene.gazes, frames },
   );
 }
 
-/** The gazes of a log, as the trace by which the program looks alike. */
-function traceOf(log: string, frames: number): string {
-  const lines = log.split("\n").filter((line) => line !== "");
-  type Line = { frame?: number; gaze?: number[]; spread_rad?: number };
-  const told = lines.map((line) => JSON.parse(line) as Line);
-  const rows = Array.from({ length: frames }, (_, frame) => {
-    const at = told.filter((one) => one.frame === frame).at(-1);
-    const [x = 0, y = 0, z = -1] = at?.gaze ?? [];
-    const spread = ((at?.spread_rad ?? 0) * 180) / Math.PI;
-    const yaw = (Math.atan2(x, -z) * 180) / Math.PI;
-    const pitch = (Math.asin(y) * 180) / Math.PI;
+/** What pictures were looked at with, as the trace by which the program looks alike. */
+function traceOf(lines: readonly string[]): string {
+  const rows = lines.map((line, frame) => {
+    const { gaze, spread_rad } = JSON.parse(line) as { gaze: number[]; spread_rad: number };
+    const [x = 0, y = 0, z = -1] = gaze;
+    const degrees = [Math.atan2(x, -z), Math.asin(y), spread_rad].map((a) => (a * 180) / Math.PI);
+    const [yaw, pitch, spread] = degrees;
     return `${frame / 25 - 0.001},${yaw},${pitch},${spread},0,0`;
   });
   return ["t_s,yaw_deg,pitch_deg,spread_deg,head_yaw_deg,head_pitch_deg", ...rows, ""].join("\n");
@@ -148,12 +148,12 @@ function traceOf(log: string, frames: number): string {
 async function natively(
   scene: Scene,
   policy: string,
-  frames: number,
-  log: string,
+  lines: readonly string[],
 ): Promise<PNG[]> {
+  const frames = lines.length;
   const out = join(folder, `${scene.pack}-${policy}`);
   const trace = join(folder, `${scene.pack}-${policy}.csv`);
-  await writeFile(trace, traceOf(log, frames));
+  await writeFile(trace, traceOf(lines));
   const pack = join(inject("packs"), `${scene.pack}.foveal`);
   const words = ["simulate", pack, "--policy", policy, "--gaze", `trace:${trace}`];
   const more = ["--frames", `${frames}`, "--view", scene.size.join("x"), "--out", out];
@@ -174,7 +174,7 @@ for (const scene of SCENES) {
         const opened = await open(browser, `${host.url}view.html?pack=none.foveal`);
         const drawn = await inPage(opened.page, scene, policy, frames);
         await opened.page.context().close();
-        const native = await natively(scene, policy, frames, drawn.log);
+        const native = await natively(scene, policy, drawn.lines);
         const differing = native.map((picture, frame) => {
           return picture.differing(Buffer.from(drawn.pictures[frame] ?? "", "base64"));
         });

@@ -11,8 +11,6 @@ const JUMP_S: f64 = 0.2;
 const GLIDE: f64 = 0.1;
 
 /// Time in the content, counted on through all its rounds.
-///
-/// By default it is paused at the beginning.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MediaClock {
     at: f64,
@@ -21,6 +19,11 @@ pub struct MediaClock {
 }
 
 impl MediaClock {
+    /// Paused at the beginning.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
     /// Time in the content.
     pub fn time(&self, now: Seconds) -> Seconds {
         let passed = self.since.map_or(0.0, |since| (now.0 - since).max(0.0));
@@ -65,7 +68,7 @@ mod tests {
 
     #[test]
     fn time_runs_only_while_it_plays() {
-        let mut clock = MediaClock::default();
+        let mut clock = MediaClock::new();
         assert_eq!(clock.time(Seconds(5.0)), Seconds(0.0));
         clock.play(Seconds(5.0));
         clock.play(Seconds(6.0));
@@ -80,7 +83,7 @@ mod tests {
 
     #[test]
     fn the_picture_comes_to_a_sound_that_runs_fast_and_stays_within_forty_milliseconds() {
-        let mut clock = MediaClock::default();
+        let mut clock = MediaClock::new();
         clock.play(Seconds(0.0));
         let heard = |now: f64| 0.15 + now * 1.001;
         for step in 1..600 {
