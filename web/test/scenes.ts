@@ -2,7 +2,7 @@
 //
 // Pictures whose colour says where and when they are: a sphere whose red grows with yaw and whose
 // green grows with pitch, a flat picture whose red grows to the right and green downwards, both
-// with blue that grows with time, and fine lines that only the finest level holds.
+// with blue that grows with time, and grain that only the finest level holds.
 
 import type { Planes } from "./avi.ts";
 
@@ -37,8 +37,7 @@ export function pictures([width, height]: readonly [number, number]): Planes[] {
     for (let column = 0; column < width; column += 1) {
       const colour = colourAt((column + 0.5) / width, (row + 0.5) / height, 0);
       const [luma, blue, red] = codes(colour);
-      // Lines of one pixel, which average out on every coarser level.
-      y[row * width + column] = luma + (column % 2 === 0 ? LINE : -LINE);
+      y[row * width + column] = luma;
       const chroma = (row >> 1) * cw + (column >> 1);
       u[chroma] = blue;
       v[chroma] = red;
@@ -48,14 +47,21 @@ export function pictures([width, height]: readonly [number, number]): Planes[] {
   const after = codes(colourAt(0, 0, 1));
   const each = after.map((code, plane) => code - (before[plane] ?? 0));
   return Array.from({ length: FRAMES }, (_, frame) => {
-    const moved = (plane: Float32Array, number: number): Uint8Array =>
-      Uint8Array.from(plane, (code) => Math.round(code + frame * (each[number] ?? 0)));
-    return [moved(y, 0), moved(u, 1), moved(v, 2)];
+    const moved = (plane: Float32Array, number: number, grain: number): Uint8Array => {
+      let state = frame + 1;
+      return Uint8Array.from(plane, (code) => {
+        state = (Math.imul(state, 1_664_525) + 1_013_904_223) >>> 0;
+        const noise = grain * (state / 2 ** 31 - 1);
+        return Math.round(code + frame * (each[number] ?? 0) + noise);
+      });
+    };
+    // Grain in luma averages out on every coarser level, and makes the file as large as real ones.
+    return [moved(y, 0, GRAIN), moved(u, 1, 0), moved(v, 2, 0)];
   });
 }
 
-/** How far a line is from what is round it, in code values. */
-const LINE = 12;
+/** How far grain goes from what is round it, in code values. */
+const GRAIN = 12;
 
 /** A tone for as long as the pictures last, that begins anew with every fifth frame. */
 export function sound(): Float32Array {

@@ -142,8 +142,10 @@ export class Loader {
   /** What is missing and not under way, first what matters most. */
   #gaps(withEarly: boolean): Want[] {
     const gaps: Want[] = [];
-    for (const want of this.#wants) {
-      if (want.early && !withEarly) continue;
+    const end = this.length ?? Infinity;
+    for (const { offset, bytes, early } of this.#wants) {
+      if ((early && !withEarly) || offset >= end) continue;
+      const want: Want = { offset, bytes: Math.min(bytes, end - offset), early };
       for (const part of this.bytes.missing(want)) {
         for (const gap of without(part, this.#under)) gaps.push({ ...gap, early: want.early });
       }
