@@ -83,7 +83,8 @@ const MAX_TEXT_BYTES: u64 = 1 << 30;
 /// The text of a file that a person named; `what` it should be goes into the message.
 pub(crate) fn read_text(path: &Path, what: &str) -> anyhow::Result<String> {
     let name = path.display();
-    let there = std::fs::metadata(path).with_context(|| format!("{name}: no {what} there"))?;
+    let there =
+        std::fs::metadata(path).with_context(|| format!("{name}: cannot be read as {what}"))?;
     if !there.is_file() || there.len() > MAX_TEXT_BYTES {
         bail!("{name}: expected {what}: a file of at most {MAX_TEXT_BYTES} bytes");
     }
@@ -108,6 +109,12 @@ pub(crate) fn spare_inputs<'a>(
 
 /// Writes a file whole or not at all.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let there = std::fs::metadata(path);
+    if there.is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        // A device or a pipe takes bytes as they come; a rename would put a file in its place.
+        let written = std::fs::write(path, bytes);
+        return written.with_context(|| format!("{}: cannot be written", path.display()));
+    }
     let mut growing = path.as_os_str().to_owned();
     growing.push(".partial");
     let growing = Path::new(&growing);

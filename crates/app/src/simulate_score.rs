@@ -81,7 +81,7 @@ impl ScoringOptions {
         };
         let full = Player::new(Arc::clone(beside.file), options)?;
         let display = match &self.score_display {
-            Some(choice) => display_named(choice)?,
+            Some(choice) => display_named("--score-display", choice)?,
             None => display_of_view(&beside.view, full.grid().surface.projection),
         };
         let fps = (beside.frames > 1).then(|| beside.file.pack().description().fps());

@@ -114,12 +114,16 @@ pub(super) fn displays() -> Vec<Display> {
         .collect()
 }
 
-/// The display that was asked for, or else `own`.
-pub(super) fn display_of(choice: Option<&str>, own: Option<Display>) -> anyhow::Result<Display> {
+/// The display that `option` asked for, or else `own`.
+pub(super) fn display_of(
+    option: &str,
+    choice: Option<&str>,
+    own: Option<Display>,
+) -> anyhow::Result<Display> {
     let Some(choice) = choice else {
         return own.ok_or_else(|| {
             let names = Display::NAMES.join(", ");
-            let text = format!("--display: give one of {names}, or a file that describes it");
+            let text = format!("{option}: give one of {names}, or a file that describes it");
             WrongUsage(text).into()
         });
     };
@@ -130,7 +134,7 @@ pub(super) fn display_of(choice: Option<&str>, own: Option<Display>) -> anyhow::
     if !path.exists() {
         let names = Display::NAMES.join(", ");
         bail!(out_of_range(
-            "--display",
+            option,
             choice,
             &format!("{names}, or a file that is there")
         ));

@@ -29,7 +29,8 @@ impl Engine {
         match device {
             DeviceName::Cpu => Ok(Self::Cpu(Box::new(Judge::new(viewing, jobs)?))),
             DeviceName::Gpu => {
-                let gpu = Gpu::open_blocking().context("or give --device cpu")?;
+                let gpu = Gpu::open_blocking()
+                    .context("--device gpu cannot be had; give --device cpu")?;
                 let judge = GpuJudge::new(&gpu.device, &gpu.queue, viewing)?;
                 Ok(Self::Gpu(Box::new(judge), gpu.adapter_name().to_owned()))
             }

@@ -40,7 +40,7 @@ pub(super) fn numbered_pictures(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 /// The number at the end of a picture's name.
 fn number_of(path: &Path) -> Option<u64> {
     let ending = path.extension()?.to_str()?.to_lowercase();
-    let stem = path.file_stem()?.to_str()?;
+    let stem = path.file_stem()?.to_string_lossy();
     let text = stem.trim_end_matches(|c: char| c.is_ascii_digit());
     ENDINGS.contains(&ending.as_str()).then_some(())?;
     stem[text.len()..].parse().ok()

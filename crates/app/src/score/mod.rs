@@ -148,7 +148,7 @@ impl ScoreArgs {
         let gaze = gaze_of(self.gaze.as_ref(), self.gaze_trace.as_deref())?;
         let fps = fps_of(self.fps, [&pair.0, &pair.1])?;
         let own = pair.0.display.clone();
-        let display = conditions::display_of(self.display.as_deref(), own)?;
+        let display = conditions::display_of("--display", self.display.as_deref(), own)?;
         conditions::check_hdr(&display, [&pair.0, &pair.1])?;
         let foveated = gaze.is_some();
         let viewing = Viewing::new(display, size, fps, foveated, self.mode.mode())
@@ -230,7 +230,8 @@ impl ScoreArgs {
             per_frame.push(judge.frame(&frame.reference, &frame.test, frame.gaze_px)?);
             Ok(())
         })?;
-        let single = Single::new(companion, viewing, gaze, judge.total(), per_frame);
+        let measure = (companion, self.mode.mode());
+        let single = Single::new(measure, viewing, gaze, judge.total(), per_frame);
         output::result(self.json, &single, &single.text())
     }
 
@@ -281,7 +282,7 @@ impl ScoreArgs {
     }
 }
 
-/// A named display, or the one that a file describes.
-pub(crate) fn display_named(choice: &str) -> anyhow::Result<Display> {
-    conditions::display_of(Some(choice), None)
+/// A named display, or the one that a file describes, as an `option` chose it.
+pub(crate) fn display_named(option: &str, choice: &str) -> anyhow::Result<Display> {
+    conditions::display_of(option, Some(choice), None)
 }

@@ -127,10 +127,7 @@ impl Report {
     }
 
     pub(crate) fn text(&self) -> String {
-        let mode = match self.mode {
-            Mode::Compat => "compat",
-            Mode::Strict => "strict",
-        };
+        let mode = mode_name(self.mode);
         let mut text = format!(
             "{:.4} JOD ({} {}, {mode}, {}; 10 is no difference, 1 less is what three of four \
              people see)\n{} frames, {}\n",
@@ -174,6 +171,13 @@ impl Report {
     }
 }
 
+fn mode_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Compat => "compat",
+        Mode::Strict => "strict",
+    }
+}
+
 fn zone_text(name: &str, zone: Option<Zone>) -> String {
     match zone {
         Some(zone) => format!(
@@ -189,6 +193,9 @@ fn zone_text(name: &str, zone: Option<Zone>) -> String {
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Single {
     metric: Companion,
+    /// Of this program.
+    version: &'static str,
+    mode: Mode,
     /// Null for equal pictures, of measures in decibels.
     value: Option<f64>,
     unit: &'static str,
@@ -200,7 +207,7 @@ pub(super) struct Single {
 
 impl Single {
     pub(super) fn new(
-        metric: Companion,
+        (metric, mode): (Companion, Mode),
         viewing: &Viewing,
         gaze: Option<&GazeOnPicture>,
         value: f64,
@@ -209,6 +216,8 @@ impl Single {
         let is_similarity = matches!(metric, Companion::Ssim | Companion::FovealSsim);
         Self {
             metric,
+            version: env!("CARGO_PKG_VERSION"),
+            mode,
             value: value.is_finite().then_some(value),
             unit: if is_similarity { "" } else { "dB" },
             conditions: Conditions::new(viewing, gaze.map(GazeOnPicture::source)),
@@ -221,9 +230,12 @@ impl Single {
         let value = self
             .value
             .map_or("no error".to_owned(), |value| format!("{value:.4}"));
-        let (unit, metric, frames) = (self.unit, self.metric, self.frames);
+        let (unit, metric, frames) = (self.unit, self.metric.name(), self.frames);
+        let (version, mode) = (self.version, mode_name(self.mode));
         let conditions = self.conditions.text();
-        format!("{value} {unit} ({metric:?})\n{frames} frames, {conditions}\n")
+        format!(
+            "{value} {unit} ({metric} of foveal {version}, {mode})\n{frames} frames, {conditions}\n"
+        )
     }
 }
 

@@ -99,6 +99,12 @@ fn a_result_says_under_which_conditions_it_was_found() {
         &heat,
     ];
     let found = json(&arguments);
+    // A link to a device stays one: nothing is put in the device's place.
+    let device = folder.name("device.png");
+    std::os::unix::fs::symlink("/dev/null", &device).unwrap();
+    let nowhere = arguments.map(|word| if word == heat { &device } else { word });
+    done(&nowhere);
+    assert!(std::fs::symlink_metadata(&device).unwrap().is_symlink());
     // Case G11 of the goldens.
     near(&found["jod"], 7.33896, 0.0005);
     assert_keys(&found, &KEYS);
@@ -204,6 +210,7 @@ fn other_measures_are_given_by_name() {
             "{found}"
         );
         assert_eq!(found["metric"], metric);
+        assert_keys(&found, &KEYS[..12]);
     }
     refused(
         1,
@@ -298,6 +305,10 @@ fn a_run_is_scored_against_the_full_picture() {
         "true gaze of the run: 0,0 degrees"
     );
     assert_keys(&coarsest["score"], &KEYS);
+    let out = folder.name("nowhere");
+    let nowhere = ["simulate", &pack, "--out", &out, "--score"];
+    let nowhere = [nowhere.as_slice(), &["--score-display", "tv"]].concat();
+    refused(2, &nowhere, &["--score-display", "tv", "standard_fhd"]);
     let out = folder.name("unseen");
     let unseen = [
         "simulate",

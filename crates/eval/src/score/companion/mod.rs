@@ -38,6 +38,19 @@ pub enum Companion {
 const FOVEA_DEG: f64 = 2.5;
 
 impl Companion {
+    /// Its name in results.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Psnr => "psnr",
+            Self::FwPsnr => "fw-psnr",
+            Self::Ssim => "ssim",
+            Self::FovealSsim => "foveal-ssim",
+            Self::WsPsnr => "ws-psnr",
+            Self::SPsnr => "s-psnr",
+        }
+    }
+
     /// Whether it asks where the eye looks.
     #[must_use]
     pub fn needs_gaze(self) -> bool {
