@@ -10,7 +10,7 @@ const JUMP_S: f64 = 0.2;
 /// Share of a smaller difference that one look at the sound takes away.
 const GLIDE: f64 = 0.1;
 
-/// Time in the content, counted on through all its rounds.
+/// Time in the content, counted on through all its rounds; by default paused at the beginning.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MediaClock {
     at: f64,
@@ -19,11 +19,6 @@ pub struct MediaClock {
 }
 
 impl MediaClock {
-    /// Paused at the beginning.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Time in the content.
     pub fn time(&self, now: Seconds) -> Seconds {
         let passed = self.since.map_or(0.0, |since| (now.0 - since).max(0.0));
@@ -68,7 +63,7 @@ mod tests {
 
     #[test]
     fn time_runs_only_while_it_plays() {
-        let mut clock = MediaClock::new();
+        let mut clock = MediaClock::default();
         assert_eq!(clock.time(Seconds(5.0)), Seconds(0.0));
         clock.play(Seconds(5.0));
         clock.play(Seconds(6.0));
@@ -83,7 +78,7 @@ mod tests {
 
     #[test]
     fn the_picture_comes_to_a_sound_that_runs_fast_and_stays_within_forty_milliseconds() {
-        let mut clock = MediaClock::new();
+        let mut clock = MediaClock::default();
         clock.play(Seconds(0.0));
         let heard = |now: f64| 0.15 + now * 1.001;
         for step in 1..600 {
