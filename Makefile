@@ -8,7 +8,7 @@ export INPUT
 # Where there is no desktop, Mesa's Vulkan layers complain about its absence.
 export XDG_RUNTIME_DIR ?= /tmp
 
-.PHONY: help setup build demo test fuzz clean
+.PHONY: help setup build web demo test fuzz clean
 
 help: ## list these targets
 	@sed -nE 's/^([a-z]+):[^#]*## (.*)/make \1|\2/p' Makefile | \
@@ -17,8 +17,12 @@ help: ## list these targets
 setup: ## install what is missing to build and test
 	@scripts/install.sh
 
-build: setup ## build the release program
+build: setup ## build the page, and the release program that carries it
+	@cargo xtask web || echo "build: the program will carry no pages: see above" >&2
 	cargo build --release
+
+web: setup ## build the page into web/dist and say how large it is
+	cargo xtask web
 
 demo: build ## prepare, stream and judge a clip into demo/ (INPUT=file for your own)
 	@input=(); \
@@ -46,4 +50,4 @@ fuzz: ## throw random bytes at each parser for a minute (FUZZ_SECONDS=N)
 
 clean: ## remove what was built and the demo's output
 	cargo clean
-	rm -rf demo fuzz/target
+	rm -rf demo fuzz/target web/dist web/pkg web/node_modules

@@ -31,7 +31,9 @@ has_library:alsa          libasound2-dev      alsa-lib-devel        alsa-lib    
 has_keyboard_library      libxkbcommon-x11-0  libxkbcommon-x11      libxkbcommon-x11   -
 has_xvfb                  xvfb                xorg-x11-server-Xvfb  xorg-server-xvfb   -
 has_vulkan_driver         mesa-vulkan-drivers mesa-vulkan-drivers   vulkan-swrast      -
-has_command:node          nodejs              nodejs                nodejs             node
+has_node                  nodejs              nodejs                nodejs             node
+has_command:npm           npm                 nodejs-npm            npm                node
+has_chromium              chromium            chromium              chromium           -
 has_command:python3       python3             python3               python             python
 has_pip                   python3-pip         python3-pip           python-pip         python
 TABLE
@@ -64,6 +66,18 @@ has_libclang() {
 has_keyboard_library() {
   [ "$(uname)" = Darwin ] || has_file /usr/lib/*-linux-gnu*/libxkbcommon-x11.so.0 \
     /usr/lib/libxkbcommon-x11.so.0 /usr/lib64/libxkbcommon-x11.so.0
+}
+
+# The page is built by tools that need Node 20.19 or later.
+has_node() {
+  node -e 'const [a, b] = process.versions.node.split(".").map(Number);
+    process.exit(a > 20 || (a === 20 && b >= 19) ? 0 : 1)' 2>/dev/null
+}
+
+# The tests look at the page in a browser.
+has_chromium() {
+  [ "$(uname)" = Darwin ] || has_command chromium || has_command chromium-browser ||
+    has_command google-chrome
 }
 
 # The tests open windows on a display without a screen.

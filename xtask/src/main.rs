@@ -5,6 +5,7 @@
 mod steps;
 mod tidy;
 mod wasm;
+mod web;
 
 use std::process::ExitCode;
 
@@ -12,7 +13,10 @@ const USAGE: &str = "\
 cargo xtask COMMAND
   tidy            rules of ARCHITECTURE.md and STYLE.md that a machine can check
   wasm            core and render for the browser; the same selection natively and in wasm
-  ci              fmt, tidy, clippy, wasm, test: exactly what CI runs
+  web             the page: wasm, scripts and pages in web/dist, with their size
+  web-test        the tests of the page; its pictures beside those of the program
+  web-bench       whether the page's memory stays what it is, over minutes
+  ci              fmt, tidy, web, clippy, wasm, test, web-test: exactly what CI runs
   bless [FILTER]  run the tests (those whose name contains FILTER) and rewrite their goldens";
 
 fn main() -> ExitCode {
@@ -21,6 +25,9 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["tidy"] => tidy::run(),
         ["wasm"] => wasm::run(),
+        ["web"] => web::run(),
+        ["web-test"] => web::test(),
+        ["web-bench"] => web::bench(),
         ["ci"] => steps::ci(),
         ["bless"] => steps::bless(None),
         ["bless", filter] => steps::bless(Some(filter)),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use crate::{tidy, wasm};
+use crate::{tidy, wasm, web};
 
 /// What a step does: nothing to say, or why it failed.
 pub(crate) type Outcome = Result<(), String>;
@@ -79,6 +79,8 @@ fn not_started(command: &Command, error: &std::io::Error) -> String {
 pub(crate) fn ci() -> Outcome {
     step("fmt", || run(&mut cargo(&["fmt", "--all", "--check"])))?;
     step("tidy", tidy::run)?;
+    // The program carries the page, so the page comes first.
+    step("web", web::run)?;
     step("clippy", || {
         let words = [
             "clippy",
@@ -94,7 +96,8 @@ pub(crate) fn ci() -> Outcome {
     step("wasm", wasm::run)?;
     step("test", || {
         run(cargo(&["test", "--workspace"]).env("RUST_BACKTRACE", "1"))
-    })
+    })?;
+    step("web-test", web::test_after_workspace)
 }
 
 /// Runs the tests so that they write their golden files instead of comparing with them.

@@ -25,13 +25,16 @@ mod replay;
 mod sampling;
 mod score;
 mod select;
+mod serve;
 mod showing_options;
 mod simulate;
 mod simulate_score;
+mod site;
 mod timed_run;
 mod verify;
 mod view;
 mod watching;
+mod web_files;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -79,6 +82,11 @@ enum Command {
     Evaluate(evaluate::Evaluate),
     /// Make the selection of a logged session again and compare.
     Replay(replay::ReplayArgs),
+    /// Put packs into a folder of pages that any web host can serve.
+    #[command(subcommand)]
+    Export(site::export::Export),
+    /// Serve a site, or packs as one, to browsers.
+    Serve(serve::ServeArgs),
     /// Judge, fit, classify and record gaze.
     #[command(subcommand)]
     Gaze(gaze_command::GazeCommand),
@@ -105,6 +113,8 @@ fn main() -> ExitCode {
         Command::Score(args) => score::run(&args),
         Command::Evaluate(command) => evaluate::run(&command),
         Command::Replay(args) => replay::run(&args),
+        Command::Export(command) => site::export::run(&command),
+        Command::Serve(args) => serve::run(&args),
         Command::Gaze(command) => gaze_command::run(&command),
     };
     match result {

@@ -101,7 +101,7 @@ pub(crate) struct PlayerOptions {
 
 /// Share of a frame's time after which a paced frame waits for no finer tile: what is left is for
 /// uploading and drawing.
-const READY: f64 = 0.9;
+const READY: f64 = 0.8;
 
 /// What one frame took.
 #[derive(Clone, Debug)]

@@ -47,8 +47,9 @@ pub enum Speed {
 /// What decides how many bytes pictures take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rate {
-    /// A fixed quantiser, lower is finer: VP8, VP9 and AV1 0-63, H.264 and HEVC 0-51, JPEG 1-31;
-    /// PNG is lossless and ignores it.
+    /// A quantiser, lower is finer: VP8, VP9 and AV1 0-63, H.264 and HEVC 0-51, JPEG 1-31; PNG is
+    /// lossless and ignores it. VP9 stays between three quarters and nine eighths of it, the other
+    /// codecs keep to it.
     Quantiser(u8),
     /// JPEG with the Independent JPEG Group's tables at this quality, 1-100, higher is finer.
     Ijg(u8),
@@ -122,7 +123,7 @@ pub fn encode_group(
     }
 }
 
-/// Codes the group at a fixed quantiser.
+/// Codes the group at one quantiser.
 fn code_at(
     settings: &EncodeSettings,
     quantiser: u8,

@@ -1,6 +1,7 @@
 //! How is a pack read from a file?
 
 use foveal_core::asset::cues::{CUES, CueTable};
+use foveal_core::asset::frame_times::{FRAME_TIMES, nominal_times, parse_frame_times};
 use foveal_core::asset::pack::{
     HEADER_BYTES, Header, Pack, PackError, TableEntry, check_crc, split_chunk,
 };
@@ -149,43 +150,10 @@ impl PackFile {
 
     /// Time of every frame in nanoseconds after the first, from the side table `frame_times`.
     pub fn frame_times(&self) -> Result<Vec<i64>, PackFileError> {
-        let frames = self.pack.description().frames as usize;
-        let tables = &self.pack.description().tables;
-        let Some(table) = tables.iter().find(|table| table.name == FRAME_TIMES) else {
-            let fps = self.pack.description().fps();
-            return Ok((0..frames)
-                .map(|frame| (frame as f64 * 1e9 / fps) as i64)
-                .collect());
-        };
-        let wrong = |found: String| {
-            self.format(PackError {
-                field: format!("side table {FRAME_TIMES}"),
-                found,
-                expected: format!("version 1: {frames} times of 8 bytes that grow"),
-            })
-        };
-        if table.version != 1 || table.bytes != frames as u64 * 8 {
-            return Err(wrong(format!(
-                "version {}, {} bytes",
-                table.version, table.bytes
-            )));
-        }
-        let bytes = self.read_table(table)?;
-        let times: Vec<i64> = bytes
-            .chunks_exact(8)
-            .map(|word| {
-                word.iter()
-                    .rev()
-                    .fold(0, |time, byte| time << 8 | i64::from(*byte))
-            })
-            .collect();
-        match times.windows(2).position(|pair| pair[1] <= pair[0]) {
-            Some(frame) => Err(wrong(format!(
-                "frame {} not after the one before",
-                frame + 1
-            ))),
-            None => Ok(times),
-        }
+        let about = self.pack.description();
+        let parse = |version, rows: Vec<u8>| parse_frame_times(about.frames, version, &rows);
+        let times = self.parse_table(FRAME_TIMES, parse)?;
+        Ok(times.unwrap_or_else(|| nominal_times(about)))
     }
 
     /// What each unit adds, from the side table `signatures`; `None` where the pack has none.
@@ -299,9 +267,6 @@ pub fn partial_path(pack: &Path) -> PathBuf {
     name.push(".partial");
     pack.with_file_name(name)
 }
-
-/// Name of the side table that holds the time of every frame.
-pub(crate) const FRAME_TIMES: &str = "frame_times";
 
 fn read_at(file: &mut File, offset: u64, bytes: u64) -> std::io::Result<Vec<u8>> {
     file.seek(SeekFrom::Start(offset))?;

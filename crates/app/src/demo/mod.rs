@@ -57,6 +57,8 @@ pub(crate) struct DemoArgs {
 #[derive(Serialize)]
 struct Summary<'a> {
     report: &'a Path,
+    /// The command that serves the packs to a browser.
+    serve: &'a str,
     machine: &'a Machine,
     contents: BTreeMap<&'a str, BTreeMap<&'a str, Figures<'a>>>,
 }
@@ -87,12 +89,16 @@ pub(crate) fn run(args: &DemoArgs) -> anyhow::Result<()> {
         &report,
         report::page(&played, &machine, args.seed).as_bytes(),
     )?;
+    let serve = serve_command(&played);
     let summary = Summary {
         report: &report,
+        serve: &serve,
         machine: &machine,
         contents: played.iter().map(by_policy).collect(),
     };
-    output::result(args.json, &summary, &text(&played, &machine, &report))
+    let text = text(&played, &machine, &report);
+    let text = format!("{text}\nin a browser: {serve}");
+    output::result(args.json, &summary, &text)
 }
 
 fn by_policy(played: &Played) -> (&str, BTreeMap<&str, Figures<'_>>) {
@@ -103,6 +109,14 @@ fn by_policy(played: &Played) -> (&str, BTreeMap<&str, Figures<'_>>) {
     };
     let all = (0..runs.len()).map(figures).collect();
     (&played.content.name, all)
+}
+
+/// How a user of this program serves what was prepared.
+fn serve_command(played: &[Played]) -> String {
+    let program = std::env::args().next().unwrap_or_default();
+    let packs = played.iter().map(|one| one.content.file.path().display());
+    let packs: Vec<String> = packs.map(|pack| format!("{pack}")).collect();
+    format!("{program} serve {}", packs.join(" "))
 }
 
 fn text(played: &[Played], machine: &Machine, report: &Path) -> String {

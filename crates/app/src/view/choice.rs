@@ -1,53 +1,29 @@
-//! Which tiles does the policy choose, and how is that written down?
+//! Which tiles does the policy choose of a pack, and where is that written down?
 
-use super::timeline::Timeline;
 use crate::link::Link;
-use crate::options::check_thresholds;
 use anyhow::{Context, bail};
 use foveal_core::asset::cues::CueTable;
 use foveal_core::asset::signature::Signatures;
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
-use foveal_core::gaze::sample::{GazeSample, HeadPose};
-use foveal_core::perception::parameters::{EyeState, Parameters};
+use foveal_core::perception::parameters::Parameters;
+use foveal_core::selection::aim::Aim;
 use foveal_core::selection::budget::{Budget, MOST_SAVED_S};
-use foveal_core::selection::chooser::Chooser;
 use foveal_core::selection::content::{Content, PackContent};
-use foveal_core::selection::policy::{Moment, Policy, PolicyConfig};
-use foveal_core::selection::session::{Given, Session, SessionFrame, SessionHead};
-use foveal_core::units::{Radians, Seconds};
-use foveal_core::view::axes::angle_between;
-use foveal_core::view::eye_view::EyeView;
+use foveal_core::selection::picker::{HasTables, Picker};
+use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::selection::stage::Chooses;
+use foveal_core::units::Seconds;
 use foveal_media::pack_file::PackFile;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A gaze that moved less has not moved, in degrees.
-const STILL_DEG: f64 = 0.05;
-/// What is kept fine beside the view, at most in shares of its width: a window that is zoomed to a
-/// corner of the content does not fetch the rest.
-const MARGIN_SHARE: f64 = 0.25;
-
-/// What selection is given of the viewer.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Aim {
-    pub(crate) gaze: GazeSample,
-    pub(crate) view: EyeView,
-    pub(crate) head: HeadPose,
-    pub(crate) state: EyeState,
-    /// How far the picture is behind the sound, where there is sound.
-    pub(crate) behind_sound: Option<Seconds>,
-}
-
 /// Chooses under one policy at a time, and logs it.
 pub(crate) struct Choice {
     file: Arc<PackFile>,
-    grid: TileGrid,
-    config: PolicyConfig,
+    picker: Picker,
     tables: (Option<Signatures>, Option<CueTable>),
-    /// The chooser, and the head of the session that it chooses in.
-    running: Option<(Chooser, SessionHead)>,
     log: Option<Log>,
     link: Option<Spending>,
 }
@@ -108,12 +84,11 @@ impl Choice {
                 out,
             })
         });
+        let name = file.path().file_name().unwrap_or_default();
         let choice = Self {
+            picker: Picker::new(&name.to_string_lossy(), grid, config),
             file,
-            grid,
-            config,
             tables,
-            running: None,
             log: log.transpose()?,
             link: link.map(|link| Spending {
                 budget: Budget::new(link.bytes_per_s),
@@ -121,7 +96,7 @@ impl Choice {
                 bought: 0.0,
             }),
         };
-        if !choice.can(choice.config.policy) {
+        if !choice.can(choice.policy()) {
             bail!(
                 "{}: has no signatures or cues, by which this policy chooses; prepare it again",
                 choice.file.path().display(),
@@ -131,130 +106,64 @@ impl Choice {
     }
 
     pub(crate) fn policy(&self) -> Policy {
-        self.config.policy
+        self.config().policy
     }
 
     pub(crate) fn perception(&self) -> &Parameters {
-        &self.config.perception
+        &self.config().perception
     }
 
     /// The policy with its parameters.
     pub(crate) fn config(&self) -> &PolicyConfig {
-        &self.config
+        self.picker.config()
     }
 
     /// Whether the pack has what a policy chooses by.
     pub(crate) fn can(&self, policy: Policy) -> bool {
-        let config = PolicyConfig {
-            policy,
-            ..self.config.clone()
+        let has = HasTables {
+            signatures: self.tables.0.is_some(),
+            cues: self.tables.1.is_some(),
         };
-        let cues = self.tables.0.is_some() && self.tables.1.is_some();
-        (!policy.spends_a_budget() || self.tables.0.is_some())
-            && (!config.needs_cues() || cues)
-            && check_thresholds(&config, &self.grid).is_ok()
+        self.picker.can(policy, has)
     }
 
     /// Chooses by another policy from now on.
     pub(crate) fn change(&mut self, config: PolicyConfig) {
-        self.config = config;
-        self.running = None;
+        self.picker.change(config);
     }
 
     /// Whether a link may still bring what was not chosen yet for lack of bytes.
     fn saves_up(&self, now: f64) -> bool {
         let link = self.link.as_ref();
-        let link = link.filter(|_| self.config.policy.spends_a_budget());
+        let link = link.filter(|_| self.policy().spends_a_budget());
         link.is_some_and(|link| now - link.bought < 2.0 * MOST_SAVED_S)
     }
+}
 
-    /// Whether the choice for `now` could be another than for `before`.
-    pub(crate) fn differs(&self, now: &Aim, before: &Aim) -> bool {
-        let moved = angle_between(now.gaze.gaze_in_content, before.gaze.gaze_in_content);
-        let gaze_counts = !matches!(
-            self.config.policy,
-            Policy::Full | Policy::Coarsest | Policy::Viewport | Policy::Uniform
-        );
-        self.saves_up(now.gaze.time.0)
-            || now.view != before.view
-            || gaze_counts && moved.to_degrees() > STILL_DEG
+impl Chooses for Choice {
+    type Error = anyhow::Error;
+
+    fn differs(&self, now: &Aim, before: &Aim) -> bool {
+        self.saves_up(now.gaze.time.0) || now.differs(before, self.policy())
     }
 
-    /// The tiles to show of a frame, the whole coarsest level included.
-    pub(crate) fn choose(
-        &mut self,
-        timeline: &Timeline,
-        tick: u64,
-        aim: &Aim,
-    ) -> anyhow::Result<Vec<Tile>> {
-        let head = self.head(aim);
-        if self
-            .running
-            .as_ref()
-            .is_none_or(|(_, running)| *running != head)
-        {
-            if let Some(log) = &mut self.log {
-                let frames = Vec::new();
-                log.write(
-                    &Session {
-                        head: head.clone(),
-                        frames,
-                    }
-                    .write(),
-                )?;
-            }
-            let chooser = Chooser::new(self.grid, head.policy.clone());
-            self.running = Some((chooser, head));
-        }
-        let Some((chooser, _)) = &mut self.running else {
-            return Ok(Vec::new());
-        };
-        let frame = timeline.frame_of(tick);
-        let moment = Moment {
-            gaze: aim.gaze,
-            view: Some(aim.view),
-            state: aim.state,
-        };
+    fn choose(&mut self, frame: u32, aim: &Aim) -> anyhow::Result<Vec<Tile>> {
         let content = self.tables.0.as_ref().map(|signatures| PackContent {
             pack: self.file.pack(),
             signatures,
             cues: self.tables.1.as_ref(),
         });
         let content = content.as_ref().map(|content| content as &dyn Content);
-        let spends = self.config.policy.spends_a_budget();
+        let spends = self.policy().spends_a_budget();
         let mut link = self.link.as_mut().filter(|_| spends);
         let budget = link.as_mut().map(|link| link.ask(aim.gaze.time));
-        let selection = chooser.choose(content, frame, &moment, budget);
-        if let (Some(link), Chooser::Budget(refiner)) = (link, chooser) {
-            link.spend(refiner.spent(), aim.gaze.time);
+        let picked = self.picker.choose(content, frame, aim, budget);
+        if let Some(link) = link {
+            link.spend(picked.spent, aim.gaze.time);
         }
         if let Some(log) = &mut self.log {
-            let given = Given {
-                gaze: aim.gaze,
-                head: aim.head,
-                state: aim.state,
-                budget,
-            };
-            let line = SessionFrame {
-                behind_sound_s: aim.behind_sound,
-                ..SessionFrame::new(frame, &given, &self.grid, &selection)
-            };
-            log.write(&line.write())?;
+            log.write(&picked.log)?;
         }
-        let coarsest = self.grid.coarsest();
-        let finer = selection.tiles.iter().filter(|tile| tile.level != coarsest);
-        Ok(self.grid.tiles_of(coarsest).chain(finer.copied()).collect())
-    }
-
-    /// The head of the session that a choice for `aim` belongs to.
-    fn head(&self, aim: &Aim) -> SessionHead {
-        let name = self.file.path().file_name().unwrap_or_default();
-        let field = aim.view.field;
-        let across = (field.left.atan() + field.right.atan()).abs() * MARGIN_SHARE;
-        let config = PolicyConfig {
-            margin: Radians(self.config.margin.0.min(across)),
-            ..self.config.clone()
-        };
-        SessionHead::new(&name.to_string_lossy(), &self.grid, config, &aim.view)
+        Ok(picked.tiles)
     }
 }

@@ -3,14 +3,15 @@
 //! Tiles in an atlas or in a texture for every level, or samples of them round the gaze, blurred
 //! where that is wanted. What is chosen here can change while a window is open.
 
-use super::choice::Aim;
 use crate::canvas::{Canvas, Drawing, Showing};
 use crate::sampling::{Sampling, mask_shape};
 use anyhow::Context;
 use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use foveal_core::perception::sample_mask::MaskShape;
+use foveal_core::selection::aim::Aim;
 use foveal_core::selection::policy::PolicyConfig;
+use foveal_core::selection::stage;
 use foveal_core::view::eye_view::EyeView;
 use foveal_render::{Gpu, Interpolation, Overlay, RadialBlur, RgbaImage};
 use glam::DVec3;
@@ -88,52 +89,6 @@ impl Easel {
         Ok(true)
     }
 
-    /// From now on frame `frame` is shown.
-    pub(crate) fn begin_frame(&mut self, frame: u32) {
-        self.canvas.begin_frame(frame);
-        if let Some((_, sampling)) = &mut self.sampling {
-            sampling.begin_frame();
-        }
-        self.gathered = None;
-    }
-
-    /// Takes a tile of a frame.
-    pub(crate) fn upload(
-        &mut self,
-        tile: Tile,
-        frame: u32,
-        picture: Picture,
-    ) -> anyhow::Result<()> {
-        self.gathered = None;
-        let is_base = tile.level == self.grid.coarsest();
-        match &mut self.sampling {
-            Some((_, sampling)) if is_base => {
-                sampling.keep(tile, picture.clone());
-                self.canvas.upload(tile, frame, picture)
-            }
-            Some((_, sampling)) => {
-                sampling.keep(tile, picture);
-                Ok(())
-            }
-            None => self.canvas.upload(tile, frame, picture),
-        }
-    }
-
-    /// Evicts all tiles but these and the coarsest level.
-    pub(crate) fn retain(&mut self, wanted: &[Tile]) {
-        self.canvas.retain(wanted);
-    }
-
-    /// Resident tiles that hold another frame than the one shown.
-    pub(crate) fn wrong_frame_tiles(&mut self) -> usize {
-        self.canvas.wrong_frame_tiles()
-    }
-
-    /// Bytes of GPU memory in use.
-    pub(crate) fn gpu_bytes(&mut self) -> u64 {
-        self.canvas.gpu_bytes()
-    }
-
     /// Makes the mask that samples are shown by, where there is none for this view; takes about a
     /// second. `true` where tiles must come anew to be sampled.
     pub(crate) fn prepare(
@@ -196,5 +151,45 @@ impl Easel {
     ) -> anyhow::Result<RgbaImage> {
         let read = self.canvas.picture(view, marks)?;
         read.context("a window's pictures are drawn by a GPU")
+    }
+}
+
+impl stage::Easel for Easel {
+    type Error = anyhow::Error;
+
+    fn begin_frame(&mut self, frame: u32) {
+        self.canvas.begin_frame(frame);
+        if let Some((_, sampling)) = &mut self.sampling {
+            sampling.begin_frame();
+        }
+        self.gathered = None;
+    }
+
+    fn upload(&mut self, tile: Tile, frame: u32, picture: Picture) -> anyhow::Result<()> {
+        self.gathered = None;
+        let is_base = tile.level == self.grid.coarsest();
+        match &mut self.sampling {
+            Some((_, sampling)) if is_base => {
+                sampling.keep(tile, picture.clone());
+                self.canvas.upload(tile, frame, picture)
+            }
+            Some((_, sampling)) => {
+                sampling.keep(tile, picture);
+                Ok(())
+            }
+            None => self.canvas.upload(tile, frame, picture),
+        }
+    }
+
+    fn retain(&mut self, wanted: &[Tile]) {
+        self.canvas.retain(wanted);
+    }
+
+    fn wrong_frame_tiles(&mut self) -> usize {
+        self.canvas.wrong_frame_tiles()
+    }
+
+    fn gpu_bytes(&mut self) -> u64 {
+        self.canvas.gpu_bytes()
     }
 }

@@ -3,9 +3,12 @@
 //! One thread hands the decode pool a few tiles at a time, so that what is wanted can change at any
 //! moment: only what has begun is finished in vain.
 
+use anyhow::bail;
 use foveal_core::asset::tile_grid::Tile;
+use foveal_core::selection::stage::{Delivery, Feed, TileOfFrame};
 use foveal_media::decode_pool::{DecodePool, DecodedTile};
 use std::collections::{HashSet, VecDeque};
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -15,13 +18,14 @@ const AHEAD: usize = 2;
 /// The window is not woken more often than this.
 const LEAST_SLEEP: Duration = Duration::from_millis(8);
 
-/// A tile of a frame.
-pub(crate) type TileOfFrame = (Tile, u32);
-
 /// Decodes what is wanted, in that order.
 pub(crate) struct DecodeFeed {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
+    /// The pack, for messages.
+    path: PathBuf,
+    /// Damage was told of.
+    told: bool,
 }
 
 #[derive(Default)]
@@ -43,6 +47,7 @@ impl DecodeFeed {
     /// Begins to decode with a pool of `jobs` threads; `woken` is called when something is done, at
     /// most every 8 ms.
     pub(crate) fn new(
+        path: PathBuf,
         pool: DecodePool,
         jobs: usize,
         woken: impl Fn() + Send + 'static,
@@ -55,11 +60,52 @@ impl DecodeFeed {
         Ok(Self {
             shared,
             thread: Some(thread),
+            path,
+            told: false,
         })
     }
 
-    /// From now on these are wanted, in this order, and nothing else.
-    pub(crate) fn want(&self, wanted: impl IntoIterator<Item = TileOfFrame>) {
+    /// The pack.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What the stage is given of a tile, of the frame that was asked for.
+    fn delivery(&mut self, done: DecodedTile) -> anyhow::Result<Delivery> {
+        let DecodedTile { tile, frame, .. } = done;
+        let picture = match done.picture {
+            Ok((picture, number)) if number == i64::from(frame) => Some(picture),
+            Ok((_, number)) => bail!(
+                "{}: asked for frame {frame} of {tile:?}, the decoder gave {number}",
+                self.path.display()
+            ),
+            Err(error) => {
+                if !std::mem::replace(&mut self.told, true) {
+                    let Tile { level, face, x, y } = tile;
+                    crate::output::say(&format!(
+                        "{}: level {level}, face {face}, column {x}, row {y} cannot be decoded at \
+                         frame {frame}; what there is else is shown ({error}; `foveal verify` \
+                         lists all damage)",
+                        self.path.display(),
+                    ));
+                }
+                None
+            }
+        };
+        let decoded = done.decoded;
+        Ok(Delivery {
+            tile,
+            frame,
+            decoded,
+            picture,
+        })
+    }
+}
+
+impl Feed for DecodeFeed {
+    type Error = anyhow::Error;
+
+    fn want(&mut self, wanted: Vec<TileOfFrame>) {
         let mut state = self.shared.lock();
         let done: HashSet<TileOfFrame> = state
             .done
@@ -74,9 +120,9 @@ impl DecodeFeed {
         self.shared.wake.notify_one();
     }
 
-    /// What was decoded since the last call.
-    pub(crate) fn take(&self) -> Vec<DecodedTile> {
-        std::mem::take(&mut self.shared.lock().done)
+    fn take(&mut self) -> anyhow::Result<Vec<Delivery>> {
+        let done = std::mem::take(&mut self.shared.lock().done);
+        done.into_iter().map(|done| self.delivery(done)).collect()
     }
 }
 

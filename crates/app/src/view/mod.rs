@@ -1,25 +1,20 @@
 //! `foveal view`: what is in the window?
 
 mod choice;
-mod clock;
 mod drift;
 mod easel;
 mod feed;
-mod figures;
 mod heard;
 mod keys;
 mod looking;
 mod overlay;
 mod samples;
-mod scene;
 mod screen;
 mod screenshot;
 mod script;
 mod sound;
-mod stage;
 mod summary;
 mod telling;
-mod timeline;
 mod viewer;
 mod window;
 
@@ -39,6 +34,9 @@ use samples::Samples;
 use script::Script;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// Frames on their way to the window.
+type Stage = foveal_core::selection::stage::Stage<feed::DecodeFeed, easel::Easel>;
 
 /// Keys: space pauses, arrows and the mouse move, the wheel zooms, H shows all keys and figures.
 #[derive(Clone, Debug, Args)]

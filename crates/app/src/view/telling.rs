@@ -1,8 +1,8 @@
 //! How do a viewer's figures and settings read?
 
+use super::Stage;
 use super::keys::{KEYS, Needs};
 use super::overlay::{Key, Line};
-use super::stage::Stage;
 use super::viewer::Viewer;
 use crate::canvas::Showing;
 use foveal_core::selection::policy::Policy;

@@ -2,24 +2,28 @@
 //!
 //! Everything of a window but the window: time comes in as an argument, wishes as actions.
 
-use super::choice::{Aim, Choice};
-use super::clock::MediaClock;
+use super::Stage;
+use super::choice::Choice;
 use super::drift::Drift;
 use super::easel::Style;
-use super::figures::Figures;
 use super::keys::Action;
-use super::looking::{Looking, Pointer, Watched};
+use super::looking::{Looking, Watched};
 use super::overlay::{Key, Line};
-use super::scene::{Pane, Scene, Shown};
 use super::sound::Sound;
-use super::stage::{Now, Stage};
 use super::telling;
 use crate::options::PolicyOptions;
 use crate::showing_options::EyeName;
+use anyhow::bail;
+use foveal_core::asset::media_clock::MediaClock;
+use foveal_core::gaze::pointer::Pointer;
 use foveal_core::gaze::sample::GazeSample;
+use foveal_core::selection::aim::Aim;
+use foveal_core::selection::figures::Figures;
 use foveal_core::selection::policy::Policy;
+use foveal_core::selection::stage::Now;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::scene::{Pane, Scene, Shown};
 use foveal_core::view::surface::Eye;
 use foveal_render::{Interpolation, Overlay};
 
@@ -109,7 +113,7 @@ impl Viewer {
         let mut viewer = Self {
             policy: begin.policy,
             scene: begin.scene,
-            clock: MediaClock::new(),
+            clock: MediaClock::default(),
             choice: begin.choice,
             looking: begin.looking,
             pointer: Pointer::default(),
@@ -330,6 +334,12 @@ impl Viewer {
             aim,
         };
         let mut changed = stage.step(&step, &mut self.choice, &mut self.figures)?;
+        if stage.is_hopeless(&self.figures) {
+            bail!(
+                "{}: no frame has a whole coarsest level; `foveal verify` lists all damage",
+                stage.feed.path().display()
+            );
+        }
         let shown = self.scene.shown(pane);
         if let Some((before, shown_before)) = &self.last {
             let style = stage.easel.style();

@@ -1,27 +1,27 @@
 //! What does the system's window tell, and what is done about it?
 
+use super::Stage;
 use super::choice::Choice;
 use super::easel::{Easel, Style};
 use super::feed::DecodeFeed;
 use super::keys::{Action, ZOOM, action_of};
 use super::looking::Looking;
 use super::overlay;
-use super::scene::{Pane, Scene};
 use super::screen::{self, Placed, Screen, Showing};
 use super::script::Deed;
 use super::sound::Sound;
-use super::stage::Stage;
 use super::summary::Summary;
-use super::timeline::Timeline;
 use super::viewer::{Begin, Viewer, Wish};
 use super::{Ready, screenshot};
 use crate::output::say;
 use crate::showing_options::InterpolationName;
 use anyhow::{Context, anyhow};
 use foveal_core::asset::tile_grid::TileGrid;
+use foveal_core::asset::timeline::Timeline;
 use foveal_core::selection::policy::Policy;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::scene::{Pane, Scene};
 use foveal_render::RgbaImage;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -220,11 +220,12 @@ impl Open {
             Some(pool) => pool,
             None => ready.decoding.pool(Arc::clone(&file))?,
         };
-        let feed = DecodeFeed::new(pool, ready.decoding.jobs, waker(proxy))?;
+        let (path, jobs) = (file.path().to_owned(), ready.decoding.jobs);
+        let feed = DecodeFeed::new(path, pool, jobs, waker(proxy))?;
         let size = window.inner_size();
         Ok(Self {
             screen,
-            stage: Stage::new(file, grid, timeline, feed, easel),
+            stage: Stage::new(grid, timeline, feed, easel),
             viewer: Viewer::new(begin, Seconds(begun.elapsed().as_secs_f64())),
             grid,
             ready,

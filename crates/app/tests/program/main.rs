@@ -26,6 +26,7 @@ mod resume;
 mod scenes;
 mod score;
 mod selection;
+mod site;
 mod support;
 mod unwritable;
 mod view;

@@ -2,8 +2,10 @@
 
 pub mod codec;
 pub mod cues;
+pub mod frame_times;
 pub mod gather;
 pub mod key_frame;
+pub mod media_clock;
 pub mod order;
 pub mod pack;
 pub mod picture;
@@ -11,4 +13,5 @@ pub mod rate;
 pub mod signature;
 pub mod sound;
 pub mod tile_grid;
+pub mod timeline;
 pub mod unit;

@@ -9,6 +9,7 @@ pub mod loss;
 pub mod main_sequence;
 pub mod one_euro;
 pub mod osc;
+pub mod pointer;
 pub mod record;
 pub mod row;
 pub mod saccade;

@@ -2,4 +2,6 @@
 
 pub mod axes;
 pub mod eye_view;
+pub mod head_pose;
+pub mod scene;
 pub mod surface;

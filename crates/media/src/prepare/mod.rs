@@ -22,10 +22,11 @@ pub use surround::{ProjectionChoice, StereoChoice, Surround};
 use crate::encode::{EncodeSettings, encode_group};
 use crate::error::MediaError;
 use crate::input::{TimedPicture, VideoInput};
-use crate::pack_file::{FRAME_TIMES, PackFileError};
+use crate::pack_file::PackFileError;
 use crate::pack_writer::PackWriter;
 use crate::parallel::in_parallel;
 use cutter::Cutter;
+use foveal_core::asset::frame_times::FRAME_TIMES;
 use foveal_core::asset::order::hilbert_distance;
 use foveal_core::asset::pack::{Description, MAX_FRAMES, SideTable, Step};
 use foveal_core::asset::picture::Picture;
@@ -37,8 +38,11 @@ use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use thiserror::Error;
 
-/// Frames that are read ahead while others are coded.
-const READ_AHEAD: usize = 2;
+/// Frames that are read ahead while others are coded: a group of the finest level, so that reading
+/// the next one never leaves a core idle, where that many fit into memory for it.
+const READ_AHEAD: u64 = 8;
+const READ_AHEAD_BYTES: u64 = 512 << 20;
+const LEAST_READ_AHEAD: u64 = 2;
 
 /// Why a pack could not be prepared.
 #[derive(Debug, Error)]
@@ -241,7 +245,7 @@ fn code(
     let known = coder.times.clone();
     let of = plan.frames.map(|of| of.min(u64::from(most)));
     let mut progress = |frames, bytes| progress(Progress { frames, of, bytes });
-    let (send, receive) = sync_channel(READ_AHEAD);
+    let (send, receive) = sync_channel(read_ahead(plan.description.source.size));
     std::thread::scope(|scope| {
         let reader = scope.spawn(move || read_frames(input, &known, &send, most));
         let coded = code_frames(&receive, coder, sink, &mut progress);
@@ -260,6 +264,12 @@ fn code(
         return Err(PrepareError::NoFrames(input.display().to_string()));
     }
     Ok(())
+}
+
+/// Frames of 4:2:0 of this size that are read ahead.
+fn read_ahead([width, height]: [u32; 2]) -> usize {
+    let frame_bytes = (u64::from(width) * u64::from(height) * 3 / 2).max(1);
+    (READ_AHEAD_BYTES / frame_bytes).clamp(LEAST_READ_AHEAD, READ_AHEAD) as usize
 }
 
 /// Hands over the frames after those whose times are known already.

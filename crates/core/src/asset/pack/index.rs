@@ -21,11 +21,18 @@ pub struct Entry {
 }
 
 /// A pack's description and index: everything but the chunks and side tables.
+///
+/// The index may be there in part: pages come in any order, as a reader over a network asks for
+/// them, and an entry is known once its page is there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pack {
     description: Description,
     layout: Layout,
-    entries: Vec<Entry>,
+    /// Where chunks lie.
+    data: Range<u64>,
+    index_offset: u64,
+    /// Entries by page; as long as the last page that came.
+    pages: Vec<Option<Box<[Entry]>>>,
 }
 
 /// How units are numbered: levels from the coarsest to the finest, in a level by group, then tile.
@@ -82,15 +89,52 @@ impl Layout {
         level.unwrap_or_default() as u8
     }
 
+    /// The first unit after a level's.
+    fn end(&self, level: usize) -> u32 {
+        level
+            .checked_sub(1)
+            .map_or(self.units, |finer| self.first[finer])
+    }
+
+    /// Pages, and bytes of the index, before those of a level.
+    fn before(&self, level: usize) -> (u32, u64) {
+        let coarser = level + 1..self.first.len();
+        coarser.fold((0, 0), |(pages, bytes), level| {
+            let entries = self.end(level) - self.first[level];
+            let of_level = entries.div_ceil(PAGE_ENTRIES as u32);
+            (pages + of_level, bytes + bytes_of(entries))
+        })
+    }
+
+    /// The page that holds a unit's entry.
+    fn page_of(&self, unit: UnitId) -> u32 {
+        let level = usize::from(self.level_of(unit));
+        self.before(level).0 + (unit.0 - self.first[level]) / PAGE_ENTRIES as u32
+    }
+
+    /// The units of a page, and where its bytes are in the index; `None` beyond the last.
+    fn page(&self, page: u32) -> Option<(Range<u32>, Range<u64>)> {
+        let levels = 0..self.first.len();
+        // Levels follow each other from the coarsest, which has the highest number.
+        let level = levels.rev().rfind(|&level| self.before(level).0 <= page)?;
+        let (pages, bytes) = self.before(level);
+        let within = u64::from(page - pages) * PAGE_ENTRIES as u64;
+        let from = u64::from(self.first[level]) + within;
+        let end = u64::from(self.end(level));
+        if from >= end {
+            return None;
+        }
+        let units = from as u32..end.min(from + PAGE_ENTRIES as u64) as u32;
+        let begin = bytes + u64::from(page - pages) * bytes_of(PAGE_ENTRIES as u32);
+        let end = begin + bytes_of(units.len() as u32);
+        Some((units, begin..end))
+    }
+
     /// Units of each page of the index, in file order.
     pub(super) fn pages(&self) -> Vec<Range<u32>> {
         let mut pages = Vec::new();
         for level in (0..self.first.len()).rev() {
-            let end = if level == 0 {
-                self.units
-            } else {
-                self.first[level - 1]
-            };
+            let end = self.end(level);
             let mut from = self.first[level];
             while from < end {
                 let to = end.min(from + PAGE_ENTRIES as u32);
@@ -105,18 +149,15 @@ impl Layout {
         // Every level begins a page, so count whole levels instead of building the page list of
         // bytes that are not checked yet.
         (0..self.first.len())
-            .map(|level| {
-                let end = if level == 0 {
-                    self.units
-                } else {
-                    self.first[level - 1]
-                };
-                let entries = u64::from(end - self.first[level]);
-                entries * ENTRY_BYTES as u64
-                    + entries.div_ceil(PAGE_ENTRIES as u64) * PAGE_HEAD_BYTES as u64
-            })
+            .map(|level| bytes_of(self.end(level) - self.first[level]))
             .sum()
     }
+}
+
+/// Bytes of the index that a level's entries take.
+fn bytes_of(entries: u32) -> u64 {
+    let pages = entries.div_ceil(PAGE_ENTRIES as u32);
+    u64::from(entries) * ENTRY_BYTES as u64 + u64::from(pages) * PAGE_HEAD_BYTES as u64
 }
 
 impl Pack {
@@ -125,44 +166,101 @@ impl Pack {
     /// Refuses bytes with a wrong checksum, entries outside the chunks' part of the file and
     /// lengths beyond [`MAX_CHUNK_BYTES`]. Allocates no more than the index is long.
     pub fn parse(header: &Header, description: &[u8], index: &[u8]) -> Result<Self, PackError> {
-        check_crc("description", description, header.description_crc)?;
-        let description = Description::parse(description)?;
-        let layout = Layout::new(&description)?;
-        if index.len() as u64 != layout.index_bytes() || header.index_bytes != layout.index_bytes()
-        {
+        let mut pack = Self::begin(header, description)?;
+        if index.len() as u64 != header.index_bytes {
             let found = format!("{} bytes", index.len());
-            return Err(PackError::new(
-                "index",
-                found,
-                format!("{} bytes", layout.index_bytes()),
-            ));
+            return Err(pack.wrong_index(found));
         }
-        let mut entries = Vec::with_capacity(layout.units as usize);
         let mut at = 0;
-        for (number, units) in layout.pages().into_iter().enumerate() {
-            let bytes = PAGE_HEAD_BYTES + units.len() * ENTRY_BYTES;
-            parse_page(number, units, &index[at..at + bytes], &mut entries)?;
+        for (number, units) in pack.layout.pages().into_iter().enumerate() {
+            let bytes = bytes_of(units.len() as u32) as usize;
+            pack.add_page(number as u32, &index[at..at + bytes])?;
             at += bytes;
         }
-        let data = header.data_offset()..header.index_offset;
-        for (unit, entry) in entries.iter().enumerate() {
-            let end = entry.offset.checked_add(u64::from(entry.bytes));
-            let inside = entry.offset >= data.start && end.is_some_and(|end| end <= data.end);
-            if !inside || entry.bytes > MAX_CHUNK_BYTES {
-                let found = format!("{}+{}", entry.offset, entry.bytes);
-                let expected = format!("within {data:?}, at most {MAX_CHUNK_BYTES} bytes");
-                return Err(PackError::new(
-                    &format!("entry of unit {unit}"),
-                    found,
-                    expected,
-                ));
-            }
-        }
-        Ok(Self {
+        Ok(pack)
+    }
+
+    /// Reads the description of a pack whose header is `header`; no page of the index is there
+    /// yet.
+    pub fn begin(header: &Header, description: &[u8]) -> Result<Self, PackError> {
+        check_crc("description", description, header.description_crc)?;
+        let description = Description::parse(description)?;
+        let pack = Self {
+            layout: Layout::new(&description)?,
             description,
-            layout,
-            entries,
-        })
+            data: header.data_offset()..header.index_offset,
+            index_offset: header.index_offset,
+            pages: Vec::new(),
+        };
+        if header.index_bytes != pack.layout.index_bytes() {
+            return Err(pack.wrong_index(format!("{} bytes", header.index_bytes)));
+        }
+        Ok(pack)
+    }
+
+    fn wrong_index(&self, found: String) -> PackError {
+        PackError::new(
+            "index",
+            found,
+            format!("{} bytes", self.layout.index_bytes()),
+        )
+    }
+
+    /// Takes the bytes of an index page, wherever among the others it comes. Refuses a wrong
+    /// checksum, another page, and entries outside the chunks' part of the file or longer than
+    /// [`MAX_CHUNK_BYTES`].
+    pub fn add_page(&mut self, page: u32, bytes: &[u8]) -> Result<(), PackError> {
+        let field = format!("index page {page}");
+        let wrong = |found: String, expected: &str| PackError::new(&field, found, expected);
+        let Some((units, place)) = self.layout.page(page) else {
+            return Err(wrong("a number beyond the last".to_owned(), "a page of it"));
+        };
+        if bytes.len() as u64 != place.end - place.start {
+            let expected = format!("{} bytes", place.end - place.start);
+            return Err(wrong(format!("{} bytes", bytes.len()), &expected));
+        }
+        let entries = parse_page(page, units.clone(), bytes)?;
+        for (unit, entry) in units.zip(entries.iter()) {
+            self.check_entry(unit, entry)?;
+        }
+        let at = page as usize;
+        self.pages.resize(self.pages.len().max(at + 1), None);
+        self.pages[at] = Some(entries);
+        Ok(())
+    }
+
+    fn check_entry(&self, unit: u32, entry: &Entry) -> Result<(), PackError> {
+        let end = entry.offset.checked_add(u64::from(entry.bytes));
+        let inside = entry.offset >= self.data.start && end.is_some_and(|end| end <= self.data.end);
+        if inside && entry.bytes <= MAX_CHUNK_BYTES {
+            return Ok(());
+        }
+        let found = format!("{}+{}", entry.offset, entry.bytes);
+        let expected = format!("within {:?}, at most {MAX_CHUNK_BYTES} bytes", self.data);
+        Err(PackError::new(
+            &format!("entry of unit {unit}"),
+            found,
+            expected,
+        ))
+    }
+
+    /// The index page that tells of a unit.
+    #[must_use]
+    pub fn page_of(&self, unit: UnitId) -> u32 {
+        self.layout.page_of(unit)
+    }
+
+    /// Where in the file a page of the index lies; `None` beyond the last.
+    #[must_use]
+    pub fn page_place(&self, page: u32) -> Option<Range<u64>> {
+        let (_, place) = self.layout.page(page)?;
+        Some(self.index_offset + place.start..self.index_offset + place.end)
+    }
+
+    /// Whether a page of the index is there.
+    #[must_use]
+    pub fn has_page(&self, page: u32) -> bool {
+        self.pages.get(page as usize).is_some_and(Option::is_some)
     }
 
     /// Bytes of the index that a pack of this description has: to be compared with the header
@@ -203,9 +301,23 @@ impl Pack {
     }
 
     /// Place and checksum of a unit's chunk. O(1).
+    ///
+    /// # Panics
+    /// Its page of the index must be there.
     #[must_use]
     pub fn entry(&self, unit: UnitId) -> Entry {
-        self.entries[unit.0 as usize]
+        let entry = self.known_entry(unit);
+        assert!(entry.is_some(), "the page of unit {} is not there", unit.0);
+        entry.unwrap_or_default()
+    }
+
+    /// Place and checksum of a unit's chunk, where its page of the index is there. O(1).
+    #[must_use]
+    pub fn known_entry(&self, unit: UnitId) -> Option<Entry> {
+        let level = usize::from(self.layout.level_of(unit));
+        let within = (unit.0 - self.layout.first[level]) as usize % PAGE_ENTRIES;
+        let page = self.pages.get(self.page_of(unit) as usize)?.as_ref()?;
+        page.get(within).copied()
     }
 
     /// The tile of a unit.
@@ -242,8 +354,8 @@ impl Pack {
     /// under some checksum.
     pub fn check_coverage(&self, header: &Header) -> Result<(), PackError> {
         let chunks = self
-            .entries
-            .iter()
+            .units()
+            .map(|unit| self.entry(unit))
             .map(|e| (e.offset, u64::from(e.bytes)))
             .collect();
         check_filled("chunks", chunks, header.data_offset()..header.index_offset)?;
@@ -279,40 +391,29 @@ fn check_filled(
     }
 }
 
-fn parse_page(
-    number: usize,
-    units: Range<u32>,
-    bytes: &[u8],
-    entries: &mut Vec<Entry>,
-) -> Result<(), PackError> {
-    let field = format!("index page {number}");
-    let mut covered = [bytes, &[]];
+fn parse_page(page: u32, units: Range<u32>, bytes: &[u8]) -> Result<Box<[Entry]>, PackError> {
+    let field = format!("index page {page}");
     // The checksum covers the page with its own field left out.
-    covered[0] = &bytes[..12];
-    covered[1] = &bytes[PAGE_HEAD_BYTES..];
-    let found = crc32c::crc32c_append(crc32c::crc32c(covered[0]), covered[1]);
-    if found != u32_at(bytes, 12) {
-        return Err(PackError::checksum(&field, found, u32_at(bytes, 12)));
+    let (head, rows) = bytes.split_at(PAGE_HEAD_BYTES);
+    let found = crc32c::crc32c_append(crc32c::crc32c(&head[..12]), rows);
+    if found != u32_at(head, 12) {
+        return Err(PackError::checksum(&field, found, u32_at(head, 12)));
     }
-    let head = [u32_at(bytes, 0), u32_at(bytes, 4), u32_at(bytes, 8)];
-    let expected = [number as u32, units.start, units.len() as u32];
-    if head != expected {
+    let told = [u32_at(head, 0), u32_at(head, 4), u32_at(head, 8)];
+    let expected = [page, units.start, units.len() as u32];
+    if told != expected {
         return Err(PackError::new(
             &field,
-            format!("{head:?}"),
+            format!("{told:?}"),
             format!("{expected:?}"),
         ));
     }
-    entries.extend(
-        bytes[PAGE_HEAD_BYTES..]
-            .chunks_exact(ENTRY_BYTES)
-            .map(|entry| Entry {
-                offset: u64_at(entry, 0),
-                bytes: u32_at(entry, 8),
-                crc32c: u32_at(entry, 12),
-            }),
-    );
-    Ok(())
+    let entry = |entry: &[u8]| Entry {
+        offset: u64_at(entry, 0),
+        bytes: u32_at(entry, 8),
+        crc32c: u32_at(entry, 12),
+    };
+    Ok(rows.chunks_exact(ENTRY_BYTES).map(entry).collect())
 }
 
 /// The access units of a chunk that holds `frames` frames: a table of lengths, then the bytes.

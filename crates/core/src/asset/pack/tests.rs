@@ -99,6 +99,75 @@ fn a_pack_reads_back_as_it_was_written() {
 }
 
 #[test]
+fn pages_of_the_index_come_in_any_order_and_tell_the_same() {
+    let bytes = pack_bytes();
+    let (header, whole) = read(&bytes).unwrap();
+    let description = &bytes[HEADER_BYTES..][..header.description_bytes as usize];
+    let mut part = Pack::begin(&header, description).unwrap();
+    let pages: Vec<u32> = (0..)
+        .take_while(|&n| part.page_place(n).is_some())
+        .collect();
+    assert_eq!(pages.len(), 3);
+    let places = pages.iter().filter_map(|&page| part.page_place(page));
+    let end = places.fold(header.index_offset, |at, place| {
+        assert_eq!(at, place.start);
+        place.end
+    });
+    assert_eq!(end, header.index_offset + header.index_bytes);
+    for page in pages.into_iter().rev() {
+        assert!(!part.has_page(page));
+        let place = part.page_place(page).unwrap();
+        let page_bytes = &bytes[place.start as usize..place.end as usize];
+        assert!(part.add_page(page, &page_bytes[1..]).is_err());
+        let mut flipped = page_bytes.to_vec();
+        flipped[20] ^= 4;
+        assert!(part.add_page(page, &flipped).is_err());
+        assert!(part.add_page(page + 1, page_bytes).is_err());
+        let of_page = |unit: &UnitId| part.page_of(*unit) == page;
+        let unit = part.units().find(of_page).unwrap();
+        assert_eq!(part.known_entry(unit), None);
+        part.add_page(page, page_bytes).unwrap();
+        assert_eq!(part.known_entry(unit), Some(whole.entry(unit)));
+    }
+    assert_eq!(part, whole);
+}
+
+#[test]
+fn a_long_level_has_a_page_for_every_1024_units() {
+    let long = Description {
+        frames: 3000,
+        groups: vec![1, 1, 1],
+        cut: Cut::Tile(64),
+        ..description()
+    };
+    let layout = index::Layout::new(&long).unwrap();
+    let header = Header {
+        description_bytes: 0,
+        description_crc: 0,
+        index_offset: 64,
+        index_bytes: layout.index_bytes(),
+        file_bytes: 1 << 40,
+    };
+    let text = serde_json::to_vec(&long).unwrap();
+    let header = Header {
+        description_crc: crc32c::crc32c(&text),
+        ..header
+    };
+    let pack = Pack::begin(&header, &text).unwrap();
+    let mut at = header.index_offset;
+    for (page, units) in layout.pages().into_iter().enumerate() {
+        let page = page as u32;
+        let place = pack.page_place(page).unwrap();
+        let bytes = PAGE_HEAD_BYTES + units.len() * ENTRY_BYTES;
+        assert_eq!(place, at..at + bytes as u64);
+        at = place.end;
+        assert_eq!(pack.page_of(UnitId(units.start)), page);
+        assert_eq!(pack.page_of(UnitId(units.end - 1)), page);
+    }
+    assert_eq!(at, header.index_offset + header.index_bytes);
+}
+
+#[test]
 fn what_is_usual_is_not_written_and_what_is_not_reads_back() {
     let usual = serde_json::to_string(&description()).unwrap();
     assert!(

@@ -1,13 +1,13 @@
-//! What part of the content does the window show?
+//! What part of the content does a window or a page show?
 //!
 //! Zooming and turning change the content under a degree, never the eye: the window fills the same
 //! angles there as long as it keeps its pixels.
 
-use foveal_core::gaze::sample::HeadPose;
-use foveal_core::units::Radians;
-use foveal_core::view::axes::Axes;
-use foveal_core::view::eye_view::{EyeView, Field};
-use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
+use super::axes::Axes;
+use super::eye_view::{EyeView, Field};
+use super::head_pose::HeadPose;
+use super::surface::{Eye, Projection, Screen, Surface};
+use crate::units::Radians;
 use glam::DVec3;
 
 /// Display pixels over one pixel of the content at the closest.
@@ -19,7 +19,7 @@ const WIDEST_HALF_DEG: f64 = 70.0;
 
 /// Where the viewer has gone in the content.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Scene {
+pub struct Scene {
     surface: Surface,
     /// Half the width of a sphere's view at unit distance, before zooming.
     tangent: f64,
@@ -34,41 +34,42 @@ pub(crate) struct Scene {
 
 /// What of the window is picture, and what it shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Shown {
-    pub(crate) view: EyeView,
+pub struct Shown {
+    /// What is seen of the content.
+    pub view: EyeView,
     /// Left and top of the picture in the window, in pixels.
-    pub(crate) origin: [u32; 2],
+    pub origin: [u32; 2],
 }
 
 impl Shown {
     /// A place in the window as one in the picture.
-    pub(crate) fn in_picture(&self, place: [f64; 2]) -> [f64; 2] {
+    pub fn in_picture(&self, place: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| place[k] - f64::from(self.origin[k]))
     }
 }
 
 /// A window, and where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Pane {
+pub struct Pane {
     /// Columns and rows of pixels; at least 1.
-    pub(crate) size: [u32; 2],
+    pub size: [u32; 2],
     /// A pixel's side at unit distance from the eye.
-    pub(crate) pitch_at_eye: f64,
+    pub pitch_at_eye: f64,
 }
 
 impl Pane {
     /// A window of `size` pixels on a screen of `screen_size` pixels.
-    pub(crate) fn new(size: [u32; 2], screen_size: [u32; 2], screen: Screen) -> Self {
+    pub fn new(size: [u32; 2], screen_size: [u32; 2], screen: Screen) -> Self {
         let [w, h] = screen_size.map(f64::from);
         let diagonal = screen.diagonal_inches * 0.0254 / screen.distance_m;
         Self {
             size: size.map(|side| side.max(1)),
-            pitch_at_eye: diagonal / w.hypot(h).max(1.0),
+            pitch_at_eye: diagonal / libm::hypot(w, h).max(1.0),
         }
     }
 
     /// One of `count` equal parts of it, side by side.
-    pub(crate) fn part(&self, count: usize) -> Self {
+    pub fn part(&self, count: usize) -> Self {
         let [w, h] = self.size;
         Self {
             size: [(w / count.max(1) as u32).max(1), h],
@@ -86,10 +87,10 @@ impl Pane {
 
 impl Scene {
     /// The whole of flat content, or a sphere's forward in a view `fov` wide.
-    pub(crate) fn new(surface: Surface, fov: Radians) -> Self {
+    pub fn new(surface: Surface, fov: Radians) -> Self {
         Self {
             surface,
-            tangent: (fov.0 / 2.0).tan(),
+            tangent: libm::tan(fov.0 / 2.0),
             head: HeadPose::default(),
             led: None,
             zoom: 1.0,
@@ -98,14 +99,14 @@ impl Scene {
     }
 
     /// Back to the beginning.
-    pub(crate) fn reset(&mut self) {
+    pub fn reset(&mut self) {
         self.head = HeadPose::default();
         self.zoom = 1.0;
         self.centre = self.surface.size.map(|side| f64::from(side) / 2.0);
     }
 
     /// Where the head is turned to.
-    pub(crate) fn head(&self) -> HeadPose {
+    pub fn head(&self) -> HeadPose {
         let Some(led) = self.led else {
             return self.head;
         };
@@ -119,14 +120,14 @@ impl Scene {
     }
 
     /// Turns the head, where there is a sphere to look around in; what the hand turned stays.
-    pub(crate) fn look_along(&mut self, head: HeadPose) {
+    pub fn look_along(&mut self, head: HeadPose) {
         if self.surface.projection != Projection::Flat {
             self.led = Some(head);
         }
     }
 
     /// A gaze of whoever is led, with the head turned on by hand: the eye stays in the head.
-    pub(crate) fn with_the_hand(&self, gaze_in_content: DVec3) -> DVec3 {
+    pub fn with_the_hand(&self, gaze_in_content: DVec3) -> DVec3 {
         match self.led {
             Some(led) if self.head != HeadPose::default() => {
                 let (from, to) = (led.axes(), self.head().axes());
@@ -139,12 +140,13 @@ impl Scene {
         }
     }
 
-    pub(crate) fn zoom(&self) -> f64 {
+    /// How much closer it is than at the beginning.
+    pub fn zoom(&self) -> f64 {
         self.zoom
     }
 
     /// Draws the content along by this many pixels of the window.
-    pub(crate) fn drag(&mut self, [x, y]: [f64; 2], pane: &Pane) {
+    pub fn drag(&mut self, [x, y]: [f64; 2], pane: &Pane) {
         match self.surface.projection {
             Projection::Flat => {
                 let scale = self.scale(pane);
@@ -164,12 +166,12 @@ impl Scene {
     }
 
     /// Comes closer by `factor`; what flat content shows at `place` of the window stays there.
-    pub(crate) fn zoom_by(&mut self, factor: f64, place: [f64; 2], pane: &Pane) {
+    pub fn zoom_by(&mut self, factor: f64, place: [f64; 2], pane: &Pane) {
         let before = self.scale(pane);
         let whole = before / self.zoom;
         let widest = match self.surface.projection {
             Projection::Flat => 1.0,
-            Projection::Cube => self.tangent / Radians::from_degrees(WIDEST_HALF_DEG).0.tan(),
+            Projection::Cube => self.tangent / libm::tan(Radians::from_degrees(WIDEST_HALF_DEG).0),
         };
         let widest = widest.min(1.0);
         self.zoom = (self.zoom * factor).clamp(widest, (CLOSEST / whole).max(1.0));
@@ -180,7 +182,7 @@ impl Scene {
     }
 
     /// Display pixels over one pixel of the content, in the middle of the view.
-    pub(crate) fn scale(&self, pane: &Pane) -> f64 {
+    pub fn scale(&self, pane: &Pane) -> f64 {
         let [w, h] = pane.size.map(f64::from);
         self.zoom
             * match self.surface.projection {
@@ -193,7 +195,7 @@ impl Scene {
     }
 
     /// What the window shows.
-    pub(crate) fn shown(&self, pane: &Pane) -> Shown {
+    pub fn shown(&self, pane: &Pane) -> Shown {
         match self.surface.projection {
             Projection::Flat => self.flat(pane),
             Projection::Cube => {

@@ -1,7 +1,7 @@
-//! What did the window do so far, in numbers?
+//! What did a window or a page do so far, in numbers?
 
-use foveal_core::asset::picture::Picture;
-use foveal_core::units::Seconds;
+use crate::asset::picture::Picture;
+use crate::units::Seconds;
 use std::collections::VecDeque;
 
 /// How much of the past counts for rates, in seconds.
@@ -11,76 +11,83 @@ const MOST: usize = 1024;
 
 /// How a frame came on screen.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Shown {
+pub struct Shown {
     /// Frames before it that never came, because it was due.
-    pub(crate) left_out: u64,
+    pub left_out: u64,
     /// It came after its time.
-    pub(crate) late: bool,
+    pub late: bool,
     /// A coarser tile stood in for one of its own.
-    pub(crate) incomplete: bool,
+    pub incomplete: bool,
 }
 
 /// What is counted while a window is open.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Figures {
+pub struct Figures {
     /// When frames of the content were shown lately, and bytes uploaded by then.
     lately: VecDeque<(f64, u64)>,
     uploaded_bytes: u64,
     /// Smoothed time from asking for a frame's tiles until all were there, in ms.
-    pub(crate) decode_ms: f64,
-    pub(crate) decoded_pixels: u64,
+    pub decode_ms: f64,
+    /// Pixels that decoders made.
+    pub decoded_pixels: u64,
     /// Frames of the content shown.
-    pub(crate) frames: u64,
+    pub frames: u64,
     /// Frames never shown, because the next was due.
-    pub(crate) left_out_frames: u64,
+    pub left_out_frames: u64,
     /// Frames shown after their time.
-    pub(crate) late_frames: u64,
+    pub late_frames: u64,
     /// Frames shown with a coarser tile in the place of one that was chosen.
-    pub(crate) incomplete_frames: u64,
+    pub incomplete_frames: u64,
     /// Frames that took longer to draw than they last.
-    pub(crate) slow_draws: u64,
+    pub slow_draws: u64,
     /// Smoothed time from choosing what is shown until it is on screen, in seconds.
-    pub(crate) draw_s: f64,
-    pub(crate) damaged_tiles: u64,
+    pub draw_s: f64,
+    /// Tiles that could not be decoded.
+    pub damaged_tiles: u64,
     /// Frames whose coarsest level was damaged: the frame before stayed.
-    pub(crate) damaged_frames: u64,
-    pub(crate) lost_devices: u64,
+    pub damaged_frames: u64,
+    /// Times that the graphics device was lost.
+    pub lost_devices: u64,
     /// What the GPU's driver complained about.
-    pub(crate) gpu_errors: u64,
-    pub(crate) wrong_frame_tiles: u64,
+    pub gpu_errors: u64,
+    /// Tiles that were on screen with another frame than their own.
+    pub wrong_frame_tiles: u64,
     /// Tiles on screen by level, finest first.
-    pub(crate) histogram: Vec<u32>,
+    pub histogram: Vec<u32>,
     /// Pixels of those tiles over the pixels of the finest level.
-    pub(crate) share: f64,
-    pub(crate) gpu_bytes: u64,
+    pub share: f64,
+    /// Bytes of GPU memory in use.
+    pub gpu_bytes: u64,
 }
 
 impl Figures {
-    pub(crate) fn decoded(&mut self, pixels: u64) {
+    /// Pixels were decoded.
+    pub fn decoded(&mut self, pixels: u64) {
         self.decoded_pixels += pixels;
     }
 
-    pub(crate) fn uploaded(&mut self, picture: &Picture) {
+    /// A picture went to the GPU.
+    pub fn uploaded(&mut self, picture: &Picture) {
         let [w, h] = [picture.width, picture.height].map(u64::from);
         self.uploaded_bytes += w * h + 2 * w.div_ceil(2) * h.div_ceil(2);
     }
 
     /// All tiles of a frame were there after `seconds`.
-    pub(crate) fn complete(&mut self, seconds: f64) {
+    pub fn complete(&mut self, seconds: f64) {
         let ms = seconds * 1e3;
         self.decode_ms += (ms - self.decode_ms) * if self.frames < 2 { 1.0 } else { 0.1 };
     }
 
     /// What was to be shown was on screen `seconds` later; a frame lasts `period`. Times are
     /// smoothed, as one slow drawing says little of the next.
-    pub(crate) fn drawn(&mut self, seconds: f64, period: Seconds) {
+    pub fn drawn(&mut self, seconds: f64, period: Seconds) {
         let first = self.draw_s == 0.0;
         self.draw_s += (seconds - self.draw_s) * if first { 1.0 } else { 0.2 };
         self.slow_draws += u64::from(seconds > period.0);
     }
 
     /// A frame of the content came on screen.
-    pub(crate) fn shown(&mut self, now: Seconds, how: Shown) {
+    pub fn shown(&mut self, now: Seconds, how: Shown) {
         self.frames += 1;
         self.left_out_frames += how.left_out;
         self.late_frames += u64::from(how.late);
@@ -92,7 +99,8 @@ impl Figures {
     }
 
     /// Frames a second and megabytes a second of late.
-    pub(crate) fn rates(&self, now: Seconds) -> [f64; 2] {
+    #[must_use]
+    pub fn rates(&self, now: Seconds) -> [f64; 2] {
         let recent = |(at, _): &&(f64, u64)| now.0 - at <= WINDOW_S;
         let mut lately = self.lately.iter().filter(recent);
         let Some((first, bytes)) = lately.next() else {

@@ -4,21 +4,15 @@
 //! time it is shown with what is there: a coarser level stands in for the rest, and all tiles are
 //! of that frame. A frame that stays, paused or still, is refined until nothing is missing.
 
-use super::choice::{Aim, Choice};
-use super::easel::Easel;
-use super::feed::DecodeFeed;
+use super::aim::Aim;
 use super::figures::{Figures, Shown};
-use super::timeline::Timeline;
-use anyhow::{Context, bail};
-use foveal_core::asset::picture::Picture;
-use foveal_core::asset::tile_grid::{Tile, TileGrid};
-use foveal_core::selection::level_map::histogram;
-use foveal_core::units::Seconds;
-use foveal_core::view::axes::angle_between;
-use foveal_media::decode_pool::DecodedTile;
-use foveal_media::pack_file::PackFile;
+use crate::asset::picture::Picture;
+use crate::asset::tile_grid::{Tile, TileGrid};
+use crate::asset::timeline::Timeline;
+use crate::selection::level_map::histogram;
+use crate::units::Seconds;
+use crate::view::axes::angle_between;
 use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
 
 /// How long a paused picture may stay as it is before the next one is shown unfinished.
 const PATIENCE_S: f64 = 0.25;
@@ -28,22 +22,77 @@ const MOST_LEAD_S: f64 = 1.0;
 const CHOOSE_EVERY_S: f64 = 0.03;
 
 /// The moment that a step is made for.
-pub(crate) struct Now {
-    /// By the window's own clock.
-    pub(crate) wall: Seconds,
+pub struct Now {
+    /// By the clock of whoever shows.
+    pub wall: Seconds,
     /// In the content, counted on.
-    pub(crate) media: Seconds,
-    pub(crate) playing: bool,
-    pub(crate) aim: Aim,
+    pub media: Seconds,
+    /// Whether the content moves.
+    pub playing: bool,
+    /// Where the viewer looks.
+    pub aim: Aim,
+}
+
+/// A tile of a frame.
+pub type TileOfFrame = (Tile, u32);
+
+/// What a decoder brings.
+#[derive(Clone, Debug)]
+pub struct Delivery {
+    /// The tile.
+    pub tile: Tile,
+    /// The frame that was asked for.
+    pub frame: u32,
+    /// Frames of the tile that were decoded for it.
+    pub decoded: u32,
+    /// The picture; `None` where it is damaged.
+    pub picture: Option<Picture>,
+}
+
+/// Where tiles come from.
+pub trait Feed {
+    /// Why it cannot go on.
+    type Error;
+    /// From now on these are wanted, in this order, and nothing else.
+    fn want(&mut self, wanted: Vec<TileOfFrame>);
+    /// What came since the last call.
+    fn take(&mut self) -> Result<Vec<Delivery>, Self::Error>;
+}
+
+/// Where tiles are shown.
+pub trait Easel {
+    /// Why it cannot go on.
+    type Error;
+    /// From now on this frame is shown.
+    fn begin_frame(&mut self, frame: u32);
+    /// Takes a tile of a frame.
+    fn upload(&mut self, tile: Tile, frame: u32, picture: Picture) -> Result<(), Self::Error>;
+    /// Evicts all tiles but these and the coarsest level.
+    fn retain(&mut self, wanted: &[Tile]);
+    /// Resident tiles that hold another frame than the one shown.
+    fn wrong_frame_tiles(&mut self) -> usize;
+    /// Bytes of GPU memory in use.
+    fn gpu_bytes(&mut self) -> u64;
+}
+
+/// Who says which tiles are wanted.
+pub trait Chooses {
+    /// Why it cannot go on.
+    type Error;
+    /// The tiles to show of a frame, the whole coarsest level included.
+    fn choose(&mut self, frame: u32, aim: &Aim) -> Result<Vec<Tile>, Self::Error>;
+    /// Whether the choice for `now` could be another than for `before`.
+    fn differs(&self, now: &Aim, before: &Aim) -> bool;
 }
 
 /// Frames on their way to the screen.
-pub(crate) struct Stage {
-    file: Arc<PackFile>,
+pub struct Stage<F, E> {
     grid: TileGrid,
     timeline: Timeline,
-    feed: DecodeFeed,
-    pub(crate) easel: Easel,
+    /// Where tiles come from.
+    pub feed: F,
+    /// Where they are shown.
+    pub easel: E,
     shown: Option<Staged>,
     coming: Option<Staged>,
     /// The viewer went elsewhere in time, and what is on screen is no longer before what comes.
@@ -53,8 +102,6 @@ pub(crate) struct Stage {
     lead: f64,
     /// The last tick whose coarsest level is damaged.
     damaged: Option<u64>,
-    /// Damage was told of.
-    told: bool,
 }
 
 /// One frame and its tiles.
@@ -87,17 +134,11 @@ impl Staged {
     }
 }
 
-impl Stage {
+impl<X, F: Feed<Error = X>, E: Easel<Error = X>> Stage<F, E> {
     /// An empty stage.
-    pub(crate) fn new(
-        file: Arc<PackFile>,
-        grid: TileGrid,
-        timeline: Timeline,
-        feed: DecodeFeed,
-        easel: Easel,
-    ) -> Self {
+    #[must_use]
+    pub fn new(grid: TileGrid, timeline: Timeline, feed: F, easel: E) -> Self {
         Self {
-            file,
             grid,
             timeline,
             feed,
@@ -107,58 +148,70 @@ impl Stage {
             jumped: false,
             lead: 0.0,
             damaged: None,
-            told: false,
         }
     }
 
     /// Begins anew on another device.
-    pub(crate) fn restart(&mut self, easel: Easel) {
+    pub fn restart(&mut self, easel: E) {
         self.easel = easel;
         self.fetch_anew();
     }
 
     /// Fetches all tiles once more: what shows them keeps none.
-    pub(crate) fn fetch_anew(&mut self) {
+    pub fn fetch_anew(&mut self) {
         self.shown = None;
         self.coming = None;
     }
 
     /// How long the frame on screen is shown.
-    pub(crate) fn period(&self) -> Seconds {
+    pub fn period(&self) -> Seconds {
         let tick = self.shown_tick().unwrap_or(0);
         let [begin, end] = [tick, tick + 1].map(|tick| self.timeline.time_of(tick).0);
         Seconds(end - begin)
     }
 
-    pub(crate) fn timeline(&self) -> &Timeline {
+    /// The frames in time.
+    pub fn timeline(&self) -> &Timeline {
         &self.timeline
     }
 
     /// The tick on screen.
-    pub(crate) fn shown_tick(&self) -> Option<u64> {
+    pub fn shown_tick(&self) -> Option<u64> {
         self.shown.as_ref().map(|shown| shown.tick)
     }
 
+    /// The tick that is worked on, and all tiles that it is to show.
+    #[must_use]
+    pub fn wanted(&self) -> Option<(u64, &[Tile])> {
+        let staged = self.coming.as_ref().or(self.shown.as_ref())?;
+        Some((staged.tick, &staged.wanted))
+    }
+
+    /// Other times of the frames, once they are known better.
+    pub fn retime(&mut self, timeline: Timeline) {
+        self.timeline = timeline;
+    }
+
     /// Whether what is on screen is what is due, with nothing missing.
-    pub(crate) fn is_settled(&self) -> bool {
+    pub fn is_settled(&self) -> bool {
         let complete = |shown: &Staged| shown.complete.is_some();
         self.coming.is_none() && self.shown.as_ref().is_some_and(complete)
     }
 
     /// When the frame that comes is due, by the content's time.
-    pub(crate) fn next_due(&self) -> Option<Seconds> {
+    pub fn next_due(&self) -> Option<Seconds> {
         let coming = self.coming.as_ref()?;
         Some(self.timeline.time_of(coming.tick))
     }
 
     /// Takes what was decoded, shows what is due, and orders what comes. Returns whether the
     /// picture changed.
-    pub(crate) fn step(
+    pub fn step(
         &mut self,
         now: &Now,
-        choice: &mut Choice,
+        choice: &mut impl Chooses<Error = X>,
         figures: &mut Figures,
-    ) -> anyhow::Result<bool> {
+    ) -> Result<bool, X> {
         let mut changed = self.take(now, figures)?;
         if self.is_due(now) {
             self.present(now, figures)?;
@@ -172,14 +225,14 @@ impl Stage {
     }
 
     /// Puts what was decoded where it belongs.
-    fn take(&mut self, now: &Now, figures: &mut Figures) -> anyhow::Result<bool> {
+    fn take(&mut self, now: &Now, figures: &mut Figures) -> Result<bool, X> {
         let mut changed = false;
-        for done in self.feed.take() {
+        for done in self.feed.take()? {
             figures.decoded(u64::from(done.decoded) * self.grid.tile_pixels(done.tile));
             let (tile, frame) = (done.tile, done.frame);
-            match self.picture_of(done, figures)? {
+            match done.picture {
                 Some(picture) => changed |= self.place(tile, frame, picture, figures)?,
-                None => self.give_up(tile, frame, figures)?,
+                None => self.give_up(tile, frame, figures),
             }
         }
         for staged in [&mut self.shown, &mut self.coming].into_iter().flatten() {
@@ -191,35 +244,6 @@ impl Stage {
         Ok(changed)
     }
 
-    /// The picture of a tile, of the frame that was asked for; `None` where it is damaged.
-    fn picture_of(
-        &mut self,
-        done: DecodedTile,
-        figures: &mut Figures,
-    ) -> anyhow::Result<Option<Picture>> {
-        let DecodedTile { tile, frame, .. } = done;
-        match done.picture {
-            Ok((picture, number)) if number == i64::from(frame) => Ok(Some(picture)),
-            Ok((_, number)) => bail!(
-                "{}: asked for frame {frame} of {tile:?}, the decoder gave {number}",
-                self.file.path().display()
-            ),
-            Err(error) => {
-                figures.damaged_tiles += 1;
-                if !std::mem::replace(&mut self.told, true) {
-                    let Tile { level, face, x, y } = tile;
-                    crate::output::say(&format!(
-                        "{}: level {level}, face {face}, column {x}, row {y} cannot be decoded at \
-                         frame {frame}; what there is else is shown ({error}; `foveal verify` \
-                         lists all damage)",
-                        self.file.path().display(),
-                    ));
-                }
-                Ok(None)
-            }
-        }
-    }
-
     /// Keeps a picture for the frame that comes, or shows it in the one that is there.
     fn place(
         &mut self,
@@ -227,7 +251,7 @@ impl Stage {
         frame: u32,
         picture: Picture,
         figures: &mut Figures,
-    ) -> anyhow::Result<bool> {
+    ) -> Result<bool, X> {
         if let Some(coming) = self.coming.as_mut().filter(|coming| coming.frame == frame) {
             if coming.wanted.contains(&tile) {
                 coming.decoded.insert(tile, picture);
@@ -246,29 +270,29 @@ impl Stage {
     }
 
     /// Goes on without a tile: a coarser level stands in, and for the coarsest the frame before.
-    fn give_up(&mut self, tile: Tile, frame: u32, figures: &mut Figures) -> anyhow::Result<()> {
+    fn give_up(&mut self, tile: Tile, frame: u32, figures: &mut Figures) {
+        figures.damaged_tiles += 1;
         if let Some(coming) = self.coming.as_mut().filter(|coming| coming.frame == frame) {
             if tile.level < self.grid.coarsest() {
                 coming.failed.insert(tile);
-                return Ok(());
+                return;
             }
             self.damaged = Some(coming.tick);
             self.coming = None;
             figures.damaged_frames += 1;
-            if self.shown.is_none() && figures.damaged_frames >= self.timeline.frames() {
-                bail!(
-                    "{}: no frame has a whole coarsest level; `foveal verify` lists all damage",
-                    self.file.path().display()
-                );
-            }
         } else if let Some(shown) = self.shown.as_mut().filter(|shown| shown.frame == frame) {
             shown.failed.insert(tile);
         }
-        Ok(())
+    }
+
+    /// Whether no frame at all has a whole coarsest level.
+    #[must_use]
+    pub fn is_hopeless(&self, figures: &Figures) -> bool {
+        self.shown.is_none() && figures.damaged_frames >= self.timeline.frames()
     }
 
     /// The viewer goes elsewhere in time.
-    pub(crate) fn jump(&mut self) {
+    pub fn jump(&mut self) {
         self.coming = None;
         self.lead = 0.0;
         self.jumped = true;
@@ -292,7 +316,7 @@ impl Stage {
     }
 
     /// Shows the frame that came, with the tiles that are there.
-    fn present(&mut self, now: &Now, figures: &mut Figures) -> anyhow::Result<()> {
+    fn present(&mut self, now: &Now, figures: &mut Figures) -> Result<(), X> {
         let Some(mut coming) = self.coming.take() else {
             return Ok(());
         };
@@ -305,7 +329,7 @@ impl Stage {
         let tiles: Vec<Tile> = coming.resident.iter().copied().collect();
         self.easel.retain(&tiles);
         if now.playing {
-            self.learn_lead(now, coming.tick);
+            self.learn_lead(now, &coming);
         }
         let before = self.shown.as_ref().map(|shown| shown.tick);
         let overdue = now.media.0 > self.timeline.time_of(coming.tick + 1).0;
@@ -326,14 +350,18 @@ impl Stage {
         Ok(())
     }
 
-    /// Begins frames earlier when they come after their time, and later again when they do not.
-    fn learn_lead(&mut self, now: &Now, tick: u64) {
-        let [begin, end] = [tick, tick + 1].map(|tick| self.timeline.time_of(tick).0);
+    /// Begins frames earlier when they come after their time, though no earlier than they are on
+    /// their way, and later again when they wait for it: a stall does not slow what follows.
+    fn learn_lead(&mut self, now: &Now, shown: &Staged) {
+        let [begin, end] = [shown.tick, shown.tick + 1].map(|tick| self.timeline.time_of(tick).0);
         let late = now.media.0 - end;
         self.lead = if late > 0.0 {
-            (self.lead + 0.5 * (now.media.0 - begin)).min(MOST_LEAD_S)
+            let on_its_way = now.wall.0 - shown.begun;
+            let longer = self.lead + 0.5 * (now.media.0 - begin);
+            longer.min(on_its_way).min(MOST_LEAD_S)
         } else {
-            self.lead * 0.95
+            let waited = shown.complete.map_or(0.0, |complete| now.wall.0 - complete);
+            (self.lead * 0.95 - 0.5 * waited).max(0.0)
         };
     }
 
@@ -350,7 +378,7 @@ impl Stage {
     }
 
     /// Orders tiles for the frame that comes, or for the one that stays.
-    fn order(&mut self, now: &Now, choice: &mut Choice) -> anyhow::Result<()> {
+    fn order(&mut self, now: &Now, choice: &mut impl Chooses<Error = X>) -> Result<(), X> {
         let target = self.target(now);
         if !now.playing && self.shown_tick() == Some(target) {
             self.jumped = false;
@@ -402,7 +430,7 @@ impl Stage {
     }
 
     /// Chooses the tiles of the frame that comes, once, and again while it takes long.
-    fn choose_coming(&mut self, now: &Now, choice: &mut Choice) -> anyhow::Result<()> {
+    fn choose_coming(&mut self, now: &Now, choice: &mut impl Chooses<Error = X>) -> Result<(), X> {
         let Some(coming) = &mut self.coming else {
             return Ok(());
         };
@@ -410,28 +438,28 @@ impl Stage {
         let old = now.wall.0 - coming.chosen > CHOOSE_EVERY_S;
         let stays = !now.playing || now.wall.0 - coming.begun > 0.1;
         if first || old && stays && choice.differs(&now.aim, &coming.aim) {
-            choose_tiles(coming, now, choice, &self.timeline)?;
+            choose_tiles(coming, now, choice)?;
             self.want_missing(now);
         }
         Ok(())
     }
 
     /// Chooses the tiles of the frame that stays anew when the viewer looks elsewhere.
-    fn refine(&mut self, now: &Now, choice: &mut Choice) -> anyhow::Result<()> {
+    fn refine(&mut self, now: &Now, choice: &mut impl Chooses<Error = X>) -> Result<(), X> {
         let Some(shown) = &mut self.shown else {
             return Ok(());
         };
         let old = now.wall.0 - shown.chosen > CHOOSE_EVERY_S;
         if old && choice.differs(&now.aim, &shown.aim) {
             shown.begun = now.wall.0;
-            choose_tiles(shown, now, choice, &self.timeline)?;
+            choose_tiles(shown, now, choice)?;
             self.want_missing(now);
         }
         Ok(())
     }
 
     /// Chooses anew at the next step, whoever looks wherever.
-    pub(crate) fn forget_choice(&mut self) {
+    pub fn forget_choice(&mut self) {
         if let Some(shown) = &mut self.shown {
             shown.chosen = f64::NEG_INFINITY;
             // Every view differs from one without pixels.
@@ -441,7 +469,7 @@ impl Stage {
     }
 
     /// Whether a choice is still to be made for where the viewer looks.
-    pub(crate) fn is_behind(&self, aim: &Aim, choice: &Choice) -> bool {
+    pub fn is_behind(&self, aim: &Aim, choice: &impl Chooses) -> bool {
         let shown = self.shown.as_ref();
         shown.is_none_or(|shown| choice.differs(aim, &shown.aim))
     }
@@ -466,7 +494,7 @@ impl Stage {
     }
 
     /// Orders what is missing: the coarsest level first, then by distance to the gaze.
-    pub(crate) fn want_missing(&mut self, now: &Now) {
+    pub fn want_missing(&mut self, now: &Now) {
         let Some(staged) = self.coming.as_mut().or(self.shown.as_mut()) else {
             return;
         };
@@ -480,20 +508,18 @@ impl Stage {
             .collect();
         order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let frame = staged.frame;
-        self.feed
-            .want(order.into_iter().map(|(.., tile)| (tile, frame)));
+        let order = order.into_iter().map(|(.., tile)| (tile, frame));
+        self.feed.want(order.collect());
     }
 }
 
 /// Chooses what a frame shows.
-fn choose_tiles(
+fn choose_tiles<X>(
     staged: &mut Staged,
     now: &Now,
-    choice: &mut Choice,
-    timeline: &Timeline,
-) -> anyhow::Result<()> {
-    let chosen = choice.choose(timeline, staged.tick, &now.aim);
-    staged.wanted = chosen.context("the choice of tiles")?;
+    choice: &mut impl Chooses<Error = X>,
+) -> Result<(), X> {
+    staged.wanted = choice.choose(staged.frame, &now.aim)?;
     staged.aim = now.aim;
     staged.chosen = now.wall.0;
     staged.complete = None;

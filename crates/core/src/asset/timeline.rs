@@ -2,11 +2,11 @@
 //!
 //! Content that is played again and again is counted on: a tick is a frame of one round.
 
-use foveal_core::units::Seconds;
+use crate::units::Seconds;
 
 /// The frames of a pack in time.
 #[derive(Clone, Debug)]
-pub(crate) struct Timeline {
+pub struct Timeline {
     /// When each frame begins, from 0, never falling.
     begins: Vec<f64>,
     /// Length of a round.
@@ -15,7 +15,7 @@ pub(crate) struct Timeline {
 
 impl Timeline {
     /// The frames that begin at these times; the last lasts `period`.
-    pub(crate) fn new(times_ns: &[i64], period: Seconds) -> Self {
+    pub fn new(times_ns: &[i64], period: Seconds) -> Self {
         let first = times_ns.first().copied().unwrap_or_default();
         let mut latest = 0.0f64;
         let begins: Vec<f64> = times_ns
@@ -32,22 +32,22 @@ impl Timeline {
     }
 
     /// Frames of a round.
-    pub(crate) fn frames(&self) -> u64 {
+    pub fn frames(&self) -> u64 {
         self.begins.len() as u64
     }
 
     /// Whether nothing ever moves.
-    pub(crate) fn is_still(&self) -> bool {
+    pub fn is_still(&self) -> bool {
         self.begins.len() < 2
     }
 
     /// Length of a round.
-    pub(crate) fn length(&self) -> Seconds {
+    pub fn length(&self) -> Seconds {
         Seconds(self.length)
     }
 
     /// The tick that is due at a time.
-    pub(crate) fn tick_at(&self, time: Seconds) -> u64 {
+    pub fn tick_at(&self, time: Seconds) -> u64 {
         // A clock that was set to the beginning of a frame is in that frame.
         let time = time.0.max(0.0) + 1e-7;
         let round = (time / self.length).floor();
@@ -57,18 +57,18 @@ impl Timeline {
     }
 
     /// When a tick begins.
-    pub(crate) fn time_of(&self, tick: u64) -> Seconds {
+    pub fn time_of(&self, tick: u64) -> Seconds {
         let round = (tick / self.frames()) as f64;
         Seconds(round * self.length + self.begins[(tick % self.frames()) as usize])
     }
 
     /// The frame of a tick.
-    pub(crate) fn frame_of(&self, tick: u64) -> u32 {
+    pub fn frame_of(&self, tick: u64) -> u32 {
         (tick % self.frames()) as u32
     }
 
     /// Time within a round.
-    pub(crate) fn within(&self, time: Seconds) -> Seconds {
+    pub fn within(&self, time: Seconds) -> Seconds {
         Seconds(time.0.rem_euclid(self.length))
     }
 }

@@ -1,0 +1,151 @@
+//! How does a site get into a folder?
+
+use super::listing::{GENERATOR, Listed};
+use super::{LISTING, Site, SiteFile};
+use crate::output::{self, Counting};
+use anyhow::{Context, bail};
+use clap::{Args, Subcommand};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// What can be exported.
+#[derive(Clone, Debug, Subcommand)]
+pub(crate) enum Export {
+    /// A folder of pages and packs that any web host can serve.
+    Site(SiteArgs),
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct SiteArgs {
+    /// The packs that it shows.
+    #[arg(required = true, value_name = "PACK")]
+    packs: Vec<PathBuf>,
+    /// Folder of the site; made if it is not there. An earlier site in it is replaced.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Say what it would hold, and write nothing.
+    #[arg(long)]
+    dry_run: bool,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `export site` prints.
+#[derive(Serialize)]
+struct Exported<'a> {
+    dry_run: bool,
+    out: &'a Path,
+    files: usize,
+    /// Of all files together, as a host sees them.
+    bytes: u64,
+    /// Packs that share their bytes on disk with the pack that was given.
+    linked: usize,
+    packs: &'a [Listed],
+}
+
+pub(crate) fn run(command: &Export) -> anyhow::Result<()> {
+    let Export::Site(args) = command;
+    refuse_foreign_folder(&args.out)?;
+    let site = Site::of(&args.packs)?;
+    let sizes = site.files.values().map(SiteFile::bytes);
+    let mut exported = Exported {
+        dry_run: args.dry_run,
+        out: &args.out,
+        files: site.files.len(),
+        bytes: sizes.sum::<anyhow::Result<u64>>()?,
+        linked: 0,
+        packs: &site.packs,
+    };
+    if !args.dry_run {
+        exported.linked = write(&site, &args.out, exported.bytes)?;
+    }
+    output::result(args.json, &exported, &exported.text())
+}
+
+impl Exported<'_> {
+    fn text(&self) -> String {
+        let out = self.out.display();
+        let (files, bytes) = (self.files, self.bytes as f64 / 1e6);
+        if self.dry_run {
+            return format!("{out}: would hold {files} files, {bytes:.2} MB");
+        }
+        format!(
+            "{out}: {files} files, {bytes:.2} MB\nsee it:     foveal serve {out}\npublish it: copy \
+             the folder to any web host that serves byte ranges (docs/deploy.md)"
+        )
+    }
+}
+
+/// A folder that somebody keeps other things in is left alone.
+fn refuse_foreign_folder(out: &Path) -> anyhow::Result<()> {
+    let name = out.display();
+    let mut entries = match std::fs::read_dir(out) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => {
+            return Err(error).with_context(|| format!("--out {name}: is no folder to write to"));
+        }
+    };
+    if entries.next().is_none() || is_site(out) {
+        return Ok(());
+    }
+    bail!("--out {name}: the folder is not empty and holds no site; give a new or an empty one");
+}
+
+/// Whether an earlier export made this folder.
+fn is_site(folder: &Path) -> bool {
+    let listing = std::fs::read(folder.join(LISTING)).ok();
+    let listing = listing.and_then(|bytes| serde_json::from_slice(&bytes).ok());
+    let program = GENERATOR.split(' ').next().unwrap_or_default();
+    listing.is_some_and(|listing: serde_json::Value| {
+        let generator = listing["generator"].as_str().unwrap_or_default();
+        generator.split(' ').next() == Some(program)
+    })
+}
+
+/// Writes every file whole or not at all, the list last: a site that has one is complete. Returns
+/// how many are links.
+fn write(site: &Site, out: &Path, bytes: u64) -> anyhow::Result<usize> {
+    let bar = output::bar(Some(bytes), Counting::Bytes);
+    let mut linked = 0;
+    let last = |name: &&String| name.as_str() == LISTING;
+    let names = site.files.keys().filter(|name| !last(name));
+    for name in names.chain(site.files.keys().filter(last)) {
+        let path = out.join(name);
+        let folder = path.parent().unwrap_or(out);
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("--out {}: the folder cannot be made", folder.display()))?;
+        let file = &site.files[name];
+        match file {
+            SiteFile::Bytes(bytes) => output::write_whole(&path, bytes)?,
+            SiteFile::File(from) => linked += usize::from(place(from, &path)?),
+        }
+        bar.inc(file.bytes()?);
+    }
+    bar.finish_and_clear();
+    Ok(linked)
+}
+
+/// Makes `to` the file `from`: by a hard link where the file system has them, which takes no room,
+/// else by a copy. Returns whether it is a link.
+fn place(from: &Path, to: &Path) -> anyhow::Result<bool> {
+    let from = from
+        .canonicalize()
+        .with_context(|| format!("{}: cannot be read", from.display()))?;
+    let mut growing = to.as_os_str().to_owned();
+    growing.push(".partial");
+    let growing = Path::new(&growing);
+    let _ = std::fs::remove_file(growing);
+    let linked = std::fs::hard_link(&from, growing).is_ok();
+    let placed = if linked {
+        Ok(())
+    } else {
+        std::fs::copy(&from, growing).map(drop)
+    };
+    let placed = placed.and_then(|()| std::fs::rename(growing, to));
+    // Renaming one name of a file to another name of it does nothing, and a failure leaves a part.
+    let _ = std::fs::remove_file(growing);
+    placed.with_context(|| format!("{}: cannot be written", to.display()))?;
+    Ok(linked)
+}

@@ -1,0 +1,82 @@
+//! What does a list of packs say of each?
+
+use super::ENDING;
+use super::poster::Poster;
+use foveal_core::view::surface::Projection;
+use foveal_media::pack_file::PackFile;
+use serde::Serialize;
+
+/// `packs.json`.
+#[derive(Debug, Serialize)]
+pub(super) struct Listing<'a> {
+    /// Of this form.
+    version: u32,
+    generator: &'static str,
+    packs: &'a [Listed],
+}
+
+/// Who wrote a list; an export replaces only sites that carry it.
+pub(super) const GENERATOR: &str = concat!("foveal ", env!("CARGO_PKG_VERSION"));
+
+impl<'a> Listing<'a> {
+    pub(super) fn new(packs: &'a [Listed]) -> Self {
+        Self {
+            version: 1,
+            generator: GENERATOR,
+            packs,
+        }
+    }
+}
+
+/// A pack in a site; names are relative to the list.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Listed {
+    name: String,
+    pub(crate) file: String,
+    pub(crate) poster: ListedPoster,
+    bytes: u64,
+    projection: Projection,
+    eyes: u8,
+    /// Pixels of the source.
+    width: u32,
+    height: u32,
+    fps: f64,
+    seconds: f64,
+    sound: bool,
+}
+
+/// The picture that stands for a pack in a list.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct ListedPoster {
+    pub(super) file: String,
+    width: u32,
+    height: u32,
+}
+
+impl Listed {
+    pub(super) fn new(name: &str, file: &PackFile, poster: &Poster) -> anyhow::Result<Self> {
+        let about = file.pack().description();
+        let last = file
+            .frame_times()?
+            .last()
+            .map_or(0.0, |&ns| ns as f64 / 1e9);
+        let [width, height] = about.source.size;
+        Ok(Self {
+            name: name.to_owned(),
+            file: format!("{name}{ENDING}"),
+            poster: ListedPoster {
+                file: format!("posters/{name}.jpg"),
+                width: poster.size[0],
+                height: poster.size[1],
+            },
+            bytes: file.bytes(),
+            projection: about.projection,
+            eyes: about.eyes,
+            width,
+            height,
+            fps: about.fps(),
+            seconds: last + 1.0 / about.fps(),
+            sound: about.tables.iter().any(|table| table.name == "sound"),
+        })
+    }
+}

@@ -1,0 +1,131 @@
+//! Which files make a site that shows these packs?
+//!
+//! The pages and the wasm that the program carries, the packs, a poster of each and `packs.json`,
+//! which the list page reads. All names are relative, so that a site works in a folder of any host.
+
+pub(crate) mod export;
+mod listing;
+mod poster;
+
+use crate::output::WrongUsage;
+use crate::web_files::web_files;
+use anyhow::{Context, bail};
+use foveal_media::pack_file::PackFile;
+use listing::{Listed, Listing};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The list that the pages read.
+pub(crate) const LISTING: &str = "packs.json";
+/// The ending of every pack.
+const ENDING: &str = ".foveal";
+
+/// Where a file of a site comes from.
+#[derive(Clone, Debug)]
+pub(crate) enum SiteFile {
+    /// These bytes.
+    Bytes(Cow<'static, [u8]>),
+    /// That file, as it is.
+    File(PathBuf),
+}
+
+impl SiteFile {
+    /// How long it is.
+    pub(crate) fn bytes(&self) -> anyhow::Result<u64> {
+        Ok(match self {
+            Self::Bytes(bytes) => bytes.len() as u64,
+            Self::File(path) => std::fs::metadata(path)
+                .with_context(|| format!("{}: cannot be read", path.display()))?
+                .len(),
+        })
+    }
+}
+
+/// A site, by the names under which its files are fetched.
+pub(crate) struct Site {
+    pub(crate) files: BTreeMap<String, SiteFile>,
+    pub(crate) packs: Vec<Listed>,
+}
+
+impl Site {
+    /// The site of these packs; draws a poster of each.
+    pub(crate) fn of(packs: &[PathBuf]) -> anyhow::Result<Self> {
+        let names = names(packs)?;
+        let opened = packs.iter().map(|pack| PackFile::open(pack));
+        let opened = opened.collect::<Result<Vec<PackFile>, _>>()?;
+        if web_files().is_empty() {
+            bail!("this program was built without its pages; build it with `make build`");
+        }
+        let drawing = poster::drawing();
+        let mut files = BTreeMap::new();
+        for file in web_files() {
+            files.insert(file.name.to_owned(), SiteFile::Bytes(file.bytes.into()));
+        }
+        let mut listed = Vec::new();
+        for (name, file) in names.into_iter().zip(opened) {
+            let path = file.path().to_owned();
+            let file = Arc::new(file);
+            let poster = poster::poster(Arc::clone(&file), &drawing)
+                .with_context(|| format!("{}: no poster can be drawn", path.display()))?;
+            let one = Listed::new(&name, &file, &poster)?;
+            files.insert(one.poster.file.clone(), SiteFile::Bytes(poster.jpeg.into()));
+            files.insert(one.file.clone(), SiteFile::File(path));
+            listed.push(one);
+        }
+        let listing = serde_json::to_vec(&Listing::new(&listed))?;
+        files.insert(LISTING.to_owned(), SiteFile::Bytes(listing.into()));
+        Ok(Self {
+            files,
+            packs: listed,
+        })
+    }
+}
+
+/// The name of each pack in a site, without its ending; refuses two that are alike.
+fn names(packs: &[PathBuf]) -> Result<Vec<String>, WrongUsage> {
+    let mut by_name: BTreeMap<String, &Path> = BTreeMap::new();
+    let mut names = Vec::new();
+    for pack in packs {
+        let name = pack.file_name().unwrap_or_default().to_string_lossy();
+        let name = name.strip_suffix(ENDING).unwrap_or(&name).to_owned();
+        if name.is_empty() || name.starts_with('.') {
+            let path = pack.display();
+            return Err(WrongUsage(format!("{path}: give a pack with a name")));
+        }
+        // Some hosts do not tell A from a.
+        if let Some(other) = by_name.insert(name.to_lowercase(), pack) {
+            return Err(WrongUsage(format!(
+                "{} and {} would both be {name}{ENDING} in the site; rename one",
+                other.display(),
+                pack.display()
+            )));
+        }
+        names.push(name);
+    }
+    Ok(names)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(packs: &[&str]) -> Result<Vec<String>, WrongUsage> {
+        names(&packs.iter().map(PathBuf::from).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_pack_is_named_for_its_file() {
+        let names = named(&["a.foveal", "folder/b c.foveal", "d"]).unwrap();
+        assert_eq!(names, ["a", "b c", "d"]);
+    }
+
+    #[test]
+    fn two_packs_of_one_name_are_refused_with_both_paths() {
+        for pair in [["x/a.foveal", "y/a.foveal"], ["a.foveal", "A"]] {
+            let refused = named(&pair).unwrap_err().to_string();
+            assert!(pair.iter().all(|path| refused.contains(path)), "{refused}");
+        }
+    }
+}

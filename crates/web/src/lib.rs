@@ -1,0 +1,39 @@
+//! What a page in a browser calls: bytes, planes, gaze and time in; requests and pixels out.
+//!
+//! Decisions are core's, pictures render's; here they meet, as they do in the app natively. All
+//! but the canvas compiles and is tested on every target.
+
+#![cfg_attr(
+    not(target_arch = "wasm32"),
+    allow(
+        dead_code,
+        reason = "the calls that use it are compiled for browsers alone"
+    )
+)]
+
+mod choice;
+mod easel;
+mod facts;
+mod feed;
+mod looking;
+mod needs;
+mod options;
+mod shelf;
+mod telling;
+#[cfg(test)]
+mod tests;
+mod viewer;
+mod wide;
+
+#[cfg(target_arch = "wasm32")]
+mod canvas;
+#[cfg(target_arch = "wasm32")]
+mod paper;
+#[cfg(target_arch = "wasm32")]
+mod show;
+
+pub use easel::{GpuEasel, WebEasel};
+pub use facts::{about, head_bytes};
+pub use needs::{Kind, ROW};
+pub use options::Options;
+pub use viewer::{Viewer, flag};

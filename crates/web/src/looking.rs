@@ -1,0 +1,132 @@
+//! Where does whoever sits before a page look?
+
+use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
+use foveal_core::gaze::pointer::Pointer;
+use foveal_core::gaze::record::GazeRecord;
+use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
+use foveal_core::gaze::stream::GazeStream;
+use foveal_core::gaze::tracker::GazeTracker;
+use foveal_core::perception::parameters::Parameters;
+use foveal_core::selection::aim::Aim;
+use foveal_core::units::{Radians, Seconds};
+use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::scene::{Pane, Scene};
+
+/// The pointer, and whoever sends gazes.
+#[derive(Default)]
+pub(crate) struct Looking {
+    pub(crate) pointer: Pointer,
+    sender: Option<Sender>,
+    /// Expects the eye where a headset's head goes.
+    headset: Option<GazeTracker>,
+}
+
+struct Sender {
+    stream: GazeStream,
+    tracker: GazeTracker,
+}
+
+fn tracker() -> GazeTracker {
+    GazeTracker::new(HeadGazePreset::free_viewing())
+}
+
+impl Looking {
+    /// Takes a record that arrived now; says what is wrong with it.
+    pub(crate) fn take(&mut self, record: &[u8], now: Seconds) -> Result<(), String> {
+        let record = GazeRecord::parse(record).map_err(|error| error.to_string())?;
+        let sender = self.sender.get_or_insert_with(|| Sender {
+            stream: GazeStream::default(),
+            tracker: tracker(),
+        });
+        if let Some(row) = sender.stream.take(&record, now) {
+            sender.tracker.push(&row.sample());
+        }
+        Ok(())
+    }
+
+    /// Goes back to the pointer.
+    pub(crate) fn forget_sender(&mut self) {
+        self.sender = None;
+    }
+
+    /// Whether it changes though nobody touches the page.
+    pub(crate) fn moves(&self) -> bool {
+        self.sender.is_some()
+    }
+
+    /// What selection is given, with the head turned to where a sender says.
+    pub(crate) fn aim(
+        &mut self,
+        now: Seconds,
+        scene: &mut Scene,
+        pane: &Pane,
+        perception: &Parameters,
+    ) -> Aim {
+        let still = perception.eye_state(EyeEvent::Fixation, None);
+        let expected = self.sender.as_mut().and_then(|sender| {
+            if let Some(row) = sender.stream.silence(now) {
+                sender.tracker.push(&row.sample());
+            }
+            sender.tracker.predict(sender.stream.now(now))
+        });
+        let (gaze, state) = match expected {
+            Some(expected) => {
+                if let Some(head) = expected.gaze.head {
+                    scene.look_along(head);
+                }
+                let state = perception.eye_state(expected.event, expected.since_saccade);
+                let time = now;
+                (
+                    GazeSample {
+                        time,
+                        ..expected.gaze
+                    },
+                    state,
+                )
+            }
+            None => (self.pointer.gaze(now, &scene.shown(pane)), still),
+        };
+        Aim {
+            gaze: GazeSample {
+                gaze_in_content: scene.with_the_hand(gaze.gaze_in_content),
+                ..gaze
+            },
+            view: scene.shown(pane).view,
+            head: scene.head(),
+            state,
+            behind_sound: None,
+        }
+    }
+
+    /// What selection is given in a headset: the eye is where the head's motion lets it be
+    /// expected, unless somebody sends it.
+    pub(crate) fn aim_in_headset(
+        &mut self,
+        now: Seconds,
+        view: &EyeView,
+        head: HeadPose,
+        perception: &Parameters,
+    ) -> Aim {
+        let ahead = GazeSample {
+            gaze_in_content: view.axes.forward,
+            valid: false,
+            head: Some(head),
+            ..GazeSample::at(now, Radians(0.0), Radians(0.0))
+        };
+        let by_head = self.headset.get_or_insert_with(tracker);
+        by_head.push(&ahead);
+        let sent = self.sender.as_ref();
+        let sent = sent.and_then(|sent| sent.tracker.predict(sent.stream.now(now)));
+        let expected = sent.or_else(|| by_head.predict(now));
+        let event = expected.map_or(EyeEvent::Fixation, |expected| expected.event);
+        let since = expected.and_then(|expected| expected.since_saccade);
+        let gaze = expected.map_or(ahead, |expected| expected.gaze);
+        Aim {
+            gaze: GazeSample { time: now, ..gaze },
+            view: *view,
+            head,
+            state: perception.eye_state(event, since),
+            behind_sound: None,
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Which bytes of the file are needed, in which order?
+
+use crate::shelf::Shelf;
+use crate::viewer::Viewer;
+use foveal_core::asset::tile_grid::{Cut, Tile};
+use foveal_core::asset::unit::UnitId;
+use foveal_core::selection::content::Content;
+use std::collections::HashSet;
+
+/// Numbers of a row: kind, number, offset, bytes, frame, first frame of the unit, frames of the
+/// unit, width, height, level.
+pub const ROW: usize = 10;
+/// How far ahead bytes are fetched while the content plays, in seconds.
+const AHEAD_S: f64 = 2.0;
+/// Most rows that are told at once.
+const MOST_ROWS: usize = 4096;
+
+/// What a row asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Kind {
+    /// A page of the index.
+    Page = 0,
+    /// A unit, and the picture of a frame of it.
+    Picture = 1,
+    /// A unit that may be needed soon: only its bytes.
+    Bytes = 2,
+}
+
+/// Collects rows, each unit and page once.
+struct Rows<'a> {
+    shelf: &'a Shelf,
+    rows: Vec<f64>,
+    pages: HashSet<u32>,
+    units: HashSet<UnitId>,
+}
+
+impl Rows<'_> {
+    fn push(&mut self, row: [f64; ROW]) {
+        if self.rows.len() < MOST_ROWS * ROW {
+            self.rows.extend(row);
+        }
+    }
+
+    fn page(&mut self, page: u32) {
+        let Some(place) = self.shelf.pack.page_place(page) else {
+            return;
+        };
+        let is_gone = self.shelf.pack.has_page(page) || self.shelf.damaged_pages.contains(&page);
+        if !is_gone && self.pages.insert(page) {
+            let (offset, bytes) = (place.start as f64, (place.end - place.start) as f64);
+            let kind = f64::from(Kind::Page as u8);
+            let number = f64::from(page);
+            self.push([kind, number, offset, bytes, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        }
+    }
+
+    /// All pages of a level in the group of a frame.
+    fn pages_of(&mut self, level: u8, frame: u32) {
+        for page in self.shelf.pages_of(level, frame) {
+            self.page(page);
+        }
+    }
+
+    fn tile(&mut self, kind: Kind, tile: Tile, frame: u32) {
+        let pack = &self.shelf.pack;
+        let unit = pack.unit(tile, frame);
+        let Some(entry) = pack.known_entry(unit) else {
+            return self.page(pack.page_of(unit));
+        };
+        if kind == Kind::Bytes && !self.units.insert(unit) {
+            return;
+        }
+        self.units.insert(unit);
+        let frames = pack.frames_of(unit);
+        let [width, height] = self.shelf.grid.tile_size(tile);
+        self.push([
+            f64::from(kind as u8),
+            f64::from(unit.0),
+            entry.offset as f64,
+            f64::from(entry.bytes),
+            f64::from(frame),
+            f64::from(frames.start),
+            frames.len() as f64,
+            f64::from(width),
+            f64::from(height),
+            f64::from(tile.level),
+        ]);
+    }
+
+    /// The 3 x 3 tiles that a tile is one of, whichever of them it is: what a host sees is the
+    /// block.
+    fn block(&mut self, tile: Tile, frame: u32) {
+        let [columns, rows] = match self.shelf.grid.cut {
+            Cut::Tile(_) => self.shelf.grid.tiles(tile.level),
+            Cut::Grid(cells) => cells,
+        };
+        let [x, y] = [tile.x, tile.y].map(|place| place - place % 3);
+        for y in y..(u32::from(y) + 3).min(rows) as u16 {
+            for x in x..(u32::from(x) + 3).min(columns) as u16 {
+                self.tile(Kind::Bytes, Tile { x, y, ..tile }, frame);
+            }
+        }
+    }
+}
+
+impl Viewer {
+    /// What is to be fetched and decoded now, first what matters most: [`ROW`] numbers each.
+    pub fn needs(&self) -> Vec<f64> {
+        let shelf = self.shelf.borrow();
+        let mut rows = Rows {
+            shelf: &shelf,
+            rows: Vec::new(),
+            pages: HashSet::new(),
+            units: HashSet::new(),
+        };
+        let coarsest = shelf.grid.coarsest();
+        let wanted = self.stage.feed.wanted();
+        let tick = self.stage.wanted().map_or(0, |(tick, _)| tick);
+        let frame = self.stage.timeline().frame_of(tick);
+        rows.pages_of(coarsest, frame);
+        let is_base = |tile: &Tile| tile.level == coarsest;
+        for (tile, frame) in wanted.iter().filter(|(tile, _)| is_base(tile)) {
+            rows.tile(Kind::Picture, *tile, *frame);
+        }
+        // A saccade must not wait for the index.
+        (0..coarsest)
+            .rev()
+            .for_each(|level| rows.pages_of(level, frame));
+        if let Some(next) = shelf.next_group(frame)
+            && self.choice.policy().spends_a_budget()
+        {
+            // What is bought for this frame is weighed against the next group.
+            (0..=coarsest).for_each(|level| rows.pages_of(level, next));
+        }
+        for (tile, frame) in wanted.iter().filter(|(tile, _)| !is_base(tile)) {
+            if self.coarse {
+                rows.block(*tile, *frame);
+            }
+            rows.tile(Kind::Picture, *tile, *frame);
+        }
+        if self.is_moving() {
+            self.look_ahead(&mut rows, tick);
+        }
+        rows.rows
+    }
+
+    /// What the same tiles need in the next groups, soonest first.
+    fn look_ahead(&self, rows: &mut Rows<'_>, tick: u64) {
+        let Some((_, tiles)) = self.stage.wanted() else {
+            return;
+        };
+        let timeline = self.stage.timeline();
+        let groups = &rows.shelf.pack.description().groups;
+        let shortest = u64::from(groups.first().copied().unwrap_or(1));
+        let until = timeline.time_of(tick).0 + AHEAD_S;
+        let round = timeline.frames();
+        // What follows in the units that are shown now.
+        let frame = timeline.frame_of(tick);
+        tiles
+            .iter()
+            .for_each(|tile| rows.tile(Kind::Bytes, *tile, frame));
+        let mut next = tick;
+        loop {
+            let frame = next % round;
+            // Groups begin anew with every round.
+            next += (shortest - frame % shortest).min(round - frame);
+            if timeline.time_of(next).0 > until || rows.rows.len() >= MOST_ROWS * ROW {
+                return;
+            }
+            let frame = timeline.frame_of(next);
+            for level in (0..rows.shelf.grid.levels).rev() {
+                rows.pages_of(level, frame);
+            }
+            for tile in tiles {
+                if self.coarse && tile.level < rows.shelf.grid.coarsest() {
+                    rows.block(*tile, frame);
+                }
+                rows.tile(Kind::Bytes, *tile, frame);
+            }
+        }
+    }
+}

@@ -1,0 +1,463 @@
+//! Which calls does TypeScript make?
+//!
+//! Numbers and bytes cross as they are, what has many fields as JSON. `now` is in seconds of the
+//! page's clock, places are in device pixels of the canvas.
+
+use crate::canvas::Canvas;
+use crate::easel::{WebEasel, twin_picture};
+use crate::options::Options;
+use crate::paper::Paper;
+use crate::viewer::Viewer;
+use crate::wide::EyeRequest;
+use foveal_core::asset::picture::{Picture, plane_size};
+use foveal_core::asset::sound::SoundTable;
+use foveal_core::asset::unit::UnitId;
+use foveal_core::gaze::sample::HeadPose;
+use foveal_core::selection::policy::Policy;
+use foveal_core::selection::stage::Delivery;
+use foveal_core::units::{Radians, Seconds};
+use foveal_core::view::surface::Eye;
+use foveal_render::Gpu;
+use js_sys::{Array, Uint8Array};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use wasm_bindgen::prelude::{JsError, JsValue, wasm_bindgen};
+use web_sys::OffscreenCanvas;
+
+type Outcome<T> = Result<T, JsError>;
+
+fn refused(error: impl std::fmt::Display) -> JsError {
+    JsError::new(&error.to_string())
+}
+
+/// Bytes from the beginning of a pack that hold its header and description, by its first 64.
+#[wasm_bindgen(js_name = headBytes)]
+#[allow(unreachable_pub, reason = "exported to the page")]
+pub fn head_bytes(beginning: &[u8]) -> Outcome<f64> {
+    let bytes = crate::facts::head_bytes(beginning).map_err(refused)?;
+    Ok(bytes as f64)
+}
+
+/// What is known of a pack that begins with these bytes, as JSON.
+#[wasm_bindgen]
+#[allow(unreachable_pub, reason = "exported to the page")]
+pub fn about(head: &[u8]) -> Outcome<String> {
+    crate::facts::about(head).map_err(refused)
+}
+
+/// A pack on a canvas.
+#[wasm_bindgen]
+pub struct Show {
+    viewer: Viewer,
+    target: Target,
+    /// The canvas that eyes of a headset are drawn on.
+    headset: Option<Canvas>,
+    lost: Arc<AtomicBool>,
+}
+
+/// What pictures are shown on.
+enum Target {
+    Device(Canvas),
+    Paper(Paper),
+}
+
+/// A device, and whether it was lost since.
+async fn open_gpu() -> Outcome<(Gpu, Arc<AtomicBool>)> {
+    let gpu = Gpu::open().await.map_err(refused)?;
+    let lost = Arc::new(AtomicBool::new(false));
+    let told = Arc::clone(&lost);
+    gpu.device
+        .set_device_lost_callback(move |_, _| told.store(true, Ordering::Relaxed));
+    Ok((gpu, lost))
+}
+
+#[wasm_bindgen]
+impl Show {
+    /// Opens a device, or none where `software` is asked for, and shows the pack that begins with
+    /// `head`.
+    pub async fn open(
+        canvas: OffscreenCanvas,
+        head: Vec<u8>,
+        options: String,
+        now: f64,
+    ) -> Outcome<Show> {
+        let options = Options::parse(&options).map_err(refused)?;
+        let (gpu, lost) = if options.software {
+            (None, Arc::default())
+        } else {
+            let (gpu, lost) = open_gpu().await?;
+            (Some(gpu), lost)
+        };
+        let viewer = Viewer::new(&head, &options, gpu, Seconds(now)).map_err(refused)?;
+        let target = if options.software {
+            Target::Paper(Paper::new(canvas).map_err(refused)?)
+        } else {
+            Target::Device(Canvas::new(canvas).map_err(refused)?)
+        };
+        Ok(Self {
+            viewer,
+            target,
+            headset: None,
+            lost,
+        })
+    }
+
+    /// Whether the device is gone.
+    #[wasm_bindgen(js_name = isLost)]
+    pub fn is_lost(&self) -> bool {
+        self.lost.load(Ordering::Relaxed)
+    }
+
+    /// Gives the device back, as if it were lost.
+    #[wasm_bindgen(js_name = loseDevice)]
+    pub fn lose_device(&self) {
+        if let WebEasel::Gpu(easel) = &self.viewer.stage.easel {
+            easel.gpu.device.destroy();
+        }
+    }
+
+    /// Begins anew on this device; [`Device::open`] opens it.
+    pub fn restart(&mut self, device: Device) -> Outcome<()> {
+        let shelf = self.viewer.shelf.borrow();
+        let colour = shelf.pack.description().colour;
+        let easel = WebEasel::new(Some(device.gpu), &shelf.grid, colour).map_err(refused)?;
+        drop(shelf);
+        self.viewer.stage.restart(easel);
+        self.viewer.figures.lost_devices += 1;
+        self.lost = device.lost;
+        if let Target::Device(canvas) = &mut self.target {
+            canvas.forget_device();
+        }
+        self.headset = None;
+        Ok(())
+    }
+
+    /// Moves on to `now`; tells what happened as the bits of `flag`.
+    pub fn step(&mut self, now: f64) -> Outcome<u32> {
+        self.viewer.step(Seconds(now)).map_err(refused)
+    }
+
+    /// What to fetch and decode, in rows of ten numbers.
+    pub fn needs(&self) -> Vec<f64> {
+        self.viewer.needs()
+    }
+
+    /// Takes a page of the index.
+    #[wasm_bindgen(js_name = addPage)]
+    pub fn add_page(&self, page: u32, bytes: &[u8]) -> Outcome<()> {
+        let mut shelf = self.viewer.shelf.borrow_mut();
+        shelf.pack.add_page(page, bytes).map_err(refused)
+    }
+
+    /// A page of the index is damaged: what it tells of cannot be had.
+    #[wasm_bindgen(js_name = failPage)]
+    pub fn fail_page(&self, page: u32) {
+        self.viewer.shelf.borrow_mut().damaged_pages.insert(page);
+    }
+
+    /// First byte and length of a side table; nothing where there is none.
+    #[wasm_bindgen(js_name = tablePlace)]
+    pub fn table_place(&self, name: &str) -> Vec<f64> {
+        let place = self.viewer.shelf.borrow().table_place(name);
+        place.map_or(Vec::new(), |place| {
+            vec![place.start as f64, (place.end - place.start) as f64]
+        })
+    }
+
+    /// Takes a side table.
+    #[wasm_bindgen(js_name = addTable)]
+    pub fn add_table(&mut self, name: &str, bytes: Vec<u8>) -> Outcome<()> {
+        self.viewer.add_table(name, bytes).map_err(refused)
+    }
+
+    /// Lengths of the access units at the end of a chunk; refuses a damaged one.
+    pub fn lengths(&self, unit: u32, chunk: &[u8]) -> Outcome<Vec<u32>> {
+        let shelf = self.viewer.shelf.borrow();
+        shelf.lengths(UnitId(unit), chunk).map_err(refused)
+    }
+
+    /// Takes the planes of a frame of a unit, one after the other without gaps.
+    pub fn deliver(&mut self, unit: u32, frame: u32, decoded: u32, planes: &[u8]) -> Outcome<()> {
+        let (tile, [width, height]) = {
+            let shelf = self.viewer.shelf.borrow();
+            let tile = shelf.pack.tile_of(UnitId(unit));
+            (tile, shelf.grid.tile_size(tile))
+        };
+        let sizes = [0, 1, 2].map(|plane| {
+            let [w, h] = plane_size(width, height, plane);
+            w as usize * h as usize
+        });
+        if sizes.iter().sum::<usize>() != planes.len() {
+            return Err(refused(format!(
+                "planes of {} bytes, expected {sizes:?}",
+                planes.len()
+            )));
+        }
+        let (y, chroma) = planes.split_at(sizes[0]);
+        let (u, v) = chroma.split_at(sizes[1]);
+        let picture = Picture {
+            width,
+            height,
+            planes: [y, u, v].map(<[u8]>::to_vec),
+        };
+        self.viewer.stage.feed.deliver(Delivery {
+            tile,
+            frame,
+            decoded,
+            picture: Some(picture),
+        });
+        Ok(())
+    }
+
+    /// A frame of a unit cannot be had.
+    pub fn fail(&mut self, unit: u32, frame: u32) {
+        let tile = self.viewer.shelf.borrow().pack.tile_of(UnitId(unit));
+        self.viewer.stage.feed.deliver(Delivery {
+            tile,
+            frame,
+            decoded: 0,
+            picture: None,
+        });
+    }
+
+    /// Draws the picture onto the canvas.
+    pub fn draw(&mut self) -> Outcome<()> {
+        let (shown, marks) = (self.viewer.shown(), self.viewer.marks());
+        let size = self.viewer.pane().size;
+        match (&mut self.viewer.stage.easel, &mut self.target) {
+            (WebEasel::Gpu(easel), Target::Device(canvas)) => {
+                let picture = easel.renderer.draw(&shown.view, marks.as_ref());
+                let picture = picture.map_err(refused)?;
+                canvas.show(&easel.gpu, picture, shown.origin, size);
+                Ok(())
+            }
+            (WebEasel::Twin(tiles), Target::Paper(paper)) => {
+                let picture = twin_picture(tiles, &shown.view, marks.as_ref());
+                paper.show(&picture, shown.origin, size).map_err(refused)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// What was to be drawn was drawn in this many seconds.
+    pub fn drawn(&mut self, seconds: f64) {
+        self.viewer.drawn(seconds);
+    }
+
+    /// The picture as it is drawn: a promise of [width, height, RGBA bytes].
+    pub fn pixels(&mut self) -> Outcome<js_sys::Promise> {
+        let (shown, marks) = (self.viewer.shown(), self.viewer.marks());
+        let read = match &mut self.viewer.stage.easel {
+            WebEasel::Gpu(easel) => {
+                let read = easel.renderer.read(&shown.view, marks.as_ref());
+                Ok(read.map_err(refused)?)
+            }
+            WebEasel::Twin(tiles) => Err(twin_picture(tiles, &shown.view, marks.as_ref())),
+        };
+        Ok(wasm_bindgen_futures::future_to_promise(async move {
+            let image = match read {
+                Ok(read) => read.await.map_err(refused)?,
+                Err(image) => image,
+            };
+            let [width, height] = image.size.map(JsValue::from);
+            let bytes = Uint8Array::from(image.pixels.as_slice());
+            Ok(Array::of3(&width, &height, &bytes).into())
+        }))
+    }
+
+    /// Draws what an eye of a headset sees onto a canvas of its own size: x, y, z, w of its
+    /// orientation, then its tangents to the left, right, top and bottom. `false` before the first
+    /// picture.
+    #[wasm_bindgen(js_name = drawEye)]
+    pub fn draw_eye(
+        &mut self,
+        canvas: &OffscreenCanvas,
+        is_right: bool,
+        eye: &[f64],
+        now: f64,
+    ) -> Outcome<bool> {
+        let &[x, y, z, w, left, right, up, down] = eye else {
+            return Err(refused("an eye is eight numbers"));
+        };
+        let request = EyeRequest {
+            eye: if is_right { Eye::Right } else { Eye::Left },
+            size: [canvas.width(), canvas.height()],
+            orientation: [x, y, z, w],
+            tangents: [left, right, up, down],
+        };
+        let view = self.viewer.eye_view(&request, Seconds(now));
+        let view = view.ok_or_else(|| refused("these numbers are none of an eye"))?;
+        if self.viewer.stage.shown_tick().is_none() {
+            return Ok(false);
+        }
+        if self.headset.is_none() {
+            self.headset = Some(Canvas::new(canvas.clone()).map_err(refused)?);
+        }
+        let WebEasel::Gpu(easel) = &mut self.viewer.stage.easel else {
+            return Ok(false);
+        };
+        let picture = easel.renderer.draw(&view, None).map_err(refused)?;
+        if let Some(headset) = &mut self.headset {
+            headset.show(&easel.gpu, picture, [0, 0], view.size);
+        }
+        Ok(true)
+    }
+
+    /// The canvas has other pixels.
+    pub fn resize(&mut self, width: u32, height: u32) {
+        self.viewer.resize([width, height]);
+    }
+
+    /// Draws the content along.
+    pub fn drag(&mut self, x: f64, y: f64) {
+        let pane = self.viewer.pane();
+        self.viewer.scene.drag([x, y], &pane);
+    }
+
+    /// Comes closer by a factor, round a place.
+    pub fn zoom(&mut self, factor: f64, x: f64, y: f64) {
+        let pane = self.viewer.pane();
+        self.viewer.scene.zoom_by(factor, [x, y], &pane);
+    }
+
+    /// The head is turned to these degrees to the right, up and clockwise.
+    pub fn turn(&mut self, yaw: f64, pitch: f64, roll: f64) {
+        let [yaw, pitch, roll] = [yaw, pitch, roll].map(Radians::from_degrees);
+        self.viewer.scene.look_along(HeadPose { yaw, pitch, roll });
+    }
+
+    /// Back to where the view began.
+    pub fn reset(&mut self) {
+        self.viewer.scene.reset();
+    }
+
+    /// The pointer is at a place.
+    pub fn point(&mut self, x: f64, y: f64) {
+        self.viewer.looking.pointer.move_to([x, y]);
+    }
+
+    /// The pointer left.
+    pub fn leave(&mut self, now: f64) {
+        self.viewer.looking.pointer.leave(Seconds(now));
+    }
+
+    /// Takes a gaze record; refuses what is none.
+    pub fn gaze(&mut self, record: &str, now: f64) -> Outcome<()> {
+        let taken = self
+            .viewer
+            .looking
+            .take(record.trim().as_bytes(), Seconds(now));
+        taken.map_err(refused)
+    }
+
+    /// Goes back from records to the pointer.
+    #[wasm_bindgen(js_name = forgetGaze)]
+    pub fn forget_gaze(&mut self) {
+        self.viewer.looking.forget_sender();
+    }
+
+    /// Plays.
+    pub fn play(&mut self, now: f64) {
+        self.viewer.play(Seconds(now));
+    }
+
+    /// Pauses.
+    pub fn pause(&mut self, now: f64) {
+        self.viewer.pause(Seconds(now));
+    }
+
+    /// Goes to a time of the content.
+    pub fn seek(&mut self, seconds: f64, now: f64) {
+        self.viewer.seek(Seconds(seconds), Seconds(now));
+    }
+
+    /// Goes some frames on or back, and pauses.
+    #[wasm_bindgen(js_name = stepFrames)]
+    pub fn step_frames(&mut self, frames: i32, now: f64) {
+        self.viewer.step_frames(i64::from(frames), Seconds(now));
+    }
+
+    /// Keeps to what is heard.
+    pub fn heard(&mut self, seconds: f64, now: f64) {
+        self.viewer.heard(Seconds(seconds), Seconds(now));
+    }
+
+    /// Chooses by another policy; refuses one that the pack has no tables for.
+    #[wasm_bindgen(js_name = setPolicy)]
+    pub fn set_policy(&mut self, name: &str) -> Outcome<()> {
+        let policy: Policy = serde_json::from_value(name.into()).map_err(refused)?;
+        if self.viewer.set_policy(policy) {
+            return Ok(());
+        }
+        let what = "the pack has no tables for this policy; prepare it again";
+        Err(refused(what))
+    }
+
+    /// Draws the levels over the picture.
+    #[wasm_bindgen(js_name = showLevels)]
+    pub fn show_levels(&mut self, shown: bool) {
+        self.viewer.levels_shown = shown;
+    }
+
+    /// What the host brings, in bytes per second.
+    #[wasm_bindgen(js_name = setRate)]
+    pub fn set_rate(&mut self, bytes_per_s: f64) {
+        self.viewer.choice.set_rate(bytes_per_s);
+    }
+
+    /// Figures, as JSON.
+    pub fn stats(&self, now: f64) -> String {
+        self.viewer.stats(Seconds(now))
+    }
+
+    /// Lines of the session log so far.
+    pub fn log(&self) -> String {
+        self.viewer.choice.log().to_owned()
+    }
+
+    /// Channels, samples before sample 0, samples of a packet, packets, then number of the first
+    /// packet of a stretch of time and the packets; nothing where there is no sound yet.
+    #[wasm_bindgen(js_name = soundPackets)]
+    pub fn sound_packets(&self, from: f64, to: f64) -> Array {
+        let shelf = self.viewer.shelf.borrow();
+        shelf
+            .sound
+            .as_ref()
+            .map_or_else(Array::new, |sound| stretch(sound, from, to))
+    }
+}
+
+fn stretch(sound: &SoundTable, from: f64, to: f64) -> Array {
+    let rate = f64::from(foveal_core::asset::sound::SOUND_RATE);
+    let packet = |seconds: f64| {
+        let sample = seconds.max(0.0) * rate + f64::from(sound.pre_skip);
+        (sample / f64::from(sound.packet_samples)) as usize
+    };
+    let (first, last) = (packet(from), packet(to).min(sound.packets()));
+    let head = [
+        f64::from(sound.channels),
+        f64::from(sound.pre_skip),
+        f64::from(sound.packet_samples),
+        sound.packets() as f64,
+        first as f64,
+    ];
+    let packets = (first..last).filter_map(|number| sound.packet(number));
+    let packets = packets.map(|bytes| JsValue::from(Uint8Array::from(bytes)));
+    head.into_iter().map(JsValue::from).chain(packets).collect()
+}
+
+/// A device that stands in for a lost one.
+#[wasm_bindgen]
+pub struct Device {
+    gpu: Gpu,
+    lost: Arc<AtomicBool>,
+}
+
+#[wasm_bindgen]
+impl Device {
+    /// Opens a device.
+    pub async fn open() -> Outcome<Device> {
+        let (gpu, lost) = open_gpu().await?;
+        Ok(Self { gpu, lost })
+    }
+}

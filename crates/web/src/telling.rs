@@ -1,0 +1,52 @@
+//! What does a page tell of itself?
+
+use crate::viewer::Viewer;
+use foveal_core::units::Seconds;
+use foveal_core::view::axes::yaw_pitch_from_direction;
+use serde_json::json;
+
+impl Viewer {
+    /// The part of the `Stats` of `web/src/engine/api.ts` that is known here, as JSON.
+    pub fn stats(&self, now: Seconds) -> String {
+        let figures = &self.figures;
+        let head = self.scene.head();
+        let timeline = self.stage.timeline();
+        let frame = self.stage.shown_tick().map(|tick| timeline.frame_of(tick));
+        let shown = self.shown();
+        let gaze = self.aim().map(|aim| aim.gaze.gaze_in_content);
+        let gaze_deg = gaze.map(|gaze| {
+            let (yaw, pitch) = yaw_pitch_from_direction(gaze);
+            [yaw.to_degrees(), pitch.to_degrees()]
+        });
+        let place = gaze.and_then(|gaze| shown.view.place(gaze));
+        let place = place.map(|place| [0, 1].map(|k| place[k] + f64::from(shown.origin[k])));
+        let [fps, upload] = figures.rates(now);
+        json!({
+            "policy": self.choice.policy(),
+            "playing": self.is_playing(),
+            "time": self.time(now).0,
+            "frame": frame,
+            "share": figures.share,
+            "levels": figures.histogram,
+            "gpuBytes": figures.gpu_bytes,
+            "tileMs": figures.decode_ms,
+            "fps": fps,
+            "uploadRate": upload,
+            "framesShown": figures.frames,
+            "framesLeftOut": figures.left_out_frames,
+            "framesLate": figures.late_frames,
+            "framesIncomplete": figures.incomplete_frames,
+            "damagedTiles": figures.damaged_tiles,
+            "damagedFrames": figures.damaged_frames,
+            "wrongFrameTiles": figures.wrong_frame_tiles,
+            "settled": self.is_settled(),
+            "headDeg": [head.yaw.to_degrees(), head.pitch.to_degrees(), head.roll.to_degrees()],
+            "zoom": self.scene.zoom(),
+            "scale": self.scene.scale(&self.pane()),
+            "gazeDeg": gaze_deg,
+            "gazePlace": place,
+            "drawing": self.stage.easel.name(),
+        })
+        .to_string()
+    }
+}

@@ -1,0 +1,265 @@
+//! Does a page ask for the right bytes, and does it settle on what it is given?
+//!
+//! Whole sessions without a browser: the CPU twin shows, the test is the host and the decoder.
+
+use crate::needs::{Kind, ROW};
+use crate::options::Options;
+use crate::viewer::{Viewer, flag};
+use foveal_core::asset::codec::Codec;
+use foveal_core::asset::pack::{Description, HEADER_BYTES, Header, PackBuilder, Source};
+use foveal_core::asset::picture::{Colour, Matrix, Picture};
+use foveal_core::asset::tile_grid::{Cut, Tile};
+use foveal_core::asset::unit::UnitId;
+use foveal_core::selection::stage::Delivery;
+use foveal_core::units::Seconds;
+use foveal_core::view::surface::{Projection, Screen};
+use std::collections::HashSet;
+
+const SIZE: [u32; 2] = [512, 320];
+const FRAMES: u32 = 12;
+
+fn description() -> Description {
+    Description {
+        generator: "test".into(),
+        projection: Projection::Flat,
+        size: SIZE,
+        eyes: 1,
+        cube_faces: 6,
+        pixel_aspect: [1, 1],
+        cut: Cut::Tile(32),
+        levels: 3,
+        ratio: 4,
+        codec: Codec::Png,
+        quality: vec![0; 3],
+        quality_scale: Default::default(),
+        bit_rates: Vec::new(),
+        groups: vec![4, 4, 12],
+        frames: FRAMES,
+        frame_rate: [25, 1],
+        colour: Colour {
+            matrix: Matrix::Bt709,
+            full_range: false,
+            chroma_left: true,
+        },
+        source: Source {
+            name: "a.mkv".into(),
+            size: SIZE,
+            bytes: 9,
+            codec: "x".into(),
+        },
+        tables: vec![],
+    }
+}
+
+/// A host with a pack of chunks that nobody looks into.
+struct Host {
+    file: Vec<u8>,
+}
+
+impl Host {
+    fn new() -> Self {
+        let about = description();
+        let grid = about.grid(Screen::default());
+        let mut builder = PackBuilder::new(&about);
+        let mut chunks = Vec::new();
+        for level in (0..3).rev() {
+            let group = about.groups[usize::from(level)];
+            for first in (0..FRAMES).step_by(group as usize) {
+                for tile in grid.tiles_of(level) {
+                    let units = vec![vec![7; 5]; group as usize];
+                    chunks.extend(builder.push(tile, first, &units));
+                }
+            }
+        }
+        let finished = builder.finish(about, &[]).unwrap();
+        let file = [finished.head, chunks, finished.tail].concat();
+        Self { file }
+    }
+
+    fn viewer(&self, options: &str) -> Viewer {
+        let header = Header::parse(&self.file).unwrap();
+        let head = &self.file[..HEADER_BYTES + header.description_bytes as usize];
+        let text = format!(
+            r#"{{"name":"a","policy":"viewport","size":{SIZE:?},"screenSize":{SIZE:?}{options}}}"#
+        );
+        let options = Options::parse(&text).unwrap();
+        Viewer::new(head, &options, None, Seconds(0.0)).unwrap()
+    }
+
+    /// Answers everything that is asked for.
+    fn answer(&self, viewer: &mut Viewer) {
+        for row in rows(viewer) {
+            let from = row.offset as usize;
+            let bytes = &self.file[from..from + row.bytes as usize];
+            if row.kind == Kind::Page as u8 {
+                let mut shelf = viewer.shelf.borrow_mut();
+                shelf.pack.add_page(row.number, bytes).unwrap();
+            } else if row.kind == Kind::Picture as u8 {
+                let unit = UnitId(row.number);
+                let lengths = viewer.shelf.borrow().lengths(unit, bytes).unwrap();
+                assert!(!lengths.is_empty() && lengths.iter().all(|length| *length == 5));
+                deliver(viewer, unit, row.frame);
+            }
+        }
+    }
+}
+
+fn deliver(viewer: &mut Viewer, unit: UnitId, frame: u32) {
+    let (tile, [w, h]) = {
+        let shelf = viewer.shelf.borrow();
+        let tile = shelf.pack.tile_of(unit);
+        (tile, shelf.grid.tile_size(tile))
+    };
+    let picture = Some(Picture::filled(w, h, [100, 128, 128]));
+    viewer.stage.feed.deliver(Delivery {
+        tile,
+        frame,
+        decoded: 1,
+        picture,
+    });
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    kind: u8,
+    number: u32,
+    offset: u64,
+    bytes: u32,
+    frame: u32,
+    level: u8,
+}
+
+fn rows(viewer: &Viewer) -> Vec<Row> {
+    let needs = viewer.needs();
+    let row = |row: &[f64]| Row {
+        kind: row[0] as u8,
+        number: row[1] as u32,
+        offset: row[2] as u64,
+        bytes: row[3] as u32,
+        frame: row[4] as u32,
+        level: row[9] as u8,
+    };
+    needs.chunks_exact(ROW).map(row).collect()
+}
+
+/// Steps and answers until nothing is missing; how many rounds that took.
+fn settle(host: &Host, viewer: &mut Viewer, from: f64) -> usize {
+    for round in 0..50 {
+        let told = viewer.step(Seconds(from + 0.01 * round as f64)).unwrap();
+        if told & flag::SETTLED != 0 {
+            return round;
+        }
+        host.answer(viewer);
+    }
+    panic!("it does not settle");
+}
+
+#[test]
+fn the_index_is_asked_for_first_and_the_coarsest_level_before_the_others() {
+    let host = Host::new();
+    let mut viewer = host.viewer(r#","paused":true"#);
+    viewer.step(Seconds(0.0)).unwrap();
+    let first = rows(&viewer);
+    assert!(first.iter().all(|row| row.kind == Kind::Page as u8));
+    assert_eq!(
+        first.len(),
+        3,
+        "a page a level, so that no saccade waits for one"
+    );
+    host.answer(&mut viewer);
+    let then = rows(&viewer);
+    assert!(then.iter().all(|row| row.kind == Kind::Picture as u8));
+    assert_eq!(then[0].level, 2);
+    let finer = then.iter().skip(1).map(|row| row.level);
+    assert_eq!(finer.collect::<HashSet<u8>>(), HashSet::from([0]));
+}
+
+#[test]
+fn a_still_view_settles_in_two_answers_and_a_zoomed_one_asks_only_for_what_is_new() {
+    let host = Host::new();
+    let mut viewer = host.viewer(r#","paused":true,"log":true"#);
+    assert!(settle(&host, &mut viewer, 0.0) <= 4);
+    assert!(rows(&viewer).is_empty());
+    assert_eq!(viewer.figures.histogram[0], 160);
+    viewer.step_frames(1, Seconds(1.0));
+    settle(&host, &mut viewer, 1.0);
+    assert_eq!(viewer.figures.frames, 2);
+    assert!(viewer.choice.log().lines().count() >= 3);
+}
+
+#[test]
+fn a_damaged_page_leaves_the_coarser_picture_and_settles() {
+    let host = Host::new();
+    let mut viewer = host.viewer(r#","paused":true"#);
+    viewer.step(Seconds(0.0)).unwrap();
+    let finest = rows(&viewer).iter().map(|row| row.number).max().unwrap();
+    viewer.shelf.borrow_mut().damaged_pages.insert(finest);
+    settle(&host, &mut viewer, 0.0);
+    assert_eq!(viewer.figures.histogram[0], 0);
+    assert!(viewer.figures.damaged_tiles > 0);
+}
+
+#[test]
+fn with_coarse_privacy_a_host_sees_blocks_and_never_which_tile_of_one() {
+    let host = Host::new();
+    let mut viewer = host.viewer(r#","paused":true,"coarse":true"#);
+    let pane = viewer.pane();
+    viewer.scene.zoom_by(6.0, [100.0, 60.0], &pane);
+    viewer.step(Seconds(0.0)).unwrap();
+    host.answer(&mut viewer);
+    let shelf = viewer.shelf.borrow();
+    let asked: Vec<Tile> = rows(&viewer)
+        .iter()
+        .filter(|row| row.level < 2)
+        .map(|row| shelf.pack.tile_of(UnitId(row.number)))
+        .collect();
+    let set: HashSet<Tile> = asked.iter().copied().collect();
+    assert!(!set.is_empty());
+    for tile in &set {
+        let [columns, rows] = shelf.grid.tiles(tile.level);
+        let block = |place: u16, most: u32| {
+            let from = place - place % 3;
+            from..(u32::from(from) + 3).min(most) as u16
+        };
+        for y in block(tile.y, rows) {
+            for x in block(tile.x, columns) {
+                assert!(set.contains(&Tile { x, y, ..*tile }), "{tile:?} {x},{y}");
+            }
+        }
+    }
+}
+
+#[test]
+fn while_it_plays_the_next_groups_are_asked_for_ahead() {
+    let host = Host::new();
+    let mut viewer = host.viewer("");
+    for round in 0..6 {
+        viewer.step(Seconds(0.001 * f64::from(round))).unwrap();
+        host.answer(&mut viewer);
+    }
+    let ahead: Vec<Row> = rows(&viewer)
+        .into_iter()
+        .filter(|row| row.kind == Kind::Bytes as u8)
+        .collect();
+    let shelf = viewer.shelf.borrow();
+    let groups: HashSet<u32> = ahead
+        .iter()
+        .map(|row| shelf.pack.frames_of(UnitId(row.number)).start)
+        .collect();
+    assert!(groups.contains(&4) && groups.contains(&8), "{groups:?}");
+    let frames: Vec<u32> = ahead.iter().map(|row| row.frame).collect();
+    assert!(frames.iter().any(|frame| *frame >= 4));
+}
+
+#[test]
+fn a_gaze_record_rules_and_what_is_none_is_refused() {
+    let host = Host::new();
+    let mut viewer = host.viewer(r#","paused":true"#);
+    let record = br#"{"t_s":1,"yaw_deg":5,"pitch_deg":-2,"spread_deg":0}"#;
+    viewer.looking.take(record, Seconds(0.0)).unwrap();
+    viewer.step(Seconds(0.01)).unwrap();
+    let stats: serde_json::Value = serde_json::from_str(&viewer.stats(Seconds(0.01))).unwrap();
+    let [yaw, pitch] = [0, 1].map(|k| stats["gazeDeg"][k].as_f64().unwrap());
+    assert!((yaw - 5.0).abs() < 1e-6 && (pitch + 2.0).abs() < 1e-6);
+    assert!(viewer.looking.take(b"{}", Seconds(0.1)).is_err());
+}

@@ -1,0 +1,29 @@
+import { expect, test } from "vitest";
+import { bytes, clock, percent, rate, spokenTime } from "./words.ts";
+
+test("a time is minutes and seconds, and hours where there are any", () => {
+  const said = ["0:00", "0:05", "1:05", "1:00:00", "1:02:05"];
+  expect([0, 5.9, 65, 3600, 3725].map(clock)).toEqual(said);
+});
+
+test("a spoken time leaves out what is zero", () => {
+  expect(spokenTime(0)).toBe("the beginning");
+  expect(spokenTime(61)).toBe("1 minute 1 second");
+  expect(spokenTime(7200)).toBe("2 hours");
+});
+
+test("a size has three digits and never a thousand of its unit", () => {
+  expect([0, 999, 1000, 12_345, 999_499, 999_501].map(bytes)).toEqual([
+    "0 B",
+    "999 B",
+    "1.00 kB",
+    "12.3 kB",
+    "999 kB",
+    "1.00 MB",
+  ]);
+  expect(rate(40e6)).toBe("40.0 Mbit/s");
+});
+
+test("a small share keeps its digits", () => {
+  expect([0.0021, 0.021, 0.21].map(percent)).toEqual(["0.21 %", "2.1 %", "21 %"]);
+});

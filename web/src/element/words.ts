@@ -1,0 +1,51 @@
+// How are times, sizes and shares said to people?
+
+/** Minutes and seconds, as 1:05. */
+export function clock(seconds: number): string {
+  const whole = Math.max(0, Math.floor(seconds));
+  const parts = [Math.floor(whole / 60) % 60, whole % 60];
+  const hours = Math.floor(whole / 3600);
+  const [minutes = 0, rest = 0] = parts;
+  const end = String(rest).padStart(2, "0");
+  return hours > 0
+    ? `${hours}:${String(minutes).padStart(2, "0")}:${end}`
+    : `${minutes}:${end}`;
+}
+
+/** The same as it is spoken: "1 minute 5 seconds". */
+export function spokenTime(seconds: number): string {
+  const whole = Math.max(0, Math.floor(seconds));
+  const said = (count: number, word: string): string =>
+    count === 0 ? "" : `${count} ${word}${count === 1 ? "" : "s"}`;
+  const parts = [
+    said(Math.floor(whole / 3600), "hour"),
+    said(Math.floor(whole / 60) % 60, "minute"),
+    said(whole % 60, "second"),
+  ].filter((part) => part !== "");
+  return parts.length === 0 ? "the beginning" : parts.join(" ");
+}
+
+const SIZES = ["B", "kB", "MB", "GB", "TB"] as const;
+
+/** Bytes in three digits, as 1.25 MB. */
+export function bytes(count: number): string {
+  let size = 0;
+  let rest = Math.max(0, count);
+  while (rest >= 999.5 && size < SIZES.length - 1) {
+    rest /= 1000;
+    size += 1;
+  }
+  const digits = size === 0 || rest >= 99.95 ? 0 : rest >= 9.995 ? 1 : 2;
+  return `${rest.toFixed(digits)} ${SIZES[size] ?? ""}`;
+}
+
+/** Bits a second, as 12.3 Mbit/s. */
+export function rate(bitsPerSecond: number): string {
+  return `${bytes(bitsPerSecond).replace("B", "bit")}/s`;
+}
+
+/** A share as a percentage, with two digits below one per cent. */
+export function percent(share: number): string {
+  const value = 100 * share;
+  return `${value.toFixed(value < 1 ? 2 : value < 10 ? 1 : 0)} %`;
+}

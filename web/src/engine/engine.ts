@@ -1,0 +1,277 @@
+// How does a page hold an engine?
+
+import type { EngineApi, EngineEvents, EngineOptions, EyeRequest, PackFacts } from "./api.ts";
+import type { EngineProblem, GazeRecord, Pixels, PolicyName, Pose } from "./api.ts";
+import type { SoundPackets, Stats } from "./api.ts";
+import type { Answers, HostOptions, Tells } from "./calls.ts";
+import type { Host } from "./host.ts";
+import { type Side, startHere, startWorker } from "./sides.ts";
+import { problem, problemOf } from "./problem.ts";
+import { screenOf } from "./screen.ts";
+
+type Pieces = HostOptions["pieces"];
+type Heard = { [K in keyof EngineEvents]: Set<(value: EngineEvents[K]) => void> };
+
+/** Tries to start a worker again, and the wait between them in milliseconds. */
+const MOST_STARTS = 5;
+const START_WAIT = 300;
+
+class PageEngine implements EngineApi {
+  readonly #place: HTMLElement;
+  readonly #options: EngineOptions;
+  readonly #heard: Heard;
+  #side: Side | null = null;
+  #canvas: HTMLCanvasElement;
+  #pack: PackFacts | null = null;
+  #thread: "worker" | "main";
+  #size: readonly [number, number];
+  #policy: PolicyName | null = null;
+  #levels = false;
+  #playing: boolean;
+  #time = 0;
+  #starts = 0;
+  #closed = false;
+  #eyes: OffscreenCanvas | null = null;
+
+  constructor(place: HTMLElement, options: EngineOptions) {
+    this.#place = place;
+    this.#options = options;
+    this.#thread = options.thread ?? "worker";
+    this.#size = options.size;
+    this.#playing = !(options.paused ?? false);
+    this.#canvas = document.createElement("canvas");
+    const names: (keyof EngineEvents)[] = [
+      "ready", "picture", "settled", "stats", "error", "changed",
+      "lost", "restored", "play", "pause", "ended",
+    ];
+    this.#heard = Object.fromEntries(names.map((name) => [name, new Set()])) as unknown as Heard;
+    addEventListener("online", this.#online);
+  }
+
+  readonly #online = () => this.#side?.tell("hurry");
+
+  get pack(): PackFacts {
+    if (!this.#pack) throw problem("internal", false, "not open");
+    return this.#pack;
+  }
+
+  get canvas(): HTMLCanvasElement {
+    return this.#canvas;
+  }
+
+  get thread(): "worker" | "main" {
+    return this.#thread;
+  }
+
+  /** Begins on a fresh canvas; a canvas that a worker draws on cannot be had back. */
+  async start(pieces: Pieces = [], fresh = false): Promise<void> {
+    const before = this.#side;
+    const made = document.createElement("canvas");
+    [made.width, made.height] = this.#size as [number, number];
+    const canvas = made.transferControlToOffscreen();
+    const tell = (name: keyof EngineEvents, value: never) => {
+      if (side === this.#side) this.#say(name, value);
+    };
+    const side: Side =
+      this.#thread === "worker"
+        ? startWorker(tell, () => this.#workerLost(side))
+        : await startHere(tell);
+    this.#side = side;
+    before?.end();
+    if (this.#canvas.parentNode === this.#place) this.#canvas.replaceWith(made);
+    else this.#place.append(made);
+    made.className = this.#canvas.className;
+    this.#canvas = made;
+    const url = new URL(this.#options.src, document.baseURI).href;
+    const policy = this.#policy ?? this.#options.policy;
+    const options: EngineOptions = {
+      ...this.#options,
+      size: this.#size,
+      paused: !this.#playing,
+      ...(policy ? { policy } : {}),
+    };
+    const name = decodeURIComponent(new URL(url).pathname.split("/").pop() ?? "");
+    const about = { options, url, name, pieces, fresh, time: this.#time };
+    const begin = { canvas, ...about, ...screenOf(options) };
+    this.#pack = await side.ask("open", [begin], [canvas, ...buffers(pieces)]);
+    this.#starts = 0;
+    if (this.#levels) side.tell("showLevels", true);
+  }
+
+  #workerLost(side: Side): void {
+    if (side !== this.#side || this.#closed) return;
+    this.#say("lost", "worker");
+    if (++this.#starts > MOST_STARTS) {
+      return this.#say("error", problem("internal", true, "the worker ends again and again"));
+    }
+    setTimeout(() => {
+      if (this.#closed) return;
+      this.start().then(
+        () => this.#say("restored", "worker"),
+        (error: unknown) => this.#say("error", problemOf(error)),
+      );
+    }, START_WAIT * this.#starts);
+  }
+
+  #say<K extends keyof EngineEvents>(name: K, value: EngineEvents[K]): void {
+    if (name === "stats" || name === "settled") this.#time = (value as Stats).time;
+    if (name === "ended") this.#playing = false;
+    for (const heard of this.#heard[name]) heard(value);
+    if (name === "changed" && !this.#closed) {
+      this.start([], true).catch((error: unknown) => this.#say("error", problemOf(error)));
+    }
+  }
+
+  on<K extends keyof EngineEvents>(name: K, heard: (value: EngineEvents[K]) => void): () => void {
+    this.#heard[name].add(heard);
+    return () => this.#heard[name].delete(heard);
+  }
+
+  #tell<K extends keyof Tells>(name: K, ...values: Parameters<Tells[K]>): void {
+    this.#side?.tell(name, ...values);
+  }
+
+  #ask<K extends keyof Answers>(
+    name: K,
+    ...values: Parameters<Answers[K]>
+  ): ReturnType<Answers[K]> {
+    if (!this.#side || this.#closed) throw problem("internal", false, "closed");
+    return this.#side.ask(name, values) as ReturnType<Answers[K]>;
+  }
+
+  resize(width: number, height: number): void {
+    this.#size = [width, height];
+    this.#tell("resize", width, height);
+  }
+
+  drag(dx: number, dy: number): void {
+    this.#tell("drag", dx, dy);
+  }
+
+  zoom(factor: number, place: readonly [number, number]): void {
+    this.#tell("zoom", factor, place);
+  }
+
+  turn(pose: Pose | null): void {
+    this.#tell("turn", pose);
+  }
+
+  reset(): void {
+    this.#tell("reset");
+  }
+
+  pointer(place: readonly [number, number] | null): void {
+    this.#tell("pointer", place);
+  }
+
+  gaze(record: GazeRecord | string | null): void {
+    this.#tell("gaze", record);
+  }
+
+  play(): void {
+    this.#playing = true;
+    this.#tell("play");
+  }
+
+  pause(): void {
+    this.#playing = false;
+    this.#tell("pause");
+  }
+
+  seek(seconds: number): void {
+    this.#time = seconds;
+    this.#tell("seek", seconds);
+  }
+
+  step(frames: number): void {
+    this.#playing = false;
+    this.#tell("step", frames);
+  }
+
+  heard(seconds: number): void {
+    this.#tell("heard", seconds);
+  }
+
+  setPolicy(name: PolicyName): void {
+    this.#policy = name;
+    this.#tell("setPolicy", name);
+  }
+
+  showLevels(shown: boolean): void {
+    this.#levels = shown;
+    this.#tell("showLevels", shown);
+  }
+
+  stats(): Promise<Stats> {
+    return this.#ask("stats");
+  }
+
+  soundPackets(from: number, to: number): Promise<SoundPackets | null> {
+    return this.#ask("soundPackets", from, to);
+  }
+
+  pixels(): Promise<Pixels> {
+    return this.#ask("pixels");
+  }
+
+  sessionLog(): Promise<string> {
+    return this.#ask("sessionLog");
+  }
+
+  /** Loses what `what` names, as tests do. */
+  lose(what: "gpu" | "worker"): void {
+    if (what === "gpu") this.#tell("loseDevice");
+    else if (this.#side) this.#side.crash();
+  }
+
+  async toThread(thread: "worker" | "main"): Promise<void> {
+    if (thread === this.#thread) return;
+    this.#time = (await this.stats()).time;
+    const pieces = await this.#ask("leave");
+    this.#thread = thread;
+    await this.start(pieces);
+  }
+
+  drawEye(request: EyeRequest): ImageBitmap | null {
+    const host: Host | null = this.#side?.host ?? null;
+    if (!host) throw problem("internal", false, "eyes are drawn with thread main");
+    const [width, height] = request.size;
+    this.#eyes ??= new OffscreenCanvas(width, height);
+    if (this.#eyes.width !== width) this.#eyes.width = width;
+    if (this.#eyes.height !== height) this.#eyes.height = height;
+    return host.drawEye(this.#eyes, request) ? this.#eyes.transferToImageBitmap() : null;
+  }
+
+  close(): void {
+    if (this.#closed) return;
+    removeEventListener("online", this.#online);
+    const side = this.#side;
+    this.#closed = true;
+    this.#side = null;
+    side?.end();
+    this.#canvas.remove();
+  }
+}
+
+function buffers(pieces: Pieces): ArrayBuffer[] {
+  return [...new Set(pieces.map(({ bytes }) => bytes.buffer as ArrayBuffer))];
+}
+
+/** Opens engines. */
+export const Engine = {
+  /**
+   * Puts a canvas into `place` and shows the pack on it; the promise settles once the pack is
+   * understood. Rejects with an {@link EngineProblem}, and leaves nothing behind then.
+   */
+  async open(place: HTMLElement, options: EngineOptions): Promise<EngineApi> {
+    const engine = new PageEngine(place, options);
+    try {
+      await engine.start();
+      return engine;
+    } catch (error) {
+      engine.close();
+      throw problemOf(error) satisfies EngineProblem;
+    }
+  },
+};
+

@@ -1,0 +1,243 @@
+// How do bytes come from a host?
+//
+// Range requests, what matters most first: neighbours in the file travel together, what nobody
+// waits for any more is given up, what failed is tried again, and no byte is asked for twice.
+
+import { Bytes, type Stretch } from "./bytes.ts";
+import { LEAST_HOLE, MOST_HOLE, MOST_REQUEST, nextRequest, type Want, without } from "./plan.ts";
+import { Meter } from "./meter.ts";
+
+/** Requests under way at once: over HTTP/1.1 browsers keep all but six of them back. */
+const MOST_REQUESTS = 16;
+/** Of these, requests for what nothing waits for yet. */
+const MOST_EARLY = 3;
+/** Connections to one host over HTTP/1.1. */
+const CONNECTIONS = 6;
+/** Bytes of a request, by what comes in this time, in seconds; less where nothing waits. */
+const REQUEST_S = 0.25;
+const EARLY_S = 0.1;
+const LEAST_REQUEST = 128 * 1024;
+/** A request with less left than this is not given up. */
+const NEARLY_THERE = 128 * 1024;
+/** Waits between tries, in milliseconds. */
+const FIRST_WAIT = 250;
+const MOST_WAIT = 8000;
+
+/** Why bytes do not come. */
+export type Failure = "not-found" | "no-ranges" | "network" | "short";
+
+/** What a loader tells. */
+export interface LoaderEvents {
+  /** Bytes came. */
+  bytes(): void;
+  /** A try failed; `status` is 0 where there was no answer. It goes on trying. */
+  failed(why: Failure, status: number): void;
+  /** Bytes come again after a failure. */
+  restored(): void;
+  /** The host has another file now. */
+  changed(): void;
+}
+
+interface Request extends Stretch {
+  readonly abort: AbortController;
+  readonly early: boolean;
+  /** Bytes that came. */
+  done: number;
+}
+
+/** What a loader needs of the world; tests give their own. */
+export interface World {
+  readonly fetch: typeof fetch;
+  /** Milliseconds. */
+  readonly now: () => number;
+  readonly wait: (ms: number, then: () => void) => unknown;
+}
+
+export class Loader {
+  readonly bytes: Bytes;
+  readonly meter: Meter;
+  /** Requests made so far. */
+  requests = 0;
+  /** Length of the file, once the host said it. */
+  length: number | null = null;
+  readonly #url: string;
+  readonly #events: LoaderEvents;
+  readonly #world: World;
+  #under: Request[] = [];
+  #wants: readonly Want[] = [];
+  #tag: string | null = null;
+  /** Milliseconds to the first byte of an answer, the least of late. */
+  #trip = 0;
+  #tries = 0;
+  #failing = false;
+  #waits = false;
+  #closed = false;
+  /** The next requests go past the browser's own cache; all do once that held another file. */
+  #reload = false;
+  readonly #fresh: boolean;
+
+  constructor(url: string, most: number, events: LoaderEvents, world: World, fresh = false) {
+    this.#fresh = fresh;
+    this.#url = url;
+    this.#events = events;
+    this.#world = world;
+    this.bytes = new Bytes(most, world.now);
+    this.meter = new Meter(world.now);
+  }
+
+  /** From now on these are wanted, first what matters most, and nothing else. */
+  want(wants: readonly Want[]): void {
+    this.#wants = wants;
+    for (const request of this.#under) {
+      const left = request.bytes - request.done;
+      if (left > NEARLY_THERE && !this.#serves(request)) request.abort.abort();
+    }
+    this.#go();
+  }
+
+  /** Tries again at once: the network may be back. */
+  hurry(): void {
+    this.#tries = 0;
+    this.#waits = false;
+    this.#go();
+  }
+
+  /** Asks again for bytes that were damaged, past every cache on the way. */
+  again(damaged: Stretch): void {
+    this.bytes.drop(damaged);
+    this.#reload = true;
+  }
+
+  close(): void {
+    this.#closed = true;
+    for (const request of this.#under) request.abort.abort();
+  }
+
+  /** Whether what is left of a request is wanted. */
+  #serves(request: Request): boolean {
+    const from = request.offset + request.done;
+    const end = request.offset + request.bytes;
+    return this.#wants.some((want) => want.offset < end && want.offset + want.bytes > from);
+  }
+
+  #go(): void {
+    if (this.#closed || this.#waits) return;
+    while (this.#under.length < MOST_REQUESTS) {
+      const early = this.#under.filter((request) => request.early).length;
+      const gaps = this.#gaps(early < MOST_EARLY);
+      const time = gaps[0]?.early ? EARLY_S : REQUEST_S;
+      const usual = Math.max(this.meter.bytesPerSecond * time, LEAST_REQUEST);
+      const next = nextRequest(gaps, Math.min(usual, MOST_REQUEST), this.#hole());
+      if (!next) return;
+      void this.#run(next);
+    }
+  }
+
+  /** What would come while one connection waits for an answer. */
+  #hole(): number {
+    const waiting = (this.meter.bytesPerSecond * this.#trip) / 1000 / CONNECTIONS;
+    return Math.min(Math.max(waiting, LEAST_HOLE), MOST_HOLE);
+  }
+
+  /** What is missing and not under way, first what matters most. */
+  #gaps(withEarly: boolean): Want[] {
+    const gaps: Want[] = [];
+    const end = this.length ?? Infinity;
+    for (const { offset, bytes, early } of this.#wants) {
+      if ((early && !withEarly) || offset >= end) continue;
+      const want: Want = { offset, bytes: Math.min(bytes, end - offset), early };
+      for (const part of this.bytes.missing(want)) {
+        for (const gap of without(part, this.#under)) gaps.push({ ...gap, early: want.early });
+      }
+      // More would not travel together with the first.
+      if (gaps.length >= 64) break;
+    }
+    return gaps;
+  }
+
+  async #run(want: Want): Promise<void> {
+    const abort = new AbortController();
+    const request: Request = { ...want, abort, done: 0 };
+    this.#under.push(request);
+    this.requests++;
+    this.meter.begin();
+    const asked = this.#world.now();
+    let failure: Failure | null = null;
+    let status = 0;
+    try {
+      const last = want.offset + want.bytes - 1;
+      const answer = await this.#world.fetch(this.#url, {
+        headers: { Range: `bytes=${want.offset}-${last}` },
+        signal: abort.signal,
+        cache: this.#reload || this.#fresh ? "reload" : "default",
+        credentials: "same-origin",
+      });
+      status = answer.status;
+      const trip = this.#world.now() - asked;
+      this.#trip = this.#trip > 0 ? Math.min(trip, this.#trip * 1.05) : trip;
+      failure = this.#judge(answer);
+      if (failure) await answer.body?.cancel();
+      else await this.#read(answer, request);
+    } catch {
+      if (!abort.signal.aborted) failure = "network";
+    }
+    this.meter.end();
+    this.#under = this.#under.filter((other) => other !== request);
+    if (this.#closed) return;
+    if (failure) this.#fail(failure, status);
+    else if (!abort.signal.aborted) this.#well();
+    this.#go();
+  }
+
+  async #read(answer: Response, request: Request): Promise<void> {
+    const reader = answer.body?.getReader();
+    if (!reader) return;
+    for (;;) {
+      const { done, value } = await reader.read();
+      if (done) break;
+      this.bytes.add(request.offset + request.done, value);
+      request.done += value.length;
+      this.meter.came(value.length);
+      this.#events.bytes();
+    }
+  }
+
+  /** What is wrong with an answer; notices another file. */
+  #judge(answer: Response): Failure | null {
+    if (answer.status === 200) return "no-ranges";
+    if (answer.status === 416) return "short";
+    if (answer.status !== 206) return answer.status === 404 ? "not-found" : "network";
+    const total = /\/(\d+)$/.exec(answer.headers.get("Content-Range") ?? "")?.[1];
+    const length = total === undefined ? null : Number(total);
+    const tag = answer.headers.get("ETag") ?? answer.headers.get("Last-Modified");
+    const other =
+      (this.length !== null && length !== null && length !== this.length) ||
+      (this.#tag !== null && tag !== null && tag !== this.#tag);
+    this.length ??= length;
+    this.#tag ??= tag;
+    if (!other) return null;
+    this.close();
+    this.#events.changed();
+    return "network";
+  }
+
+  #fail(why: Failure, status: number): void {
+    this.#failing = true;
+    this.#events.failed(why, status);
+    if (this.#waits || this.#closed) return;
+    this.#waits = true;
+    const wait = Math.min(FIRST_WAIT * 2 ** this.#tries++, MOST_WAIT);
+    this.#world.wait(wait, () => {
+      this.#waits = false;
+      this.#go();
+    });
+  }
+
+  #well(): void {
+    this.#reload = false;
+    this.#tries = 0;
+    if (!this.#failing) return;
+    this.#failing = false;
+    this.#events.restored();
+  }
+}

@@ -1,0 +1,35 @@
+// What is said when something does not work?
+
+import type { EngineProblem } from "./api.ts";
+
+type Kind = EngineProblem["kind"];
+
+const SENTENCES: Readonly<Record<Kind, string>> = {
+  "no-webgpu":
+    "This browser gives no WebGPU, by which pictures are drawn; a current Chrome, Edge, Safari " +
+    "or Firefox on a machine with a graphics device does.",
+  "no-ranges":
+    "This host does not serve parts of files (byte ranges), so the video cannot be shown from " +
+    "it; put the file on a host that does, as object stores and most web servers do.",
+  "not-found": "There is no video at this address.",
+  network: "The host cannot be reached; trying again.",
+  "broken-pack": "The video's file is damaged; copy it to the host again.",
+  codec: "This browser cannot decode this video.",
+  internal: "The viewer failed.",
+};
+
+/** A problem in words; `detail` says what was found. */
+export function problem(kind: Kind, fatal: boolean, detail = ""): EngineProblem {
+  const message = detail === "" ? SENTENCES[kind] : `${SENTENCES[kind]} (${detail})`;
+  return { kind, message, fatal };
+}
+
+/** Whether something thrown is a problem already. */
+export function isProblem(thrown: unknown): thrown is EngineProblem {
+  return typeof thrown === "object" && thrown !== null && "kind" in thrown && "message" in thrown;
+}
+
+/** What was thrown, as a problem. */
+export function problemOf(thrown: unknown): EngineProblem {
+  return isProblem(thrown) ? thrown : problem("internal", true, String(thrown));
+}

@@ -1,0 +1,19 @@
+// How is the wasm module loaded, once in a thread?
+
+import init, { about, Device, headBytes, Show } from "../../pkg/foveal.js";
+
+let loaded: Promise<unknown> | null = null;
+
+/** Loads and compiles the module; the second time it is there. */
+export function loadWasm(): Promise<unknown> {
+  loaded ??= init();
+  return loaded;
+}
+
+/** Bits of what a step tells; `flag` of `crates/web/src/viewer.rs`. */
+export const FLAG = { draw: 1, settled: 2, wants: 4, again: 8, ended: 16, hopeless: 32 } as const;
+
+/** Numbers of a row of needs; `ROW` of `crates/web/src/needs.rs`. */
+export const ROW = 10;
+
+export { about, Device, headBytes, Show };

@@ -1,0 +1,46 @@
+// Which videos are there?
+
+import { element } from "../element/dom.ts";
+import { bytes, clock, spokenTime } from "../element/words.ts";
+import { type Listed, addressOf, factsOf, fetchListing } from "./listing.ts";
+
+function item(pack: Listed): HTMLElement {
+  const { poster } = pack;
+  const picture = element("img", {
+    src: `./${addressOf(poster.file)}`,
+    width: poster.width,
+    height: poster.height,
+    alt: "",
+    loading: "lazy",
+  });
+  const length = element(
+    "span",
+    { "aria-label": spokenTime(pack.seconds) },
+    clock(pack.seconds),
+  );
+  const facts = element("p", {}, length, `, ${factsOf(pack)}, ${bytes(pack.bytes)}`);
+  const address = `./view.html?pack=${encodeURIComponent(pack.file)}`;
+  return element(
+    "li",
+    {},
+    element("a", { href: address }, picture, element("h2", {}, pack.name), facts),
+  );
+}
+
+async function show(): Promise<void> {
+  const wait = document.getElementById("wait");
+  const list = document.getElementById("packs");
+  if (wait === null || list === null) return;
+  try {
+    const packs = await fetchListing();
+    list.replaceChildren(...packs.map(item));
+    list.hidden = packs.length === 0;
+    wait.hidden = packs.length > 0;
+    if (packs.length === 0) wait.textContent = "This site has no videos yet.";
+  } catch (error) {
+    wait.className = "problem";
+    wait.textContent = error instanceof Error ? error.message : String(error);
+  }
+}
+
+void show();

@@ -1,0 +1,52 @@
+// What does `packs.json` say?
+
+/** A pack in the list; names are relative to the page. */
+export interface Listed {
+  readonly name: string;
+  readonly file: string;
+  readonly poster: { readonly file: string; readonly width: number; readonly height: number };
+  readonly bytes: number;
+  readonly projection: "flat" | "cube";
+  readonly eyes: number;
+  readonly width: number;
+  readonly height: number;
+  readonly seconds: number;
+  readonly sound: boolean;
+}
+
+/** Fetches the list. Rejects with a sentence for people. */
+export async function fetchListing(): Promise<readonly Listed[]> {
+  const answer = await fetch("./packs.json").catch(() => null);
+  if (answer === null) throw new Error("The list of videos cannot be fetched: is the host there?");
+  if (!answer.ok) {
+    throw new Error(`The host has no list of videos (packs.json: ${answer.status}).`);
+  }
+  const listing: unknown = await answer.json().catch(() => null);
+  if (typeof listing !== "object" || listing === null || !("packs" in listing)) {
+    throw new Error("packs.json is no list of videos; export the site again.");
+  }
+  const { packs } = listing;
+  if (!Array.isArray(packs) || !packs.every(isListed)) {
+    throw new Error("packs.json lists something else than videos; export the site again.");
+  }
+  return packs;
+}
+
+function isListed(one: unknown): one is Listed {
+  if (typeof one !== "object" || one === null) return false;
+  const texts = "name" in one && "file" in one && "poster" in one;
+  return texts && typeof one.name === "string" && typeof one.file === "string";
+}
+
+/** A name in an address, folder by folder. */
+export function addressOf(file: string): string {
+  return file.split("/").map(encodeURIComponent).join("/");
+}
+
+/** What a pack is, in a few words. */
+export function factsOf(pack: Listed): string {
+  const kind = pack.projection === "cube" ? "360°" : "flat";
+  const eyes = pack.eyes === 2 ? ", 3D" : "";
+  const sound = pack.sound ? ", sound" : "";
+  return `${kind}${eyes}, ${pack.width} × ${pack.height}${sound}`;
+}

@@ -1,0 +1,162 @@
+// Does the element work in a page of somebody else, in a headset, and with a gaze from outside?
+
+import { mkdtemp, rm, writeFile } from "node:fs/promises";
+import { createServer } from "node:http";
+import { createHash } from "node:crypto";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import type { AddressInfo, Socket } from "node:net";
+import type { Browser } from "playwright-core";
+import { afterAll, beforeAll, expect, inject, test } from "vitest";
+import { RangeHost } from "../range-server.ts";
+import { countTold, launch, open, seen, told } from "./browser.ts";
+
+let browser: Browser;
+
+beforeAll(async () => {
+  browser = await launch();
+});
+
+afterAll(() => browser.close());
+
+/** The page of somebody else, in three lines. */
+const FOREIGN = (site: string): string => `<!doctype html>
+<script type="module" src="${site}foveal-view.js"></script>
+<foveal-view src="${site}sphere.foveal" paused style="width: 400px"></foveal-view>`;
+
+test("three lines show a pack in a page of another origin", async () => {
+  const folder = await mkdtemp(join(tmpdir(), "foveal-foreign-"));
+  const host = await RangeHost.of(inject("site"), { allowOrigin: "*", delayMs: 10 });
+  await writeFile(join(folder, "index.html"), FOREIGN(host.url));
+  const foreign = await RangeHost.of(folder);
+  const { page, complaints } = await open(browser, foreign.url);
+  try {
+    await told(page, "settled");
+    const before = await countTold(page);
+    const api = await page.evaluate(async () => {
+      const view = document.querySelector("foveal-view");
+      if (view === null) throw new Error("no element");
+      const pose = await view.pose({ yawDeg: 30, pitchDeg: 10 });
+      view.seek(1);
+      view.gaze({ t_s: 0, yaw_deg: 30, pitch_deg: 10 });
+      return { pose, seconds: view.pack?.seconds };
+    });
+    expect(api.seconds).toBeCloseTo(2, 1);
+    await told(page, "settled", before);
+    const stats = await page.evaluate(() => document.querySelector("foveal-view")?.stats());
+    expect(stats?.headDeg[0]).toBeCloseTo(30, 0);
+    expect(stats?.frame).toBe(25);
+    expect((await seen(page)).at(0.5, 0.5).some((channel) => channel > 30)).toBe(true);
+    expect(complaints).toEqual([]);
+  } finally {
+    await page.context().close();
+    await Promise.all([host.close(), foreign.close(), rm(folder, { recursive: true })]);
+  }
+});
+
+test("a headset shows both eyes, each with its picture", async () => {
+  const host = await RangeHost.of(inject("site"), { delayMs: 10 });
+  const { page } = await open(browser, "about:blank");
+  const iwer = join(import.meta.dirname, "../../node_modules/iwer/build/iwer.min.js");
+  await page.addInitScript({ path: iwer });
+  await page.addInitScript(() => {
+    const { XRDevice, metaQuest3 } = (window as unknown as { IWER: typeof import("iwer") }).IWER;
+    const device = new XRDevice(metaQuest3);
+    device.installRuntime({ forceInstall: true });
+    device.stereoEnabled = true;
+    Object.assign(window, { device });
+  });
+  try {
+    await page.goto(`${host.url}view.html?pack=sphere.foveal&paused`);
+    await told(page, "settled");
+    const enter = page.getByRole("button", { name: "Enter the headset" });
+    await enter.waitFor();
+    // What reaches the headset's framebuffer is read where it is drawn.
+    await page.evaluate(() => {
+      const drawn: number[][] = [];
+      Object.assign(window, { drawn });
+      const draw = WebGL2RenderingContext.prototype.drawArrays;
+      WebGL2RenderingContext.prototype.drawArrays = function read(...values): void {
+        draw.apply(this, values);
+        const port = this.getParameter(this.VIEWPORT) as Int32Array;
+        const [x = 0, y = 0, width = 0, height = 0] = port;
+        const pixel = new Uint8Array(4);
+        const [px, py] = [x + (width >> 1), y + (height >> 1)];
+        this.readPixels(px, py, 1, 1, this.RGBA, this.UNSIGNED_BYTE, pixel);
+        if (drawn.length < 64) drawn.push([x, ...pixel]);
+      };
+    });
+    await enter.click();
+    await page.waitForFunction(() => {
+      const { drawn } = window as unknown as { drawn: number[][] };
+      return new Set(drawn.map(([x]) => x)).size === 2;
+    });
+    expect(await told(page, "headset")).toBe(true);
+    const drawn = await page.evaluate(() => (window as unknown as { drawn: number[][] }).drawn);
+    for (const [, red = 0, green = 0] of drawn.slice(-2)) {
+      expect(Math.abs(red - 128)).toBeLessThan(30);
+      expect(Math.abs(green - 128)).toBeLessThan(30);
+    }
+    const before = await countTold(page);
+    await page.evaluate(() => {
+      const { device } = window as unknown as { device: import("iwer").XRDevice };
+      void device.activeSession?.end();
+    });
+    expect(await told(page, "headset", before)).toBe(false);
+    await told(page, "settled", before);
+  } finally {
+    await page.context().close();
+    await host.close();
+  }
+});
+
+/** A WebSocket server that sends lines to whoever connects, and hears nothing. */
+async function gazeServer(line: string): Promise<{ url: string; close: () => void }> {
+  const sockets = new Set<Socket>();
+  const server = createServer();
+  server.on("upgrade", (request, socket: Socket) => {
+    const key = request.headers["sec-websocket-key"] ?? "";
+    const accept = createHash("sha1")
+      .update(`${key}258EAFA5-E914-47DA-95CA-C5AB0DC85B11`)
+      .digest("base64");
+    const head = "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\n";
+    socket.write(`${head}Connection: Upgrade\r\nSec-WebSocket-Accept: ${accept}\r\n\r\n`);
+    const text = Buffer.from(line);
+    socket.write(Buffer.concat([Buffer.from([0x81, text.length]), text]));
+    sockets.add(socket);
+    socket.on("error", () => undefined);
+  });
+  await new Promise<void>((ready) => server.listen(0, "127.0.0.1", ready));
+  const { port } = server.address() as AddressInfo;
+  return {
+    url: `ws://127.0.0.1:${port}`,
+    close: () => {
+      for (const socket of sockets) socket.destroy();
+      server.close();
+    },
+  };
+}
+
+test("a tracker's gaze comes through a WebSocket, and a wrong address is said", async () => {
+  const host = await RangeHost.of(inject("site"), { delayMs: 10 });
+  const sender = await gazeServer('{"t_s":1,"yaw_deg":12,"pitch_deg":-5}');
+  const gaze = encodeURIComponent(sender.url);
+  const opened = await open(browser, `${host.url}view.html?pack=flat.foveal&gaze=${gaze}`);
+  const { page, complaints } = opened;
+  try {
+    expect(await told(page, "gazeconnection")).toBe(true);
+    await page.waitForFunction(async () => {
+      const stats = await document.querySelector("foveal-view")?.stats();
+      return stats !== undefined && Math.abs(stats.gazeDeg[0] - 12) < 1;
+    });
+    sender.close();
+    expect(await told(page, "gazeconnection", 1)).toBeDefined();
+    await page.goto(`${host.url}view.html?pack=flat.foveal&gaze=udp:5005`);
+    await page.getByText("give a WebSocket address").waitFor();
+    expect(complaints).toEqual([]);
+  } finally {
+    await page.context().close();
+    sender.close();
+    await host.close();
+  }
+});

@@ -1,0 +1,49 @@
+// Which site do the tests open?
+//
+// One that the program itself makes of generated clips, in a folder that goes away with them. The
+// program is named by FOVEAL; `cargo xtask web-test` says which.
+
+import { execFile } from "node:child_process";
+import { mkdtemp, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { promisify } from "node:util";
+import type { TestProject } from "vitest/node";
+import { writeAvi } from "../avi.ts";
+import { FRAMES_PER_SECOND, pictures, sound } from "../scenes.ts";
+
+declare module "vitest" {
+  interface ProvidedContext {
+    /** The folder of the site. */
+    site: string;
+    /** The program. */
+    program: string;
+    /** The packs of the site, before they were put there. */
+    packs: string;
+  }
+}
+
+const run = promisify(execFile);
+
+export default async function setup(project: TestProject): Promise<() => Promise<void>> {
+  const program = process.env.FOVEAL;
+  if (program === undefined) throw new Error("FOVEAL names no program: run `cargo xtask web-test`");
+  const folder = await mkdtemp(join(tmpdir(), "foveal-web-"));
+  const prepare = async (name: string, size: readonly [number, number], more: string[]) => {
+    const clip = join(folder, `${name}.avi`);
+    const framesPerSecond = FRAMES_PER_SECOND;
+    const heard = name === "sphere" ? {} : { sound: sound() };
+    await writeAvi(clip, { size, framesPerSecond, pictures: pictures(size), ...heard });
+    const pack = join(folder, `${name}.foveal`);
+    await run(program, ["prepare", "video", clip, "--out", pack, ...more]);
+    return pack;
+  };
+  const flat = await prepare("flat", [1024, 576], ["--projection", "flat"]);
+  const sphere = await prepare("sphere", [2048, 1024], ["--projection", "equirect"]);
+  const site = join(folder, "site");
+  await run(program, ["export", "site", flat, sphere, "--out", site]);
+  project.provide("site", site);
+  project.provide("program", program);
+  project.provide("packs", folder);
+  return () => rm(folder, { recursive: true, force: true });
+}

@@ -1,0 +1,151 @@
+// Is every trouble of a host or a browser said in a clear sentence, and overcome where it can be?
+
+import type { Browser } from "playwright-core";
+import { afterAll, beforeAll, expect, inject, test } from "vitest";
+import type { EngineProblem } from "../../src/engine/api.ts";
+import { type Faults, RangeHost } from "../range-server.ts";
+import { type Opened, countTold, launch, open, seen, told } from "./browser.ts";
+
+let browser: Browser;
+
+beforeAll(async () => {
+  browser = await launch();
+});
+
+afterAll(() => browser.close());
+
+async function on(
+  address: string,
+  faults: Partial<Faults>,
+  work: (opened: Opened, host: RangeHost) => Promise<void>,
+): Promise<void> {
+  const host = await RangeHost.of(inject("site"), { delayMs: 10 });
+  Object.assign(host.faults, faults);
+  const opened = await open(browser, host.url + address);
+  try {
+    await work(opened, host);
+  } finally {
+    await opened.page.context().close();
+    await host.close();
+  }
+}
+
+/** The sentence that stands where the picture would be. */
+async function sentence({ page }: Opened): Promise<string> {
+  const alert = page.getByRole("alert");
+  await alert.waitFor({ state: "visible" });
+  return (await alert.locator("p").textContent()) ?? "";
+}
+
+test("a host without ranges is named as one", async () => {
+  await on("view.html?pack=flat.foveal", { noRanges: true }, async (opened) => {
+    expect(await sentence(opened)).toMatch(/range/i);
+    const problem = (await told(opened.page, "problem")) as EngineProblem;
+    expect(problem.kind).toBe("no-ranges");
+  });
+});
+
+test("a pack that is not there is named, with a way on", async () => {
+  await on("view.html?pack=none.foveal", {}, async (opened) => {
+    expect(await sentence(opened)).not.toBe("");
+    expect(((await told(opened.page, "problem")) as EngineProblem).kind).toBe("not-found");
+    await opened.page.getByRole("button", { name: "Try again" }).waitFor();
+  });
+});
+
+test("a pack that was cut short is refused as broken", async () => {
+  await on("view.html?pack=flat.foveal", { truncatedAt: 100_000 }, async (opened) => {
+    expect(await sentence(opened)).not.toBe("");
+    expect(((await told(opened.page, "problem")) as EngineProblem).kind).toBe("broken-pack");
+  });
+});
+
+test("flipped bytes of the description are refused as broken", async () => {
+  await on("view.html?pack=flat.foveal", { flipped: new Set([100]) }, async (opened) => {
+    expect(await sentence(opened)).not.toBe("");
+    expect(((await told(opened.page, "problem")) as EngineProblem).kind).toBe("broken-pack");
+  });
+});
+
+test("flipped bytes of fine tiles leave the coarser picture", async () => {
+  // Every chunk of the second group and later is damaged somewhere; the first is whole.
+  const places = Array.from({ length: 40 }, (_, at) => 60_000 + 977 * at);
+  await on("view.html?pack=flat.foveal&paused", { flipped: new Set(places) }, async (opened) => {
+    await told(opened.page, "picture");
+    const middle = (await seen(opened.page)).at(0.5, 0.5);
+    expect(middle.some((channel) => channel > 30)).toBe(true);
+    expect(await opened.page.getByRole("alert").isVisible()).toBe(false);
+  });
+});
+
+test("what is missing in the middle leaves the coarser picture, and is said", async () => {
+  await on("view.html?pack=flat.foveal&paused", {}, async (opened, host) => {
+    const { page } = opened;
+    await told(page, "settled");
+    const before = await countTold(page);
+    host.faults.missingFrom = 4096;
+    await page.keyboard.press("End");
+    await told(page, "lost", before);
+    const middle = (await seen(page)).at(0.5, 0.5);
+    expect(middle.some((channel) => channel > 30)).toBe(true);
+    const again = await countTold(page);
+    host.faults.missingFrom = null;
+    await told(page, "settled", again);
+  });
+});
+
+test("a host that is away and comes back is waited for", async () => {
+  await on("view.html?pack=flat.foveal&paused", {}, async (opened, host) => {
+    const { page } = opened;
+    await told(page, "settled");
+    const before = await countTold(page);
+    host.goOffline(true);
+    await page.keyboard.press("End");
+    expect(await told(page, "lost", before)).toBe("network");
+    await page.getByText("The host cannot be reached").waitFor();
+    host.goOffline(false);
+    expect(await told(page, "restored", before)).toBe("network");
+    await told(page, "settled", before);
+  });
+});
+
+test("another file under the same address is noticed and shown", async () => {
+  await on("view.html?pack=flat.foveal&paused", {}, async (opened, host) => {
+    const { page } = opened;
+    await told(page, "settled");
+    const before = await countTold(page);
+    host.faults.version = "-new";
+    await page.keyboard.press("End");
+    await told(page, "changed", before);
+    await told(page, "settled", before);
+  });
+});
+
+test("an address that names no video offers the list", async () => {
+  await on("view.html", {}, async ({ page }) => {
+    await page.getByRole("main").getByRole("link").click();
+    await page.locator("#packs a").first().waitFor();
+  });
+});
+
+test("without WebGPU the coarsest level plays, and a sentence says why", async () => {
+  const plain = await launch("no webgpu");
+  const host = await RangeHost.of(inject("site"), { delayMs: 10 });
+  try {
+    for (const pack of ["flat", "sphere"]) {
+      const opened = await open(plain, `${host.url}view.html?pack=${pack}.foveal`);
+      await told(opened.page, "picture");
+      const note = opened.page.getByRole("note");
+      await note.waitFor({ state: "visible" });
+      expect(await note.textContent()).toMatch(/WebGPU/);
+      const picture = await seen(opened.page);
+      expect(picture.at(0.5, 0.5).some((channel) => channel > 60)).toBe(true);
+      expect(opened.complaints).toEqual([]);
+      await opened.page.context().close();
+    }
+    expect(host.sentTwice()).toEqual([]);
+  } finally {
+    await plain.close();
+    await host.close();
+  }
+});

@@ -1,0 +1,306 @@
+// Does a viewer see the right thing, sharp where it counts, by hand and by key?
+
+import type { Browser } from "playwright-core";
+import { afterAll, beforeAll, expect, inject, test } from "vitest";
+import type { Stats } from "../../src/engine/api.ts";
+import { type Asked, RangeHost } from "../range-server.ts";
+import { colourAt } from "../scenes.ts";
+import { type Opened, countTold, launch, open, seen, told } from "./browser.ts";
+
+let browser: Browser;
+let host: RangeHost;
+
+beforeAll(async () => {
+  browser = await launch();
+});
+
+afterAll(() => browser.close());
+
+/** Opens a page of a fresh host, does the work, and looks whether all of it went well. */
+async function on(
+  address: string,
+  work: (opened: Opened) => Promise<void>,
+  options: Parameters<typeof open>[2] = {},
+): Promise<void> {
+  host = await RangeHost.of(inject("site"), { delayMs: 20 });
+  const opened = await open(browser, host.url + address, options);
+  try {
+    await work(opened);
+    expect(opened.complaints).toEqual([]);
+    const usual = ({ method, status }: Asked): boolean =>
+      method === "GET" && (status === 200 || status === 206);
+    expect(host.log.filter((one) => !usual(one))).toEqual([]);
+    expect(host.sentTwice()).toEqual([]);
+  } finally {
+    await opened.page.context().close();
+    await host.close();
+  }
+}
+
+/** The figures of the moment. */
+function stats({ page }: Opened): Promise<Stats> {
+  return page.evaluate(() => {
+    const view = document.querySelector("foveal-view");
+    if (view === null) throw new Error("no foveal-view");
+    return view.stats();
+  });
+}
+
+/** Fails unless a colour is near what the scene has at a place, blue aside. */
+function near(found: readonly number[], x: number, y: number): void {
+  const expected = colourAt(x, y, 0);
+  for (const channel of [0, 1]) {
+    const apart = Math.abs((found[channel] ?? 0) - (expected[channel] ?? 0));
+    expect(apart, `${found.join()} at ${x}, ${y}`).toBeLessThan(14);
+  }
+}
+
+test("the list names every pack, with its poster, and leads to it", async () => {
+  await on("", async ({ page }) => {
+    await page.locator("#packs a").first().waitFor();
+    expect(await page.locator("#packs h2").allTextContents()).toEqual(["flat", "sphere"]);
+    const poster = page.locator("#packs img").first();
+    const width = poster.evaluate(async (img: HTMLImageElement) => {
+      await img.decode();
+      return img.naturalWidth;
+    });
+    expect(await width).toBe(640);
+    await page.locator("#packs a").first().click();
+    await told(page, "picture");
+    expect(await page.title()).toBe("flat");
+  });
+});
+
+test("flat content fills the stage, and what is seen settles sharp", async () => {
+  await on("view.html?pack=flat.foveal&paused", async (opened) => {
+    await told(opened.page, "settled");
+    const picture = await seen(opened.page);
+    // The content is 16:9 in the middle of the stage.
+    const high = (picture.width * 9) / 16 / picture.height;
+    for (const [x, y] of [[0.5, 0.5], [0.2, 0.3], [0.8, 0.7]] as const) {
+      near(picture.at(x, 0.5 + (y - 0.5) * high), x, y);
+    }
+    expect(picture.at(0.5, 0.01).every((channel) => channel < 8)).toBe(true);
+  });
+});
+
+test("a sphere turns by dragging, and shows what lies there", async () => {
+  await on("view.html?pack=sphere.foveal&paused", async (opened) => {
+    const { page } = opened;
+    await told(page, "settled");
+    near((await seen(page)).at(0.5, 0.5), 0.5, 0.5);
+    const stage = page.locator("foveal-view .stage");
+    const box = await stage.boundingBox();
+    if (box === null) throw new Error("no stage");
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    const before = await countTold(page);
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x - 200, y, { steps: 4 });
+    await page.mouse.up();
+    await told(page, "settled", before);
+    const { headDeg } = await stats(opened);
+    expect(headDeg[0]).toBeGreaterThan(10);
+    near((await seen(page)).at(0.5, 0.5), 0.5 + headDeg[0] / 360, 0.5);
+  });
+});
+
+test("zooming shows detail that was not there before", async () => {
+  await on("view.html?pack=flat.foveal&paused", async (opened) => {
+    const { page } = opened;
+    await told(page, "settled");
+    const before = await countTold(page);
+    const { scale } = await stats(opened);
+    const box = await page.locator("foveal-view .stage").boundingBox();
+    if (box === null) throw new Error("no stage");
+    await page.mouse.move(box.x + box.width / 4, box.y + box.height / 2);
+    for (let turn = 0; turn < 4; turn += 1) await page.mouse.wheel(0, -300);
+    await told(page, "settled", before);
+    const closer = await stats(opened);
+    expect(closer.scale).toBeGreaterThan(2 * scale);
+    // Lines of one pixel of the content stand there now, six of them or more to the left and right.
+    expect((await seen(page)).detail(0.25, 0.5)).toBeGreaterThan(2);
+    expect(closer.levels[0]).toBeGreaterThan(0);
+  });
+});
+
+test("in demo mode the finest tiles lie where the pointer is, and follow a jump", async () => {
+  await on("view.html?pack=flat.foveal&demo&paused", async (opened) => {
+    const { page } = opened;
+    await told(page, "picture");
+    // Tiles in the colours of their levels.
+    await page.keyboard.press("l");
+    const box = await page.locator("foveal-view .stage").boundingBox();
+    if (box === null) throw new Error("no stage");
+    const jump = async (x: number): Promise<Stats> => {
+      const before = await countTold(page);
+      await page.mouse.move(box.x + box.width * x, box.y + box.height / 2);
+      await told(page, "settled", before);
+      return stats(opened);
+    };
+    const left = await jump(0.1);
+    const before = await seen(page);
+    expect(left.policy).toBe("acuity");
+    expect(left.gazeDeg[0]).toBeLessThan(0);
+    expect(left.share).toBeLessThan(0.9);
+    const right = await jump(0.9);
+    const after = await seen(page);
+    expect(right.gazeDeg[0]).toBeGreaterThan(0);
+    expect(right.share).toBeLessThan(0.9);
+    for (const x of [0.15, 0.85]) {
+      const [old, now] = [before.at(x, 0.4), after.at(x, 0.4)];
+      const change = old.map((channel, at) => Math.abs(channel - (now[at] ?? 0)));
+      expect(Math.max(...change), `${old.join()} at ${x}, then ${now.join()}`).toBeGreaterThan(20);
+    }
+  });
+});
+
+test("all of it works by keyboard alone", async () => {
+  await on("view.html?pack=sphere.foveal", async (opened) => {
+    const { page } = opened;
+    await told(page, "picture");
+    const press = async (key: string, event: string): Promise<void> => {
+      const before = await countTold(page);
+      await page.keyboard.press(key);
+      await told(page, event, before);
+    };
+    await press("Space", "pause");
+    await press("ArrowRight", "settled");
+    expect((await stats(opened)).headDeg[0]).toBeGreaterThan(0);
+    await press("Home", "settled");
+    expect((await stats(opened)).frame).toBe(0);
+    await press(".", "settled");
+    expect((await stats(opened)).frame).toBe(1);
+    await press(",", "settled");
+    expect((await stats(opened)).frame).toBe(0);
+    await press("=", "settled");
+    expect((await stats(opened)).zoom).toBeGreaterThan(1);
+    await page.keyboard.press("o");
+    const figures = page.getByRole("region", { name: "Figures" });
+    await figures.waitFor({ state: "visible" });
+    // Every control is reached by Tab and has a name.
+    const names = new Set<string>();
+    for (let tab = 0; tab < 12; tab += 1) {
+      await page.keyboard.press("Tab");
+      const name = await page.evaluate(() => {
+        const inner = document.activeElement?.shadowRoot?.activeElement;
+        const labels = inner instanceof HTMLInputElement ? inner.labels?.[0]?.textContent : null;
+        return inner?.getAttribute("aria-label") ?? labels ?? inner?.textContent ?? "";
+      });
+      if (name !== "") names.add(name.trim());
+    }
+    for (const name of ["Play", "Time", "Figures", "Full screen", "Keys", "Policy"]) {
+      expect([...names]).toContain(name);
+    }
+  });
+});
+
+test("a policy chosen among the figures rules at once", async () => {
+  await on("view.html?pack=flat.foveal&paused", async (opened) => {
+    const { page } = opened;
+    await told(page, "settled");
+    await page.keyboard.press("o");
+    const before = await countTold(page);
+    await page.getByRole("combobox", { name: "Policy" }).selectOption("coarsest");
+    await told(page, "settled", before);
+    const figures = await stats(opened);
+    expect(figures.policy).toBe("coarsest");
+    expect(figures.levels.slice(0, -1).every((count) => count === 0)).toBe(true);
+  });
+});
+
+test("on a phone it fits, and a finger turns it", async () => {
+  const phone = {
+    viewport: { width: 360, height: 640 },
+    hasTouch: true,
+    isMobile: true,
+    deviceScaleFactor: 2,
+    colorScheme: "dark",
+  } as const;
+  const work = async (opened: Opened): Promise<void> => {
+    const { page } = opened;
+    await told(page, "settled");
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+    expect(wide).toBeLessThanOrEqual(360);
+    const buttons = page.locator("foveal-view .bar button:visible");
+    for (const button of await buttons.all()) {
+      const box = await button.boundingBox();
+      expect(box !== null && box.x >= 0 && box.x + box.width <= 360).toBe(true);
+    }
+    const before = await countTold(page);
+    const session = await page.context().newCDPSession(page);
+    const touch = (type: string, x: number): Promise<unknown> =>
+      session.send("Input.dispatchTouchEvent", {
+        type: type as "touchStart",
+        touchPoints: type === "touchEnd" ? [] : [{ x, y: 300 }],
+      });
+    await touch("touchStart", 250);
+    await touch("touchMove", 150);
+    await touch("touchEnd", 150);
+    await told(page, "settled", before);
+    expect((await stats(opened)).headDeg[0]).toBeGreaterThan(5);
+    // Held upright, then turned a quarter to the right.
+    const again = await countTold(page);
+    await page.getByRole("button", { name: "Turn by moving the device" }).click();
+    await page.locator('foveal-view button[aria-pressed="true"]').waitFor();
+    await page.evaluate(() => {
+      for (const alpha of [0, -90]) {
+        const held = { alpha, beta: 90, gamma: 0 };
+        window.dispatchEvent(new DeviceOrientationEvent("deviceorientation", held));
+      }
+    });
+    await told(page, "settled", again);
+    expect((await stats(opened)).headDeg[0]).toBeGreaterThan(85);
+  };
+  await on("view.html?pack=sphere.foveal&paused", work, phone);
+});
+
+test("the first picture takes two round trips at most, and 0.6 s at 40 Mbit/s", async () => {
+  await on("view.html?pack=sphere.foveal&paused", async (opened) => {
+    await told(opened.page, "picture");
+    const trips = (await stats(opened)).firstPictureTrips;
+    expect(trips).toBeLessThanOrEqual(2);
+    const began = host.ofPacks[0]?.virtualStart ?? 0;
+    const first = host.ofPacks.filter((one) => one.whole).slice(0, trips ?? 0);
+    expect(Math.max(...first.map((one) => one.virtualEnd)) - began).toBeLessThan(0.6);
+  });
+});
+
+test("sound begins with a key, without a gap, in step with the pictures", async () => {
+  await on("view.html?pack=flat.foveal&paused", async ({ page }) => {
+    await told(page, "picture");
+    await page.getByRole("button", { name: "Unmute" }).waitFor();
+    // What is put on the audio clock: when, for how long, and its samples.
+    await page.evaluate(() => {
+      const placed: { at: number; samples: number[] }[] = [];
+      Object.assign(window, { placed });
+      const start = AudioBufferSourceNode.prototype.start;
+      AudioBufferSourceNode.prototype.start = function note(at = 0, offset = 0): void {
+        placed.push({ at: at - offset, samples: [...(this.buffer?.getChannelData(0) ?? [])] });
+        start.call(this, at, offset);
+      };
+    });
+    await page.keyboard.press("m");
+    await page.getByRole("button", { name: "Mute", exact: true }).waitFor();
+    await page.keyboard.press("Space");
+    const kept = await page.waitForFunction(() => {
+      const { placed } = window as unknown as { placed: { at: number; samples: number[] }[] };
+      return placed.length >= 4 ? placed : null;
+    });
+    const [first, ...others] = (await kept.jsonValue()) ?? [];
+    if (first === undefined) throw new Error("nothing was heard");
+    let end = first.at + first.samples.length / 48_000;
+    for (const { at, samples } of others) {
+      expect(Math.abs(at - end)).toBeLessThan(1e-4);
+      end = at + samples.length / 48_000;
+    }
+    // The tone begins anew with every fifth picture: every fifth of a second, to 5 ms.
+    const whole = [first, ...others].flatMap(({ samples }) => samples);
+    const loudest = (from: number): number => {
+      const part = whole.slice(from, from + 9600).map(Math.abs);
+      return part.indexOf(Math.max(...part));
+    };
+    const onsets = [0, 1, 2, 3, 4].map((beat) => loudest(beat * 9600));
+    for (const onset of onsets) expect(onset).toBeLessThan(240);
+  });
+});

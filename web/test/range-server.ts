@@ -1,0 +1,243 @@
+// Which host do the tests fetch from, and what did it send when?
+//
+// A static host with byte ranges, a log of what was asked, faults that can be switched on, and a
+// link in virtual terms: what an answer would have taken is reckoned, not waited for.
+
+import { type IncomingMessage, type Server, type ServerResponse, createServer } from "node:http";
+import { readFile, stat } from "node:fs/promises";
+import type { AddressInfo, Socket } from "node:net";
+import { extname, join, normalize } from "node:path";
+
+/** One answered request. */
+export interface Asked {
+  readonly method: string;
+  readonly path: string;
+  readonly status: number;
+  /** The range as it was asked for. */
+  readonly range: string;
+  /** Bytes of the file, from first to last; empty (last < first) where none were sent. */
+  readonly first: number;
+  readonly last: number;
+  /** Milliseconds since the host began. */
+  readonly at: number;
+  /** Whether all of it was sent. */
+  whole: boolean;
+  /** Seconds on the emulated link: when it was asked, and when its last byte came. */
+  readonly virtualStart: number;
+  virtualEnd: number;
+  /** Answers that, one after the other, came before it. */
+  readonly trips: number;
+}
+
+/** A link. */
+export interface Link {
+  readonly bitsPerSecond: number;
+  /** Seconds from the client to the host and back. */
+  readonly roundTrip: number;
+}
+
+/** What can go wrong; change it while the host runs. */
+export interface Faults {
+  /** Answers every request with the whole file, as hosts without ranges do. */
+  noRanges: boolean;
+  /** Files seem to end after so many bytes. */
+  truncatedAt: number | null;
+  /** Places in a pack whose byte is flipped. */
+  flipped: ReadonlySet<number>;
+  /** Byte ranges of packs that begin here or later are not found. */
+  missingFrom: number | null;
+  /** Every connection breaks off. */
+  offline: boolean;
+  /** Added to the ETag, as if the file had changed. */
+  version: string;
+}
+
+/** How a host is set up. */
+export interface HostOptions {
+  readonly link?: Link;
+  /** Which other origins may read; none if left out. */
+  readonly allowOrigin?: string;
+  /** Milliseconds before each answer: requests of one moment overlap as on a real link. */
+  readonly delayMs?: number;
+}
+
+const TYPES: Readonly<Record<string, string>> = {
+  ".html": "text/html; charset=utf-8",
+  ".js": "text/javascript; charset=utf-8",
+  ".css": "text/css; charset=utf-8",
+  ".json": "application/json",
+  ".wasm": "application/wasm",
+  ".jpg": "image/jpeg",
+};
+
+const FORTY_MBIT: Link = { bitsPerSecond: 40e6, roundTrip: 0.06 };
+
+/** A host of one folder on a free port of this machine. */
+export class RangeHost {
+  readonly log: Asked[] = [];
+  readonly faults: Faults = {
+    noRanges: false,
+    truncatedAt: null,
+    flipped: new Set(),
+    missingFrom: null,
+    offline: false,
+    version: "",
+  };
+  private readonly server: Server;
+  private readonly sockets = new Set<Socket>();
+  private readonly began = performance.now();
+  private readonly link: Link;
+  private linkFree = 0;
+
+  private constructor(
+    private readonly folder: string,
+    private readonly options: HostOptions,
+  ) {
+    this.link = options.link ?? FORTY_MBIT;
+    this.server = createServer((request, response) => void this.answer(request, response));
+    this.server.on("connection", (socket: Socket) => {
+      this.sockets.add(socket);
+      socket.on("close", () => this.sockets.delete(socket));
+      if (this.faults.offline) socket.destroy();
+    });
+  }
+
+  static async of(folder: string, options: HostOptions = {}): Promise<RangeHost> {
+    const host = new RangeHost(folder, options);
+    await new Promise<void>((ready) => host.server.listen(0, "127.0.0.1", ready));
+    return host;
+  }
+
+  /** Its address, with a slash at the end. */
+  get url(): string {
+    return `http://127.0.0.1:${(this.server.address() as AddressInfo).port}/`;
+  }
+
+  async close(): Promise<void> {
+    for (const socket of this.sockets) socket.destroy();
+    await new Promise<void>((closed) => this.server.close(() => closed()));
+  }
+
+  /** Breaks all connections, and every new one until it is back. */
+  goOffline(offline: boolean): void {
+    this.faults.offline = offline;
+    if (offline) for (const socket of this.sockets) socket.destroy();
+  }
+
+  /** Requests for packs. */
+  get ofPacks(): readonly Asked[] {
+    return this.log.filter((one) => one.path.endsWith(".foveal"));
+  }
+
+  /** Bytes of packs that were sent twice within a minute; empty if all is well. */
+  sentTwice(): readonly string[] {
+    const twice: string[] = [];
+    const sent = this.ofPacks.filter((one) => one.whole && one.last >= one.first);
+    sent.forEach((one, index) => {
+      for (const other of sent.slice(0, index)) {
+        const overlaps = one.first <= other.last && other.first <= one.last;
+        const soon = one.at - other.at < 60_000;
+        if (one.path === other.path && overlaps && soon) {
+          twice.push(`${one.path} ${other.first}-${other.last}, then ${one.first}-${one.last}`);
+        }
+      }
+    });
+    return twice;
+  }
+
+  private async answer(request: IncomingMessage, response: ServerResponse): Promise<void> {
+    if (this.faults.offline) {
+      request.socket.destroy();
+      return;
+    }
+    const path = decodeURIComponent(new URL(request.url ?? "/", this.url).pathname);
+    const done = this.log.filter((one) => one.whole);
+    const virtualStart = Math.max(0, ...done.map((one) => one.virtualEnd));
+    const trips = 1 + Math.max(0, ...done.map((one) => one.trips));
+    const before = {
+      method: request.method ?? "",
+      path,
+      range: request.headers.range ?? "",
+      at: performance.now() - this.began,
+    };
+    if (this.options.allowOrigin !== undefined) {
+      response.setHeader("access-control-allow-origin", this.options.allowOrigin);
+      response.setHeader("access-control-allow-headers", "range, cache-control, if-range");
+      response.setHeader(
+        "access-control-expose-headers",
+        "accept-ranges, content-length, content-range, etag",
+      );
+    }
+    await new Promise((ready) => setTimeout(ready, this.options.delayMs ?? 0));
+    const { status, first, bytes } = await this.content(request, response, path);
+    const asked: Asked = {
+      ...before,
+      status,
+      first,
+      last: first + bytes.length - 1,
+      whole: false,
+      virtualStart,
+      virtualEnd: Number.POSITIVE_INFINITY,
+      trips,
+    };
+    this.log.push(asked);
+    const starts = Math.max(this.linkFree, virtualStart + this.link.roundTrip);
+    const virtualEnd = starts + (8 * bytes.length) / this.link.bitsPerSecond;
+    this.linkFree = virtualEnd;
+    response.on("finish", () => {
+      asked.virtualEnd = virtualEnd;
+      asked.whole = true;
+    });
+    response.statusCode = status;
+    response.end(request.method === "HEAD" ? undefined : bytes);
+  }
+
+  private async content(
+    request: IncomingMessage,
+    response: ServerResponse,
+    path: string,
+  ): Promise<{ status: number; first: number; bytes: Buffer }> {
+    const nothing = (status: number) => ({ status, first: 0, bytes: Buffer.alloc(0) });
+    if (request.method === "OPTIONS") return nothing(204);
+    const inside = normalize(path.endsWith("/") ? `${path}index.html` : path);
+    const file = join(this.folder, inside);
+    const [there, content] = await Promise.all([
+      stat(file).catch(() => null),
+      readFile(file).catch(() => null),
+    ]);
+    if (inside.startsWith("..") || there === null || content === null) return nothing(404);
+    const isPack = inside.endsWith(".foveal");
+    const bytes = isPack ? this.spoil(content) : content;
+    const version = isPack ? this.faults.version : "";
+    const tag = `"${bytes.length.toString(16)}-${there.mtimeMs}${version}"`;
+    response.setHeader("etag", tag);
+    response.setHeader("content-type", TYPES[extname(inside)] ?? "application/octet-stream");
+    const matches = request.headers["if-match"];
+    if (matches !== undefined && matches !== tag) return nothing(412);
+    if (isPack && this.faults.noRanges) return { status: 200, first: 0, bytes };
+    response.setHeader("accept-ranges", "bytes");
+    const range = /^bytes=(\d+)-(\d*)$/.exec(request.headers.range ?? "");
+    if (range === null) return { status: 200, first: 0, bytes };
+    const [first, asked] = [Number(range[1]), range[2] === "" ? Infinity : Number(range[2])];
+    if (first >= bytes.length) {
+      response.setHeader("content-range", `bytes */${bytes.length}`);
+      return nothing(416);
+    }
+    if (isPack && this.faults.missingFrom !== null && first >= this.faults.missingFrom) {
+      return nothing(404);
+    }
+    const last = Math.min(asked, bytes.length - 1);
+    response.setHeader("content-range", `bytes ${first}-${last}/${bytes.length}`);
+    return { status: 206, first, bytes: bytes.subarray(first, last + 1) };
+  }
+
+  private spoil(content: Buffer): Buffer {
+    const bytes = content.subarray(0, this.faults.truncatedAt ?? content.length);
+    if (this.faults.flipped.size === 0) return bytes;
+    const spoiled = Buffer.from(bytes);
+    for (const at of this.faults.flipped) {
+      if (at < spoiled.length) spoiled[at] = (spoiled[at] ?? 0) ^ 0xff;
+    }
+    return spoiled;
+  }
+}
