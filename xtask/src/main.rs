@@ -16,7 +16,7 @@ cargo xtask COMMAND
   web             the page: wasm, scripts and pages in web/dist, with their size
   web-test        the tests of the page; its pictures beside those of the program
   web-bench       whether the page's memory stays what it is, over minutes
-  ci              fmt, tidy, web, clippy, wasm, test, web-test: exactly what CI runs
+  ci              fmt, tidy, web, clippy, wasm, tests that need no browser: what CI runs
   bless [FILTER]  run the tests (those whose name contains FILTER) and rewrite their goldens";
 
 fn main() -> ExitCode {

@@ -58,15 +58,8 @@ pub(crate) fn test() -> Outcome {
     in_browser(&web, "vitest.e2e.config.ts", program()?)
 }
 
-/// The same with the program that the tests of the workspace have built.
-pub(crate) fn test_after_workspace() -> Outcome {
-    let web = test_typescript()?;
-    let program = target_folder()?.join("debug/foveal");
-    in_browser(&web, "vitest.e2e.config.ts", program)
-}
-
-/// Returns the folder of the TypeScript.
-fn test_typescript() -> Result<PathBuf, String> {
+/// The tests that need no browser. Returns the folder of the TypeScript.
+pub(crate) fn test_typescript() -> Result<PathBuf, String> {
     let web = repository_root().join("web");
     if !web.join("dist").join(STAMP).exists() {
         run()?;
