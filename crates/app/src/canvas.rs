@@ -264,8 +264,12 @@ impl CpuCanvas {
             None if self.has_textures => twin::reconstruct_textures(&self.tiles, view),
             None => twin::reconstruct(&self.tiles, view),
         };
+        let draws_halves = self.samples.is_none() && !self.has_textures;
         match &self.blur {
-            Some(blur) => twin::blur_radial(&picture, view, blur),
+            Some(blur) => {
+                let half = || twin::reconstruct(&self.tiles, &RadialBlur::half_view(view));
+                twin::blur_radial(&picture, draws_halves.then(half), view, blur)
+            }
             None => picture,
         }
     }

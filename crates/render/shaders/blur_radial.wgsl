@@ -13,6 +13,10 @@ struct Blur {
     growth: f32,
     pitch: f32,
     last: f32,
+    // Variance of the first half in pixels².
+    first: f32,
+    unused: f32,
+    unused_pair: vec2f,
 }
 
 @group(0) @binding(4) var<uniform> blur: Blur;
@@ -20,9 +24,9 @@ struct Blur {
 @group(0) @binding(6) var halves: texture_2d<f32>;
 @group(0) @binding(7) var between: sampler;
 
-// Variance in pixels² of the first half, read between its texels: 0.75 of the halving, and the
-// sixth of a texel's square that reading between two adds.
-const FIRST_VARIANCE = 1.4166666;
+// Variance in pixels² that reading between two texels of the first half adds: a sixth of a texel's
+// square.
+const READING_VARIANCE = 0.6666667;
 
 // Variance in pixels² of the Gaussian at a ray, whose depth is 1.
 fn variance_at(ray: vec3f, chord: f32) -> f32 {
@@ -42,9 +46,10 @@ fn blur_radial(@builtin(position) position: vec4f) -> @location(0) vec4f {
         return sharp;
     }
     let variance = variance_at(ray, chord);
-    // Halving k times and reading between texels makes (4^k - 1) / 4 + 4^k / 6.
-    let level = 0.5 * log2((variance + 0.25) / 0.4166667) - 1.0;
+    // k halvings, of which each but the first adds 0.75 of its texels, and reading between texels
+    // make first - 1 + 4^k / 4 + 4^k / 6.
+    let level = 0.5 * log2((variance + 1.0 - blur.first) / 0.4166667) - 1.0;
     let place = position.xy / vec2f(textureDimensions(picture));
     let soft = textureSampleLevel(halves, between, place, clamp(level, 0.0, blur.last));
-    return mix(sharp, soft, min(variance / FIRST_VARIANCE, 1.0));
+    return mix(sharp, soft, min(variance / (blur.first + READING_VARIANCE), 1.0));
 }

@@ -2,7 +2,7 @@
 
 use crate::device::Gpu;
 use crate::params::BlurParams;
-use crate::passes::{FORMAT, Target};
+use crate::passes::Target;
 use crate::screen_pass::{Reads, ScreenPass, buffer};
 use crate::shaders;
 use foveal_core::units::Radians;
@@ -35,13 +35,97 @@ impl RadialBlur {
     }
 }
 
-/// The pass, its halves and what it draws.
+impl RadialBlur {
+    /// The view in whose picture a pixel is two by two of those of `view`: what is blurred outside
+    /// the fovea can be drawn at half the size at once.
+    #[must_use]
+    pub fn half_view(view: &EyeView) -> EyeView {
+        EyeView {
+            size: half(view.size),
+            ..*view
+        }
+    }
+
+    /// Left, top, width and height of the pixels of `view` that show anything of the sharp picture,
+    /// or of some more; beyond them only halves show. `None` where that is no pixel.
+    pub(crate) fn sharp_pixels(&self, view: &EyeView, first: FirstHalf) -> Option<[u32; 4]> {
+        let params = BlurParams::new(view, self, 1, first);
+        // Pixels are widest at the axis, so the blur is slowest there.
+        let pixels = f64::from(first.shown_variance()).sqrt();
+        let radius = self.fovea.0 + pixels * f64::from(params.pitch / params.growth);
+        let axes = view.axes;
+        let at = [axes.right, axes.down, axes.forward].map(|axis| self.gaze.dot(axis));
+        let field = view.field;
+        let across = reach(
+            at[0],
+            at[2],
+            radius,
+            [field.left, field.right],
+            view.size[0],
+        )?;
+        let down = reach(at[1], at[2], radius, [field.up, field.down], view.size[1])?;
+        Some([across[0], down[0], across[1] - across[0], down[1] - down[0]])
+    }
+}
+
+/// First and last pixel, of `count` over the tangents from `-low` to `high`, within `radius` of a
+/// unit direction with these parts along the side and ahead.
+fn reach(
+    along: f64,
+    ahead: f64,
+    radius: f64,
+    [low, high]: [f64; 2],
+    count: u32,
+) -> Option<[u32; 2]> {
+    let level = along.hypot(ahead);
+    // A cone about the view's other axis is seen all across.
+    let half_angle = match radius.sin() < level && radius < std::f64::consts::FRAC_PI_2 {
+        true => (radius.sin() / level).asin(),
+        false => std::f64::consts::PI,
+    };
+    let tangent = |angle: f64| {
+        let most = std::f64::consts::FRAC_PI_2 - 1e-6;
+        angle.clamp(-most, most).tan()
+    };
+    let angle = along.atan2(ahead);
+    let pixel = |angle| (tangent(angle) + low) / (low + high) * f64::from(count);
+    let first = (pixel(angle - half_angle) - 1.0).floor();
+    let last = (pixel(angle + half_angle) + 1.0).ceil();
+    let [first, last] = [first, last].map(|k| k.clamp(0.0, f64::from(count)) as u32);
+    (first < last).then_some([first, last])
+}
+
+/// How the first half came to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FirstHalf {
+    /// Drawn by itself: a pixel is the mean of four.
+    Drawn,
+    /// From the whole picture by the pass `blur_halve`.
+    Halved,
+}
+
+impl FirstHalf {
+    /// Variance in pixels² that it has before it is read between its texels.
+    pub(crate) fn variance(self) -> f32 {
+        match self {
+            Self::Drawn => 0.25,
+            Self::Halved => 0.75,
+        }
+    }
+
+    /// The same after: reading between two texels adds the sixth of a texel's square.
+    pub(crate) fn shown_variance(self) -> f32 {
+        self.variance() + 4.0 / 6.0
+    }
+}
+
+/// The passes, the halves and what is drawn.
 pub(crate) struct Blur {
     halve: ScreenPass,
     radial: ScreenPass,
     uniform: wgpu::Buffer,
     sampler: wgpu::Sampler,
-    halves: wgpu::Texture,
+    halves: Target,
     output: Target,
 }
 
@@ -67,39 +151,51 @@ impl Blur {
                 mipmap_filter: wgpu::MipmapFilterMode::Linear,
                 ..wgpu::SamplerDescriptor::default()
             }),
-            halves: halves(gpu, size),
+            halves: Target::with_mips(gpu, half(size), halvings(size)),
             output: Target::new(gpu, size),
         }
     }
 
-    /// Draws `picture` blurred, with the blur that `kept` keeps from picture to picture.
-    pub(crate) fn of<'a>(
-        kept: &'a mut Option<Self>,
+    /// The blur of pictures of `size` pixels that `kept` keeps from picture to picture.
+    pub(crate) fn of_size<'a>(kept: &'a mut Option<Self>, gpu: &Gpu, size: [u32; 2]) -> &'a Self {
+        let fits = kept.take().filter(|blur| blur.output.size() == size);
+        kept.insert(fits.unwrap_or_else(|| Self::new(gpu, size)))
+    }
+
+    /// Where the first half is drawn by whoever draws it by itself.
+    pub(crate) fn first_half(&self) -> &Target {
+        &self.halves
+    }
+
+    /// Draws `picture` blurred.
+    pub(crate) fn draw(
+        &self,
         gpu: &Gpu,
         picture: &Target,
         view: &EyeView,
-        wanted: &RadialBlur,
-    ) -> &'a Target {
-        let size = picture.size();
-        let fits = kept.take().filter(|blur| blur.output.size() == size);
-        let blur = kept.insert(fits.unwrap_or_else(|| Self::new(gpu, size)));
-        blur.draw(gpu, picture, view, wanted);
-        &blur.output
-    }
-
-    /// Orders the passes from `picture` to [`Self::output`].
-    fn draw(&self, gpu: &Gpu, picture: &Target, view: &EyeView, blur: &RadialBlur) {
-        let params = BlurParams::new(view, blur, self.halves.mip_level_count());
+        blur: &RadialBlur,
+        first: FirstHalf,
+    ) -> &Target {
+        let mips = self.halves.picture.mip_level_count();
+        let params = BlurParams::new(view, blur, mips, first);
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&params));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let mut larger = picture.picture_view().clone();
-        for mip in 0..self.halves.mip_level_count() {
-            let smaller = self.halves.create_view(&wgpu::TextureViewDescriptor {
-                base_mip_level: mip,
-                mip_level_count: Some(1),
-                ..wgpu::TextureViewDescriptor::default()
-            });
+        let mip_view = |mip: u32| {
+            self.halves
+                .picture
+                .create_view(&wgpu::TextureViewDescriptor {
+                    base_mip_level: mip,
+                    mip_level_count: Some(1),
+                    ..wgpu::TextureViewDescriptor::default()
+                })
+        };
+        let (mut larger, drawn) = match first {
+            FirstHalf::Drawn => (mip_view(0), 1),
+            FirstHalf::Halved => (picture.picture_view().clone(), 0),
+        };
+        for mip in drawn..mips {
+            let smaller = mip_view(mip);
             let resources = [
                 (5, wgpu::BindingResource::TextureView(&larger)),
                 (6, wgpu::BindingResource::Sampler(&self.sampler)),
@@ -108,7 +204,7 @@ impl Blur {
             self.halve.draw(&mut encoder, &bound, &smaller);
             larger = smaller;
         }
-        let halves = self.halves.create_view(&Default::default());
+        let halves = self.halves.picture.create_view(&Default::default());
         let resources = [
             (4, self.uniform.as_entire_binding()),
             (
@@ -122,6 +218,7 @@ impl Blur {
         self.radial
             .draw(&mut encoder, &bound, self.output.picture_view());
         gpu.queue.submit([encoder.finish()]);
+        &self.output
     }
 }
 
@@ -130,20 +227,7 @@ pub(crate) fn halvings(size: [u32; 2]) -> u32 {
     size[0].min(size[1]).max(2).ilog2().min(MOST_HALVINGS)
 }
 
-fn halves(gpu: &Gpu, size: [u32; 2]) -> wgpu::Texture {
-    let [width, height] = size.map(|side| (side / 2).max(1));
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("halves"),
-        size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: halvings(size),
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: FORMAT,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    })
+/// Columns and rows of a half.
+pub(crate) fn half(size: [u32; 2]) -> [u32; 2] {
+    size.map(|side| (side / 2).max(1))
 }

@@ -3,7 +3,7 @@
 //! [`Renderer`] is what a window, a browser and a headless run call: upload into
 //! [`Renderer::tiles`], then draw. Everything else in this crate serves it.
 
-use crate::blur::{Blur, RadialBlur};
+use crate::blur::{Blur, FirstHalf, RadialBlur};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
 use crate::params::{Overlay, ViewParams};
@@ -109,24 +109,40 @@ impl Renderer {
         self.tiles.flush();
         self.output.fit(&self.gpu, view.size)?;
         let params = ViewParams::new(view, &self.grid);
-        match &mut self.sparse {
-            Some(sparse) => sparse.draw(&self.gpu, &self.tiles, &self.output, &params),
-            None => {
-                let tiles = &self.tiles;
-                self.reconstruct
-                    .draw(&self.gpu, tiles, &self.output, &params, None);
+        let (gpu, tiles, output) = (&self.gpu, &self.tiles, &self.output);
+        let blur = self.radial_blur.as_ref();
+        let blurred = blur.map(|wanted| {
+            let blur = Blur::of_size(&mut self.blur, gpu, output.size());
+            (blur, wanted)
+        });
+        let shown = match (&mut self.sparse, blurred) {
+            (Some(sparse), blurred) => {
+                sparse.draw(gpu, tiles, output, &params);
+                blurred.map_or(output, |(blur, wanted)| {
+                    blur.draw(gpu, output, view, wanted, FirstHalf::Halved)
+                })
             }
-        }
-        let blurred = self
-            .radial_blur
-            .as_ref()
-            .map(|wanted| Blur::of(&mut self.blur, &self.gpu, &self.output, view, wanted));
-        let shown = blurred.unwrap_or(&self.output);
+            (None, None) => {
+                let whole = output.whole();
+                self.reconstruct.draw(gpu, tiles, whole, &params, None);
+                output
+            }
+            (None, Some((blur, wanted))) => {
+                let half = ViewParams::new(&RadialBlur::half_view(view), &self.grid);
+                let first_half = blur.first_half().whole();
+                self.reconstruct.draw(gpu, tiles, first_half, &half, None);
+                if let Some(sharp) = wanted.sharp_pixels(view, FirstHalf::Drawn) {
+                    let area = output.within(sharp);
+                    self.reconstruct.draw(gpu, tiles, area, &params, None);
+                }
+                blur.draw(gpu, output, view, wanted, FirstHalf::Drawn)
+            }
+        };
         if marks.is_some() {
             let overlay = self.overlay.get_or_insert_with(|| {
                 Pass::over(&self.gpu, &shaders::overlay(self.grid.surface.projection))
             });
-            overlay.draw(&self.gpu, &self.tiles, shown, &params, marks);
+            overlay.draw(&self.gpu, &self.tiles, shown.whole(), &params, marks);
         }
         Ok(&shown.picture)
     }

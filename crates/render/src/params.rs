@@ -4,7 +4,7 @@
 //! compares them.
 
 use crate::atlas_shape::AtlasShape;
-use crate::blur::RadialBlur;
+use crate::blur::{FirstHalf, RadialBlur};
 use bytemuck::{Pod, Zeroable};
 use foveal_core::asset::picture::Colour;
 use foveal_core::asset::tile_grid::{Cut, TileGrid};
@@ -122,6 +122,12 @@ pub struct BlurParams {
     pub pitch: f32,
     /// Last of the halves.
     pub last: f32,
+    /// Variance of the first half in pixels².
+    pub first: f32,
+    /// Keeps the size a multiple of sixteen.
+    pub unused: f32,
+    /// The same.
+    pub unused_pair: [f32; 2],
 }
 
 /// Spread of the Gaussian over the minimum angle of resolution whose limit, half a cycle, it dims
@@ -152,7 +158,7 @@ impl SparseParams {
 impl BlurParams {
     /// The parameters of `blur` in pictures of `view` with this many halves.
     #[must_use]
-    pub(crate) fn new(view: &EyeView, blur: &RadialBlur, halves: u32) -> Self {
+    pub(crate) fn new(view: &EyeView, blur: &RadialBlur, halves: u32, first: FirstHalf) -> Self {
         let m = view.ray_from_pixel();
         let column = |c: glam::DVec3| [c.x as f32, c.y as f32, c.z as f32, 0.0];
         Self {
@@ -163,6 +169,9 @@ impl BlurParams {
             growth: (SIGMA_OF_RESOLUTION * blur.slope) as f32,
             pitch: (m.x_axis.length() * m.y_axis.length()).sqrt() as f32,
             last: halves as f32 - 1.0,
+            first: first.variance(),
+            unused: 0.0,
+            unused_pair: [0.0; 2],
         }
     }
 }

@@ -20,7 +20,12 @@ pub(crate) struct Target {
 impl Target {
     /// A target of `size` pixels, each at least 1.
     pub(crate) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
-        let texture = |format, usage| {
+        Self::with_mips(gpu, size, 1)
+    }
+
+    /// A target whose picture has room for so many halves, itself the first.
+    pub(crate) fn with_mips(gpu: &Gpu, size: [u32; 2], mips: u32) -> Self {
+        let texture = |format, usage, mip_level_count| {
             gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some("picture"),
                 size: wgpu::Extent3d {
@@ -28,7 +33,7 @@ impl Target {
                     height: size[1],
                     depth_or_array_layers: 1,
                 },
-                mip_level_count: 1,
+                mip_level_count,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
                 format,
@@ -37,15 +42,33 @@ impl Target {
             })
         };
         let read = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING;
-        let picture = texture(FORMAT, read);
-        let depth = texture(DEPTH_FORMAT, wgpu::TextureUsages::empty());
-        let views = [&picture, &depth].map(|t| t.create_view(&Default::default()));
+        let picture = texture(FORMAT, read, mips);
+        let depth = texture(DEPTH_FORMAT, wgpu::TextureUsages::empty(), 1);
+        let drawn_on = wgpu::TextureViewDescriptor {
+            mip_level_count: Some(1),
+            ..wgpu::TextureViewDescriptor::default()
+        };
+        let views = [&picture, &depth].map(|t| t.create_view(&drawn_on));
         Self { picture, views }
     }
 
     /// What is drawn on, and read by passes after it.
     pub(crate) fn picture_view(&self) -> &wgpu::TextureView {
         &self.views[0]
+    }
+
+    /// All of it.
+    pub(crate) fn whole(&self) -> Area<'_> {
+        let [width, height] = self.size();
+        self.within([0, 0, width, height])
+    }
+
+    /// Left, top, width and height of it.
+    pub(crate) fn within(&self, within: [u32; 4]) -> Area<'_> {
+        Area {
+            target: self,
+            within,
+        }
     }
 
     /// Makes the target `size` pixels, at least 1 on a side; refuses what the device cannot draw.
@@ -69,6 +92,14 @@ impl Target {
     pub(crate) fn size(&self) -> [u32; 2] {
         [self.picture.width(), self.picture.height()]
     }
+}
+
+/// Which pixels of a target a pass draws; one that replaces the picture leaves the others black.
+#[derive(Clone, Copy)]
+pub(crate) struct Area<'a> {
+    target: &'a Target,
+    /// Left, top, width, height.
+    within: [u32; 4],
 }
 
 /// A full-screen pass over the resident tiles, with its own parameters.
@@ -127,12 +158,12 @@ impl Pass {
         }
     }
 
-    /// Orders the pass over the whole of `target`.
+    /// Orders the pass over an area.
     pub(crate) fn draw(
         &mut self,
         gpu: &Gpu,
         tiles: &TileStore,
-        target: &Target,
+        Area { target, within }: Area<'_>,
         view: &ViewParams,
         marks: Option<&Overlay>,
     ) {
@@ -175,6 +206,8 @@ impl Pass {
             }),
             ..wgpu::RenderPassDescriptor::default()
         });
+        let [left, top, width, height] = within;
+        pass.set_scissor_rect(left, top, width, height);
         pass.set_bind_group(0, self.bound.as_ref().map(|(_, group)| group), &[]);
         for step in &self.steps {
             pass.set_pipeline(step);

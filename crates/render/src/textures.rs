@@ -3,7 +3,7 @@
 //! The comparison to the atlas: every level's texture holds the whole surface, whether its tiles
 //! are in use or not (Kastner 2016, section 4.2).
 
-use crate::blur::{Blur, RadialBlur};
+use crate::blur::{Blur, FirstHalf, RadialBlur};
 use crate::device::Gpu;
 use crate::error::RenderError;
 use crate::level_map::shown_map;
@@ -181,11 +181,17 @@ impl TextureRenderer {
         self.pass
             .draw(&mut encoder, &self.bound, self.output.picture_view());
         queue.submit([encoder.finish()]);
-        let blurred = self
-            .radial_blur
-            .as_ref()
-            .map(|wanted| Blur::of(&mut self.blur, &self.gpu, &self.output, view, wanted));
-        Ok(&blurred.unwrap_or(&self.output).picture)
+        let shown = match &self.radial_blur {
+            Some(wanted) => Blur::of_size(&mut self.blur, &self.gpu, self.output.size()).draw(
+                &self.gpu,
+                &self.output,
+                view,
+                wanted,
+                FirstHalf::Halved,
+            ),
+            None => &self.output,
+        };
+        Ok(&shown.picture)
     }
 }
 

@@ -14,7 +14,8 @@ use foveal_core::view::axes::angle_between;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Surface;
 use foveal_render::twin::{self, TwinSamples};
-use foveal_render::{Gpu, Interpolation, RadialBlur, RgbaImage, TextureRenderer};
+use foveal_render::{Gpu, Interpolation, RadialBlur, Renderer, RgbaImage, TextureRenderer};
+use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -71,12 +72,23 @@ fn sampled_gpu(
     corner: [i32; 2],
     interpolation: Interpolation,
 ) -> RgbaImage {
+    let mut renderer = sampled_renderer(scene, view, mask, corner, interpolation);
+    renderer.reconstruct(view).unwrap()
+}
+
+fn sampled_renderer(
+    scene: &Scene,
+    view: &EyeView,
+    mask: &SampleMask,
+    corner: [i32; 2],
+    interpolation: Interpolation,
+) -> Renderer {
     let gpu = Gpu::open_blocking().unwrap();
     let mut renderer = scene.on_gpu(&gpu, &[]);
     renderer.sample_by(mask, interpolation).unwrap();
     let codes = codes(scene, view, mask, corner);
     renderer.show_samples(corner, &codes).unwrap();
-    renderer.reconstruct(view).unwrap()
+    renderer
 }
 
 fn assert_alike(what: &str, drawn: &RgbaImage, expected: &RgbaImage) {
@@ -212,7 +224,8 @@ fn a_mask_that_does_not_fit_its_samples_is_refused() {
     assert!(said.contains("300") && said.contains("299"), "{said}");
 }
 
-fn blurred_views() -> Vec<(EyeView, RadialBlur, RgbaImage)> {
+/// Views, how they are blurred, what they show sharp, and at half the size.
+fn blurred_views() -> Vec<(EyeView, RadialBlur, [RgbaImage; 2])> {
     let scene = crisp();
     let finest = scene.in_memory(&scene.finest());
     let filling = EyeView::filling(&scene.grid.surface, [241, 181]);
@@ -225,42 +238,76 @@ fn blurred_views() -> Vec<(EyeView, RadialBlur, RgbaImage)> {
     .into_iter()
     .map(|(view, place)| {
         let gaze = view.ray(place).normalize();
-        let picture = twin::reconstruct(&finest, &view);
-        (view, RadialBlur::round(gaze), picture)
+        let views = [view, RadialBlur::half_view(&view)];
+        let pictures = views.map(|view| twin::reconstruct(&finest, &view));
+        (view, RadialBlur::round(gaze), pictures)
     })
     .collect()
 }
 
 #[test]
 fn the_fovea_is_untouched_and_detail_goes_with_eccentricity() {
-    for (view, blur, picture) in blurred_views() {
-        let blurred = twin::blur_radial(&picture, &view, &blur);
-        let mut changed = 0;
-        for y in 0..view.size[1] {
-            for x in 0..view.size[0] {
-                let ray = view.ray([f64::from(x) + 0.5, f64::from(y) + 0.5]);
-                let away = angle_between(blur.gaze, ray.normalize());
-                let same = blurred.pixel([x, y]) == picture.pixel([x, y]);
-                if away < Radians::from_degrees(2.5) {
-                    assert!(same, "{x},{y}");
+    for (view, blur, [picture, half]) in blurred_views() {
+        for half in [Some(half), None] {
+            let blurred = twin::blur_radial(&picture, half, &view, &blur);
+            let mut changed = 0;
+            for_every_ray(&view, |at, ray| {
+                let same = blurred.pixel(at) == picture.pixel(at);
+                if angle_between(blur.gaze, ray) < Radians::from_degrees(2.5) {
+                    assert!(same, "{at:?}");
                 } else {
                     changed += u32::from(!same);
                 }
-            }
+            });
+            assert!(changed > view.size[0] * view.size[1] / 40, "{changed}");
         }
-        assert!(changed > view.size[0] * view.size[1] / 40, "{changed}");
+    }
+}
+
+fn for_every_ray(view: &EyeView, mut look: impl FnMut([u32; 2], DVec3)) {
+    for y in 0..view.size[1] {
+        for x in 0..view.size[0] {
+            let ray = view.ray([f64::from(x) + 0.5, f64::from(y) + 0.5]);
+            look([x, y], ray.normalize());
+        }
     }
 }
 
 #[test]
 fn a_picture_of_one_colour_stays_as_it_is() {
-    let (view, blur, _) = blurred_views().remove(0);
-    let mut grey = RgbaImage::black(view.size);
-    grey.pixels.fill(255);
-    grey.pixels
-        .chunks_mut(4)
-        .for_each(|pixel| pixel[..3].copy_from_slice(&[90, 140, 30]));
-    assert_eq!(twin::blur_radial(&grey, &view, &blur), grey);
+    let (view, blur, pictures) = blurred_views().remove(0);
+    let [grey, half] = pictures.map(|mut picture| {
+        let pixels = picture.pixels.chunks_mut(4);
+        pixels.for_each(|pixel| pixel.copy_from_slice(&[90, 140, 30, 255]));
+        picture
+    });
+    for half in [Some(half), None] {
+        assert_eq!(twin::blur_radial(&grey, half, &view, &blur), grey);
+    }
+}
+
+/// Mean squared step from a pixel to the one on its right.
+fn roughness(picture: &RgbaImage) -> f64 {
+    let [width, height] = picture.size;
+    let mut right = RgbaImage::black(picture.size);
+    for y in 0..height {
+        for x in 0..width - 1 {
+            right.set_pixel([x, y], picture.pixel([x + 1, y]));
+        }
+    }
+    error(picture, &right, |[x, _]| x + 1 < width)
+}
+
+#[test]
+fn a_half_that_is_drawn_is_as_soft_as_one_that_is_made_of_the_whole() {
+    for (view, blur, [picture, half]) in blurred_views() {
+        let blurred = [Some(half), None].map(|half| {
+            roughness(&twin::blur_radial(&picture, half, &view, &blur)) / roughness(&picture)
+        });
+        let [drawn, made] = blurred;
+        println!("{:?}: {drawn:.3} {made:.3}", view.size);
+        assert!((drawn / made).ln().abs() < 0.2, "{blurred:?}");
+    }
 }
 
 #[test]
@@ -268,24 +315,39 @@ fn the_blur_is_drawn_as_by_its_twin_and_leaves_the_fovea_on_the_gpu_too() {
     let scene = crisp();
     let gpu = Gpu::open_blocking().unwrap();
     let mut renderer = scene.on_gpu(&gpu, &scene.finest());
-    for (view, blur, _) in blurred_views() {
+    // The last looks far aside: nothing in view is sharp.
+    let (view, mut blur, pictures) = blurred_views().remove(0);
+    blur.gaze = (view.axes.forward + view.axes.right * 2.0).normalize();
+    let aside = (view, blur, pictures);
+    for (view, blur, _) in blurred_views().into_iter().chain([aside]) {
         renderer.radial_blur = None;
         let sharp = renderer.reconstruct(&view).unwrap();
+        let half = renderer.reconstruct(&RadialBlur::half_view(&view)).unwrap();
         renderer.radial_blur = Some(blur);
         let drawn = renderer.reconstruct(&view).unwrap();
-        let expected = twin::blur_radial(&sharp, &view, &blur);
-        assert_alike(&format!("blur {:?}", view.size), &drawn, &expected);
-        for y in 0..view.size[1] {
-            for x in 0..view.size[0] {
-                let ray = view
-                    .ray([f64::from(x) + 0.5, f64::from(y) + 0.5])
-                    .normalize();
-                if angle_between(blur.gaze, ray) < Radians::from_degrees(2.499) {
-                    assert_eq!(drawn.pixel([x, y]), sharp.pixel([x, y]), "{x},{y}");
-                }
+        let expected = twin::blur_radial(&sharp, Some(half), &view, &blur);
+        let (worst, _) = difference(&drawn, &expected);
+        assert!(worst <= 2, "blur {:?}: {worst}", view.size);
+        for_every_ray(&view, |at, ray| {
+            if angle_between(blur.gaze, ray) < Radians::from_degrees(2.499) {
+                assert_eq!(drawn.pixel(at), sharp.pixel(at), "{at:?}");
             }
-        }
+        });
     }
+}
+
+#[test]
+fn the_blur_of_samples_is_made_of_the_whole_picture() {
+    let scene = crisp();
+    let view = EyeView::filling(&scene.grid.surface, [96, 72]);
+    let mask = mask_of(&view, 80, 1200);
+    let sharp = sampled_gpu(&scene, &view, &mask, [14, -4], Interpolation::Nearest);
+    let blur = RadialBlur::round(view.ray([30.0, 30.0]).normalize());
+    let mut renderer = sampled_renderer(&scene, &view, &mask, [14, -4], Interpolation::Nearest);
+    renderer.radial_blur = Some(blur);
+    let drawn = renderer.reconstruct(&view).unwrap();
+    let expected = twin::blur_radial(&sharp, None, &view, &blur);
+    assert_alike("blurred samples", &drawn, &expected);
 }
 
 fn with_textures(gpu: &Gpu, scene: &Scene, tiles: &[Tile]) -> TextureRenderer {

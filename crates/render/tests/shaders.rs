@@ -79,7 +79,10 @@ fn the_blur_is_valid_with_no_capability_that_a_browser_lacks() {
             fovea,
             growth,
             pitch,
-            last
+            last,
+            first,
+            unused,
+            unused_pair
         ]
     );
 }

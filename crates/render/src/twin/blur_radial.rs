@@ -6,7 +6,7 @@ use crate::image::RgbaImage;
 use crate::params::BlurParams;
 use glam::{Mat3, Vec2, Vec3, Vec4};
 
-const FIRST_VARIANCE: f32 = 1.416_666_6;
+const READING_VARIANCE: f32 = 0.666_666_7;
 
 fn variance_at(blur: &BlurParams, ray: Vec3, chord: f32) -> f32 {
     let eccentricity = 2.0 * (0.5 * chord).min(1.0).asin();
@@ -32,10 +32,14 @@ pub(super) fn blur_radial(
         return sharp;
     }
     let variance = variance_at(blur, ray, chord);
-    let level = 0.5 * ((variance + 0.25) / 0.416_666_7).log2() - 1.0;
+    let level = 0.5 * ((variance + 1.0 - blur.first) / 0.416_666_7).log2() - 1.0;
     let place = position / size_of_picture(picture);
     let soft = texture_sample_level(halves, place, level.clamp(0.0, blur.last));
-    mix(sharp, soft, (variance / FIRST_VARIANCE).min(1.0))
+    mix(
+        sharp,
+        soft,
+        (variance / (blur.first + READING_VARIANCE)).min(1.0),
+    )
 }
 
 /// WGSL's `textureDimensions`.

@@ -23,7 +23,7 @@ mod tiles;
 pub use interpolate_sparse::TwinSamples;
 pub use tiles::TwinTiles;
 
-use crate::blur::{RadialBlur, halvings};
+use crate::blur::{FirstHalf, RadialBlur, half, halvings};
 use crate::image::RgbaImage;
 use crate::params::{BlurParams, Overlay, ViewParams};
 use foveal_core::view::eye_view::EyeView;
@@ -70,23 +70,36 @@ pub fn reconstruct_textures(tiles: &TwinTiles, view: &EyeView) -> RgbaImage {
     image
 }
 
-/// A picture that `view` shows, blurred outside the fovea.
+/// A picture that `view` shows, blurred outside the fovea. The blur is read from halves: the first
+/// is `drawn_half`, what [`RadialBlur::half_view`] shows, or else made of the picture.
 #[must_use]
-pub fn blur_radial(picture: &RgbaImage, view: &EyeView, blur: &RadialBlur) -> RgbaImage {
-    let mut halves: Vec<RgbaImage> = Vec::new();
-    for _ in 0..halvings(picture.size) {
-        let larger = halves.last().unwrap_or(picture);
-        let mut half = RgbaImage::black(larger.size.map(|side| (side / 2).max(1)));
-        for_every_pixel(half.size, |at, position| {
-            half.set_pixel(at, code(blur_halve::blur_halve(larger, position)));
-        });
-        halves.push(half);
+pub fn blur_radial(
+    picture: &RgbaImage,
+    drawn_half: Option<RgbaImage>,
+    view: &EyeView,
+    blur: &RadialBlur,
+) -> RgbaImage {
+    let first = match drawn_half {
+        Some(_) => FirstHalf::Drawn,
+        None => FirstHalf::Halved,
+    };
+    let mut halves = vec![drawn_half.unwrap_or_else(|| halved(picture))];
+    for _ in 1..halvings(picture.size) {
+        halves.extend(halves.last().map(halved));
     }
-    let params = BlurParams::new(view, blur, halves.len() as u32);
+    let params = BlurParams::new(view, blur, halves.len() as u32, first);
     let mut image = RgbaImage::black(picture.size);
     for_every_pixel(picture.size, |at, position| {
         let colour = blur_radial::blur_radial(&params, picture, &halves, position);
         image.set_pixel(at, code(colour));
+    });
+    image
+}
+
+fn halved(larger: &RgbaImage) -> RgbaImage {
+    let mut image = RgbaImage::black(half(larger.size));
+    for_every_pixel(image.size, |at, position| {
+        image.set_pixel(at, code(blur_halve::blur_halve(larger, position)));
     });
     image
 }
