@@ -9,6 +9,7 @@ mod objects;
 mod pan;
 mod text;
 mod texture;
+mod turn;
 mod world;
 
 #[cfg(test)]
@@ -20,6 +21,7 @@ use foveal_core::view::surface::CUBE_FACES;
 pub use numbered::{numbered_tiles, read_number};
 pub use pan::Pan;
 use std::f32::consts::{PI, TAU};
+pub use turn::Turn;
 use world::{Ray, Rgb, World};
 
 /// Frames a second that scenes are drawn for.

@@ -1,14 +1,14 @@
 //! How does one picture become a long moving clip, cheaply?
 //!
 //! A camera turns evenly: every frame is the same picture a little further on, by a part of a
-//! pixel, so that whoever codes it must interpolate. A whole sphere turns round; a flat picture is
-//! seen through a window that moves over a wider one.
+//! pixel, so that whoever codes it must interpolate. It is seen through a window that moves over a
+//! wider picture.
 
 use crate::parallel::in_parallel;
 use foveal_core::asset::picture::{Picture, plane_size};
 
 /// Luma pixels that the camera moves on in a frame.
-const STEP: f64 = 2.5;
+pub(super) const STEP: f64 = 2.5;
 /// Parts of a sample that shifts are rounded to.
 const PARTS: u32 = 16;
 /// Rows in one part of the work.
@@ -25,15 +25,6 @@ impl Pan {
     #[must_use]
     pub fn margin(frames: u32) -> u32 {
         ((f64::from(frames) * STEP) as u32 + 2).next_multiple_of(2)
-    }
-
-    /// A clip as wide as the picture, whose right border goes on at its left one.
-    #[must_use]
-    pub fn around(picture: Picture) -> Self {
-        Self {
-            width: picture.width,
-            picture,
-        }
     }
 
     /// A clip of `width` pixels that moves to the right over a wider picture.
@@ -121,13 +112,6 @@ mod tests {
             assert!(frame.planes[0][0].abs_diff(expected) <= 1, "{number}");
             assert_eq!(frame.planes[0][31] - frame.planes[0][0], 31);
         }
-    }
-
-    #[test]
-    fn a_sphere_comes_round_to_where_it_began() {
-        let picture = ramp(50);
-        let turn = Pan::around(picture.clone()).frame(20);
-        assert_eq!(turn, picture);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::*;
 use crate::pyramid::halve;
 use crate::sphere::{Coverage, CubeSampler};
 
-fn psnr(a: &[u8], b: &[u8]) -> f64 {
+pub(super) fn psnr(a: &[u8], b: &[u8]) -> f64 {
     let square = |(&a, &b): (&u8, &u8)| (f64::from(a) - f64::from(b)).powi(2);
     let sum: f64 = a.iter().zip(b).map(square).sum();
     10.0 * (255.0 * 255.0 * a.len() as f64 / sum.max(1e-9)).log10()

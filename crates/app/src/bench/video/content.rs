@@ -9,7 +9,7 @@ use anyhow::{Context, bail};
 use clap::ValueEnum;
 use foveal_core::asset::picture::{Colour, Matrix, Picture};
 use foveal_core::view::surface::Screen;
-use foveal_media::generate::{FRAMES_PER_SECOND, Pan, Scene};
+use foveal_media::generate::{FRAMES_PER_SECOND, Pan, Scene, Turn};
 use foveal_media::prepare::{PrepareSettings, ProjectionChoice};
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ const FRAMES: u32 = 64;
 /// Quantiser of the original: visually lossless.
 const ORIGINAL_QUALITY: u8 = 18;
 /// Changes when a clip is drawn differently, so that a kept one is not used.
-const DRAWN: u32 = 1;
+const DRAWN: u32 = 2;
 /// Colour of generated scenes.
 const SCENE_COLOUR: Colour = Colour {
     matrix: Matrix::Bt709,
@@ -30,7 +30,7 @@ const SCENE_COLOUR: Colour = Colour {
 /// A clip by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Generated {
-    /// A sphere of 16384x8192 pixels.
+    /// A sphere of 16384 pixels round, as six faces of 4096x4096.
     #[value(name = "panorama-16k")]
     Panorama16k,
     /// A flat picture of 7680x4320 pixels, 100° across.
@@ -54,18 +54,6 @@ pub(super) struct Content {
 }
 
 impl Generated {
-    fn size(self) -> [u32; 2] {
-        match self {
-            Self::Panorama16k => [16384, 8192],
-            Self::Wide8k => [7680, 4320],
-            Self::Wide16k => [15360, 8640],
-        }
-    }
-
-    fn is_sphere(self) -> bool {
-        self == Self::Panorama16k
-    }
-
     /// The clip and its pack under `cache`, made where they are not there.
     pub(super) fn prepare(self, cache: &Path) -> anyhow::Result<Content> {
         std::fs::create_dir_all(cache)
@@ -89,56 +77,52 @@ impl Generated {
 
     fn settings(self) -> anyhow::Result<PrepareSettings> {
         Ok(PrepareSettings {
-            projection: if self.is_sphere() {
-                ProjectionChoice::Equirect
-            } else {
-                ProjectionChoice::Flat
+            projection: match self {
+                Self::Panorama16k => ProjectionChoice::Cube,
+                Self::Wide8k | Self::Wide16k => ProjectionChoice::Flat,
             },
             jobs: output::jobs(None)?,
             ..PrepareSettings::default()
         })
     }
 
-    /// Draws one picture and pans over it: every pixel moves, and nothing is drawn twice.
-    fn pan(self) -> Pan {
-        let [width, height] = self.size();
-        if self.is_sphere() {
-            Pan::around(Scene::panorama([width, height]).frame(0))
-        } else {
-            let margin = Pan::margin(FRAMES);
-            Pan::over(Scene::wide([width + margin, height]).frame(0), width)
-        }
-    }
-
-    /// Where drawing fails or is stopped, nothing is left under the clip's name.
+    /// Draws one picture and moves before it: every pixel changes, and nothing is drawn twice.
     fn draw(self, path: &Path) -> anyhow::Result<()> {
-        let partial = path.with_extension("partial.mkv");
-        let format = ClipFormat {
-            codec: ClipCodec::H264(ORIGINAL_QUALITY),
-            size: self.size(),
-            frame_rate: [FRAMES_PER_SECOND as i32, 1],
-            colour: SCENE_COLOUR,
+        let flat = |width: u32, height: u32| {
+            let margin = Pan::margin(FRAMES);
+            let pan = Pan::over(Scene::wide([width + margin, height]).frame(0), width);
+            write_clip(path, [width, height], |number| pan.frame(number))
         };
-        let pan = self.pan();
-        write_clip(&partial, &format, |number| pan.frame(number))?;
-        std::fs::rename(&partial, path)
-            .with_context(|| format!("{}: cannot be given its name", partial.display()))
+        match self {
+            Self::Panorama16k => {
+                let turn = Turn::new(Scene::panorama([16384, 8192]).frame(0), 4096);
+                write_clip(path, turn.size(), |number| turn.frame(number))
+            }
+            Self::Wide8k => flat(7680, 4320),
+            Self::Wide16k => flat(15360, 8640),
+        }
     }
 }
 
-fn write_clip(
-    path: &Path,
-    format: &ClipFormat,
-    frame: impl Fn(u32) -> Picture,
-) -> anyhow::Result<()> {
+/// Where drawing fails or is stopped, nothing is left under the clip's name.
+fn write_clip(path: &Path, size: [u32; 2], frame: impl Fn(u32) -> Picture) -> anyhow::Result<()> {
+    let partial = path.with_extension("partial.mkv");
+    let format = ClipFormat {
+        codec: ClipCodec::H264(ORIGINAL_QUALITY),
+        size,
+        frame_rate: [FRAMES_PER_SECOND as i32, 1],
+        colour: SCENE_COLOUR,
+    };
     let bar = output::bar(Some(u64::from(FRAMES)), Counting::Frames);
-    let mut clip = ClipWriter::create(path, format)?;
+    let mut clip = ClipWriter::create(&partial, &format)?;
     for number in 0..FRAMES {
         clip.push(&frame(number))?;
         bar.inc(1);
     }
     bar.finish_and_clear();
-    Ok(clip.finish()?)
+    clip.finish()?;
+    std::fs::rename(&partial, path)
+        .with_context(|| format!("{}: cannot be given its name", partial.display()))
 }
 
 /// The folder for what can be made again: by the user's choice, else where the system keeps such.

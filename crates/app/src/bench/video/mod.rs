@@ -25,7 +25,7 @@ use std::time::Instant;
 #[derive(Clone, Debug, Args)]
 pub(crate) struct VideoArgs {
     /// The pack to play.
-    #[arg(required_unless_present = "generate", conflicts_with = "generate")]
+    #[arg(conflicts_with = "generate")]
     pack: Option<PathBuf>,
     /// Play a drawn clip instead, made on first use and kept.
     #[arg(long, value_enum)]
@@ -139,7 +139,9 @@ impl VideoArgs {
                 original: self.original.clone(),
             }),
             (None, Some(generated)) => generated.prepare(&cache(self.cache.as_deref())?),
-            (None, None) => bail!(WrongUsage("give a PACK or --generate".to_owned())),
+            (None, None) => bail!(WrongUsage(
+                "give a PACK, or --generate panorama-16k|wide-8k|wide-16k".to_owned()
+            )),
         }
     }
 }
