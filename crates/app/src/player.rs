@@ -51,6 +51,7 @@ pub(crate) struct Player {
     view: EyeView,
     times_ns: Vec<i64>,
     fetched: HashSet<UnitId>,
+    /// What the last frame showed; none before the first, with which time begins.
     before: Option<LevelMap>,
     paced: bool,
     /// Tiles that could not be decoded so far.
@@ -137,7 +138,7 @@ pub(crate) struct FrameReport {
     /// Making them resident.
     pub(crate) upload: Duration,
     /// Whether the frame's time was over before it could be shown, be it with coarser tiles in the
-    /// place of missing ones.
+    /// place of missing ones. The first frame cannot be: time begins with it.
     pub(crate) late: bool,
     /// Tiles shown that hold another frame.
     pub(crate) wrong_frame_tiles: usize,
@@ -280,7 +281,7 @@ impl Player {
             .into_iter()
             .filter(|tile| !shown.contains(tile))
             .collect();
-        self.before = Some(selection.levels);
+        let follows = self.before.replace(selection.levels).is_some();
         Ok(FrameReport {
             session,
             gaze,
@@ -289,7 +290,7 @@ impl Player {
             detail_share,
             view,
             histogram: histogram(&self.grid, &tiles),
-            late: choose + decode > period,
+            late: follows && choose + decode > period,
             missing,
             tiles,
             pixels,

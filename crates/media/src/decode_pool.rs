@@ -61,6 +61,8 @@ pub struct DecodedTile {
 pub struct DecodePool {
     shared: Arc<Shared>,
     results: Receiver<DecodedTile>,
+    /// Tiles that had been decoded when they were asked for.
+    at_hand: VecDeque<DecodedTile>,
     workers: Vec<JoinHandle<()>>,
     waiting: usize,
 }
@@ -170,6 +172,7 @@ impl DecodePool {
         Self {
             shared,
             results,
+            at_hand: VecDeque::new(),
             workers,
             waiting: 0,
         }
@@ -177,20 +180,33 @@ impl DecodePool {
 
     /// Asks for a tile at a frame, after all that was asked for before.
     pub fn request(&mut self, tile: Tile, frame: u32) {
-        let is_coarsest = tile.level == self.shared.pack.pack().grid().coarsest();
+        let pack = self.shared.pack.pack();
+        let is_coarsest = tile.level == pack.grid().coarsest();
         let mut state = self.shared.lock();
-        let (queue, wake) = if is_coarsest {
-            (&mut state.coarsest.queue, &self.shared.wake_coarsest)
-        } else {
-            (&mut state.queue, &self.shared.wake)
-        };
-        if queue.contains(&(tile, frame)) {
-            return;
-        }
-        queue.push_back((tile, frame));
         state.streams.asked(frame);
+        let wake = if is_coarsest {
+            &self.shared.wake_coarsest
+        } else {
+            &self.shared.wake
+        };
+        if let Some(done) = state.coarsest.ready.remove(&(tile, frame)) {
+            // Nobody need be woken to hand over what is there.
+            let frames = pack.description().frames;
+            state.coarsest.look_ahead(tile, frame, frames);
+            self.at_hand.push_back(done);
+        } else {
+            let queue = if is_coarsest {
+                &mut state.coarsest.queue
+            } else {
+                &mut state.queue
+            };
+            if queue.contains(&(tile, frame)) {
+                return;
+            }
+            queue.push_back((tile, frame));
+            self.waiting += 1;
+        }
         drop(state);
-        self.waiting += 1;
         wake.notify_one();
     }
 
@@ -200,11 +216,15 @@ impl DecodePool {
         self.waiting -= state.queue.len() + state.coarsest.queue.len();
         state.queue.clear();
         state.coarsest.queue.clear();
+        self.at_hand.clear();
     }
 
     /// The next finished tile; `None` when nothing is under way, or nothing was finished by
     /// `deadline`.
     pub fn receive(&mut self, deadline: Option<Instant>) -> Option<DecodedTile> {
+        if let Some(done) = self.at_hand.pop_front() {
+            return Some(done);
+        }
         if self.waiting == 0 {
             return None;
         }
