@@ -6,6 +6,7 @@
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use std::fs::File;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
@@ -89,6 +90,17 @@ pub(crate) fn read_text(path: &Path, what: &str) -> anyhow::Result<String> {
         bail!("{name}: expected {what}: a file of at most {MAX_TEXT_BYTES} bytes");
     }
     std::fs::read_to_string(path).with_context(|| format!("{name}: cannot be read as {what}"))
+}
+
+/// Opens the file that a person named; `what` it should be goes into the message. A pipe, which
+/// nobody may ever write into, is refused.
+pub(crate) fn open_file(path: &Path, what: &str) -> anyhow::Result<File> {
+    let name = path.display();
+    let there = std::fs::metadata(path).with_context(|| format!("{name}: no {what} there"))?;
+    if !there.is_file() {
+        bail!("{name}: expected a {what}: a file");
+    }
+    File::open(path).with_context(|| format!("{name}: the {what} cannot be opened"))
 }
 
 /// Refuses to write where one of the inputs lies, under whatever name.

@@ -10,10 +10,11 @@ use foveal_core::view::eye_view::EyeView;
 use std::collections::BTreeMap;
 
 /// The mask that a policy asks for in a view: pixels count by the angles that they fill at the eye.
+/// From a gaze at one border of the view, a mask of twice its width reaches the other.
 pub(crate) fn mask_shape(config: &PolicyConfig, view: &EyeView) -> MaskShape {
     let field = view.as_seen().field;
     MaskShape {
-        side: config.mask.side,
+        side: config.mask.side.min(2 * view.size[0].max(view.size[1])),
         pitch: (field.left + field.right) / f64::from(view.size[0]),
         eye: config.acuity,
     }

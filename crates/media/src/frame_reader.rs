@@ -24,6 +24,10 @@ const TOLD_TO_EXPLODE: [Id; 4] = [Id::H264, Id::HEVC, Id::MJPEG, Id::PNG];
 /// many are passed over before the first frame.
 const MOST_EARLY_ERRORS: u32 = 64;
 
+/// What a transport stream tells of a packet whose counter jumps.
+const LOST: &str = "its data are incomplete, or two streams were joined here, which \
+                    `ffmpeg -i FILE OUT.mkv` mends";
+
 /// The video stream of an open file.
 pub(crate) struct FrameReader {
     input: Input,
@@ -161,7 +165,7 @@ impl FrameReader {
             let mut packet = Packet::empty();
             match packet.read(&mut self.input) {
                 Ok(()) if packet.stream() != self.stream => {}
-                Ok(()) if packet.is_corrupt() => return self.end(Some("its data are incomplete")),
+                Ok(()) if packet.is_corrupt() => return self.end(Some(LOST)),
                 // Some containers hold packets without data, which decoders refuse.
                 Ok(()) if packet.size() == 0 => {}
                 Ok(()) => return self.decoder.send_packet(&packet).map_err(|e| e.to_string()),

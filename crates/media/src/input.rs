@@ -54,9 +54,11 @@ impl VideoInput {
     /// The file is missing, empty, no video, holds no frame, or asks for a slanted rotation or a
     /// colour matrix that a picture cannot hold.
     pub fn open(path: &Path) -> Result<Self, MediaError> {
+        // Opening a pipe would wait for somebody to write into it.
+        let bytes = file_bytes(path)?;
         let source = match LargeStill::open(path)? {
             Some(still) => Source::Still(Box::new(still)),
-            None => Source::Stream(Box::new(StreamInput::open(path)?)),
+            None => Source::Stream(Box::new(StreamInput::open(path, bytes)?)),
         };
         Ok(Self { source })
     }
@@ -75,6 +77,14 @@ impl VideoInput {
     pub(crate) fn first_stamp_ns(&self) -> i64 {
         match &self.source {
             Source::Stream(stream) => stream.first_stamp_ns,
+            Source::Still(_) => 0,
+        }
+    }
+
+    /// Time stamps so far that did not rise and were replaced by the frame rate.
+    pub(crate) fn repaired_stamps(&self) -> u64 {
+        match &self.source {
+            Source::Stream(stream) => stream.timeline.repaired(),
             Source::Still(_) => 0,
         }
     }
@@ -110,8 +120,7 @@ struct StreamInput {
 }
 
 impl StreamInput {
-    fn open(path: &Path) -> Result<Self, MediaError> {
-        let bytes = file_bytes(path)?;
+    fn open(path: &Path, bytes: u64) -> Result<Self, MediaError> {
         let mut reader = FrameReader::open(path, bytes)?;
         let no_frames = |reason| MediaError::NoFrames {
             path: path.to_owned(),
@@ -243,7 +252,9 @@ fn file_bytes(path: &Path) -> Result<u64, MediaError> {
     };
     let about = std::fs::metadata(path).map_err(|e| cannot_open(e.to_string()))?;
     if !about.is_file() {
-        return Err(cannot_open("it is not a file".to_owned()));
+        return Err(cannot_open(
+            "it is not a file; what comes through a pipe must be written to one first".to_owned(),
+        ));
     }
     if about.len() == 0 {
         let reason = "it is empty".to_owned();

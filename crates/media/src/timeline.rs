@@ -13,6 +13,8 @@ pub(crate) struct Timeline {
     /// Stamp, in nanoseconds, of time 0.
     origin_ns: Option<i128>,
     last_ns: Option<i64>,
+    /// Stamps that did not rise.
+    repaired: u64,
 }
 
 impl Timeline {
@@ -27,7 +29,13 @@ impl Timeline {
             frame_ns,
             origin_ns: None,
             last_ns: None,
+            repaired: 0,
         }
+    }
+
+    /// How many stamps did not rise and were replaced.
+    pub(crate) fn repaired(&self) -> u64 {
+        self.repaired
     }
 
     /// When the next frame is due if it keeps the average frame rate, nanoseconds.
@@ -56,6 +64,7 @@ impl Timeline {
                 if time > last {
                     i64::try_from(time).unwrap_or(predicted)
                 } else {
+                    self.repaired += 1;
                     predicted
                 }
             }
@@ -105,6 +114,15 @@ mod tests {
         assert_eq!(times(&[Some(7), None, Some(87), Some(127)]), kept);
         assert_eq!(times(&[Some(7), Some(47), Some(47), Some(127)]), kept);
         assert_eq!(times(&[None, None, Some(3), Some(43)]), kept);
+    }
+
+    #[test]
+    fn stamps_that_do_not_rise_are_counted_and_missing_ones_are_not() {
+        let mut timeline = Timeline::new(Rational(1, 1000), [25, 1]);
+        for stamp in [Some(0), Some(40), Some(10), None, Some(160), Some(160)] {
+            timeline.time_ns(stamp);
+        }
+        assert_eq!(timeline.repaired(), 2);
     }
 
     #[test]

@@ -73,7 +73,7 @@ pub(super) fn run(args: &CodecsArgs) -> anyhow::Result<()> {
         machine: Machine::here("nothing".to_owned()),
         input: input.display().to_string(),
         input_bytes,
-        frames: args.trial.frames,
+        frames: rows.first().map_or(0, |row: &Row| row.trial.frames),
         codecs: rows,
     };
     output::result(args.trial.json, &report, &report.text())

@@ -4,9 +4,10 @@
 
 use super::trial::{Trial, TrialOptions};
 use crate::demo::machine::Machine;
-use crate::output;
+use crate::output::{self, out_of_range};
+use anyhow::bail;
 use clap::Args;
-use foveal_core::asset::tile_grid::Cut;
+use foveal_core::asset::tile_grid::{Cut, MAX_LEVELS};
 use foveal_media::prepare::{PrepareError, PrepareSettings};
 use serde::Serialize;
 
@@ -52,6 +53,20 @@ struct Impossible {
 
 pub(super) fn run(args: &GridSweepArgs) -> anyhow::Result<()> {
     let jobs = args.trial.jobs()?;
+    if let Some(side) = args.grids.iter().find(|side| !(1..=255).contains(*side)) {
+        bail!(out_of_range("--grids", side, "1 to 255"));
+    }
+    if let Some(levels) = args
+        .levels
+        .iter()
+        .find(|levels| !(1..=MAX_LEVELS).contains(*levels))
+    {
+        bail!(out_of_range(
+            "--levels",
+            levels,
+            &format!("1 to {MAX_LEVELS}")
+        ));
+    }
     let scratch = args.trial.scratch()?;
     let (mut cuts, mut impossible) = (Vec::new(), Vec::new());
     for &side in &args.grids {
@@ -81,7 +96,7 @@ pub(super) fn run(args: &GridSweepArgs) -> anyhow::Result<()> {
     let report = Report {
         machine: Machine::here("nothing".to_owned()),
         input: args.trial.input.display().to_string(),
-        frames: args.trial.frames,
+        frames: cuts.first().map_or(0, |row: &Row| row.trial.frames),
         cuts,
         impossible,
     };

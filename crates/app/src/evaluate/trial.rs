@@ -55,6 +55,9 @@ impl Drop for Scratch {
 /// Packs on disk and how fast they play.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Trial {
+    /// Frames that were prepared.
+    #[serde(skip)]
+    pub(super) frames: u32,
     pub(super) prepare_s: f64,
     /// Source pixels prepared a second, in millions.
     pub(super) prepare_mpix_per_s: f64,
@@ -124,6 +127,7 @@ impl TrialOptions {
             prepare_s,
             prepare_mpix_per_s: pixels / prepare_s / 1e6,
             bytes: prepared.bytes,
+            frames: about.frames,
             ..played?
         })
     }
@@ -147,6 +151,7 @@ impl TrialOptions {
         let foveated = run(Policy::Acuity, self.play)?;
         let jumps = foveated.frames.iter().filter(|(_, jumped)| *jumped);
         Ok(Trial {
+            frames: 0,
             prepare_s: 0.0,
             prepare_mpix_per_s: 0.0,
             bytes: 0,

@@ -1,15 +1,15 @@
 //! What trace does a file hold?
 
+use crate::output::open_file;
 use anyhow::Context;
 use foveal_core::gaze::trace::{MAX_LINE_BYTES, Trace, TraceReader};
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 /// Reads a trace, one bounded line at a time.
 pub(crate) fn read_trace(path: &Path) -> anyhow::Result<Trace> {
     let name = path.display();
-    let file = File::open(path).with_context(|| format!("{name}: no gaze trace there"))?;
+    let file = open_file(path, "gaze trace")?;
     let mut file = BufReader::new(file);
     let mut reader = TraceReader::default();
     let mut line = Vec::new();

@@ -2,7 +2,7 @@
 
 use super::labelled_file::{parse_label_screen, read_recording};
 use crate::gaze::read_trace;
-use crate::output;
+use crate::output::{self, open_file};
 use anyhow::Context;
 use clap::Args;
 use foveal_core::gaze::saccade::SaccadeDetector;
@@ -11,7 +11,6 @@ use foveal_core::units::Seconds;
 use foveal_eval::gaze::labelled::LabelScreen;
 use serde::Serialize;
 use std::fmt::Write;
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
@@ -118,7 +117,7 @@ const MAX_HEADER_BYTES: u64 = 64 * 1024;
 /// The samples of a trace, or of each trial of a labelled recording.
 fn read_trials(path: &Path, screen: Option<&LabelScreen>) -> anyhow::Result<Vec<Vec<GazeSample>>> {
     let name = path.display();
-    let file = File::open(path).with_context(|| format!("{name}: no gaze trace there"))?;
+    let file = open_file(path, "gaze trace")?;
     let mut header = Vec::new();
     let mut start = BufReader::new(file).take(MAX_HEADER_BYTES);
     start

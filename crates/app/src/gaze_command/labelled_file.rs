@@ -1,9 +1,9 @@
 //! Which labelled recordings does a command work on?
 
+use crate::output::open_file;
 use anyhow::{Context, bail};
 use foveal_eval::gaze::labelled::{LabelScreen, read_labelled};
 use foveal_eval::gaze::recording::Recording;
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -40,10 +40,7 @@ pub(super) fn read_recording(
     screen: Option<&LabelScreen>,
 ) -> anyhow::Result<Recording> {
     let name = path.display().to_string();
-    let file = File::open(path).with_context(|| format!("{name}: no labelled recording there"))?;
-    if !file.metadata().is_ok_and(|there| there.is_file()) {
-        bail!("{name}: expected a labelled recording: a CSV file");
-    }
+    let file = open_file(path, "labelled recording")?;
     Ok(read_labelled(&name, &mut BufReader::new(file), screen)?)
 }
 

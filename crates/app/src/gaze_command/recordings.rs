@@ -1,14 +1,13 @@
 //! Which recordings and which preset does a gaze command work on?
 
 use crate::gaze::{preset_of, read_trace};
-use crate::output::{WrongUsage, spare_inputs};
+use crate::output::{WrongUsage, open_file, spare_inputs};
 use anyhow::{Context, bail};
 use clap::Args;
 use foveal_eval::gaze::head_fit::HeadFit;
 use foveal_eval::gaze::head_from_trace::recording_from_trace;
 use foveal_eval::gaze::head_protocol::leave_one_out;
 use foveal_eval::gaze::head_recording::HeadRecording;
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
@@ -41,10 +40,10 @@ impl Recordings {
 /// Reads a trace that knows eyes and head, or a recording of Hu et al. 2019.
 fn read(path: &Path) -> anyhow::Result<HeadRecording> {
     let name = path.display();
-    let file = File::open(path).with_context(|| format!("{name}: no recording there"))?;
-    if file.metadata().is_ok_and(|there| there.is_dir()) {
+    if path.is_dir() {
         bail!("{name}: is a folder; give the recordings in it");
     }
+    let file = open_file(path, "recording")?;
     let mut file = BufReader::new(file);
     let start = file
         .fill_buf()

@@ -12,6 +12,27 @@ const ELSEWHERE_S: f64 = 0.08;
 /// So many such stamps in a row begin one.
 const MOST_ELSEWHERE: u32 = 3;
 
+/// Seconds of sound that a device may take at once, to fill its own memory.
+const AT_ONCE_S: f64 = 3.0;
+/// How much faster than it is heard a device may take sound after that: clocks differ by far less.
+const MOST_RATE: f64 = 1.2;
+
+/// What a device has taken. One that throws sound away takes it as fast as it comes, and tells
+/// nothing of when anything is heard.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Appetite {
+    taken_s: f64,
+}
+
+impl Appetite {
+    /// Notes seconds of sound that are taken at `now`, seconds since the device was opened; returns
+    /// whether they can all be heard.
+    pub(crate) fn takes(&mut self, seconds: f64, now: f64) -> bool {
+        self.taken_s += seconds;
+        self.taken_s <= AT_ONCE_S + MOST_RATE * now
+    }
+}
+
 /// The line through a device's stamps.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct HeardLine {
@@ -105,6 +126,14 @@ mod tests {
             let off = worst(rate, |step| noise[step as usize] - mean);
             prop_assert!(off < 0.025, "{off}");
         }
+    }
+
+    #[test]
+    fn a_device_that_throws_sound_away_is_found_and_one_with_a_large_memory_is_not() {
+        let (mut hears, mut discards) = (Appetite::default(), Appetite::default());
+        assert!(hears.takes(2.5, 0.0));
+        assert!((1..4000).all(|step| hears.takes(0.02, f64::from(step) * 0.0198)));
+        assert!((1..200).any(|step| !discards.takes(0.02, f64::from(step) * 0.0001)));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What is written over the picture?
 
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, pos2, vec2};
+use egui::{Align2, Color32, FontId, Galley, Painter, Pos2, Rect, Shape, pos2, vec2};
+use std::sync::Arc;
 
 const TEXT: Color32 = Color32::from_rgb(235, 235, 235);
 const FAINT: Color32 = Color32::from_rgb(160, 165, 170);
@@ -8,8 +9,10 @@ const BACK: Color32 = Color32::from_black_alpha(190);
 const SIZE: f32 = 12.0;
 const LINE: f32 = 15.5;
 const GAP: f32 = 10.0;
-/// Less than half of a small window: the middle stays free.
+/// Figures change; what is behind them stays as wide as this, where they are not wider.
 const FIGURES_WIDTH: f32 = 290.0;
+/// From the name of a figure, and from a key, to what is said of it.
+const INDENTS: [f32; 2] = [85.0, 75.0];
 
 /// One line: what it is, and its value.
 pub(crate) type Line = (String, String);
@@ -25,27 +28,17 @@ pub(crate) fn paint(
 ) {
     let whole = painter.clip_rect();
     if let Some((figures, keys)) = told {
-        let lines = figures
-            .iter()
-            .map(|(what, value)| (what.as_str(), value.as_str()));
-        table(
-            painter,
-            whole.left_top() + vec2(GAP, GAP),
-            85.0,
-            FIGURES_WIDTH,
-            lines,
-        );
-        let width = 190.0;
-        let right = whole.right() - width - GAP;
+        let figures = figures.iter().map(|(what, value)| [what.as_str(), value]);
+        let figures = Table::new(painter, INDENTS[0], figures);
+        let keys = keys.iter().map(|(key, what)| [*key, *what]);
+        let keys = Table::new(painter, INDENTS[1], keys);
+        let width = figures.width.max(FIGURES_WIDTH);
+        figures.paint(painter, whole.left_top() + vec2(GAP, GAP), width);
+        let keys_width = keys.width;
+        let right = whole.right() - keys_width - GAP;
         // A narrow window shows figures, not keys.
-        if right > FIGURES_WIDTH + 3.0 * GAP {
-            table(
-                painter,
-                pos2(right, whole.top() + GAP),
-                75.0,
-                width,
-                keys.iter().copied(),
-            );
+        if right > width + 3.0 * GAP {
+            keys.paint(painter, pos2(right, whole.top() + GAP), keys_width);
         }
     }
     if let Some(message) = message {
@@ -57,25 +50,44 @@ pub(crate) fn paint(
     }
 }
 
-fn table<'a>(
-    painter: &Painter,
-    at: Pos2,
+/// Lines of two columns, laid out.
+struct Table {
+    rows: Vec<[Arc<Galley>; 2]>,
     indent: f32,
     width: f32,
-    lines: impl IntoIterator<Item = (&'a str, &'a str)>,
-) {
-    // What does not fit into the height is left out, what does not fit into the width cut off.
-    let room = (painter.clip_rect().bottom() - at.y - 2.0 * GAP) / LINE;
-    let lines: Vec<(&str, &str)> = lines.into_iter().take(room.max(0.0) as usize).collect();
-    let height = LINE * lines.len() as f32 + GAP;
-    let rect = Rect::from_min_size(at, vec2(width, height));
-    painter.rect_filled(rect, 4.0, BACK);
-    let painter = painter.with_clip_rect(rect);
-    let font = FontId::proportional(SIZE);
-    for (row, (what, value)) in lines.into_iter().enumerate() {
-        let left = at + vec2(GAP, GAP / 2.0 + LINE * row as f32);
-        painter.text(left, Align2::LEFT_TOP, what, font.clone(), FAINT);
-        let value_at = left + vec2(indent, 0.0);
-        painter.text(value_at, Align2::LEFT_TOP, value, font.clone(), TEXT);
+}
+
+impl Table {
+    fn new<'a>(
+        painter: &Painter,
+        indent: f32,
+        lines: impl IntoIterator<Item = [&'a str; 2]>,
+    ) -> Self {
+        let font = FontId::proportional(SIZE);
+        let laid =
+            |text: &str, colour| painter.layout_no_wrap(text.to_owned(), font.clone(), colour);
+        let row = |[what, value]: [&str; 2]| [laid(what, FAINT), laid(value, TEXT)];
+        let rows: Vec<_> = lines.into_iter().map(row).collect();
+        let values = rows.iter().map(|[_, value]| value.size().x);
+        let width = indent + values.fold(0.0, f32::max) + 2.0 * GAP;
+        Self {
+            rows,
+            indent,
+            width,
+        }
+    }
+
+    /// What does not fit into the window's height is left out, what does not fit into its width is
+    /// cut off.
+    fn paint(self, painter: &Painter, at: Pos2, width: f32) {
+        let room = (painter.clip_rect().bottom() - at.y - 2.0 * GAP) / LINE;
+        let count = self.rows.len().min(room.max(0.0) as usize);
+        let rect = Rect::from_min_size(at, vec2(width, LINE * count as f32 + GAP));
+        painter.rect_filled(rect, 4.0, BACK);
+        for (row, [what, value]) in self.rows.into_iter().take(count).enumerate() {
+            let left = at + vec2(GAP, GAP / 2.0 + LINE * row as f32);
+            painter.galley(left, what, FAINT);
+            painter.galley(left + vec2(self.indent, 0.0), value, TEXT);
+        }
     }
 }

@@ -4,7 +4,7 @@
 //! content is heard when: that moment is the clock of the picture. Without a device there is
 //! silence and the picture has its own clock.
 
-use super::heard::HeardLine;
+use super::heard::{Appetite, HeardLine};
 use super::samples::Samples;
 use anyhow::{Context, anyhow};
 use cpal::traits::{DeviceTrait, HostTrait, StreamTrait};
@@ -24,6 +24,8 @@ const CHUNK_S: f64 = 0.02;
 const BUFFER_S: f64 = 0.04;
 /// Time until a broken device is tried again.
 const RETRY: Duration = Duration::from_secs(1);
+/// How long a device that plays nothing waits for more.
+const DISCARDED: Duration = Duration::from_millis(20);
 /// What was heard longer ago than this says nothing of now.
 const STALE: Duration = Duration::from_millis(500);
 
@@ -51,6 +53,9 @@ struct State {
     front: f64,
     /// When which time of the content is heard, in seconds since `begun`.
     heard: HeardLine,
+    appetite: Appetite,
+    /// The device takes sound without playing it, so that the picture goes by the wall's clock.
+    discards: bool,
     /// Callbacks that found too little, and what the device missed by itself.
     gaps: u64,
     /// The device is gone.
@@ -78,6 +83,8 @@ impl Sound {
                 ahead: VecDeque::new(),
                 front: 0.0,
                 heard: HeardLine::default(),
+                appetite: Appetite::default(),
+                discards: false,
                 gaps: 0,
                 broken: false,
                 waits: false,
@@ -149,6 +156,24 @@ impl Shared {
     fn fill(&self, out: &mut [f32], taken: Taken, latency: Duration) {
         out.fill(0.0);
         let mut state = self.lock();
+        let now = self.begun.elapsed().as_secs_f64();
+        let seconds_of =
+            |samples: usize| (samples / usize::from(taken.channels)) as f64 / f64::from(taken.rate);
+        let hears = state.appetite.takes(seconds_of(out.len()), now);
+        if !hears && !state.discards {
+            state.discards = true;
+            state.heard.forget();
+            crate::output::say(
+                "foveal: sound: the device takes sound faster than it can be heard; the picture \
+                 goes on without",
+            );
+        }
+        if state.discards {
+            drop(state);
+            // Nobody hears that this device waits, and nobody else would slow it down.
+            std::thread::sleep(DISCARDED);
+            return;
+        }
         if !state.playing {
             return;
         }
@@ -161,13 +186,13 @@ impl Shared {
         out.iter_mut()
             .zip(state.ahead.drain(..count))
             .for_each(|(out, sample)| *out = sample);
-        let (now, front) = (self.begun.elapsed().as_secs_f64(), state.front);
+        let front = state.front;
         state.heard.note(now, now + latency.as_secs_f64(), front);
         if count < out.len() {
             // What follows is heard later by what was missing.
             state.heard.forget();
         }
-        state.front += (count / usize::from(taken.channels)) as f64 / f64::from(taken.rate);
+        state.front += seconds_of(count);
         drop(state);
         self.wake.notify_one();
     }

@@ -160,10 +160,7 @@ impl Viewer {
         match action {
             Action::Pause if self.clock.is_playing() => self.pause(stage, now),
             Action::Pause => self.play(now),
-            Action::Skip(seconds) => {
-                let to = self.clock.time(now).0 + seconds;
-                self.seek(stage, Seconds(to), now);
-            }
+            Action::Skip(seconds) => self.skip(stage, seconds, now),
             Action::Step(frames) => self.step_frames(stage, frames, now),
             Action::First => self.seek_in_round(stage, 0, now),
             Action::Last => self.seek_in_round(stage, stage.timeline().frames() - 1, now),
@@ -204,6 +201,15 @@ impl Viewer {
         self.clock.seek(to, now);
         self.set_sound(now);
         stage.jump();
+    }
+
+    /// Forward or back, not beyond the ends of the round that is under way.
+    fn skip(&mut self, stage: &mut Stage, seconds: f64, now: Seconds) {
+        let timeline = stage.timeline();
+        let at = self.clock.time(now);
+        let begin = timeline.tick_at(at) / timeline.frames() * timeline.frames();
+        let [first, last] = [begin, begin + timeline.frames() - 1].map(|t| timeline.time_of(t).0);
+        self.seek(stage, Seconds((at.0 + seconds).clamp(first, last)), now);
     }
 
     fn seek_in_round(&mut self, stage: &mut Stage, frame: u64, now: Seconds) {

@@ -53,6 +53,11 @@ pub(crate) fn run(ready: Ready) -> anyhow::Result<Summary> {
     let event_loop = EventLoop::<Wake>::with_user_event()
         .build()
         .map_err(|reason| {
+            let reason = reason.to_string();
+            // Where in winit's source it was found helps nobody.
+            let reason = reason.rsplit(".rs:").next().unwrap_or_default();
+            let reason =
+                reason.trim_start_matches(|c: char| c.is_ascii_digit() || ": ".contains(c));
             anyhow!(
                 "no window can be opened: {reason}; run it where there is a display, or under \
              xvfb-run, or use `foveal simulate`, which needs none"

@@ -387,7 +387,13 @@ impl<X, F: Feed<Error = X>, E: Easel<Error = X>> Stage<F, E> {
             }
             return self.refine(now, choice);
         }
-        if !now.playing && self.damaged == Some(target) {
+        // Damaged frames are given up one by one as they are due, not as fast as they fail.
+        let due = self.timeline.tick_at(now.media);
+        let is_given_up = |tick: u64| match now.playing {
+            true => tick > due,
+            false => tick == target,
+        };
+        if self.damaged.is_some_and(is_given_up) {
             self.coming = None;
             return Ok(());
         }

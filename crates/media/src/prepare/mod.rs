@@ -14,6 +14,7 @@ mod sound;
 #[cfg(test)]
 mod speed_tests;
 mod surround;
+mod time_notes;
 
 pub use plan::{Plan, PrepareSettings};
 pub use rates::Quality;
@@ -37,6 +38,7 @@ use notes::Notes;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use thiserror::Error;
+use time_notes::time_notes;
 
 /// Frames that are read ahead while others are coded: a group of the finest level, so that reading
 /// the next one never leaves a core idle, where that many fit into memory for it.
@@ -188,14 +190,14 @@ fn write_pack(
     let coded = code(input, &mut coder, None, &mut writer, progress);
     let Coder { times, notes, .. } = coder;
     let fps = plan.description.fps();
-    let (sound, said) = match coded.is_ok() && plan.has_sound {
+    let (sound, mut said) = match coded.is_ok() && plan.has_sound {
         true => sound::sound_of(input, length_of(&times, fps)),
         false => (None, Vec::new()),
     };
     if Stamp::of(input) != before {
         return Err(PrepareError::Changed(input.display().to_string()));
     }
-    coded?;
+    said.extend(time_notes(&times, fps, coded?));
     let mut description = plan.description.clone();
     description.frames = times.len() as u32;
     let mut tables = vec![SideTable {
@@ -239,14 +241,14 @@ fn code(
     most_frames: Option<u32>,
     sink: &mut dyn Sink,
     progress: &mut dyn FnMut(Progress),
-) -> Result<(), PrepareError> {
+) -> Result<u64, PrepareError> {
     let plan = coder.plan;
     let most = most_frames.or(plan.most_frames).unwrap_or(MAX_FRAMES);
     let known = coder.times.clone();
     let of = plan.frames.map(|of| of.min(u64::from(most)));
     let mut progress = |frames, bytes| progress(Progress { frames, of, bytes });
     let (send, receive) = sync_channel(read_ahead(plan.description.source.size));
-    std::thread::scope(|scope| {
+    let repaired = std::thread::scope(|scope| {
         let reader = scope.spawn(move || read_frames(input, &known, &send, most));
         let coded = code_frames(&receive, coder, sink, &mut progress);
         // The reader stops when nobody listens.
@@ -263,7 +265,7 @@ fn code(
     if coder.times.is_empty() {
         return Err(PrepareError::NoFrames(input.display().to_string()));
     }
-    Ok(())
+    Ok(repaired)
 }
 
 /// Frames of 4:2:0 of this size that are read ahead.
@@ -272,13 +274,14 @@ fn read_ahead([width, height]: [u32; 2]) -> usize {
     (READ_AHEAD_BYTES / frame_bytes).clamp(LEAST_READ_AHEAD, READ_AHEAD) as usize
 }
 
-/// Hands over the frames after those whose times are known already.
+/// Hands over the frames after those whose times are known already; returns how many time stamps
+/// were repaired.
 fn read_frames(
     input: &Path,
     known: &[i64],
     send: &SyncSender<TimedPicture>,
     most: u32,
-) -> Result<(), PrepareError> {
+) -> Result<u64, PrepareError> {
     let changed = || PrepareError::Changed(input.display().to_string());
     let mut video = VideoInput::open(input)?;
     for number in 0..most as usize {
@@ -294,7 +297,7 @@ fn read_frames(
             (None, None) => break,
         }
     }
-    Ok(())
+    Ok(video.repaired_stamps())
 }
 
 fn code_frames(
