@@ -4,7 +4,7 @@
 // link in virtual terms: what an answer would have taken is reckoned, not waited for.
 
 import { type IncomingMessage, type Server, type ServerResponse, createServer } from "node:http";
-import { readFile, stat } from "node:fs/promises";
+import { open, stat } from "node:fs/promises";
 import type { AddressInfo, Socket } from "node:net";
 import { extname, join, normalize } from "node:path";
 
@@ -201,43 +201,57 @@ export class RangeHost {
     if (request.method === "OPTIONS") return nothing(204);
     const inside = normalize(path.endsWith("/") ? `${path}index.html` : path);
     const file = join(this.folder, inside);
-    const [there, content] = await Promise.all([
-      stat(file).catch(() => null),
-      readFile(file).catch(() => null),
-    ]);
-    if (inside.startsWith("..") || there === null || content === null) return nothing(404);
+    const there = await stat(file).catch(() => null);
+    if (inside.startsWith("..") || there === null || !there.isFile()) return nothing(404);
     const isPack = inside.endsWith(".foveal");
-    const bytes = isPack ? this.spoil(content) : content;
+    const length = Math.min(there.size, (isPack && this.faults.truncatedAt) || Infinity);
+    const part = async (first: number, end: number): Promise<Buffer> => {
+      const bytes = await read(file, first, end - first);
+      return isPack ? this.spoil(bytes, first) : bytes;
+    };
     const version = isPack ? this.faults.version : "";
-    const tag = `"${bytes.length.toString(16)}-${there.mtimeMs}${version}"`;
+    const tag = `"${length.toString(16)}-${there.mtimeMs}${version}"`;
     response.setHeader("etag", tag);
     response.setHeader("content-type", TYPES[extname(inside)] ?? "application/octet-stream");
     const matches = request.headers["if-match"];
     if (matches !== undefined && matches !== tag) return nothing(412);
-    if (isPack && this.faults.noRanges) return { status: 200, first: 0, bytes };
+    const whole = async () => ({ status: 200, first: 0, bytes: await part(0, length) });
+    if (isPack && this.faults.noRanges) return whole();
     response.setHeader("accept-ranges", "bytes");
     const range = /^bytes=(\d+)-(\d*)$/.exec(request.headers.range ?? "");
-    if (range === null) return { status: 200, first: 0, bytes };
+    const isSame = (request.headers["if-range"] ?? tag) === tag;
+    if (range === null || !isSame) return whole();
     const [first, asked] = [Number(range[1]), range[2] === "" ? Infinity : Number(range[2])];
-    if (first >= bytes.length) {
-      response.setHeader("content-range", `bytes */${bytes.length}`);
+    if (first >= length) {
+      response.setHeader("content-range", `bytes */${length}`);
       return nothing(416);
     }
     if (isPack && this.faults.missingFrom !== null && first >= this.faults.missingFrom) {
       return nothing(404);
     }
-    const last = Math.min(asked, bytes.length - 1);
-    response.setHeader("content-range", `bytes ${first}-${last}/${bytes.length}`);
-    return { status: 206, first, bytes: bytes.subarray(first, last + 1) };
+    const last = Math.min(asked, length - 1);
+    response.setHeader("content-range", `bytes ${first}-${last}/${length}`);
+    return { status: 206, first, bytes: await part(first, last + 1) };
   }
 
-  private spoil(content: Buffer): Buffer {
-    const bytes = content.subarray(0, this.faults.truncatedAt ?? content.length);
-    if (this.faults.flipped.size === 0) return bytes;
-    const spoiled = Buffer.from(bytes);
+  /** Flips what is to be flipped in bytes that begin at `first`. */
+  private spoil(bytes: Buffer, first: number): Buffer {
     for (const at of this.faults.flipped) {
-      if (at < spoiled.length) spoiled[at] = (spoiled[at] ?? 0) ^ 0xff;
+      const place = at - first;
+      if (place >= 0 && place < bytes.length) bytes[place] = (bytes[place] ?? 0) ^ 0xff;
     }
-    return spoiled;
+    return bytes;
+  }
+}
+
+/** A part of a file. */
+async function read(file: string, first: number, bytes: number): Promise<Buffer> {
+  const opened = await open(file);
+  try {
+    const buffer = Buffer.alloc(bytes);
+    const { bytesRead } = await opened.read(buffer, 0, bytes, first);
+    return buffer.subarray(0, bytesRead);
+  } finally {
+    await opened.close();
   }
 }

@@ -186,6 +186,7 @@ export class Host implements Calls {
     if (began * 1000 - this.#told > STATS_MS) {
       this.#told = began * 1000;
       show.setRate(courier.bytesPerSecond);
+      courier.check();
       this.#tell("stats", this.#stats(show, courier));
     }
     if (told & FLAG.again) this.#again();
