@@ -1,7 +1,6 @@
 // Which host do the tests fetch from, and what did it send when?
 //
-// A static host with byte ranges, a log of what was asked, faults that can be switched on, and a
-// link in virtual terms: what an answer would have taken is reckoned, not waited for.
+// A static host with byte ranges, a log of what was asked, and faults that can be switched on.
 
 import { type IncomingMessage, type Server, type ServerResponse, createServer } from "node:http";
 import { open, stat } from "node:fs/promises";
@@ -22,18 +21,6 @@ export interface Asked {
   readonly at: number;
   /** Whether all of it was sent. */
   whole: boolean;
-  /** Seconds on the emulated link: when it was asked, and when its last byte came. */
-  readonly virtualStart: number;
-  virtualEnd: number;
-  /** Answers that, one after the other, came before it. */
-  readonly trips: number;
-}
-
-/** A link. */
-export interface Link {
-  readonly bitsPerSecond: number;
-  /** Seconds from the client to the host and back. */
-  readonly roundTrip: number;
 }
 
 /** What can go wrong; change it while the host runs. */
@@ -54,7 +41,6 @@ export interface Faults {
 
 /** How a host is set up. */
 export interface HostOptions {
-  readonly link?: Link;
   /** Which other origins may read; none if left out. */
   readonly allowOrigin?: string;
   /** Milliseconds before each answer: requests of one moment overlap as on a real link. */
@@ -70,8 +56,6 @@ const TYPES: Readonly<Record<string, string>> = {
   ".jpg": "image/jpeg",
 };
 
-const FORTY_MBIT: Link = { bitsPerSecond: 40e6, roundTrip: 0.06 };
-
 /** A host of one folder on a free port of this machine. */
 export class RangeHost {
   readonly log: Asked[] = [];
@@ -86,14 +70,11 @@ export class RangeHost {
   private readonly server: Server;
   private readonly sockets = new Set<Socket>();
   private readonly began = performance.now();
-  private readonly link: Link;
-  private linkFree = 0;
 
   private constructor(
     private readonly folder: string,
     private readonly options: HostOptions,
   ) {
-    this.link = options.link ?? FORTY_MBIT;
     this.server = createServer((request, response) => void this.answer(request, response));
     this.server.on("connection", (socket: Socket) => {
       this.sockets.add(socket);
@@ -151,9 +132,6 @@ export class RangeHost {
       return;
     }
     const path = decodeURIComponent(new URL(request.url ?? "/", this.url).pathname);
-    const done = this.log.filter((one) => one.whole);
-    const virtualStart = Math.max(0, ...done.map((one) => one.virtualEnd));
-    const trips = 1 + Math.max(0, ...done.map((one) => one.trips));
     const before = {
       method: request.method ?? "",
       path,
@@ -176,16 +154,9 @@ export class RangeHost {
       first,
       last: first + bytes.length - 1,
       whole: false,
-      virtualStart,
-      virtualEnd: Number.POSITIVE_INFINITY,
-      trips,
     };
     this.log.push(asked);
-    const starts = Math.max(this.linkFree, virtualStart + this.link.roundTrip);
-    const virtualEnd = starts + (8 * bytes.length) / this.link.bitsPerSecond;
-    this.linkFree = virtualEnd;
     response.on("finish", () => {
-      asked.virtualEnd = virtualEnd;
       asked.whole = true;
     });
     response.statusCode = status;

@@ -239,6 +239,18 @@ test("on a phone it fits, and a finger turns it", async () => {
     await touch("touchEnd", 150);
     await told(page, "settled", before);
     expect((await stats(opened)).headDeg[0]).toBeGreaterThan(5);
+    // Two fingers that part bring it closer.
+    const closer = await countTold(page);
+    for (const apart of [40, 80, 120, 0]) {
+      const fingers = [180 - apart / 2, 180 + apart / 2].map((x, id) => ({ x, y: 300, id }));
+      await session.send("Input.dispatchTouchEvent", {
+        type: apart === 40 ? "touchStart" : apart === 0 ? "touchEnd" : "touchMove",
+        touchPoints: apart === 0 ? [] : fingers,
+      });
+    }
+    await told(page, "settled", closer);
+    expect((await stats(opened)).zoom).toBeGreaterThan(2);
+    await page.keyboard.press("0");
     // Held upright, then turned a quarter to the right.
     const again = await countTold(page);
     await page.getByRole("button", { name: "Turn by moving the device" }).click();
@@ -255,15 +267,23 @@ test("on a phone it fits, and a finger turns it", async () => {
   await on("view.html?pack=sphere.foveal&paused", work, phone);
 });
 
-test("the first picture takes two round trips at most, and 0.6 s at 40 Mbit/s", async () => {
-  await on("view.html?pack=sphere.foveal&paused", async (opened) => {
-    await told(opened.page, "picture");
-    const trips = (await stats(opened)).firstPictureTrips;
-    expect(trips).toBeLessThanOrEqual(2);
-    const began = host.ofPacks[0]?.virtualStart ?? 0;
-    const first = host.ofPacks.filter((one) => one.whole).slice(0, trips ?? 0);
-    expect(Math.max(...first.map((one) => one.virtualEnd)) - began).toBeLessThan(0.6);
-  });
+test("both kinds of content play on, round after round", async () => {
+  for (const pack of ["flat", "sphere"]) {
+    await on(`view.html?pack=${pack}.foveal&muted`, async (opened) => {
+      const { page } = opened;
+      await told(page, "picture");
+      // The content lasts two seconds: time that falls has begun anew.
+      await page.waitForFunction(async () => {
+        const view = document.querySelector("foveal-view");
+        const seen = ((window as unknown as { seen?: number[] }).seen ??= []);
+        seen.push((await view?.stats())?.time ?? 0);
+        return seen.some((time, at) => time < (seen[at - 1] ?? 0));
+      });
+      const { playing, framesShown } = await stats(opened);
+      expect(playing).toBe(true);
+      expect(framesShown).toBeGreaterThan(2);
+    });
+  }
 });
 
 test("sound begins with a key, without a gap, in step with the pictures", async () => {
