@@ -65,7 +65,8 @@ pub(crate) fn test() -> Outcome {
     in_browser(&web, "vitest.e2e.config.ts", program()?)
 }
 
-/// Whether memory stays what it is, over minutes of looking (MINUTES, 10 if nothing is said).
+/// Whether memory stays what it is, over minutes of looking (MINUTES, 10 if nothing is said), and
+/// how soon a 16K panorama is seen over a link (PANORAMA, else the one that `bench video` keeps).
 pub(crate) fn bench() -> Outcome {
     let web = repository_root().join("web");
     install(&web)?;

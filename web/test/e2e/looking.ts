@@ -80,7 +80,7 @@ async function lookFrom(
   }
 }
 
-/** Fails unless a pack of a site is seen, settles, and follows saccades as soon as a link allows. */
+/** Fails unless a pack of a site is seen, sharp and followed as soon as a link allows. */
 export async function expectPrompt(browser: Browser, site: string, src: string): Promise<void> {
   const options = { src, size: [800, 500], paused: true } as const;
   const still = await lookFrom(browser, site, options, []);

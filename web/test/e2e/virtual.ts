@@ -1,8 +1,8 @@
 // How long would it take over a link, where nothing else takes any time?
 //
-// A page's clock, screen and link in virtual time: the clock stands while the page works or decodes,
-// and moves on to whatever comes first, bytes or a picture of the screen. So what is measured is
-// which requests wait for which answers, on a machine however busy.
+// A page's clock, screen and link in virtual time: the clock stands while the page works or
+// decodes, and moves on to whatever comes first, bytes or a picture of the screen. So what is
+// measured is which requests wait for which answers, on a machine however busy.
 
 import type { Page } from "playwright-core";
 
