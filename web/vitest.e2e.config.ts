@@ -7,7 +7,7 @@ export default defineConfig({
     include: ["test/e2e/*.test.ts"],
     globalSetup: ["test/e2e/setup.ts"],
     fileParallelism: false,
-    testTimeout: 120_000,
-    hookTimeout: 120_000,
+    testTimeout: 300_000,
+    hookTimeout: 300_000,
   },
 });

@@ -1,10 +1,9 @@
 // Which host do the tests fetch from, and what did it send when?
 //
-// A static host with byte ranges, a log of what was asked, faults that can be switched on, and a
-// link in virtual terms: what an answer would have taken is reckoned, not waited for.
+// A static host with byte ranges, a log of what was asked, and faults that can be switched on.
 
 import { type IncomingMessage, type Server, type ServerResponse, createServer } from "node:http";
-import { readFile, stat } from "node:fs/promises";
+import { open, stat } from "node:fs/promises";
 import type { AddressInfo, Socket } from "node:net";
 import { extname, join, normalize } from "node:path";
 
@@ -22,18 +21,6 @@ export interface Asked {
   readonly at: number;
   /** Whether all of it was sent. */
   whole: boolean;
-  /** Seconds on the emulated link: when it was asked, and when its last byte came. */
-  readonly virtualStart: number;
-  virtualEnd: number;
-  /** Answers that, one after the other, came before it. */
-  readonly trips: number;
-}
-
-/** A link. */
-export interface Link {
-  readonly bitsPerSecond: number;
-  /** Seconds from the client to the host and back. */
-  readonly roundTrip: number;
 }
 
 /** What can go wrong; change it while the host runs. */
@@ -54,7 +41,6 @@ export interface Faults {
 
 /** How a host is set up. */
 export interface HostOptions {
-  readonly link?: Link;
   /** Which other origins may read; none if left out. */
   readonly allowOrigin?: string;
   /** Milliseconds before each answer: requests of one moment overlap as on a real link. */
@@ -70,8 +56,6 @@ const TYPES: Readonly<Record<string, string>> = {
   ".jpg": "image/jpeg",
 };
 
-const FORTY_MBIT: Link = { bitsPerSecond: 40e6, roundTrip: 0.06 };
-
 /** A host of one folder on a free port of this machine. */
 export class RangeHost {
   readonly log: Asked[] = [];
@@ -86,14 +70,11 @@ export class RangeHost {
   private readonly server: Server;
   private readonly sockets = new Set<Socket>();
   private readonly began = performance.now();
-  private readonly link: Link;
-  private linkFree = 0;
 
   private constructor(
     private readonly folder: string,
     private readonly options: HostOptions,
   ) {
-    this.link = options.link ?? FORTY_MBIT;
     this.server = createServer((request, response) => void this.answer(request, response));
     this.server.on("connection", (socket: Socket) => {
       this.sockets.add(socket);
@@ -151,9 +132,6 @@ export class RangeHost {
       return;
     }
     const path = decodeURIComponent(new URL(request.url ?? "/", this.url).pathname);
-    const done = this.log.filter((one) => one.whole);
-    const virtualStart = Math.max(0, ...done.map((one) => one.virtualEnd));
-    const trips = 1 + Math.max(0, ...done.map((one) => one.trips));
     const before = {
       method: request.method ?? "",
       path,
@@ -176,16 +154,9 @@ export class RangeHost {
       first,
       last: first + bytes.length - 1,
       whole: false,
-      virtualStart,
-      virtualEnd: Number.POSITIVE_INFINITY,
-      trips,
     };
     this.log.push(asked);
-    const starts = Math.max(this.linkFree, virtualStart + this.link.roundTrip);
-    const virtualEnd = starts + (8 * bytes.length) / this.link.bitsPerSecond;
-    this.linkFree = virtualEnd;
     response.on("finish", () => {
-      asked.virtualEnd = virtualEnd;
       asked.whole = true;
     });
     response.statusCode = status;
@@ -201,43 +172,57 @@ export class RangeHost {
     if (request.method === "OPTIONS") return nothing(204);
     const inside = normalize(path.endsWith("/") ? `${path}index.html` : path);
     const file = join(this.folder, inside);
-    const [there, content] = await Promise.all([
-      stat(file).catch(() => null),
-      readFile(file).catch(() => null),
-    ]);
-    if (inside.startsWith("..") || there === null || content === null) return nothing(404);
+    const there = await stat(file).catch(() => null);
+    if (inside.startsWith("..") || there === null || !there.isFile()) return nothing(404);
     const isPack = inside.endsWith(".foveal");
-    const bytes = isPack ? this.spoil(content) : content;
+    const length = Math.min(there.size, (isPack && this.faults.truncatedAt) || Infinity);
+    const part = async (first: number, end: number): Promise<Buffer> => {
+      const bytes = await read(file, first, end - first);
+      return isPack ? this.spoil(bytes, first) : bytes;
+    };
     const version = isPack ? this.faults.version : "";
-    const tag = `"${bytes.length.toString(16)}-${there.mtimeMs}${version}"`;
+    const tag = `"${length.toString(16)}-${there.mtimeMs}${version}"`;
     response.setHeader("etag", tag);
     response.setHeader("content-type", TYPES[extname(inside)] ?? "application/octet-stream");
     const matches = request.headers["if-match"];
     if (matches !== undefined && matches !== tag) return nothing(412);
-    if (isPack && this.faults.noRanges) return { status: 200, first: 0, bytes };
+    const whole = async () => ({ status: 200, first: 0, bytes: await part(0, length) });
+    if (isPack && this.faults.noRanges) return whole();
     response.setHeader("accept-ranges", "bytes");
     const range = /^bytes=(\d+)-(\d*)$/.exec(request.headers.range ?? "");
-    if (range === null) return { status: 200, first: 0, bytes };
+    const isSame = (request.headers["if-range"] ?? tag) === tag;
+    if (range === null || !isSame) return whole();
     const [first, asked] = [Number(range[1]), range[2] === "" ? Infinity : Number(range[2])];
-    if (first >= bytes.length) {
-      response.setHeader("content-range", `bytes */${bytes.length}`);
+    if (first >= length) {
+      response.setHeader("content-range", `bytes */${length}`);
       return nothing(416);
     }
     if (isPack && this.faults.missingFrom !== null && first >= this.faults.missingFrom) {
       return nothing(404);
     }
-    const last = Math.min(asked, bytes.length - 1);
-    response.setHeader("content-range", `bytes ${first}-${last}/${bytes.length}`);
-    return { status: 206, first, bytes: bytes.subarray(first, last + 1) };
+    const last = Math.min(asked, length - 1);
+    response.setHeader("content-range", `bytes ${first}-${last}/${length}`);
+    return { status: 206, first, bytes: await part(first, last + 1) };
   }
 
-  private spoil(content: Buffer): Buffer {
-    const bytes = content.subarray(0, this.faults.truncatedAt ?? content.length);
-    if (this.faults.flipped.size === 0) return bytes;
-    const spoiled = Buffer.from(bytes);
+  /** Flips what is to be flipped in bytes that begin at `first`. */
+  private spoil(bytes: Buffer, first: number): Buffer {
     for (const at of this.faults.flipped) {
-      if (at < spoiled.length) spoiled[at] = (spoiled[at] ?? 0) ^ 0xff;
+      const place = at - first;
+      if (place >= 0 && place < bytes.length) bytes[place] = (bytes[place] ?? 0) ^ 0xff;
     }
-    return spoiled;
+    return bytes;
+  }
+}
+
+/** A part of a file. */
+async function read(file: string, first: number, bytes: number): Promise<Buffer> {
+  const opened = await open(file);
+  try {
+    const buffer = Buffer.alloc(bytes);
+    const { bytesRead } = await opened.read(buffer, 0, bytes, first);
+    return buffer.subarray(0, bytesRead);
+  } finally {
+    await opened.close();
   }
 }

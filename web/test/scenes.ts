@@ -48,12 +48,15 @@ export function pictures([width, height]: readonly [number, number]): Planes[] {
   const each = after.map((code, plane) => code - (before[plane] ?? 0));
   return Array.from({ length: FRAMES }, (_, frame) => {
     const moved = (plane: Float32Array, number: number, grain: number): Uint8Array => {
+      const later = frame * (each[number] ?? 0);
+      const out = new Uint8Array(plane.length);
       let state = frame + 1;
-      return Uint8Array.from(plane, (code) => {
+      // A loop: `Uint8Array.from` makes a list of numbers first.
+      for (let at = 0; at < out.length; at += 1) {
         state = (Math.imul(state, 1_664_525) + 1_013_904_223) >>> 0;
-        const noise = grain * (state / 2 ** 31 - 1);
-        return Math.round(code + frame * (each[number] ?? 0) + noise);
-      });
+        out[at] = Math.round((plane[at] ?? 0) + later + grain * (state / 2 ** 31 - 1));
+      }
+      return out;
     };
     // Grain in luma averages out on every coarser level, and makes the file as large as real ones.
     return [moved(y, 0, GRAIN), moved(u, 1, 0), moved(v, 2, 0)];

@@ -15,7 +15,7 @@ cargo xtask COMMAND
   wasm            core and render for the browser; the same selection natively and in wasm
   web             the page: wasm, scripts and pages in web/dist, with their size
   web-test        the tests of the page; its pictures beside those of the program
-  web-bench       whether the page's memory stays what it is, over minutes
+  web-bench       the page's memory over ten minutes, and a 16K panorama over a link
   ci              fmt, tidy, web, clippy, wasm, tests that need no browser: what CI runs
   bless [FILTER]  run the tests (those whose name contains FILTER) and rewrite their goldens";
 

@@ -54,12 +54,6 @@ pub(crate) fn run() -> Outcome {
 
 /// The tests of the TypeScript; then those in a browser.
 pub(crate) fn test() -> Outcome {
-    let web = test_typescript()?;
-    in_browser(&web, "vitest.e2e.config.ts", program()?)
-}
-
-/// The tests that need no browser. Returns the folder of the TypeScript.
-pub(crate) fn test_typescript() -> Result<PathBuf, String> {
     let web = repository_root().join("web");
     if !web.join("dist").join(STAMP).exists() {
         run()?;
@@ -68,10 +62,11 @@ pub(crate) fn test_typescript() -> Result<PathBuf, String> {
     steps::run(&mut tool(&web, "tsc", &["--noEmit"]))?;
     steps::run(&mut tool(&web, "tsc", &["--noEmit", "-p", "test"]))?;
     steps::run(&mut tool(&web, "vitest", &["run"]))?;
-    Ok(web)
+    in_browser(&web, "vitest.e2e.config.ts", program()?)
 }
 
-/// Whether memory stays what it is, over minutes of looking (MINUTES, 10 if nothing is said).
+/// Whether memory stays what it is, over minutes of looking (MINUTES, 10 if nothing is said), and
+/// how soon a 16K panorama is seen over a link (PANORAMA, else the one that `bench video` keeps).
 pub(crate) fn bench() -> Outcome {
     let web = repository_root().join("web");
     install(&web)?;

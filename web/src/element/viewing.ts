@@ -228,7 +228,11 @@ export class Viewing implements Actions {
       shell.showPoster(null);
       tell("picture", after);
     });
-    engine.on("settled", (stats) => tell("settled", stats));
+    engine.on("settled", (stats) => {
+      // Where nothing moves any more no other figures follow.
+      if (!overlay.panel.hidden) overlay.show(stats);
+      tell("settled", stats);
+    });
     engine.on("stats", (stats) => {
       this.time = stats.time;
       this.skipping = null;

@@ -151,6 +151,11 @@ export class Courier {
     this.#loader.hurry();
   }
 
+  /** Looks, once in a while, whether the host still has this file. */
+  check(): void {
+    this.#loader.check();
+  }
+
   stats(): Pick<Stats, "bytesFetched" | "requests" | "throughput" | "cachedBytes" | "decodeMs"> {
     return {
       bytesFetched: this.#loader.meter.total,

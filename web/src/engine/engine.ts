@@ -22,6 +22,8 @@ class PageEngine implements EngineApi {
   readonly #heard: Heard;
   #side: Side | null = null;
   #canvas: HTMLCanvasElement;
+  /** Canvases whose picture stays until there is another. */
+  #before: HTMLCanvasElement[] = [];
   #pack: PackFacts | null = null;
   #thread: "worker" | "main";
   #size: readonly [number, number];
@@ -78,8 +80,12 @@ class PageEngine implements EngineApi {
         : await startHere(tell);
     this.#side = side;
     before?.end();
-    if (this.#canvas.parentNode === this.#place) this.#canvas.replaceWith(made);
-    else this.#place.append(made);
+    if (this.#canvas.parentNode === this.#place) {
+      this.#canvas.before(made);
+      this.#before.push(this.#canvas);
+    } else {
+      this.#place.append(made);
+    }
     made.className = this.#canvas.className;
     this.#canvas = made;
     const url = new URL(this.#options.src, document.baseURI).href;
@@ -116,6 +122,7 @@ class PageEngine implements EngineApi {
   #say<K extends keyof EngineEvents>(name: K, value: EngineEvents[K]): void {
     if (name === "stats" || name === "settled") this.#time = (value as Stats).time;
     if (name === "ended") this.#playing = false;
+    if (name === "picture") for (const gone of this.#before.splice(0)) gone.remove();
     for (const heard of this.#heard[name]) heard(value);
     if (name === "changed" && !this.#closed) {
       this.start([], true).catch((error: unknown) => this.#say("error", problemOf(error)));
@@ -249,7 +256,7 @@ class PageEngine implements EngineApi {
     this.#closed = true;
     this.#side = null;
     side?.end();
-    this.#canvas.remove();
+    for (const gone of [this.#canvas, ...this.#before.splice(0)]) gone.remove();
   }
 }
 

@@ -142,15 +142,16 @@ export class Host implements Calls {
   #again(): void {
     if (this.#next || this.#closed) return;
     this.#next = true;
+    // Whichever comes first takes the other away: what stays would make a second chain of steps.
     const run = () => {
-      if (!this.#next) return;
-      this.#next = false;
       clearTimeout(late);
+      cancelAnimationFrame(soon);
+      this.#next = false;
       this.#run();
     };
     // In a headset, or where the screen is busy, pictures of the page come late or never.
     const late = setTimeout(run, LATE_MS);
-    requestAnimationFrame(run);
+    const soon = requestAnimationFrame(run);
   }
 
   #run(): void {
@@ -186,6 +187,7 @@ export class Host implements Calls {
     if (began * 1000 - this.#told > STATS_MS) {
       this.#told = began * 1000;
       show.setRate(courier.bytesPerSecond);
+      courier.check();
       this.#tell("stats", this.#stats(show, courier));
     }
     if (told & FLAG.again) this.#again();

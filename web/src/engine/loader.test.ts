@@ -6,7 +6,8 @@ const FILE = Uint8Array.from({ length: 5_000_000 }, (_, n) => (n * 7) % 253);
 interface Asked {
   readonly from: number;
   readonly to: number;
-  readonly signal: AbortSignal;
+  readonly signal: AbortSignal | undefined;
+  readonly cache: RequestCache | undefined;
   answer(status?: number, tag?: string): void;
   fail(): void;
 }
@@ -38,13 +39,14 @@ class Host {
   #fetch(how: RequestInit): Promise<Response> {
     const range = (how.headers as Record<string, string>)["Range"] ?? "";
     const [from, to] = range.slice(6).split("-").map(Number) as [number, number];
-    const signal = how.signal as AbortSignal;
+    const signal = how.signal ?? undefined;
     return new Promise((resolve, reject) => {
-      signal.addEventListener("abort", () => reject(new Error("aborted")));
+      signal?.addEventListener("abort", () => reject(new Error("aborted")));
       this.asked.push({
         from,
         to,
         signal,
+        cache: how.cache,
         answer: (status = 206, tag = "a") => {
           const headers = { "Content-Range": `bytes ${from}-${to}/${FILE.length}`, ETag: tag };
           const body = status === 206 ? FILE.slice(from, to + 1) : null;
@@ -92,7 +94,7 @@ test("what nobody wants any more is given up, and what came of it stays", async 
   await host.settle();
   host.loader.want([want(1_000_000, 100)]);
   await host.settle();
-  expect(host.asked.map(({ signal }) => signal.aborted)).toEqual([true, false]);
+  expect(host.asked.map(({ signal }) => signal?.aborted)).toEqual([true, false]);
   expect(host.failures).toEqual([]);
 });
 
@@ -143,11 +145,53 @@ test("another file under the same address is noticed", async () => {
   expect(host.said).toEqual(["changed"]);
 });
 
+test("another file is noticed while all that is wanted is in memory, once a minute", async () => {
+  const host = new Host();
+  host.loader.want([want(0, 1000)]);
+  await host.settle();
+  host.asked[0]?.answer();
+  await host.settle();
+  await host.pass(59_000);
+  host.loader.check();
+  await host.settle();
+  expect(host.asked.length).toBe(1);
+  await host.pass(1000);
+  host.loader.check();
+  host.loader.check();
+  await host.settle();
+  expect(host.asked.length).toBe(2);
+  host.asked[1]?.fail();
+  await host.pass(60_000);
+  host.loader.check();
+  await host.settle();
+  host.asked[2]?.answer(206, "b");
+  await host.settle();
+  expect([host.said, host.failures]).toEqual([["changed"], []]);
+});
+
+test("a browser's cache that asks for all of another file is gone past", async () => {
+  const host = new Host();
+  host.loader.want([want(0, 1000)]);
+  await host.settle();
+  host.asked[0]?.answer();
+  await host.settle();
+  host.loader.want([want(5000, 1000)]);
+  await host.settle();
+  host.asked[1]?.answer(200, "b");
+  await host.settle();
+  expect(host.asked.map(({ cache }) => cache)).toEqual(["default", "default", "reload"]);
+  host.asked[2]?.answer(206, "b");
+  await host.settle();
+  expect([host.said, host.failures]).toEqual([["changed"], []]);
+});
+
 test("a host without ranges is told of", async () => {
   const host = new Host();
   host.loader.want([want(0, 1000)]);
   await host.settle();
   host.asked[0]?.answer(200);
+  await host.settle();
+  host.asked[1]?.answer(200);
   await host.settle();
   expect(host.failures).toEqual([["no-ranges", 200]]);
 });

@@ -3,7 +3,7 @@
 // Range requests, what matters most first: neighbours in the file travel together, what nobody
 // waits for any more is given up, what failed is tried again, and no byte is asked for twice.
 
-import { Bytes, type Stretch } from "./bytes.ts";
+import { Bytes, KEEP_MS, type Stretch } from "./bytes.ts";
 import { LEAST_HOLE, MOST_HOLE, MOST_REQUEST, nextRequest, type Want, without } from "./plan.ts";
 import { Meter } from "./meter.ts";
 
@@ -74,6 +74,8 @@ export class Loader {
   #closed = false;
   /** The next requests go past the browser's own cache; all do once that held another file. */
   #reload = false;
+  /** When the host last said which file it has, in milliseconds. */
+  #told = 0;
   readonly #fresh: boolean;
 
   constructor(url: string, most: number, events: LoaderEvents, world: World, fresh = false) {
@@ -106,6 +108,21 @@ export class Loader {
   again(damaged: Stretch): void {
     this.bytes.drop(damaged);
     this.#reload = true;
+  }
+
+  /** Asks whether the host still has this file, where it said nothing of it for a minute. */
+  check(): void {
+    const now = this.#world.now();
+    if (this.#closed || this.length === null || now - this.#told < KEEP_MS) return;
+    this.#told = now;
+    void this.#fetch({ offset: 0, bytes: 1 }, "reload").then(
+      async (answer) => {
+        if (answer.status === 206 && !this.#closed) this.#judge(answer);
+        await answer.body?.cancel();
+      },
+      // What is here can be shown without the host.
+      () => {},
+    );
   }
 
   close(): void {
@@ -155,6 +172,16 @@ export class Loader {
     return gaps;
   }
 
+  #fetch(part: Stretch, cache: RequestCache, signal?: AbortSignal): Promise<Response> {
+    const last = part.offset + part.bytes - 1;
+    return this.#world.fetch(this.#url, {
+      headers: { Range: `bytes=${part.offset}-${last}` },
+      cache,
+      credentials: "same-origin",
+      ...(signal ? { signal } : {}),
+    });
+  }
+
   async #run(want: Want): Promise<void> {
     const abort = new AbortController();
     const request: Request = { ...want, abort, done: 0 };
@@ -162,21 +189,18 @@ export class Loader {
     this.requests++;
     this.meter.begin();
     const asked = this.#world.now();
+    const isPast = this.#reload || this.#fresh;
     let failure: Failure | null = null;
-    let status = 0;
+    let [status, isStale] = [0, false];
     try {
-      const last = want.offset + want.bytes - 1;
-      const answer = await this.#world.fetch(this.#url, {
-        headers: { Range: `bytes=${want.offset}-${last}` },
-        signal: abort.signal,
-        cache: this.#reload || this.#fresh ? "reload" : "default",
-        credentials: "same-origin",
-      });
+      const answer = await this.#fetch(want, isPast ? "reload" : "default", abort.signal);
       status = answer.status;
       const trip = this.#world.now() - asked;
       this.#trip = this.#trip > 0 ? Math.min(trip, this.#trip * 1.05) : trip;
-      failure = this.#judge(answer);
-      if (failure) await answer.body?.cancel();
+      // A browser that holds parts of another file asks for all of the new one (If-Range).
+      isStale = status === 200 && !isPast;
+      failure = isStale ? null : this.#judge(answer);
+      if (isStale || failure) await answer.body?.cancel();
       else await this.#read(answer, request);
     } catch {
       if (!abort.signal.aborted) failure = "network";
@@ -185,6 +209,7 @@ export class Loader {
     this.#under = this.#under.filter((other) => other !== request);
     if (this.#closed) return;
     if (failure) this.#fail(failure, status);
+    else if (isStale) this.#reload = true;
     else if (!abort.signal.aborted) this.#well();
     this.#go();
   }
@@ -215,6 +240,7 @@ export class Loader {
       (this.#tag !== null && tag !== null && tag !== this.#tag);
     this.length ??= length;
     this.#tag ??= tag;
+    this.#told = this.#world.now();
     if (!other) return null;
     this.close();
     this.#events.changed();

@@ -145,10 +145,11 @@ test("a tracker's gaze comes through a WebSocket, and a wrong address is said", 
   const { page, complaints } = opened;
   try {
     expect(await told(page, "gazeconnection")).toBe(true);
-    await page.waitForFunction(async () => {
-      const stats = await document.querySelector("foveal-view")?.stats();
-      return stats !== undefined && Math.abs(stats.gazeDeg[0] - 12) < 1;
-    });
+    const yaw = async (): Promise<number> => {
+      const stats = await page.evaluate(() => document.querySelector("foveal-view")?.stats());
+      return stats?.gazeDeg[0] ?? Number.NaN;
+    };
+    await expect.poll(yaw, { timeout: 120_000 }).toBeCloseTo(12, 0);
     sender.close();
     expect(await told(page, "gazeconnection", 1)).toBeDefined();
     await page.goto(`${host.url}view.html?pack=flat.foveal&gaze=udp:5005`);

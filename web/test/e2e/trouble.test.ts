@@ -121,6 +121,42 @@ test("another file under the same address is noticed and shown", async () => {
   });
 });
 
+for (const what of ["gpu", "worker"] as const) {
+  test(`a lost ${what} comes back by itself, and the picture is the one it was`, async () => {
+    await on("view.html?pack=none.foveal", {}, async ({ page }) => {
+      await page.evaluate("import('./foveal-view.js').then((it) => (window.Engine = it.Engine))");
+      const [events, before, after] = await page.evaluate(async (lost) => {
+        const place = document.body.appendChild(document.createElement("div"));
+        const options = { src: "flat.foveal", size: [400, 225], paused: true } as const;
+        const engine = await window.Engine.open(place, options);
+        const events: string[] = [];
+        engine.on("lost", (one) => events.push(`lost ${one}`));
+        const restored = new Promise<void>((done) => {
+          engine.on("restored", (one) => {
+            events.push(`restored ${one}`);
+            done();
+          });
+        });
+        engine.seek(1);
+        const sum = async (): Promise<string> => {
+          const { data } = await engine.pixels();
+          const hash = await crypto.subtle.digest("SHA-256", data as Uint8Array<ArrayBuffer>);
+          return [...new Uint8Array(hash)].join();
+        };
+        const before = await sum();
+        engine.lose(lost);
+        await restored;
+        const after = await sum();
+        events.push(`${place.childElementCount} canvas at ${(await engine.stats()).time}`);
+        engine.close();
+        return [events, before, after] as const;
+      }, what);
+      expect(events).toEqual([`lost ${what}`, `restored ${what}`, "1 canvas at 1"]);
+      expect(after).toBe(before);
+    });
+  });
+}
+
 test("an address that names no video offers the list", async () => {
   await on("view.html", {}, async ({ page }) => {
     await page.getByRole("main").getByRole("link").click();

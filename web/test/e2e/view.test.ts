@@ -239,6 +239,18 @@ test("on a phone it fits, and a finger turns it", async () => {
     await touch("touchEnd", 150);
     await told(page, "settled", before);
     expect((await stats(opened)).headDeg[0]).toBeGreaterThan(5);
+    // Two fingers that part bring it closer.
+    const closer = await countTold(page);
+    for (const apart of [40, 80, 120, 0]) {
+      const fingers = [180 - apart / 2, 180 + apart / 2].map((x, id) => ({ x, y: 300, id }));
+      await session.send("Input.dispatchTouchEvent", {
+        type: apart === 40 ? "touchStart" : apart === 0 ? "touchEnd" : "touchMove",
+        touchPoints: apart === 0 ? [] : fingers,
+      });
+    }
+    await told(page, "settled", closer);
+    expect((await stats(opened)).zoom).toBeGreaterThan(2);
+    await page.keyboard.press("0");
     // Held upright, then turned a quarter to the right.
     const again = await countTold(page);
     await page.getByRole("button", { name: "Turn by moving the device" }).click();
@@ -255,53 +267,65 @@ test("on a phone it fits, and a finger turns it", async () => {
   await on("view.html?pack=sphere.foveal&paused", work, phone);
 });
 
-test("the first picture takes two round trips at most, and 0.6 s at 40 Mbit/s", async () => {
-  await on("view.html?pack=sphere.foveal&paused", async (opened) => {
-    await told(opened.page, "picture");
-    const trips = (await stats(opened)).firstPictureTrips;
-    expect(trips).toBeLessThanOrEqual(2);
-    const began = host.ofPacks[0]?.virtualStart ?? 0;
-    const first = host.ofPacks.filter((one) => one.whole).slice(0, trips ?? 0);
-    expect(Math.max(...first.map((one) => one.virtualEnd)) - began).toBeLessThan(0.6);
-  });
+test("both kinds of content play on, round after round", async () => {
+  for (const pack of ["flat", "sphere"]) {
+    await on(`view.html?pack=${pack}.foveal&muted`, async (opened) => {
+      const { page } = opened;
+      await told(page, "picture");
+      // The content lasts two seconds: time that falls has begun anew.
+      let [before, fell] = [0, false];
+      while (!fell) {
+        const { time } = await stats(opened);
+        [before, fell] = [time, time < before];
+      }
+      const { playing, framesShown } = await stats(opened);
+      expect(playing).toBe(true);
+      expect(framesShown).toBeGreaterThan(2);
+    });
+  }
 });
 
 test("sound begins with a key, without a gap, in step with the pictures", async () => {
   await on("view.html?pack=flat.foveal&paused", async ({ page }) => {
     await told(page, "picture");
     await page.getByRole("button", { name: "Unmute" }).waitFor();
-    // What is put on the audio clock: when, for how long, and its samples.
+    // What is put on the audio clock: when, when it was known, and its samples.
     await page.evaluate(() => {
-      const placed: { at: number; samples: number[] }[] = [];
+      const placed: { at: number; known: number; samples: number[] }[] = [];
       Object.assign(window, { placed });
       const start = AudioBufferSourceNode.prototype.start;
-      AudioBufferSourceNode.prototype.start = function note(at = 0, offset = 0): void {
-        placed.push({ at: at - offset, samples: [...(this.buffer?.getChannelData(0) ?? [])] });
-        start.call(this, at, offset);
+      AudioBufferSourceNode.prototype.start = function note(at = 0): void {
+        const samples = [...(this.buffer?.getChannelData(0) ?? [])];
+        placed.push({ at, known: this.context.currentTime, samples });
+        start.call(this, at);
       };
     });
     await page.keyboard.press("m");
     await page.getByRole("button", { name: "Mute", exact: true }).waitFor();
     await page.keyboard.press("Space");
     const kept = await page.waitForFunction(() => {
-      const { placed } = window as unknown as { placed: { at: number; samples: number[] }[] };
+      const { placed } = window as unknown as { placed: { at: number }[] };
       return placed.length >= 4 ? placed : null;
     });
-    const [first, ...others] = (await kept.jsonValue()) ?? [];
+    type Placed = { at: number; known: number; samples: number[] };
+    const [first, ...others] = ((await kept.jsonValue()) ?? []) as Placed[];
     if (first === undefined) throw new Error("nothing was heard");
     let end = first.at + first.samples.length / 48_000;
-    for (const { at, samples } of others) {
-      expect(Math.abs(at - end)).toBeLessThan(1e-4);
+    for (const { at, known, samples } of others) {
+      // Where a busy machine knows a piece only after the one before is over, it comes at once.
+      expect(Math.abs(at - Math.max(end, known))).toBeLessThan(1e-4);
       end = at + samples.length / 48_000;
     }
-    // The tone begins anew with every fifth picture: every fifth of a second, to 5 ms.
+    // Nothing is left out: the tone begins anew with every fifth picture, to 5 ms.
     const whole = [first, ...others].flatMap(({ samples }) => samples);
     const loudest = (from: number): number => {
       const part = whole.slice(from, from + 9600).map(Math.abs);
       return part.indexOf(Math.max(...part));
     };
     // Sound begins where the picture is by then, which is within some beat.
-    const [begun = 0, ...onsets] = [0, 1, 2, 3, 4].map((beat) => loudest(beat * 9600));
+    const beats = Math.floor(whole.length / 9600);
+    expect(beats).toBeGreaterThan(10);
+    const [begun = 0, ...onsets] = Array.from({ length: beats }, (_, at) => loudest(at * 9600));
     for (const onset of onsets) expect(Math.abs(onset - begun)).toBeLessThan(240);
   });
 });
