@@ -254,7 +254,6 @@ impl Player {
         let begun = Instant::now();
         let (given, selection) = self.choose(frame, look);
         let choose = begun.elapsed();
-        let detail_share = self.detail_share(frame, &gaze, view, &selection.levels);
         let wanted = self.with_coarsest(&selection);
         let period = self.period(frame);
         let deadline = begun + period.mul_f64(READY);
@@ -281,6 +280,9 @@ impl Player {
             .into_iter()
             .filter(|tile| !shown.contains(tile))
             .collect();
+        let stood_in = (!missing.is_empty()).then(|| self.levels_of(&shown));
+        let seen = stood_in.as_ref().unwrap_or(&selection.levels);
+        let detail_share = self.detail_share(frame, &gaze, view, seen);
         let follows = self.before.replace(selection.levels).is_some();
         Ok(FrameReport {
             session,
@@ -303,6 +305,15 @@ impl Player {
             wrong_frame_tiles: self.canvas.wrong_frame_tiles(),
             failed_tiles,
             level_changes,
+        })
+    }
+
+    /// The level of every cell where these tiles are all that is shown.
+    fn levels_of(&self, shown: &HashSet<Tile>) -> LevelMap {
+        let coarsest = self.grid.coarsest();
+        LevelMap::from_cells(&self.grid, |cell| {
+            let is_shown = |level: &u8| shown.contains(&self.grid.tile_over(cell, *level));
+            (0..coarsest).find(is_shown).unwrap_or(coarsest)
         })
     }
 

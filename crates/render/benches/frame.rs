@@ -111,7 +111,7 @@ fn time_blur(gpu: &Gpu, scene: &Scene, view: &EyeView, name: &str) -> Result<(),
     let sharp = each(None)?;
     let blurred = each(Some(RadialBlur::round(gaze.normalize())))?;
     let more = (blurred / sharp - 1.0) * 100.0;
-    println!("{name:20} blur: CPU {sharp:.1} ms to {blurred:.1} ms, {more:.0} % more");
+    println!("{name:20} blur: CPU {sharp:.1} ms to {blurred:.1} ms, {more:+.0} %");
     Ok(())
 }
 

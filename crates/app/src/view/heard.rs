@@ -19,17 +19,25 @@ const MOST_RATE: f64 = 1.2;
 
 /// What a device has taken. One that throws sound away takes it as fast as it comes, and tells
 /// nothing of when anything is heard.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Appetite {
+    opened: f64,
     taken_s: f64,
 }
 
 impl Appetite {
-    /// Notes seconds of sound that are taken at `now`, seconds since the device was opened; returns
-    /// whether they can all be heard.
+    /// Of a device that is opened at this time, in seconds.
+    pub(crate) fn from(opened: f64) -> Self {
+        Self {
+            opened,
+            taken_s: 0.0,
+        }
+    }
+
+    /// Notes seconds of sound that are taken at `now`; returns whether they can all be heard.
     pub(crate) fn takes(&mut self, seconds: f64, now: f64) -> bool {
         self.taken_s += seconds;
-        self.taken_s <= AT_ONCE_S + MOST_RATE * now
+        self.taken_s <= AT_ONCE_S + MOST_RATE * (now - self.opened)
     }
 }
 
@@ -130,7 +138,7 @@ mod tests {
 
     #[test]
     fn a_device_that_throws_sound_away_is_found_and_one_with_a_large_memory_is_not() {
-        let (mut hears, mut discards) = (Appetite::default(), Appetite::default());
+        let (mut hears, mut discards) = (Appetite::from(0.0), Appetite::from(0.0));
         assert!(hears.takes(2.5, 0.0));
         assert!((1..4000).all(|step| hears.takes(0.02, f64::from(step) * 0.0198)));
         assert!((1..200).any(|step| !discards.takes(0.02, f64::from(step) * 0.0001)));

@@ -83,7 +83,7 @@ impl Sound {
                 ahead: VecDeque::new(),
                 front: 0.0,
                 heard: HeardLine::default(),
-                appetite: Appetite::default(),
+                appetite: Appetite::from(0.0),
                 discards: false,
                 gaps: 0,
                 broken: false,
@@ -279,8 +279,10 @@ fn play(
         if !shared.pause_before_retry() {
             return;
         }
+        let now = shared.begun.elapsed().as_secs_f64();
         let mut state = shared.lock();
         state.broken = false;
+        state.appetite = Appetite::from(now);
         state.ahead.clear();
         state.playing = false;
         state.waits = true;

@@ -4,6 +4,9 @@
 //! time it is shown with what is there: a coarser level stands in for the rest, and all tiles are
 //! of that frame. A frame that stays, paused or still, is refined until nothing is missing.
 
+#[cfg(test)]
+mod tests;
+
 use super::aim::Aim;
 use super::figures::{Figures, Shown};
 use crate::asset::picture::Picture;
