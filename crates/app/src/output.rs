@@ -98,7 +98,7 @@ pub(crate) fn open_file(path: &Path, what: &str) -> anyhow::Result<File> {
     let name = path.display();
     let there = std::fs::metadata(path).with_context(|| format!("{name}: no {what} there"))?;
     if !there.is_file() {
-        bail!("{name}: expected a {what}: a file");
+        bail!("{name}: expected a {what}: a CSV file");
     }
     File::open(path).with_context(|| format!("{name}: the {what} cannot be opened"))
 }

@@ -163,7 +163,8 @@ export class FovealView extends HTMLElement {
     return {
       src: this.getAttribute("src") ?? "",
       demo: this.hasAttribute("demo"),
-      privacy: this.getAttribute("privacy") === "coarse" ? "coarse" : "tiles",
+      // Whoever writes anything there wants privacy.
+      privacy: ["tiles", null].includes(this.getAttribute("privacy")) ? "tiles" : "coarse",
       size: deviceSize(this.shell.stage),
       paused,
       once: this.hasAttribute("once"),

@@ -187,6 +187,7 @@ export interface EngineProblem {
     | "network"
     | "broken-pack"
     | "codec"
+    | "gaze"
     | "internal";
   readonly message: string;
   /** Nothing more will come of this engine. */

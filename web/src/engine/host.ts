@@ -251,12 +251,12 @@ export class Host implements Calls {
   }
 
   /** Does something with the show, and looks what changed. */
-  #do(deed: (show: Show, now: number) => void): void {
+  #do(deed: (show: Show, now: number) => void, kind: "gaze" | "internal" = "internal"): void {
     if (!this.#show || this.#closed) return;
     try {
       deed(this.#show, seconds());
     } catch (error) {
-      this.#tell("error", { ...problemOf(error), kind: "internal", fatal: false });
+      this.#tell("error", problem(kind, false, String(error)));
     }
     this.#settled = false;
     this.#wake();
@@ -289,7 +289,10 @@ export class Host implements Calls {
 
   gaze(record: GazeRecord | string | null): void {
     const text = typeof record === "string" ? record : JSON.stringify(record);
-    this.#do((show, now) => (record === null ? show.forgetGaze() : show.gaze(text, now)));
+    this.#do(
+      (show, now) => (record === null ? show.forgetGaze() : show.gaze(text, now)),
+      "gaze",
+    );
   }
 
   #time(show: Show): number {

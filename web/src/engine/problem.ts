@@ -15,6 +15,7 @@ const SENTENCES: Readonly<Record<Kind, string>> = {
   network: "The host cannot be reached; trying again.",
   "broken-pack": "The video's file is damaged; copy it to the host again.",
   codec: "This browser cannot decode this video.",
+  gaze: "What the gaze's sender sends is no gaze.",
   internal: "The viewer failed.",
 };
 

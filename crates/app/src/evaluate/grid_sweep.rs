@@ -53,8 +53,8 @@ struct Impossible {
 
 pub(super) fn run(args: &GridSweepArgs) -> anyhow::Result<()> {
     let jobs = args.trial.jobs()?;
-    if let Some(side) = args.grids.iter().find(|side| !(1..=255).contains(*side)) {
-        bail!(out_of_range("--grids", side, "1 to 255"));
+    if args.grids.contains(&0) {
+        bail!(out_of_range("--grids", 0, "1 or more"));
     }
     if let Some(levels) = args
         .levels

@@ -110,6 +110,10 @@ fn in_folder(folder: &Path, names: &[String]) -> Found {
 }
 
 fn open(path: &Path, name: &str) -> Found {
+    // Opening a pipe would wait for somebody to write into it.
+    if !path.is_file() {
+        return Found::Nothing;
+    }
     let opened = File::open(path).and_then(|file| Ok((file.metadata()?, file)));
     match opened {
         Ok((there, file)) if there.is_file() => Found::File(FoundFile {

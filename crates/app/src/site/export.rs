@@ -1,12 +1,13 @@
 //! How does a site get into a folder?
 
-use super::listing::{GENERATOR, Listed};
+use super::listing::{GENERATOR, Listed, Listing};
 use super::{LISTING, Site, SiteFile};
 use crate::output::{self, Counting};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::io::ErrorKind;
+use std::path::{Component, Path, PathBuf};
 
 /// What can be exported.
 #[derive(Clone, Debug, Subcommand)]
@@ -82,7 +83,7 @@ fn refuse_foreign_folder(out: &Path) -> anyhow::Result<()> {
     let name = out.display();
     let mut entries = match std::fs::read_dir(out) {
         Ok(entries) => entries,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
         Err(error) => {
             return Err(error).with_context(|| format!("--out {name}: is no folder to write to"));
         }
@@ -95,18 +96,41 @@ fn refuse_foreign_folder(out: &Path) -> anyhow::Result<()> {
 
 /// Whether an earlier export made this folder.
 fn is_site(folder: &Path) -> bool {
-    let listing = std::fs::read(folder.join(LISTING)).ok();
-    let listing = listing.and_then(|bytes| serde_json::from_slice(&bytes).ok());
-    let program = GENERATOR.split(' ').next().unwrap_or_default();
-    listing.is_some_and(|listing: serde_json::Value| {
-        let generator = listing["generator"].as_str().unwrap_or_default();
-        generator.split(' ').next() == Some(program)
-    })
+    listing_in(folder).is_some()
 }
 
-/// Writes every file whole or not at all, the list last: a site that has one is complete. Returns
-/// how many are links.
+/// The list of the site that an earlier export made in this folder.
+fn listing_in(folder: &Path) -> Option<serde_json::Value> {
+    let bytes = std::fs::read(folder.join(LISTING)).ok()?;
+    let listing: serde_json::Value = serde_json::from_slice(&bytes).ok()?;
+    let program = GENERATOR.split(' ').next();
+    let generator = listing["generator"].as_str().unwrap_or_default();
+    (generator.split(' ').next() == program).then_some(listing)
+}
+
+/// Packs and posters that a list names, as far as they lie in its folder.
+fn listed_files(listing: &serde_json::Value) -> Vec<String> {
+    let packs = listing["packs"].as_array().into_iter().flatten();
+    let files = packs.flat_map(|pack| [&pack["file"], &pack["poster"]["file"]]);
+    let names = files.filter_map(|name| name.as_str().map(str::to_owned));
+    let inside = |name: &String| {
+        let mut parts = Path::new(name).components();
+        parts.all(|part| matches!(part, Component::Normal(_)))
+    };
+    names.filter(inside).collect()
+}
+
+/// Writes every file whole or not at all, the list last: packs that it names are there. Packs of an
+/// earlier site that are not in this one are removed. Returns how many are links.
 fn write(site: &Site, out: &Path, bytes: u64) -> anyhow::Result<usize> {
+    let earlier = listing_in(out);
+    if earlier.is_none() {
+        // An export that is stopped leaves a site, which the next one may replace.
+        std::fs::create_dir_all(out)
+            .with_context(|| format!("--out {}: the folder cannot be made", out.display()))?;
+        let empty = serde_json::to_vec(&Listing::new(&[]))?;
+        output::write_whole(&out.join(LISTING), &empty)?;
+    }
     let bar = output::bar(Some(bytes), Counting::Bytes);
     let mut linked = 0;
     let last = |name: &&String| name.as_str() == LISTING;
@@ -124,6 +148,21 @@ fn write(site: &Site, out: &Path, bytes: u64) -> anyhow::Result<usize> {
         bar.inc(file.bytes()?);
     }
     bar.finish_and_clear();
+    let stale = earlier.iter().flat_map(listed_files);
+    for name in stale.filter(|name| !site.files.contains_key(name)) {
+        let path = out.join(name);
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(error).with_context(|| {
+                    format!(
+                        "{}: is of the earlier site and cannot be removed",
+                        path.display()
+                    )
+                });
+            }
+            _ => {}
+        }
+    }
     Ok(linked)
 }
 

@@ -88,11 +88,21 @@ fn names(packs: &[PathBuf]) -> Result<Vec<String>, WrongUsage> {
     let mut by_name: BTreeMap<String, &Path> = BTreeMap::new();
     let mut names = Vec::new();
     for pack in packs {
-        let name = pack.file_name().unwrap_or_default().to_string_lossy();
-        let name = name.strip_suffix(ENDING).unwrap_or(&name).to_owned();
+        let path = pack.display();
+        let Some(name) = pack.file_name().unwrap_or_default().to_str() else {
+            return Err(WrongUsage(format!(
+                "{path}: its name is no UTF-8; rename it"
+            )));
+        };
+        let name = name.strip_suffix(ENDING).unwrap_or(name).to_owned();
         if name.is_empty() || name.starts_with('.') {
-            let path = pack.display();
             return Err(WrongUsage(format!("{path}: give a pack with a name")));
+        }
+        // Hosts and browsers take these for something else than a name.
+        if name.contains(['\\', ':']) || name.chars().any(char::is_control) {
+            return Err(WrongUsage(format!(
+                "{path}: rename it: a site's names hold no colon, backslash or line break"
+            )));
         }
         // Some hosts do not tell A from a.
         if let Some(other) = by_name.insert(name.to_lowercase(), pack) {
@@ -119,6 +129,13 @@ mod tests {
     fn a_pack_is_named_for_its_file() {
         let names = named(&["a.foveal", "folder/b c.foveal", "d"]).unwrap();
         assert_eq!(names, ["a", "b c", "d"]);
+    }
+
+    #[test]
+    fn names_that_no_host_would_find_are_refused() {
+        for name in ["12:30.foveal", "e\\f.foveal", "g\nh.foveal", ".foveal"] {
+            assert!(named(&[name]).is_err(), "{name}");
+        }
     }
 
     #[test]

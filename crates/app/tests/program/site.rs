@@ -333,6 +333,14 @@ fn a_site_holds_pages_packs_posters_and_their_list() {
     json(&["export", "site", &there, "--out", &out]);
     assert_eq!(read("a.foveal"), std::fs::read(&pack).unwrap());
     assert!(!std::path::Path::new(&format!("{there}.partial")).exists());
+    // What is withdrawn is gone; what others put there stays.
+    let other = folder.name("b.foveal");
+    std::fs::copy(&pack, &other).unwrap();
+    std::fs::write(format!("{out}/robots.txt"), "mine").unwrap();
+    json(&["export", "site", &other, "--out", &out]);
+    assert_eq!(read("b.foveal"), std::fs::read(&pack).unwrap());
+    assert!(!std::path::Path::new(&there).exists());
+    assert_eq!(read("robots.txt"), b"mine");
 }
 
 #[test]
