@@ -346,7 +346,8 @@ impl Selector {
         let shown = |view: &EyeView, probe: &Probe| {
             level_of_footprint(&self.grid, display_footprint(view, probe))
         };
-        let sight = view.map(|view| Sight::new(view, self.config.margin));
+        let margin = Radians(self.config.margin.0.max(self.fade().0));
+        let sight = view.map(|view| Sight::new(view, margin));
         let mut levels = LevelMap::from_cells(&self.grid, |cell| {
             let (Some(view), Some(sight)) = (view, sight) else {
                 return self.grid.coarsest();
@@ -359,6 +360,16 @@ impl Selector {
             self.refine_under(view, &mut levels, |probe| shown(view, probe));
         }
         levels
+    }
+
+    /// How far beside a coarsest cell the picture is coarser than its own level, at most: a view
+    /// that is to be sharp to its borders needs as much beyond them.
+    fn fade(&self) -> Radians {
+        let surface = &self.grid.surface;
+        let rise = self.grid.scale(self.grid.coarsest()) - 1;
+        let pixels = self.grid.blend_pixels() * f64::from(rise);
+        let half = f64::from(surface.size[0]) / 2.0;
+        Radians(libm::atan(pixels * surface.tangents[0] / half))
     }
 
     /// Refines the cells that a window looks at, which may show less than the space between two

@@ -180,6 +180,37 @@ fn nothing_finer_than_the_display_shows_is_chosen() {
 }
 
 #[test]
+fn a_view_is_sharp_to_its_borders_on_faces_of_any_size() {
+    for face in [256, 512, 2048] {
+        let grid = TileGrid::new(Surface::cube(face), Cut::Tile(128), 5, 2).unwrap();
+        let selector = Selector::new(grid, PolicyConfig::new(Policy::Viewport));
+        let size = [4 * face; 2];
+        let field = Field::across(Radians::from_degrees(66.0), size);
+        let view = EyeView {
+            axes: Axes::FRONT,
+            field,
+            size,
+            eye: Eye::Left,
+        };
+        let view_of = Moment {
+            view: Some(view),
+            ..degrees(0.0, 0.0)
+        };
+        let levels = selector.select(&view_of).levels;
+        let fade = grid.blend_pixels() * f64::from(grid.scale(grid.coarsest()) - 1);
+        let beyond = (fade / f64::from(face) * 2.0).atan() * 0.9;
+        for yaw in [-20.0, 0.0, 20.0] {
+            // What is coarser this near would show within the view.
+            let pitch = 33.0 + beyond.to_degrees();
+            let above = degrees(yaw, pitch).gaze.gaze_in_content;
+            let (at, place) = grid.surface.locate(above).unwrap();
+            let level = levels.level(&grid, grid.cell_at(at, place));
+            assert_eq!(level, 0, "{face}: {yaw}, {pitch}");
+        }
+    }
+}
+
+#[test]
 fn flat_content_in_view_at_its_own_density_is_all_finest() {
     let surface = Surface::flat([1280, 720], Screen::default());
     let grid = TileGrid::new(surface, Cut::Tile(128), 5, 2).unwrap();
