@@ -308,6 +308,12 @@ impl Player {
         })
     }
 
+    /// Chooses for a frame that is not shown: what is chosen later depends on what was before.
+    pub(crate) fn pass(&mut self, frame: u32, look: &Look) {
+        let (_, selection) = self.choose(frame, look);
+        self.before = Some(selection.levels);
+    }
+
     /// The level of every cell where these tiles are all that is shown.
     fn levels_of(&self, shown: &HashSet<Tile>) -> LevelMap {
         let coarsest = self.grid.coarsest();

@@ -57,16 +57,16 @@ pub(super) struct Prepared {
 
 /// The inputs, or a generated flat clip without any, then the generated 360° scene.
 pub(super) fn contents(inputs: &[PathBuf], out: &Path) -> anyhow::Result<Vec<Content>> {
-    let generated = |name: &str, size, scene| Content {
-        name: name.to_owned(),
-        source: out.join(format!("{name}.mkv")),
-        scene: Some((size, scene)),
-    };
-    let sphere = generated("generated-360", SPHERE_SIZE, Scene::panorama(SPHERE_SIZE));
+    let sphere = Content::generated(
+        "generated-360",
+        SPHERE_SIZE,
+        Scene::panorama(SPHERE_SIZE),
+        out,
+    );
     let mut all = Vec::new();
     if inputs.is_empty() {
         let scene = Scene::wide(WIDE_SIZE);
-        all.push(generated("generated-wide", WIDE_SIZE, scene));
+        all.push(Content::generated("generated-wide", WIDE_SIZE, scene, out));
     }
     let mut names = vec![sphere.name.clone()];
     for input in inputs {
@@ -103,6 +103,15 @@ fn unused_name(input: &Path, taken: &[String]) -> String {
 }
 
 impl Content {
+    /// A scene that is drawn into a video under `out`.
+    pub(super) fn generated(name: &str, size: [u32; 2], scene: Scene, out: &Path) -> Self {
+        Self {
+            name: name.to_owned(),
+            source: out.join(format!("{name}.mkv")),
+            scene: Some((size, scene)),
+        }
+    }
+
     /// Refuses an input that cannot be prepared, before anything long begins.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         if self.scene.is_none() {

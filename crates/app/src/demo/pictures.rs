@@ -35,9 +35,9 @@ pub(super) struct Pictures {
 }
 
 /// A player that shows one frame.
-struct Shown {
+pub(super) struct Shown {
     player: Player,
-    report: FrameReport,
+    pub(super) report: FrameReport,
 }
 
 impl Pictures {
@@ -103,11 +103,12 @@ impl Pictures {
 }
 
 impl Shown {
-    fn at(stage: &Stage<'_>, policy: Policy, frame: u32) -> anyhow::Result<Self> {
+    pub(super) fn at(stage: &Stage<'_>, policy: Policy, frame: u32) -> anyhow::Result<Self> {
         let (mut player, mut gaze) = stage.player(policy)?;
-        // The head follows the gaze, so it must see all of the way there.
+        // The head follows the gaze and levels stay while that trembles: both need all of the way.
         for before in 0..frame {
-            gaze.look(player.time(before));
+            let look = gaze.look(player.time(before));
+            player.pass(before, &look);
         }
         let report = player.play(frame, &mut gaze)?;
         Ok(Self { player, report })

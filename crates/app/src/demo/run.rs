@@ -186,3 +186,40 @@ impl Run {
         Ok(PolicyRun { summary, reports })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::content::Content;
+    use super::super::pictures::Shown;
+    use super::*;
+    use clap::Parser;
+    use foveal_media::generate::Scene;
+
+    #[derive(Debug, Parser)]
+    struct Options {
+        #[command(flatten)]
+        view: ViewOptions,
+    }
+
+    #[test]
+    fn a_frame_that_is_played_to_again_is_chosen_as_in_the_run() -> anyhow::Result<()> {
+        let out = std::env::temp_dir().join(format!("foveal-again-{}", std::process::id()));
+        std::fs::create_dir_all(&out)?;
+        let size = [640, 360];
+        let content = Content::generated("wide", size, Scene::wide(size), &out);
+        let conditions = Conditions {
+            view: &Options::parse_from([""]).view,
+            drawing: &Drawing::None,
+            seed: 4,
+        };
+        let stage = Stage::new(content.prepare(&out)?, &conditions);
+        let runs = stage.play()?;
+        for frame in (0..stage.frames).step_by(3) {
+            let again = Shown::at(&stage, Policy::Acuity, frame)?.report.session;
+            let first = &runs[ACUITY].reports[frame as usize].session;
+            assert_eq!(again, *first, "frame {frame}");
+        }
+        std::fs::remove_dir_all(&out)?;
+        Ok(())
+    }
+}
