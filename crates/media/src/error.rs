@@ -28,6 +28,23 @@ pub enum MediaError {
         /// What FFmpeg said.
         reason: String,
     },
+    /// FFmpeg refuses the file for a box about its projection or its eyes.
+    #[error(
+        "{}: cannot be opened: its {name} box, at byte {at}, {what}; hide the box in a copy with \
+         `printf free | dd of=COPY bs=1 seek={at} conv=notrunc`, and say what it is with \
+         --projection or --stereo",
+        path.display()
+    )]
+    BrokenBox {
+        /// The file.
+        path: PathBuf,
+        /// Name of the box.
+        name: &'static str,
+        /// Where this name stands in the file, in bytes.
+        at: u64,
+        /// What is wrong with it.
+        what: String,
+    },
     /// The file has streams, but none is a video.
     #[error("{}: holds no video stream, only {found}; give a file with pictures", path.display())]
     NoVideoStream {

@@ -13,6 +13,7 @@ use crate::cut_short::is_cut_matroska;
 use crate::error::MediaError;
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
 use crate::source;
+use crate::spherical_boxes::broken_boxes_of;
 
 /// More threads than this only cost memory: each holds a frame.
 const MOST_THREADS: usize = 16;
@@ -62,7 +63,7 @@ impl FrameReader {
         let mut options = av::Dictionary::new();
         options.set("pattern_type", "none");
         let input = av::format::input_with_dictionary(&absolute, options)
-            .map_err(|e| not_video(e.to_string()))?;
+            .map_err(|e| refused_box(path).unwrap_or_else(|| not_video(e.to_string())))?;
         // Lists make FFmpeg read files that nobody named here.
         if matches!(input.format().name(), "hls" | "concat" | "dash") {
             return Err(not_video(
@@ -105,6 +106,11 @@ impl FrameReader {
             early_errors: 0,
             early_error: None,
         })
+    }
+
+    /// Where the file is.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
     }
 
     /// The file.
@@ -195,6 +201,18 @@ enum Step {
     Frame(Video),
     Fed,
     End,
+}
+
+/// The box for which FFmpeg does not open the file, if that is why.
+fn refused_box(path: &Path) -> Option<MediaError> {
+    let mut broken = broken_boxes_of(path).into_iter();
+    let refused = broken.find(|broken| broken.is_refused)?;
+    Some(MediaError::BrokenBox {
+        path: path.to_owned(),
+        name: refused.name,
+        at: refused.at,
+        what: refused.what,
+    })
 }
 
 fn open_decoder(stream: &Stream) -> Result<decoder::Video, av::Error> {

@@ -16,6 +16,7 @@ use crate::large_still::LargeStill;
 use crate::orientation::Orientation;
 use crate::source::{self, SourceInfo};
 use crate::spherical::{side_data_of, spherical_of, stereo_of};
+use crate::spherical_boxes::broken_boxes_of;
 use crate::timeline::Timeline;
 
 /// A picture and the time at which it is shown.
@@ -224,6 +225,7 @@ fn describe(
         colour: delivery.colour(),
         spherical: spherical_of(stream),
         stereo: stereo_of(stream),
+        broken_boxes: broken_boxes_of(reader.path()),
         sound: source::sound_of(reader.input()),
         has_alpha: has_second_stream || has_alpha(first.format()),
         pixel_aspect: pixel_aspect(first),

@@ -83,6 +83,7 @@ impl LargeStill {
             colour: COLOUR,
             spherical: None,
             stereo: None,
+            broken_boxes: Vec::new(),
             sound: None,
             has_alpha,
             pixel_aspect: None,

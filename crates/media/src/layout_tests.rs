@@ -1,5 +1,7 @@
 //! Do eyes and faces reach a pack as if each had been prepared alone?
 
+use std::io::Cursor;
+
 use av::ffi::AVPacketSideDataType as SideData;
 use av::format::Pixel;
 use ffmpeg_next as av;
@@ -12,6 +14,7 @@ use crate::prepare::{PrepareSettings, ProjectionChoice, StereoChoice};
 use crate::scenes::{
     RawFile, Scratch, group, plan_of, prepared, raw, settings, write_clip, write_raw,
 };
+use crate::spherical_boxes::broken_boxes;
 use crate::{ClipCodec, VideoInput};
 
 const FRAMES: u32 = 3;
@@ -238,6 +241,81 @@ fn damaged_boxes_of_projection_and_stereo_are_survived() {
         }
     }
     assert!(opened > 0, "most damage leaves a readable file");
+}
+
+/// A clip of both eyes of 180° whose box `name` is changed by `change` from its letters on.
+fn with_box(name: &[u8; 4], change: impl Fn(&mut [u8])) -> Scratch {
+    let clip = told(
+        [128, 64],
+        &[2, 5 << 16, 0, 0, QUARTER, 0, QUARTER, 0, 0],
+        Some([1, 0, 0]),
+    );
+    let mut bytes = std::fs::read(&*clip).unwrap();
+    let at = bytes.windows(4).position(|four| four == name).unwrap();
+    change(&mut bytes[at..]);
+    Scratch::holding("mp4", &bytes)
+}
+
+#[test]
+fn a_broken_box_is_named_with_its_place_and_hidden_as_the_error_says() {
+    let cases = [
+        (b"equi", 8, [0xff; 4], "cuts off more"),
+        (b"svhd", 0, *b"proj", "header"),
+        (b"proj", 0, *b"prxj", "no projection"),
+    ];
+    for (name, at, bytes, word) in cases {
+        let clip = with_box(name, |b| b[at..at + 4].copy_from_slice(&bytes));
+        let settings = settings(ProjectionChoice::Auto, Codec::Png);
+        let said = match plan_of(&clip, &settings) {
+            Ok(plan) => plan.notes.join("; "),
+            Err(error) => error.to_string(),
+        };
+        assert!(
+            said.contains("sv3d box, at byte") && said.contains(word),
+            "{said}"
+        );
+        let place = said.split("at byte ").nth(1).unwrap();
+        let at: usize = place.split([',', ' ']).next().unwrap().parse().unwrap();
+        let mut bytes = std::fs::read(&*clip).unwrap();
+        assert_eq!(&bytes[at..at + 4], b"sv3d");
+        bytes[at..at + 4].copy_from_slice(b"free");
+        let plan = plan_of(&Scratch::holding("mp4", &bytes), &settings).unwrap();
+        let notes = plan.notes.join("; ");
+        assert!(
+            !notes.contains("sv3d") && notes.contains("side by side"),
+            "{notes}"
+        );
+    }
+}
+
+#[test]
+fn eyes_that_are_told_twice_or_in_an_unknown_way_are_told() {
+    let unknown = with_box(b"st3d", |b| b[8] = 9);
+    let plan = plan_of(&unknown, &settings(ProjectionChoice::Auto, Codec::Png)).unwrap();
+    assert!(plan.notes.join(" ").contains("says 9"), "{:?}", plan.notes);
+    // The sphere's box becomes a second one about the eyes.
+    let twice = with_box(b"sv3d", |b| b[..4].copy_from_slice(b"st3d"));
+    let error = VideoInput::open(&twice).err().unwrap().to_string();
+    assert!(
+        error.contains("second one") && error.contains("dd of=COPY"),
+        "{error}"
+    );
+}
+
+#[test]
+fn any_bytes_are_searched_for_broken_boxes_without_panic() {
+    let clip = std::fs::read(&*with_box(b"st3d", |_| ())).unwrap();
+    let mut state = 1_u32;
+    for _ in 0..2000 {
+        let mut bytes = clip.clone();
+        for _ in 0..4 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let at = (state >> 8) as usize % bytes.len();
+            bytes[at] = state as u8;
+        }
+        let broken = broken_boxes(&mut Cursor::new(&bytes));
+        assert!(broken.iter().all(|one| (one.at as usize) < bytes.len()));
+    }
 }
 
 #[test]

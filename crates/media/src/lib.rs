@@ -35,6 +35,7 @@ mod sound_reader;
 pub mod source;
 pub mod sphere;
 pub mod spherical;
+pub mod spherical_boxes;
 mod stacked_png;
 mod timeline;
 pub mod write_clip;

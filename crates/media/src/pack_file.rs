@@ -28,6 +28,14 @@ pub enum PackFileError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// There is something else in its place.
+    #[error("{}: {what}; give a pack, as `foveal prepare` writes it", path.display())]
+    NoFile {
+        /// Where the pack was to be.
+        path: PathBuf,
+        /// What is there.
+        what: &'static str,
+    },
     /// The bytes are no pack, or damaged.
     #[error(
         "{}: {source}; if it was copied, copy it again, else prepare it again from its source",
@@ -70,7 +78,10 @@ impl PackFile {
             } else {
                 "is no plain file"
             };
-            return Err(io(what, ErrorKind::InvalidInput.into()));
+            return Err(PackFileError::NoFile {
+                path: path.to_owned(),
+                what,
+            });
         }
         let mut file = File::open(path).map_err(|e| io("cannot be opened", e))?;
         let mut head = Vec::new();

@@ -7,6 +7,7 @@ use ffmpeg_next as av;
 use foveal_core::asset::picture::Colour;
 
 use crate::spherical::{Spherical, Stereo};
+use crate::spherical_boxes::BrokenBox;
 
 /// Frame rate of a stream that names none, frames a second.
 const FALLBACK_RATE: [i32; 2] = [25, 1];
@@ -32,6 +33,8 @@ pub struct SourceInfo {
     pub spherical: Option<Spherical>,
     /// Layout of the two eyes, where the file names one.
     pub stereo: Option<Stereo>,
+    /// What it says of projection and eyes that cannot be used.
+    pub broken_boxes: Vec<BrokenBox>,
     /// Its best sound stream, if it has any.
     pub sound: Option<Sound>,
     /// True when the source has transparency, which is dropped.

@@ -22,6 +22,7 @@ fn info([width, height]: [u32; 2]) -> SourceInfo {
         },
         spherical: None,
         stereo: None,
+        broken_boxes: Vec::new(),
         sound: None,
         has_alpha: false,
         pixel_aspect: None,

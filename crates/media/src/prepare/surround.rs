@@ -10,6 +10,7 @@ use crate::eye_layout::{EyeLayout, Packing};
 use crate::source::SourceInfo;
 use crate::sphere::Coverage;
 use crate::spherical::{Projection as SourceProjection, Spherical, StereoLayout};
+use crate::spherical_boxes::BrokenBox;
 use std::path::Path;
 
 /// What the caller says about the projection of the input.
@@ -73,6 +74,9 @@ const NARROWEST: f64 = 1.2;
 /// A flat eye wider than this was squeezed to half its height.
 const WIDEST: f64 = 2.8;
 
+/// A sphere this many times as wide or as high as its angles is told to be stretched.
+const STRETCHED: f64 = 1.02;
+
 /// Finds how `input` surrounds the eyes, and notes what was assumed; refuses what does not fit.
 pub(super) fn surround_of(
     input: &Path,
@@ -98,10 +102,20 @@ pub(super) fn surround_of(
         ProjectionChoice::Cube => Surround::Cube(found.cube(notes).map_err(wrong)?),
         ProjectionChoice::Auto => found.surround(notes).map_err(wrong)?,
     };
+    notes.extend(info.broken_boxes.iter().map(|broken| {
+        let BrokenBox { name, at, what, .. } = broken;
+        format!(
+            "its {name} box, at byte {at}, {what} and is passed over; give --projection or \
+             --stereo if the guess is wrong"
+        )
+    }));
     if let Some(turn) = info.spherical.as_ref().and_then(turn_of) {
         notes.push(format!(
             "the turn of the sphere in its metadata ({turn}) is not applied"
         ));
+    }
+    if eyes.eyes() == 1 {
+        notes.extend(stretch_of(surround, eye_size));
     }
     let mut pixel_aspect = [1, 1];
     if eyes.eyes() > 1 {
@@ -302,6 +316,22 @@ fn shape_of([w, h]: [u32; 2]) -> String {
         (a, b) = (b, a % b);
     }
     format!("{}:{}", w / a, h / a)
+}
+
+/// A sphere of another shape than its angles, which is taken as it was asked for.
+fn stretch_of(surround: Surround, [w, h]: [u32; 2]) -> Option<String> {
+    let (name, columns) = match surround {
+        Surround::Equirect(Coverage::Full) => ("the whole sphere", 2.0),
+        Surround::Equirect(Coverage::FrontHalf) => ("half a sphere", 1.0),
+        _ => return None,
+    };
+    let shape = f64::from(w) / f64::from(h.max(1));
+    ((shape / columns).ln().abs() > STRETCHED.ln()).then(|| {
+        format!(
+            "its {w}x{h} pixels are stretched over {name}, whose shape is {columns}:1; pad it \
+             with FFmpeg's filter pad if it shows less"
+        )
+    })
 }
 
 /// The shape of the pixels of one eye of two: a flat picture of an unlikely shape was squeezed to

@@ -1,0 +1,234 @@
+//! Which boxes of an MP4 file about the sphere and the eyes are broken, and where?
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::ops::Range;
+use std::path::Path;
+
+/// Boxes looked at before the rest of a file is taken for sound.
+const MOST_BOXES: u32 = 100_000;
+/// Bytes of a video sample entry before its own boxes.
+const SAMPLE_ENTRY: u64 = 78;
+
+/// A box about the projection (`sv3d`) or the eyes (`st3d`) that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BrokenBox {
+    /// Its four letters.
+    pub name: &'static str,
+    /// Where these letters stand in the file, in bytes. A box that is called `free` is passed over.
+    pub at: u64,
+    /// What is wrong with it, as the end of a sentence that begins with the box.
+    pub what: String,
+    /// FFmpeg does not open a file with such a box; it passes over the others in silence.
+    pub is_refused: bool,
+}
+
+/// The broken boxes of the first video track that has any; none in a file that is no MP4.
+///
+/// Reads the heads of the boxes on the way, not the file.
+#[must_use]
+pub fn broken_boxes(file: &mut (impl Read + Seek)) -> Vec<BrokenBox> {
+    let Ok(end) = file.seek(SeekFrom::End(0)) else {
+        return Vec::new();
+    };
+    let mut boxes = Boxes {
+        file,
+        left: MOST_BOXES,
+    };
+    let tracks: Vec<Found> = boxes
+        .named(0..end, *b"moov")
+        .into_iter()
+        .flat_map(|film| boxes.named(film.inside, *b"trak"))
+        .collect();
+    let broken = tracks.into_iter().map(|track| boxes.broken_in(track));
+    broken
+        .into_iter()
+        .find(|broken| !broken.is_empty())
+        .unwrap_or_default()
+}
+
+/// The broken boxes of the file at `path`; none where it cannot be read.
+pub(crate) fn broken_boxes_of(path: &Path) -> Vec<BrokenBox> {
+    File::open(path)
+        .map(|mut file| broken_boxes(&mut file))
+        .unwrap_or_default()
+}
+
+/// A box: its name, where that stands, how long the box says it is, and what it holds.
+struct Found {
+    name: [u8; 4],
+    at: u64,
+    size: u64,
+    inside: Range<u64>,
+}
+
+impl Found {
+    fn bytes(&self) -> u64 {
+        self.inside.end - self.inside.start
+    }
+
+    fn broken(&self, name: &'static str, is_refused: bool, what: &str) -> Option<BrokenBox> {
+        Some(BrokenBox {
+            name,
+            at: self.at,
+            what: what.to_owned(),
+            is_refused,
+        })
+    }
+}
+
+struct Boxes<'a, R> {
+    file: &'a mut R,
+    left: u32,
+}
+
+impl<R: Read + Seek> Boxes<'_, R> {
+    fn word(&mut self, at: u64) -> Option<u32> {
+        self.file.seek(SeekFrom::Start(at)).ok()?;
+        let mut bytes = [0; 4];
+        self.file.read_exact(&mut bytes).ok()?;
+        Some(u32::from_be_bytes(bytes))
+    }
+
+    /// The box that begins at `at`, cut off at `end`.
+    fn at(&mut self, at: u64, end: u64) -> Option<Found> {
+        self.left = self.left.checked_sub(1)?;
+        let (size, name) = (self.word(at)?, self.word(at + 4)?);
+        let (head, size) = match size {
+            0 => (8, end - at),
+            1 => {
+                let [high, low] = [self.word(at + 8)?, self.word(at + 12)?];
+                (16, u64::from(high) << 32 | u64::from(low))
+            }
+            size => (8, u64::from(size)),
+        };
+        let from = at + head;
+        (size >= head && from <= end).then(|| Found {
+            name: name.to_be_bytes(),
+            at: at + 4,
+            size,
+            inside: from..at.saturating_add(size).min(end),
+        })
+    }
+
+    /// The boxes that follow each other here, up to the first that makes no sense.
+    fn all(&mut self, within: Range<u64>) -> Vec<Found> {
+        let mut found: Vec<Found> = Vec::new();
+        let mut at = within.start;
+        while at.saturating_add(8) <= within.end
+            && let Some(one) = self.at(at, within.end)
+        {
+            at = at.saturating_add(one.size);
+            found.push(one);
+        }
+        found
+    }
+
+    fn named(&mut self, within: Range<u64>, name: [u8; 4]) -> Vec<Found> {
+        let mut all = self.all(within);
+        all.retain(|one| one.name == name);
+        all
+    }
+
+    fn first(&mut self, within: Range<u64>, name: [u8; 4]) -> Option<Found> {
+        self.named(within, name).into_iter().next()
+    }
+
+    /// The boxes in the description of a video track's samples.
+    fn description_of(&mut self, track: Found) -> Option<Vec<Found>> {
+        let media = self.first(track.inside, *b"mdia")?;
+        let handler = self.first(media.inside.clone(), *b"hdlr")?;
+        if self.word(handler.inside.start + 8)?.to_be_bytes() != *b"vide" {
+            return None;
+        }
+        let information = self.first(media.inside, *b"minf")?;
+        let table = self.first(information.inside, *b"stbl")?;
+        let descriptions = self.first(table.inside, *b"stsd")?.inside;
+        let entry = self.at(descriptions.start + 8, descriptions.end)?.inside;
+        Some(self.all(entry.start + SAMPLE_ENTRY..entry.end))
+    }
+
+    fn broken_in(&mut self, track: Found) -> Vec<BrokenBox> {
+        let mut broken = Vec::new();
+        let mut eyes_were_told = false;
+        for one in self.description_of(track).unwrap_or_default() {
+            broken.extend(match &one.name {
+                b"st3d" => {
+                    let told = std::mem::replace(&mut eyes_were_told, true);
+                    self.judge_eyes(&one, told)
+                }
+                b"sv3d" => self.judge_sphere(&one),
+                _ => None,
+            });
+        }
+        broken
+    }
+
+    fn judge_eyes(&mut self, eyes: &Found, were_told: bool) -> Option<BrokenBox> {
+        let broken = |is_refused, what: &str| eyes.broken("st3d", is_refused, what);
+        if were_told {
+            return broken(true, "is the second one of its track");
+        }
+        if eyes.bytes() < 5 {
+            return broken(true, "is empty");
+        }
+        let [mode, ..] = self.word(eyes.inside.start + 4)?.to_be_bytes();
+        let what = format!(
+            "says {mode}, where 0 (one eye), 1 (top and bottom) and 2 (side by side) are known"
+        );
+        (mode > 2).then(|| broken(false, &what))?
+    }
+
+    fn judge_sphere(&mut self, sphere: &Found) -> Option<BrokenBox> {
+        let broken = |is_refused, what: &str| sphere.broken("sv3d", is_refused, what);
+        if sphere.bytes() < 8 {
+            return broken(true, "is empty");
+        }
+        let [parts, inner] = self.parts_of(sphere);
+        let mut all = parts.iter().chain(&inner);
+        if all.any(|part| part.size > sphere.bytes()) || parts.is_empty() {
+            return broken(true, "holds a part that is longer than itself");
+        }
+        let is = |part: Option<&Found>, name: &[u8; 4]| part.is_some_and(|p| p.name == *name);
+        if !is(parts.first(), b"svhd") {
+            return broken(false, "does not begin with its header (svhd)");
+        }
+        if !is(parts.get(1), b"proj") || !is(inner.first(), b"prhd") {
+            return broken(false, "holds no projection (proj with prhd)");
+        }
+        let Some(projection) = inner.get(1) else {
+            return broken(false, "does not say which projection it is");
+        };
+        let (from, name) = (projection.inside.start + 4, projection.name);
+        match &name {
+            b"cbmp" if self.word(from)? != 0 => {
+                broken(false, "holds cube faces in a layout other than 0 (3 x 2)")
+            }
+            b"equi" => {
+                let mut cut = [0; 4];
+                for (i, side) in (0..).zip(&mut cut) {
+                    *side = self.word(from + 4 * i)?;
+                }
+                let [top, bottom, left, right] = cut;
+                let leaves_nothing = |a: u32, b: u32| b >= u32::MAX - a;
+                let is_bad = leaves_nothing(top, bottom) || leaves_nothing(left, right);
+                let what = "cuts off more than there is (bounds of equi)";
+                is_bad.then(|| broken(true, what))?
+            }
+            b"cbmp" => None,
+            b"mshp" => broken(false, "holds its projection as a mesh (mshp)"),
+            _ => broken(
+                false,
+                &format!("names a projection \"{}\"", name.escape_ascii()),
+            ),
+        }
+    }
+
+    /// The parts of an `sv3d` box, and those of the `proj` among them.
+    fn parts_of(&mut self, sphere: &Found) -> [Vec<Found>; 2] {
+        let parts = self.all(sphere.inside.clone());
+        let inside = parts.get(1).map_or(0..0, |part| part.inside.clone());
+        let inner = self.all(inside);
+        [parts, inner]
+    }
+}
