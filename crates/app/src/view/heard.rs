@@ -23,6 +23,8 @@ const MOST_RATE: f64 = 1.2;
 pub(crate) struct Appetite {
     opened: f64,
     taken_s: f64,
+    last: Option<f64>,
+    sated: bool,
 }
 
 impl Appetite {
@@ -31,12 +33,22 @@ impl Appetite {
         Self {
             opened,
             taken_s: 0.0,
+            last: None,
+            sated: false,
         }
+    }
+
+    /// Whether its own memory is full, so that it takes sound as that is heard.
+    pub(crate) fn is_sated(&self) -> bool {
+        self.sated
     }
 
     /// Notes seconds of sound that are taken at `now`; returns whether they can all be heard.
     pub(crate) fn takes(&mut self, seconds: f64, now: f64) -> bool {
         self.taken_s += seconds;
+        let waited = self.last.map_or(0.0, |last| now - last);
+        self.sated |= waited >= seconds / 2.0;
+        self.last = Some(now);
         self.taken_s <= AT_ONCE_S + MOST_RATE * (now - self.opened)
     }
 }
@@ -142,6 +154,18 @@ mod tests {
         assert!(hears.takes(2.5, 0.0));
         assert!((1..4000).all(|step| hears.takes(0.02, f64::from(step) * 0.0198)));
         assert!((1..200).any(|step| !discards.takes(0.02, f64::from(step) * 0.0001)));
+    }
+
+    #[test]
+    fn a_device_is_sated_once_it_waits_between_what_it_takes() {
+        let mut fills = Appetite::from(0.0);
+        (0..100).for_each(|step| {
+            fills.takes(0.02, 1.0 + f64::from(step) * 0.001);
+            assert!(!fills.is_sated());
+        });
+        fills.takes(0.02, 1.12);
+        fills.takes(0.02, 1.121);
+        assert!(fills.is_sated());
     }
 
     #[test]

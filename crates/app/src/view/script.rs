@@ -12,6 +12,8 @@ use winit::keyboard::Key;
 /// What a line may say, for messages.
 const FORMS: &str = "SECONDS and one of: key NAME, move X Y, leave, drag DX DY, wheel STEPS, \
                      resize W H, screenshot FILE, settle, quit";
+/// Longest side of a window in pixels.
+const MOST_SIDE: f64 = 8192.0;
 /// Longest script in lines.
 const MOST_LINES: usize = 100_000;
 
@@ -120,7 +122,9 @@ fn parse_line(line: &str) -> anyhow::Result<(f64, Deed)> {
         "leave" => nothing(Deed::Leave),
         "drag" => pair().map(Deed::Drag),
         "wheel" => number(given).map(Deed::Wheel),
-        "resize" => pair().map(|size| Deed::Resize(size.map(|side| side.max(0.0) as u32))),
+        "resize" => pair()
+            .filter(|size| size.iter().all(|side| (0.0..=MOST_SIDE).contains(side)))
+            .map(|size| Deed::Resize(size.map(|side| side as u32))),
         "screenshot" if !given.is_empty() => Some(Deed::Screenshot(given.into())),
         "settle" => nothing(Deed::Settle),
         "lose-device" => nothing(Deed::LoseDevice),
@@ -162,6 +166,8 @@ mod tests {
             "0 move 1",
             "0 move 1 inf",
             "0 resize a b",
+            "0 resize 20000 20000",
+            "0 resize -1 400",
             "0 screenshot",
             "0 quit now",
             "0 dance",

@@ -28,6 +28,10 @@ const RETRY: Duration = Duration::from_secs(1);
 const DISCARDED: Duration = Duration::from_millis(20);
 /// What was heard longer ago than this says nothing of now.
 const STALE: Duration = Duration::from_millis(500);
+/// Longest time that a device is believed to hold sound back.
+const MOST_LATENCY: Duration = Duration::from_secs(5);
+/// How long the picture waits for a device that plays nothing yet.
+const MOST_WAIT_S: f64 = 3.0;
 
 /// Sound on its way to a device.
 pub(crate) struct Sound {
@@ -51,6 +55,8 @@ struct State {
     ahead: VecDeque<f32>,
     /// Time in the content of the first sample of `ahead`.
     front: f64,
+    /// Where in the content it was told to begin, and when, in seconds since `begun`.
+    start: Start,
     /// When which time of the content is heard, in seconds since `begun`.
     heard: HeardLine,
     appetite: Appetite,
@@ -62,6 +68,14 @@ struct State {
     broken: bool,
     /// A device is there that was not told where to begin.
     waits: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Start {
+    at: f64,
+    told: f64,
+    /// The device has taken the first sample.
+    is_taken: bool,
 }
 
 /// What a device takes.
@@ -82,6 +96,7 @@ impl Sound {
                 jumps: 0,
                 ahead: VecDeque::new(),
                 front: 0.0,
+                start: Start::default(),
                 heard: HeardLine::default(),
                 appetite: Appetite::from(0.0),
                 discards: false,
@@ -112,6 +127,11 @@ impl Sound {
         state.jumps += 1;
         state.ahead.clear();
         state.front = at.0;
+        state.start = Start {
+            at: at.0,
+            told: self.shared.begun.elapsed().as_secs_f64(),
+            is_taken: false,
+        };
         state.heard.forget();
         state.waits = false;
         drop(state);
@@ -126,8 +146,20 @@ impl Sound {
     /// The time of the content that is heard now; `None` while nothing is.
     pub(crate) fn heard(&self) -> Option<Seconds> {
         let state = self.shared.lock();
+        let heard = state.heard_at(self.shared.begun.elapsed().as_secs_f64())?;
+        (heard >= state.start.at).then_some(Seconds(heard))
+    }
+
+    /// Where the sound begins that is on its way and not heard yet: the picture waits there.
+    pub(crate) fn begins(&self) -> Option<Seconds> {
+        let state = self.shared.lock();
         let now = self.shared.begun.elapsed().as_secs_f64();
-        state.heard.at(now, STALE.as_secs_f64()).map(Seconds)
+        let waits = match state.heard_at(now) {
+            Some(heard) => heard < state.start.at,
+            None => !state.start.is_taken && now < state.start.told + MOST_WAIT_S,
+        };
+        let can_begin = state.playing && !state.discards && !state.broken;
+        (waits && can_begin).then_some(Seconds(state.start.at))
     }
 
     /// Times that the device found too little to play.
@@ -144,6 +176,13 @@ impl Drop for Sound {
             // A thread that panicked has already said so.
             let _ = thread.join();
         }
+    }
+}
+
+impl State {
+    /// The time of the content that is heard; before where it began while that is on its way.
+    fn heard_at(&self, now: f64) -> Option<f64> {
+        self.heard.at(now, STALE.as_secs_f64())
     }
 }
 
@@ -174,7 +213,8 @@ impl Shared {
             std::thread::sleep(DISCARDED);
             return;
         }
-        if !state.playing {
+        // What a device takes to fill its own memory would be heard in pieces.
+        if !state.playing || !state.appetite.is_sated() {
             return;
         }
         let count = out.len().min(state.ahead.len());
@@ -186,6 +226,7 @@ impl Shared {
         out.iter_mut()
             .zip(state.ahead.drain(..count))
             .for_each(|(out, sample)| *out = sample);
+        state.start.is_taken = true;
         let front = state.front;
         state.heard.note(now, now + latency.as_secs_f64(), front);
         if count < out.len() {
@@ -317,7 +358,10 @@ fn open_device(shared: &Arc<Shared>, samples: &Samples) -> anyhow::Result<(cpal:
     let theirs = Arc::clone(shared);
     let fill = move |out: &mut [f32], about: &OutputCallbackInfo| {
         let stamp = about.timestamp();
-        let latency = stamp.playback.duration_since(stamp.callback).min(STALE);
+        let latency = stamp
+            .playback
+            .duration_since(stamp.callback)
+            .min(MOST_LATENCY);
         theirs.fill(out, taken, latency);
     };
     let theirs = Arc::clone(shared);

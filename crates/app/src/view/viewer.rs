@@ -44,8 +44,6 @@ const POLICIES: [Policy; 10] = [
 const FOVEA_DEG: f64 = 2.5;
 /// How long a message stays, in seconds.
 const MESSAGE_S: f64 = 3.0;
-/// How long sound and picture may take to come together after a beginning or a jump, in seconds.
-const SOUND_BEGINS_S: f64 = 2.0;
 /// Longest time of drawing that is made up for by showing a later frame, in seconds.
 const MOST_DRAW_S: f64 = 0.5;
 /// How often figures are painted anew, in seconds.
@@ -91,8 +89,6 @@ pub(crate) struct Viewer {
     pub(crate) drift: Drift,
     pub(super) eye: EyeName,
     pub(super) two_eyes: bool,
-    /// When the sound was last told where to begin.
-    sound_set: f64,
 }
 
 /// What only a window can do.
@@ -129,11 +125,11 @@ impl Viewer {
             drift: Drift::new(),
             eye: begin.eye,
             two_eyes: begin.two_eyes,
-            sound_set: 0.0,
         };
         if !begin.paused {
             viewer.play(now);
         }
+        viewer.say("H shows keys and figures".to_owned(), now);
         viewer
     }
 
@@ -143,7 +139,6 @@ impl Viewer {
     }
 
     fn set_sound(&mut self, now: Seconds) {
-        self.sound_set = now.0;
         if let Some(sound) = &self.sound {
             sound.set(self.clock.is_playing(), self.clock.time(now));
         }
@@ -385,8 +380,12 @@ impl Viewer {
         if self.sound.as_ref().is_some_and(Sound::waits) {
             self.set_sound(now);
         }
-        let heard = self.sound.as_ref().and_then(Sound::heard);
-        if let Some(heard) = heard.filter(|_| self.is_moving(stage)) {
+        let Some(sound) = self.sound.as_ref().filter(|_| self.is_moving(stage)) else {
+            return;
+        };
+        if let Some(begin) = sound.begins() {
+            self.clock.seek(begin, now);
+        } else if let Some(heard) = sound.heard() {
             self.clock.follow(heard, now);
         }
     }
@@ -437,8 +436,7 @@ impl Viewer {
             let span = [tick, tick + 1].map(|tick| stage.timeline().time_of(tick));
             Drift::of_frame(heard, span)
         });
-        let counts = self.is_moving(stage) && now.0 - self.sound_set > SOUND_BEGINS_S;
-        self.drift.note(behind, counts);
+        self.drift.note(behind, self.is_moving(stage));
     }
 
     /// Whether nothing on screen is going to change by itself, or it plays.

@@ -265,7 +265,7 @@ impl Open {
 
     fn event(&mut self, event: WindowEvent, now: Seconds) -> anyhow::Result<Wish> {
         match event {
-            WindowEvent::CloseRequested => return Ok(Wish::Quit),
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => return Ok(Wish::Quit),
             WindowEvent::Resized(size) => self.resized([size.width, size.height]),
             WindowEvent::ScaleFactorChanged { .. } => self.stale = true,
             WindowEvent::Occluded(hidden) => {
