@@ -17,6 +17,26 @@ const LONGEST = 1 << 16;
 const FIRST_PAUSE = 500;
 const LONGEST_PAUSE = 8000;
 
+/** Lines a second that are looked at, and how many of them at once: several times what trackers
+ *  send. */
+const MOST_PER_S = 4000;
+const MOST_AT_ONCE = 400;
+
+/** Lets the newest lines through where more come than a page can look at. */
+export class Sieve {
+  #left = MOST_AT_ONCE;
+  #since = 0;
+
+  /** The lines of a message that came at `now`, in milliseconds. */
+  through(lines: readonly string[], now: number): readonly string[] {
+    const filled = this.#left + ((now - this.#since) / 1000) * MOST_PER_S;
+    this.#since = now;
+    const passed = Math.min(lines.length, Math.floor(Math.min(filled, MOST_AT_ONCE)));
+    this.#left = Math.min(filled, MOST_AT_ONCE) - passed;
+    return lines.slice(lines.length - passed);
+  }
+}
+
 /** Listens at a WebSocket address, again whenever it is lost, until the signal ends it. Throws a
  *  sentence for people where it is no such address. */
 export function listenForGaze(address: string, heard: GazeHeard, signal: AbortSignal): void {
@@ -29,6 +49,7 @@ export function listenForGaze(address: string, heard: GazeHeard, signal: AbortSi
   if (url.protocol !== "ws:" && url.protocol !== "wss:") {
     throw new Error(`gaze is ${address}; give a WebSocket address, as ws://127.0.0.1:5005`);
   }
+  const sieve = new Sieve();
   let pause = FIRST_PAUSE;
   const open = (): void => {
     if (signal.aborted) return;
@@ -43,7 +64,8 @@ export function listenForGaze(address: string, heard: GazeHeard, signal: AbortSi
     });
     socket.addEventListener("message", ({ data }: MessageEvent<unknown>) => {
       if (typeof data !== "string" || data.length > LONGEST) return;
-      for (const line of data.split("\n")) if (line.trim() !== "") heard.record(line);
+      const lines = data.split("\n").filter((line) => line.trim() !== "");
+      for (const line of sieve.through(lines, performance.now())) heard.record(line);
     });
     socket.addEventListener("close", () => {
       signal.removeEventListener("abort", end);

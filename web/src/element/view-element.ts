@@ -5,6 +5,7 @@ import {
   type GazeRecord,
   type PackFacts,
   POLICIES,
+  type PolicyName,
   type Pose,
   type Stats,
 } from "../engine/api.ts";
@@ -159,7 +160,7 @@ export class FovealView extends HTMLElement {
   }
 
   private options(paused: boolean): EngineOptions {
-    const policy = POLICIES.find((name) => name === this.getAttribute("policy"));
+    const policy = this.policyOf(this.getAttribute("policy"));
     return {
       src: this.getAttribute("src") ?? "",
       demo: this.hasAttribute("demo"),
@@ -194,8 +195,17 @@ export class FovealView extends HTMLElement {
   }
 
   private setPolicy(value: string | null): void {
-    const policy = POLICIES.find((name) => name === value);
+    const policy = this.policyOf(value);
     if (policy !== undefined) this.viewing?.setPolicy(policy);
+  }
+
+  /** The policy of a name; says so where there is none. */
+  private policyOf(value: string | null): PolicyName | undefined {
+    const policy = POLICIES.find((name) => name === value);
+    if (policy === undefined && value !== null) {
+      this.shell.say(`There is no policy ${value}; there are ${POLICIES.join(", ")}.`, "seen");
+    }
+    return policy;
   }
 
   private name(): void {

@@ -13,10 +13,12 @@ const SENTENCES: Readonly<Record<Kind, string>> = {
     "it; put the file on a host that does, as object stores and most web servers do.",
   "not-found": "There is no video at this address.",
   network: "The host cannot be reached; trying again.",
-  "broken-pack": "The video's file is damaged; copy it to the host again.",
+  "broken-pack": "The video's file is damaged or no pack; copy it to the host again.",
   codec: "This browser cannot decode this video.",
   gaze: "What the gaze's sender sends is no gaze.",
-  internal: "The viewer failed.",
+  internal:
+    "The viewer failed; load the page again, and if that does not help, whoever keeps the site " +
+    "may export it again.",
 };
 
 /** A problem in words; `detail` says what was found. */

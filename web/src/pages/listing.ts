@@ -34,8 +34,18 @@ export async function fetchListing(): Promise<readonly Listed[]> {
 
 function isListed(one: unknown): one is Listed {
   if (typeof one !== "object" || one === null) return false;
-  const texts = "name" in one && "file" in one && "poster" in one;
-  return texts && typeof one.name === "string" && typeof one.file === "string";
+  const is = (of: object, type: "string" | "number" | "boolean", names: readonly string[]) =>
+    names.every((name) => typeof (of as Record<string, unknown>)[name] === type);
+  const { poster } = one as { poster?: unknown };
+  return (
+    is(one, "string", ["name", "file", "projection"]) &&
+    is(one, "number", ["bytes", "eyes", "width", "height", "seconds"]) &&
+    is(one, "boolean", ["sound"]) &&
+    typeof poster === "object" &&
+    poster !== null &&
+    is(poster, "string", ["file"]) &&
+    is(poster, "number", ["width", "height"])
+  );
 }
 
 /** A name in an address, folder by folder. */

@@ -6,10 +6,10 @@ use super::range::{Part, part_of};
 use http_body_util::{Either, Full};
 use hyper::body::Bytes;
 use hyper::header::{self, HeaderMap, HeaderName, HeaderValue};
-use hyper::{Method, Request, Response, StatusCode};
+use hyper::{Method, Request, Response, StatusCode, Version};
 use std::net::IpAddr;
 use std::path::Path;
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// Everything that an answer depends on beside the request.
 pub(super) struct Server {
@@ -66,7 +66,10 @@ impl Server {
             }
         }
         match self.place.find(request.uri().path()) {
-            Found::File(file) => of_file(file, request.headers()),
+            Found::File(file) => {
+                let ranges = *request.method() == Method::GET;
+                of_file(file, request.headers(), ranges)
+            }
             Found::Folder => {
                 let mut moved = plain(StatusCode::PERMANENT_REDIRECT, "");
                 let there = format!("{}/", request.uri().path());
@@ -97,15 +100,19 @@ fn put(headers: &mut HeaderMap, name: HeaderName, value: &'static str) {
 
 /// Whether the request names this machine as those on it do.
 fn names_this_machine<B>(request: &Request<B>) -> bool {
-    let host = request.headers().get(header::HOST);
-    let host = host.and_then(|host| host.to_str().ok());
+    let Some(host) = request.headers().get(header::HOST) else {
+        // Browsers always name it; what is older than the header does not.
+        return request.version() == Version::HTTP_10;
+    };
+    let host = host.to_str().ok();
     let Some(Ok(authority)) = host.map(str::parse::<hyper::http::uri::Authority>) else {
         return false;
     };
     let name = authority
         .host()
         .trim_start_matches('[')
-        .trim_end_matches(']');
+        .trim_end_matches(']')
+        .to_ascii_lowercase();
     name == "localhost"
         || name.ends_with(".localhost")
         || name
@@ -113,10 +120,12 @@ fn names_this_machine<B>(request: &Request<B>) -> bool {
             .is_ok_and(|address: IpAddr| address.is_loopback())
 }
 
-fn of_file(file: FoundFile, asked: &HeaderMap) -> Response<AnswerBody> {
+/// The file as it was asked for; only a GET may ask for a part (RFC 9110 section 14.2).
+fn of_file(file: FoundFile, asked: &HeaderMap, ranges: bool) -> Response<AnswerBody> {
     let text = |name: HeaderName| asked.get(name).and_then(|value| value.to_str().ok());
     let (status, part) = match verdict(&file, text) {
         Some(status) => (status, Part::Whole),
+        None if !ranges => (StatusCode::OK, Part::Whole),
         None => match range(&file, text) {
             Part::Whole => (StatusCode::OK, Part::Whole),
             Part::Outside => (StatusCode::RANGE_NOT_SATISFIABLE, Part::Outside),
@@ -205,13 +214,19 @@ fn range<'a>(file: &FoundFile, text: impl Fn(HeaderName) -> Option<&'a str>) -> 
     };
     let still_so = text(header::IF_RANGE).is_none_or(|mark| {
         let date = httpdate::parse_http_date(mark);
-        mark == file.tag || date.is_ok_and(|date| !newer(file, date))
+        mark == file.tag || date.is_ok_and(|date| date == whole_seconds(file.modified))
     });
     if still_so {
         part_of(range, file.length)
     } else {
         Part::Whole
     }
+}
+
+/// A time as dates of headers tell it.
+fn whole_seconds(time: SystemTime) -> SystemTime {
+    let since = time.duration_since(UNIX_EPOCH).unwrap_or_default();
+    UNIX_EPOCH + Duration::from_secs(since.as_secs())
 }
 
 /// Whether a file changed after a date, which counts whole seconds.

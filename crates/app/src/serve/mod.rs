@@ -13,6 +13,7 @@ use crate::site::Site;
 use answer::Server;
 use anyhow::{Context, bail};
 use clap::Args;
+use hyper::Uri;
 use hyper::header::HeaderValue;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
@@ -27,6 +28,7 @@ use std::time::{Duration, SystemTime};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio_io_timeout::TimeoutStream;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ServeArgs {
@@ -37,7 +39,7 @@ pub(crate) struct ServeArgs {
     #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8080")]
     listen: String,
     /// Let pages of this origin read what is served, as https://example.org; * for any.
-    #[arg(long, value_name = "ORIGIN")]
+    #[arg(long, value_name = "ORIGIN", value_parser = parse_origin)]
     allow_origin: Option<HeaderValue>,
     /// Print one JSON object when it serves.
     #[arg(long)]
@@ -53,7 +55,7 @@ struct Serving {
 
 /// Connections at a time; a browser opens six.
 const CONNECTIONS: usize = 256;
-/// How long a connection may take to ask, and stay without asking.
+/// How long a connection may take to ask, stay without asking, and read nothing of its answer.
 const PATIENCE: Duration = Duration::from_secs(30);
 /// How long after a failure to accept a connection, as when files run out, it is tried again.
 const PAUSE: Duration = Duration::from_millis(200);
@@ -65,6 +67,21 @@ pub(crate) fn run(args: &ServeArgs) -> anyhow::Result<()> {
         .build()
         .context("the server cannot start")?;
     runtime.block_on(serve(args, place))
+}
+
+/// Reads `*`, or an origin as browsers write it: compared letter by letter.
+fn parse_origin(text: &str) -> anyhow::Result<HeaderValue> {
+    let expected = "expected * or an origin without a path, as https://example.org:8443";
+    let uri = text.parse::<Uri>().ok();
+    let origin = uri.and_then(|uri| {
+        let authority = uri.authority().filter(|one| !one.as_str().contains('@'))?;
+        Some(format!("{}://{authority}", uri.scheme_str()?))
+    });
+    match origin.map(|origin| origin.to_ascii_lowercase()) {
+        Some(origin) if origin != text => bail!("{expected}; did you mean {origin}?"),
+        None if text != "*" => bail!(expected),
+        _ => Ok(HeaderValue::from_str(text)?),
+    }
 }
 
 /// A folder, or a site of packs.
@@ -134,6 +151,8 @@ async fn serve(args: &ServeArgs, place: Place) -> anyhow::Result<()> {
 /// Answers what one connection asks until it ends.
 async fn connection(stream: TcpStream, permit: OwnedSemaphorePermit, server: Arc<Server>) {
     let _ = stream.set_nodelay(true);
+    let mut stream = TimeoutStream::new(stream);
+    stream.set_write_timeout(Some(PATIENCE));
     let answer = service_fn(move |request| {
         let response = server.answer(&request);
         async move { Ok::<_, Infallible>(response) }
@@ -142,7 +161,7 @@ async fn connection(stream: TcpStream, permit: OwnedSemaphorePermit, server: Arc
     let _ = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(PATIENCE)
-        .serve_connection(TokioIo::new(stream), answer)
+        .serve_connection(TokioIo::new(Box::pin(stream)), answer)
         .await;
     drop(permit);
 }

@@ -16,9 +16,12 @@ pub(super) enum Part {
 
 /// The part of a file of `length` bytes that this header names.
 pub(super) fn part_of(header: &str, length: u64) -> Part {
-    let Some(range) = header.trim().strip_prefix("bytes=") else {
+    let Some((unit, range)) = header.trim().split_once('=') else {
         return Part::Whole;
     };
+    if !unit.eq_ignore_ascii_case("bytes") {
+        return Part::Whole;
+    }
     let Some((first, last)) = range.trim().split_once('-') else {
         return Part::Whole;
     };

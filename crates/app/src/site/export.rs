@@ -5,6 +5,7 @@ use super::{LISTING, Site, SiteFile};
 use crate::output::{self, Counting};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
+use foveal_media::pack_file::PackFile;
 use serde::Serialize;
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
@@ -59,9 +60,28 @@ pub(crate) fn run(command: &Export) -> anyhow::Result<()> {
         packs: &site.packs,
     };
     if !args.dry_run {
+        tell_damage(&args.packs)?;
         exported.linked = write(&site, &args.out, exported.bytes)?;
     }
     output::result(args.json, &exported, &exported.text())
+}
+
+/// Reads the packs through: what is damaged is published, as the rest of it can be watched, and
+/// told.
+fn tell_damage(packs: &[PathBuf]) -> anyhow::Result<()> {
+    for pack in packs {
+        let file = PackFile::open(pack)?;
+        let bar = output::bar(Some(file.bytes()), Counting::Bytes);
+        let damage = file.verify(|done, _| bar.set_position(done));
+        bar.finish_and_clear();
+        if let Some(first) = damage.first() {
+            output::say(&format!(
+                "foveal: {first} ({} damaged places in all; the site shows the rest of it)",
+                damage.len()
+            ));
+        }
+    }
+    Ok(())
 }
 
 impl Exported<'_> {
