@@ -46,6 +46,12 @@ impl CodecOptions {
     }
 
     fn qualities(&self, text: &str) -> Result<Quality, WrongUsage> {
+        if self.codec == Codec::Png {
+            return Err(WrongUsage(
+                "--quality: png is lossless and has none; leave it out, or give another --codec"
+                    .to_owned(),
+            ));
+        }
         let ijg: Option<Vec<&str>> = text
             .split(',')
             .map(|q| q.trim().strip_prefix('q'))

@@ -31,12 +31,13 @@ mod simulate;
 mod simulate_score;
 mod site;
 mod timed_run;
+mod unused_options;
 mod verify;
 mod view;
 mod watching;
 mod web_files;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Also that of FFmpeg's libraries, which it replaces in the whole program: tiles come and go by
@@ -106,7 +107,12 @@ enum Prepare {
 
 fn main() -> ExitCode {
     quiet_without_display();
-    let result = match Cli::parse().command {
+    let matches = Cli::command().get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    for line in unused_options::unused_options(&matches) {
+        output::say(&line);
+    }
+    let result = match cli.command {
         Command::Prepare(Prepare::Video(args)) => prepare::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Verify(args) => verify::run(&args),

@@ -291,6 +291,7 @@ const DEFAULT_VIEW_WIDTH: u32 = 1920;
 impl ViewOptions {
     /// The view of `surface`: flat content fills it, a cube is seen with the field of view.
     pub(crate) fn eye_view(&self, surface: &Surface) -> anyhow::Result<EyeView> {
+        let fov = self.fov()?;
         let size = match self.view {
             Some(size) if size.iter().any(|&side| side > MAX_VIEW_SIDE) => {
                 let range = format!("sides of 1 to {MAX_VIEW_SIDE}");
@@ -306,7 +307,7 @@ impl ViewOptions {
         Ok(match surface.projection {
             Projection::Flat => EyeView::filling(surface, size),
             Projection::Cube => {
-                let field = Field::across(self.fov()?, size);
+                let field = Field::across(fov, size);
                 EyeView {
                     axes: Axes::FRONT,
                     field,

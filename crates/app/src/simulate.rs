@@ -3,7 +3,7 @@
 use crate::canvas::{Drawing, RendererName, Showing};
 use crate::decoding::{DecodingOptions, DeviceReport};
 use crate::gaze::{GazeChoice, GazeSource, interrupted, parse_gaze};
-use crate::options::{PolicyOptions, ViewOptions};
+use crate::options::{PolicyOptions, Switch, ViewOptions};
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::picture_file::write_png;
 use crate::player::{FrameReport, Player, PlayerOptions};
@@ -146,6 +146,13 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let frames = args.frames_to_play(about.frames)?;
     let fps = about.frame_rate;
     let surface = about.grid(args.view.screen).surface;
+    if surface.eyes == 1 && args.eye != EyeName::Left {
+        output::say(&format!(
+            "{}: has one picture for both eyes, so --eye {} shows that",
+            args.pack.display(),
+            args.eye.name()
+        ));
+    }
     let (view, drawing) = (args.view.eye_view(&surface)?, Drawing::open(args.renderer)?);
     let mut scoring = args.scoring.open(&Baseline {
         file: &file,
@@ -258,6 +265,13 @@ impl SimulateArgs {
         }
         if self.frames == Some(0) {
             bail!(out_of_range("--frames", 0, "at least 1"));
+        }
+        if self.renderer == RendererName::None && (self.heat_map || self.showing.blur == Switch::On)
+        {
+            bail!(WrongUsage(
+                "--renderer none draws nothing to blur or mark; leave --blur and --heat-map out"
+                    .to_owned()
+            ));
         }
         if self.watching.system().is_none() {
             self.config()?;

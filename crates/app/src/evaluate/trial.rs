@@ -13,6 +13,8 @@ use foveal_media::decoders::DecoderChoice;
 use foveal_media::pack_file::PackFile;
 use foveal_media::prepare::{PrepareSettings, prepare};
 use serde::Serialize;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -50,6 +52,23 @@ impl Drop for Scratch {
         // Nothing to be done about what cannot be removed.
         let _ = std::fs::remove_dir_all(&self.0);
     }
+}
+
+/// Removes the folder when the user, or the system, ends the program.
+fn leave_nothing_when_stopped(folder: &Path) -> anyhow::Result<()> {
+    let folder = folder.to_owned();
+    let mut signals = Signals::new([SIGINT, SIGTERM])?;
+    std::thread::Builder::new()
+        .name("signals".to_owned())
+        .spawn(move || {
+            for signal in &mut signals {
+                // Nothing to be done about what cannot be removed.
+                let _ = std::fs::remove_dir_all(&folder);
+                // Ends the program as if nobody had listened.
+                let _ = signal_hook::low_level::emulate_default_handler(signal);
+            }
+        })?;
+    Ok(())
 }
 
 /// Packs on disk and how fast they play.
@@ -96,6 +115,7 @@ impl TrialOptions {
     pub(super) fn scratch(&self) -> anyhow::Result<Scratch> {
         let base = self.scratch.clone().unwrap_or_else(std::env::temp_dir);
         let folder = base.join(format!("foveal-evaluate-{}", std::process::id()));
+        leave_nothing_when_stopped(&folder)?;
         std::fs::create_dir_all(&folder)
             .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
         Ok(Scratch(folder))

@@ -32,7 +32,10 @@ pub(crate) fn preset_of(choice: &str) -> anyhow::Result<HeadGazePreset> {
     }
     let path = Path::new(choice);
     if !path.exists() {
-        bail!("--preset is {choice}; give free-viewing, search or a file that is there");
+        bail!(
+            "--preset is {choice}; give free-viewing, search or a file that is there, or, where \
+             a published system is chosen, kastner-2016"
+        );
     }
     let text = read_text(path, "a preset")?;
     let preset: HeadGazePreset = toml::from_str(&text).with_context(|| choice.to_owned())?;

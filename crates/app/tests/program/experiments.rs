@@ -1,9 +1,11 @@
 //! Do the benchmark of video and the experiments measure what they say?
 
 use crate::scenes::write_clip;
-use crate::support::{Folder, assert_keys, done, json, refused};
+use crate::support::{Folder, assert_keys, command, done, json, refused};
 use foveal_media::generate::Scene;
 use serde_json::Value;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 /// A generated clip.
 fn wide_clip(folder: &Folder, size: [u32; 2], frames: u64) -> String {
@@ -16,6 +18,25 @@ fn number(value: &Value, key: &str) -> f64 {
     value[key]
         .as_f64()
         .unwrap_or_else(|| panic!("no {key} in {value}"))
+}
+
+#[test]
+fn experiments_that_are_ended_leave_nothing() {
+    let folder = Folder::new();
+    let clip = wide_clip(&folder, [640, 360], 64);
+    let scratch = folder.name("scratch");
+    std::fs::create_dir(&scratch).unwrap();
+    let mut command = command(&["evaluate", "codecs", &clip, "--scratch", &scratch]);
+    let mut running = command.stderr(Stdio::null()).spawn().unwrap();
+    let holds_something = || std::fs::read_dir(&scratch).unwrap().next().is_some();
+    while !holds_something() {
+        assert!(running.try_wait().unwrap().is_none(), "it ended by itself");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let id = running.id().to_string();
+    let killed = Command::new("kill").args(["-TERM", &id]).status().unwrap();
+    assert!(killed.success() && !running.wait().unwrap().success());
+    assert!(!holds_something());
 }
 
 #[test]

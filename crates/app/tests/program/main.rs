@@ -19,6 +19,7 @@ mod layouts;
 mod live_gaze;
 mod no_adapter;
 mod numbers;
+mod options;
 mod perception;
 mod perceptual;
 mod refusals;

@@ -1,0 +1,67 @@
+//! Is an option that can change nothing told or refused?
+
+use crate::scenes::{waves, write_clip};
+use crate::support::{Folder, done, refused};
+
+const SELECT: [&str; 6] = [
+    "select",
+    "--projection",
+    "cube",
+    "--face-size",
+    "256",
+    "--tile",
+];
+
+#[test]
+fn an_option_of_another_policy_is_told() {
+    let told = |policy: &str, options: &[&str]| {
+        let common = [&SELECT[..], &["64", "--policy", policy]].concat();
+        done(&[&common, options].concat()).stderr
+    };
+    let said = told("acuity", &["--samples", "5", "--edge-margin", "1"]);
+    assert!(said.contains("--samples changes nothing with --policy acuity"));
+    assert!(said.contains("--edge-margin changes nothing") && said.contains("it is for grid"));
+    assert_eq!(told("grid", &["--edge-margin", "1"]), "");
+    assert_eq!(told("acuity", &["--safety-disc", "1"]), "");
+}
+
+#[test]
+fn options_that_contradict_the_content_or_each_other_are_refused_or_told() {
+    let folder = Folder::new();
+    let clip = write_clip(&folder, "a.mkv", &waves([96, 64], 2));
+    let (pack, out) = (folder.name("a.foveal"), folder.name("run"));
+    refused(
+        2,
+        &[
+            "prepare",
+            "video",
+            &clip,
+            "--out",
+            &pack,
+            "--codec",
+            "png",
+            "--quality",
+            "3",
+        ],
+        &["--quality", "lossless"],
+    );
+    done(&["prepare", "video", &clip, "--out", &pack]);
+    let simulate = ["simulate", &pack, "--out", &out, "--renderer", "none"];
+    let with = |options: &[&'static str]| [&simulate[..], options].concat();
+    refused(2, &with(&["--blur", "on"]), &["--renderer none", "--blur"]);
+    for fov in ["0", "nan", "360"] {
+        refused(2, &with(&["--fov", fov]), &["--fov", "1 to 170 degrees"]);
+    }
+    let eyes = done(&with(&["--eye", "both"])).stderr;
+    assert!(eyes.contains("one picture for both eyes"), "{eyes}");
+    refused(
+        1,
+        &with(&["--preset", "kastner"]),
+        &["--preset is kastner", "kastner-2016"],
+    );
+    refused(
+        1,
+        &["info", &folder.name(".")],
+        &["is a folder", "foveal prepare"],
+    );
+}
