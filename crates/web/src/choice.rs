@@ -3,7 +3,7 @@
 use crate::shelf::Shelf;
 use foveal_core::asset::tile_grid::Tile;
 use foveal_core::selection::aim::Aim;
-use foveal_core::selection::budget::{Budget, MOST_SAVED_S};
+use foveal_core::selection::budget::Budget;
 use foveal_core::selection::content::Content;
 use foveal_core::selection::picker::Picker;
 use foveal_core::selection::policy::{Policy, PolicyConfig};
@@ -25,9 +25,10 @@ pub(crate) struct WebChoice {
     log: Option<String>,
     bytes_per_s: f64,
     budget: Budget,
-    /// When the budget was last asked, and when it was last spent.
+    /// When the budget was last asked.
     asked: Option<f64>,
-    bought: f64,
+    /// All that it could ever bring was offered, and nothing of it was worth it.
+    is_done: bool,
     /// A choice was put off until what it needs is there.
     waits: Option<u32>,
 }
@@ -41,7 +42,7 @@ impl WebChoice {
             bytes_per_s: FIRST_GUESS,
             budget: Budget::new(FIRST_GUESS),
             asked: None,
-            bought: 0.0,
+            is_done: false,
             waits: None,
         }
     }
@@ -91,10 +92,10 @@ impl WebChoice {
     }
 
     /// Whether what a choice waited for is there, or may still be bought.
-    fn may_go_on(&self, now: f64) -> bool {
+    fn may_go_on(&self) -> bool {
         let spends = self.policy().spends_a_budget();
         let ready = |frame| self.shelf.borrow().can_spend(frame);
-        self.waits.is_some_and(ready) || spends && now - self.bought < 2.0 * MOST_SAVED_S
+        self.waits.is_some_and(ready) || spends && !self.is_done
     }
 }
 
@@ -116,15 +117,13 @@ impl Chooses for WebChoice {
         });
         let content = spends.then_some(&*shelf as &dyn Content);
         let picked = self.picker.choose(content, frame, aim, budget);
+        self.is_done = picked.spent == 0 && self.budget.is_full();
         self.budget.spend(picked.spent);
-        if picked.spent > 0 {
-            self.bought = now;
-        }
         self.write(&picked.log);
         Ok(picked.tiles)
     }
 
     fn differs(&self, now: &Aim, before: &Aim) -> bool {
-        self.may_go_on(now.gaze.time.0) || now.differs(before, self.policy())
+        self.may_go_on() || now.differs(before, self.policy())
     }
 }

@@ -7,7 +7,7 @@ use foveal_core::asset::signature::Signatures;
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use foveal_core::perception::parameters::Parameters;
 use foveal_core::selection::aim::Aim;
-use foveal_core::selection::budget::{Budget, MOST_SAVED_S};
+use foveal_core::selection::budget::Budget;
 use foveal_core::selection::content::{Content, PackContent};
 use foveal_core::selection::picker::{HasTables, Picker};
 use foveal_core::selection::policy::{Policy, PolicyConfig};
@@ -33,8 +33,8 @@ struct Spending {
     budget: Budget,
     /// When it was last asked.
     until: f64,
-    /// When it was last spent.
-    bought: f64,
+    /// All that it could ever bring was offered, and nothing of it was worth it.
+    is_done: bool,
 }
 
 struct Log {
@@ -49,11 +49,9 @@ impl Spending {
         self.budget.after(Seconds(passed))
     }
 
-    fn spend(&mut self, bytes: u64, now: Seconds) {
+    fn spend(&mut self, bytes: u64) {
+        self.is_done = bytes == 0 && self.budget.is_full();
         self.budget.spend(bytes);
-        if bytes > 0 {
-            self.bought = now.0;
-        }
     }
 }
 
@@ -93,7 +91,7 @@ impl Choice {
             link: link.map(|link| Spending {
                 budget: Budget::new(link.bytes_per_s),
                 until: 0.0,
-                bought: 0.0,
+                is_done: false,
             }),
         };
         if !choice.can(choice.policy()) {
@@ -133,10 +131,10 @@ impl Choice {
     }
 
     /// Whether a link may still bring what was not chosen yet for lack of bytes.
-    fn saves_up(&self, now: f64) -> bool {
+    fn saves_up(&self) -> bool {
         let link = self.link.as_ref();
         let link = link.filter(|_| self.policy().spends_a_budget());
-        link.is_some_and(|link| now - link.bought < 2.0 * MOST_SAVED_S)
+        link.is_some_and(|link| !link.is_done)
     }
 }
 
@@ -144,7 +142,7 @@ impl Chooses for Choice {
     type Error = anyhow::Error;
 
     fn differs(&self, now: &Aim, before: &Aim) -> bool {
-        self.saves_up(now.gaze.time.0) || now.differs(before, self.policy())
+        self.saves_up() || now.differs(before, self.policy())
     }
 
     fn choose(&mut self, frame: u32, aim: &Aim) -> anyhow::Result<Vec<Tile>> {
@@ -159,7 +157,7 @@ impl Chooses for Choice {
         let budget = link.as_mut().map(|link| link.ask(aim.gaze.time));
         let picked = self.picker.choose(content, frame, aim, budget);
         if let Some(link) = link {
-            link.spend(picked.spent, aim.gaze.time);
+            link.spend(picked.spent);
         }
         if let Some(log) = &mut self.log {
             log.write(&picked.log)?;

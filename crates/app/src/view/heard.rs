@@ -16,6 +16,10 @@ const MOST_ELSEWHERE: u32 = 3;
 const AT_ONCE_S: f64 = 3.0;
 /// How much faster than it is heard a device may take sound after that: clocks differ by far less.
 const MOST_RATE: f64 = 1.2;
+/// How long it is looked at to tell, in seconds.
+const LOOK_S: f64 = 0.1;
+/// How much faster than it is heard it takes sound in that time, at most, once its memory is full.
+const MOST_SATED_RATE: f64 = 1.5;
 
 /// What a device has taken. One that throws sound away takes it as fast as it comes, and tells
 /// nothing of when anything is heard.
@@ -23,7 +27,8 @@ const MOST_RATE: f64 = 1.2;
 pub(crate) struct Appetite {
     opened: f64,
     taken_s: f64,
-    last: Option<f64>,
+    /// When it was last looked at, and what it had taken then.
+    looked: (f64, f64),
     sated: bool,
 }
 
@@ -33,7 +38,7 @@ impl Appetite {
         Self {
             opened,
             taken_s: 0.0,
-            last: None,
+            looked: (opened, 0.0),
             sated: false,
         }
     }
@@ -46,9 +51,11 @@ impl Appetite {
     /// Notes seconds of sound that are taken at `now`; returns whether they can all be heard.
     pub(crate) fn takes(&mut self, seconds: f64, now: f64) -> bool {
         self.taken_s += seconds;
-        let waited = self.last.map_or(0.0, |last| now - last);
-        self.sated |= waited >= seconds / 2.0;
-        self.last = Some(now);
+        let (then, taken) = self.looked;
+        if now - then >= LOOK_S {
+            self.sated |= self.taken_s - taken <= MOST_SATED_RATE * (now - then);
+            self.looked = (now, self.taken_s);
+        }
         self.taken_s <= AT_ONCE_S + MOST_RATE * (now - self.opened)
     }
 }
@@ -159,12 +166,13 @@ mod tests {
     #[test]
     fn a_device_is_sated_once_it_waits_between_what_it_takes() {
         let mut fills = Appetite::from(0.0);
-        (0..100).for_each(|step| {
-            fills.takes(0.02, 1.0 + f64::from(step) * 0.001);
+        (0..1000).for_each(|step| {
+            fills.takes(0.02, f64::from(step) * 0.001);
             assert!(!fills.is_sated());
         });
-        fills.takes(0.02, 1.12);
-        fills.takes(0.02, 1.121);
+        (0..12).for_each(|step| {
+            fills.takes(0.02, 1.0 + f64::from(step) * 0.02);
+        });
         assert!(fills.is_sated());
     }
 

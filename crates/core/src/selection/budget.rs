@@ -35,6 +35,12 @@ impl Budget {
         self.saved as u64
     }
 
+    /// Whether waiting brings no more: who bought nothing now buys nothing later.
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        self.bytes_per_s.is_infinite() || self.saved >= self.bytes_per_s * MOST_SAVED_S
+    }
+
     /// Takes bytes that were spent.
     pub fn spend(&mut self, bytes: u64) {
         self.saved = (self.saved - bytes as f64).max(0.0);
@@ -51,7 +57,9 @@ mod tests {
         assert_eq!(budget.after(Seconds(0.1)), 100);
         budget.spend(60);
         assert_eq!(budget.after(Seconds(0.1)), 140);
+        assert!(!budget.is_full());
         assert_eq!(budget.after(Seconds(60.0)), 250);
+        assert!(budget.is_full());
         assert_eq!(budget.after(Seconds(-1.0)), 250);
     }
 
