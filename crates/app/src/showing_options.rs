@@ -65,7 +65,8 @@ pub(crate) struct ShowingOptions {
     /// What tiles lie in on the GPU.
     #[arg(long, value_enum, default_value = "atlas")]
     pub(crate) reconstruction: Reconstruction,
-    /// sampled: how pixels between samples are filled (default: blended; nearest with --preset kastner-2016).
+    /// sampled: how pixels between samples are filled (default: blended; nearest with --preset
+    /// kastner-2016).
     #[arg(long, value_enum)]
     pub(crate) interpolation: Option<InterpolationName>,
     /// Blur what lies outside the fovea as acuity falls off.

@@ -10,7 +10,7 @@ test("every line of a tracker of a thousand a second comes through", () => {
   }
 });
 
-test("of a flood as many lines as a page can look at come through, and of a message the newest", () => {
+test("of a flood as many lines come through as a page can look at, the newest", () => {
   const sieve = new Sieve();
   let passed = 0;
   for (let ms = 0; ms < 2000; ms += 10) {
