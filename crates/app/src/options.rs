@@ -279,6 +279,7 @@ pub(crate) struct ViewOptions {
     fov: f64,
     /// Flat content: diagonal in inches and distance in metres of the screen it fills.
     #[arg(long, value_name = "INCHES,METRES", value_parser = parse_screen)]
+    #[arg(allow_hyphen_values = true)]
     #[arg(default_value = "24,0.6")]
     pub(crate) screen: Screen,
 }
@@ -408,7 +409,8 @@ pub(crate) fn parse_pair(text: &str) -> anyhow::Result<[f64; 2]> {
 }
 
 fn parse_screen(text: &str) -> anyhow::Result<Screen> {
-    let [diagonal_inches, distance_m] = parse_pair(text)?;
+    let [diagonal_inches, distance_m] =
+        parse_pair(text).context("expected inches and metres as 24,0.6")?;
     if (0.1..=10_000.0).contains(&diagonal_inches) && (0.01..=1000.0).contains(&distance_m) {
         Ok(Screen {
             diagonal_inches,

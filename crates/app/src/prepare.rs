@@ -7,6 +7,7 @@ use crate::output::{self, WrongUsage, out_of_range};
 use crate::preset::SystemPreset;
 use anyhow::bail;
 use clap::{Args, ValueEnum};
+use foveal_core::asset::pack::MAGIC;
 use foveal_media::VideoInput;
 use foveal_media::encode::Speed;
 use foveal_media::pack_file::{PackFile, partial_path};
@@ -15,6 +16,8 @@ use foveal_media::prepare::{
     rehearse,
 };
 use serde::Serialize;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -116,6 +119,7 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
         .as_deref()
         .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
     refuse_to_overwrite_input(&args.input, out)?;
+    refuse_to_overwrite_other_files(out)?;
     let bar = output::bar(plan.frames, output::Counting::Frames);
     let mut tell = |event: Event| match event {
         Event::Begins(note) => output::say(&format!("{}: {note}", out.display())),
@@ -124,6 +128,13 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
     let begun = Instant::now();
     let prepared = prepare_resumable(&args.input, out, &plan, !args.no_resume, &mut tell);
     bar.finish_and_clear();
+    if prepared.is_err() && partial_path(out).exists() {
+        output::say(&format!(
+            "foveal: {} and its journal keep what is done: the same command goes on there, and \
+             with a mended input it starts afresh",
+            partial_path(out).display()
+        ));
+    }
     for note in prepared?.notes {
         output::say(&format!("{}: {note}", args.input.display()));
     }
@@ -209,6 +220,20 @@ impl PrepareVideoArgs {
 }
 
 /// Writing the pack over its own source, or growing it there, would destroy the source.
+/// A pack takes the place of a pack, not of anything else.
+fn refuse_to_overwrite_other_files(out: &Path) -> anyhow::Result<()> {
+    let mut begin = [0; MAGIC.len()];
+    let there = std::fs::metadata(out).is_ok_and(|there| there.is_file() && there.len() > 0);
+    let mut read = || File::open(out).and_then(|mut file| file.read_exact(&mut begin));
+    if there && !(read().is_ok() && begin == MAGIC) {
+        bail!(WrongUsage(format!(
+            "--out {}: there is a file that is no pack; give another name, or remove it",
+            out.display()
+        )));
+    }
+    Ok(())
+}
+
 fn refuse_to_overwrite_input(input: &Path, out: &Path) -> anyhow::Result<()> {
     let is_input = |path: &Path| match (input.canonicalize(), path.canonicalize()) {
         (Ok(input), Ok(path)) => input == path,

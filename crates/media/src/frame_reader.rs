@@ -205,8 +205,10 @@ enum Step {
 
 /// The box for which FFmpeg does not open the file, if that is why.
 fn refused_box(path: &Path) -> Option<MediaError> {
-    let mut broken = broken_boxes_of(path).into_iter();
-    let refused = broken.find(|broken| broken.is_refused)?;
+    // What it usually passes over may still make it stumble.
+    let mut broken = broken_boxes_of(path);
+    broken.sort_by_key(|broken| !broken.is_refused);
+    let refused = broken.into_iter().next()?;
     Some(MediaError::BrokenBox {
         path: path.to_owned(),
         name: refused.name,

@@ -37,16 +37,26 @@ pub enum PackFileError {
         what: &'static str,
     },
     /// The bytes are no pack, or damaged.
-    #[error(
-        "{}: {source}; if it was copied, copy it again, else prepare it again from its source",
-        path.display()
-    )]
+    #[error("{}: {source}{}", path.display(), advice(path, source))]
     Format {
         /// The pack.
         path: PathBuf,
         /// The field that is wrong.
         source: PackError,
     },
+}
+
+/// What to do about bytes that are no pack of this version.
+fn advice(path: &Path, error: &PackError) -> String {
+    match error.field.as_str() {
+        "magic" => format!(
+            "; if it is a video, make a pack of it: `foveal prepare video {} --out PACK`",
+            path.display()
+        ),
+        // The error itself says what to update.
+        "version" => String::new(),
+        _ => "; if it was copied, copy it again, else prepare it again from its source".to_owned(),
+    }
 }
 
 /// An open pack: description and index in memory, chunks read when they are asked for.

@@ -13,8 +13,12 @@ const SENTENCES: Readonly<Record<Kind, string>> = {
     "it; put the file on a host that does, as object stores and most web servers do.",
   "not-found": "There is no video at this address.",
   network: "The host cannot be reached; trying again.",
-  "broken-pack": "The video's file is damaged or no pack; copy it to the host again.",
-  codec: "This browser cannot decode this video.",
+  "broken-pack":
+    "The video's file cannot be read; whoever keeps the site may copy it to the host again, or " +
+    "export the site again with the program that prepared it.",
+  codec:
+    "This browser cannot decode this video; whoever keeps the site may prepare it with --codec " +
+    "vp9, which all browsers decode.",
   gaze: "What the gaze's sender sends is no gaze.",
   internal:
     "The viewer failed; load the page again, and if that does not help, whoever keeps the site " +

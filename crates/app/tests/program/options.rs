@@ -59,6 +59,17 @@ fn options_that_contradict_the_content_or_each_other_are_refused_or_told() {
         &with(&["--preset", "kastner"]),
         &["--preset is kastner", "kastner-2016"],
     );
+    let video = std::fs::read(&clip).unwrap();
+    let precious = folder.holding("precious.mkv", &video);
+    refused(
+        2,
+        &["prepare", "video", &clip, "--out", &precious],
+        &["precious.mkv", "no pack", "another name"],
+    );
+    assert_eq!(std::fs::read(&precious).unwrap(), video);
+    refused(1, &["info", &clip], &["foveal prepare video", "a.mkv"]);
+    refused(2, &with(&["--screen", "24"]), &["24,0.6"]);
+    refused(2, &with(&["--screen", "-3,0"]), &["inches"]);
     refused(
         1,
         &["info", &folder.name(".")],

@@ -211,6 +211,19 @@ fn every_way_to_show_a_picture_shows_one_and_goes_back() {
 }
 
 #[test]
+fn a_still_is_decoded_once_and_settles() {
+    let folder = Folder::new();
+    let clip = write_clip(&folder, "a.mkv", &[numbered_tiles([512, 288], 64, 0)]);
+    let pack = folder.name("a.foveal");
+    done(&["prepare", "video", &clip, "--out", &pack, "--tile", "64"]);
+    let Some(summary) = watched(&folder, &pack, "0 settle\n0.5 settle\n0.5 quit", &[]) else {
+        return;
+    };
+    let pixels = summary["decoded_megapixels"].as_f64().unwrap();
+    assert!(pixels * 1e6 < 2.0 * 512.0 * 288.0, "{summary}");
+}
+
+#[test]
 fn a_link_brings_the_picture_bit_by_bit_and_its_log_replays() {
     let folder = Folder::new();
     let pack = flat_pack(&folder);
