@@ -330,6 +330,10 @@ test("sound begins with a key, without a gap, in step with the pictures", async 
     const beats = Math.floor(whole.length / 9600);
     expect(beats).toBeGreaterThan(10);
     const [begun = 0, ...onsets] = Array.from({ length: beats }, (_, at) => loudest(at * 9600));
-    for (const onset of onsets) expect(Math.abs(onset - begun)).toBeLessThan(240);
+    for (const onset of onsets) {
+      // The last sample of a beat lies beside the first of the next.
+      const away = Math.abs(onset - begun);
+      expect(Math.min(away, 9600 - away)).toBeLessThan(240);
+    }
   });
 });
