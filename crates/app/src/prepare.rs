@@ -219,7 +219,6 @@ impl PrepareVideoArgs {
     }
 }
 
-/// Writing the pack over its own source, or growing it there, would destroy the source.
 /// A pack takes the place of a pack, not of anything else.
 fn refuse_to_overwrite_other_files(out: &Path) -> anyhow::Result<()> {
     let mut begin = [0; MAGIC.len()];
@@ -234,6 +233,7 @@ fn refuse_to_overwrite_other_files(out: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Writing the pack over its own source, or growing it there, would destroy the source.
 fn refuse_to_overwrite_input(input: &Path, out: &Path) -> anyhow::Result<()> {
     let is_input = |path: &Path| match (input.canonicalize(), path.canonicalize()) {
         (Ok(input), Ok(path)) => input == path,

@@ -104,11 +104,13 @@ fn a_full_disk_is_told_and_nothing_is_left_on_it() {
     let words = ["a.foveal", "after", "bytes", "free space", "No space left"];
     refused(1, &prepare, &words);
     assert_eq!(small.names(), [""; 0]);
-    // What was there before stays.
-    std::fs::write(&out, b"before").unwrap();
+    // A pack that was there before stays.
+    let other = write_clip(&folder, "b.mkv", &waves([64, 48], 2));
+    done(&["prepare", "video", &other, "--out", &out]);
+    let before = std::fs::read(&out).unwrap();
     refused(1, &prepare, &words);
     assert_eq!(small.names(), ["a.foveal"]);
-    assert_eq!(std::fs::read(&out).unwrap(), b"before");
+    assert_eq!(std::fs::read(&out).unwrap(), before);
     let pack = folder.name("a.foveal");
     done(&[&["prepare", "video", &clip, "--out", &pack], &how[..]].concat());
     let run = small.name("run");
