@@ -15,8 +15,6 @@ export interface HostOptions {
   readonly screen: { readonly diagonal_inches: number; readonly distance_m: number };
   /** Bytes that another thread fetched. */
   readonly pieces: readonly { offset: number; bytes: Uint8Array }[];
-  /** The browser's own cache may hold another file of this address. */
-  readonly fresh: boolean;
   /** Where the content is, in seconds. */
   readonly time: number;
 }

@@ -65,7 +65,6 @@ export class Courier {
         now: () => performance.now(),
         wait: (ms, then) => setTimeout(then, ms),
       },
-      begin.fresh,
     );
     for (const { offset, bytes } of begin.pieces) this.#loader.bytes.add(offset, bytes);
   }

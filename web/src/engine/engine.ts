@@ -66,7 +66,7 @@ class PageEngine implements EngineApi {
   }
 
   /** Begins on a fresh canvas; a canvas that a worker draws on cannot be had back. */
-  async start(pieces: Pieces = [], fresh = false): Promise<void> {
+  async start(pieces: Pieces = []): Promise<void> {
     const before = this.#side;
     const made = document.createElement("canvas");
     [made.width, made.height] = this.#size as [number, number];
@@ -97,7 +97,7 @@ class PageEngine implements EngineApi {
       ...(policy ? { policy } : {}),
     };
     const name = decodeURIComponent(new URL(url).pathname.split("/").pop() ?? "");
-    const about = { options, url, name, pieces, fresh, time: this.#time };
+    const about = { options, url, name, pieces, time: this.#time };
     const begin = { canvas, ...about, ...screenOf(options) };
     this.#pack = await side.ask("open", [begin], [canvas, ...buffers(pieces)]);
     this.#starts = 0;
@@ -125,7 +125,7 @@ class PageEngine implements EngineApi {
     if (name === "picture") for (const gone of this.#before.splice(0)) gone.remove();
     for (const heard of this.#heard[name]) heard(value);
     if (name === "changed" && !this.#closed) {
-      this.start([], true).catch((error: unknown) => this.#say("error", problemOf(error)));
+      this.start().catch((error: unknown) => this.#say("error", problemOf(error)));
     }
   }
 

@@ -273,14 +273,13 @@ test("both kinds of content play on, round after round", async () => {
       const { page } = opened;
       await told(page, "picture");
       // The content lasts two seconds: time that falls has begun anew.
-      let [before, fell] = [0, false];
-      while (!fell) {
-        const { time } = await stats(opened);
-        [before, fell] = [time, time < before];
+      let [before, rounds, frames] = [0, 0, 0];
+      while (rounds < 1 || frames < 3) {
+        const { time, playing, framesShown } = await stats(opened);
+        expect(playing).toBe(true);
+        if (time < before) rounds += 1;
+        [before, frames] = [time, framesShown];
       }
-      const { playing, framesShown } = await stats(opened);
-      expect(playing).toBe(true);
-      expect(framesShown).toBeGreaterThan(2);
     });
   }
 });
@@ -311,29 +310,40 @@ test("sound begins with a key, without a gap, in step with the pictures", async 
     const [first, ...others] = ((await kept.jsonValue()) ?? []) as Placed[];
     if (first === undefined) throw new Error("nothing was heard");
     let end = first.at + first.samples.length / 48_000;
+    // What is heard without anything left out.
+    const stretches = [[first.samples]];
     for (const { at, known, samples } of others) {
       expect(at).toBeGreaterThan(end - 1e-4);
-      if (at > end + 1e-4) {
-        // Where a busy machine knows a piece only after the one before is over, it comes at once.
-        expect(end).toBeLessThan(known);
-        expect(at).toBeLessThan(known + 1e-4);
+      // Where a busy machine knows a piece only after the one before is over, it comes at once.
+      const late = at > end + 1e-4;
+      if (late) expect(end).toBeLessThan(known);
+      if (late && at > known + 1e-4) {
+        // After half a second of silence sound begins where the picture is by then.
+        expect(end + 0.5).toBeLessThan(known);
+        expect(at).toBeLessThan(known + 0.08 + 1e-4);
+        stretches.push([]);
       }
+      stretches.at(-1)?.push(samples);
       end = at + samples.length / 48_000;
     }
-    // Nothing is left out: the tone begins anew with every fifth picture, to 5 ms.
-    const whole = [first, ...others].flatMap(({ samples }) => samples);
-    const loudest = (from: number): number => {
-      const part = whole.slice(from, from + 9600).map(Math.abs);
-      return part.indexOf(Math.max(...part));
-    };
-    // Sound begins where the picture is by then, which is within some beat.
-    const beats = Math.floor(whole.length / 9600);
-    expect(beats).toBeGreaterThan(10);
-    const [begun = 0, ...onsets] = Array.from({ length: beats }, (_, at) => loudest(at * 9600));
-    for (const onset of onsets) {
-      // The last sample of a beat lies beside the first of the next.
-      const away = Math.abs(onset - begun);
-      expect(Math.min(away, 9600 - away)).toBeLessThan(240);
+    // The tone begins anew with every fifth picture, to 5 ms.
+    let beats = 0;
+    for (const pieces of stretches) {
+      const whole = pieces.flat();
+      const loudest = (from: number): number => {
+        const part = whole.slice(from, from + 9600).map(Math.abs);
+        return part.indexOf(Math.max(...part));
+      };
+      // A stretch begins where the picture is by then, which is within some beat.
+      const count = Math.floor(whole.length / 9600);
+      const [begun = 0, ...onsets] = Array.from({ length: count }, (_, at) => loudest(at * 9600));
+      for (const onset of onsets) {
+        // The last sample of a beat lies beside the first of the next.
+        const away = Math.abs(onset - begun);
+        expect(Math.min(away, 9600 - away)).toBeLessThan(240);
+      }
+      beats += count;
     }
+    expect(beats).toBeGreaterThan(8);
   });
 });
