@@ -158,10 +158,13 @@ impl PackInfo {
         if let Some(sound) = &self.sound {
             let _ = writeln!(
                 text,
-                "sound: {}, {} Hz, {} channels, {:.2} s, {:.2} MB",
+                "sound: {}, {} Hz, {}, {:.2} s, {:.2} MB",
                 sound.codec,
                 sound.rate,
-                sound.channels,
+                match sound.channels {
+                    1 => "one channel".to_owned(),
+                    more => format!("{more} channels"),
+                },
                 sound.seconds,
                 sound.bytes as f64 / 1e6
             );

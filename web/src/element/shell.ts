@@ -118,6 +118,11 @@ export class Shell {
     this.seek.setAttribute("aria-valuetext", `${spokenTime(seconds)} of ${spokenTime(of)}`);
   }
 
+  /** Whether there is time to go through; a still has none. */
+  set showsTime(shows: boolean) {
+    for (const part of [this.buttons.play, this.seek, this.time]) part.hidden = !shows;
+  }
+
   showPlaying(playing: boolean): void {
     this.relabel("play", playing ? "Pause" : "Play", playing ? ICONS.pause : ICONS.play);
   }

@@ -47,6 +47,7 @@ export class Viewing implements Actions {
     overlay.offer(engine.pack);
     shell.showPlaying(this.playing);
     shell.showTime(0, engine.pack.seconds);
+    shell.showsTime = engine.pack.frames > 1;
     this.listen();
     this.fit();
     void this.offerSound();
