@@ -216,6 +216,8 @@ export class Host implements Calls {
     return {
       ...(JSON.parse(show.stats(seconds())) as Stats),
       ...courier.stats(),
+      // What was asked for since the last step is not shown yet.
+      settled: this.#settled,
       frameMs: this.#frameMs,
       firstPicture: this.#first?.seconds ?? null,
       firstPictureTrips: this.#first?.trips ?? null,

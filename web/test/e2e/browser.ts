@@ -2,6 +2,7 @@
 
 import { execFileSync } from "node:child_process";
 import { type Browser, type BrowserContextOptions, type Page, chromium } from "playwright-core";
+import type { Stats } from "../../src/engine/api.ts";
 import { PNG } from "./png.ts";
 
 /** Flags with which Chromium draws WebGPU that can be looked at, without a display or a GPU. */
@@ -94,6 +95,24 @@ export async function told(page: Page, name: string, since = 0): Promise<unknown
   );
   const value = await found.jsonValue();
   return value?.detail;
+}
+
+/** The figures of the page's view. */
+export function stats({ page }: Opened): Promise<Stats> {
+  return page.evaluate(() => {
+    const view = document.querySelector("foveal-view");
+    if (view === null) throw new Error("no foveal-view");
+    return view.stats();
+  });
+}
+
+/** Waits until all that was asked for so far is shown. */
+export async function settled(opened: Opened): Promise<Stats> {
+  for (;;) {
+    const now = await stats(opened);
+    if (now.settled) return now;
+    await opened.page.waitForTimeout(20);
+  }
 }
 
 /** How many events there were so far. */

@@ -9,7 +9,7 @@ import type { AddressInfo, Socket } from "node:net";
 import type { Browser } from "playwright-core";
 import { afterAll, beforeAll, expect, inject, test } from "vitest";
 import { RangeHost } from "../range-server.ts";
-import { countTold, launch, open, seen, told } from "./browser.ts";
+import { countTold, launch, open, seen, settled, told } from "./browser.ts";
 
 let browser: Browser;
 
@@ -29,10 +29,10 @@ test("three lines show a pack in a page of another origin", async () => {
   const host = await RangeHost.of(inject("site"), { allowOrigin: "*", delayMs: 10 });
   await writeFile(join(folder, "index.html"), FOREIGN(host.url));
   const foreign = await RangeHost.of(folder);
-  const { page, complaints } = await open(browser, foreign.url);
+  const opened = await open(browser, foreign.url);
+  const { page, complaints } = opened;
   try {
     await told(page, "settled");
-    const before = await countTold(page);
     const api = await page.evaluate(async () => {
       const view = document.querySelector("foveal-view");
       if (view === null) throw new Error("no element");
@@ -42,10 +42,9 @@ test("three lines show a pack in a page of another origin", async () => {
       return { pose, seconds: view.pack?.seconds };
     });
     expect(api.seconds).toBeCloseTo(2, 1);
-    await told(page, "settled", before);
-    const stats = await page.evaluate(() => document.querySelector("foveal-view")?.stats());
-    expect(stats?.headDeg[0]).toBeCloseTo(30, 0);
-    expect(stats?.frame).toBe(25);
+    const stats = await settled(opened);
+    expect(stats.headDeg[0]).toBeCloseTo(30, 0);
+    expect(stats.frame).toBe(25);
     expect((await seen(page)).at(0.5, 0.5).some((channel) => channel > 30)).toBe(true);
     expect(complaints).toEqual([]);
   } finally {

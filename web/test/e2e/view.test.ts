@@ -5,7 +5,7 @@ import { afterAll, beforeAll, expect, inject, test } from "vitest";
 import type { Stats } from "../../src/engine/api.ts";
 import { type Asked, RangeHost } from "../range-server.ts";
 import { colourAt } from "../scenes.ts";
-import { type Opened, countTold, launch, open, seen, told } from "./browser.ts";
+import { type Opened, launch, open, seen, settled, stats, told } from "./browser.ts";
 
 let browser: Browser;
 let host: RangeHost;
@@ -38,14 +38,6 @@ async function on(
 }
 
 /** The figures of the moment. */
-function stats({ page }: Opened): Promise<Stats> {
-  return page.evaluate(() => {
-    const view = document.querySelector("foveal-view");
-    if (view === null) throw new Error("no foveal-view");
-    return view.stats();
-  });
-}
-
 /** Fails unless a colour is near what the scene has at a place, blue aside. */
 function near(found: readonly number[], x: number, y: number): void {
   const expected = colourAt(x, y, 0);
@@ -93,13 +85,11 @@ test("a sphere turns by dragging, and shows what lies there", async () => {
     const box = await stage.boundingBox();
     if (box === null) throw new Error("no stage");
     const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
-    const before = await countTold(page);
     await page.mouse.move(x, y);
     await page.mouse.down();
     await page.mouse.move(x - 200, y, { steps: 4 });
     await page.mouse.up();
-    await told(page, "settled", before);
-    const { headDeg } = await stats(opened);
+    const { headDeg } = await settled(opened);
     expect(headDeg[0]).toBeGreaterThan(10);
     near((await seen(page)).at(0.5, 0.5), 0.5 + headDeg[0] / 360, 0.5);
   });
@@ -109,14 +99,12 @@ test("zooming shows detail that was not there before", async () => {
   await on("view.html?pack=flat.foveal&paused", async (opened) => {
     const { page } = opened;
     await told(page, "settled");
-    const before = await countTold(page);
     const { scale } = await stats(opened);
     const box = await page.locator("foveal-view .stage").boundingBox();
     if (box === null) throw new Error("no stage");
     await page.mouse.move(box.x + box.width / 4, box.y + box.height / 2);
     for (let turn = 0; turn < 4; turn += 1) await page.mouse.wheel(0, -300);
-    await told(page, "settled", before);
-    const closer = await stats(opened);
+    const closer = await settled(opened);
     expect(closer.scale).toBeGreaterThan(2 * scale);
     // The grain of the finest level stands there now; without it there is a slope of 0.1 a pixel.
     expect((await seen(page)).detail(0.25, 0.5)).toBeGreaterThan(1);
@@ -133,10 +121,8 @@ test("in demo mode the finest tiles lie where the pointer is, and follow a jump"
     const box = await page.locator("foveal-view .stage").boundingBox();
     if (box === null) throw new Error("no stage");
     const jump = async (x: number): Promise<Stats> => {
-      const before = await countTold(page);
       await page.mouse.move(box.x + box.width * x, box.y + box.height / 2);
-      await told(page, "settled", before);
-      return stats(opened);
+      return settled(opened);
     };
     const left = await jump(0.1);
     const before = await seen(page);
@@ -159,22 +145,16 @@ test("all of it works by keyboard alone", async () => {
   await on("view.html?pack=sphere.foveal", async (opened) => {
     const { page } = opened;
     await told(page, "picture");
-    const press = async (key: string, event: string): Promise<void> => {
-      const before = await countTold(page);
+    const press = async (key: string): Promise<Stats> => {
       await page.keyboard.press(key);
-      await told(page, event, before);
+      return settled(opened);
     };
-    await press("Space", "pause");
-    await press("ArrowRight", "settled");
-    expect((await stats(opened)).headDeg[0]).toBeGreaterThan(0);
-    await press("Home", "settled");
-    expect((await stats(opened)).frame).toBe(0);
-    await press(".", "settled");
-    expect((await stats(opened)).frame).toBe(1);
-    await press(",", "settled");
-    expect((await stats(opened)).frame).toBe(0);
-    await press("=", "settled");
-    expect((await stats(opened)).zoom).toBeGreaterThan(1);
+    expect((await press("Space")).playing).toBe(false);
+    expect((await press("ArrowRight")).headDeg[0]).toBeGreaterThan(0);
+    expect((await press("Home")).frame).toBe(0);
+    expect((await press(".")).frame).toBe(1);
+    expect((await press(",")).frame).toBe(0);
+    expect((await press("=")).zoom).toBeGreaterThan(1);
     await page.keyboard.press("o");
     const figures = page.getByRole("region", { name: "Figures" });
     await figures.waitFor({ state: "visible" });
@@ -200,10 +180,8 @@ test("a policy chosen among the figures rules at once", async () => {
     const { page } = opened;
     await told(page, "settled");
     await page.keyboard.press("o");
-    const before = await countTold(page);
     await page.getByRole("combobox", { name: "Policy" }).selectOption("coarsest");
-    await told(page, "settled", before);
-    const figures = await stats(opened);
+    const figures = await settled(opened);
     expect(figures.policy).toBe("coarsest");
     expect(figures.levels.slice(0, -1).every((count) => count === 0)).toBe(true);
   });
@@ -227,7 +205,6 @@ test("on a phone it fits, and a finger turns it", async () => {
       const box = await button.boundingBox();
       expect(box !== null && box.x >= 0 && box.x + box.width <= 360).toBe(true);
     }
-    const before = await countTold(page);
     const session = await page.context().newCDPSession(page);
     const touch = (type: string, x: number): Promise<unknown> =>
       session.send("Input.dispatchTouchEvent", {
@@ -237,10 +214,8 @@ test("on a phone it fits, and a finger turns it", async () => {
     await touch("touchStart", 250);
     await touch("touchMove", 150);
     await touch("touchEnd", 150);
-    await told(page, "settled", before);
-    expect((await stats(opened)).headDeg[0]).toBeGreaterThan(5);
+    expect((await settled(opened)).headDeg[0]).toBeGreaterThan(5);
     // Two fingers that part bring it closer.
-    const closer = await countTold(page);
     for (const apart of [40, 80, 120, 0]) {
       const fingers = [180 - apart / 2, 180 + apart / 2].map((x, id) => ({ x, y: 300, id }));
       await session.send("Input.dispatchTouchEvent", {
@@ -248,11 +223,9 @@ test("on a phone it fits, and a finger turns it", async () => {
         touchPoints: apart === 0 ? [] : fingers,
       });
     }
-    await told(page, "settled", closer);
-    expect((await stats(opened)).zoom).toBeGreaterThan(2);
+    expect((await settled(opened)).zoom).toBeGreaterThan(2);
     await page.keyboard.press("0");
     // Held upright, then turned a quarter to the right.
-    const again = await countTold(page);
     await page.getByRole("button", { name: "Turn by moving the device" }).click();
     await page.locator('foveal-view button[aria-pressed="true"]').waitFor();
     await page.evaluate(() => {
@@ -261,8 +234,7 @@ test("on a phone it fits, and a finger turns it", async () => {
         window.dispatchEvent(new DeviceOrientationEvent("deviceorientation", held));
       }
     });
-    await told(page, "settled", again);
-    expect((await stats(opened)).headDeg[0]).toBeGreaterThan(85);
+    expect((await settled(opened)).headDeg[0]).toBeGreaterThan(85);
   };
   await on("view.html?pack=sphere.foveal&paused", work, phone);
 });
