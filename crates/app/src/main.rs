@@ -138,16 +138,16 @@ fn main() -> ExitCode {
 }
 
 /// Frames and encoders come and go by the hundred megabytes, every few seconds; memory that was
-/// given back to the system between them took a third of the time of `prepare --codec jpeg` to be
+/// given back to the system between them took up to a third of the time of `prepare` to be
 /// cleared anew. So it is given back after a while.
 #[cfg(target_os = "linux")]
 fn keep_freed_memory() {
-    /// `mi_option_purge_delay` of mimalloc.h, in milliseconds; arenas take ten times as long.
+    /// `mi_option_purge_delay` of mimalloc.h, in milliseconds.
     const PURGE_DELAY: libmimalloc_sys::mi_option_t = 15;
     #[allow(unsafe_code, reason = "a call of C")]
     // SAFETY: the option is of this version, and options may be set at any time.
     unsafe {
-        libmimalloc_sys::mi_option_set(PURGE_DELAY, 10_000);
+        libmimalloc_sys::mi_option_set(PURGE_DELAY, 120_000);
     }
 }
 

@@ -22,6 +22,7 @@ use foveal_core::asset::picture::Picture;
 use foveal_core::view::surface::CUBE_FACES;
 use kernel::Kernel;
 use plane::Plane;
+use std::sync::{Mutex, PoisonError};
 pub use unfold::equirect_from_cube;
 
 /// How much of the sphere an equirectangular picture shows.
@@ -160,26 +161,33 @@ impl CubeSampler {
         );
         assert!(picture.is_consistent(), "a picture lacks samples");
         let planes = [0, 1, 2].map(|p| self.plane(picture, p));
-        let blocks = match &self.fast {
-            Some(fast) => fast.blocks(&planes, jobs),
-            None => self.blocks(&planes, jobs),
+        let faces = CUBE_FACES.map(|_| {
+            let face = Picture::filled(self.face, self.face, [16, 128, 128]);
+            Mutex::new(face)
+        });
+        // Written at once by the thread that made it: a block's memory serves for the next one.
+        let write = |p: usize, block: Block| {
+            let face = faces[block.face].lock();
+            let mut face = face.unwrap_or_else(PoisonError::into_inner);
+            block.write_to(&mut face.planes[p], planes[p].face);
         };
-        let mut faces = CUBE_FACES.map(|_| Picture::filled(self.face, self.face, [16, 128, 128]));
-        for (p, block) in blocks {
-            block.write_to(&mut faces[block.face].planes[p], planes[p].face);
+        match &self.fast {
+            Some(fast) => fast.make(&planes, jobs, write),
+            None => self.make(&planes, jobs, write),
         }
+        let mut faces = faces.map(|face| face.into_inner().unwrap_or_else(PoisonError::into_inner));
         if self.coverage == Coverage::FrontHalf {
             blacken_back(&mut faces);
         }
         faces
     }
 
-    /// All samples of the six faces, with the plane that they are of.
-    fn blocks(&self, planes: &[Plane; 3], jobs: usize) -> Vec<(usize, Block)> {
+    /// Makes all samples of the six faces, and hands them over with the plane that they are of.
+    fn make(&self, planes: &[Plane; 3], jobs: usize, done: impl Fn(usize, Block) + Sync) {
         let caps =
             [0, 1, 2].map(|p: usize| [0, 1].map(|pole| Cap::new(&planes[p], &self.kernel, pole)));
         let parts = self.parts();
-        let blocks = in_parallel(jobs, parts.len(), |part| {
+        in_parallel(jobs, parts.len(), |part| {
             let Part {
                 plane: p,
                 poles,
@@ -192,9 +200,8 @@ impl CubeSampler {
             } else {
                 sides::side_blocks(plane, kernel, range)
             };
-            blocks.into_iter().map(move |block| (p, block))
+            blocks.into_iter().for_each(|block| done(p, block));
         });
-        blocks.into_iter().flatten().collect()
     }
 
     /// Plane `p` of the source, ready to be read across its borders.

@@ -16,10 +16,15 @@ pub fn linear_from_srgb(code: u8) -> f64 {
     }
 }
 
+/// Linear light of every sRGB code value.
+pub(super) fn linear_table() -> [f64; 256] {
+    core::array::from_fn(|code| linear_from_srgb(code as u8))
+}
+
 /// The grey sRGB code value nearest to the light of every pixel of 8-bit sRGB.
 #[must_use]
 pub fn grey_from_rgb(rgb: &[[u8; 3]]) -> Vec<u8> {
-    let table: [f64; 256] = core::array::from_fn(|code| linear_from_srgb(code as u8));
+    let table = linear_table();
     let nearest = |linear: f64| {
         let above = table.partition_point(|&l| l < linear).clamp(1, 255);
         let below_is_nearer = linear - table[above - 1] < table[above] - linear;
@@ -49,7 +54,7 @@ impl Parameters {
     /// Luminance in cd/m² of every pixel of 8-bit sRGB.
     #[must_use]
     pub fn luminance_from_rgb(&self, rgb: &[[u8; 3]]) -> Vec<f64> {
-        let table: [f64; 256] = core::array::from_fn(|code| linear_from_srgb(code as u8));
+        let table = linear_table();
         let share = |pixel: &[u8; 3]| -> f64 {
             let linear = pixel.map(|code| table[usize::from(code)]);
             linear.iter().zip(RGB_WEIGHTS).map(|(l, w)| l * w).sum()

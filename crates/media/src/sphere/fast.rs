@@ -48,8 +48,13 @@ impl Fast {
         })
     }
 
-    /// All samples of the six faces, with the plane that they are of.
-    pub(super) fn blocks(&self, planes: &[Plane; 3], jobs: usize) -> Vec<(usize, Block)> {
+    /// Makes all samples of the six faces, and hands them over with the plane that they are of.
+    pub(super) fn make(
+        &self,
+        planes: &[Plane; 3],
+        jobs: usize,
+        done: impl Fn(usize, Block) + Sync,
+    ) {
         let places = |p: usize| &self.places[p.min(1)];
         let rows = in_parallel(jobs, 6, |k| {
             let p = k / 2;
@@ -64,20 +69,17 @@ impl Fast {
                 parts.extend(strips.map(|strip| Part::Pole(p, pole, strip)));
             }
         }
-        let blocks = in_parallel(jobs, parts.len(), |part| match &parts[part] {
+        in_parallel(jobs, parts.len(), |part| match &parts[part] {
             Part::Sides(p, strip) => {
-                let blocks = places(*p)
-                    .sides
-                    .blocks(&self.cubic, &planes[*p], strip.clone());
-                blocks.map(|block| (*p, block)).into_iter().collect()
+                let (sides, strip) = (&places(*p).sides, strip.clone());
+                let blocks = sides.blocks(&self.cubic, &planes[*p], strip);
+                blocks.into_iter().for_each(|block| done(*p, block));
             }
             Part::Pole(p, pole, strip) => {
-                let rows = &rows[2 * p + pole];
-                let block = places(*p).poles.block(&self.cubic, rows, strip.clone());
-                vec![(*p, block)]
+                let (poles, strip) = (&places(*p).poles, strip.clone());
+                done(*p, poles.block(&self.cubic, &rows[2 * p + pole], strip));
             }
         });
-        blocks.into_iter().flatten().collect()
     }
 }
 

@@ -72,6 +72,12 @@ impl Plane {
         column.rem_euclid(self.width as i64) as usize
     }
 
+    /// All rows, and how far apart they begin.
+    #[inline]
+    pub(super) fn rows(&self) -> (&[u8], usize) {
+        (&self.samples, self.stride)
+    }
+
     /// One turn of a row.
     pub(super) fn turn(&self, row: usize) -> &[u8] {
         &self.samples[row * self.stride..][..self.width]

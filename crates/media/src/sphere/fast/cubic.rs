@@ -3,6 +3,8 @@
 //! Samples are 16 bits with seven below the point, weights 14 bits. A sum over the first axis keeps
 //! five bits below the point, so that it still fits 16.
 
+use wide::{i16x8, u8x16};
+
 /// Steps between two source samples.
 pub(super) const PHASES: i64 = 64;
 /// Bits of a phase.
@@ -22,7 +24,7 @@ const ONE: i32 = 1 << 14;
 /// What cutting off the products' lower halves loses on average over [`INNER`] samples.
 const LOST: i16 = INNER as i16 / 2;
 
-pub(super) type Weights = [i16; TAPS];
+pub(super) type Weights = i16x8;
 
 /// Cubic kernels by widening, then by phase.
 pub(super) struct Cubic(Vec<Weights>);
@@ -85,7 +87,7 @@ fn normalised(weights: [f64; TAPS]) -> Weights {
     let mut fixed = weights.map(|w| (w / sum * f64::from(ONE)).round() as i32);
     let largest = (0..TAPS).max_by_key(|tap| fixed[*tap]).unwrap_or_default();
     fixed[largest] += ONE - fixed.iter().sum::<i32>();
-    fixed.map(|w| w as i16)
+    i16x8::new(fixed.map(|w| w as i16))
 }
 
 /// A code value with seven bits below the point.
@@ -105,7 +107,7 @@ fn upper(a: i16, b: i16) -> i16 {
 pub(super) fn sum_inner(rows: [&[i16]; INNER], weights: &Weights, out: &mut [i16]) {
     let n = out.len();
     let [r0, r1, r2, r3, r4, r5] = rows.map(|row| &row[..n]);
-    let [_, w0, w1, w2, w3, w4, w5, _] = *weights;
+    let [_, w0, w1, w2, w3, w4, w5, _] = weights.to_array();
     for x in 0..n {
         let outer = upper(r0[x], w0) + upper(r5[x], w5);
         let inner = upper(r1[x], w1) + upper(r4[x], w4);
@@ -115,23 +117,22 @@ pub(super) fn sum_inner(rows: [&[i16]; INNER], weights: &Weights, out: &mut [i16
 
 /// The same of rows of code values that are one kernel wide.
 #[inline]
-pub(super) fn sum_inner_codes(rows: [&[u8; TAPS]; INNER], weights: &Weights) -> [i16; TAPS] {
-    let mut sums = [LOST; TAPS];
-    for (row, weight) in rows.into_iter().zip(&weights[1..]) {
-        let row = row.map(sample_of);
-        for (sum, sample) in sums.iter_mut().zip(row) {
-            *sum += upper(sample, *weight);
-        }
-    }
-    sums
+pub(super) fn sum_inner_codes(rows: [&[u8; TAPS]; INNER], weights: &Weights) -> i16x8 {
+    let weights = weights.as_array();
+    let weighed = |k: usize| {
+        let mut codes = [0; 16];
+        codes[..TAPS].copy_from_slice(rows[k]);
+        let samples: i16x8 = i16x8::from_u8x16_low(u8x16::new(codes)) << 7;
+        samples.mul_keep_high(i16x8::splat(weights[k + 1]))
+    };
+    let (outer, inner) = (weighed(0) + weighed(5), weighed(1) + weighed(4));
+    i16x8::splat(LOST) + outer + inner + weighed(2) + weighed(3)
 }
 
 /// Code value of the sum over the second axis.
 #[inline]
-pub(super) fn code_value(sums: &[i16; TAPS], weights: &Weights) -> u8 {
-    let product = |k: usize| i32::from(sums[k]) * i32::from(weights[k]);
-    let pairs = [0, 2, 4, 6].map(|k| product(k) + product(k + 1));
-    let sum = (pairs[0] + pairs[2]) + (pairs[1] + pairs[3]);
+pub(super) fn code_value(sums: i16x8, weights: &Weights) -> u8 {
+    let sum = sums.dot(*weights).reduce_add();
     ((sum + (1 << 18)) >> 19).clamp(0, 255) as u8
 }
 
@@ -144,7 +145,7 @@ mod tests {
         let cubic = Cubic::new();
         for place in 0..PHASES {
             for width in 0..=width_index(WIDEST_INNER) {
-                let weights = cubic.at(entry(place, width));
+                let weights = cubic.at(entry(place, width)).to_array();
                 assert_eq!([weights[0], weights[TAPS - 1]], [0, 0]);
                 assert_eq!(weights.iter().map(|w| i32::from(*w)).sum::<i32>(), ONE);
             }
@@ -158,7 +159,7 @@ mod tests {
             for down in 0..(usize::from(width_index(WIDEST_INNER)) + 1) << PHASE_BITS {
                 let sums = sum_inner_codes([&[code; TAPS]; INNER], cubic.at(down));
                 for along in [0, 31, 32 + (15 << PHASE_BITS)] {
-                    assert_eq!(code_value(&sums, cubic.at(along)), code);
+                    assert_eq!(code_value(sums, cubic.at(along)), code);
                 }
             }
         }

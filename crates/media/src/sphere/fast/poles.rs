@@ -189,21 +189,23 @@ impl<'a> PoleRows<'a> {
         first += width * (i64::from(first < 0) - i64::from(first >= width));
         let top = (row >> PHASE_BITS) - BEFORE + 1;
         let last = self.plane.height as i64 - 1;
-        let rows: [&[u8; TAPS]; INNER] = std::array::from_fn(|k| {
-            let row = (top + k as i64).clamp(0, last) as usize;
-            let samples = match widening.halvings.checked_sub(1) {
-                None => self
-                    .plane
-                    .taps(self.row_of_plane(row), first as usize, TAPS),
-                Some(halving) => {
-                    let start = row * (width as usize + TAPS) + first as usize;
-                    &self.halved[usize::from(halving)][start..start + TAPS]
-                }
-            };
-            samples.first_chunk().unwrap_or(&[0; TAPS])
+        let (samples, stride) = match widening.halvings.checked_sub(1) {
+            None => self.plane.rows(),
+            Some(halving) => (
+                self.halved[usize::from(halving)].as_slice(),
+                width as usize + TAPS,
+            ),
+        };
+        let is_mirrored = !self.is_top && widening.halvings == 0;
+        let rows = std::array::from_fn::<_, INNER, _>(|k| {
+            let row = (top + k as i64).clamp(0, last);
+            let row = if is_mirrored { last - row } else { row };
+            let start = row as usize * stride + first as usize;
+            let taps = samples.get(start..).and_then(<[u8]>::first_chunk);
+            taps.unwrap_or(&[0; TAPS])
         });
         let sums = sum_inner_codes(rows, cubic.at(entry(row, widening.down)));
-        code_value(&sums, cubic.at(entry(column, widening.along)))
+        code_value(sums, cubic.at(entry(column, widening.along)))
     }
 }
 

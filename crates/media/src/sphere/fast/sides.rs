@@ -12,6 +12,7 @@ use super::cubic::{
 };
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
+use wide::i16x8;
 
 /// Rows that are transposed at once.
 const TRANSPOSED: usize = 16;
@@ -133,7 +134,7 @@ impl SidePlaces {
         for (out, place) in out.zip(places) {
             let weights = cubic.at((place & ((1 << ENTRY_BITS) - 1)) as usize);
             if let Some(sums) = column[(place >> ENTRY_BITS) as usize..].first_chunk() {
-                *out = code_value(sums, weights);
+                *out = code_value(i16x8::new(*sums), weights);
             }
         }
     }
