@@ -7,6 +7,7 @@ mod feed;
 mod heard;
 mod keys;
 mod looking;
+mod opening;
 mod overlay;
 mod samples;
 mod screen;

@@ -6,6 +6,7 @@ use egui_wgpu::{RendererOptions, ScreenDescriptor};
 use foveal_render::{Gpu, RenderError};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
 use winit::window::Window;
 
 /// A window's surface on a device.
@@ -145,11 +146,13 @@ impl Screen {
         kept
     }
 
-    /// Shows pictures pixel for pixel, black around them, and over it what `words` paints.
+    /// Shows pictures pixel for pixel, black around them, and over it what `words` paints; once
+    /// they are drawn, `waits` tells how long they are to wait.
     pub(crate) fn show(
         &mut self,
         placed: &Placed,
         words: impl FnMut(&egui::Painter),
+        waits: Option<impl FnOnce() -> Duration>,
     ) -> anyhow::Result<Showing> {
         use wgpu::CurrentSurfaceTexture as Current;
         let (target, fits) = match self.surface.get_current_texture() {
@@ -166,6 +169,11 @@ impl Screen {
         let size = [target.texture.width(), target.texture.height()];
         let output = self.lay_out(placed, size, words);
         self.paint(&target.texture, size, output);
+        if let Some(waits) = waits {
+            // A lost device is noticed where it is used next.
+            let _ = self.gpu.device.poll(wgpu::PollType::wait_indefinitely());
+            std::thread::sleep(waits());
+        }
         self.gpu.queue.present(target);
         if !fits {
             self.surface.configure(&self.gpu.device, &self.config);

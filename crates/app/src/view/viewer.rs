@@ -26,6 +26,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::scene::{Pane, Scene, Shown};
 use foveal_core::view::surface::Eye;
 use foveal_render::{Interpolation, Overlay};
+use std::time::Duration;
 
 /// The policies that a key goes through.
 const POLICIES: [Policy; 10] = [
@@ -46,6 +47,8 @@ const FOVEA_DEG: f64 = 2.5;
 const MESSAGE_S: f64 = 3.0;
 /// Longest time of drawing that is made up for by showing a later frame, in seconds.
 const MOST_DRAW_S: f64 = 0.5;
+/// How many mean deviations longer than usual a slow drawing is taken to last.
+const MARGIN: f64 = 1.5;
 /// How often figures are painted anew, in seconds.
 const FIGURES_S: f64 = 0.25;
 /// How often a gaze that moves by itself is looked at while nothing plays, in seconds.
@@ -368,12 +371,30 @@ impl Viewer {
 
     /// The moment of the content to show: the one that it is when it has been drawn.
     fn due(&self, stage: &Stage, now: Seconds) -> Seconds {
-        let drawing = if self.is_moving(stage) {
-            self.figures.draw_s.min(MOST_DRAW_S)
+        let figures = &self.figures;
+        let drawing = if self.draws_slowly(stage) {
+            // Most pictures are drawn by then, and wait.
+            figures.draw_s + MARGIN * figures.draw_spread_s
+        } else if self.is_moving(stage) {
+            figures.draw_s
         } else {
             0.0
         };
-        Seconds(self.clock.time(now).0 + drawing)
+        Seconds(self.clock.time(now).0 + drawing.min(MOST_DRAW_S))
+    }
+
+    /// Whether drawing takes so long of a frame's time that it is seen when it takes longer.
+    pub(crate) fn draws_slowly(&self, stage: &Stage) -> bool {
+        self.is_moving(stage) && self.figures.draw_s > stage.period().0 / 2.0
+    }
+
+    /// How long it is at `now` until the time of what is to be shown.
+    pub(crate) fn early_by(&self, stage: &Stage, now: Seconds) -> Duration {
+        let begin = stage
+            .shown_tick()
+            .map(|tick| stage.timeline().time_of(tick));
+        let early = begin.map_or(0.0, |begin| begin.0 - self.clock.time(now).0);
+        Duration::from_secs_f64(early.clamp(0.0, MOST_DRAW_S))
     }
 
     fn follow_sound(&mut self, stage: &Stage, now: Seconds) {
@@ -425,11 +446,11 @@ impl Viewer {
         }
     }
 
-    /// What is to be shown is on screen at `now`; `begun` is when it was chosen, if it was not
-    /// there before.
-    pub(crate) fn drawn(&mut self, stage: &Stage, begun: Option<Seconds>, now: Seconds) {
+    /// What is to be shown was drawn and then on screen at these times; `begun` is when it was
+    /// chosen, if it was not there before.
+    pub(crate) fn drawn(&mut self, stage: &Stage, begun: Option<Seconds>, at: [Seconds; 2]) {
         if let Some(begun) = begun.filter(|_| self.is_moving(stage)) {
-            self.figures.drawn(now.0 - begun.0, stage.period());
+            self.figures.drawn(at[0].0 - begun.0, stage.period());
         }
         let heard = self.sound.as_ref().and_then(Sound::heard);
         let behind = heard.zip(stage.shown_tick()).map(|(heard, tick)| {

@@ -6,6 +6,7 @@ use super::easel::{Easel, Style};
 use super::feed::DecodeFeed;
 use super::keys::{Action, ZOOM, action_of};
 use super::looking::Looking;
+use super::opening::{USUAL_SCREEN, open_window};
 use super::overlay;
 use super::screen::{self, Placed, Screen, Showing};
 use super::script::Deed;
@@ -41,8 +42,6 @@ const WHEEL_PIXELS: f64 = 60.0;
 const RESIZE_S: f64 = 1.0;
 /// How long a surface that gave nothing is left alone, in seconds.
 const AGAIN_S: f64 = 0.02;
-/// Pixels of a screen whose size nobody tells.
-const USUAL_SCREEN: [u32; 2] = [1920, 1080];
 
 /// Something happened outside the window.
 #[derive(Clone, Copy, Debug)]
@@ -529,12 +528,18 @@ impl Open {
             pictures,
             pixels_per_point: self.window.scale_factor() as f32,
         };
-        let showing = self.screen.show(&placed, |painter| {
-            overlay::paint(painter, told.as_ref(), message.as_deref());
-        })?;
+        let since = || Seconds(self.epoch.elapsed().as_secs_f64());
+        let mut drawn = None;
+        let waits = self
+            .viewer
+            .draws_slowly(&self.stage)
+            .then_some(|| self.viewer.early_by(&self.stage, *drawn.insert(since())));
+        let words = |on: &_| overlay::paint(on, told.as_ref(), message.as_deref());
+        let showing = self.screen.show(&placed, words, waits)?;
         if showing == Showing::Shown {
-            let after = Seconds(self.epoch.elapsed().as_secs_f64());
-            self.viewer.drawn(&self.stage, self.stepped.take(), after);
+            let (at, begun) = (since(), self.stepped.take());
+            let times = [drawn.unwrap_or(at), at];
+            self.viewer.drawn(&self.stage, begun, times);
         }
         self.stale = showing == Showing::Again;
         self.again = self.stale.then_some(now.0 + AGAIN_S);
@@ -565,31 +570,4 @@ fn waker(proxy: &EventLoopProxy<Wake>) -> impl Fn() + Send + 'static {
         // A loop that has ended needs no waking.
         let _ = proxy.send_event(Wake);
     }
-}
-
-/// A window of `--view` pixels, or as large as the screen allows for a picture of `size`.
-fn open_window(
-    ready: &Ready,
-    size: [u32; 2],
-    event_loop: &ActiveEventLoop,
-) -> anyhow::Result<Arc<Window>> {
-    let args = &ready.args;
-    let name = ready.file.path().file_name().unwrap_or_default();
-    let monitor = event_loop.primary_monitor().map(|monitor| monitor.size());
-    let most = monitor.map_or(USUAL_SCREEN, |size| [size.width, size.height]);
-    let share = (0..2)
-        .map(|k| f64::from(most[k].max(1)) * 0.85 / f64::from(size[k]))
-        .fold(1.0, f64::min);
-    let size = match args.view.view {
-        Some(size) => size,
-        None => size.map(|side| ((f64::from(side) * share) as u32).max(64)),
-    };
-    let attributes = Window::default_attributes()
-        .with_title(format!("{} - Foveal", name.to_string_lossy()))
-        .with_inner_size(PhysicalSize::new(size[0], size[1]))
-        .with_fullscreen(args.full_screen.then_some(Fullscreen::Borderless(None)));
-    let window = event_loop.create_window(attributes);
-    Ok(Arc::new(window.map_err(|reason| {
-        anyhow!("no window can be opened: {reason}; is there a display?")
-    })?))
 }

@@ -42,6 +42,8 @@ pub struct Figures {
     pub slow_draws: u64,
     /// Smoothed time from choosing what is shown until it is on screen, in seconds.
     pub draw_s: f64,
+    /// Smoothed distance of that time from its mean, in seconds.
+    pub draw_spread_s: f64,
     /// Tiles that could not be decoded.
     pub damaged_tiles: u64,
     /// Frames whose coarsest level was damaged: the frame before stayed.
@@ -81,8 +83,13 @@ impl Figures {
     /// What was to be shown was on screen `seconds` later; a frame lasts `period`. Times are
     /// smoothed, as one slow drawing says little of the next.
     pub fn drawn(&mut self, seconds: f64, period: Seconds) {
-        let first = self.draw_s == 0.0;
-        self.draw_s += (seconds - self.draw_s) * if first { 1.0 } else { 0.2 };
+        let off = seconds - self.draw_s;
+        if self.draw_s == 0.0 {
+            self.draw_s = seconds;
+        } else {
+            self.draw_s += 0.2 * off;
+            self.draw_spread_s += 0.2 * (off.abs() - self.draw_spread_s);
+        }
         self.slow_draws += u64::from(seconds > period.0);
     }
 
@@ -123,6 +130,11 @@ mod tests {
         figures.drawn(0.05, Seconds(0.04));
         assert_eq!(figures.slow_draws, 1);
         assert!((figures.draw_s - 0.034).abs() < 1e-12, "{}", figures.draw_s);
+        assert!(
+            (figures.draw_spread_s - 0.004).abs() < 1e-12,
+            "{}",
+            figures.draw_spread_s
+        );
     }
 
     #[test]
