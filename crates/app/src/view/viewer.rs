@@ -47,8 +47,6 @@ const FOVEA_DEG: f64 = 2.5;
 const MESSAGE_S: f64 = 3.0;
 /// Longest time of drawing that is made up for by showing a later frame, in seconds.
 const MOST_DRAW_S: f64 = 0.5;
-/// How many mean deviations longer than usual a slow drawing is taken to last.
-const MARGIN: f64 = 1.5;
 /// How often figures are painted anew, in seconds.
 const FIGURES_S: f64 = 0.25;
 /// How often a gaze that moves by itself is looked at while nothing plays, in seconds.
@@ -90,6 +88,8 @@ pub(crate) struct Viewer {
     painted: f64,
     /// How far picture and sound were from each other when frames were shown.
     pub(crate) drift: Drift,
+    /// What was drawn last.
+    drawn_tick: Option<u64>,
     pub(super) eye: EyeName,
     pub(super) two_eyes: bool,
 }
@@ -126,6 +126,7 @@ impl Viewer {
             last: None,
             painted: 0.0,
             drift: Drift::new(),
+            drawn_tick: None,
             eye: begin.eye,
             two_eyes: begin.two_eyes,
         };
@@ -371,30 +372,34 @@ impl Viewer {
 
     /// The moment of the content to show: the one that it is when it has been drawn.
     fn due(&self, stage: &Stage, now: Seconds) -> Seconds {
-        let figures = &self.figures;
         let drawing = if self.draws_slowly(stage) {
             // Most pictures are drawn by then, and wait.
-            figures.draw_s + MARGIN * figures.draw_spread_s
+            self.figures.most_draw_s
         } else if self.is_moving(stage) {
-            figures.draw_s
+            self.figures.draw_s
         } else {
             0.0
         };
         Seconds(self.clock.time(now).0 + drawing.min(MOST_DRAW_S))
     }
 
-    /// Whether drawing takes so long of a frame's time that it is seen when it takes longer.
-    pub(crate) fn draws_slowly(&self, stage: &Stage) -> bool {
-        self.is_moving(stage) && self.figures.draw_s > stage.period().0 / 2.0
+    /// Whether drawing takes longer than a frame lasts, so that some are left out.
+    fn draws_slowly(&self, stage: &Stage) -> bool {
+        self.is_moving(stage) && self.figures.draw_s > stage.period().0
     }
 
-    /// How long it is at `now` until the time of what is to be shown.
+    /// Whether a frame that was not on screen before waits for its time once it is drawn.
+    pub(crate) fn waits(&self, stage: &Stage) -> bool {
+        self.draws_slowly(stage) && stage.shown_tick() != self.drawn_tick
+    }
+
+    /// How long it is at `now` until the time of what is to be shown, at most a frame.
     pub(crate) fn early_by(&self, stage: &Stage, now: Seconds) -> Duration {
         let begin = stage
             .shown_tick()
             .map(|tick| stage.timeline().time_of(tick));
         let early = begin.map_or(0.0, |begin| begin.0 - self.clock.time(now).0);
-        Duration::from_secs_f64(early.clamp(0.0, MOST_DRAW_S))
+        Duration::from_secs_f64(early.clamp(0.0, stage.period().0.clamp(0.0, MOST_DRAW_S)))
     }
 
     fn follow_sound(&mut self, stage: &Stage, now: Seconds) {
@@ -452,6 +457,11 @@ impl Viewer {
         if let Some(begun) = begun.filter(|_| self.is_moving(stage)) {
             self.figures.drawn(at[0].0 - begun.0, stage.period());
         }
+        // What is drawn again while another frame is awaited tells nothing.
+        if self.drawn_tick == stage.shown_tick() {
+            return;
+        }
+        self.drawn_tick = stage.shown_tick();
         let heard = self.sound.as_ref().and_then(Sound::heard);
         let behind = heard.zip(stage.shown_tick()).map(|(heard, tick)| {
             let span = [tick, tick + 1].map(|tick| stage.timeline().time_of(tick));

@@ -532,7 +532,7 @@ impl Open {
         let mut drawn = None;
         let waits = self
             .viewer
-            .draws_slowly(&self.stage)
+            .waits(&self.stage)
             .then_some(|| self.viewer.early_by(&self.stage, *drawn.insert(since())));
         let words = |on: &_| overlay::paint(on, told.as_ref(), message.as_deref());
         let showing = self.screen.show(&placed, words, waits)?;

@@ -6,6 +6,8 @@ use std::collections::VecDeque;
 
 /// How much of the past counts for rates, in seconds.
 const WINDOW_S: f64 = 2.0;
+/// Drawings that tell how long the next will take; the slowest of them is an exception.
+const DRAWS: usize = 9;
 /// Most frames that are remembered.
 const MOST: usize = 1024;
 
@@ -40,10 +42,12 @@ pub struct Figures {
     pub incomplete_frames: u64,
     /// Frames that took longer to draw than they last.
     pub slow_draws: u64,
-    /// Smoothed time from choosing what is shown until it is on screen, in seconds.
+    /// Time from choosing what is shown until it is drawn, in seconds: the median of late.
     pub draw_s: f64,
-    /// Smoothed distance of that time from its mean, in seconds.
-    pub draw_spread_s: f64,
+    /// What that time stays below but now and then, in seconds.
+    pub most_draw_s: f64,
+    /// The latest of those times, oldest first.
+    draws: VecDeque<f64>,
     /// Tiles that could not be decoded.
     pub damaged_tiles: u64,
     /// Frames whose coarsest level was damaged: the frame before stayed.
@@ -80,16 +84,18 @@ impl Figures {
         self.decode_ms += (ms - self.decode_ms) * if self.frames < 2 { 1.0 } else { 0.1 };
     }
 
-    /// What was to be shown was on screen `seconds` later; a frame lasts `period`. Times are
-    /// smoothed, as one slow drawing says little of the next.
+    /// What was to be shown was drawn `seconds` later; a frame lasts `period`. A slow drawing now
+    /// and then, as the first ones are, says nothing of the next.
     pub fn drawn(&mut self, seconds: f64, period: Seconds) {
-        let off = seconds - self.draw_s;
-        if self.draw_s == 0.0 {
-            self.draw_s = seconds;
-        } else {
-            self.draw_s += 0.2 * off;
-            self.draw_spread_s += 0.2 * (off.abs() - self.draw_spread_s);
+        if self.draws.len() == DRAWS {
+            self.draws.pop_front();
         }
+        self.draws.push_back(seconds);
+        let mut sorted: Vec<f64> = self.draws.iter().copied().collect();
+        sorted.sort_by(f64::total_cmp);
+        let last = sorted.len() - 1;
+        self.draw_s = sorted[last / 2];
+        self.most_draw_s = sorted[last.saturating_sub(1)].max(self.draw_s);
         self.slow_draws += u64::from(seconds > period.0);
     }
 
@@ -129,12 +135,17 @@ mod tests {
         figures.drawn(0.03, Seconds(0.04));
         figures.drawn(0.05, Seconds(0.04));
         assert_eq!(figures.slow_draws, 1);
-        assert!((figures.draw_s - 0.034).abs() < 1e-12, "{}", figures.draw_s);
-        assert!(
-            (figures.draw_spread_s - 0.004).abs() < 1e-12,
-            "{}",
-            figures.draw_spread_s
-        );
+    }
+
+    #[test]
+    fn one_slow_drawing_changes_no_expectation() {
+        let mut figures = Figures::default();
+        for ms in [150, 12, 11, 13, 12, 400, 11, 12, 14, 12] {
+            figures.drawn(f64::from(ms) / 1e3, Seconds(0.04));
+        }
+        assert_eq!([figures.draw_s, figures.most_draw_s], [0.012, 0.014]);
+        (0..9).for_each(|_| figures.drawn(0.1, Seconds(0.04)));
+        assert_eq!([figures.draw_s, figures.most_draw_s], [0.1, 0.1]);
     }
 
     #[test]

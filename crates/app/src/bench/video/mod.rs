@@ -291,10 +291,12 @@ impl Report {
                 rates.choose_ms
             );
         }
-        if let (Some(fps), Some(ratio)) = (self.original_fps, self.ratio_original) {
-            text +=
-                &format!("original file: {fps:.1} frames/s, foveated is {ratio:.1} times that\n");
-        }
+        text += &match (self.original_fps, self.ratio_original) {
+            (Some(fps), Some(ratio)) => {
+                format!("original file: {fps:.1} frames/s, foveated is {ratio:.1} times that\n")
+            }
+            _ => "original file: not compared; give it with --original FILE\n".to_owned(),
+        };
         text + &format!(
             "foveated is {:.1} times full and {:.1} times viewport; {:.2} % of the pixels\n\
              {} late and {} incomplete frames, fovea sharp {} frame(s) after a saccade \
