@@ -134,10 +134,10 @@ fn halve_row(row: &[f64], out: &mut Vec<f64>) {
     let clamped = |x: usize| tap(four_around(x, w).map(|column| row[column]));
     out.push(clamped(0));
     // Away from the borders four samples lie side by side, two further on each time.
-    let inside = row.get(1..).unwrap_or_default().windows(4).step_by(2);
-    let before = out.len();
-    out.extend(inside.map(|four| tap([four[0], four[1], four[2], four[3]])));
-    let done = 1 + out.len() - before;
+    let pairs = |from: usize| row.get(from..).unwrap_or_default().chunks_exact(2);
+    let inside = pairs(1).zip(pairs(3));
+    let done = 1 + inside.len();
+    out.extend(inside.map(|(left, right)| tap([left[0], left[1], right[0], right[1]])));
     out.extend((done..half).map(clamped));
 }
 
@@ -176,13 +176,13 @@ fn double_row(row: &[f64], width: usize, out: &mut Vec<f64>) {
         0.75 * row[near] + 0.25 * row[far]
     };
     out.push(place(0));
-    let end = out.len() - 1 + width;
-    for pair in row.windows(2) {
-        out.push(0.75 * pair[0] + 0.25 * pair[1]);
-        out.push(0.75 * pair[1] + 0.25 * pair[0]);
+    let done = 1 + 2 * (count - 1).min((width - 1) / 2);
+    let before = out.len();
+    out.resize(before + done - 1, 0.0);
+    for (pair, places) in row.windows(2).zip(out[before..].chunks_exact_mut(2)) {
+        places[0] = 0.75 * pair[0] + 0.25 * pair[1];
+        places[1] = 0.75 * pair[1] + 0.25 * pair[0];
     }
-    out.truncate(end);
-    let done = width - (end - out.len());
     out.extend((done..width).map(place));
 }
 

@@ -67,7 +67,7 @@ impl Cutter {
         let eyes = self.eyes.split(picture);
         let faces = self.faces_of(&eyes);
         match self.grid.cut {
-            Cut::Tile(_) => self.cut_pyramid(faces.into_owned()),
+            Cut::Tile(_) => self.cut_pyramid(faces),
             Cut::Grid(_) => self.cut_grid(&faces),
         }
     }
@@ -90,11 +90,11 @@ impl Cutter {
     }
 
     /// Whole faces are halved, then every level is cut.
-    fn cut_pyramid(&self, mut faces: Vec<Picture>) -> Vec<Vec<Picture>> {
+    fn cut_pyramid(&self, mut faces: Cow<'_, [Picture]>) -> Vec<Vec<Picture>> {
         let mut levels = Vec::new();
         for level in 0..self.grid.levels {
             if level > 0 {
-                faces = halve_all(&faces, self.grid.ratio, self.jobs);
+                faces = halve_all(&faces, self.grid.ratio, self.jobs).into();
             }
             let scale = self.grid.scale(level);
             let count = self.grid.tiles_in_level(level);
