@@ -150,16 +150,19 @@ impl Sound {
         (heard >= state.start.at).then_some(Seconds(heard))
     }
 
-    /// Where the sound begins that is on its way and not heard yet: the picture waits there.
-    pub(crate) fn begins(&self) -> Option<Seconds> {
+    /// Where the sound begins that is on its way and not heard yet, and in what time it will be, as
+    /// far as that is known: the picture waits there.
+    pub(crate) fn begins(&self) -> Option<(Seconds, Option<Seconds>)> {
         let state = self.shared.lock();
         let now = self.shared.begun.elapsed().as_secs_f64();
-        let waits = match state.heard_at(now) {
-            Some(heard) => heard < state.start.at,
-            None => !state.start.is_taken && now < state.start.told + MOST_WAIT_S,
+        let start = state.start;
+        let until = state.heard_at(now).map(|heard| start.at - heard);
+        let waits = match until {
+            Some(until) => until > 0.0,
+            None => !start.is_taken && now < start.told + MOST_WAIT_S,
         };
         let can_begin = state.playing && !state.discards && !state.broken;
-        (waits && can_begin).then_some(Seconds(state.start.at))
+        (waits && can_begin).then_some((Seconds(start.at), until.map(Seconds)))
     }
 
     /// Times that the device found too little to play.

@@ -47,6 +47,8 @@ const FOVEA_DEG: f64 = 2.5;
 const MESSAGE_S: f64 = 3.0;
 /// Longest time of drawing that is made up for by showing a later frame, in seconds.
 const MOST_DRAW_S: f64 = 0.5;
+/// How long the sound waits for the frame that it begins with, in seconds.
+const MOST_PREROLL_S: f64 = 1.0;
 /// How often figures are painted anew, in seconds.
 const FIGURES_S: f64 = 0.25;
 /// How often a gaze that moves by itself is looked at while nothing plays, in seconds.
@@ -77,6 +79,10 @@ pub(crate) struct Viewer {
     looking: Looking,
     pub(crate) pointer: Pointer,
     pub(super) sound: Option<Sound>,
+    /// Where the sound begins once the frame of that time is on screen, and since when it waits.
+    preroll: Option<(Seconds, Seconds)>,
+    /// While the picture waits for sound: how long until it is heard, infinite where nobody knows.
+    sound_in: Option<f64>,
     once: bool,
     pub(crate) figures: Figures,
     overlay: bool,
@@ -117,6 +123,8 @@ impl Viewer {
             looking: begin.looking,
             pointer: Pointer::default(),
             sound: begin.sound,
+            preroll: None,
+            sound_in: None,
             once: begin.once,
             figures: Figures::default(),
             overlay: false,
@@ -142,9 +150,12 @@ impl Viewer {
         self.set_sound(now);
     }
 
+    /// Stops the sound; while it plays, it goes on from here once this frame is on screen.
     fn set_sound(&mut self, now: Seconds) {
         if let Some(sound) = &self.sound {
-            sound.set(self.clock.is_playing(), self.clock.time(now));
+            let at = self.clock.time(now);
+            sound.set(false, at);
+            self.preroll = self.clock.is_playing().then_some((at, now));
         }
     }
 
@@ -380,7 +391,8 @@ impl Viewer {
         } else {
             0.0
         };
-        Seconds(self.clock.time(now).0 + drawing.min(MOST_DRAW_S))
+        let waits = self.sound_in.unwrap_or(0.0);
+        Seconds(self.clock.time(now).0 + (drawing.min(MOST_DRAW_S) - waits).max(0.0))
     }
 
     /// Whether drawing takes longer than a frame lasts, so that some are left out.
@@ -399,6 +411,8 @@ impl Viewer {
             .shown_tick()
             .map(|tick| stage.timeline().time_of(tick));
         let early = begin.map_or(0.0, |begin| begin.0 - self.clock.time(now).0);
+        let waits = self.sound_in.filter(|_| early > 0.0).unwrap_or(0.0);
+        let early = early + waits;
         Duration::from_secs_f64(early.clamp(0.0, stage.period().0.clamp(0.0, MOST_DRAW_S)))
     }
 
@@ -406,13 +420,28 @@ impl Viewer {
         if self.sound.as_ref().is_some_and(Sound::waits) {
             self.set_sound(now);
         }
-        let Some(sound) = self.sound.as_ref().filter(|_| self.is_moving(stage)) else {
+        let waited = self.sound_in.take().is_some();
+        let Some(sound) = &self.sound else {
             return;
         };
-        if let Some(begin) = sound.begins() {
+        if let Some((at, since)) = self.preroll {
+            self.clock.seek(at, now);
+            self.sound_in = Some(f64::INFINITY);
+            let is_there = self.drawn_tick == Some(stage.timeline().tick_at(at));
+            if is_there || now.0 - since.0 > MOST_PREROLL_S {
+                self.preroll = None;
+                sound.set(true, at);
+            }
+        } else if !self.is_moving(stage) {
+            // A picture that stands is in step with anything.
+        } else if let Some((begin, until)) = sound.begins() {
             self.clock.seek(begin, now);
+            self.sound_in = Some(until.map_or(f64::INFINITY, |until| until.0));
         } else if let Some(heard) = sound.heard() {
-            self.clock.follow(heard, now);
+            match waited {
+                true => self.clock.seek(heard, now),
+                false => self.clock.follow(heard, now),
+            }
         }
     }
 

@@ -7,8 +7,9 @@ use crate::units::Seconds;
 
 /// From this difference on the picture jumps to the sound instead of gliding.
 const JUMP_S: f64 = 0.2;
-/// Share of a smaller difference that one look at the sound takes away.
-const GLIDE: f64 = 0.1;
+/// A smaller difference is halved by a look at the sound this long after the last one; by more
+/// frequent looks it falls to about a third in this time.
+const GLIDE_S: f64 = 0.15;
 
 /// Time in the content, counted on through all its rounds; by default paused at the beginning.
 #[derive(Clone, Copy, Debug, Default)]
@@ -50,10 +51,19 @@ impl MediaClock {
 
     /// Comes closer to what is heard.
     pub fn follow(&mut self, heard: Seconds, now: Seconds) {
-        let off = heard.0 - self.time(now).0;
-        if self.is_playing() {
-            self.at += if off.abs() > JUMP_S { off } else { off * GLIDE };
-        }
+        let Some(since) = self.since else {
+            return;
+        };
+        let at = self.time(now).0;
+        let (off, passed) = (heard.0 - at, (now.0 - since).max(0.0));
+        let glides = off.abs() <= JUMP_S;
+        let share = if glides {
+            passed / (passed + GLIDE_S)
+        } else {
+            1.0
+        };
+        self.at = at + off * share;
+        self.since = Some(since.max(now.0));
     }
 }
 
@@ -89,5 +99,21 @@ mod tests {
         }
         clock.follow(Seconds(100.0), Seconds(10.0));
         assert!((clock.time(Seconds(10.0)).0 - 100.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_sound_that_is_listened_to_rarely_is_come_to_as_soon() {
+        let off_after = |looks: u32| {
+            let mut clock = MediaClock::default();
+            clock.play(Seconds(0.0));
+            for look in 1..=looks {
+                let now = f64::from(look) * 0.6 / f64::from(looks);
+                clock.follow(Seconds(now + 0.1), Seconds(now));
+            }
+            (0.6 + 0.1 - clock.time(Seconds(0.6)).0).abs()
+        };
+        for looks in [4, 10, 40, 400] {
+            assert!(off_after(looks) < 0.01, "{looks}: {} s", off_after(looks));
+        }
     }
 }
