@@ -427,7 +427,10 @@ impl Viewer {
         if let Some((at, since)) = self.preroll {
             self.clock.seek(at, now);
             self.sound_in = Some(f64::INFINITY);
-            let is_there = self.drawn_tick == Some(stage.timeline().tick_at(at));
+            // One that is ahead was chosen for when it would have been drawn.
+            let [first, last] =
+                [0.0, MOST_DRAW_S].map(|s| stage.timeline().tick_at(Seconds(at.0 + s)));
+            let is_there = self.drawn_tick.is_some_and(|t| (first..=last).contains(&t));
             if is_there || now.0 - since.0 > MOST_PREROLL_S {
                 self.preroll = None;
                 sound.set(true, at);

@@ -61,7 +61,13 @@ impl NameWords {
 
     /// Whether the name says that it is the faces of a cube.
     pub(super) fn names_cube(&self) -> bool {
-        self.has(&["cube", "cubemap", "c3x2", "c6x1", "c1x6"])
+        let is_cube = |word: &String| {
+            let layouts = ["3x2", "6x1", "1x6", "4x1"].into_iter();
+            let mut stems = layouts.filter_map(|layout| word.strip_suffix(layout));
+            let is = |stem: &str| ["cube", "cubemap"].contains(&stem);
+            is(word) || stems.any(|stem| is(stem) || stem == "c")
+        };
+        self.words.iter().any(is_cube)
     }
 
     /// Whether the name says that it is a cube whose columns are angles.
@@ -127,6 +133,23 @@ mod tests {
         }
         assert!(words("a_180_LR.mp4").names_half() && words("vr180.mp4").names_half());
         assert!(!words("a_1800.mp4").names_half());
-        assert!(words("x_cube.png").names_cube() && words("x_eac.webm").names_equiangular());
+        for name in [
+            "x_cube.png",
+            "cube3x2.mp4",
+            "tour_cubemap6x1.mp4",
+            "c1x6.mkv",
+        ] {
+            assert!(words(name).names_cube(), "{name}");
+        }
+        for name in [
+            "cuber.mp4",
+            "3x2.mp4",
+            "cubex3x2.mp4",
+            "c.mp4",
+            "abc3x2.mp4",
+        ] {
+            assert!(!words(name).names_cube(), "{name}");
+        }
+        assert!(words("x_eac.webm").names_equiangular());
     }
 }

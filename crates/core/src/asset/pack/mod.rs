@@ -110,17 +110,17 @@ pub struct Header {
 impl Header {
     /// Reads the first [`HEADER_BYTES`] of a pack.
     pub fn parse(bytes: &[u8]) -> Result<Self, PackError> {
+        let begin = &bytes[..bytes.len().min(MAGIC.len())];
+        if !MAGIC.starts_with(begin) {
+            return Err(PackError::new(
+                "magic",
+                begin.escape_ascii(),
+                "FOVEAL\\r\\n (this is no pack)",
+            ));
+        }
         if bytes.len() < HEADER_BYTES {
             let found = format!("{} bytes", bytes.len());
             return Err(PackError::new("header", found, "at least 64 bytes"));
-        }
-        if bytes[..8] != MAGIC {
-            let found = bytes[..8].escape_ascii();
-            return Err(PackError::new(
-                "magic",
-                found,
-                "FOVEAL\\r\\n (this is no pack)",
-            ));
         }
         let version = u32_at(bytes, 8);
         if version != VERSION {
