@@ -197,7 +197,9 @@ fn write_pack(
     if Stamp::of(input) != before {
         return Err(PrepareError::Changed(input.display().to_string()));
     }
-    said.extend(time_notes(&times, fps, coded?));
+    let most = u64::from(plan.most_frames.unwrap_or(MAX_FRAMES));
+    let of = plan.frames.map(|of| of.min(most));
+    said.extend(time_notes(&times, fps, coded?, of));
     let mut description = plan.description.clone();
     description.frames = times.len() as u32;
     let mut tables = vec![SideTable {

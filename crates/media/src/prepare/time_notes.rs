@@ -5,9 +5,14 @@ const LONG_S: f64 = 1.0;
 /// In frames of the nominal rate.
 const MANY: f64 = 10.0;
 
+/// Share of the frames and of the time that a container tells that may be missing, as it may have
+/// been estimated, and as many frames.
+const MOST_MISSING: f64 = 0.05;
+const MOST_FRAMES_MISSING: f64 = 2.0;
+
 /// What a person should know of the times of frames in nanoseconds, nominally `fps` a second,
-/// `repaired` of which came from stamps that did not rise.
-pub(super) fn time_notes(times: &[i64], fps: f64, repaired: u64) -> Vec<String> {
+/// `repaired` of which came from stamps that did not rise; the container told of `of` frames.
+pub(super) fn time_notes(times: &[i64], fps: f64, repaired: u64, of: Option<u64>) -> Vec<String> {
     let lengths = times
         .windows(2)
         .map(|pair| (pair[1] - pair[0]) as f64 / 1e9);
@@ -32,7 +37,21 @@ pub(super) fn time_notes(times: &[i64], fps: f64, repaired: u64) -> Vec<String> 
              second"
         ));
     }
+    notes.extend(of.and_then(|of| end_note(times, fps, of as f64)));
     notes
+}
+
+/// Whether it ends well before `of` frames, in number and in time.
+fn end_note(times: &[i64], fps: f64, of: f64) -> Option<String> {
+    let frames = times.len() as f64;
+    let seconds = super::length_of(times, fps);
+    let most = (of - MOST_FRAMES_MISSING).min(of * (1.0 - MOST_MISSING));
+    (frames < most && seconds * fps < most).then(|| {
+        format!(
+            "it ends after {frames} of about {of} frames that it should have, at {seconds:.2} s; \
+             copy it again if it was cut short"
+        )
+    })
 }
 
 #[cfg(test)]
@@ -42,15 +61,29 @@ mod tests {
     #[test]
     fn a_jump_is_told_with_its_frame_and_even_or_slow_times_are_not() {
         let even: Vec<i64> = (0..9).map(|n| n * 40_000_000).collect();
-        assert!(time_notes(&even, 25.0, 0).is_empty());
+        assert!(time_notes(&even, 25.0, 0, Some(10)).is_empty());
         let slow: Vec<i64> = (0..9).map(|n| n * 5_000_000_000).collect();
-        assert!(time_notes(&slow, 0.2, 0).is_empty());
+        assert!(time_notes(&slow, 0.2, 0, None).is_empty());
         let mut jumps = even;
         jumps[4..]
             .iter_mut()
             .for_each(|time| *time += 7_000_000_000);
-        let told = time_notes(&jumps, 25.0, 2).join("\n");
+        let told = time_notes(&jumps, 25.0, 2, Some(9)).join("\n");
         assert!(told.contains("frame 3 stands for 7.04 s;"), "{told}");
         assert!(told.contains("2 of its time stamps"), "{told}");
+    }
+    #[test]
+    fn an_end_well_before_what_the_container_tells_is_told() {
+        let even: Vec<i64> = (0..50).map(|n| n * 40_000_000).collect();
+        let told = |of| time_notes(&even, 25.0, 0, Some(of)).join("\n");
+        assert!(
+            told(100).contains("after 50 of about 100 frames"),
+            "{}",
+            told(100)
+        );
+        assert!([0, 40, 50, 52].into_iter().all(|of| told(of).is_empty()));
+        // Fewer frames than estimated, as they stand for longer, are no end.
+        let sparse: Vec<i64> = (0..50).map(|n| n * 80_000_000).collect();
+        assert!(time_notes(&sparse, 25.0, 0, Some(100)).is_empty());
     }
 }
