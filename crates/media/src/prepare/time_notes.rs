@@ -4,7 +4,6 @@
 const LONG_S: f64 = 1.0;
 /// In frames of the nominal rate.
 const MANY: f64 = 10.0;
-
 /// Share of the frames and of the time that a container tells that may be missing, as it may have
 /// been estimated, and as many frames.
 const MOST_MISSING: f64 = 0.05;
@@ -72,6 +71,7 @@ mod tests {
         assert!(told.contains("frame 3 stands for 7.04 s;"), "{told}");
         assert!(told.contains("2 of its time stamps"), "{told}");
     }
+
     #[test]
     fn an_end_well_before_what_the_container_tells_is_told() {
         let even: Vec<i64> = (0..50).map(|n| n * 40_000_000).collect();
