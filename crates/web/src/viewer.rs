@@ -23,8 +23,6 @@ use foveal_render::{Overlay, RenderError};
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// Longest time of drawing that is made up for by showing a later frame, in seconds.
-const MOST_DRAW_S: f64 = 0.5;
 /// Radius of the ring round the gaze, in degrees: the fovea.
 const FOVEA_DEG: f64 = 2.5;
 /// How often a headset's eyes must ask for the levels to follow them, in seconds.
@@ -232,6 +230,7 @@ impl Viewer {
             wall: now,
             media,
             playing: self.is_moving(),
+            drawing: self.figures.slow_draw(self.stage.period()),
             aim,
         };
         let mut changed = self
@@ -299,7 +298,7 @@ impl Viewer {
     /// The moment of the content to show: the one that it is when it has been drawn.
     fn due(&self, now: Seconds) -> Seconds {
         let drawing = if self.is_moving() {
-            self.figures.draw_s.min(MOST_DRAW_S)
+            self.figures.draw_s
         } else {
             0.0
         };

@@ -18,7 +18,7 @@ use foveal_core::asset::media_clock::MediaClock;
 use foveal_core::gaze::pointer::Pointer;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::selection::aim::Aim;
-use foveal_core::selection::figures::Figures;
+use foveal_core::selection::figures::{Figures, MOST_DRAW_S};
 use foveal_core::selection::policy::Policy;
 use foveal_core::selection::stage::Now;
 use foveal_core::units::Seconds;
@@ -45,8 +45,6 @@ const POLICIES: [Policy; 10] = [
 const FOVEA_DEG: f64 = 2.5;
 /// How long a message stays, in seconds.
 const MESSAGE_S: f64 = 3.0;
-/// Longest time of drawing that is made up for by showing a later frame, in seconds.
-const MOST_DRAW_S: f64 = 0.5;
 /// How long the sound waits for the frame that it begins with, in seconds.
 const MOST_PREROLL_S: f64 = 1.0;
 /// How often figures are painted anew, in seconds.
@@ -347,6 +345,7 @@ impl Viewer {
             wall: now,
             media: self.due(stage, now),
             playing: self.is_moving(stage),
+            drawing: self.slow_draw(stage),
             aim,
         };
         let mut changed = stage.step(&step, &mut self.choice, &mut self.figures)?;
@@ -383,29 +382,33 @@ impl Viewer {
 
     /// The moment of the content to show: the one that it is when it has been drawn.
     fn due(&self, stage: &Stage, now: Seconds) -> Seconds {
-        let drawing = if self.draws_slowly(stage) {
+        let slow = self.slow_draw(stage).0;
+        let drawing = if slow > 0.0 {
             // Most pictures are drawn by then, and wait.
-            self.figures.most_draw_s
+            slow
         } else if self.is_moving(stage) {
             self.figures.draw_s
         } else {
             0.0
         };
         let waits = self.sound_in.unwrap_or(0.0);
-        Seconds(self.clock.time(now).0 + (drawing.min(MOST_DRAW_S) - waits).max(0.0))
+        Seconds(self.clock.time(now).0 + (drawing - waits).max(0.0))
     }
 
-    /// Whether drawing takes longer than a frame lasts, so that some are left out.
-    fn draws_slowly(&self, stage: &Stage) -> bool {
-        self.is_moving(stage) && self.figures.draw_s > stage.period().0
+    /// How long pictures are drawn where some frames are left out because of it, and else 0.
+    fn slow_draw(&self, stage: &Stage) -> Seconds {
+        let moving = self.is_moving(stage);
+        let slow = moving.then(|| self.figures.slow_draw(stage.period()));
+        slow.unwrap_or_default()
     }
 
     /// Whether a frame that was not on screen before waits for its time once it is drawn.
     pub(crate) fn waits(&self, stage: &Stage) -> bool {
-        self.draws_slowly(stage) && stage.shown_tick() != self.drawn_tick
+        self.slow_draw(stage).0 > 0.0 && stage.shown_tick() != self.drawn_tick
     }
 
-    /// How long it is at `now` until the time of what is to be shown, at most a frame.
+    /// How long it is at `now` until the time of what is to be shown: it was chosen for a drawing
+    /// as long as the longest of late, and is not earlier than that.
     pub(crate) fn early_by(&self, stage: &Stage, now: Seconds) -> Duration {
         let begin = stage
             .shown_tick()
@@ -413,7 +416,7 @@ impl Viewer {
         let early = begin.map_or(0.0, |begin| begin.0 - self.clock.time(now).0);
         let waits = self.sound_in.filter(|_| early > 0.0).unwrap_or(0.0);
         let early = early + waits;
-        Duration::from_secs_f64(early.clamp(0.0, stage.period().0.clamp(0.0, MOST_DRAW_S)))
+        Duration::from_secs_f64(early.clamp(0.0, self.slow_draw(stage).0))
     }
 
     fn follow_sound(&mut self, stage: &Stage, now: Seconds) {
@@ -486,14 +489,14 @@ impl Viewer {
     /// What is to be shown was drawn and then on screen at these times; `begun` is when it was
     /// chosen, if it was not there before.
     pub(crate) fn drawn(&mut self, stage: &Stage, begun: Option<Seconds>, at: [Seconds; 2]) {
-        if let Some(begun) = begun.filter(|_| self.is_moving(stage)) {
-            self.figures.drawn(at[0].0 - begun.0, stage.period());
-        }
         // What is drawn again while another frame is awaited tells nothing.
         if self.drawn_tick == stage.shown_tick() {
             return;
         }
         self.drawn_tick = stage.shown_tick();
+        if let Some(begun) = begun.filter(|_| self.is_moving(stage)) {
+            self.figures.drawn(at[0].0 - begun.0, stage.period());
+        }
         let heard = self.sound.as_ref().and_then(Sound::heard);
         let behind = heard.zip(stage.shown_tick()).map(|(heard, tick)| {
             let span = [tick, tick + 1].map(|tick| stage.timeline().time_of(tick));

@@ -8,6 +8,10 @@ use std::collections::VecDeque;
 const WINDOW_S: f64 = 2.0;
 /// Drawings that tell how long the next will take; the slowest of them is an exception.
 const DRAWS: usize = 9;
+/// What the longest of the first two drawings is multiplied by to tell how long the next may take.
+const FIRST_DRAWS: f64 = 1.5;
+/// Longest time of drawing that is made up for by showing a later frame, in seconds.
+pub const MOST_DRAW_S: f64 = 0.5;
 /// Most frames that are remembered.
 const MOST: usize = 1024;
 
@@ -42,7 +46,8 @@ pub struct Figures {
     pub incomplete_frames: u64,
     /// Frames that took longer to draw than they last.
     pub slow_draws: u64,
-    /// Time from choosing what is shown until it is drawn, in seconds: the median of late.
+    /// Time from choosing what is shown until it is drawn, in seconds, at most [`MOST_DRAW_S`]: the
+    /// median of late.
     pub draw_s: f64,
     /// What that time stays below but now and then, in seconds.
     pub most_draw_s: f64,
@@ -90,13 +95,25 @@ impl Figures {
         if self.draws.len() == DRAWS {
             self.draws.pop_front();
         }
-        self.draws.push_back(seconds);
+        self.draws.push_back(seconds.min(MOST_DRAW_S));
         let mut sorted: Vec<f64> = self.draws.iter().copied().collect();
         sorted.sort_by(f64::total_cmp);
         let last = sorted.len() - 1;
         self.draw_s = sorted[last / 2];
-        self.most_draw_s = sorted[last.saturating_sub(1)].max(self.draw_s);
+        // The first ones have the processor for themselves, or wait for what is made once.
+        self.most_draw_s = match last {
+            0 | 1 => (sorted[last] * FIRST_DRAWS).min(MOST_DRAW_S),
+            _ => sorted[last - 1],
+        };
         self.slow_draws += u64::from(seconds > period.0);
+    }
+
+    /// How long nothing else is shown because a picture is drawn: 0 where that is not longer than
+    /// the `period` of a frame, and else what most pictures stay below.
+    #[must_use]
+    pub fn slow_draw(&self, period: Seconds) -> Seconds {
+        let slow = self.draw_s > period.0;
+        Seconds(if slow { self.most_draw_s } else { 0.0 })
     }
 
     /// A frame of the content came on screen.
@@ -146,6 +163,24 @@ mod tests {
         assert_eq!([figures.draw_s, figures.most_draw_s], [0.012, 0.014]);
         (0..9).for_each(|_| figures.drawn(0.1, Seconds(0.04)));
         assert_eq!([figures.draw_s, figures.most_draw_s], [0.1, 0.1]);
+    }
+
+    #[test]
+    fn the_first_drawings_are_expected_to_take_longer_and_fast_ones_hold_nothing_up() {
+        let (mut figures, period) = (Figures::default(), Seconds(0.04));
+        assert_eq!(figures.slow_draw(period), Seconds(0.0));
+        let expected = [0.1, 0.2, 0.15, 0.16].map(|s| {
+            figures.drawn(s, period);
+            figures.slow_draw(period).0
+        });
+        let wanted: [f64; 4] = [0.15, 0.3, 0.15, 0.16];
+        let near = expected
+            .iter()
+            .zip(wanted)
+            .all(|(e, w)| (e - w).abs() < 1e-9);
+        assert!(near, "{expected:?}");
+        (0..9).for_each(|_| figures.drawn(0.01, period));
+        assert_eq!(figures.slow_draw(period), Seconds(0.0));
     }
 
     #[test]

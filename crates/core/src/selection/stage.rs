@@ -32,6 +32,8 @@ pub struct Now {
     pub media: Seconds,
     /// Whether the content moves.
     pub playing: bool,
+    /// How long a picture is drawn while none can be shown: by [`Figures::slow_draw`].
+    pub drawing: Seconds,
     /// Where the viewer looks.
     pub aim: Aim,
 }
@@ -121,6 +123,8 @@ struct Staged {
     resident: HashSet<Tile>,
     failed: HashSet<Tile>,
     begun: f64,
+    /// How long drawing takes, as far as it was known by then.
+    drawing: f64,
     /// When nothing was missing any more.
     complete: Option<f64>,
 }
@@ -400,8 +404,11 @@ impl<X, F: Feed<Error = X>, E: Easel<Error = X>> Stage<F, E> {
             self.coming = None;
             return Ok(());
         }
-        // A frame under way is shown, however late, before another is begun.
+        // A frame under way is shown, however late, before another is begun; but not one that was
+        // begun before it was known how long the one on screen is drawn.
+        let period = self.period().0;
         let fits = |coming: &Staged| match now.playing {
+            true if now.drawing.0 > coming.drawing + period => coming.tick >= target,
             true => coming.tick <= target + 1 || self.lead > 0.0,
             false => coming.tick == target,
         };
@@ -419,7 +426,9 @@ impl<X, F: Feed<Error = X>, E: Easel<Error = X>> Stage<F, E> {
         }
         let shown = self.shown_tick().filter(|_| !self.jumped);
         let after = |tick: Option<u64>| tick.map_or(0, |tick| tick + 1);
-        let ahead = self.timeline.tick_at(Seconds(now.media.0 + self.lead));
+        // What follows the frame on screen is shown once that has been drawn.
+        let lead = shown.map_or(self.lead, |_| self.lead.max(now.drawing.0));
+        let ahead = self.timeline.tick_at(Seconds(now.media.0 + lead));
         due.max(ahead).max(after(shown)).max(after(self.damaged))
     }
 
@@ -434,6 +443,7 @@ impl<X, F: Feed<Error = X>, E: Easel<Error = X>> Stage<F, E> {
             resident: HashSet::new(),
             failed: HashSet::new(),
             begun: now.wall.0,
+            drawing: now.drawing.0,
             complete: None,
         }
     }

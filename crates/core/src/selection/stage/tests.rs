@@ -90,6 +90,8 @@ struct Trial {
     now: Rc<Cell<f64>>,
     takes: Rc<Cell<f64>>,
     damaged: Rc<Cell<bool>>,
+    /// How long a picture is drawn, as far as it is known.
+    drawing: f64,
     figures: Figures,
 }
 
@@ -115,6 +117,7 @@ impl Trial {
             now,
             takes,
             damaged,
+            drawing: 0.0,
             figures: Figures::default(),
         }
     }
@@ -131,8 +134,9 @@ impl Trial {
         let wall = self.now.get();
         let now = Now {
             wall: Seconds(wall),
-            media: Seconds(if playing { wall } else { 0.0 }),
+            media: Seconds(if playing { wall + self.drawing } else { 0.0 }),
             playing,
+            drawing: Seconds(self.drawing),
             aim: aim(),
         };
         let (choice, figures) = (&mut self.choice, &mut self.figures);
@@ -187,6 +191,30 @@ fn frames_that_take_longer_than_they_last_are_begun_earlier_and_then_later_again
     trial.takes.set(0.01);
     trial.play(3.0);
     assert!(trial.stage.lead < 0.01, "{}", trial.stage.lead);
+}
+
+#[test]
+fn what_follows_a_frame_that_is_long_drawn_is_the_frame_of_the_time_when_it_is_drawn() {
+    let takes = 6.5 * PERIOD;
+    let mut trial = Trial::new(0.01);
+    // The frame after the first is begun before anybody knows.
+    while trial.stage.shown_tick().is_none() || trial.stage.coming.is_none() {
+        trial.step(true);
+    }
+    let mut drawn = trial.stage.shown_tick();
+    trial.drawing = takes;
+    for _ in 0..1000 {
+        trial.step(true);
+        if trial.stage.shown_tick() == drawn {
+            continue;
+        }
+        drawn = trial.stage.shown_tick();
+        let begun = trial.now.get() - STEP;
+        trial.now.set(begun + takes);
+        let [at, due] = [drawn.unwrap(), trial.due()];
+        assert!(at.abs_diff(due) <= 1, "{at} is drawn when {due} is due");
+    }
+    assert!(trial.figures.frames > 20);
 }
 
 #[test]
