@@ -88,11 +88,11 @@ fn in_browser(web: &Path, config: &str, program: PathBuf) -> Outcome {
 }
 
 fn build_module(web: &Path) -> Outcome {
-    let build = ["build", "--quiet", "--profile", "web"];
+    let build = ["build", "--profile", "web"];
     let of = ["--target", TARGET, "-p", "foveal-web", "--lib"];
     steps::run(cargo(&build).args(of))?;
     let module = target_folder()?.join(TARGET).join("web/foveal_web.wasm");
-    let bindgen = ["run", "--quiet", "--release", "-p", "web-bindgen", "--"];
+    let bindgen = ["run", "--release", "-p", "web-bindgen", "--"];
     steps::run(cargo(&bindgen).arg(module).arg(web.join("pkg")))
 }
 

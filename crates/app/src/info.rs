@@ -140,25 +140,25 @@ impl PackInfo {
             Cut::Grid([c, r]) => format!("a grid of {c}x{r} a face"),
         };
         let mut text = format!(
-            "{}, {}x{}, {surround}\n{} frames at {:.3} fps, {:.2} s\n\
-             {}, {} levels of ratio {}, {cut}, {} units\n{:.2} MB from {:.2} MB\n",
+            "{}, {}x{}, {surround}\n{} at {:.3} fps, {:.2} s\n\
+             {}, {} levels of ratio {}, {cut}, {} units\n{} from {}\n",
             self.source,
             self.width,
             self.height,
-            self.frames,
+            output::counted(u64::from(self.frames), "frame"),
             self.fps,
             self.seconds,
             self.codec.name(),
             self.levels,
             self.level_ratio,
             self.units,
-            self.bytes as f64 / 1e6,
-            self.source_bytes as f64 / 1e6,
+            output::size(self.bytes),
+            output::size(self.source_bytes),
         );
         if let Some(sound) = &self.sound {
             let _ = writeln!(
                 text,
-                "sound: {}, {} Hz, {}, {:.2} s, {:.2} MB",
+                "sound: {}, {} Hz, {}, {:.2} s, {}",
                 sound.codec,
                 sound.rate,
                 match sound.channels {
@@ -166,14 +166,14 @@ impl PackInfo {
                     more => format!("{more} channels"),
                 },
                 sound.seconds,
-                sound.bytes as f64 / 1e6
+                output::size(sound.bytes as u64)
             );
         }
         for (level, bytes) in self.bytes_per_level.iter().enumerate() {
             let _ = writeln!(
                 text,
-                "level {level}: {:.2} MB, {}, groups of {}",
-                *bytes as f64 / 1e6,
+                "level {level}: {}, {}, groups of {}",
+                output::size(*bytes),
                 self.quality_of(level),
                 self.groups[level]
             );
@@ -184,6 +184,7 @@ impl PackInfo {
     fn quality_of(&self, level: usize) -> String {
         match (self.bit_rates.get(level), self.quality_scale) {
             (Some(bits), _) => format!("{:.3} Mbit/s a tile", f64::from(*bits) / 1e6),
+            (None, _) if self.codec == Codec::Png => "lossless".to_owned(),
             (None, QualityScale::Quantiser) => format!("quality {}", self.quality[level]),
             (None, QualityScale::Ijg) => format!("quality q{}", self.quality[level]),
         }

@@ -109,7 +109,7 @@ fn main() -> ExitCode {
     quiet_without_display();
     #[cfg(target_os = "linux")]
     keep_freed_memory();
-    let matches = Cli::command().get_matches();
+    let matches = with_negative_numbers(Cli::command()).get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     for line in unused_options::unused_options(&matches) {
         output::say(&line);
@@ -135,6 +135,17 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => output::fail(&error),
     }
+}
+
+/// What is given as `-3` is a number that may be out of range, not an option nobody knows.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let takes_values = |arg: &clap::Arg| arg.get_action().takes_values();
+    command
+        .mut_args(|arg| match takes_values(&arg) {
+            true => arg.allow_negative_numbers(true),
+            false => arg,
+        })
+        .mut_subcommands(with_negative_numbers)
 }
 
 /// Frames and encoders come and go by the hundred megabytes, every few seconds; memory that was

@@ -120,6 +120,12 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
         .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
     refuse_to_overwrite_input(&args.input, out)?;
     refuse_to_overwrite_other_files(out)?;
+    if out.extension().is_none_or(|ending| ending != "foveal") {
+        output::say(&format!(
+            "{}: a pack usually ends in .foveal",
+            out.display()
+        ));
+    }
     let bar = output::bar(plan.frames, output::Counting::Frames);
     let mut tell = |event: Event| match event {
         Event::Begins(note) => output::say(&format!("{}: {note}", out.display())),

@@ -56,7 +56,8 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
     }
     let listed = verified.damage.join("\n  ");
     bail!(
-        "{}: {found} damaged places\n  {listed}",
-        args.pack.display()
+        "{}: {}\n  {listed}",
+        args.pack.display(),
+        output::counted(found as u64, "damaged place")
     );
 }

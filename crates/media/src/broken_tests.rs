@@ -138,7 +138,7 @@ fn files_that_are_no_video_are_told_apart() {
     }
     let missing = Scratch::new("mp4");
     assert!(message(&missing).contains("cannot be opened"));
-    assert!(message(&std::env::temp_dir()).contains("not a file"));
+    assert!(message(&std::env::temp_dir()).contains("it is a folder"));
     assert!(message("nul\0.mp4".as_ref()).contains("cannot be opened"));
 }
 

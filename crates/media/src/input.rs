@@ -253,6 +253,9 @@ fn file_bytes(path: &Path) -> Result<u64, MediaError> {
         reason,
     };
     let about = std::fs::metadata(path).map_err(|e| cannot_open(e.to_string()))?;
+    if about.is_dir() {
+        return Err(cannot_open("it is a folder; give a file in it".to_owned()));
+    }
     if !about.is_file() {
         return Err(cannot_open(
             "it is not a file; what comes through a pipe must be written to one first".to_owned(),

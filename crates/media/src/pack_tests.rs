@@ -204,11 +204,16 @@ fn a_pack_replaces_only_plain_files() {
     let folder = Scratch::new("foveal");
     std::fs::create_dir(&*folder).unwrap();
     let missing = folder.join("no such folder").join("a.foveal");
-    for out in [&*folder, missing.as_path(), Path::new("/dev/null")] {
+    let other = "choose another --out";
+    for (out, next) in [
+        (&*folder, other),
+        (missing.as_path(), "no such folder first"),
+        (Path::new("/dev/null"), other),
+    ] {
         let error = crate::prepare::prepare(&clip, out, &plan, &mut |_| {}).unwrap_err();
         let text = error.to_string();
         assert!(text.contains(out.to_str().unwrap()), "{text}");
-        assert!(text.contains("choose another --out"), "{text}");
+        assert!(text.contains(next), "{text}");
         assert!(!partial_path(out).exists());
     }
     std::fs::remove_dir(&*folder).unwrap();

@@ -189,9 +189,16 @@ impl PackWriter {
 }
 
 fn cannot_begin(path: &Path, source: Error) -> PackFileError {
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let next = match folder.filter(|folder| !folder.exists()) {
+        Some(folder) => format!("make the folder {} first", folder.display()),
+        None => "choose another --out".to_owned(),
+    };
     PackFileError::Io {
         path: path.to_owned(),
-        what: "cannot be written; choose another --out".to_owned(),
+        what: format!("cannot be written; {next}"),
         source,
     }
 }

@@ -58,8 +58,9 @@ pub(super) fn run(args: &CodecsArgs) -> anyhow::Result<()> {
         .len();
     let scratch = args.trial.scratch()?;
     let mut rows = Vec::new();
-    for coding in &args.codecs {
-        output::say(&format!("{}: {}", input.display(), coding.name));
+    for (number, coding) in (1..).zip(&args.codecs) {
+        let of = args.codecs.len();
+        output::say(&format!("{number} of {of}: {}", coding.name));
         let settings = args.settings(coding, jobs);
         let trial = args.trial.trial(&settings, &scratch)?;
         let share = args.share_of_input()?;
@@ -70,7 +71,7 @@ pub(super) fn run(args: &CodecsArgs) -> anyhow::Result<()> {
         });
     }
     let report = Report {
-        machine: Machine::here("nothing".to_owned()),
+        machine: Machine::here("none".to_owned()),
         input: input.display().to_string(),
         input_bytes,
         frames: rows.first().map_or(0, |row: &Row| row.trial.frames),

@@ -69,10 +69,13 @@ pub(super) fn run(args: &GridSweepArgs) -> anyhow::Result<()> {
     }
     let scratch = args.trial.scratch()?;
     let (mut cuts, mut impossible) = (Vec::new(), Vec::new());
+    let of = args.grids.len() * args.levels.len();
     for &side in &args.grids {
         for &levels in &args.levels {
-            let grid = [side; 2];
-            output::say(&format!("{side}x{side} cells, {levels} levels"));
+            let (grid, number) = ([side; 2], cuts.len() + impossible.len() + 1);
+            output::say(&format!(
+                "{number} of {of}: {side}x{side} cells, {levels} levels"
+            ));
             match args
                 .trial
                 .trial(&args.settings(grid, levels, jobs), &scratch)
@@ -94,7 +97,7 @@ pub(super) fn run(args: &GridSweepArgs) -> anyhow::Result<()> {
         }
     }
     let report = Report {
-        machine: Machine::here("nothing".to_owned()),
+        machine: Machine::here("none".to_owned()),
         input: args.trial.input.display().to_string(),
         frames: cuts.first().map_or(0, |row: &Row| row.trial.frames),
         cuts,

@@ -76,8 +76,8 @@ fn tell_damage(packs: &[PathBuf]) -> anyhow::Result<()> {
         bar.finish_and_clear();
         if let Some(first) = damage.first() {
             output::say(&format!(
-                "foveal: {first} ({} damaged places in all; the site shows the rest of it)",
-                damage.len()
+                "foveal: {first} ({} in all; the site shows the rest of it)",
+                output::counted(damage.len() as u64, "damaged place")
             ));
         }
     }

@@ -89,7 +89,8 @@ pub(crate) struct ViewArgs {
     /// Write what was selected and for which gaze to this file, for `foveal replay`.
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
-    /// Where screenshots go (default: beside the pack).
+    /// Where screenshots go: the picture without what is written over it (default: beside the
+    /// pack, and for a script's the current folder).
     #[arg(long, value_name = "DIR")]
     screenshots: Option<PathBuf>,
     /// A file with one thing a line to happen by itself: SECONDS and key NAME, move X Y, leave,

@@ -302,6 +302,9 @@ fn play(
     round: Seconds,
     opened: &Sender<anyhow::Result<()>>,
 ) {
+    // What its functions say beside their results, this program says in one line.
+    #[cfg(target_os = "linux")]
+    let _complaints = alsa::Output::local_error_handler();
     let mut first = true;
     loop {
         match open_device(shared, &samples) {

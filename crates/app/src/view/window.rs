@@ -436,7 +436,9 @@ impl Open {
             Deed::Drag(by) => self.drag(by),
             Deed::Wheel(steps) => self.wheel(steps),
             Deed::Resize(size) => self.ask_size(size, now),
-            Deed::Screenshot(path) => {
+            Deed::Screenshot(name) => {
+                let folder = self.ready.args.screenshots.as_deref();
+                let path = folder.map_or(name.clone(), |folder| folder.join(&name));
                 let pane = self
                     .pane()
                     .context("a window without pixels has no picture")?;

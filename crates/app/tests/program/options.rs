@@ -76,3 +76,15 @@ fn options_that_contradict_the_content_or_each_other_are_refused_or_told() {
         &["is a folder", "foveal prepare"],
     );
 }
+
+#[test]
+fn a_negative_number_is_a_value_out_of_range_not_an_unknown_option() {
+    for option in ["--start", "--frames"] {
+        let words = ["invalid value '-3'", option];
+        refused(
+            2,
+            &["simulate", "a.foveal", "--out", "run", option, "-3"],
+            &words,
+        );
+    }
+}

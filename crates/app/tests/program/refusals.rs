@@ -29,7 +29,7 @@ fn what_is_no_video_is_refused() {
     refuse(&folder, &garbage, &["garbage.bin"]);
     let missing = folder.name("missing.mp4");
     refuse(&folder, &missing, &["missing.mp4", "check the path"]);
-    refuse(&folder, &folder.name("."), &["not a file"]);
+    refuse(&folder, &folder.name("."), &["it is a folder"]);
 }
 
 #[test]

@@ -328,7 +328,7 @@ fn a_damaged_pack_is_published_and_told() {
     let pack = folder.holding("b.foveal", &bytes);
     let ran = done(&["export", "site", &pack, "--out", &folder.name("site")]);
     assert!(
-        ran.stderr.contains("1 damaged places in all"),
+        ran.stderr.contains("1 damaged place in all"),
         "{}",
         ran.stderr
     );

@@ -14,7 +14,7 @@ fn a_pack_cannot_go_where_nothing_can_be_written() {
         refused(1, &["prepare", "video", &clip, "--out", out], words);
     };
     let missing = folder.name("no such folder/a.foveal");
-    prepare(&missing, &["no such folder", "choose another --out"]);
+    prepare(&missing, &["make the folder", "no such folder first"]);
     std::fs::create_dir(folder.name("folder.foveal")).unwrap();
     prepare(
         &folder.name("folder.foveal"),

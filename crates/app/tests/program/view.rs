@@ -90,9 +90,10 @@ fn a_settled_window_shows_the_picture_of_the_headless_run() {
     let pack = flat_pack(&folder);
     let (first, last) = (folder.name("first.png"), folder.name("last.png"));
     let script = format!(
-        "0 settle\n0 screenshot {first}\n0.1 key End\n0.1 settle\n0.1 screenshot {last}\n0.2 quit"
+        "0 settle\n0 screenshot {first}\n0.1 key End\n0.1 settle\n0.1 screenshot last.png\n0.2 quit"
     );
-    let options = ["--view", "400x225", "--paused"];
+    let shots = folder.name("");
+    let options = ["--view", "400x225", "--paused", "--screenshots", &shots];
     let Some(summary) = watched(&folder, &pack, &script, &options) else {
         return;
     };
