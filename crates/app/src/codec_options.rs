@@ -15,15 +15,15 @@ pub(crate) struct CodecOptions {
     /// Codec of the tiles.
     #[arg(long, default_value = "vp9", value_parser = codec_names())]
     pub(crate) codec: Codec,
-    /// One for all levels, or one a level from the finest on, as 20,24,28. Quantisers, lower is
-    /// finer: vp9, vp8 and av1 0-63, h264 and hevc 0-51, jpeg 1-31; for jpeg also q1-q100, the
+    /// One for all levels, or one a level from the finest on, as 22,24,24,26,28. Quantisers, lower
+    /// is finer: vp9, vp8 and av1 0-63, h264 and hevc 0-51, jpeg 1-31; for jpeg also q1-q100, the
     /// quality of other programs. png is lossless.
     ///
     /// Defaults: vp9 24, vp8 16, av1 28, h264 26, hevc 27, jpeg 3.
     #[arg(long, value_name = "Q[,Q..]", conflicts_with = "bitrate")]
     quality: Option<String>,
     /// The finest quantiser at which no group of a tile takes more, as 10mbit or one a level as
-    /// 10mbit,5mbit,2mbit; not for jpeg and png. Takes about five times as long.
+    /// 4mbit,2mbit,1mbit,500kbit,200kbit; not for jpeg and png. Takes about five times as long.
     #[arg(long, value_name = "R[,R..]")]
     bitrate: Option<String>,
 }

@@ -29,7 +29,8 @@ pub(crate) fn sample_count(config: &PolicyConfig, view: &EyeView) -> u32 {
 /// A mask, and what was gathered for it.
 pub(crate) struct Sampling {
     pub(crate) mask: SampleMask,
-    /// Whether a sample is the mean of what it stands for, not of its own pixel alone.
+    /// Whether a sample is the mean of what it stands for, and interpolated where that is less than
+    /// a texel, not its own pixel's texel alone.
     averages: bool,
     /// Decoded tiles of the frame.
     tiles: BTreeMap<Tile, Picture>,
@@ -71,7 +72,7 @@ impl Sampling {
         let footprint = grid.surface.locate(gaze).map_or(1.0, |(_, place)| {
             grid.surface.ppd(place).0 / view.ppd_towards(gaze).0
         });
-        let gather = Gather::new(grid, &self.tiles, footprint);
+        let gather = Gather::new(grid, &self.tiles, footprint, self.averages);
         Samples {
             corner,
             codes: gather.codes(view, corner, &self.mask.places, |place| {

@@ -387,11 +387,11 @@ pub(crate) fn summarise(
 impl RunSummary {
     fn text(&self, out: &Path) -> String {
         format!(
-            "{} frames under {}: {:.2} % of the pixels (most {:.2} %), {:.2} MB fetched, \
+            "{} under {}: {:.2} % of the pixels (most {:.2} %), {:.2} MB fetched, \
              {:.1} MPix decoded\n\
              decoding {:.1} ms a frame (95th percentile {:.1}), {} late and {} incomplete frames, \
              {} damaged tiles, {} level changes, {:.2} MB on the GPU\n{}{}{}{}",
-            self.frames,
+            output::counted(self.frames as u64, "frame"),
             self.policy,
             self.pixels_share_mean * 100.0,
             self.pixels_share_max * 100.0,

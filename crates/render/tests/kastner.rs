@@ -50,7 +50,7 @@ fn mask_of(view: &EyeView, side: u32, samples: u32) -> SampleMask {
 fn codes(scene: &Scene, view: &EyeView, mask: &SampleMask, corner: [i32; 2]) -> Vec<u32> {
     let cells = scene.grid.tiles_of(0);
     let tiles: BTreeMap<Tile, Picture> = cells.map(|cell| (cell, scene.tile(cell))).collect();
-    Gather::new(&scene.grid, &tiles, 1.0).codes(view, corner, &mask.places, |_| 1.0)
+    Gather::new(&scene.grid, &tiles, 1.0, false).codes(view, corner, &mask.places, |_| 1.0)
 }
 
 fn sampled_twin(
@@ -134,7 +134,7 @@ fn the_middle_of_the_mask_is_the_whole_picture_and_beyond_it_the_coarsest_level_
     let mask = mask_of(&view, SIDE, SAMPLES);
     let coarsest = twin::reconstruct(&scene.in_memory(&[]), &view);
     let none = BTreeMap::new();
-    let whole = Gather::new(&scene.grid, &none, 1.0);
+    let whole = Gather::new(&scene.grid, &none, 1.0, false);
     assert_eq!(whole.codes(&view, [0; 2], &[[3, 3]], |_| 1.0), [0]);
     for interpolation in BOTH {
         let shown = sampled_twin(&scene, &view, &mask, [60, 10], interpolation);

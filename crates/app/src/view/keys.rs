@@ -79,6 +79,12 @@ pub(crate) const KEYS: [(&str, &str, Needs); 17] = [
     ("Q Esc", "quit", Needs::Nothing),
 ];
 
+/// The keys as a text for a terminal.
+pub(crate) fn listed() -> String {
+    let line = |(keys, what, _): &(&str, &str, Needs)| format!("  {keys:14} {what}\n");
+    format!("Keys:\n{}", KEYS.iter().map(line).collect::<String>())
+}
+
 /// What a key means; `None` for keys that mean nothing.
 pub(crate) fn action_of(key: &Key) -> Option<Action> {
     match key {

@@ -41,6 +41,7 @@ type Stage = foveal_core::selection::stage::Stage<feed::DecodeFeed, easel::Easel
 
 /// Keys: space pauses, arrows and the mouse move, the wheel zooms, H shows all keys and figures.
 #[derive(Clone, Debug, Args)]
+#[command(after_help = keys::listed())]
 pub(crate) struct ViewArgs {
     /// The pack.
     pack: PathBuf,

@@ -3,7 +3,7 @@
 //! For kiosks, demonstrations and trials: a file with one thing a line, `SECONDS WHAT`, as
 //! `0.5 key space`. While a line waits for the picture to settle, the script's time stands still.
 
-use super::keys::key_named;
+use super::keys::{action_of, key_named};
 use anyhow::{Context, bail};
 use foveal_core::units::Seconds;
 use std::path::PathBuf;
@@ -12,6 +12,8 @@ use winit::keyboard::Key;
 /// What a line may say, for messages.
 const FORMS: &str = "SECONDS and one of: key NAME, move X Y, leave, drag DX DY, wheel STEPS, \
                      resize W H, screenshot FILE, settle, quit";
+/// Endings of pictures that no screenshot is.
+const OTHER_PICTURES: [&str; 6] = ["jpg", "jpeg", "webp", "gif", "bmp", "tiff"];
 /// Longest side of a window in pixels.
 const MOST_SIDE: f64 = 8192.0;
 /// Longest script in lines.
@@ -36,6 +38,16 @@ pub(crate) enum Deed {
     /// The GPU taken away: nobody's wish, but a window must survive it.
     LoseDevice,
     Quit,
+}
+
+/// How far the picture in the window is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PictureIs {
+    /// Fetched anew, and nothing of it is there.
+    Missing,
+    /// To get finer.
+    There,
+    Settled,
 }
 
 /// What is still to happen.
@@ -76,13 +88,18 @@ impl Script {
         })
     }
 
-    /// The next thing, if it is time for it; a picture that is not `settled` is waited for.
-    pub(crate) fn next(&mut self, now: Seconds, settled: bool) -> Option<Deed> {
+    /// The next thing, if it is time for it; what needs the picture waits for it.
+    pub(crate) fn next(&mut self, now: Seconds, picture: PictureIs) -> Option<Deed> {
         let (at, deed) = self.rest.last()?;
         if now.0 - self.waited < *at && self.waiting_since.is_none() {
             return None;
         }
-        if *deed == Deed::Settle && !settled {
+        let can_happen = match deed {
+            Deed::Settle => picture == PictureIs::Settled,
+            Deed::Screenshot(_) => picture != PictureIs::Missing,
+            _ => true,
+        };
+        if !can_happen {
             self.waiting_since.get_or_insert(now.0);
             return None;
         }
@@ -117,7 +134,10 @@ fn parse_line(line: &str) -> anyhow::Result<(f64, Deed)> {
     };
     let nothing = |deed: Deed| given.is_empty().then_some(deed);
     let deed = match what {
-        "key" => key_named(given).map(Deed::Key),
+        "key" => match key_named(given) {
+            Some(key) if action_of(&key).is_none() => bail!("no key {given} does anything"),
+            key => key.map(Deed::Key),
+        },
         "move" => pair().map(Deed::Move),
         "leave" => nothing(Deed::Leave),
         "drag" => pair().map(Deed::Drag),
@@ -125,13 +145,22 @@ fn parse_line(line: &str) -> anyhow::Result<(f64, Deed)> {
         "resize" => pair()
             .filter(|size| size.iter().all(|side| (0.0..=MOST_SIDE).contains(side)))
             .map(|size| Deed::Resize(size.map(|side| side as u32))),
-        "screenshot" if !given.is_empty() => Some(Deed::Screenshot(given.into())),
+        "screenshot" => screenshot_named(given)?,
         "settle" => nothing(Deed::Settle),
         "lose-device" => nothing(Deed::LoseDevice),
         "quit" => nothing(Deed::Quit),
         _ => None,
     };
     Ok((at, deed.with_context(|| format!("expected {FORMS}"))?))
+}
+
+fn screenshot_named(name: &str) -> anyhow::Result<Option<Deed>> {
+    let path = PathBuf::from(name);
+    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+    if ending.is_some_and(|ending| OTHER_PICTURES.iter().any(|other| ending == *other)) {
+        bail!("a screenshot is a PNG file; give it the ending .png");
+    }
+    Ok((!name.is_empty()).then_some(Deed::Screenshot(path)))
 }
 
 #[cfg(test)]
@@ -142,15 +171,17 @@ mod tests {
     fn a_script_happens_in_order_and_waits_for_the_picture() {
         let text = "# a demonstration\n0 key space\n\n0.5 settle\n0.5 screenshot a b.png\n1 quit";
         let mut script = Script::parse(text).unwrap();
-        let mut next = |now: f64, settled| script.next(Seconds(now), settled);
-        assert!(matches!(next(0.0, false), Some(Deed::Key(_))));
-        assert_eq!(next(0.4, true), None);
-        assert_eq!(next(0.6, false), None);
-        assert_eq!(next(9.0, false), None);
-        assert_eq!(next(9.6, true), Some(Deed::Settle));
-        assert_eq!(next(9.6, true), Some(Deed::Screenshot("a b.png".into())));
-        assert_eq!(next(9.9, true), None);
-        assert_eq!(next(10.1, true), Some(Deed::Quit));
+        let mut next = |now: f64, picture| script.next(Seconds(now), picture);
+        let shot = Deed::Screenshot("a b.png".into());
+        assert!(matches!(next(0.0, PictureIs::Missing), Some(Deed::Key(_))));
+        assert_eq!(next(0.4, PictureIs::Settled), None);
+        assert_eq!(next(0.6, PictureIs::Missing), None);
+        assert_eq!(next(9.0, PictureIs::There), None);
+        assert_eq!(next(9.6, PictureIs::Settled), Some(Deed::Settle));
+        assert_eq!(next(9.6, PictureIs::Missing), None);
+        assert_eq!(next(9.7, PictureIs::There), Some(shot));
+        assert_eq!(next(9.9, PictureIs::Settled), None);
+        assert_eq!(next(10.3, PictureIs::Missing), Some(Deed::Quit));
         assert_eq!(script.due(), None);
     }
 
@@ -169,6 +200,8 @@ mod tests {
             "0 resize 20000 20000",
             "0 resize -1 400",
             "0 screenshot",
+            "0 screenshot a.JPG",
+            "0 key x",
             "0 quit now",
             "0 dance",
             "1e9 quit",

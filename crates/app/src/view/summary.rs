@@ -1,6 +1,7 @@
 //! What is said when a window was closed?
 
 use super::viewer::Viewer;
+use crate::output::counted;
 use serde::Serialize;
 
 /// What a session took.
@@ -57,9 +58,9 @@ impl Summary {
     /// For people.
     pub(crate) fn text(&self) -> String {
         format!(
-            "{} frames shown, {} late for decoding, {} for drawing, {} incomplete, {} left out\n\
+            "{} shown, {} late for decoding, {} for drawing, {} incomplete, {} left out\n\
              {} damaged tiles, {} damaged frames, {} lost devices",
-            self.frames,
+            counted(self.frames, "frame"),
             self.late_frames,
             self.slow_draws,
             self.incomplete_frames,

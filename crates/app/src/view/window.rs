@@ -9,14 +9,14 @@ use super::looking::Looking;
 use super::opening::{USUAL_SCREEN, open_window};
 use super::overlay;
 use super::screen::{self, Placed, Screen, Showing};
-use super::script::Deed;
+use super::script::{Deed, PictureIs};
 use super::sound::Sound;
 use super::summary::Summary;
 use super::viewer::{Begin, Viewer, Wish};
 use super::{Ready, screenshot};
 use crate::output::say;
 use crate::showing_options::InterpolationName;
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, bail};
 use foveal_core::asset::tile_grid::TileGrid;
 use foveal_core::asset::timeline::Timeline;
 use foveal_core::selection::policy::Policy;
@@ -365,6 +365,9 @@ impl Open {
 
     /// The picture as it is shown, without words.
     fn screenshot(&mut self, pane: &Pane, path: &std::path::Path) -> anyhow::Result<()> {
+        if self.stage.shown_tick().is_none() {
+            bail!("nothing is there to be seen yet");
+        }
         let shown = self.viewer.shown(pane);
         let marks = self.viewer.marks(&self.stage);
         let mut whole: Option<RgbaImage> = None;
@@ -408,9 +411,7 @@ impl Open {
                 self.stale = true;
                 self.stepped = Some(now);
             }
-            let waits = self.resizing.is_some_and(|until| now.0 < until);
-            let settled = self.pane().is_none() || self.viewer.is_settled(&self.stage);
-            let Some(deed) = self.ready.script.next(now, settled && !waits) else {
+            let Some(deed) = self.ready.script.next(now, self.picture_is(now)) else {
                 break;
             };
             if self.perform(deed, now)? == Wish::Quit {
@@ -452,6 +453,18 @@ impl Open {
             Deed::Quit => return Ok(Wish::Quit),
         }
         Ok(Wish::Nothing)
+    }
+
+    fn picture_is(&self, now: Seconds) -> PictureIs {
+        let resizing = self.resizing.is_some_and(|until| now.0 < until);
+        let nothing_to_show = self.pane().is_none();
+        if (nothing_to_show || self.viewer.is_settled(&self.stage)) && !resizing {
+            PictureIs::Settled
+        } else if nothing_to_show || self.stage.shown_tick().is_some() {
+            PictureIs::There
+        } else {
+            PictureIs::Missing
+        }
     }
 
     /// Asks for another size; no pixels at all are what a system gives a window that it hides.
