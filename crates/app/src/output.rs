@@ -44,6 +44,12 @@ pub(crate) fn out_of_range(option: &str, found: impl ToString, range: &str) -> W
 
 /// Says why the command failed: 2 for wrong usage, 1 for anything else.
 pub(crate) fn fail(error: &anyhow::Error) -> ExitCode {
+    say(&format!("foveal: {}", told(error)));
+    ExitCode::from(if error.is::<WrongUsage>() { 2 } else { 1 })
+}
+
+/// An error and its causes, each once.
+pub(crate) fn told(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain().map(ToString::to_string) {
         // Messages that name their cause already have said it.
@@ -55,8 +61,7 @@ pub(crate) fn fail(error: &anyhow::Error) -> ExitCode {
             };
         }
     }
-    say(&format!("foveal: {text}"));
-    ExitCode::from(if error.is::<WrongUsage>() { 2 } else { 1 })
+    text
 }
 
 /// A line for people on stderr; nobody may be listening.

@@ -5,7 +5,7 @@ use crate::info::PackInfo;
 use crate::options::CutOptions;
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::preset::SystemPreset;
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::asset::pack::MAGIC;
 use foveal_media::VideoInput;
@@ -127,21 +127,28 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
         ));
     }
     let bar = output::bar(plan.frames, output::Counting::Frames);
+    let mut has_begun = false;
     let mut tell = |event: Event| match event {
         Event::Begins(note) => output::say(&format!("{}: {note}", out.display())),
-        Event::Progress(progress) => bar.set_position(u64::from(progress.frames)),
+        Event::Progress(progress) => {
+            has_begun = true;
+            bar.set_position(u64::from(progress.frames));
+        }
     };
     let begun = Instant::now();
     let prepared = prepare_resumable(&args.input, out, &plan, !args.no_resume, &mut tell);
     bar.finish_and_clear();
-    if prepared.is_err() && partial_path(out).exists() {
-        output::say(&format!(
-            "foveal: {} and its journal keep what is done: the same command goes on there, and \
+    let partial = partial_path(out);
+    let prepared = prepared.map_err(|error| match has_begun && partial.exists() {
+        true => anyhow!(
+            "{}\n{} and its journal keep what is done: the same command goes on there, and \
              with a mended input it starts afresh",
-            partial_path(out).display()
-        ));
-    }
-    for note in prepared?.notes {
+            output::told(&error.into()),
+            partial.display()
+        ),
+        false => error.into(),
+    })?;
+    for note in prepared.notes {
         output::say(&format!("{}: {note}", args.input.display()));
     }
     let seconds = begun.elapsed().as_secs_f64();

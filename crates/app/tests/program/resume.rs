@@ -85,6 +85,26 @@ fn what_was_begun_otherwise_is_not_gone_on_with() {
 }
 
 #[test]
+fn why_a_preparation_stopped_is_told_before_what_it_keeps() {
+    let folder = Folder::new();
+    let whole = write_clip(&folder, "whole.mkv", &noisy_clip([128, 96], 80));
+    let bytes = std::fs::read(&whole).unwrap();
+    let cut = folder.holding("cut.mkv", &bytes[..bytes.len() * 9 / 10]);
+    let out = folder.name("a.foveal");
+    let words = ["broken at frame", "a.foveal.partial and its journal keep"];
+    let prepare = ["prepare", "video", &cut, "--out", &out, "--tile", "64"];
+    let said = refused(1, &prepare, &words).stderr;
+    let [why, kept] = words.map(|word| said.find(word).unwrap());
+    assert!(why < kept, "{said}");
+    // What another keeps is no business of one that cannot begin.
+    let partial = folder.name("a.foveal.partial");
+    std::fs::remove_file(&partial).unwrap();
+    std::fs::create_dir(&partial).unwrap();
+    let said = refused(1, &prepare, &["in the way"]).stderr;
+    assert!(!said.contains("keep what is done"), "{said}");
+}
+
+#[test]
 fn codecs_qualities_and_bit_rates_are_told_by_the_pack() {
     let folder = Folder::new();
     let clip = write_clip(&folder, "a.mkv", &noisy_clip([130, 70], 9));
