@@ -67,7 +67,7 @@ pub(crate) struct PrepareVideoArgs {
     /// Twice as fast, larger files.
     #[arg(long, conflicts_with = "small")]
     fast: bool,
-    /// Three times slower, smaller files.
+    /// Twice as slow, smaller files.
     #[arg(long)]
     small: bool,
     /// Threads (default: all cores).

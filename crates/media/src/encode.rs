@@ -37,11 +37,25 @@ pub enum Speed {
     /// The knee of the curve (libvpx cpu-used 5).
     #[default]
     Default,
-    /// About three times slower and 15 % smaller (libvpx cpu-used 4).
+    /// About twice as slow and 15 % smaller (libvpx cpu-used 4).
     Small,
     /// What others are measured against: libvpx's deadline good at cpu-used 4; for other codecs as
     /// [`Self::Small`].
     Reference,
+}
+
+impl Speed {
+    /// The speed at which a level is coded, 0 the finest.
+    ///
+    /// [`Self::Small`] takes its time at the finest level, where most bytes are, and at the coarse
+    /// ones, which everyone loads (docs/decisions/0010-small-hurries-at-the-second-level.md).
+    #[must_use]
+    pub const fn at_level(self, level: u8) -> Self {
+        match self {
+            Self::Small if level == 1 => Self::Default,
+            speed => speed,
+        }
+    }
 }
 
 /// What decides how many bytes pictures take.

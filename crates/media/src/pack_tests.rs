@@ -8,6 +8,7 @@ use std::fs::OpenOptions;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
+use crate::encode::Speed;
 use crate::pack_file::{PackFile, partial_path};
 use crate::prepare::{PrepareError, PrepareSettings, ProjectionChoice, rehearse};
 use crate::scenes::{Scratch, VIDEO, group, plan_of, prepared, settings, write_clip};
@@ -43,6 +44,30 @@ fn a_pack_is_the_same_bytes_for_any_number_of_jobs_and_every_run() {
                 assert!(again == first, "{projection:?} {codec:?}: {jobs} jobs");
             }
         }
+    }
+}
+
+#[test]
+fn a_small_pack_takes_its_time_at_every_level_but_the_second() {
+    let clip = flat_clip();
+    let of_speed = |speed| {
+        let settings = PrepareSettings {
+            speed,
+            ..settings(ProjectionChoice::Flat, Codec::Vp9)
+        };
+        prepared(&clip, &settings)
+    };
+    let packs = [Speed::Default, Speed::Small].map(of_speed);
+    let files = packs.each_ref().map(|path| PackFile::open(path).unwrap());
+    for level in 0..3 {
+        let [default, small] = files.each_ref().map(|file| {
+            let units = file.pack().units();
+            let of_level = units.filter(|unit| file.pack().tile_of(*unit).level == level);
+            of_level
+                .map(|unit| file.read_chunk(unit).unwrap())
+                .collect::<Vec<_>>()
+        });
+        assert_eq!(default == small, level == 1, "level {level}");
     }
 }
 

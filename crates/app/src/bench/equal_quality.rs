@@ -2,6 +2,7 @@
 
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::picture::Picture;
+use foveal_media::pyramid::halve_all;
 use foveal_media::{EncodeSettings, GroupDecoder, Rate, Speed, VideoInput, encode_group};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -11,8 +12,9 @@ use std::path::Path;
 const TILES: [u32; 2] = [256, 512];
 /// Frames in a group of the finest level.
 const GROUP: usize = 8;
-/// Tiles of each size, spread over the picture.
-const PLACES: u32 = 12;
+/// Tiles of each size, spread over the picture, at each level from the finest: in the proportion of
+/// their pixels.
+const PLACES: [u32; 3] = [12, 3, 1];
 /// Quantisers between whose results the others are interpolated.
 const QUANTISERS: [u8; 5] = [8, 16, 24, 32, 42];
 /// The reference's quantiser: equal quality is what it reaches there.
@@ -42,8 +44,13 @@ pub(super) fn sizes_at_equal_quality(content: &str, clip: &Path) -> anyhow::Resu
         }
     }
     let mut rows = Vec::new();
+    let mut levels = vec![frames];
+    while levels.len() < PLACES.len() {
+        let finer = &levels[levels.len() - 1];
+        levels.push(halve_all(finer, 2, 1));
+    }
     for tile in TILES {
-        let groups = groups_of(&frames, tile);
+        let groups = groups_of(&levels, tile);
         if groups.is_empty() {
             continue;
         }
@@ -68,54 +75,69 @@ pub(super) fn sizes_at_equal_quality(content: &str, clip: &Path) -> anyhow::Resu
     Ok(rows)
 }
 
-/// Groups of tiles at places spread evenly; none where the picture is smaller than a tile.
-fn groups_of(frames: &[Picture], tile: u32) -> Vec<Vec<Picture>> {
-    let Some(first) = frames.first() else {
+/// A tile of a level over one group of frames.
+struct Group {
+    level: u8,
+    pictures: Vec<Picture>,
+}
+
+/// Groups of tiles at places spread evenly, by the frames of each level; none of a level whose
+/// picture is smaller than a tile.
+fn groups_of(levels: &[Vec<Picture>], tile: u32) -> Vec<Group> {
+    let groups = (0..)
+        .zip(levels)
+        .zip(PLACES)
+        .map(|((level, frames), count)| {
+            let cut = |corner: &[u32; 2]| Group {
+                level,
+                pictures: frames
+                    .iter()
+                    .map(|frame| frame.crop(*corner, [tile; 2]))
+                    .collect(),
+            };
+            let size = frames
+                .first()
+                .map_or([0; 2], |first| [first.width, first.height]);
+            // In a picture hardly larger than a tile places coincide.
+            let different: BTreeSet<[u32; 2]> = corners(size, tile, count).into_iter().collect();
+            different.iter().map(cut).collect::<Vec<_>>()
+        });
+    groups.flatten().collect()
+}
+
+/// Corners of `count` tiles spread over a picture; none where it is smaller than a tile.
+fn corners(size: [u32; 2], tile: u32, count: u32) -> Vec<[u32; 2]> {
+    let [Some(across), Some(down)] = size.map(|side| side.checked_sub(tile)) else {
         return Vec::new();
     };
-    let room = [first.width, first.height].map(|side| side.checked_sub(tile));
-    let [Some(across), Some(down)] = room else {
-        return Vec::new();
-    };
-    let place = |n: u32| {
-        // Two steps that share no factor with the count visit all columns and rows.
-        let [x, y] = [n * 5 % PLACES, n * 7 % PLACES];
-        [
-            (across * x / (PLACES - 1)) & !1,
-            (down * y / (PLACES - 1)) & !1,
-        ]
-    };
-    let cut = |corner| {
-        frames
-            .iter()
-            .map(|frame| frame.crop(corner, [tile; 2]))
-            .collect()
-    };
-    // In a picture hardly larger than a tile places coincide.
-    let different: BTreeSet<[u32; 2]> = (0..PLACES).map(place).collect();
-    different.into_iter().map(cut).collect()
+    // Two steps that share no factor with 12 visit all of its columns and rows; few places lie in
+    // the middle of theirs.
+    let along = |room: u32, n: u32| (room * (2 * n + 1) / (2 * count)) & !1;
+    let corner = |n: u32| [along(across, n * 5 % count), along(down, n * 7 % count)];
+    (0..count).map(corner).collect()
 }
 
 /// PSNR in decibels and the logarithm of bytes at each quantiser.
-fn curve(groups: &[Vec<Picture>], speed: Speed) -> anyhow::Result<Vec<[f64; 2]>> {
+fn curve(groups: &[Group], speed: Speed) -> anyhow::Result<Vec<[f64; 2]>> {
     QUANTISERS
         .iter()
         .map(|q| point(groups, speed, *q))
         .collect()
 }
 
-fn point(groups: &[Vec<Picture>], speed: Speed, quantiser: u8) -> anyhow::Result<[f64; 2]> {
-    let settings = EncodeSettings {
-        codec: Codec::Vp9,
-        rate: Rate::Quantiser(quantiser),
-        frame_rate: [30, 1],
-        speed,
-    };
+fn point(groups: &[Group], speed: Speed, quantiser: u8) -> anyhow::Result<[f64; 2]> {
     let (mut bytes, mut squares, mut samples) = (0, 0, 0);
-    for group in groups {
-        let units = encode_group(&settings, group)?;
-        let mut decoder = GroupDecoder::new(Codec::Vp9, [group[0].width, group[0].height])?;
-        for (unit, picture) in units.iter().zip(group) {
+    for Group { level, pictures } in groups {
+        let settings = EncodeSettings {
+            codec: Codec::Vp9,
+            rate: Rate::Quantiser(quantiser),
+            frame_rate: [30, 1],
+            speed: speed.at_level(*level),
+        };
+        let units = encode_group(&settings, pictures)?;
+        let size = [pictures[0].width, pictures[0].height];
+        let mut decoder = GroupDecoder::new(Codec::Vp9, size)?;
+        for (unit, picture) in units.iter().zip(pictures) {
             let (decoded, _) = decoder.decode(unit, 0)?;
             let pairs = decoded.planes[0].iter().zip(&picture.planes[0]);
             squares += pairs

@@ -110,7 +110,7 @@ fn lab_from_rgb(rgb: [f64; 3], linear: &[f64; 256]) -> [f64; 3] {
     ];
     let [x, y, z] = xyz.map(|t| {
         if t > 216.0 / 24_389.0 {
-            libm::cbrt(t)
+            f64::from(libm::cbrtf(t as f32))
         } else {
             (24_389.0 / 27.0 * t + 16.0) / 116.0
         }

@@ -390,43 +390,46 @@ impl<'a> Coder<'a> {
             }
         }
         self.frames += 1;
-        for level in 0..self.plan.grid.levels {
-            if self
-                .frames
-                .is_multiple_of(self.plan.description.groups[usize::from(level)])
-            {
-                self.code_level(level)?;
-            }
-        }
-        Ok(())
+        let groups = self.plan.description.groups.iter();
+        let is_full = |(level, length): (u8, &u32)| {
+            let is_full = self.frames.is_multiple_of(*length);
+            is_full.then_some(level)
+        };
+        let full: Vec<u8> = (0..).zip(groups).filter_map(is_full).collect();
+        self.code_levels(&full)
     }
 
     fn flush(&mut self) -> Result<(), PrepareError> {
-        (0..self.plan.grid.levels).try_for_each(|level| self.code_level(level))
+        let all: Vec<u8> = (0..self.plan.grid.levels).collect();
+        self.code_levels(&all)
     }
 
-    fn code_level(&mut self, level: u8) -> Result<(), PrepareError> {
-        let waiting = &mut self.waiting[usize::from(level)];
-        let length = waiting.first().map_or(0, Vec::len) as u32;
-        if length == 0 {
-            return Ok(());
-        }
-        let description = &self.plan.description;
-        let settings = EncodeSettings {
-            codec: description.codec,
-            rate: self.plan.rates[usize::from(level)],
-            frame_rate: description
-                .frame_rate
-                .map(|n| n.min(i32::MAX as u32) as i32),
-            speed: self.plan.speed,
+    /// Codes what waits of these levels, finest first, as one piece of work: between levels no
+    /// thread waits for the others.
+    fn code_levels(&mut self, levels: &[u8]) -> Result<(), PrepareError> {
+        let tiles_of = |&level: &u8| {
+            let waiting = &self.waiting[usize::from(level)];
+            let ranks = (0..).zip(waiting).filter(|(_, group)| !group.is_empty());
+            ranks.map(move |(rank, group)| (level, rank, group))
         };
-        let notes = &self.notes;
-        let units = in_parallel(self.plan.jobs, waiting.len(), |rank| {
-            let group = &waiting[rank];
-            (encode_group(&settings, group), notes.measure(level, group))
+        let tiles: Vec<(u8, u32, &Vec<Picture>)> = levels.iter().flat_map(tiles_of).collect();
+        let units = in_parallel(self.plan.jobs, tiles.len(), |k| {
+            let (level, _, group) = tiles[k];
+            let settings = self.settings_of(level);
+            (
+                encode_group(&settings, group),
+                self.notes.measure(level, group),
+            )
         });
-        waiting.iter_mut().for_each(Vec::clear);
-        for (rank, (access_units, measured)) in units.into_iter().enumerate() {
+        let places: Vec<_> = tiles
+            .iter()
+            .map(|(level, rank, group)| (*level, *rank, group.len() as u32))
+            .collect();
+        for level in levels {
+            let waiting = &mut self.waiting[usize::from(*level)];
+            waiting.iter_mut().for_each(Vec::clear);
+        }
+        for ((level, rank, length), (access_units, measured)) in places.into_iter().zip(units) {
             let access_units = access_units?;
             self.notes.push(level, measured);
             self.bytes += access_units
@@ -434,12 +437,24 @@ impl<'a> Coder<'a> {
                 .map(|unit| unit.len() as u64 + 4)
                 .sum::<u64>();
             self.coded.push(CodedGroup {
-                tile: self.plan.grid.tile_at(level, rank as u32),
+                tile: self.plan.grid.tile_at(level, rank),
                 first_frame: self.frames - length,
                 access_units,
             });
         }
         Ok(())
+    }
+
+    fn settings_of(&self, level: u8) -> EncodeSettings {
+        let description = &self.plan.description;
+        EncodeSettings {
+            codec: description.codec,
+            rate: self.plan.rates[usize::from(level)],
+            frame_rate: description
+                .frame_rate
+                .map(|n| n.min(i32::MAX as u32) as i32),
+            speed: self.plan.speed.at_level(level),
+        }
     }
 
     /// Hands over what is coded in the order of the file: by time, from the coarsest level to the
