@@ -60,12 +60,14 @@ pub(super) fn distance_levels(
     view: Option<&EyeView>,
 ) -> LevelMap {
     let coarsest = grid.coarsest();
+    let farthest = thresholds.last().map_or(0.0, |limit| limit.0) + ROUNDING;
     let mut cells = cells.iter();
     LevelMap::from_cells(grid, |cell| {
-        let seen = cells
-            .next()
-            .is_none_or(|bounds| view.is_none_or(|view| is_seen(grid, bounds, view, gaze)));
-        if !seen {
+        let may_matter = cells.next().is_none_or(|bounds| {
+            bounds.least_eccentricity(gaze).0 <= farthest
+                && view.is_none_or(|view| is_seen(grid, bounds, view, gaze))
+        });
+        if !may_matter {
             return coarsest;
         }
         let away = distance_to_cell(grid, cell, gaze);
@@ -85,7 +87,7 @@ pub(super) fn distance_levels(
 fn is_seen(grid: &TileGrid, bounds: &CellBounds, view: &EyeView, gaze: DVec3) -> bool {
     let sight = Sight::new(view, bounds.probe_spacing());
     let mut places = probes(grid, bounds.cell);
-    places.any(|probe| sight.reaches(probe.direction))
+    (!bounds.is_beyond(&sight) && places.any(|probe| sight.reaches(probe.direction)))
         || angle_to_cell(grid, bounds.cell, gaze).0 <= ROUNDING
 }
 

@@ -3,6 +3,7 @@
 //! The answer is a footprint: the level-0 pixels that one shown texel may span. A level is allowed
 //! where its footprint is allowed everywhere in the cell.
 
+use super::sight::Sight;
 use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::units::{Ppd, Radians};
 use crate::view::axes::angle_between;
@@ -47,6 +48,16 @@ impl CellBounds {
             radius,
             ppd,
         }
+    }
+
+    /// Whether no place of it is in sight.
+    pub(super) fn is_beyond(&self, sight: &Sight) -> bool {
+        sight.is_missed_by(self.centre, self.radius)
+    }
+
+    /// The direction of its middle.
+    pub(super) fn centre(&self) -> DVec3 {
+        self.centre
     }
 
     /// Least eccentricity that any place of the cell can have.
@@ -96,6 +107,12 @@ impl CellBounds {
 /// The places at which a cell is probed, borders included.
 pub(super) fn probes(grid: &TileGrid, cell: Tile) -> impl Iterator<Item = Probe> + '_ {
     steps().map(move |step| probe(grid, cell, step))
+}
+
+/// The probes at the corners of a cell.
+pub(super) fn corners(grid: &TileGrid, cell: Tile) -> [Probe; 4] {
+    const LAST: u32 = PROBES - 1;
+    [[0, 0], [LAST, 0], [0, LAST], [LAST, LAST]].map(|step| probe(grid, cell, step))
 }
 
 fn steps() -> impl Iterator<Item = [u32; 2]> {

@@ -6,7 +6,6 @@ use super::greedy::Misfit;
 use super::level_map::LevelMap;
 use super::need::{CellBounds, Probe, level_of_footprint, probes, probes_under};
 use super::neighbours::neighbours;
-use super::sight::Sight;
 use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::gaze::sample::GazeSample;
 use crate::perception::acuity::AcuityModel;
@@ -337,31 +336,6 @@ impl Selector {
         loose
     }
 
-    fn viewport(&self, moment: &Moment) -> LevelMap {
-        let view = moment.view.as_ref();
-        assert!(
-            view.is_some(),
-            "the viewport policy chooses by what is in view"
-        );
-        let shown = |view: &EyeView, probe: &Probe| {
-            level_of_footprint(&self.grid, display_footprint(view, probe))
-        };
-        let margin = Radians(self.config.margin.0.max(self.fade().0));
-        let sight = view.map(|view| Sight::new(view, margin));
-        let mut levels = LevelMap::from_cells(&self.grid, |cell| {
-            let (Some(view), Some(sight)) = (view, sight) else {
-                return self.grid.coarsest();
-            };
-            let seen = probes(&self.grid, cell).filter(|probe| sight.reaches(probe.direction));
-            let level = seen.map(|probe| shown(view, &probe)).min();
-            level.unwrap_or(self.grid.coarsest())
-        });
-        if let Some(view) = view {
-            self.refine_under(view, &mut levels, |probe| shown(view, probe));
-        }
-        levels
-    }
-
     /// How far beside a coarsest cell the picture is coarser than its own level, at most: a view
     /// that is to be sharp to its borders needs as much beyond them.
     fn fade(&self) -> Radians {
@@ -488,20 +462,6 @@ impl Selector {
         level_of_footprint(&self.grid, footprint.min(self.disc_footprint(nearest, ppd)))
     }
 
-    /// The level of a cell in a window: bounds on the sphere say nothing of angles at the eye, but
-    /// what is not in view, or nearly, is not seen at all.
-    fn magnified_level(&self, bounds: &CellBounds, moment: &Moment) -> u8 {
-        let Some(view) = &moment.view else {
-            return self.grid.coarsest();
-        };
-        let sight = Sight::new(view, self.config.margin);
-        probes(&self.grid, bounds.cell)
-            .filter(|probe| sight.reaches(probe.direction))
-            .map(|probe| self.allowed_level(moment, &probe))
-            .min()
-            .unwrap_or(self.grid.coarsest())
-    }
-
     fn allowed_level(&self, moment: &Moment, probe: &Probe) -> u8 {
         let footprint = self.acuity_footprint(moment, probe);
         level_of_footprint(&self.grid, footprint.max(self.display_limit(moment, probe)))
@@ -590,5 +550,8 @@ fn display_footprint(view: &EyeView, probe: &Probe) -> f64 {
     probe.ppd.0 / view.ppd_towards(probe.direction).0
 }
 
+mod in_view;
+#[cfg(test)]
+mod in_view_tests;
 #[cfg(test)]
 mod tests;

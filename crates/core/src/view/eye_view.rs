@@ -198,6 +198,12 @@ impl EyeView {
         self.ppd_at(self.farthest_corner())
     }
 
+    /// Pixels per degree straight ahead, where they are fewest.
+    #[must_use]
+    pub fn least_ppd(&self) -> Ppd {
+        self.ppd_at([0.0; 2])
+    }
+
     fn farthest_corner(&self) -> [f64; 2] {
         let f = self.field;
         [f.left.max(f.right), f.up.max(f.down)]

@@ -7,6 +7,7 @@ use crate::asset::tile_grid::Cut;
 use crate::asset::unit::UnitId;
 use crate::gaze::scan::Random;
 use crate::selection::level_map::{histogram, pixels};
+use crate::selection::sight::Sight;
 use crate::units::Seconds;
 use crate::view::axes::Axes;
 use crate::view::eye_view::Field;
