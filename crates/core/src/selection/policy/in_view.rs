@@ -14,15 +14,10 @@ use crate::view::eye_view::EyeView;
 impl Selector {
     /// What is in view at the density of the display.
     pub(super) fn viewport(&self, moment: &Moment) -> LevelMap {
-        let view = moment.view.as_ref();
-        assert!(
-            view.is_some(),
-            "the viewport policy chooses by what is in view"
-        );
-        let Some(view) = view else {
-            return LevelMap::filled(&self.grid, self.grid.coarsest());
+        let Some(view) = &moment.view else {
+            panic!("the viewport policy chooses by what is in view");
         };
-        let sight = Sight::new(view, Radians(self.config.margin.0.max(self.fade().0)));
+        let sight = self.sight(view);
         let mut cells = self.cells.iter();
         let mut levels = LevelMap::from_cells(&self.grid, |_| {
             let level = |bounds| self.shown_level(bounds, view, &sight);
@@ -30,6 +25,11 @@ impl Selector {
         });
         self.refine_under(view, &mut levels, |probe| self.level_shown(view, probe));
         levels
+    }
+
+    /// What is in view or so near that a coarse cell there would be seen fading into it.
+    pub(super) fn sight(&self, view: &EyeView) -> Sight {
+        Sight::new(view, Radians(self.config.margin.0.max(self.fade().0)))
     }
 
     fn level_shown(&self, view: &EyeView, probe: &Probe) -> u8 {
@@ -59,7 +59,7 @@ impl Selector {
         let Some(view) = &moment.view else {
             return self.grid.coarsest();
         };
-        let sight = Sight::new(view, self.config.margin);
+        let sight = self.sight(view);
         if bounds.is_beyond(&sight) {
             return self.grid.coarsest();
         }

@@ -3,7 +3,6 @@
 use super::*;
 use crate::asset::tile_grid::Cut;
 use crate::gaze::scan::Random;
-use crate::selection::sight::Sight;
 use crate::units::Seconds;
 use crate::view::axes::Axes;
 use crate::view::eye_view::Field;
@@ -74,7 +73,7 @@ fn what_is_in_view_is_as_fine_as_its_finest_probe() {
     for grid in grids() {
         for view in views(&grid.surface, &mut random) {
             let selector = Selector::new(grid, PolicyConfig::new(Policy::Viewport));
-            let sight = Sight::new(&view, Radians::from_degrees(10.0));
+            let sight = selector.sight(&view);
             for bounds in &selector.cells {
                 let reached = probes(&grid, bounds.cell)
                     .filter(|probe| sight.reaches(probe.direction))
@@ -110,7 +109,7 @@ fn in_a_window_a_cell_is_as_fine_as_its_finest_probe() {
                 let place = [0, 1].map(|k| random.unit() * f64::from(grid.surface.size[k]));
                 let gaze = grid.surface.direction(0, place);
                 let moment = moment(view, gaze, spread);
-                let sight = Sight::new(&view, selector.config.margin);
+                let sight = selector.sight(&view);
                 for bounds in &selector.cells {
                     let finest = probes(&grid, bounds.cell)
                         .filter(|probe| sight.reaches(probe.direction))
@@ -123,4 +122,34 @@ fn in_a_window_a_cell_is_as_fine_as_its_finest_probe() {
             }
         }
     }
+}
+
+#[test]
+fn what_a_window_magnifies_is_as_fine_as_the_eye_tells_to_its_borders() {
+    let surface = Surface::flat([1280, 720], Screen::default());
+    let grid = TileGrid::new(surface, Cut::Tile(128), 5, 2).unwrap();
+    let config = PolicyConfig {
+        margin: Radians::from_degrees(0.1),
+        ..PolicyConfig::new(Policy::Acuity)
+    };
+    let selector = Selector::new(grid, config);
+    // 33 pixels beside the border between two columns of tiles, 88 pixels across.
+    let tangent = |x: f64| (x / 640.0 - 1.0) * surface.tangents[0];
+    let field = Field {
+        left: -tangent(545.0),
+        right: tangent(633.0),
+        up: 0.02,
+        down: 0.01,
+        at_eye: Some([0.37, 0.37, 0.21, 0.21]),
+    };
+    let view = EyeView {
+        axes: Axes::FRONT,
+        field,
+        size: [1088, 612],
+        eye: Eye::Left,
+    };
+    let moment = moment(view, surface.direction(0, [549.0, 350.0]), 0.5);
+    let levels = selector.select(&moment).levels;
+    let beside = levels.level(&grid, grid.cell_at(0, [508.0, 350.0]));
+    assert_eq!(beside, 0, "a coarse cell fades into what is looked at");
 }
