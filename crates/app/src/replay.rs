@@ -39,8 +39,8 @@ fn replay(log: &SessionLog, pack: Option<&Path>) -> anyhow::Result<SessionLog> {
     };
     let Some(pack) = pack else {
         bail!(WrongUsage(format!(
-            "--pack is needed: {:?} weighed the units of {}",
-            weighed.head.policy.policy, weighed.head.pack
+            "--pack is needed: this run weighed what is in its tiles; give {}",
+            weighed.head.pack
         )));
     };
     let file = PackFile::open(pack)?;

@@ -46,11 +46,11 @@ pub enum MediaError {
         what: String,
     },
     /// The file has streams, but none is a video.
-    #[error("{}: holds no video stream, only {found}; give a file with pictures", path.display())]
+    #[error("{}: holds {found}; give a file with pictures", path.display())]
     NoVideoStream {
         /// The file.
         path: PathBuf,
-        /// The kinds of the streams that it has.
+        /// What it holds instead of one.
         found: String,
     },
     /// The video stream ends or breaks before its first frame.

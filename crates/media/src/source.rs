@@ -92,14 +92,14 @@ pub(crate) fn video_stream(input: &Input) -> Option<Stream<'_>> {
     })
 }
 
-/// The kinds of the file's streams, for a message.
+/// What streams a file without a video has, for a message.
 pub(crate) fn stream_kinds(input: &Input) -> String {
     let kind = |stream: Stream| format!("{:?}", stream.parameters().medium()).to_lowercase();
     let kinds: Vec<String> = input.streams().map(kind).collect();
     if kinds.is_empty() {
-        "no stream at all".to_owned()
+        "no stream".to_owned()
     } else {
-        kinds.join(", ")
+        format!("no video stream, only {}", kinds.join(", "))
     }
 }
 

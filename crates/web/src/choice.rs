@@ -27,8 +27,6 @@ pub(crate) struct WebChoice {
     budget: Budget,
     /// When the budget was last asked.
     asked: Option<f64>,
-    /// All that it could ever bring was offered, and nothing of it was worth it.
-    is_done: bool,
     /// A choice was put off until what it needs is there.
     waits: Option<u32>,
 }
@@ -42,7 +40,6 @@ impl WebChoice {
             bytes_per_s: FIRST_GUESS,
             budget: Budget::new(FIRST_GUESS),
             asked: None,
-            is_done: false,
             waits: None,
         }
     }
@@ -95,7 +92,7 @@ impl WebChoice {
     fn may_go_on(&self) -> bool {
         let spends = self.policy().spends_a_budget();
         let ready = |frame| self.shelf.borrow().can_spend(frame);
-        self.waits.is_some_and(ready) || spends && !self.is_done
+        self.waits.is_some_and(ready) || spends && !self.budget.is_done()
     }
 }
 
@@ -117,7 +114,6 @@ impl Chooses for WebChoice {
         });
         let content = spends.then_some(&*shelf as &dyn Content);
         let picked = self.picker.choose(content, frame, aim, budget);
-        self.is_done = picked.spent == 0 && self.budget.is_full();
         self.budget.spend(picked.spent);
         self.write(&picked.log);
         Ok(picked.tiles)

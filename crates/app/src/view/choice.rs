@@ -33,8 +33,6 @@ struct Spending {
     budget: Budget,
     /// When it was last asked.
     until: f64,
-    /// All that it could ever bring was offered, and nothing of it was worth it.
-    is_done: bool,
 }
 
 struct Log {
@@ -47,11 +45,6 @@ impl Spending {
     fn ask(&mut self, now: Seconds) -> u64 {
         let passed = now.0 - std::mem::replace(&mut self.until, now.0);
         self.budget.after(Seconds(passed))
-    }
-
-    fn spend(&mut self, bytes: u64) {
-        self.is_done = bytes == 0 && self.budget.is_full();
-        self.budget.spend(bytes);
     }
 }
 
@@ -91,7 +84,6 @@ impl Choice {
             link: link.map(|link| Spending {
                 budget: Budget::new(link.bytes_per_s),
                 until: 0.0,
-                is_done: false,
             }),
         };
         if !choice.can(choice.policy()) {
@@ -134,7 +126,7 @@ impl Choice {
     fn saves_up(&self) -> bool {
         let link = self.link.as_ref();
         let link = link.filter(|_| self.policy().spends_a_budget());
-        link.is_some_and(|link| !link.is_done)
+        link.is_some_and(|link| !link.budget.is_done())
     }
 }
 
@@ -157,7 +149,7 @@ impl Chooses for Choice {
         let budget = link.as_mut().map(|link| link.ask(aim.gaze.time));
         let picked = self.picker.choose(content, frame, aim, budget);
         if let Some(link) = link {
-            link.spend(picked.spent);
+            link.budget.spend(picked.spent);
         }
         if let Some(log) = &mut self.log {
             log.write(&picked.log)?;

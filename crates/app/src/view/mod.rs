@@ -90,8 +90,8 @@ pub(crate) struct ViewArgs {
     /// Write what was selected and for which gaze to this file, for `foveal replay`.
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
-    /// Where screenshots go: the picture without what is written over it (default: beside the
-    /// pack, and for a script's the current folder).
+    /// The folder for screenshots, made where it is not there: the picture without what is written
+    /// over it (default: beside the pack, and for a script's the current folder).
     #[arg(long, value_name = "DIR")]
     screenshots: Option<PathBuf>,
     /// A file with one thing a line to happen by itself: SECONDS and key NAME, move X Y, leave,
@@ -127,11 +127,13 @@ impl Ready {
         if let Some(log) = &args.log {
             output::spare_inputs(log, [args.pack.as_path()])?;
         }
-        if let Some(folder) = args.screenshots.as_ref().filter(|folder| !folder.is_dir()) {
-            bail!(WrongUsage(format!(
-                "--screenshots {}: no folder there; make it first",
-                folder.display()
-            )));
+        if let Some(folder) = &args.screenshots {
+            std::fs::create_dir_all(folder).with_context(|| {
+                format!(
+                    "--screenshots {}: no such folder can be made",
+                    folder.display()
+                )
+            })?;
         }
         // Says what is wrong with the options before a window is there.
         let config = args.policy.config()?;

@@ -191,7 +191,7 @@ fn a_weighed_run_replays_bit_for_bit_with_its_pack_and_not_without() {
     let replayed = json(&["replay", &log, "--pack", &world.pack]);
     assert_eq!(replayed["same"], json!(true));
     assert_eq!(replayed["replay_sha256"], figures["log_sha256"]);
-    refused(2, &["replay", &log], &["--pack", "Perceptual"]);
+    refused(2, &["replay", &log], &["--pack", "weighed", ".foveal"]);
     let text = std::fs::read_to_string(&log).unwrap();
     for (from, to, words) in [
         ("\"lambda\":2.5", "\"lambda\":0.5", "the replay differs"),

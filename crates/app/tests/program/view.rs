@@ -88,11 +88,11 @@ fn headless(folder: &Folder, pack: &str, size: &str, frame: usize) -> Rgb {
 fn a_settled_window_shows_the_picture_of_the_headless_run() {
     let folder = Folder::new();
     let pack = flat_pack(&folder);
-    let (first, last) = (folder.name("first.png"), folder.name("last.png"));
+    let (first, last) = (folder.name("first.png"), folder.name("made/here/last.png"));
     let script = format!(
         "0 settle\n0 screenshot {first}\n0.1 key End\n0.1 settle\n0.1 screenshot last.png\n0.2 quit"
     );
-    let shots = folder.name("");
+    let shots = folder.name("made/here");
     let options = ["--view", "400x225", "--paused", "--screenshots", &shots];
     let Some(summary) = watched(&folder, &pack, &script, &options) else {
         return;
@@ -295,11 +295,10 @@ fn what_is_wrong_is_said_before_a_window_opens() {
         &["view", &pack, "--script", &script],
         &["line 2", "dance", "settle"],
     );
-    let nowhere = folder.name("nowhere");
     refused(
-        2,
-        &["view", &pack, "--screenshots", &nowhere],
-        &["--screenshots", "folder"],
+        1,
+        &["view", &pack, "--screenshots", &script],
+        &["--screenshots", "folder", "script.txt"],
     );
     refused(
         2,

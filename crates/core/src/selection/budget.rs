@@ -10,6 +10,7 @@ use crate::units::Seconds;
 pub struct Budget {
     bytes_per_s: f64,
     saved: f64,
+    is_done: bool,
 }
 
 /// How long unspent bytes are kept, in seconds.
@@ -22,6 +23,7 @@ impl Budget {
         Self {
             bytes_per_s,
             saved: 0.0,
+            is_done: false,
         }
     }
 
@@ -35,15 +37,17 @@ impl Budget {
         self.saved as u64
     }
 
-    /// Whether waiting brings no more: who bought nothing now buys nothing later.
-    #[must_use]
-    pub fn is_full(&self) -> bool {
-        self.bytes_per_s.is_infinite() || self.saved >= self.bytes_per_s * MOST_SAVED_S
+    /// Takes bytes that were spent, or 0 where nothing was worth what could be.
+    pub fn spend(&mut self, bytes: u64) {
+        let most = self.bytes_per_s * MOST_SAVED_S;
+        self.is_done = bytes == 0 && (self.bytes_per_s.is_infinite() || self.saved >= most);
+        self.saved = (self.saved - bytes as f64).max(0.0);
     }
 
-    /// Takes bytes that were spent.
-    pub fn spend(&mut self, bytes: u64) {
-        self.saved = (self.saved - bytes as f64).max(0.0);
+    /// Whether all that can ever be saved up bought nothing: for the same, waiting buys nothing.
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        self.is_done
     }
 }
 
@@ -57,10 +61,23 @@ mod tests {
         assert_eq!(budget.after(Seconds(0.1)), 100);
         budget.spend(60);
         assert_eq!(budget.after(Seconds(0.1)), 140);
-        assert!(!budget.is_full());
         assert_eq!(budget.after(Seconds(60.0)), 250);
-        assert!(budget.is_full());
         assert_eq!(budget.after(Seconds(-1.0)), 250);
+    }
+
+    #[test]
+    fn a_budget_is_done_once_all_that_it_can_save_up_bought_nothing() {
+        let mut budget = Budget::new(1000.0);
+        let mut spend = |passed, bytes| {
+            budget.after(Seconds(passed));
+            budget.spend(bytes);
+            budget.is_done()
+        };
+        assert!(!spend(0.1, 0), "there was more to come");
+        assert!(spend(60.0, 0));
+        assert!(!spend(0.1, 1), "what is bought may be followed by more");
+        assert!(!spend(0.0, 0));
+        assert!(spend(60.0, 0));
     }
 
     #[test]
@@ -68,6 +85,9 @@ mod tests {
         let mut budget = Budget::new(f64::INFINITY);
         assert_eq!(budget.after(Seconds(0.0)), u64::MAX);
         budget.spend(1 << 40);
+        assert!(!budget.is_done());
         assert_eq!(budget.after(Seconds(0.0)), u64::MAX);
+        budget.spend(0);
+        assert!(budget.is_done());
     }
 }
