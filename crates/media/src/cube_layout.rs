@@ -75,19 +75,21 @@ impl CubeLayout {
         let cell = [0, 1].map(|k| size[k] / step[k]);
         let inner = cell[0].checked_sub(self.padding.saturating_mul(2));
         let whole = (0..2).all(|k| cell[k] * step[k] == size[k]) && cell[0] == cell[1];
-        let even = cell[0].is_multiple_of(2) && self.padding.is_multiple_of(2);
+        if !whole || !cell[0].is_multiple_of(2) {
+            let wanted = step.map(|cells| cell[0].next_multiple_of(2) * cells);
+            return Err(format!(
+                "{}x{} pixels are no {}x{} square faces with even sides; scale it first with \
+                 `ffmpeg -i FILE -vf scale={}:{} OUT`",
+                size[0], size[1], step[0], step[1], wanted[0], wanted[1],
+            ));
+        }
         match inner {
-            Some(side) if whole && even && side > 0 => Ok(self),
+            Some(side) if side > 0 && self.padding.is_multiple_of(2) => Ok(self),
             _ => Err(format!(
-                "{}x{} pixels are no {}x{} square faces with even sides and {} pixels round each; \
-                 scale it first with `ffmpeg -i FILE -vf scale={}:{} OUT`",
-                size[0],
-                size[1],
-                self.columns,
-                self.rows,
-                self.padding,
-                cell[0].next_multiple_of(2) * self.columns,
-                cell[0].next_multiple_of(2) * self.rows,
+                "its metadata says {} pixels round each face of {} pixels, which must be an even \
+                 number and leave some of the face; have the file written again with the right \
+                 one, or without (`ffmpeg -i FILE -c copy OUT.mp4`) and give --projection cube",
+                self.padding, cell[0],
             )),
         }
     }

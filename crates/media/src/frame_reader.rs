@@ -207,7 +207,7 @@ enum Step {
 fn refused_box(path: &Path) -> Option<MediaError> {
     // What it usually passes over may still make it stumble.
     let mut broken = broken_boxes_of(path);
-    broken.sort_by_key(|broken| !broken.is_refused);
+    broken.sort_by_key(|broken| broken.ffmpeg);
     let refused = broken.into_iter().next()?;
     Some(MediaError::BrokenBox {
         path: path.to_owned(),

@@ -16,7 +16,7 @@ use crate::large_still::LargeStill;
 use crate::orientation::Orientation;
 use crate::source::{self, SourceInfo};
 use crate::spherical::{side_data_of, spherical_of, stereo_of};
-use crate::spherical_boxes::broken_boxes_of;
+use crate::spherical_boxes::{Ffmpeg, broken_boxes_of};
 use crate::timeline::Timeline;
 
 /// A picture and the time at which it is shown.
@@ -214,6 +214,10 @@ fn describe(
     let is_image = source::is_image_format(reader.input());
     let frame_rate = source::frame_rate_of(stream);
     let seconds = source::seconds_of(reader.input(), stream).filter(|_| !is_image);
+    let broken_boxes = broken_boxes_of(reader.path());
+    let is_misread = broken_boxes
+        .iter()
+        .any(|broken| broken.ffmpeg == Ffmpeg::Misreads);
     // VP8 and VP9 carry alpha as a second stream that FFmpeg's decoders leave out.
     let has_second_stream = stream.metadata().get("alpha_mode") == Some("1");
     SourceInfo {
@@ -223,9 +227,9 @@ fn describe(
         frames: source::frames_of(stream, seconds, frame_rate).or(is_image.then_some(1)),
         seconds,
         colour: delivery.colour(),
-        spherical: spherical_of(stream),
+        spherical: spherical_of(stream).filter(|_| !is_misread),
         stereo: stereo_of(stream),
-        broken_boxes: broken_boxes_of(reader.path()),
+        broken_boxes,
         sound: source::sound_of(reader.input()),
         has_alpha: has_second_stream || has_alpha(first.format()),
         pixel_aspect: pixel_aspect(first),

@@ -9,6 +9,7 @@ use foveal_core::asset::codec::Codec;
 use foveal_core::asset::picture::Picture;
 use foveal_core::view::surface::Projection;
 
+use crate::cube_layout::CubeLayout;
 use crate::pack_file::PackFile;
 use crate::prepare::{PrepareSettings, ProjectionChoice, StereoChoice};
 use crate::scenes::{
@@ -300,6 +301,46 @@ fn eyes_that_are_told_twice_or_in_an_unknown_way_are_told() {
         error.contains("second one") && error.contains("dd of=COPY"),
         "{error}"
     );
+}
+
+#[test]
+fn a_box_that_ends_within_its_numbers_is_not_believed() {
+    // FFmpeg reads on in what follows the box, and so takes a sphere for a part of one.
+    let clip = with_box(b"equi", |b| {
+        // Of its 28 bytes 12 are left; the others become a box of their own.
+        b[8..12].copy_from_slice(&[0, 0, 0, 16]);
+        b[12..16].copy_from_slice(b"free");
+    });
+    let mut bytes = std::fs::read(&*clip).unwrap();
+    let at = bytes.windows(4).position(|four| four == b"equi").unwrap();
+    bytes[at - 4..at].copy_from_slice(&12_u32.to_be_bytes());
+    let clip = Scratch::holding("mp4", &bytes);
+    let plan = plan_of(&clip, &settings(ProjectionChoice::Auto, Codec::Png)).unwrap();
+    let notes = plan.notes.join("; ");
+    assert!(notes.contains("ends within the numbers"), "{notes}");
+    assert_eq!(VideoInput::open(&clip).unwrap().info().spherical, None);
+}
+
+#[test]
+fn a_box_that_is_shorter_than_its_head_is_told() {
+    for name in [b"st3d", b"sv3d"] {
+        let mut bytes = std::fs::read(&*with_box(name, |_| ())).unwrap();
+        let at = bytes.windows(4).position(|four| four == name).unwrap();
+        bytes[at - 1] = 7;
+        let clip = Scratch::holding("mp4", &bytes);
+        let plan = plan_of(&clip, &settings(ProjectionChoice::Auto, Codec::Png)).unwrap();
+        let notes = plan.notes.join("; ");
+        assert!(notes.contains("7 bytes long"), "{notes}");
+    }
+}
+
+#[test]
+fn padding_that_leaves_nothing_of_a_face_is_refused() {
+    for padding in [15, 32, u32::MAX] {
+        let why = CubeLayout::of_metadata([192, 128], padding).unwrap_err();
+        assert!(why.contains(&format!("says {padding} pixels")), "{why}");
+    }
+    assert!(CubeLayout::of_metadata([192, 128], 30).is_ok());
 }
 
 #[test]

@@ -9,6 +9,12 @@ use std::path::Path;
 const MOST_BOXES: u32 = 100_000;
 /// Bytes of a video sample entry before its own boxes.
 const SAMPLE_ENTRY: u64 = 78;
+/// Bytes of a box's size and name.
+const HEAD: u64 = 8;
+/// Bytes of a box's version and flags, where it has any.
+const VERSION: u64 = 4;
+/// What is wrong with a box that says again what was said.
+const SECOND: &str = "is the second one of its track";
 
 /// A box about the projection (`sv3d`) or the eyes (`st3d`) that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,8 +25,19 @@ pub struct BrokenBox {
     pub at: u64,
     /// What is wrong with it, as the end of a sentence that begins with the box.
     pub what: String,
-    /// FFmpeg does not open a file with such a box; it passes over the others in silence.
-    pub is_refused: bool,
+    /// What FFmpeg makes of it.
+    pub ffmpeg: Ffmpeg,
+}
+
+/// What FFmpeg makes of a broken box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Ffmpeg {
+    /// It does not open the file.
+    Refuses,
+    /// It takes for the box what is none of it, or one of two that contradict each other.
+    Misreads,
+    /// It reads on as if the box were not there.
+    PassesOver,
 }
 
 /// The broken boxes of the first video track that has any; none in a file that is no MP4.
@@ -67,13 +84,20 @@ impl Found {
         self.inside.end - self.inside.start
     }
 
-    fn broken(&self, name: &'static str, is_refused: bool, what: &str) -> Option<BrokenBox> {
+    fn broken(&self, name: &'static str, ffmpeg: Ffmpeg, what: &str) -> Option<BrokenBox> {
         Some(BrokenBox {
             name,
             at: self.at,
             what: what.to_owned(),
-            is_refused,
+            ffmpeg,
         })
+    }
+
+    /// With such a box FFmpeg leaves the list of boxes that it stands in.
+    fn without_head(&self, name: &'static str) -> Option<BrokenBox> {
+        let size = self.size;
+        let what = format!("says that it is {size} bytes long, which is less than its head");
+        self.broken(name, Ffmpeg::PassesOver, &what)
     }
 }
 
@@ -95,27 +119,28 @@ impl<R: Read + Seek> Boxes<'_, R> {
         self.left = self.left.checked_sub(1)?;
         let (size, name) = (self.word(at)?, self.word(at + 4)?);
         let (head, size) = match size {
-            0 => (8, end - at),
+            0 => (HEAD, end - at),
             1 => {
                 let [high, low] = [self.word(at + 8)?, self.word(at + 12)?];
                 (16, u64::from(high) << 32 | u64::from(low))
             }
-            size => (8, u64::from(size)),
+            size => (HEAD, u64::from(size)),
         };
         let from = at + head;
-        (size >= head && from <= end).then(|| Found {
+        (from <= end).then(|| Found {
             name: name.to_be_bytes(),
             at: at + 4,
             size,
-            inside: from..at.saturating_add(size).min(end),
+            inside: from..at.saturating_add(size).min(end).max(from),
         })
     }
 
-    /// The boxes that follow each other here, up to the first that makes no sense.
+    /// The boxes that follow each other here, up to the first that is shorter than its head.
     fn all(&mut self, within: Range<u64>) -> Vec<Found> {
         let mut found: Vec<Found> = Vec::new();
         let mut at = within.start;
-        while at.saturating_add(8) <= within.end
+        while found.last().is_none_or(|last| last.size >= HEAD)
+            && at.saturating_add(HEAD) <= within.end
             && let Some(one) = self.at(at, within.end)
         {
             at = at.saturating_add(one.size);
@@ -150,14 +175,11 @@ impl<R: Read + Seek> Boxes<'_, R> {
 
     fn broken_in(&mut self, track: Found) -> Vec<BrokenBox> {
         let mut broken = Vec::new();
-        let mut eyes_were_told = false;
+        let [mut eyes_told, mut sphere_told] = [false; 2];
         for one in self.description_of(track).unwrap_or_default() {
             broken.extend(match &one.name {
-                b"st3d" => {
-                    let told = std::mem::replace(&mut eyes_were_told, true);
-                    self.judge_eyes(&one, told)
-                }
-                b"sv3d" => self.judge_sphere(&one),
+                b"st3d" => self.judge_eyes(&one, std::mem::replace(&mut eyes_told, true)),
+                b"sv3d" => self.judge_sphere(&one, std::mem::replace(&mut sphere_told, true)),
                 _ => None,
             });
         }
@@ -165,63 +187,83 @@ impl<R: Read + Seek> Boxes<'_, R> {
     }
 
     fn judge_eyes(&mut self, eyes: &Found, were_told: bool) -> Option<BrokenBox> {
-        let broken = |is_refused, what: &str| eyes.broken("st3d", is_refused, what);
+        let broken = |ffmpeg, what: &str| eyes.broken("st3d", ffmpeg, what);
+        if eyes.size < HEAD {
+            return eyes.without_head("st3d");
+        }
         if were_told {
-            return broken(true, "is the second one of its track");
+            return broken(Ffmpeg::Refuses, SECOND);
         }
         if eyes.bytes() < 5 {
-            return broken(true, "is empty");
+            return broken(Ffmpeg::Refuses, "is empty");
         }
-        let [mode, ..] = self.word(eyes.inside.start + 4)?.to_be_bytes();
+        let [mode, ..] = self.word(eyes.inside.start + VERSION)?.to_be_bytes();
         let what = format!(
-            "says {mode}, where 0 (one eye), 1 (top and bottom) and 2 (side by side) are known"
+            "says {mode} (0 is one eye, 1 top and bottom, 2 side by side; others are not known)"
         );
-        (mode > 2).then(|| broken(false, &what))?
+        (mode > 2).then(|| broken(Ffmpeg::PassesOver, &what))?
     }
 
-    fn judge_sphere(&mut self, sphere: &Found) -> Option<BrokenBox> {
-        let broken = |is_refused, what: &str| sphere.broken("sv3d", is_refused, what);
+    fn judge_sphere(&mut self, sphere: &Found, was_told: bool) -> Option<BrokenBox> {
+        let broken = |ffmpeg, what: &str| sphere.broken("sv3d", ffmpeg, what);
+        let passed_over = |what: &str| broken(Ffmpeg::PassesOver, what);
+        if sphere.size < HEAD {
+            return sphere.without_head("sv3d");
+        }
         if sphere.bytes() < 8 {
-            return broken(true, "is empty");
+            return broken(Ffmpeg::Refuses, "is empty");
         }
         let [parts, inner] = self.parts_of(sphere);
         let mut all = parts.iter().chain(&inner);
         if all.any(|part| part.size > sphere.bytes()) || parts.is_empty() {
-            return broken(true, "holds a part that is longer than itself");
+            return broken(Ffmpeg::Refuses, "holds a part that is longer than itself");
         }
         let is = |part: Option<&Found>, name: &[u8; 4]| part.is_some_and(|p| p.name == *name);
         if !is(parts.first(), b"svhd") {
-            return broken(false, "does not begin with its header (svhd)");
+            return passed_over("does not begin with its header (svhd)");
         }
         if !is(parts.get(1), b"proj") || !is(inner.first(), b"prhd") {
-            return broken(false, "holds no projection (proj with prhd)");
+            return passed_over("holds no projection (proj with prhd)");
         }
         let Some(projection) = inner.get(1) else {
-            return broken(false, "does not say which projection it is");
+            return passed_over("does not say which projection it is");
         };
-        let (from, name) = (projection.inside.start + 4, projection.name);
-        match &name {
-            b"cbmp" if self.word(from)? != 0 => {
-                broken(false, "holds cube faces in a layout other than 0 (3 x 2)")
+        self.judge_projection(sphere, projection)
+            .or_else(|| was_told.then(|| broken(Ffmpeg::Misreads, SECOND))?)
+    }
+
+    fn judge_projection(&mut self, sphere: &Found, projection: &Found) -> Option<BrokenBox> {
+        let broken = |ffmpeg, what: &str| sphere.broken("sv3d", ffmpeg, what);
+        let numbers = match &projection.name {
+            b"cbmp" => 2,
+            b"equi" => 4,
+            b"mshp" => {
+                let what = "holds its projection as a mesh (mshp)";
+                return broken(Ffmpeg::PassesOver, what);
             }
-            b"equi" => {
-                let mut cut = [0; 4];
-                for (i, side) in (0..).zip(&mut cut) {
-                    *side = self.word(from + 4 * i)?;
-                }
-                let [top, bottom, left, right] = cut;
-                let leaves_nothing = |a: u32, b: u32| b >= u32::MAX - a;
-                let is_bad = leaves_nothing(top, bottom) || leaves_nothing(left, right);
-                let what = "cuts off more than there is (bounds of equi)";
-                is_bad.then(|| broken(true, what))?
+            name => {
+                let what = format!("names a projection \"{}\"", name.escape_ascii());
+                return broken(Ffmpeg::PassesOver, &what);
             }
-            b"cbmp" => None,
-            b"mshp" => broken(false, "holds its projection as a mesh (mshp)"),
-            _ => broken(
-                false,
-                &format!("names a projection \"{}\"", name.escape_ascii()),
-            ),
+        };
+        if projection.bytes() < VERSION + 4 * numbers {
+            let name = projection.name.escape_ascii();
+            let what = format!("ends within the numbers of its projection ({name})");
+            return broken(Ffmpeg::Misreads, &what);
         }
+        let mut told = [0; 4];
+        for (i, number) in (0..numbers).zip(&mut told) {
+            *number = self.word(projection.inside.start + VERSION + 4 * i)?;
+        }
+        if projection.name == *b"cbmp" {
+            let what = "holds cube faces in a layout other than 0 (3 x 2)";
+            return (told[0] != 0).then(|| broken(Ffmpeg::PassesOver, what))?;
+        }
+        let [top, bottom, left, right] = told;
+        let leaves_nothing = |a: u32, b: u32| b >= u32::MAX - a;
+        let is_bad = leaves_nothing(top, bottom) || leaves_nothing(left, right);
+        let what = "cuts off more than there is (bounds of equi)";
+        is_bad.then(|| broken(Ffmpeg::Refuses, what))?
     }
 
     /// The parts of an `sv3d` box, and those of the `proj` among them.

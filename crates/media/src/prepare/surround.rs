@@ -105,7 +105,7 @@ pub(super) fn surround_of(
     notes.extend(info.broken_boxes.iter().map(|broken| {
         let BrokenBox { name, at, what, .. } = broken;
         format!(
-            "its {name} box, at byte {at}, {what} and is passed over; give --projection or \
+            "its {name} box, at byte {at}, {what}, and is passed over; give --projection or \
              --stereo if the guess is wrong"
         )
     }));
