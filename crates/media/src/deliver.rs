@@ -11,8 +11,9 @@ use crate::convert::{Converter, Layout};
 use crate::frame::{is_420, new_frame, picture_from_frame, rows_run_down};
 use crate::orientation::Orientation;
 
-/// From this height on, video without a named matrix is taken as BT.709; lines.
-const HIGH_DEFINITION_LINES: u32 = 720;
+/// Pixels of the largest picture of standard definition (PAL, with room for wide pixels). A larger
+/// one without a named matrix is taken as BT.709, by its width too: panoramas are low.
+const STANDARD_DEFINITION: [u32; 2] = [1279, 576];
 
 /// Turns frames of one stream into upright pictures of one size and one colour.
 pub(crate) struct Delivery {
@@ -158,8 +159,8 @@ fn layout_of(frame: &Video, is_jpeg: bool) -> Result<Layout, String> {
         Location::Center | Location::Top | Location::Bottom => false,
         Location::Unspecified => !is_jpeg,
     };
-    let matrix = matrix_of(frame.color_space(), rgb, frame.height())?;
     let size = [frame.width(), frame.height()];
+    let matrix = matrix_of(frame.color_space(), rgb, size)?;
     Ok(Layout {
         format,
         size,
@@ -169,17 +170,17 @@ fn layout_of(frame: &Video, is_jpeg: bool) -> Result<Layout, String> {
     })
 }
 
-/// The matrix of the delivered planes; RGB and video that names none follow the height.
-fn matrix_of(space: color::Space, rgb: bool, height: u32) -> Result<Matrix, String> {
+/// The matrix of the delivered planes; RGB and video that names none follow the size.
+fn matrix_of(space: color::Space, rgb: bool, size: [u32; 2]) -> Result<Matrix, String> {
     use color::Space;
-    let by_height = if height >= HIGH_DEFINITION_LINES {
+    let by_size = if (0..2).any(|k| size[k] > STANDARD_DEFINITION[k]) {
         Matrix::Bt709
     } else {
         Matrix::Bt601
     };
     match space {
-        _ if rgb => Ok(by_height),
-        Space::Unspecified | Space::Reserved | Space::RGB => Ok(by_height),
+        _ if rgb => Ok(by_size),
+        Space::Unspecified | Space::Reserved | Space::RGB => Ok(by_size),
         // SMPTE 240M's weights (0.212, 0.087) are BT.709's but for 0.015 of blue.
         Space::BT709 | Space::SMPTE240M => Ok(Matrix::Bt709),
         // FCC's weights (0.30, 0.11) are BT.601's rounded.

@@ -47,11 +47,12 @@ fn other_chroma_grids_keep_their_values_and_their_range() {
 }
 
 #[test]
-fn rgb_becomes_limited_range_of_the_matrix_that_fits_the_height() {
+fn rgb_becomes_limited_range_of_the_matrix_that_fits_the_size() {
     let red = |_: u32, _: usize, x: usize, _: usize| if x.is_multiple_of(3) { 255 } else { 0 };
     for (size, matrix, yuv) in [
         ([64, 48], Matrix::Bt601, [81, 90, 240]),
         ([16, 720], Matrix::Bt709, [63, 102, 240]),
+        ([1280, 16], Matrix::Bt709, [63, 102, 240]),
     ] {
         let path = write_raw(&raw("png", "mkv", Pixel::RGB24, size), 1, red);
         let (input, picture) = read_one(&path);
