@@ -13,6 +13,8 @@ use foveal_core::asset::tile_grid::Cut;
 use crate::encoder::new_encoder;
 use crate::frame::new_frame;
 use crate::frame_file::{FrameFile, ReadyEncoder};
+use crate::journal_file::journal_path;
+use crate::pack_file::partial_path;
 use crate::prepare::{Plan, PrepareError, PrepareSettings, ProjectionChoice, prepare};
 use crate::write_clip::{ClipCodec, ClipFormat, ClipWriter};
 use crate::{MediaError, TimedPicture, VideoInput};
@@ -24,7 +26,8 @@ pub(crate) const VIDEO: Colour = Colour {
     chroma_left: true,
 };
 
-/// A file name in the system's folder for such; the file goes away with the value.
+/// A file name in the system's folder for such; the file goes away with the value, and with it
+/// what a stopped preparation left.
 pub(crate) struct Scratch(pub(crate) PathBuf);
 
 impl Scratch {
@@ -51,7 +54,10 @@ impl std::ops::Deref for Scratch {
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
+        let partial = partial_path(&self.0);
+        for file in [&self.0, &journal_path(&partial), &partial] {
+            let _ = std::fs::remove_file(file);
+        }
     }
 }
 
