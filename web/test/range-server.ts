@@ -126,6 +126,12 @@ export class RangeHost {
     return twice;
   }
 
+  /** The page gave up a request, which may have been sent whole by then. */
+  gaveUp(range: string | undefined): void {
+    const asked = this.log.findLast((one) => one.range === range);
+    if (asked) asked.whole = false;
+  }
+
   private async answer(request: IncomingMessage, response: ServerResponse): Promise<void> {
     if (this.faults.offline) {
       request.socket.destroy();

@@ -88,6 +88,30 @@ test("bytes arrive once, however often they are wanted", async () => {
   expect(host.loader.bytes.get(want(100, 2500))).toEqual(FILE.slice(100, 2600));
 });
 
+test("no byte is asked for twice, whatever is wanted and in whatever order it comes", async () => {
+  const host = new Host();
+  let state = 1;
+  const random = (below: number): number => {
+    state = (Math.imul(state, 1_664_525) + 1_013_904_223) >>> 0;
+    return Math.floor((state / 2 ** 32) * below);
+  };
+  const twice: string[] = [];
+  for (let step = 0; step < 300; step++) {
+    const count = 1 + random(6);
+    host.loader.want(Array.from({ length: count }, () => want(random(1e6), 1 + random(8000))));
+    if (random(2) === 0) host.asked[random(host.asked.length)]?.answer();
+    if (random(8) === 0) await host.settle();
+  }
+  host.asked.forEach((one, index) => {
+    for (const other of host.asked.slice(0, index)) {
+      const overlaps = one.from <= other.to && other.from <= one.to;
+      if (overlaps) twice.push(`${other.from}-${other.to}, then ${one.from}-${one.to}`);
+    }
+  });
+  expect(twice).toEqual([]);
+  expect(host.asked.length).toBeGreaterThan(50);
+});
+
 test("what nobody wants any more is given up, and what came of it stays", async () => {
   const host = new Host();
   host.loader.want([want(0, 500_000)]);

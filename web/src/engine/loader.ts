@@ -143,7 +143,8 @@ export class Loader {
       const gaps = this.#gaps(early < MOST_EARLY);
       const time = gaps[0]?.early ? EARLY_S : REQUEST_S;
       const usual = Math.max(this.meter.bytesPerSecond * time, LEAST_REQUEST);
-      const next = nextRequest(gaps, Math.min(usual, MOST_REQUEST), this.#hole());
+      const most = Math.min(usual, MOST_REQUEST);
+      const next = nextRequest(gaps, most, this.#hole(), (hole) => this.#isFree(hole));
       if (!next) return;
       void this.#run(next);
     }
@@ -153,6 +154,12 @@ export class Loader {
   #hole(): number {
     const waiting = (this.meter.bytesPerSecond * this.#trip) / 1000 / CONNECTIONS;
     return Math.min(Math.max(waiting, LEAST_HOLE), MOST_HOLE);
+  }
+
+  /** Whether nothing of a stretch is in memory or under way. */
+  #isFree(stretch: Stretch): boolean {
+    const isWhole = ([part]: readonly Stretch[]): boolean => part?.bytes === stretch.bytes;
+    return isWhole(this.bytes.missing(stretch)) && isWhole(without(stretch, this.#under));
   }
 
   /** What is missing and not under way, first what matters most. */

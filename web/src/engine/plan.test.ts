@@ -1,7 +1,15 @@
 import { expect, test } from "vitest";
-import { LEAST_HOLE as HOLE, MOST_REQUEST, nextRequest, type Want, without } from "./plan.ts";
+import {
+  LEAST_HOLE as HOLE,
+  MOST_REQUEST,
+  nextRequest as planned,
+  type Want,
+  without,
+} from "./plan.ts";
 
 const want = (offset: number, bytes: number, early = false): Want => ({ offset, bytes, early });
+const nextRequest = (gaps: readonly Want[], most: number, isFree = true) =>
+  planned(gaps, most, HOLE, () => isFree);
 
 test("neighbours in the file travel together, what matters most first", () => {
   const gaps = [want(1000, 100), want(50_000, 10), want(1100, 400), want(900, 100)];
@@ -14,6 +22,9 @@ test("a small hole is fetched along, a large one is not", () => {
   expect(nextRequest(near, 1e6)).toEqual(want(0, 200 + HOLE));
   const far = [want(0, 100), want(101 + HOLE, 100)];
   expect(nextRequest(far, 1e6)).toEqual(want(0, 100));
+  // Nor one that is in memory or under way, on either side.
+  expect(nextRequest(near, 1e6, false)).toEqual(want(0, 100));
+  expect(nextRequest(near.reverse(), 1e6, false)).toEqual(want(100 + HOLE, 100));
 });
 
 test("no request grows beyond its bound", () => {

@@ -38,27 +38,31 @@ export function without(wanted: Stretch, taken: readonly Stretch[]): Stretch[] {
 /**
  * The next request: the first gap in order of importance, with the gaps that follow it closely in
  * the file while that makes no more than `most` bytes. `gaps` are what is missing and not under
- * way, by importance; `hole` bytes between them are fetched along.
+ * way, by importance; up to `hole` bytes between them are fetched along where `isFree` says that
+ * these are not in memory and not under way either.
  */
 export function nextRequest(
   gaps: readonly Want[],
   most: number,
-  hole = LEAST_HOLE,
+  hole: number,
+  isFree: (hole: Stretch) => boolean,
 ): Want | null {
   const first = gaps[0];
   if (!first) return null;
   let begin = first.offset;
   let end = begin + Math.min(first.bytes, MOST_REQUEST);
   const early = first.early;
+  const bridges = (from: number, to: number): boolean =>
+    to <= from || (to - from <= hole && isFree({ offset: from, bytes: to - from }));
   const inFile = gaps.slice(1).sort((a, b) => a.offset - b.offset);
   for (const gap of inFile) {
-    const follows = gap.offset >= begin && gap.offset <= end + hole;
     const reaches = gap.offset + gap.bytes;
-    if (follows && reaches > end && reaches - begin <= most) end = reaches;
+    const grows = gap.offset >= begin && reaches > end && reaches - begin <= most;
+    if (grows && bridges(end, gap.offset)) end = reaches;
   }
   for (const gap of inFile.reverse()) {
-    const precedes = gap.offset < begin && gap.offset + gap.bytes + hole >= begin;
-    if (precedes && end - gap.offset <= most) begin = gap.offset;
+    const grows = gap.offset < begin && end - gap.offset <= most;
+    if (grows && bridges(gap.offset + gap.bytes, begin)) begin = gap.offset;
   }
   return { offset: begin, bytes: end - begin, early };
 }

@@ -24,6 +24,9 @@ async function on(
 ): Promise<void> {
   host = await RangeHost.of(inject("site"), { delayMs: 20 });
   const opened = await open(browser, host.url + address, options);
+  opened.page.on("requestfailed", (request) => {
+    if (request.failure()?.errorText === "net::ERR_ABORTED") host.gaveUp(request.headers().range);
+  });
   try {
     await work(opened);
     expect(opened.complaints).toEqual([]);
