@@ -5,9 +5,8 @@ use crate::support::{Folder, Ran, Rgb, command, done, finish, frame_picture, ref
 use foveal_core::asset::picture::Picture;
 use foveal_media::generate::numbered_tiles;
 use serde_json::Value;
+use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
-use std::sync::OnceLock;
-use std::time::{Duration, Instant};
 
 /// A display without a screen, which goes away with the value.
 struct Display {
@@ -16,34 +15,35 @@ struct Display {
 }
 
 impl Display {
-    /// Starts one; `None`, and a line that says so, where there is no Xvfb.
+    /// Starts one; `None`, and a line that says so, where there is no Xvfb. The server chooses a
+    /// number nobody holds and tells it when clients may come: a socket left behind by one that
+    /// was killed is not taken for a server.
     fn start() -> Option<Self> {
-        static NEXT: OnceLock<std::sync::atomic::AtomicU32> = OnceLock::new();
-        let next = NEXT.get_or_init(|| (200 + std::process::id() % 20_000).into());
-        let number = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        let name = format!(":{number}");
         let started = Command::new("Xvfb")
-            .args([&name, "-screen", "0", "1000x700x24", "-nolisten", "tcp"])
-            .stdout(Stdio::null())
+            .args(["-displayfd", "1", "-screen", "0", "1000x700x24"])
+            .args(["-nolisten", "tcp"])
+            .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn();
-        let Ok(server) = started else {
+        let Ok(mut server) = started else {
             eprintln!("SKIPPED: there is no Xvfb, so no window was opened (apt-get install xvfb)");
             return None;
         };
-        let socket = format!("/tmp/.X11-unix/X{number}");
-        let until = Instant::now() + Duration::from_secs(60);
-        while !std::path::Path::new(&socket).exists() {
-            assert!(Instant::now() < until, "Xvfb {name} does not start");
-            std::thread::sleep(Duration::from_millis(20));
-        }
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().unwrap())
+            .read_line(&mut number)
+            .unwrap();
+        assert!(number.ends_with('\n'), "Xvfb does not start");
+        let name = format!(":{}", number.trim());
         Some(Self { server, name })
     }
 }
 
 impl Drop for Display {
+    /// Asks the server to end, which takes its socket and its lock along.
     fn drop(&mut self) {
-        let _ = self.server.kill();
+        let id = self.server.id().to_string();
+        let _ = Command::new("kill").args(["-TERM", &id]).status();
         let _ = self.server.wait();
     }
 }
