@@ -8,7 +8,7 @@ export INPUT
 # Where there is no desktop, Mesa's Vulkan layers complain about its absence.
 export XDG_RUNTIME_DIR ?= /tmp
 
-.PHONY: help setup build web demo test fuzz clean
+.PHONY: help setup build web demo test check fuzz clean
 
 help: ## list these targets
 	@sed -nE 's/^([a-z]+):[^#]*## (.*)/make \1|\2/p' Makefile | \
@@ -38,6 +38,9 @@ demo: build ## prepare, stream and judge a clip into demo/ (INPUT=file for your 
 
 test: setup ## check everything, as CI does
 	cargo xtask ci
+
+check: ## check what differs from the last commit, in a minute or so
+	cargo xtask check
 
 fuzz: ## throw random bytes at each parser for a minute (FUZZ_SECONDS=N)
 	@cargo +nightly fuzz --version >/dev/null 2>&1 || { \

@@ -2,8 +2,11 @@
 
 #![allow(clippy::print_stdout)]
 
+mod ci;
+mod deps;
 mod steps;
 mod tidy;
+mod touched;
 mod wasm;
 mod web;
 
@@ -16,7 +19,8 @@ cargo xtask COMMAND
   web             the page: wasm, scripts and pages in web/dist, with their size
   web-test        the tests of the page; its pictures beside those of the program
   web-bench       the page's memory over ten minutes, and a 16K panorama over a link
-  ci              fmt, tidy, web, clippy, wasm, tests that need no browser: what CI runs
+  ci              every check: what CI runs
+  check           fmt, tidy, clippy and tests of the crates that differ from the last commit
   bless [FILTER]  run the tests (those whose name contains FILTER) and rewrite their goldens";
 
 fn main() -> ExitCode {
@@ -28,7 +32,8 @@ fn main() -> ExitCode {
         ["web"] => web::run(),
         ["web-test"] => web::test(),
         ["web-bench"] => web::bench(),
-        ["ci"] => steps::ci(),
+        ["ci"] => ci::all(),
+        ["check"] => ci::touched(),
         ["bless"] => steps::bless(None),
         ["bless", filter] => steps::bless(Some(filter)),
         ["help" | "--help" | "-h"] => {

@@ -1,13 +1,10 @@
-//! What runs in CI, in which order?
+//! How do the commands of xtask run programs?
 
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::Instant;
 
-use crate::{tidy, wasm, web};
-
-/// What a step does: nothing to say, or why it failed.
+/// What a command comes to: nothing to say, or why it failed.
 pub(crate) type Outcome = Result<(), String>;
 
 /// The folder that holds the workspace. Cargo says at run time where xtask's manifest is; what was
@@ -33,6 +30,44 @@ pub(crate) fn cargo(arguments: &[&str]) -> Command {
         }
     }
     command
+}
+
+/// The program `name` of the workspace, built. With the features of the whole workspace, so that
+/// it shares what tests and other programs are made of.
+pub(crate) fn built(name: &str) -> Result<Command, String> {
+    run(&mut cargo(&[
+        "build",
+        "--quiet",
+        "--workspace",
+        "--bin",
+        name,
+    ]))?;
+    Ok(Command::new(target_folder()?.join("debug").join(name)))
+}
+
+/// The wasm module `name`, built as pages load it. All of them are built together, to share what
+/// they are made of.
+pub(crate) fn module(name: &str) -> Result<PathBuf, String> {
+    let build = [
+        "build",
+        "--quiet",
+        "--profile",
+        "web",
+        "--target",
+        WASM,
+        "--lib",
+    ];
+    run(cargo(&build).args(["-p", "foveal-web", "-p", "wasm-check"]))?;
+    let folder = target_folder()?.join(WASM).join("web");
+    Ok(folder.join(format!("{name}.wasm")))
+}
+
+const WASM: &str = "wasm32-unknown-unknown";
+
+fn target_folder() -> Result<PathBuf, String> {
+    let metadata = crate::tidy::workspace_metadata()?;
+    let folder = metadata["target_directory"].as_str();
+    Ok(folder.ok_or("cargo names no target folder")?.into())
 }
 
 /// Runs `command` with its output shown.
@@ -75,31 +110,6 @@ fn not_started(command: &Command, error: &std::io::Error) -> String {
     )
 }
 
-/// Every check, the fast ones first and the tests last, so that a log ends in their summaries.
-pub(crate) fn ci() -> Outcome {
-    step("fmt", || run(&mut cargo(&["fmt", "--all", "--check"])))?;
-    step("tidy", tidy::run)?;
-    // The program carries the page, so the page comes first.
-    step("web", web::run)?;
-    step("clippy", || {
-        let words = [
-            "clippy",
-            "--workspace",
-            "--all-targets",
-            "--quiet",
-            "--",
-            "-D",
-            "warnings",
-        ];
-        run(&mut cargo(&words))
-    })?;
-    step("wasm", wasm::run)?;
-    step("web-test", web::test)?;
-    step("test", || {
-        run(cargo(&["test", "--workspace"]).env("RUST_BACKTRACE", "1"))
-    })
-}
-
 /// Runs the tests so that they write their golden files instead of comparing with them.
 pub(crate) fn bless(filter: Option<&str>) -> Outcome {
     let mut words = vec!["test", "--workspace"];
@@ -107,12 +117,4 @@ pub(crate) fn bless(filter: Option<&str>) -> Outcome {
     run(cargo(&words).env("FOVEAL_BLESS", "1"))?;
     println!("bless: look at each picture that `git status` now lists before you commit it");
     Ok(())
-}
-
-fn step(name: &str, work: impl FnOnce() -> Outcome) -> Outcome {
-    println!("== {name}");
-    let start = Instant::now();
-    let outcome = work();
-    println!("== {name}: {:.1} s", start.elapsed().as_secs_f64());
-    outcome.map_err(|message| format!("step {name}: {message}"))
 }

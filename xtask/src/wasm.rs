@@ -1,13 +1,9 @@
 //! Is the same selection made natively and in wasm, bit for bit?
 
-use std::path::Path;
 use std::process::Command;
 
-use crate::steps::{self, Outcome, cargo, output_of};
+use crate::steps::{self, Outcome, output_of};
 
-const TARGET: &str = "wasm32-unknown-unknown";
-/// The package that exports the hash of a scripted run.
-const PACKAGE: &str = "wasm-check";
 /// Calls the module's one function and prints its 64 bits: wasm knows no unsigned result.
 const SCRIPT: &str = "\
 const bytes = require('fs').readFileSync(process.argv[1]);
@@ -16,44 +12,18 @@ WebAssembly.instantiate(bytes, {})
   .then((hash) => console.log(hash.toString(16)))
   .catch((error) => { console.error(String(error)); process.exit(1); });";
 
-/// Compiles what must run in a browser, then runs one log through core on both targets.
+/// Runs one log through core on both targets. That core and render compile for the browser shows
+/// the page, which is made of them.
 pub(crate) fn run() -> Outcome {
-    steps::run(&mut cargo(&[
-        "check",
-        "--quiet",
-        "--target",
-        TARGET,
-        "-p",
-        "foveal-core",
-        "-p",
-        "foveal-render",
-        "--lib",
-    ]))?;
     let in_wasm = hash_from_text(&hash_in_wasm()?)?;
-    let native = hash_from_text(&output_of(&mut cargo(&["run", "--quiet", "-p", PACKAGE]))?)?;
+    let native = hash_from_text(&output_of(&mut steps::built("selection-hash")?)?)?;
     compare(native, in_wasm)?;
     println!("wasm: selection hash {native:016x}, natively and in wasm");
     Ok(())
 }
 
 fn hash_in_wasm() -> Result<String, String> {
-    steps::run(&mut cargo(&[
-        "build",
-        "--quiet",
-        "--release",
-        "--target",
-        TARGET,
-        "-p",
-        PACKAGE,
-        "--lib",
-    ]))?;
-    let metadata = crate::tidy::workspace_metadata()?;
-    let target = metadata["target_directory"]
-        .as_str()
-        .ok_or("cargo names no target folder")?;
-    let module = Path::new(target)
-        .join(TARGET)
-        .join("release/wasm_check.wasm");
+    let module = steps::module("wasm_check")?;
     output_of(Command::new("node").arg("-e").arg(SCRIPT).arg(module))
 }
 

@@ -7,9 +7,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::steps::{self, Outcome, cargo, output_of, repository_root};
+use crate::steps::{self, Outcome, output_of, repository_root};
 
-const TARGET: &str = "wasm32-unknown-unknown";
 /// Written last: whoever finds it finds a whole folder.
 const STAMP: &str = ".built";
 /// Most bytes of scripts, styles and wasm together, compressed by brotli.
@@ -58,11 +57,17 @@ pub(crate) fn test() -> Outcome {
     if !web.join("dist").join(STAMP).exists() {
         run()?;
     }
+    check()?;
+    in_browser(&web, "vitest.e2e.config.ts", program()?)
+}
+
+/// The tests of the TypeScript that need no browser.
+pub(crate) fn check() -> Outcome {
+    let web = repository_root().join("web");
     install(&web)?;
     steps::run(&mut tool(&web, "tsc", &["--noEmit"]))?;
     steps::run(&mut tool(&web, "tsc", &["--noEmit", "-p", "test"]))?;
-    steps::run(&mut tool(&web, "vitest", &["run"]))?;
-    in_browser(&web, "vitest.e2e.config.ts", program()?)
+    steps::run(&mut tool(&web, "vitest", &["run"]))
 }
 
 /// Whether memory stays what it is, over minutes of looking (MINUTES, 10 if nothing is said), and
@@ -75,11 +80,10 @@ pub(crate) fn bench() -> Outcome {
 
 /// The program that FOVEAL names, else one that is built with the page in it.
 fn program() -> Result<PathBuf, String> {
-    if let Some(program) = std::env::var_os("FOVEAL") {
-        return Ok(program.into());
+    match std::env::var_os("FOVEAL") {
+        Some(program) => Ok(program.into()),
+        None => Ok(steps::built("foveal")?.get_program().into()),
     }
-    steps::run(&mut cargo(&["build", "--quiet", "-p", "foveal"]))?;
-    Ok(target_folder()?.join("debug/foveal"))
 }
 
 fn in_browser(web: &Path, config: &str, program: PathBuf) -> Outcome {
@@ -88,18 +92,12 @@ fn in_browser(web: &Path, config: &str, program: PathBuf) -> Outcome {
 }
 
 fn build_module(web: &Path) -> Outcome {
-    let build = ["build", "--profile", "web"];
-    let of = ["--target", TARGET, "-p", "foveal-web", "--lib"];
-    steps::run(cargo(&build).args(of))?;
-    let module = target_folder()?.join(TARGET).join("web/foveal_web.wasm");
-    let bindgen = ["run", "--release", "-p", "web-bindgen", "--"];
-    steps::run(cargo(&bindgen).arg(module).arg(web.join("pkg")))
-}
-
-fn target_folder() -> Result<PathBuf, String> {
-    let metadata = crate::tidy::workspace_metadata()?;
-    let folder = metadata["target_directory"].as_str();
-    Ok(folder.ok_or("cargo names no target folder")?.into())
+    let module = steps::module("foveal_web")?;
+    steps::run(
+        steps::built("web-bindgen")?
+            .arg(module)
+            .arg(web.join("pkg")),
+    )
 }
 
 /// The tools and libraries of the lock file, once.

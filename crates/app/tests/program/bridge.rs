@@ -1,7 +1,7 @@
 //! Does the bridge from Pupil Core turn what that tracker says into gazes?
 
 use crate::live_gaze::Recording;
-use crate::support::Folder;
+use crate::support::{Folder, skipped};
 use foveal_core::gaze::row::TraceRow;
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
@@ -91,7 +91,7 @@ impl Drop for Ended {
 fn a_tracker_is_heard_through_the_bridge() {
     let there = python("import zmq, msgpack").stderr(Stdio::null()).status();
     if !there.is_ok_and(|status| status.success()) {
-        eprintln!("SKIPPED: python3 has no pyzmq and msgpack, so only the conversion was tried");
+        skipped("python3 has no pyzmq and msgpack, so only the conversion was tried");
         return;
     }
     let folder = Folder::new();

@@ -1,7 +1,7 @@
 //! Does the program get through what is long, wide or interrupted by the machine?
 
 use crate::scenes::{noisy_clip, picture, write_clip};
-use crate::support::{Folder, assert_refused, done, finish, json, refused};
+use crate::support::{Folder, assert_refused, done, finish, json, refused, skipped};
 use foveal_core::asset::picture::Picture;
 use serde_json::json;
 use std::process::Command;
@@ -64,7 +64,7 @@ fn a_preparation_that_ran_out_of_room_goes_on_when_there_is_some() {
     limited.args(prepare(&out));
     let ran = limited.output().unwrap();
     if ran.status.code() == Some(77) {
-        eprintln!("SKIPPED: this shell sets no limits, so running out of room was not tried");
+        skipped("this shell sets no limits, so running out of room was not tried");
         return;
     }
     let mut again = Command::new("sh");

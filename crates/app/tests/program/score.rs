@@ -1,7 +1,7 @@
 //! Does `foveal score` judge pictures, videos and packs, and refuse what cannot be judged?
 
 use crate::scenes::{noise, write_clip};
-use crate::support::{Folder, Rgb, assert_keys, done, json, refused};
+use crate::support::{Folder, Rgb, assert_keys, done, json, refused, skipped};
 use foveal_core::asset::picture::Picture;
 use serde_json::Value;
 
@@ -46,7 +46,7 @@ fn a_photograph_at_hand_has_its_published_scores() {
         &["--photo", "0000.png", "256x256", "astronaut"],
     );
     let Ok(photo) = std::env::var("FOVEAL_GOLDEN_PHOTO") else {
-        eprintln!("SKIPPED: FOVEAL_GOLDEN_PHOTO names no astronaut.png, so G5 and G6 were not run");
+        skipped("FOVEAL_GOLDEN_PHOTO names no astronaut.png, so G5 and G6 were not run");
         return;
     };
     let report = json(&["evaluate", "goldens", "--photo", &photo, "G5", "G6"]);

@@ -1,7 +1,7 @@
 //! Are packs served, and put into sites, as a browser needs them?
 
 use crate::scenes::{waves, write_clip};
-use crate::support::{Folder, command, done, foveal, json, refused};
+use crate::support::{Folder, command, done, foveal, json, refused, skipped};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -308,7 +308,7 @@ fn wave_pack(folder: &Folder) -> Option<String> {
     done(&["prepare", "video", &clip, "--out", &pack]);
     let ran = foveal(&["export", "site", &pack, "--out", "none", "--dry-run"]);
     if ran.stderr.contains("built without its pages") {
-        eprintln!("SKIPPED: the program carries no pages; run `cargo xtask web` and build again");
+        skipped("the program carries no pages; run `cargo xtask web` and build again");
         return None;
     }
     assert_eq!(ran.code, Some(0), "{ran:?}");

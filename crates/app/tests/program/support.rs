@@ -1,6 +1,8 @@
 //! How does a test run the program, and read what it wrote?
 
 use serde_json::Value;
+use std::fs::File;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -60,11 +62,24 @@ pub(crate) fn command(arguments: &[&str]) -> Command {
     command
 }
 
+/// Says what this machine does not let a test try, also to whoever runs all of them.
+pub(crate) fn skipped(why: &str) {
+    eprintln!("SKIPPED: {why}");
+    if let Some(list) = std::env::var_os("FOVEAL_SKIPPED_TESTS") {
+        let mut list = File::options()
+            .append(true)
+            .create(true)
+            .open(list)
+            .unwrap();
+        writeln!(list, "{why}").unwrap();
+    }
+}
+
 /// Whether this system has a file that refuses every byte.
 pub(crate) fn has_dev_full() -> bool {
     let there = Path::new("/dev/full").exists();
     if !there {
-        eprintln!("SKIPPED: this system has no /dev/full, so writing to it was not tried");
+        skipped("this system has no /dev/full, so writing to it was not tried");
     }
     there
 }
@@ -151,7 +166,7 @@ pub(crate) struct Rgb {
 
 impl Rgb {
     pub(crate) fn read(path: &str) -> Self {
-        let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+        let file = std::io::BufReader::new(File::open(path).unwrap());
         let mut reader = png::Decoder::new(file).read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         let frame = reader.next_frame(&mut pixels).unwrap();

@@ -1,7 +1,7 @@
 //! Does a pack that cannot be written, or is not finished, leave nothing behind?
 
 use crate::scenes::{noisy_clip, waves, write_clip};
-use crate::support::{Folder, command, done, finish, has_dev_full, json, refused};
+use crate::support::{Folder, command, done, finish, has_dev_full, json, refused, skipped};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -77,8 +77,10 @@ impl<'a> SmallDisk<'a> {
         match mounted {
             Ok(output) if output.status.success() => Some(Self(folder)),
             _ => {
-                eprintln!("SKIPPED: no small file system can be mounted here, so a full disk");
-                eprintln!("SKIPPED: was not tried; run the tests as root to try it");
+                skipped(
+                    "no small file system can be mounted here, so a full disk was not tried; \
+                     run the tests as root to try it",
+                );
                 None
             }
         }

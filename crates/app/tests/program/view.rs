@@ -1,7 +1,7 @@
 //! Does a window show what the headless run shows, and does it survive what happens to windows?
 
 use crate::scenes::write_clip;
-use crate::support::{Folder, Ran, Rgb, command, done, finish, frame_picture, refused};
+use crate::support::{Folder, Ran, Rgb, command, done, finish, frame_picture, refused, skipped};
 use foveal_core::asset::picture::Picture;
 use foveal_media::generate::numbered_tiles;
 use serde_json::Value;
@@ -26,7 +26,7 @@ impl Display {
             .stderr(Stdio::null())
             .spawn();
         let Ok(mut server) = started else {
-            eprintln!("SKIPPED: there is no Xvfb, so no window was opened (apt-get install xvfb)");
+            skipped("there is no Xvfb, so no window was opened (apt-get install xvfb)");
             return None;
         };
         let mut number = String::new();
