@@ -102,12 +102,13 @@ fn store() -> Option<PathBuf> {
     Some(cache.join("foveal").join("deps"))
 }
 
-/// The name of the dependencies that this tree is built with, by this compiler.
+/// The name of the dependencies that this tree is built with, by this compiler. Features and
+/// profiles need no part in it: cargo names what it compiles after them.
 fn key() -> Result<String, String> {
     let mut hasher = DefaultHasher::new();
     output_of(Command::new("rustc").arg("-vV"))?.hash(&mut hasher);
     output_of(&mut cargo(&["-V"]))?.hash(&mut hasher);
-    for file in ["Cargo.lock", "Cargo.toml", ".cargo/config.toml"] {
+    for file in ["Cargo.lock", ".cargo/config.toml"] {
         let bytes = fs::read(repository_root().join(file));
         bytes.unwrap_or_default().hash(&mut hasher);
     }
