@@ -274,7 +274,7 @@ pub(crate) struct ViewOptions {
     /// Pixels of the view (default: the content's density, at most 1920 wide).
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) view: Option<[u32; 2]>,
-    /// 360° content: horizontal field of view in degrees.
+    /// 360° content: field of view along the view's larger side, in degrees.
     #[arg(long, value_name = "DEG", default_value_t = 100.0)]
     fov: f64,
     /// Flat content: diagonal in inches and distance in metres of the screen it fills.
@@ -308,7 +308,7 @@ impl ViewOptions {
         Ok(match surface.projection {
             Projection::Flat => EyeView::filling(surface, size),
             Projection::Cube => {
-                let field = Field::across(fov, size);
+                let field = Field::of_larger_side(fov, size);
                 EyeView {
                     axes: Axes::FRONT,
                     field,
@@ -319,7 +319,7 @@ impl ViewOptions {
         })
     }
 
-    /// Horizontal field of view of 360° content.
+    /// Field of view of 360° content, along the larger side.
     pub(crate) fn fov(&self) -> anyhow::Result<Radians> {
         if (1.0..=170.0).contains(&self.fov) {
             Ok(Radians::from_degrees(self.fov))

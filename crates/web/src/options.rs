@@ -22,7 +22,7 @@ pub struct Options {
     /// The screen as a person can measure it.
     #[serde(default)]
     pub screen: Screen,
-    /// Width of a sphere's view before zooming, in degrees.
+    /// Larger side of a sphere's view before zooming, in degrees.
     #[serde(default = "usual_field")]
     pub field_deg: f64,
     /// Begin paused.

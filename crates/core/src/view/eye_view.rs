@@ -76,6 +76,22 @@ impl Field {
         let x = libm::tan(across.0 / 2.0);
         Self::symmetric([x, x * f64::from(size[1]) / f64::from(size[0])])
     }
+
+    /// A symmetric field whose pixels are square in a picture of `size`, and whose larger side is
+    /// `across` wide: what is held upright shows no more at once than what lies on its side.
+    #[must_use]
+    pub fn of_larger_side(across: Radians, size: [u32; 2]) -> Self {
+        Self::reaching(libm::tan(across.0 / 2.0), size)
+    }
+
+    /// The same, by half the tangent of the larger side.
+    pub(super) fn reaching(tangent: f64, size: [u32; 2]) -> Self {
+        let larger = size[0].max(size[1]);
+        Self::symmetric(size.map(|side| match side {
+            side if side == larger => tangent,
+            side => tangent * f64::from(side) / f64::from(larger),
+        }))
+    }
 }
 
 impl EyeView {

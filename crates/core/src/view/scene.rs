@@ -21,7 +21,7 @@ const WIDEST_HALF_DEG: f64 = 70.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
     surface: Surface,
-    /// Half the width of a sphere's view at unit distance, before zooming.
+    /// Half the larger side of a sphere's view at unit distance, before zooming.
     tangent: f64,
     /// Where the viewer turned the head by hand.
     head: HeadPose,
@@ -77,6 +77,11 @@ impl Pane {
         }
     }
 
+    /// Pixels of the longer side, which a sphere's field of view is measured along.
+    fn larger_side(&self) -> f64 {
+        f64::from(self.size[0].max(self.size[1]))
+    }
+
     /// Tangents at the eye, before the window's centre, of a picture that begins at `origin`.
     fn at_eye(&self, origin: [u32; 2], size: [u32; 2]) -> [f64; 4] {
         let from = |k: usize| f64::from(self.size[k]) / 2.0 - f64::from(origin[k]);
@@ -86,7 +91,7 @@ impl Pane {
 }
 
 impl Scene {
-    /// The whole of flat content, or a sphere's forward in a view `fov` wide.
+    /// The whole of flat content, or a sphere's forward in a view whose larger side is `fov` wide.
     pub fn new(surface: Surface, fov: Radians) -> Self {
         Self {
             surface,
@@ -154,7 +159,7 @@ impl Scene {
                 self.keep_inside(pane);
             }
             Projection::Cube => {
-                let per_pixel = 2.0 * self.tangent / self.zoom / f64::from(pane.size[0]);
+                let per_pixel = 2.0 * self.tangent / self.zoom / pane.larger_side();
                 let steepest = Radians::from_degrees(STEEPEST_DEG).0;
                 let turn = std::f64::consts::TAU;
                 let yaw = (self.head.yaw.0 - x * per_pixel + turn / 2.0).rem_euclid(turn);
@@ -183,14 +188,16 @@ impl Scene {
 
     /// Display pixels over one pixel of the content, in the middle of the view.
     pub fn scale(&self, pane: &Pane) -> f64 {
-        let [w, h] = pane.size.map(f64::from);
         self.zoom
             * match self.surface.projection {
                 Projection::Flat => {
+                    let [w, h] = pane.size.map(f64::from);
                     let [content_w, content_h] = self.surface.size.map(f64::from);
                     (w / content_w).min(h / content_h)
                 }
-                Projection::Cube => self.surface.pitch() * w / (2.0 * self.tangent),
+                Projection::Cube => {
+                    self.surface.pitch() * pane.larger_side() / (2.0 * self.tangent)
+                }
             }
     }
 
@@ -199,11 +206,9 @@ impl Scene {
         match self.surface.projection {
             Projection::Flat => self.flat(pane),
             Projection::Cube => {
-                let across = self.tangent / self.zoom;
-                let [w, h] = pane.size.map(f64::from);
                 let field = Field {
                     at_eye: Some(pane.at_eye([0, 0], pane.size)),
-                    ..Field::symmetric([across, across * h / w])
+                    ..Field::reaching(self.tangent / self.zoom, pane.size)
                 };
                 let view = EyeView {
                     axes: self.head().axes(),
@@ -325,6 +330,20 @@ mod tests {
         // 24 inches at 0.6 m, 16:9: 47.7° across.
         let across = before.as_seen().field.left.atan() * 2.0;
         assert!((across.to_degrees() - 47.77).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_window_held_upright_shows_the_same_angle_along_its_longer_side() {
+        let mut scene = Scene::new(Surface::cube(4096), Radians::from_degrees(100.0));
+        let (upright, lying) = (pane([360, 640]), pane([640, 360]));
+        let [tall, wide] = [upright, lying].map(|pane| scene.shown(&pane).view.field);
+        assert_eq!((tall.up, tall.left), (wide.left, wide.up));
+        assert!((tall.up.atan().to_degrees() - 50.0).abs() < 1e-9);
+        assert_eq!(scene.scale(&upright), scene.scale(&lying));
+        // A hand draws along what is under it, however the window is held.
+        scene.drag([0.0, 1.0], &upright);
+        scene.drag([0.0, -1.0], &lying);
+        assert!(scene.head().pitch.0.abs() < 1e-15);
     }
 
     #[test]
