@@ -3,7 +3,7 @@
 import { existsSync } from "node:fs";
 import { defineConfig } from "vitest/config";
 
-const pages = ["index.html", "view.html"].filter((page) => existsSync(page));
+const pages = ["index.html", "view.html", "404.html"].filter((page) => existsSync(page));
 
 export default defineConfig({
   // Everything is found beside the page, wherever the folder lies.

@@ -13,12 +13,13 @@ use std::{env, fs};
 const STAMP: &str = ".built";
 
 /// What the page is made of, from the root of the repository.
-const SOURCES: [&str; 12] = [
+const SOURCES: [&str; 13] = [
     "crates/core/src",
     "crates/render/shaders",
     "crates/render/src",
     "crates/web/Cargo.toml",
     "crates/web/src",
+    "web/404.html",
     "web/index.html",
     "web/package-lock.json",
     "web/public",

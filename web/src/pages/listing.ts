@@ -14,9 +14,9 @@ export interface Listed {
   readonly sound: boolean;
 }
 
-/** Fetches the list. Rejects with a sentence for people. */
-export async function fetchListing(): Promise<readonly Listed[]> {
-  const answer = await fetch("./packs.json").catch(() => null);
+/** Fetches the list that lies at `root`. Rejects with a sentence for people. */
+export async function fetchListing(root = "./"): Promise<readonly Listed[]> {
+  const answer = await fetch(`${root}packs.json`).catch(() => null);
   if (answer === null) throw new Error("The list of videos cannot be fetched: is the host there?");
   if (!answer.ok) {
     throw new Error(`The host has no list of videos (packs.json: ${answer.status}).`);

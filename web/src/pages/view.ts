@@ -6,6 +6,7 @@
 import { element } from "../element/dom.ts";
 import { defineFovealView } from "../element/view-element.ts";
 import { addressOf, factsOf, fetchListing } from "./listing.ts";
+import { missing } from "./missing.ts";
 
 /** Parameters of the address that are attributes of the element. */
 const FLAGS = ["demo", "muted", "paused", "once"] as const;
@@ -35,6 +36,11 @@ function show(): void {
   }
   defineFovealView();
   const view = element("foveal-view", attributes);
+  view.addEventListener("problem", ({ detail }) => {
+    if (detail.kind !== "not-found" || !detail.fatal) return;
+    document.title = name.textContent = "No such video";
+    main.replaceChildren(missing(pack, "./"));
+  });
   main.replaceChildren(view);
   view.focus();
   void showFacts(pack, view);

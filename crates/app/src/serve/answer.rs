@@ -78,8 +78,23 @@ impl Server {
                 }
                 moved
             }
-            Found::Nothing => plain(StatusCode::NOT_FOUND, "nothing here\n"),
+            Found::Nothing => self.nothing(request),
         }
+    }
+
+    /// Where nothing lies: a page for people that says what does, a line for everything else.
+    fn nothing<B>(&self, request: &Request<B>) -> Response<AnswerBody> {
+        let accepted = request.headers().get(header::ACCEPT);
+        let accepted = accepted.and_then(|value| value.to_str().ok());
+        let for_people = accepted.is_some_and(|types| types.contains("text/html"));
+        let page = for_people.then(|| self.place.page_of_nothing()).flatten();
+        let Some(page) = page else {
+            return plain(StatusCode::NOT_FOUND, "nothing here; the list is at /\n");
+        };
+        let mut response = Response::new(Either::Left(Full::new(Bytes::from(page))));
+        *response.status_mut() = StatusCode::NOT_FOUND;
+        for_a_page(response.headers_mut());
+        response
     }
 }
 
@@ -96,6 +111,14 @@ fn plain(status: StatusCode, text: &'static str) -> Response<AnswerBody> {
 
 fn put(headers: &mut HeaderMap, name: HeaderName, value: &'static str) {
     headers.insert(name, HeaderValue::from_static(value));
+}
+
+/// What every page is sent with.
+fn for_a_page(headers: &mut HeaderMap) {
+    put(headers, header::CONTENT_TYPE, content_type("a.html"));
+    put(headers, header::CONTENT_SECURITY_POLICY, PAGE_POLICY);
+    let name = HeaderName::from_static("permissions-policy");
+    put(headers, name, PAGE_MAY);
 }
 
 /// Whether the request names this machine as those on it do.
@@ -141,9 +164,7 @@ fn of_file(file: FoundFile, asked: &HeaderMap, ranges: bool) -> Response<AnswerB
     put(&mut headers, header::ACCEPT_RANGES, "bytes");
     put(&mut headers, header::CONTENT_TYPE, content_type(&file.name));
     if file.name.ends_with(".html") {
-        put(&mut headers, header::CONTENT_SECURITY_POLICY, PAGE_POLICY);
-        let name = HeaderName::from_static("permissions-policy");
-        put(&mut headers, name, PAGE_MAY);
+        for_a_page(&mut headers);
     }
     let mut tell = |name: HeaderName, value: String| {
         if let Ok(value) = HeaderValue::from_str(&value) {

@@ -45,6 +45,8 @@ pub(super) enum FoundContent {
 
 /// The page of a folder.
 const PAGE: &str = "index.html";
+/// The page of a site for addresses where nothing lies.
+const NOTHING: &str = "404.html";
 
 impl Place {
     /// What lies at the path of a URL, as it was sent.
@@ -70,6 +72,20 @@ impl Place {
                 None => Found::Nothing,
             },
         }
+    }
+
+    /// The page for addresses where nothing lies, whatever their depth; `None` in a folder that
+    /// has none.
+    pub(super) fn page_of_nothing(&self) -> Option<String> {
+        let Found::File(page) = self.find(&format!("/{NOTHING}")) else {
+            return None;
+        };
+        let text = match page.content {
+            FoundContent::Bytes(bytes) => String::from_utf8(bytes.into_owned()).ok()?,
+            FoundContent::File(file) => std::io::read_to_string(file).ok()?,
+        };
+        // What it loads and leads to lies at the beginning of the site.
+        Some(text.replace("=\"./", "=\"/"))
     }
 }
 

@@ -416,6 +416,36 @@ fn packs_are_served_as_a_site_that_nobody_wrote() {
 }
 
 #[test]
+fn where_nothing_lies_people_get_a_page_that_works_at_any_depth_and_others_a_line() {
+    let folder = Folder::new();
+    let Some(pack) = wave_pack(&folder) else {
+        return;
+    };
+    let site = folder.name("site");
+    done(&["export", "site", &pack, "--out", &site]);
+    for what in [pack, site] {
+        let server = Server::start(&[&what]);
+        for path in ["/missing", "/deep/er/missing/"] {
+            let told = server.ask("GET", path, &["Accept: text/html,*/*;q=0.8"]);
+            let kind = told.header("content-type");
+            assert_eq!((told.status, kind), (404, Some("text/html; charset=utf-8")));
+            assert!(told.header("content-security-policy").is_some());
+            let page = String::from_utf8(told.body).unwrap();
+            assert!(page.contains("href=\"/index.html\""), "{page}");
+            let script = page.split("src=\"").nth(1).unwrap();
+            let script = script.split('"').next().unwrap();
+            assert_eq!(server.ask("GET", script, &[]).status, 200, "{script}");
+        }
+        let told = server.ask("GET", "/missing.foveal", &["Range: bytes=0-7"]);
+        let kind = told.header("content-type");
+        assert_eq!(
+            (told.status, kind),
+            (404, Some("text/plain; charset=utf-8"))
+        );
+    }
+}
+
+#[test]
 fn a_server_ends_well_when_it_is_interrupted() {
     let (folder, _) = counted();
     let mut server = Server::start(&[&folder.name(".")]);
