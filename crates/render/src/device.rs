@@ -1,6 +1,9 @@
 //! Which GPU draws, and how is it reached?
 
 use crate::error::RenderError;
+use std::future::{Future, poll_fn};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::task::{Poll, Waker};
 
 /// A device with its queue, and the name of the adapter behind it.
 #[derive(Clone, Debug)]
@@ -75,6 +78,27 @@ impl Gpu {
         &self.adapter
     }
 
+    /// Waits until all that was asked of the GPU so far is done.
+    pub fn done(&self) -> impl Future<Output = ()> + use<> {
+        let state = Arc::new(Mutex::new((false, None::<Waker>)));
+        let told = Arc::clone(&state);
+        self.queue.on_submitted_work_done(move || {
+            let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+            told.0 = true;
+            if let Some(waker) = told.1.take() {
+                waker.wake();
+            }
+        });
+        poll_fn(move |context| {
+            let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);
+            if state.0 {
+                return Poll::Ready(());
+            }
+            state.1 = Some(context.waker().clone());
+            Poll::Pending
+        })
+    }
+
     async fn request_adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, RenderError> {
         let mut options = wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,
@@ -93,5 +117,34 @@ impl Gpu {
 
 fn describe(info: &wgpu::AdapterInfo) -> String {
     let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
-    format!("{} ({}, {})", info.name, driver.trim(), info.backend)
+    let mut parts = vec![driver.trim().to_owned(), info.backend.to_string()];
+    parts.retain(|part| !part.is_empty());
+    let rest = parts.join(", ");
+    // A browser may tell nothing but the interface.
+    match info.name.as_str() {
+        "" => rest,
+        name => format!("{name} ({rest})"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn described(name: &str, driver: &str, backend: wgpu::Backend) -> String {
+        let mut info = wgpu::AdapterInfo::new(wgpu::DeviceType::Other, backend);
+        info.name = name.to_owned();
+        info.driver = driver.to_owned();
+        describe(&info)
+    }
+
+    #[test]
+    fn an_adapter_is_described_by_what_is_known_of_it_alone() {
+        let native = described("A1", "mesa", wgpu::Backend::Vulkan);
+        assert_eq!(native, "A1 (mesa, vulkan)");
+        let named = described("A1", "", wgpu::Backend::BrowserWebGpu);
+        assert_eq!(named, "A1 (webgpu)");
+        let unnamed = described("", "", wgpu::Backend::BrowserWebGpu);
+        assert_eq!(unnamed, "webgpu");
+    }
 }

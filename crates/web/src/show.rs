@@ -75,12 +75,7 @@ async fn open_gpu() -> Outcome<(Gpu, Arc<AtomicBool>)> {
 impl Show {
     /// Opens a device, or none where `software` is asked for, and shows the pack that begins with
     /// `head`.
-    pub async fn open(
-        canvas: OffscreenCanvas,
-        head: Vec<u8>,
-        options: String,
-        now: f64,
-    ) -> Outcome<Show> {
+    pub async fn open(canvas: OffscreenCanvas, head: Vec<u8>, options: String) -> Outcome<Show> {
         let options = Options::parse(&options).map_err(refused)?;
         let (gpu, lost) = if options.software {
             (None, Arc::default())
@@ -88,7 +83,7 @@ impl Show {
             let (gpu, lost) = open_gpu().await?;
             (Some(gpu), lost)
         };
-        let viewer = Viewer::new(&head, &options, gpu, Seconds(now)).map_err(refused)?;
+        let viewer = Viewer::new(&head, &options, gpu).map_err(refused)?;
         let target = if options.software {
             Target::Paper(Paper::new(canvas).map_err(refused)?)
         } else {
@@ -237,6 +232,25 @@ impl Show {
             }
             _ => Ok(()),
         }
+    }
+
+    /// A promise that is kept once all that was drawn so far is on the canvas.
+    pub fn seen(&self) -> js_sys::Promise {
+        let done = match &self.viewer.stage.easel {
+            WebEasel::Gpu(easel) => Some(easel.gpu.done()),
+            WebEasel::Twin(_) => None,
+        };
+        wasm_bindgen_futures::future_to_promise(async move {
+            if let Some(done) = done {
+                done.await;
+            }
+            Ok(JsValue::UNDEFINED)
+        })
+    }
+
+    /// The first picture is on the canvas: time begins, where it plays.
+    pub fn begin(&mut self, now: f64) {
+        self.viewer.begin(Seconds(now));
     }
 
     /// What was to be drawn was drawn in this many seconds.

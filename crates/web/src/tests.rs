@@ -83,7 +83,7 @@ impl Host {
             r#"{{"name":"a","policy":"viewport","size":{SIZE:?},"screenSize":{SIZE:?}{options}}}"#
         );
         let options = Options::parse(&text).unwrap();
-        Viewer::new(head, &options, None, Seconds(0.0)).unwrap()
+        Viewer::new(head, &options, None).unwrap()
     }
 
     /// Answers everything that is asked for.
@@ -237,6 +237,8 @@ fn while_it_plays_the_next_groups_are_asked_for_ahead() {
         viewer.step(Seconds(0.001 * f64::from(round))).unwrap();
         host.answer(&mut viewer);
     }
+    viewer.begin(Seconds(0.006));
+    viewer.step(Seconds(0.006)).unwrap();
     let ahead: Vec<Row> = rows(&viewer)
         .into_iter()
         .filter(|row| row.kind == Kind::Bytes as u8)
@@ -249,6 +251,27 @@ fn while_it_plays_the_next_groups_are_asked_for_ahead() {
     assert!(groups.contains(&4) && groups.contains(&8), "{groups:?}");
     let frames: Vec<u32> = ahead.iter().map(|row| row.frame).collect();
     assert!(frames.iter().any(|frame| *frame >= 4));
+}
+
+#[test]
+fn time_begins_with_the_first_picture_however_long_that_takes() {
+    let host = Host::new();
+    let mut viewer = host.viewer("");
+    for round in 0..6 {
+        viewer.step(Seconds(f64::from(round))).unwrap();
+        host.answer(&mut viewer);
+    }
+    assert!(viewer.is_playing() && !viewer.is_moving());
+    assert_eq!(viewer.time(Seconds(9.0)), Seconds(0.0));
+    assert_eq!(viewer.stage.shown_tick(), Some(0));
+    viewer.begin(Seconds(9.0));
+    assert!((viewer.time(Seconds(9.1)).0 - 0.1).abs() < 1e-9);
+    // Whoever pauses before there is a picture finds it paused.
+    let mut paused = host.viewer("");
+    paused.pause(Seconds(1.0));
+    paused.begin(Seconds(2.0));
+    assert!(!paused.is_playing());
+    assert_eq!(paused.time(Seconds(3.0)), Seconds(0.0));
 }
 
 #[test]

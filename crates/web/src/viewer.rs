@@ -53,6 +53,9 @@ pub struct Viewer {
     pub(crate) looking: Looking,
     pub(crate) figures: Figures,
     clock: MediaClock,
+    /// Whether it plays once the first picture is on the canvas: time begins with that. `None`
+    /// from then on.
+    waits: Option<bool>,
     size: [u32; 2],
     screen_size: [u32; 2],
     screen: Screen,
@@ -69,13 +72,11 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// A session that begins at `now` with a pack of which `head` is there; without a device the
-    /// CPU twin draws.
+    /// A session with a pack of which `head` is there; without a device the CPU twin draws.
     pub fn new(
         head: &[u8],
         options: &Options,
         gpu: Option<foveal_render::Gpu>,
-        now: Seconds,
     ) -> Result<Self, String> {
         let shelf = Shelf::new(head, options.screen).map_err(|error| error.to_string())?;
         let (grid, timeline) = (shelf.grid, shelf.timeline());
@@ -92,6 +93,7 @@ impl Viewer {
             looking: Looking::default(),
             figures: Figures::default(),
             clock: MediaClock::default(),
+            waits: Some(!options.paused),
             size: options.size,
             screen_size: options.screen_size,
             screen: options.screen,
@@ -107,9 +109,6 @@ impl Viewer {
         if !viewer.choice.change(options.policy) {
             return Err("the pack has no tables for this policy; prepare it again".to_owned());
         }
-        if !options.paused {
-            viewer.clock.play(now);
-        }
         Ok(viewer)
     }
 
@@ -123,8 +122,19 @@ impl Viewer {
         self.size = size.map(|side| side.max(1));
     }
 
+    /// The first picture is on the canvas: time begins, where it plays.
+    pub fn begin(&mut self, now: Seconds) {
+        if self.waits.take() == Some(true) {
+            self.clock.play(now);
+        }
+    }
+
     /// Plays from where it is, or from the beginning once it ended.
     pub fn play(&mut self, now: Seconds) {
+        if let Some(plays) = &mut self.waits {
+            *plays = true;
+            return;
+        }
         if std::mem::take(&mut self.ended) {
             self.seek(Seconds(0.0), now);
         }
@@ -133,6 +143,10 @@ impl Viewer {
 
     /// Stays at the frame that is on screen.
     pub fn pause(&mut self, now: Seconds) {
+        if let Some(plays) = &mut self.waits {
+            *plays = false;
+            return;
+        }
         let timeline = self.stage.timeline();
         let due = timeline.tick_at(self.clock.time(now));
         let tick = self.stage.shown_tick().unwrap_or(due);
@@ -147,7 +161,7 @@ impl Viewer {
 
     /// Pauses, and goes this many frames on or back.
     pub fn step_frames(&mut self, frames: i64, now: Seconds) {
-        if self.clock.is_playing() {
+        if self.is_playing() {
             self.pause(now);
         }
         let timeline = self.stage.timeline();
@@ -195,9 +209,9 @@ impl Viewer {
         Ok(())
     }
 
-    /// Whether it plays.
+    /// Whether it plays, or is going to with the first picture.
     pub fn is_playing(&self) -> bool {
-        self.clock.is_playing()
+        self.waits.unwrap_or(self.clock.is_playing())
     }
 
     /// Whether the content moves.

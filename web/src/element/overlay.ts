@@ -24,9 +24,9 @@ export class Overlay {
   constructor(choices: OverlayChoices) {
     const rows = element("dl");
     for (const [name, title] of FIGURES) {
-      const value = element("dd", {}, "–");
+      const value = element("dd", { title }, "–");
       this.values.set(name, value);
-      rows.append(element("dt", {}, title), value);
+      rows.append(element("dt", { title }, name), value);
     }
     this.policies.addEventListener("change", () => {
       const chosen = POLICIES.find((name) => name === this.policies.value);
@@ -37,6 +37,7 @@ export class Overlay {
       "section",
       { class: "figures", "aria-label": "Figures", hidden: true },
       rows,
+      element("p", {}, LATE),
       element("label", {}, "Policy ", this.policies),
       element("label", {}, this.heat, " Colour tiles by level"),
     );
@@ -65,14 +66,50 @@ export class Overlay {
   }
 }
 
+/** What two of the figures count, for those who do not see titles. */
+const LATE =
+  "A late picture came after its time. One that was left out never came: the next was due, and " +
+  "time goes on. Many of either: the link or this device is slower than the video.";
+
+/** Names, what they stand for, and values. */
 const FIGURES: readonly (readonly [string, string, (stats: Stats) => string])[] = [
-  ["share", "pixels shown of all", (s) => percent(s.share)],
-  ["levels", "tiles, finest first", (s) => s.levels.slice(0, LEVELS).join(" · ")],
-  ["bytes", "fetched", (s) => `${bytes(s.bytesFetched)}, ${s.requests} requests`],
-  ["throughput", "throughput", (s) => (s.throughput > 0 ? rate(s.throughput) : "–")],
-  ["decode", "decoding a tile", (s) => `${s.decodeMs.toFixed(1)} ms`],
-  ["frame", "a picture", (s) => `${s.frameMs.toFixed(1)} ms`],
-  ["frames", "pictures: late, left out", (s) => `${s.framesLate}, ${s.framesLeftOut}`],
-  ["memory", "memory: bytes, GPU", (s) => `${bytes(s.cachedBytes)}, ${bytes(s.gpuBytes)}`],
-  ["zoom", "zoom", (s) => `${s.zoom.toFixed(1)} ×, ${s.settled ? "all sharp" : "getting sharp"}`],
+  ["pixels shown", "Of all pixels of the finest level", (s) => percent(s.share)],
+  [
+    "tiles, finest first",
+    "Tiles on screen of each level",
+    (s) => s.levels.slice(0, LEVELS).join(" · "),
+  ],
+  [
+    "fetched",
+    "What the host sent since the page was opened",
+    (s) => `${bytes(s.bytesFetched)}, ${s.requests} requests`,
+  ],
+  [
+    "throughput",
+    "What the link brought of late while anything was on its way",
+    (s) => (s.throughput > 0 ? rate(s.throughput) : "–"),
+  ],
+  ["decoding a tile", "From its bytes to its pixels", (s) => `${s.decodeMs.toFixed(1)} ms`],
+  ["drawing a picture", "What the page works for it", (s) => `${s.frameMs.toFixed(1)} ms`],
+  [
+    "late pictures",
+    "Came after their time",
+    (s) => `${s.framesLate} of ${s.framesShown}`,
+  ],
+  [
+    "left-out pictures",
+    "Never came: the next was due",
+    (s) => `${s.framesLeftOut} of ${s.framesShown + s.framesLeftOut}`,
+  ],
+  [
+    "memory: bytes, GPU",
+    "Of the video's file in memory, and of tiles on the graphics device",
+    (s) => `${bytes(s.cachedBytes)}, ${bytes(s.gpuBytes)}`,
+  ],
+  ["drawn by", "The graphics device, or the processor", (s) => s.drawing],
+  [
+    "zoom",
+    "Closer than at the beginning",
+    (s) => `${s.zoom.toFixed(1)} ×, ${s.settled ? "all sharp" : "getting sharp"}`,
+  ],
 ];

@@ -12,6 +12,7 @@ const ICONS = {
   sound: "M4 9v6h4l5 4V5L8 9zM17 9a4 4 0 0 1 0 6",
   silent: "M4 9v6h4l5 4V5L8 9zM17 10l4 4M21 10l-4 4",
   figures: "M5 20v-6M12 20V5M19 20V10",
+  demo: "M2 12s4-7 10-7 10 7 10 7-4 7-10 7-10-7-10-7zM12 9a3 3 0 1 1 0 6a3 3 0 0 1 0-6z",
   sensor: "M12 3v5M12 16v5M3 12h5M16 12h5M12 12h.01",
   headset: "M3 8h18v9h-5l-2-3h-4l-2 3H3z",
   fullscreen: "M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5",
@@ -25,6 +26,7 @@ const LABELS = {
   play: "Play",
   sound: "Sound",
   figures: "Figures",
+  demo: "Demo: the pointer is the eye",
   sensor: "Turn by moving the device",
   headset: "Enter the headset",
   fullscreen: "Full screen",
@@ -61,7 +63,7 @@ export class Shell {
     const { play, ...others } = this.buttons;
     this.bar.append(play, this.seek, this.time, ...Object.values(others));
     for (const name of ["sensor", "headset", "sound"] as const) this.buttons[name].hidden = true;
-    for (const name of ["figures", "sensor"] as const) this.press(name, false);
+    for (const name of ["figures", "demo", "sensor"] as const) this.press(name, false);
     this.keys = keysDialog();
     this.stage.append(this.poster);
     const over = element("div", { class: "over" });

@@ -37,15 +37,15 @@ export const STYLE = `
   -webkit-user-select: none;
 }
 .stage.held { cursor: grabbing; }
-.stage canvas, .stage .poster {
-  position: absolute;
-  inset: 0;
+.stage canvas, .stage .poster { position: absolute; inset: 0 auto auto 0; display: block; }
+.stage canvas { transform-origin: 0 0; }
+.stage .poster {
   width: 100%;
   height: 100%;
-  display: block;
+  object-fit: contain;
+  filter: blur(0.25rem);
+  transform: scale(1.02);
 }
-.stage .poster { object-fit: contain; filter: blur(0.25rem); transform: scale(1.02); }
-.stage canvas.plain { object-fit: contain; }
 :focus { outline: none; }
 :focus-visible { outline: 3px solid var(--accent); outline-offset: -3px; }
 .bar {
@@ -118,6 +118,7 @@ input[type="range"] {
 }
 .figures dt { color: #aab4bd; }
 .figures dd { margin: 0; text-align: end; font-variant-numeric: tabular-nums; }
+.figures p { max-width: 18rem; margin: 0 0 0.5rem; color: #aab4bd; font-size: 0.75rem; }
 .figures label { display: block; padding: 0.25rem 0; }
 .figures select { font: inherit; min-height: 2rem; }
 .figures :focus-visible { outline-color: #78b4ff; }

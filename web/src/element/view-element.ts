@@ -1,6 +1,7 @@
 // What is <foveal-view>?
 
 import {
+  firstPolicy,
   type EngineOptions,
   type GazeRecord,
   type PackFacts,
@@ -12,6 +13,7 @@ import {
 import { Engine } from "../engine/engine.ts";
 import { type FovealViewEvents, type Tell, problemOf } from "./events.ts";
 import { watchInput } from "./input.ts";
+import { keepLaid } from "./laying.ts";
 import { hasOrientation } from "./orientation.ts";
 import { Overlay } from "./overlay.ts";
 import { Shell } from "./shell.ts";
@@ -133,16 +135,20 @@ export class FovealView extends HTMLElement {
     this.open = open;
     const { shell, overlay, tell } = this;
     shell.showProblem(null);
+    shell.bar.hidden = this.hasAttribute("bare");
     shell.showNote(null);
     shell.showPoster(this.getAttribute("poster"));
     this.name();
+    keepLaid(shell.stage, () => this.pack, signal);
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const options = this.options(this.hasAttribute("paused") || calm);
     const settings = {
-      paused: this.hasAttribute("paused") || calm,
+      paused: options.paused === true,
       muted: this.hasAttribute("muted"),
+      policy: firstPolicy(options),
     };
     try {
-      const engine = await Engine.open(shell.stage, this.options(settings.paused));
+      const engine = await Engine.open(shell.stage, options);
       if (signal.aborted) {
         engine.close();
         return;
@@ -177,6 +183,8 @@ export class FovealView extends HTMLElement {
   private fail(thrown: unknown): void {
     const problem = problemOf(thrown);
     this.viewing = null;
+    // Nothing is there to be played.
+    this.shell.bar.hidden = true;
     this.shell.showProblem(problem.message, () => this.reopen());
     this.tell("problem", problem);
   }
@@ -224,6 +232,7 @@ export class FovealView extends HTMLElement {
       });
     }
     buttons.sound.addEventListener("click", () => this.viewing?.toggle("sound"));
+    buttons.demo.addEventListener("click", () => this.viewing?.toggleDemo());
     buttons.sensor.addEventListener("click", () => void this.viewing?.toggleSensor());
     buttons.headset.addEventListener("click", () => void this.viewing?.enterHeadset());
     seek.addEventListener("input", () => this.viewing?.seek(seek.valueAsNumber));

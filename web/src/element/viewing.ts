@@ -1,6 +1,7 @@
 // What happens between a pack that is open and the controls around it?
 
-import type { EngineApi, GazeRecord, PackFacts, Pose, Stats } from "../engine/api.ts";
+import type { EngineApi, GazeRecord, PackFacts, PolicyName } from "../engine/api.ts";
+import type { Pose, Stats } from "../engine/api.ts";
 import type { Actions, Toggle } from "./actions.ts";
 import { type Tell, problemOf } from "./events.ts";
 import { listenForGaze } from "./gaze-socket.ts";
@@ -21,6 +22,13 @@ export interface Surroundings {
   readonly signal: AbortSignal;
 }
 
+/** How a viewing begins. */
+export interface ViewingSettings {
+  readonly paused: boolean;
+  readonly muted: boolean;
+  readonly policy: PolicyName;
+}
+
 /** One open pack and its controls. */
 export class Viewing implements Actions {
   private readonly sound: Sound;
@@ -28,6 +36,8 @@ export class Viewing implements Actions {
   private soundIsWanted: boolean;
   private touched = false;
   private playing: boolean;
+  /** The first picture is there, and time runs. */
+  private pictured = false;
   private time = 0;
   /** Where a skip has led that no figures have told of yet. */
   private skipping: number | null = null;
@@ -38,7 +48,7 @@ export class Viewing implements Actions {
   constructor(
     private readonly engine: EngineApi,
     private readonly around: Surroundings,
-    settings: { readonly paused: boolean; readonly muted: boolean },
+    settings: ViewingSettings,
   ) {
     this.sound = new Sound(engine);
     this.playing = !settings.paused;
@@ -48,6 +58,8 @@ export class Viewing implements Actions {
     shell.showPlaying(this.playing);
     shell.showTime(0, engine.pack.seconds);
     shell.showsTime = engine.pack.frames > 1;
+    shell.buttons.demo.hidden = !engine.pack.policies.includes(DEMO);
+    this.showPolicy(settings.policy);
     this.listen();
     this.fit();
     void this.offerSound();
@@ -86,7 +98,7 @@ export class Viewing implements Actions {
     this.skipping = there;
     this.engine.seek(there);
     this.around.shell.showTime(there, this.engine.pack.seconds);
-    if (this.playing) this.sound.start(there);
+    if (this.playing && this.pictured) this.sound.start(there);
   }
 
   /** Follows a sender of gazes until the signal ends it. */
@@ -170,8 +182,23 @@ export class Viewing implements Actions {
   }
 
   /** What a change of the figures' choices does. */
-  setPolicy(name: Parameters<EngineApi["setPolicy"]>[0]): void {
+  setPolicy(name: PolicyName): void {
     this.engine.setPolicy(name);
+    this.showPolicy(name);
+  }
+
+  /** Makes the pointer the eye, or all that is in view sharp again. */
+  toggleDemo(): void {
+    const isOn = this.policy === DEMO;
+    this.setPolicy(isOn ? "viewport" : DEMO);
+    this.around.shell.say(isOn ? "All that is in view gets sharp." : DEMO_WORDS, "seen");
+  }
+
+  private policy: PolicyName = "viewport";
+
+  private showPolicy(name: PolicyName): void {
+    this.policy = name;
+    this.around.shell.press("demo", name === DEMO);
   }
 
   showLevels(shown: boolean): void {
@@ -227,6 +254,8 @@ export class Viewing implements Actions {
     const seconds = engine.pack.seconds;
     engine.on("picture", (after) => {
       shell.showPoster(null);
+      if (!this.pictured && this.playing) this.sound.start(this.skipping ?? this.time);
+      this.pictured = true;
       tell("picture", after);
     });
     engine.on("settled", (stats) => {
@@ -274,7 +303,7 @@ export class Viewing implements Actions {
     this.playing = playing;
     this.time = time;
     shell.showPlaying(playing);
-    if (playing) this.sound.start(time);
+    if (playing && this.pictured) this.sound.start(time);
     else this.sound.stop();
     tell(playing ? "play" : "pause", time);
     shell.say(playing ? "Plays" : `Paused at ${spokenTime(time)}`, "heard");
@@ -292,7 +321,8 @@ export class Viewing implements Actions {
   private async turnSound(on: boolean): Promise<void> {
     this.soundIsWanted = on;
     this.touched = true;
-    if (on) await this.sound.turnOn(this.playing, (await this.engine.stats()).time);
+    const plays = this.playing && this.pictured;
+    if (on) await this.sound.turnOn(plays, (await this.engine.stats()).time);
     else this.sound.turnOff();
     this.around.shell.showSound(on);
   }
@@ -343,6 +373,12 @@ const LOST = {
   worker: "Drawing stopped; it begins again.",
   network: "The host cannot be reached. What is here stays, and the rest comes when it is back.",
 } as const;
+
+/** The policy of the demo. */
+const DEMO: PolicyName = "acuity";
+
+const DEMO_WORDS =
+  "Demo: the pointer is the eye; look at it. Only what an eye there could see is fetched.";
 
 const SOFTWARE =
   "This browser gives no WebGPU, so only the coarsest picture is shown. For all of it, open this " +

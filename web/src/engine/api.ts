@@ -49,8 +49,13 @@ export interface EngineOptions {
     readonly diagonalInches: number;
     readonly distanceM: number;
   };
-  /** The width of a sphere's view before zooming, in degrees; 100 where it is left out. */
+  /** The larger side of a sphere's view before zooming, in degrees; 100 where it is left out. */
   readonly fieldDeg?: number;
+}
+
+/** The policy that an engine begins with. */
+export function firstPolicy({ policy, demo }: EngineOptions): PolicyName {
+  return policy ?? (demo ? "acuity" : "viewport");
 }
 
 /** What is known of a pack once its beginning is there. */
@@ -124,6 +129,7 @@ export interface Stats {
   readonly firstPicture: number | null;
   /** Round trips of the fetches that the first picture waited for, one after the other. */
   readonly firstPictureTrips: number | null;
+  /** What draws: the graphics device as far as the browser names it, or the processor. */
   readonly drawing: string;
 }
 
@@ -198,7 +204,9 @@ export interface EngineProblem {
 export interface EngineEvents {
   /** The pack is understood; the first picture comes. */
   ready: PackFacts;
-  /** The first picture is on the canvas, for its seconds since opening. */
+  /** A first, coarse picture, which lies over the canvas until there is a better one. */
+  poster: ImageBitmap;
+  /** The first picture is on the canvas, after so many seconds; time begins. */
   picture: number;
   /** All that is wanted in view is on the canvas. */
   settled: Stats;

@@ -15,6 +15,8 @@ export interface HostOptions {
   readonly screen: { readonly diagonal_inches: number; readonly distance_m: number };
   /** Bytes that another thread fetched. */
   readonly pieces: readonly { offset: number; bytes: Uint8Array }[];
+  /** Whether nothing is seen yet, so that a coarse picture is better than to wait. */
+  readonly poster: boolean;
   /** Where the content is, in seconds. */
   readonly time: number;
 }

@@ -31,8 +31,11 @@ export class Courier {
   /** Round trips that the first picture waited for, one after the other. */
   trips = 1;
   readonly #loader: Loader;
+  readonly #url: string;
   readonly #events: CourierEvents;
   #show: Show | null = null;
+  /** A poster that is given the same pictures. */
+  #poster: Show | null = null;
   #decoders: Decoders | Stills | null = null;
   #needs: readonly Need[] = [];
   readonly #extra: Want[] = [];
@@ -50,6 +53,7 @@ export class Courier {
 
   constructor(begin: HostOptions, events: CourierEvents) {
     this.#events = events;
+    this.#url = begin.url;
     const most = begin.options.cacheBytes ?? USUAL_CACHE;
     this.#loader = new Loader(
       begin.url,
@@ -104,7 +108,9 @@ export class Courier {
     const events = {
       picture: (want: PictureWant, decoded: number, planes: Uint8Array) => {
         try {
-          this.#show?.deliver(want.unit, want.frame, decoded, planes);
+          for (const show of new Set([this.#show, this.#poster])) {
+            show?.deliver(want.unit, want.frame, decoded, planes);
+          }
         } catch (error) {
           this.#show?.fail(want.unit, want.frame);
           this.#events.tell("error", problem("internal", false, String(error)));
@@ -129,6 +135,19 @@ export class Courier {
     const [least, most] = DECODERS;
     const count = Math.min(Math.max(navigator.hardwareConcurrency || least, least), most);
     this.#decoders = new Decoders(config, count, events);
+  }
+
+  /** Brings what a poster asks for until there is a show to serve, and then the same to both. */
+  preview(poster: Show): void {
+    this.#show = poster;
+    this.#poster = poster;
+    this.ask();
+  }
+
+  /** The poster is not needed any more. */
+  forgetPoster(): void {
+    if (this.#show === this.#poster) this.#show = null;
+    this.#poster = null;
   }
 
   /** Begins to bring what `show` asks for. */
@@ -295,7 +314,11 @@ export class Courier {
 
   /** Takes a page of the index once it is there; whether that is new. */
   #readPage(show: Show, need: { page: number; offset: number; bytes: number }): boolean {
-    if (this.#damaged.has(need.offset)) return false;
+    if (this.#damaged.has(need.offset)) {
+      show.failPage(need.page);
+      this.#events.wake();
+      return false;
+    }
     const bytes = this.#loader.bytes.get(need);
     if (!bytes) return false;
     try {
@@ -354,7 +377,8 @@ export class Courier {
   }
 
   #failed(why: Failure, status: number): void {
-    const detail = status > 0 ? `the host answered ${status}` : "";
+    const answered = status > 0 ? `the host answered ${status}` : "";
+    const detail = why === "not-found" ? `${this.#url}: ${answered}` : answered;
     const kind = why === "short" ? "broken-pack" : why;
     const opening = this.#headWaits;
     if (kind === "no-ranges" || (opening && kind !== "network")) {

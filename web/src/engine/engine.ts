@@ -43,7 +43,7 @@ class PageEngine implements EngineApi {
     this.#playing = !(options.paused ?? false);
     this.#canvas = document.createElement("canvas");
     const names: (keyof EngineEvents)[] = [
-      "ready", "picture", "settled", "stats", "error", "changed",
+      "ready", "poster", "picture", "settled", "stats", "error", "changed",
       "lost", "restored", "play", "pause", "ended",
     ];
     this.#heard = Object.fromEntries(names.map((name) => [name, new Set()])) as unknown as Heard;
@@ -80,6 +80,7 @@ class PageEngine implements EngineApi {
         : await startHere(tell);
     this.#side = side;
     before?.end();
+    const poster = this.#before.length === 0 && before === null;
     if (this.#canvas.parentNode === this.#place) {
       this.#canvas.before(made);
       this.#before.push(this.#canvas);
@@ -97,7 +98,7 @@ class PageEngine implements EngineApi {
       ...(policy ? { policy } : {}),
     };
     const name = decodeURIComponent(new URL(url).pathname.split("/").pop() ?? "");
-    const about = { options, url, name, pieces, time: this.#time };
+    const about = { options, url, name, pieces, poster, time: this.#time };
     const begin = { canvas, ...about, ...screenOf(options) };
     this.#pack = await side.ask("open", [begin], [canvas, ...buffers(pieces)]);
     this.#starts = 0;
@@ -122,11 +123,22 @@ class PageEngine implements EngineApi {
   #say<K extends keyof EngineEvents>(name: K, value: EngineEvents[K]): void {
     if (name === "stats" || name === "settled") this.#time = (value as Stats).time;
     if (name === "ended") this.#playing = false;
+    if (name === "poster") this.#layOver(value as ImageBitmap);
     if (name === "picture") for (const gone of this.#before.splice(0)) gone.remove();
     for (const heard of this.#heard[name]) heard(value);
     if (name === "changed" && !this.#closed) {
       this.start().catch((error: unknown) => this.#say("error", problemOf(error)));
     }
+  }
+
+  /** Lays a picture over the canvas until there is another. */
+  #layOver(picture: ImageBitmap): void {
+    const laid = document.createElement("canvas");
+    [laid.width, laid.height] = [picture.width, picture.height];
+    laid.getContext("bitmaprenderer")?.transferFromImageBitmap(picture);
+    laid.className = this.#canvas.className;
+    this.#canvas.after(laid);
+    this.#before.push(laid);
   }
 
   on<K extends keyof EngineEvents>(name: K, heard: (value: EngineEvents[K]) => void): () => void {

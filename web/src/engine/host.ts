@@ -3,10 +3,12 @@
 // Bytes come from the loader, planes from the decoders; core and render, as wasm, say which and
 // show them.
 
+import { firstPolicy } from "./api.ts";
 import type { EngineProblem, PackFacts, Pixels, PolicyName, Pose, SoundPackets } from "./api.ts";
 import type { EyeRequest, GazeRecord, Stats } from "./api.ts";
 import type { Calls, HostOptions, Tell } from "./calls.ts";
 import { Courier } from "./courier.ts";
+import { Poster, softwareSize } from "./poster.ts";
 import { problem, problemOf } from "./problem.ts";
 import { about, Device, FLAG, loadWasm, Show } from "./wasm.ts";
 
@@ -19,16 +21,19 @@ const LOOK_MS = 500;
 /** Longest wait for a picture to settle before its pixels are read, in milliseconds. */
 const SETTLE_MS = 20_000;
 
-/** Columns or rows that are drawn at most where no device draws. */
-const SOFTWARE_WIDTH = 480;
+/** A device that has not drawn the first picture by then leaves it to the processor, in ms. */
+const SLOW_MS = 150;
 
 const seconds = () => performance.now() / 1000;
 
-/** Whether there is a device to draw on. */
-async function findDevice(): Promise<boolean> {
-  if (!("gpu" in navigator)) return false;
-  const adapter = await navigator.gpu.requestAdapter().catch(() => null);
-  return adapter !== null;
+/** What there is to draw on, by the name that the browser gives it; null without a device. */
+async function findDevice(): Promise<string | null> {
+  if (!("gpu" in navigator)) return null;
+  const best = { powerPreference: "high-performance" } as const;
+  const adapter = await navigator.gpu.requestAdapter(best).catch(() => null);
+  if (adapter === null) return null;
+  const { vendor, architecture, device, description } = adapter.info;
+  return [vendor, description || device || architecture].filter((word) => word !== "").join(" ");
 }
 
 function factsOf(head: Uint8Array, software: boolean): PackFacts {
@@ -45,6 +50,8 @@ function factsOf(head: Uint8Array, software: boolean): PackFacts {
 export class Host implements Calls {
   readonly #tell: Tell;
   #show: Show | null = null;
+  /** What stands until the first picture is seen. */
+  #poster: Poster | null = null;
   #courier: Courier | null = null;
   #began = 0;
   #policy: PolicyName = "viewport";
@@ -63,6 +70,8 @@ export class Host implements Calls {
   #closed = false;
   /** No device draws: only the coarsest level, on few pixels. */
   #software = false;
+  /** What the browser calls the device; empty where it does not say. */
+  #device = "";
   /** Pixels drawn over pixels of the canvas on the page. */
   #scale = 1;
   #frameMs = 0;
@@ -85,17 +94,17 @@ export class Host implements Calls {
       ended: (why) => this.#end(why),
     });
     this.#courier = courier;
-    const [head, hasDevice] = await Promise.all([
+    const [head, device] = await Promise.all([
       courier.head(),
       findDevice(),
       loadWasm().then(() => courier.begin()),
     ]);
-    this.#software = !hasDevice;
+    this.#software = device === null;
+    this.#device = device ?? "";
     const facts = factsOf(head, this.#software);
     await courier.prepare(facts);
-    const wanted = options.policy ?? (options.demo ? "acuity" : "viewport");
-    this.#policy = this.#software ? "coarsest" : wanted;
-    const told = JSON.stringify({
+    this.#policy = this.#software ? "coarsest" : firstPolicy(options);
+    const told = {
       name: begin.name,
       policy: this.#policy,
       coarse: options.privacy === "coarse",
@@ -107,9 +116,14 @@ export class Host implements Calls {
       paused: options.paused ?? false,
       once: options.once ?? false,
       log: options.log ?? false,
-    });
+    };
+    if (begin.poster && !this.#software) {
+      this.#poster = await Poster.open(head, told, begin);
+      courier.preview(this.#poster.show);
+      this.#run();
+    }
     try {
-      this.#show = await Show.open(begin.canvas, head, told, seconds());
+      this.#show = await Show.open(begin.canvas, head, JSON.stringify(told));
     } catch (error) {
       const text = String(error);
       throw problem(/adapter|device/i.test(text) ? "no-webgpu" : "broken-pack", true, text);
@@ -125,10 +139,10 @@ export class Host implements Calls {
   }
 
   /** The size that is drawn for a canvas of this size. */
-  #scaled([width, height]: readonly [number, number]): [number, number] {
-    this.#scale = this.#software ? Math.min(1, SOFTWARE_WIDTH / Math.max(width, height)) : 1;
-    const side = (of: number) => Math.max(1, Math.round(of * this.#scale));
-    return [side(width), side(height)];
+  #scaled(size: readonly [number, number]): readonly [number, number] {
+    const drawn = this.#software ? softwareSize(size) : size;
+    this.#scale = Math.max(...drawn) / Math.max(...size);
+    return drawn;
   }
 
   /** Steps soon: something came or was asked for. */
@@ -156,7 +170,8 @@ export class Host implements Calls {
 
   #run(): void {
     const [show, courier] = [this.#show, this.#courier];
-    if (!show || !courier || this.#closed) return;
+    if (!courier || this.#closed) return;
+    if (!show) return this.#stepPoster();
     if (show.isLost()) {
       void this.#recover();
       return;
@@ -207,15 +222,43 @@ export class Host implements Calls {
       show.drawn(passed);
       this.#frameMs += (passed * 1000 - this.#frameMs) * (this.#frameMs === 0 ? 1 : 0.1);
       if (this.#first) return;
-      this.#first = { seconds: seconds() - this.#began, trips: courier.trips };
-      this.#tell("picture", this.#first.seconds);
+      void show.seen().then(() => this.#seen(show, courier));
+      setTimeout(() => this.#stepPoster(), SLOW_MS);
     });
   }
 
+  /** The first picture is on the canvas: time begins. */
+  #seen(show: Show, courier: Courier): void {
+    if (this.#first || this.#closed || show !== this.#show) return;
+    this.#endPoster();
+    show.begin(seconds());
+    this.#first = { seconds: seconds() - this.#began, trips: courier.trips };
+    this.#tell("picture", this.#first.seconds);
+    this.#wake();
+  }
+
+  /** Draws the poster once what it shows has come. */
+  #stepPoster(): void {
+    if (!this.#poster) return;
+    const picture = this.#poster.step(seconds());
+    if (!this.#show) this.#courier?.ask();
+    if (!picture) return;
+    this.#tell("poster", picture);
+    this.#endPoster();
+  }
+
+  #endPoster(): void {
+    this.#courier?.forgetPoster();
+    this.#poster?.show.free();
+    this.#poster = null;
+  }
+
   #stats(show: Show, courier: Courier): Stats {
+    const shown = JSON.parse(show.stats(seconds())) as Stats;
     return {
-      ...(JSON.parse(show.stats(seconds())) as Stats),
+      ...shown,
       ...courier.stats(),
+      drawing: this.#device === "" ? shown.drawing : `${this.#device} (webgpu)`,
       // What was asked for since the last step is not shown yet.
       settled: this.#settled,
       frameMs: this.#frameMs,
@@ -396,6 +439,7 @@ export class Host implements Calls {
     this.#courier?.close();
     clearInterval(this.#watch);
     this.#bell.port1.close();
+    this.#endPoster();
     this.#show?.free();
     this.#show = null;
     return pieces;
@@ -406,6 +450,8 @@ export class Host implements Calls {
     if (!this.#show || this.#closed) return false;
     const eye = new Float64Array([...request.orientation, ...request.tangents]);
     const drawn = this.#show.drawEye(canvas, request.eye === "right", eye, seconds());
+    // In a headset pictures of the page come late or never.
+    if (drawn) this.#show.begin(seconds());
     this.#wake();
     return drawn;
   }

@@ -1,10 +1,11 @@
 // Is every trouble of a host or a browser said in a clear sentence, and overcome where it can be?
 
+import { spawn } from "node:child_process";
 import type { Browser } from "playwright-core";
 import { afterAll, beforeAll, expect, inject, test } from "vitest";
 import type { EngineProblem } from "../../src/engine/api.ts";
 import { type Faults, RangeHost } from "../range-server.ts";
-import { type Opened, countTold, launch, open, seen, told } from "./browser.ts";
+import { type Opened, countTold, launch, open, seen, stats, told } from "./browser.ts";
 
 let browser: Browser;
 
@@ -45,12 +46,108 @@ test("a host without ranges is named as one", async () => {
   });
 });
 
-test("a pack that is not there is named, with a way on", async () => {
-  await on("view.html?pack=none.foveal", {}, async (opened) => {
-    expect(await sentence(opened)).not.toBe("");
-    expect(((await told(opened.page, "problem")) as EngineProblem).kind).toBe("not-found");
-    await opened.page.getByRole("button", { name: "Try again" }).waitFor();
+test("a pack that is not there is named, and those that are there are offered", async () => {
+  await on("view.html?pack=none.foveal", {}, async ({ page }) => {
+    await page.getByText("There is nothing at none.foveal.").waitFor();
+    expect(((await told(page, "problem")) as EngineProblem).kind).toBe("not-found");
+    expect(await page.locator("foveal-view").count()).toBe(0);
+    await page.getByRole("link", { name: "sphere" }).click();
+    await told(page, "picture");
   });
+});
+
+test("an element whose pack is not there says which, with a way on and no bar", async () => {
+  await on("index.html", {}, async (opened) => {
+    const { page } = opened;
+    await page.evaluate("import('./foveal-view.js')");
+    await page.evaluate(() => {
+      document.body.innerHTML = '<foveal-view src="./none.foveal"></foveal-view>';
+    });
+    expect(await sentence(opened)).toMatch(/none\.foveal/);
+    expect(await page.getByRole("button", { name: "Play" }).count()).toBe(0);
+    await page.getByRole("button", { name: "Try again" }).waitFor();
+    // With a pack that is there the bar is there, too.
+    await page.evaluate(() => {
+      document.querySelector("foveal-view")?.setAttribute("src", "./flat.foveal");
+    });
+    await page.getByRole("button", { name: "Pause" }).waitFor();
+  });
+});
+
+test("where nothing lies, the program's page says so and leads on, at any depth", async () => {
+  const server = spawn(inject("program"), [
+    "serve", inject("site"), "--listen", "127.0.0.1:0", "--json",
+  ]);
+  const url = await new Promise<string>((resolve) => {
+    server.stdout.once("data", (line: Buffer) => {
+      resolve((JSON.parse(line.toString()) as { url: string }).url);
+    });
+  });
+  const { page, complaints } = await open(browser, "about:blank");
+  try {
+    for (const path of ["missing", "deep/er/missing"]) {
+      const answer = await page.goto(url + path);
+      expect(answer?.status()).toBe(404);
+      await page.getByText(`There is nothing at /${path}.`).waitFor();
+      expect(await page.locator("foveal-view").count()).toBe(0);
+      await page.getByRole("link", { name: "flat" }).click();
+      await told(page, "picture");
+    }
+    expect(complaints).toEqual([]);
+  } finally {
+    await page.context().close();
+    server.kill();
+  }
+});
+
+/** Runs in a worker: the device, and what it has drawn, come when they are let go. */
+function holdDevice(): void {
+  const letGo: { device?: () => void; drawn?: () => void } = {};
+  const device = new Promise<void>((done) => (letGo.device = done));
+  const drawn = new Promise<void>((done) => (letGo.drawn = done));
+  const request = GPUAdapter.prototype.requestDevice;
+  GPUAdapter.prototype.requestDevice = async function held(...values) {
+    await device;
+    return request.apply(this, values);
+  };
+  const over = GPUQueue.prototype.onSubmittedWorkDone;
+  GPUQueue.prototype.onSubmittedWorkDone = async function held() {
+    await drawn;
+    return over.call(this);
+  };
+  Object.assign(self, { letGo });
+}
+
+test("a poster stands until the device has drawn, and time begins with its picture", async () => {
+  const host = await RangeHost.of(inject("site"), { delayMs: 200 });
+  const opened = await open(browser, "about:blank");
+  const { page } = opened;
+  const starting = page.waitForEvent("worker").then(async (worker) => {
+    await worker.evaluate(holdDevice);
+    return worker;
+  });
+  try {
+    await page.goto(`${host.url}view.html?pack=sphere.foveal`);
+    const worker = await starting;
+    const pictures = page.locator("foveal-view .stage canvas");
+    await expect.poll(() => pictures.count(), { timeout: 60_000 }).toBe(2);
+    const centre = (await seen(page)).at(0.5, 0.5);
+    for (const channel of [0, 1]) expect(Math.abs((centre[channel] ?? 0) - 128)).toBeLessThan(14);
+    await worker.evaluate("letGo.device()");
+    // All of the first frame is there, but nobody has seen it.
+    await told(page, "settled");
+    const before = await stats(opened);
+    expect([before.playing, before.time, before.firstPicture]).toEqual([true, 0, null]);
+    expect(await pictures.count()).toBe(2);
+    await worker.evaluate("letGo.drawn()");
+    await told(page, "picture");
+    expect(await pictures.count()).toBe(1);
+    const time = async (): Promise<number> => (await stats(opened)).time;
+    await expect.poll(time, { timeout: 60_000 }).toBeGreaterThan(0);
+  } finally {
+    await page.context().close();
+    await host.close();
+  }
 });
 
 test("a pack that was cut short is refused as broken", async () => {

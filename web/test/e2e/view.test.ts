@@ -1,6 +1,6 @@
 // Does a viewer see the right thing, sharp where it counts, by hand and by key?
 
-import type { Browser } from "playwright-core";
+import type { Browser, Page } from "playwright-core";
 import { afterAll, beforeAll, expect, inject, test } from "vitest";
 import type { Stats } from "../../src/engine/api.ts";
 import { type Asked, RangeHost } from "../range-server.ts";
@@ -76,7 +76,61 @@ test("flat content fills the stage, and what is seen settles sharp", async () =>
       near(picture.at(x, 0.5 + (y - 0.5) * high), x, y);
     }
     expect(picture.at(0.5, 0.01).every((channel) => channel < 8)).toBe(true);
+    expect((await stats(opened)).drawing).toMatch(/^(webgpu|\w.* \(webgpu\))$/);
   });
+});
+
+/** Keeps the worker from drawing until what is returned is called. */
+async function holdDrawing(page: Page): Promise<() => Promise<void>> {
+  const [worker] = page.workers();
+  if (worker === undefined) throw new Error("no worker");
+  await worker.evaluate(() => {
+    const draw = self.requestAnimationFrame.bind(self);
+    const held: FrameRequestCallback[] = [];
+    self.requestAnimationFrame = (picture) => held.push(picture);
+    const letGo = (): void => {
+      self.requestAnimationFrame = draw;
+      for (const picture of held) draw(picture);
+    };
+    Object.assign(self, { letGo });
+  });
+  return () => worker.evaluate("letGo()");
+}
+
+test("a picture keeps its proportions from a change of the stage to the next picture", async () => {
+  const isBlack = (colour: readonly number[]) => colour.every((channel) => channel < 8);
+  await on("view.html?pack=flat.foveal&paused", async (opened) => {
+    const { page } = opened;
+    await told(page, "settled");
+    const letGo = await holdDrawing(page);
+    await page.setViewportSize({ width: 400, height: 700 });
+    for (const drawn of [false, true]) {
+      if (drawn) await letGo();
+      if (drawn) await settled(opened);
+      const picture = await seen(page);
+      // Content is 16:9 in the middle already where the next picture will have it.
+      const high = (picture.width * 9) / 16 / picture.height;
+      for (const [x, y] of [[0.5, 0.5], [0.2, 0.3], [0.8, 0.7]] as const) {
+        near(picture.at(x, 0.5 + (y - 0.5) * high), x, y);
+      }
+      expect(isBlack(picture.at(0.5, 0.5 - 0.75 * high))).toBe(true);
+    }
+  });
+  const upright = { viewport: { width: 360, height: 640 } };
+  const turn = async (opened: Opened): Promise<void> => {
+    const { page } = opened;
+    await told(page, "settled");
+    const letGo = await holdDrawing(page);
+    await page.setViewportSize({ width: 640, height: 360 });
+    const picture = await seen(page);
+    near(picture.at(0.5, 0.5), 0.5, 0.5);
+    // What was not drawn yet is black.
+    expect(isBlack(picture.at(0.1, 0.5))).toBe(true);
+    await letGo();
+    await settled(opened);
+    expect(isBlack((await seen(page)).at(0.1, 0.5))).toBe(false);
+  };
+  await on("view.html?pack=sphere.foveal&paused", turn, upright);
 });
 
 test("a sphere turns by dragging, and shows what lies there", async () => {
@@ -144,6 +198,21 @@ test("in demo mode the finest tiles lie where the pointer is, and follow a jump"
   });
 });
 
+test("a button makes the pointer the eye, and back", async () => {
+  await on("view.html?pack=flat.foveal&paused", async (opened) => {
+    const { page } = opened;
+    await told(page, "settled");
+    const demo = page.getByRole("button", { name: "Demo: the pointer is the eye" });
+    expect(await demo.getAttribute("aria-pressed")).toBe("false");
+    await demo.click();
+    await expect.poll(async () => (await stats(opened)).policy).toBe("acuity");
+    expect(await demo.getAttribute("aria-pressed")).toBe("true");
+    await demo.click();
+    await expect.poll(async () => (await stats(opened)).policy).toBe("viewport");
+    expect(await demo.getAttribute("aria-pressed")).toBe("false");
+  });
+});
+
 test("all of it works by keyboard alone", async () => {
   await on("view.html?pack=sphere.foveal", async (opened) => {
     const { page } = opened;
@@ -186,6 +255,11 @@ test("a policy chosen among the figures rules at once", async () => {
     await page.getByRole("combobox", { name: "Policy" }).selectOption("coarsest");
     const figures = await settled(opened);
     expect(figures.policy).toBe("coarsest");
+    const panel = page.getByRole("region", { name: "Figures" });
+    const shown = (await panel.textContent()) ?? "";
+    for (const words of ["late pictures", "left-out pictures", "came after its time"]) {
+      expect(shown).toContain(words);
+    }
     expect(figures.levels.slice(0, -1).every((count) => count === 0)).toBe(true);
   });
 });
@@ -208,6 +282,12 @@ test("on a phone it fits, and a finger turns it", async () => {
       const box = await button.boundingBox();
       expect(box !== null && box.x >= 0 && box.x + box.width <= 360).toBe(true);
     }
+    // The larger side has 100 degrees: half of them to the upper edge.
+    const stage = await page.locator("foveal-view .stage").boundingBox();
+    if (stage === null) throw new Error("no stage");
+    expect(stage.height).toBeGreaterThan(stage.width);
+    await page.mouse.move(stage.x + stage.width / 2, stage.y + 0.5);
+    expect((await settled(opened)).gazeDeg[1]).toBeCloseTo(50, 0);
     const session = await page.context().newCDPSession(page);
     const touch = (type: string, x: number): Promise<unknown> =>
       session.send("Input.dispatchTouchEvent", {

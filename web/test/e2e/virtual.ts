@@ -115,6 +115,10 @@ function install(link: VirtualLink): void {
   GPUAdapter.prototype.requestDevice = function held(...values) {
     return hold(device.apply(this, values));
   };
+  const done = GPUQueue.prototype.onSubmittedWorkDone;
+  GPUQueue.prototype.onSubmittedWorkDone = function held() {
+    return hold(done.call(this));
+  };
   const copy = VideoFrame.prototype.copyTo;
   VideoFrame.prototype.copyTo = function held(...values) {
     return hold(copy.apply(this, values));
