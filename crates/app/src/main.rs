@@ -9,6 +9,7 @@ mod evaluate;
 mod fire;
 mod gaze;
 mod gaze_command;
+mod html;
 mod info;
 mod kept_pack;
 mod link;

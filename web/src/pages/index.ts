@@ -2,7 +2,7 @@
 
 import { element } from "../element/dom.ts";
 import { bytes, clock, spokenTime } from "../element/words.ts";
-import { type Listed, addressOf, factsOf, fetchListing } from "./listing.ts";
+import { type Listed, addressOf, factsOf, fetchListing, titleOf } from "./listing.ts";
 
 function item(pack: Listed): HTMLElement {
   const { poster } = pack;
@@ -20,11 +20,10 @@ function item(pack: Listed): HTMLElement {
   );
   const facts = element("p", {}, length, `, ${factsOf(pack)}, ${bytes(pack.bytes)}`);
   const address = `./view.html?pack=${encodeURIComponent(pack.file)}`;
-  return element(
-    "li",
-    {},
-    element("a", { href: address }, picture, element("h2", {}, pack.name), facts),
-  );
+  const { description } = pack;
+  const about = description === undefined ? [] : [element("p", { class: "about" }, description)];
+  const title = element("h2", {}, titleOf(pack));
+  return element("li", {}, element("a", { href: address }, picture, title, facts), ...about);
 }
 
 async function show(): Promise<void> {

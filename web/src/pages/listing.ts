@@ -3,6 +3,10 @@
 /** A pack in the list; names are relative to the page. */
 export interface Listed {
   readonly name: string;
+  /** What people read of it; the name where a list is too old to have one. */
+  readonly title?: string;
+  readonly description?: string;
+  readonly licence?: string;
   readonly file: string;
   readonly poster: { readonly file: string; readonly width: number; readonly height: number };
   readonly bytes: number;
@@ -37,7 +41,9 @@ function isListed(one: unknown): one is Listed {
   const is = (of: object, type: "string" | "number" | "boolean", names: readonly string[]) =>
     names.every((name) => typeof (of as Record<string, unknown>)[name] === type);
   const { poster } = one as { poster?: unknown };
+  const said = ["title", "description", "licence"].filter((name) => name in one);
   return (
+    is(one, "string", said) &&
     is(one, "string", ["name", "file", "projection"]) &&
     is(one, "number", ["bytes", "eyes", "width", "height", "seconds"]) &&
     is(one, "boolean", ["sound"]) &&
@@ -53,10 +59,16 @@ export function addressOf(file: string): string {
   return file.split("/").map(encodeURIComponent).join("/");
 }
 
+/** How a pack is called. */
+export function titleOf(pack: Listed): string {
+  return pack.title ?? pack.name;
+}
+
 /** What a pack is, in a few words. */
 export function factsOf(pack: Listed): string {
   const kind = pack.projection === "cube" ? "360°" : "flat";
   const eyes = pack.eyes === 2 ? ", 3D" : "";
   const sound = pack.sound ? ", sound" : "";
-  return `${kind}${eyes}, ${pack.width} × ${pack.height}${sound}`;
+  const licence = pack.licence === undefined ? "" : `, ${pack.licence}`;
+  return `${kind}${eyes}, ${pack.width} × ${pack.height}${sound}${licence}`;
 }

@@ -2,8 +2,8 @@
 
 use super::FRAMES;
 use super::figures::frames;
-use super::report::escape;
 use super::run::Played;
+use crate::html::escape;
 use foveal_core::asset::tile_grid::Cut;
 use foveal_core::view::surface::Projection;
 

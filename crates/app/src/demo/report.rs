@@ -7,6 +7,7 @@ use super::machine::Machine;
 use super::pictures::{AMPLIFIED, Png};
 use super::run::{ACUITY, FULL, Played, VIEWPORT};
 use super::{colours, facts, plots};
+use crate::html::escape;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
@@ -219,12 +220,4 @@ fn how_to_read(seed: u64) -> String {
          would see the difference, which the pictures on this page cannot tell, since you look at \
          them with a gaze of your own.</p>\n</section>\n"
     )
-}
-
-/// Text as HTML shows it.
-pub(super) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }

@@ -9,7 +9,7 @@ mod place;
 mod range;
 
 use crate::output::{self, WrongUsage};
-use crate::site::Site;
+use crate::site::{About, Site};
 use answer::Server;
 use anyhow::{Context, bail};
 use clap::Args;
@@ -93,7 +93,10 @@ fn place(what: &[PathBuf]) -> anyhow::Result<Place> {
             "{}: is a folder; give one folder, or packs",
             folder.display()
         ))),
-        (None, packs) => Ok(Place::Site(Box::new(Site::of(packs)?), SystemTime::now())),
+        (None, packs) => Ok(Place::Site(
+            Box::new(Site::of(packs, &About::default())?),
+            SystemTime::now(),
+        )),
     }
 }
 

@@ -1,7 +1,8 @@
 //! How does a site get into a folder?
 
+use super::about::AboutOptions;
 use super::listing::{GENERATOR, Listed, Listing};
-use super::{LISTING, Site, SiteFile};
+use super::{About, LISTING, Site, SiteFile};
 use crate::output::{self, Counting};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
@@ -25,6 +26,8 @@ pub(crate) struct SiteArgs {
     /// Folder of the site; made if it is not there. An earlier site in it is replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    about: AboutOptions,
     /// Say what it would hold, and write nothing.
     #[arg(long)]
     dry_run: bool,
@@ -49,7 +52,8 @@ struct Exported<'a> {
 pub(crate) fn run(command: &Export) -> anyhow::Result<()> {
     let Export::Site(args) = command;
     refuse_foreign_folder(&args.out)?;
-    let site = Site::of(&args.packs)?;
+    let about = About::read(&args.about)?;
+    let site = Site::of(&args.packs, &about)?;
     let sizes = site.files.values().map(SiteFile::bytes);
     let mut exported = Exported {
         dry_run: args.dry_run,

@@ -1,6 +1,7 @@
 //! What does a list of packs say of each?
 
 use super::ENDING;
+use super::about::AboutPack;
 use super::poster::Poster;
 use foveal_core::view::surface::Projection;
 use foveal_media::pack_file::PackFile;
@@ -31,7 +32,13 @@ impl<'a> Listing<'a> {
 /// A pack in a site; names are relative to the list.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Listed {
-    name: String,
+    pub(super) name: String,
+    /// What people read of it.
+    title: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    description: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    licence: Option<String>,
     pub(crate) file: String,
     pub(crate) poster: ListedPoster,
     bytes: u64,
@@ -54,7 +61,12 @@ pub(crate) struct ListedPoster {
 }
 
 impl Listed {
-    pub(super) fn new(name: &str, file: &PackFile, poster: &Poster) -> anyhow::Result<Self> {
+    pub(super) fn new(
+        name: &str,
+        file: &PackFile,
+        poster: &Poster,
+        said: AboutPack,
+    ) -> anyhow::Result<Self> {
         let about = file.pack().description();
         let last = file
             .frame_times()?
@@ -63,6 +75,9 @@ impl Listed {
         let [width, height] = about.source.size;
         Ok(Self {
             name: name.to_owned(),
+            title: said.title.unwrap_or_else(|| name.to_owned()),
+            description: said.description,
+            licence: said.licence,
             file: format!("{name}{ENDING}"),
             poster: ListedPoster {
                 file: format!("posters/{name}.jpg"),

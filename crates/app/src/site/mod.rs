@@ -3,9 +3,12 @@
 //! The pages and the wasm that the program carries, the packs, a poster of each and `packs.json`,
 //! which the list page reads. All names are relative, so that a site works in a folder of any host.
 
+mod about;
 pub(crate) mod export;
 mod listing;
 mod poster;
+
+pub(crate) use about::About;
 
 use crate::output::WrongUsage;
 use crate::web_files::web_files;
@@ -19,6 +22,8 @@ use std::sync::Arc;
 
 /// The list that the pages read.
 pub(crate) const LISTING: &str = "packs.json";
+/// The page that shows it.
+const LIST_PAGE: &str = "index.html";
 /// The ending of every pack.
 const ENDING: &str = ".foveal";
 
@@ -50,9 +55,10 @@ pub(crate) struct Site {
 }
 
 impl Site {
-    /// The site of these packs; draws a poster of each.
-    pub(crate) fn of(packs: &[PathBuf]) -> anyhow::Result<Self> {
+    /// The site of these packs, with what the user says of them; draws a poster of each.
+    pub(crate) fn of(packs: &[PathBuf], about: &About) -> anyhow::Result<Self> {
         let names = names(packs)?;
+        about.check(&names)?;
         let opened = packs.iter().map(|pack| PackFile::open(pack));
         let opened = opened.collect::<Result<Vec<PackFile>, _>>()?;
         if web_files().is_empty() {
@@ -61,7 +67,11 @@ impl Site {
         let drawing = poster::drawing();
         let mut files = BTreeMap::new();
         for file in web_files() {
-            files.insert(file.name.to_owned(), SiteFile::Bytes(file.bytes.into()));
+            let bytes = match file.name {
+                LIST_PAGE => about.titled(file.bytes).into(),
+                _ => file.bytes.into(),
+            };
+            files.insert(file.name.to_owned(), SiteFile::Bytes(bytes));
         }
         let mut listed = Vec::new();
         for (name, file) in names.into_iter().zip(opened) {
@@ -69,11 +79,12 @@ impl Site {
             let file = Arc::new(file);
             let poster = poster::poster(Arc::clone(&file), &drawing)
                 .with_context(|| format!("{}: no poster can be drawn", path.display()))?;
-            let one = Listed::new(&name, &file, &poster)?;
+            let one = Listed::new(&name, &file, &poster, about.of(&name))?;
             files.insert(one.poster.file.clone(), SiteFile::Bytes(poster.jpeg.into()));
             files.insert(one.file.clone(), SiteFile::File(path));
             listed.push(one);
         }
+        about.sort(&mut listed);
         let listing = serde_json::to_vec(&Listing::new(&listed))?;
         files.insert(LISTING.to_owned(), SiteFile::Bytes(listing.into()));
         Ok(Self {

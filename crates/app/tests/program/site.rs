@@ -390,6 +390,118 @@ fn a_site_holds_pages_packs_posters_and_their_list() {
 }
 
 #[test]
+fn a_site_says_of_its_packs_what_its_maker_says_in_the_order_that_was_asked_for() {
+    let folder = Folder::new();
+    let Some(pack) = wave_pack(&folder) else {
+        return;
+    };
+    let others = ["b c.foveal", "d.foveal"].map(|name| {
+        let other = folder.name(name);
+        std::fs::copy(&pack, &other).unwrap();
+        other
+    });
+    let out = folder.name("site");
+    let about = folder.holding(
+        "about.toml",
+        b"[a]\ntitle = \"<b>Waves</b> & more\"\ndescription = \"First.\\nSecond.\"\n\
+          licence = \"CC BY 4.0\"\n[\"b c.foveal\"]\nlicence = 'CC0'\n",
+    );
+    let export = [
+        "export", "site", &pack, &others[0], &others[1], "--out", &out,
+    ];
+    let title = "Films & <i>\"more\"</i>";
+    let options = ["--title", title, "--order", "d,b c", "--about", &about];
+    let told = json(&[&export[..], &options].concat());
+    let read = |name: &str| std::fs::read_to_string(format!("{out}/{name}")).unwrap();
+    let list: Value = serde_json::from_str(&read("packs.json")).unwrap();
+    assert_eq!(told["packs"], list["packs"]);
+    let packs = list["packs"].as_array().unwrap();
+    let said = |key: &str| {
+        packs
+            .iter()
+            .map(|pack| pack[key].clone())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(said("name"), ["d", "b c", "a"]);
+    assert_eq!(said("title"), ["d", "b c", "<b>Waves</b> & more"]);
+    assert_eq!(
+        said("licence"),
+        [Value::Null, "CC0".into(), "CC BY 4.0".into()]
+    );
+    assert_eq!(packs[2]["description"], "First.\nSecond.");
+    let escaped = "Films &amp; &lt;i&gt;&quot;more&quot;&lt;/i&gt;";
+    let page = read("index.html");
+    for tag in ["title", "h1"] {
+        assert!(
+            page.contains(&format!("<{tag}>{escaped}</{tag}>")),
+            "{page}"
+        );
+    }
+    // Of what nobody says anything the name is the title.
+    json(&export);
+    assert!(read("index.html").contains("<h1>Videos</h1>"));
+    let list: Value = serde_json::from_str(&read("packs.json")).unwrap();
+    assert_eq!(list["packs"][0]["title"], "a");
+    assert_eq!(list["packs"][0].get("licence"), None);
+}
+
+#[test]
+fn what_a_site_cannot_say_is_refused_with_the_place_and_the_next_step() {
+    let folder = Folder::new();
+    let Some(pack) = wave_pack(&folder) else {
+        return;
+    };
+    let out = folder.name("site");
+    let refused = |code: i32, options: &[&str], words: &[&str]| {
+        let export = ["export", "site", &pack, "--out", &out];
+        refused(code, &[&export[..], options].concat(), words);
+    };
+    refused(
+        2,
+        &["--order", "a,z"],
+        &["--order", "no pack is named z", "names out of a"],
+    );
+    refused(
+        2,
+        &["--title", " "],
+        &["--title is empty", "1 to 200 characters"],
+    );
+    refused(
+        2,
+        &["--title", "a\nb"],
+        &["--title is broken by a line's end"],
+    );
+    let long = "x".repeat(201);
+    refused(2, &["--title", &long], &["--title is 201 characters long"]);
+    refused(
+        1,
+        &["--about", &folder.name("none.toml")],
+        &["none.toml", "about packs"],
+    );
+    let files = [
+        (
+            "[z]\ntitle = 'Z'",
+            &["[z]", "no pack is named so", "names out of a"][..],
+        ),
+        ("[a]\ntitel = 'A'", &["line 2", "titel", "title"]),
+        ("[a]\nlicence = 3", &["line 2", "string"]),
+        ("title = 'A'", &["line 1"]),
+        ("[a]\ntitle = ''", &["[a]", "title is empty", "1 to 200"]),
+        ("[a]\nlicence = \"a\\nb\"", &["[a]", "licence is broken"]),
+        ("[a", &["line 1"]),
+    ];
+    for (text, words) in files {
+        let about = folder.holding("about.toml", text.as_bytes());
+        refused(
+            1,
+            &["--about", &about],
+            &[&["--about", "about.toml"], words].concat(),
+        );
+    }
+    assert!(!std::path::Path::new(&out).exists());
+}
+
+#[test]
 fn packs_are_served_as_a_site_that_nobody_wrote() {
     let folder = Folder::new();
     let Some(pack) = wave_pack(&folder) else {
