@@ -71,8 +71,10 @@ enum Command {
     /// Watch a pack in a window.
     #[command(mut_arg("policy", |policy| {
         policy
+            .help("How levels are chosen: by viewport, or with --demo by acuity, if not given")
             .default_value("viewport")
             .default_value_if("demo", "true", "acuity")
+            .hide_default_value(true)
     }))]
     View(view::ViewArgs),
     /// Prepare and play clips under several policies, and show in a page what was saved.

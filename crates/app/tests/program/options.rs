@@ -78,6 +78,21 @@ fn options_that_contradict_the_content_or_each_other_are_refused_or_told() {
 }
 
 #[test]
+fn the_help_names_one_default_of_the_policy_of_a_window() {
+    for help in ["-h", "--help"] {
+        let told = done(&["view", help]).stdout;
+        let from = told.find("--policy").unwrap();
+        let policy = &told[from..from + told[from..].find("--acuity").unwrap()];
+        let words = policy.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(
+            words.contains("by viewport, or with --demo by acuity"),
+            "{policy}"
+        );
+        assert!(!policy.contains("default"), "{policy}");
+    }
+}
+
+#[test]
 fn a_negative_number_is_a_value_out_of_range_not_an_unknown_option() {
     for option in ["--start", "--frames"] {
         let words = ["invalid value '-3'", option];
