@@ -13,6 +13,8 @@ use crate::steps::{self, Outcome, output_of, repository_root};
 const STAMP: &str = ".built";
 /// Most bytes of scripts, styles and wasm together, compressed by brotli.
 const MOST_BYTES: u64 = 1 << 20;
+/// What the package tells of its types, which are made beside the page.
+const TYPES: &str = "types/foveal-view.d.ts";
 /// What every browser with WebGPU runs; more features make some refuse the module.
 const WASM_OPT: [&str; 8] = [
     "-O3",
@@ -42,6 +44,7 @@ pub(crate) fn run() -> Outcome {
     install(&web)?;
     shrink(&web)?;
     steps::run(&mut tool(&web, "tsc", &["--noEmit"]))?;
+    steps::run(&mut tool(&web, "tsc", &["-p", "tsconfig.types.json"]))?;
     steps::run(&mut tool(
         &web,
         "vite",
@@ -54,7 +57,7 @@ pub(crate) fn run() -> Outcome {
 /// The tests of the TypeScript; then those in a browser.
 pub(crate) fn test() -> Outcome {
     let web = repository_root().join("web");
-    if !web.join("dist").join(STAMP).exists() {
+    if !web.join("dist").join(STAMP).exists() || !web.join(TYPES).exists() {
         run()?;
     }
     check()?;

@@ -340,6 +340,14 @@ impl Show {
         self.viewer.scene.look_along(HeadPose { yaw, pitch, roll });
     }
 
+    /// Turns the view of a sphere by hand to these degrees to the right and up, and makes it so
+    /// many degrees wide; what is no number stays.
+    pub fn look(&mut self, yaw: f64, pitch: f64, fov: f64) {
+        let pane = self.viewer.pane();
+        let wanted = [yaw, pitch, fov].map(|it| it.is_finite().then(|| Radians::from_degrees(it)));
+        self.viewer.scene.look(wanted, &pane);
+    }
+
     /// Back to where the view began.
     pub fn reset(&mut self) {
         self.viewer.scene.reset();

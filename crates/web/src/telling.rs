@@ -42,6 +42,7 @@ impl Viewer {
             "settled": self.is_settled(),
             "headDeg": [head.yaw.to_degrees(), head.pitch.to_degrees(), head.roll.to_degrees()],
             "zoom": self.scene.zoom(),
+            "fovDeg": self.scene.field().to_degrees(),
             "scale": self.scene.scale(&self.pane()),
             "gazeDeg": gaze_deg,
             "gazePlace": place,

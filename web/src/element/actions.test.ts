@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { type Actions, actionOfKey } from "./actions.ts";
 
-function done(key: string, withModifier = false): string {
+function done(key: string, withShift = false): string {
   const said: string[] = [];
   const say =
     (name: string) =>
@@ -18,25 +18,38 @@ function done(key: string, withModifier = false): string {
     skip: say("skip"),
     step: say("step"),
     seekShare: say("seekShare"),
+    nextPolicy: say("nextPolicy"),
   };
-  actionOfKey(key, withModifier, [1600, 160])?.(actions);
+  actionOfKey(key, withShift, 1600)?.(actions);
   return said.join(", ");
 }
 
 test("an arrow turns the head its way, so the content goes the other", () => {
   expect(done("ArrowRight")).toBe("drag -100 0");
   expect(done("ArrowLeft")).toBe("drag 100 0");
-  expect(done("ArrowDown")).toBe("drag 0 -10");
-  expect(done("ArrowUp")).toBe("drag 0 10");
+  expect(done("ArrowDown")).toBe("drag 0 -100");
+  expect(done("ArrowUp")).toBe("drag 0 100");
 });
 
-test("with a modifier the arrows seek", () => {
+test("with Shift the arrows seek, as the brackets do without", () => {
   expect(done("ArrowRight", true)).toBe("skip 5");
+  expect(done("]")).toBe("skip 5");
   expect(done("ArrowLeft", true)).toBe("skip -5");
+  expect(done("[")).toBe("skip -5");
 });
 
-test("capital letters do what small ones do, and other keys nothing", () => {
+test("capital letters do what small ones do, but where Shift is in the table", () => {
   expect(done("M")).toBe("toggle sound");
+  expect(done("M", true)).toBe("toggle sound");
+  expect(done("p")).toBe("nextPolicy 1");
+  expect(done("P", true)).toBe("nextPolicy -1");
+  expect(done("P")).toBe("nextPolicy 1");
+});
+
+test("signs that a keyboard has on Shift are found, and other keys do nothing", () => {
+  expect(done("?", true)).toBe("toggle overlay");
+  expect(done("+", true)).toBe("zoom 1.25 ");
   expect(done(" ")).toBe("toggle play");
   expect(done("Tab")).toBe("");
+  expect(done("F11")).toBe("");
 });

@@ -1,5 +1,7 @@
 // What can a viewer do to what is shown, by hand, key or menu?
 
+import { KEYS } from "./keys.ts";
+
 /** Everything that input leads to; places are in CSS pixels of the stage. */
 export interface Actions {
   /** The first touch, click or key: from now on the page may make sound. */
@@ -14,79 +16,72 @@ export interface Actions {
   step(frames: number): void;
   /** To the beginning (0) or to the end (1). */
   seekShare(share: number): void;
+  /** So many policies on, or back. */
+  nextPolicy(by: number): void;
 }
 
-/** What is either on or off. */
-export type Toggle = "play" | "sound" | "figures" | "levels" | "fullscreen" | "keys";
+/** What is either on or off; `overlay` goes from the keys to the figures to nothing. */
+export type Toggle =
+  | "play"
+  | "sound"
+  | "figures"
+  | "levels"
+  | "fullscreen"
+  | "keys"
+  | "overlay";
 
-/** Part of the stage's width that an arrow key turns. */
-const TURN = 1 / 16;
-/** A key's zoom. */
-const CLOSER = 1.25;
-/** What a key skips, in seconds. */
-const SKIP = 5;
+/** A line of the table of keys. */
+export type KeyRow = (typeof KEYS)[number];
 
-/** What a key does to a stage of this size; null where it does nothing. */
+type Deed = KeyRow["keys"][number];
+
+/** What a key does to a stage of this width; null where it does nothing. */
 export function actionOfKey(
   key: string,
-  withModifier: boolean,
-  [width, height]: readonly [number, number],
+  withShift: boolean,
+  width: number,
 ): ((actions: Actions) => void) | null {
-  const turn = (right: number, down: number) => (actions: Actions) => {
-    actions.drag(-right * width * TURN, -down * height * TURN);
-  };
-  switch (key) {
-    case "ArrowLeft":
-      return withModifier ? (a) => a.skip(-SKIP) : turn(-1, 0);
-    case "ArrowRight":
-      return withModifier ? (a) => a.skip(SKIP) : turn(1, 0);
-    case "ArrowUp":
-      return turn(0, -1);
-    case "ArrowDown":
-      return turn(0, 1);
-    case "+":
-    case "=":
-      return (a) => a.zoom(CLOSER, null);
-    case "-":
-    case "_":
-      return (a) => a.zoom(1 / CLOSER, null);
-    case "0":
-      return (a) => a.reset();
-    case ",":
-      return (a) => a.step(-1);
-    case ".":
-      return (a) => a.step(1);
-    case "Home":
-      return (a) => a.seekShare(0);
-    case "End":
-      return (a) => a.seekShare(1);
+  const deed = deedOf(key, withShift);
+  return deed === null ? null : (actions) => perform(deed, actions, width);
+}
+
+/** As `action_of` of crates/core/src/view/keys.rs. */
+function deedOf(key: string, withShift: boolean): Deed | null {
+  const name = key.length === 1 ? key.toLowerCase() : key;
+  const deeds: readonly Deed[] = KEYS.flatMap((row): readonly Deed[] => row.keys);
+  const find = (wanted: string): Deed | undefined => deeds.find((deed) => deed.key === wanted);
+  return (withShift ? find(`Shift+${name}`) : undefined) ?? find(name) ?? null;
+}
+
+function perform(deed: Deed, actions: Actions, width: number): void {
+  switch (deed.does) {
+    case "pause":
+      return actions.toggle("play");
+    case "skip":
+      return actions.skip(deed.by);
+    case "step":
+      return actions.step(deed.by);
+    case "first":
+      return actions.seekShare(0);
+    case "last":
+      return actions.seekShare(1);
+    case "move":
+      return actions.drag(deed.by[0] * width, deed.by[1] * width);
+    case "zoom":
+      return actions.zoom(deed.by, null);
+    case "reset":
+      return actions.reset();
+    case "policy":
+      return actions.nextPolicy(deed.by);
+    case "fullScreen":
+      return actions.toggle("fullscreen");
+    case "sound":
+    case "levels":
+    case "figures":
+    case "overlay":
+      return actions.toggle(deed.does);
     default:
-      return toggleOfKey(key.toLowerCase());
+      // A key that is added to the table is answered here, or nothing compiles.
+      return deed satisfies never;
   }
 }
-
-function toggleOfKey(key: string): ((actions: Actions) => void) | null {
-  const toggles: Readonly<Record<string, Toggle>> = {
-    " ": "play",
-    m: "sound",
-    o: "figures",
-    l: "levels",
-    f: "fullscreen",
-    "?": "keys",
-  };
-  const what = toggles[key];
-  return what === undefined ? null : (actions) => actions.toggle(what);
-}
-
-/** What the keys do, for people. */
-export const KEYS: readonly (readonly [string, string])[] = [
-  ["Arrow keys", "look around"],
-  ["+  −  0", "closer, farther, back to the start"],
-  ["Space", "play or pause"],
-  ["Shift + ← →", "5 seconds back or on"],
-  [",  .", "one picture back or on"],
-  ["Home  End", "to the beginning or the end"],
-  ["M", "sound"],
-  ["O  L", "figures, levels in colour"],
-  ["F", "full screen"],
-];

@@ -29,8 +29,7 @@ export function watchInput(
   const key = (event: KeyboardEvent): void => {
     if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
     if (isOfControl(event)) return;
-    const { clientWidth, clientHeight } = stage;
-    const action = actionOfKey(event.key, event.shiftKey, [clientWidth, clientHeight]);
+    const action = actionOfKey(event.key, event.shiftKey, stage.clientWidth);
     if (action === null) return;
     event.preventDefault();
     actions.gesture();

@@ -1,7 +1,9 @@
 // Which parts does the element have on the page?
 
-import { KEYS } from "./actions.ts";
+import type { PackFacts } from "../engine/api.ts";
+import type { KeyRow } from "./actions.ts";
 import { element, icon } from "./dom.ts";
+import { KEYS } from "./keys.ts";
 import { STYLE } from "./style.ts";
 import { clock, spokenTime } from "./words.ts";
 
@@ -46,6 +48,7 @@ export class Shell {
   private readonly problem = element("div", { class: "problem", role: "alert", hidden: true });
   private readonly note = element("div", { class: "note", role: "note", hidden: true });
   private readonly keys: HTMLDialogElement;
+  private readonly keyRows = element("table");
   private readonly poster = element("img", { class: "poster", alt: "", hidden: true });
   private clearing = 0;
 
@@ -64,7 +67,7 @@ export class Shell {
     this.bar.append(play, this.seek, this.time, ...Object.values(others));
     for (const name of ["sensor", "headset", "sound"] as const) this.buttons[name].hidden = true;
     for (const name of ["figures", "demo", "sensor"] as const) this.press(name, false);
-    this.keys = keysDialog();
+    this.keys = keysDialog(this.keyRows);
     this.stage.append(this.poster);
     const over = element("div", { class: "over" });
     over.append(figures, this.status, this.problem);
@@ -107,9 +110,19 @@ export class Shell {
     if (url !== null) this.poster.src = url;
   }
 
-  showKeys(): void {
-    if (this.keys.open) this.keys.close();
-    else this.keys.showModal();
+  /** Lists the keys that do something to this pack. */
+  offerKeys(pack: PackFacts): void {
+    this.keyRows.replaceChildren(...KEYS.filter((row) => does(row, pack)).map(keyRow));
+  }
+
+  /** Whether the keys are listed. */
+  get showsKeys(): boolean {
+    return this.keys.open;
+  }
+
+  set showsKeys(shown: boolean) {
+    if (!shown) this.keys.close();
+    else if (!this.keys.open) this.keys.showModal();
   }
 
   /** Where in the content it is. */
@@ -145,14 +158,31 @@ export class Shell {
   }
 }
 
-function keysDialog(): HTMLDialogElement {
-  const row = ([key, does]: readonly [string, string]): HTMLElement =>
-    element("tr", {}, element("th", { scope: "row" }, key), element("td", {}, does));
+/** Whether the keys of a row do something to a pack. */
+function does({ needs }: KeyRow, pack: PackFacts): boolean {
+  switch (needs) {
+    case "frames":
+      return pack.frames > 1;
+    case "heard":
+      return pack.hasSound;
+    case "atlas":
+      return pack.drawing === "gpu";
+    case "nothing":
+      return true;
+  }
+}
+
+function keyRow({ shown, says }: KeyRow): HTMLElement {
+  const keys = shown.split("  ").flatMap((key) => [element("kbd", {}, key), " "]);
+  return element("tr", {}, element("th", { scope: "row" }, ...keys), element("td", {}, says));
+}
+
+function keysDialog(rows: HTMLTableElement): HTMLDialogElement {
   const close = element("button", { type: "button", class: "word" }, "Close");
   const dialog = element(
     "dialog",
     { class: "keys", "aria-label": "Keys" },
-    element("table", {}, ...KEYS.map(row)),
+    rows,
     close,
   );
   close.addEventListener("click", () => dialog.close());

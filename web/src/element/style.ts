@@ -129,6 +129,7 @@ dialog.keys {
 }
 dialog.keys table { border-spacing: 0.75rem 0.25rem; }
 dialog.keys th { text-align: start; font-weight: 600; white-space: nowrap; }
+dialog.keys kbd { font: inherit; margin-inline-end: 0.5rem; }
 dialog.keys::backdrop { background: rgb(0 0 0 / 40%); }
 .status {
   position: absolute;

@@ -11,6 +11,7 @@ import {
   type Stats,
 } from "../engine/api.ts";
 import { Engine } from "../engine/engine.ts";
+import { DIRECTION, viewOf } from "./direction.ts";
 import { type FovealViewEvents, type Tell, problemOf } from "./events.ts";
 import { watchInput } from "./input.ts";
 import { keepLaid } from "./laying.ts";
@@ -21,17 +22,29 @@ import { Viewing, deviceSize } from "./viewing.ts";
 
 /** Attributes that open the pack anew when they change. */
 const OPENS = ["src", "demo", "privacy", "once"] as const;
+/** Those that count when it is opened. */
+const AT_FIRST = ["muted", "paused"] as const;
 
 /**
  * Shows a pack, with controls.
  *
  * Attributes: `src`, the pack; `demo`, the pointer is the gaze; `policy`, which levels are wanted;
  * `gaze`, the WebSocket address of a tracker; `privacy="coarse"`, the host learns less of where one
- * looks; `muted`, `paused`, `once`; `poster`, a picture to begin with; `bare`, without controls;
- * `label`, its name for those who listen.
+ * looks; `yaw`, `pitch`, `fov`, where the view of a sphere begins, in degrees; `muted`, `paused`,
+ * `once`; `poster`, a picture to begin with; `bare`, without controls; `label`, its name for those
+ * who listen.
  */
 export class FovealView extends HTMLElement {
-  static readonly observedAttributes = [...OPENS, "policy", "gaze", "poster", "bare", "label"];
+  static readonly observedAttributes: readonly string[] = [
+    ...OPENS,
+    ...AT_FIRST,
+    ...DIRECTION,
+    "policy",
+    "gaze",
+    "poster",
+    "bare",
+    "label",
+  ];
 
   private readonly shell: Shell;
   private readonly overlay: Overlay;
@@ -99,11 +112,15 @@ export class FovealView extends HTMLElement {
   attributeChangedCallback(name: string, before: string | null, value: string | null): void {
     if (before === value) return;
     if (name === "bare") this.shell.bar.hidden = value !== null;
-    if (name === "label") this.shell.stage.setAttribute("aria-label", value ?? "Video");
+    if (name === "label") this.name();
     if (name === "poster" && this.viewing === null) this.shell.showPoster(value);
     if (!this.isConnected) return;
     if (name === "gaze") this.followGaze();
     if (name === "policy") this.setPolicy(value);
+    if (DIRECTION.some((one) => one === name)) {
+      const say = (sentence: string): void => this.shell.say(sentence, "seen");
+      this.viewing?.look(viewOf((one) => (one === name ? value : null), say));
+    }
     if (OPENS.some((one) => one === name)) this.reopen();
   }
 
@@ -134,6 +151,11 @@ export class FovealView extends HTMLElement {
     const { signal } = open;
     this.open = open;
     const { shell, overlay, tell } = this;
+    const refused: string[] = [];
+    const view = viewOf(
+      (name) => this.getAttribute(name),
+      (sentence) => refused.push(sentence),
+    );
     shell.showProblem(null);
     shell.bar.hidden = this.hasAttribute("bare");
     shell.showNote(null);
@@ -148,13 +170,14 @@ export class FovealView extends HTMLElement {
       policy: firstPolicy(options),
     };
     try {
-      const engine = await Engine.open(shell.stage, options);
+      const engine = await Engine.open(shell.stage, { ...options, view });
       if (signal.aborted) {
         engine.close();
         return;
       }
       const around = { host: this, shell, overlay, tell, signal };
       this.viewing = new Viewing(engine, around, settings);
+      if (refused.length > 0) shell.say(refused.join(" "), "seen");
       watchInput(shell.stage, this, this.viewing, signal);
       engine.on("error", (problem) => {
         if (problem.fatal && !signal.aborted) this.fail(problem);
@@ -218,8 +241,8 @@ export class FovealView extends HTMLElement {
 
   private name(): void {
     const file = (this.getAttribute("src") ?? "").split("/").pop() ?? "";
-    const label = this.getAttribute("label") ?? file.replace(/\.foveal$/, "");
-    this.shell.stage.setAttribute("aria-label", `${label}. Arrow keys look around; ? lists keys.`);
+    const label = this.getAttribute("label") ?? (file.replace(/\.foveal$/, "") || "Video");
+    this.shell.stage.setAttribute("aria-label", `${label}. Arrow keys look around; H lists keys.`);
   }
 
   /** Connects buttons and the slider with what they do. */

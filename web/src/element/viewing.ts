@@ -1,7 +1,7 @@
 // What happens between a pack that is open and the controls around it?
 
 import type { EngineApi, GazeRecord, PackFacts, PolicyName } from "../engine/api.ts";
-import type { Pose, Stats } from "../engine/api.ts";
+import type { Pose, Stats, View } from "../engine/api.ts";
 import type { Actions, Toggle } from "./actions.ts";
 import { type Tell, problemOf } from "./events.ts";
 import { listenForGaze } from "./gaze-socket.ts";
@@ -39,6 +39,7 @@ export class Viewing implements Actions {
   /** The first picture is there, and time runs. */
   private pictured = false;
   private time = 0;
+  private policy: PolicyName = "viewport";
   /** Where a skip has led that no figures have told of yet. */
   private skipping: number | null = null;
   private sensor: AbortController | null = null;
@@ -55,6 +56,7 @@ export class Viewing implements Actions {
     this.soundIsWanted = !settings.muted;
     const { signal, overlay, shell, tell } = around;
     overlay.offer(engine.pack);
+    shell.offerKeys(engine.pack);
     shell.showPlaying(this.playing);
     shell.showTime(0, engine.pack.seconds);
     shell.showsTime = engine.pack.frames > 1;
@@ -88,6 +90,10 @@ export class Viewing implements Actions {
 
   turn(pose: Pose | null): void {
     this.engine.turn(pose);
+  }
+
+  look(view: View): void {
+    this.engine.look(view);
   }
 
   seek(seconds: number): void {
@@ -176,9 +182,29 @@ export class Viewing implements Actions {
         else void host.requestFullscreen().catch(() => undefined);
         break;
       case "keys":
-        shell.showKeys();
+        shell.showsKeys = !shell.showsKeys;
+        break;
+      case "overlay":
+        this.turnThePage();
         break;
     }
+  }
+
+  /** From the keys to the figures to nothing. */
+  private turnThePage(): void {
+    const { overlay, shell } = this.around;
+    const [keys, figures] = [shell.showsKeys, !overlay.panel.hidden];
+    shell.showsKeys = !keys && !figures;
+    this.showFigures(keys);
+  }
+
+  nextPolicy(by: number): void {
+    const { policies } = this.engine.pack;
+    const at = policies.findIndex((name) => name === this.policy);
+    const name = policies[(Math.max(at, 0) + by + policies.length) % policies.length];
+    if (name === undefined) return;
+    this.setPolicy(name);
+    this.around.shell.say(`Policy ${name}`, "seen");
   }
 
   /** What a change of the figures' choices does. */
@@ -193,8 +219,6 @@ export class Viewing implements Actions {
     this.setPolicy(isOn ? "viewport" : DEMO);
     this.around.shell.say(isOn ? "All that is in view gets sharp." : DEMO_WORDS, "seen");
   }
-
-  private policy: PolicyName = "viewport";
 
   private showPolicy(name: PolicyName): void {
     this.policy = name;
@@ -265,6 +289,7 @@ export class Viewing implements Actions {
     });
     engine.on("stats", (stats) => {
       this.time = stats.time;
+      this.showPolicy(stats.policy);
       this.skipping = null;
       shell.showTime(stats.time, seconds);
       if (!overlay.panel.hidden) overlay.show(stats);

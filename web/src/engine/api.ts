@@ -20,6 +20,16 @@ export const POLICIES = [
 /** One of {@link POLICIES}. */
 export type PolicyName = (typeof POLICIES)[number];
 
+/** A view of a sphere, in degrees; what is left out stays. */
+export interface View {
+  /** To the right of the front, -360 to 360. */
+  readonly yawDeg?: number;
+  /** Up from the horizon, -90 to 90. */
+  readonly pitchDeg?: number;
+  /** How wide it is, above 0, at most 140. */
+  readonly fovDeg?: number;
+}
+
 /** What an engine begins with. */
 export interface EngineOptions {
   /** Where the pack lies; relative to the document. */
@@ -51,6 +61,8 @@ export interface EngineOptions {
   };
   /** The larger side of a sphere's view before zooming, in degrees; 100 where it is left out. */
   readonly fieldDeg?: number;
+  /** Where a sphere's view begins; at its front where it is left out. */
+  readonly view?: View;
 }
 
 /** The policy that an engine begins with. */
@@ -119,6 +131,8 @@ export interface Stats {
   /** Yaw, pitch and roll of the head in degrees. */
   readonly headDeg: readonly [number, number, number];
   readonly zoom: number;
+  /** How wide a sphere's view is, in degrees. */
+  readonly fovDeg: number;
   /** Display pixels over one pixel of the content, in the middle. */
   readonly scale: number;
   /** The gaze: yaw and pitch in degrees of the content's forward. */
@@ -237,7 +251,9 @@ export interface EngineApi {
   zoom(factor: number, place: readonly [number, number]): void;
   /** The head is turned by a sensor; the hand adds to it. */
   turn(pose: Pose | null): void;
-  /** Back to where the view began. */
+  /** Turns a sphere's view by hand; flat content stays as it is. */
+  look(view: View): void;
+  /** Back to the front of a sphere, or to the whole picture. */
   reset(): void;
   /** Where the pointer is, or null when it left. */
   pointer(place: readonly [number, number] | null): void;

@@ -1,7 +1,7 @@
 // What does the page's side of an engine ask of the side that works?
 
 import type { EngineEvents, EngineOptions, Pixels, SoundPackets, Stats } from "./api.ts";
-import type { GazeRecord, PackFacts, PolicyName, Pose } from "./api.ts";
+import type { GazeRecord, PackFacts, PolicyName, Pose, View } from "./api.ts";
 
 /** What a host begins with. */
 export interface HostOptions {
@@ -38,6 +38,7 @@ export interface Tells {
   drag(dx: number, dy: number): void;
   zoom(factor: number, place: readonly [number, number]): void;
   turn(pose: Pose | null): void;
+  look(view: View): void;
   reset(): void;
   pointer(place: readonly [number, number] | null): void;
   gaze(record: GazeRecord | string | null): void;

@@ -2,7 +2,7 @@
 
 import type { EngineApi, EngineEvents, EngineOptions, EyeRequest, PackFacts } from "./api.ts";
 import type { EngineProblem, GazeRecord, Pixels, PolicyName, Pose } from "./api.ts";
-import type { SoundPackets, Stats } from "./api.ts";
+import type { SoundPackets, Stats, View } from "./api.ts";
 import type { Answers, HostOptions, Tells } from "./calls.ts";
 import type { Host } from "./host.ts";
 import { type Side, startHere, startWorker } from "./sides.ts";
@@ -173,6 +173,10 @@ class PageEngine implements EngineApi {
 
   turn(pose: Pose | null): void {
     this.#tell("turn", pose);
+  }
+
+  look(view: View): void {
+    this.#tell("look", view);
   }
 
   reset(): void {

@@ -5,7 +5,7 @@
 
 import { firstPolicy } from "./api.ts";
 import type { EngineProblem, PackFacts, Pixels, PolicyName, Pose, SoundPackets } from "./api.ts";
-import type { EyeRequest, GazeRecord, Stats } from "./api.ts";
+import type { EyeRequest, GazeRecord, Stats, View } from "./api.ts";
 import type { Calls, HostOptions, Tell } from "./calls.ts";
 import { Courier } from "./courier.ts";
 import { Poster, softwareSize } from "./poster.ts";
@@ -129,6 +129,7 @@ export class Host implements Calls {
       throw problem(/adapter|device/i.test(text) ? "no-webgpu" : "broken-pack", true, text);
     }
     if (begin.time > 0) this.#show.seek(begin.time, seconds());
+    if (options.view) this.look(options.view);
     courier.serve(this.#show);
     void courier.tablesFor(this.#policy).then(() => this.#wake());
     // A device that is lost while nothing moves says nothing by itself.
@@ -321,6 +322,10 @@ export class Host implements Calls {
 
   turn(pose: Pose | null): void {
     this.#do((show) => show.turn(pose?.yawDeg ?? 0, pose?.pitchDeg ?? 0, pose?.rollDeg ?? 0));
+  }
+
+  look({ yawDeg = Number.NaN, pitchDeg = Number.NaN, fovDeg = Number.NaN }: View): void {
+    this.#do((show) => show.look(yawDeg, pitchDeg, fovDeg));
   }
 
   reset(): void {

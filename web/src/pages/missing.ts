@@ -1,7 +1,7 @@
 // What is said where something is asked for that is not there?
 
 import { element } from "../element/dom.ts";
-import { type Listed, factsOf, fetchListing } from "./listing.ts";
+import { type Listed, factsOf, fetchListing, titleOf } from "./listing.ts";
 
 /** Says what was asked for, and what can be opened instead; `root` is where the site begins. */
 export function missing(asked: string, root: string): HTMLElement {
@@ -13,7 +13,8 @@ export function missing(asked: string, root: string): HTMLElement {
       if (packs.length === 0) return;
       const item = (pack: Listed): HTMLElement => {
         const address = `${root}view.html?pack=${encodeURIComponent(pack.file)}`;
-        return element("li", {}, element("a", { href: address }, pack.name), `, ${factsOf(pack)}`);
+        const link = element("a", { href: address }, titleOf(pack));
+        return element("li", {}, link, `, ${factsOf(pack)}`);
       };
       place.append(element("p", {}, "These are here:"), element("ul", {}, ...packs.map(item)));
     },

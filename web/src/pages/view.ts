@@ -1,21 +1,26 @@
 // How is one video shown on a page of its own?
 //
 // The address says which and how: ?pack=a.foveal, &demo, &policy=NAME, &gaze=ws://127.0.0.1:PORT,
-// &privacy=coarse, &muted, &paused, &once.
+// &privacy=coarse, &muted, &paused, &once; and where in a sphere one looks: &yaw, &pitch, &fov.
 
+import { DIRECTION, queryOf } from "../element/direction.ts";
 import { element } from "../element/dom.ts";
-import { defineFovealView } from "../element/view-element.ts";
-import { addressOf, factsOf, fetchListing } from "./listing.ts";
+import { type FovealView, defineFovealView } from "../element/view-element.ts";
+import type { Stats } from "../engine/api.ts";
+import { addressOf, factsOf, fetchListing, titleOf } from "./listing.ts";
 import { missing } from "./missing.ts";
 
 /** Parameters of the address that are attributes of the element. */
 const FLAGS = ["demo", "muted", "paused", "once"] as const;
-const VALUES = ["policy", "gaze", "privacy"] as const;
+const VALUES = ["policy", "gaze", "privacy", ...DIRECTION] as const;
+
+/** How often the address is rewritten at most, in milliseconds: browsers refuse more than about ten
+ *  a second. */
+const REWRITE = 500;
 
 function show(): void {
   const main = document.getElementById("main");
-  const name = document.getElementById("name");
-  if (main === null || name === null) return;
+  if (main === null) return;
   const asked = new URLSearchParams(location.search);
   const pack = asked.get("pack");
   if (pack === null || pack === "") {
@@ -25,8 +30,7 @@ function show(): void {
     return;
   }
   const title = (pack.split("/").pop() ?? pack).replace(/\.foveal$/, "");
-  name.textContent = title;
-  document.title = title;
+  showTitle(title);
   const src = `./${addressOf(pack)}`;
   const attributes: Record<string, string | boolean> = { src, label: title };
   for (const flag of FLAGS) if (asked.has(flag)) attributes[flag] = true;
@@ -38,12 +42,41 @@ function show(): void {
   const view = element("foveal-view", attributes);
   view.addEventListener("problem", ({ detail }) => {
     if (detail.kind !== "not-found" || !detail.fatal) return;
-    document.title = name.textContent = "No such video";
+    showTitle("No such video");
     main.replaceChildren(missing(pack, "./"));
   });
   main.replaceChildren(view);
   view.focus();
+  keepInAddress(view);
   void showFacts(pack, view);
+}
+
+function showTitle(title: string): void {
+  const name = document.getElementById("name");
+  if (name !== null) name.textContent = title;
+  document.title = title;
+}
+
+/** Keeps where one looks in the address, so that it can be shared; not where a host, who is told an
+ *  address when it is opened again, is to learn less than that. */
+function keepInAddress(view: FovealView): void {
+  if (![null, "tiles"].includes(view.getAttribute("privacy"))) return;
+  let last: Stats | null = null;
+  let isDue = false;
+  const write = (): void => {
+    isDue = false;
+    if (last === null || view.pack?.projection !== "cube") return;
+    const query = queryOf(location.search, last);
+    if (query !== location.search) history.replaceState(history.state, "", query + location.hash);
+  };
+  const heard = ({ detail }: CustomEvent<Stats>): void => {
+    last = detail;
+    if (isDue) return;
+    isDue = true;
+    window.setTimeout(write, REWRITE);
+  };
+  view.addEventListener("stats", heard);
+  view.addEventListener("settled", heard);
 }
 
 /** What the list says of it; a viewer works without. */
@@ -53,6 +86,11 @@ async function showFacts(pack: string, view: HTMLElement): Promise<void> {
   const facts = document.getElementById("facts");
   if (listed === undefined) return;
   if (facts !== null) facts.textContent = factsOf(listed);
+  showTitle(titleOf(listed));
+  view.setAttribute("label", titleOf(listed));
+  if (listed.description !== undefined) {
+    facts?.after(element("p", { class: "about" }, listed.description));
+  }
   view.setAttribute("poster", `./${addressOf(listed.poster.file)}`);
 }
 

@@ -1,15 +1,19 @@
 // Does the element work in a page of somebody else, in a headset, and with a gaze from outside?
 
-import { mkdtemp, rm, writeFile } from "node:fs/promises";
+import { execFile } from "node:child_process";
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { createServer } from "node:http";
 import { createHash } from "node:crypto";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { AddressInfo, Socket } from "node:net";
+import { promisify } from "node:util";
 import type { Browser } from "playwright-core";
 import { afterAll, beforeAll, expect, inject, test } from "vitest";
 import { RangeHost } from "../range-server.ts";
 import { countTold, launch, open, seen, settled, told } from "./browser.ts";
+
+const run = promisify(execFile);
 
 let browser: Browser;
 
@@ -103,6 +107,62 @@ test("a headset shows both eyes, each with its picture", async () => {
     });
     expect(await told(page, "headset", before)).toBe(false);
     await told(page, "settled", before);
+  } finally {
+    await page.context().close();
+    await host.close();
+  }
+});
+
+test("a site says of its packs what its maker says, as text and never as HTML", async () => {
+  const folder = await mkdtemp(join(tmpdir(), "foveal-said-"));
+  const evil = '<img src="x" onerror="window.evil = 1"> & more';
+  const said = [`title = '${evil}'`, `description = '${evil}'`, "licence = 'CC BY 4.0 <b>'"];
+  await writeFile(join(folder, "about.toml"), ["[flat]", ...said].join("\n"));
+  const packs = ["sphere", "flat"].map((name) => join(inject("packs"), `${name}.foveal`));
+  const site = join(folder, "site");
+  const options = ["--title", evil, "--order", "flat", "--about", join(folder, "about.toml")];
+  await run(inject("program"), ["export", "site", ...packs, "--out", site, ...options]);
+  const host = await RangeHost.of(site);
+  const { page, complaints } = await open(browser, host.url);
+  try {
+    await page.locator("#packs a").first().waitFor();
+    expect([await page.title(), await page.locator("h1").textContent()]).toEqual([evil, evil]);
+    expect(await page.locator("#packs h2").allTextContents()).toEqual([evil, "sphere"]);
+    expect(await page.locator("#packs .about").allTextContents()).toEqual([evil]);
+    expect(await page.locator("#packs a p").first().textContent()).toContain(", CC BY 4.0 <b>");
+    await page.locator("#packs a").first().click();
+    await page.getByText("CC BY 4.0 <b>").waitFor();
+    expect([await page.title(), await page.locator("h1").textContent()]).toEqual([evil, evil]);
+    expect(await page.locator("header .about").textContent()).toBe(evil);
+    const name = await page.locator("foveal-view .stage").getAttribute("aria-label");
+    expect(name).toBe(`${evil}. Arrow keys look around; H lists keys.`);
+    expect(await page.evaluate(() => "evil" in window)).toBe(false);
+    expect(complaints).toEqual([]);
+  } finally {
+    await page.context().close();
+    await Promise.all([host.close(), rm(folder, { recursive: true })]);
+  }
+});
+
+test("the manifest lists the attributes that the element heeds", async () => {
+  const host = await RangeHost.of(inject("site"));
+  const { page } = await open(browser, `${host.url}view.html`);
+  try {
+    await page.evaluate("import('./foveal-view.js')");
+    const heeded = await page.evaluate(() => {
+      const made = customElements.get("foveal-view") as unknown;
+      return (made as { observedAttributes?: string[] } | undefined)?.observedAttributes ?? [];
+    });
+    const web = join(import.meta.dirname, "../..");
+    const manifest = JSON.parse(await readFile(join(web, "custom-elements.json"), "utf8")) as {
+      modules: { declarations: { attributes: { name: string }[] }[] }[];
+    };
+    const listed = manifest.modules[0]?.declarations[0]?.attributes.map(({ name }) => name) ?? [];
+    expect([...heeded].sort()).toEqual([...listed].sort());
+    // None is read that is not among them.
+    const source = await readFile(join(web, "src/element/view-element.ts"), "utf8");
+    const read = source.matchAll(/(?:get|has)Attribute\("([a-z-]+)"\)/g);
+    for (const [, name] of read) expect(heeded).toContain(name);
   } finally {
     await page.context().close();
     await host.close();

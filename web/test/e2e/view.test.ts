@@ -247,6 +247,94 @@ test("all of it works by keyboard alone", async () => {
   });
 });
 
+test("H lists the keys, then the figures, and keys do what they do in the window", async () => {
+  await on("view.html?pack=sphere.foveal&paused", async (opened) => {
+    const { page } = opened;
+    await told(page, "settled");
+    const keys = page.getByRole("dialog", { name: "Keys" });
+    const figures = page.getByRole("region", { name: "Figures" });
+    await page.keyboard.press("h");
+    await keys.waitFor({ state: "visible" });
+    const rows = await keys.getByRole("row").allTextContents();
+    const does = (said: string): boolean => rows.some((row) => row.includes(said));
+    expect(["play, pause", "next policy", "full screen", "sound"].map(does)).toEqual([
+      true,
+      true,
+      true,
+      // This pack has none.
+      false,
+    ]);
+    await page.keyboard.press("h");
+    await keys.waitFor({ state: "hidden" });
+    await figures.waitFor({ state: "visible" });
+    await page.keyboard.press("h");
+    await figures.waitFor({ state: "hidden" });
+    const press = async (key: string): Promise<Stats> => {
+      await page.keyboard.press(key);
+      return settled(opened);
+    };
+    expect((await press("]")).frame).toBe(49);
+    expect((await press("[")).frame).toBe(0);
+    expect((await press("p")).policy).toBe("acuity");
+    expect((await press("Shift+P")).policy).toBe("viewport");
+  });
+});
+
+test("an address says where a view begins, and keeps where one looks", async () => {
+  let shared = "";
+  let before = 0;
+  await on("view.html?pack=sphere.foveal&paused&yaw=90&pitch=20&fov=50", async (opened) => {
+    const { page } = opened;
+    const first = (await told(page, "settled")) as Stats;
+    expect(first.headDeg[0]).toBeCloseTo(90, 6);
+    expect(first.headDeg[1]).toBeCloseTo(20, 6);
+    expect(first.fovDeg).toBeCloseTo(50, 6);
+    near((await seen(page)).at(0.5, 0.5), 0.5 + 90 / 360, 0.5 - 20 / 180);
+    const steps = await page.evaluate(() => history.length);
+    await page.keyboard.press("ArrowRight");
+    await page.keyboard.press("+");
+    const { headDeg, fovDeg } = await settled(opened);
+    expect(fovDeg).toBeLessThan(50);
+    await page.waitForURL((url) => {
+      const [yaw, fov] = ["yaw", "fov"].map((name) => Number(url.searchParams.get(name)));
+      return yaw === Number(headDeg[0].toFixed(2)) && fov === Number(fovDeg.toPrecision(3));
+    });
+    expect(await page.evaluate(() => history.length)).toBe(steps);
+    [shared, before] = [new URL(page.url()).search, headDeg[0]];
+    expect(shared).toMatch(/^\?pack=sphere\.foveal&paused&yaw=/);
+  });
+  await on(`view.html${shared}`, async ({ page }) => {
+    const { headDeg } = (await told(page, "settled")) as Stats;
+    expect(headDeg[0]).toBeCloseTo(before, 1);
+    // An attribute that changes turns the view.
+    await page.evaluate(() => document.querySelector("foveal-view")?.setAttribute("yaw", "-45"));
+    const yaw = async (): Promise<number | undefined> =>
+      page.evaluate(async () => {
+        const stats = await document.querySelector("foveal-view")?.stats();
+        return stats?.headDeg[0];
+      });
+    await expect.poll(yaw).toBeCloseTo(-45, 6);
+    // Back at the front the address says nothing of it.
+    await page.keyboard.press("0");
+    await page.waitForURL((url) => url.search === "?pack=sphere.foveal&paused");
+  });
+});
+
+test("a direction that is none is said and left out, and flat content has none", async () => {
+  await on("view.html?pack=sphere.foveal&paused&yaw=north&fov=200", async ({ page }) => {
+    await page.getByText("yaw is north; give -360 to 360 degrees.").waitFor();
+    const { headDeg, fovDeg } = (await told(page, "settled")) as Stats;
+    expect([...headDeg, Math.round(fovDeg)]).toEqual([0, 0, 0, 100]);
+  });
+  const flat = "?pack=flat.foveal&paused&yaw=90&fov=20";
+  await on(`view.html${flat}`, async (opened) => {
+    expect(((await told(opened.page, "settled")) as Stats).zoom).toBe(1);
+    await opened.page.keyboard.press("+");
+    expect((await settled(opened)).zoom).toBeGreaterThan(1);
+    expect(new URL(opened.page.url()).search).toBe(flat);
+  });
+});
+
 test("a policy chosen among the figures rules at once", async () => {
   await on("view.html?pack=flat.foveal&paused", async (opened) => {
     const { page } = opened;

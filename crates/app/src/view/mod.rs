@@ -18,6 +18,7 @@ mod summary;
 mod telling;
 mod viewer;
 mod window;
+mod words;
 
 use crate::decoding::{Decoding, DecodingOptions};
 use crate::gaze::{Viewer as Watching, preset_of};
@@ -39,7 +40,7 @@ use std::sync::Arc;
 /// Frames on their way to the window.
 type Stage = foveal_core::selection::stage::Stage<feed::DecodeFeed, easel::Easel>;
 
-/// Keys: space pauses, arrows and the mouse move, the wheel zooms, H shows all keys and figures.
+/// Space pauses, arrows and the mouse move, the wheel zooms, H lists all keys and then figures.
 #[derive(Clone, Debug, Args)]
 #[command(after_help = keys::listed())]
 pub(crate) struct ViewArgs {

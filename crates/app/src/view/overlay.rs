@@ -11,8 +11,8 @@ const LINE: f32 = 15.5;
 const GAP: f32 = 10.0;
 /// Figures change; what is behind them stays as wide as this, where they are not wider.
 const FIGURES_WIDTH: f32 = 290.0;
-/// From the name of a figure, and from a key, to what is said of it.
-const INDENTS: [f32; 2] = [85.0, 75.0];
+/// From the name of a figure, or from a key, to what is said of it, where names are not longer.
+const INDENT: f32 = 85.0;
 
 /// One line: what it is, and its value.
 pub(crate) type Line = (String, String);
@@ -20,26 +20,30 @@ pub(crate) type Line = (String, String);
 /// One line: keys, and what they do.
 pub(crate) type Key = (&'static str, &'static str);
 
-/// Paints figures at the left, keys at the right, and a message at the bottom.
-pub(crate) fn paint(
-    painter: &Painter,
-    told: Option<&(Vec<Line>, Vec<Key>)>,
-    message: Option<&str>,
-) {
+/// A page over the picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Told {
+    Keys(Vec<Key>),
+    Figures(Vec<Line>),
+}
+
+/// Paints a page at the top left, and a message at the bottom.
+pub(crate) fn paint(painter: &Painter, told: Option<&Told>, message: Option<&str>) {
     let whole = painter.clip_rect();
-    if let Some((figures, keys)) = told {
-        let figures = figures.iter().map(|(what, value)| [what.as_str(), value]);
-        let figures = Table::new(painter, INDENTS[0], figures);
-        let keys = keys.iter().map(|(key, what)| [*key, *what]);
-        let keys = Table::new(painter, INDENTS[1], keys);
-        let width = figures.width.max(FIGURES_WIDTH);
-        figures.paint(painter, whole.left_top() + vec2(GAP, GAP), width);
-        let keys_width = keys.width;
-        let right = whole.right() - keys_width - GAP;
-        // A narrow window shows figures, not keys.
-        if right > width + 3.0 * GAP {
-            keys.paint(painter, pos2(right, whole.top() + GAP), keys_width);
+    let corner = whole.left_top() + vec2(GAP, GAP);
+    match told {
+        Some(Told::Keys(keys)) => {
+            let keys = Table::new(painter, keys.iter().map(|(key, what)| [*key, *what]));
+            let width = keys.width;
+            keys.paint(painter, corner, width);
         }
+        Some(Told::Figures(figures)) => {
+            let figures = figures.iter().map(|(what, value)| [what.as_str(), value]);
+            let figures = Table::new(painter, figures);
+            let width = figures.width.max(FIGURES_WIDTH);
+            figures.paint(painter, corner, width);
+        }
+        None => {}
     }
     if let Some(message) = message {
         let place = pos2(whole.center().x, whole.bottom() - 2.0 * GAP);
@@ -58,18 +62,15 @@ struct Table {
 }
 
 impl Table {
-    fn new<'a>(
-        painter: &Painter,
-        indent: f32,
-        lines: impl IntoIterator<Item = [&'a str; 2]>,
-    ) -> Self {
+    fn new<'a>(painter: &Painter, lines: impl IntoIterator<Item = [&'a str; 2]>) -> Self {
         let font = FontId::proportional(SIZE);
         let laid =
             |text: &str, colour| painter.layout_no_wrap(text.to_owned(), font.clone(), colour);
         let row = |[what, value]: [&str; 2]| [laid(what, FAINT), laid(value, TEXT)];
         let rows: Vec<_> = lines.into_iter().map(row).collect();
-        let values = rows.iter().map(|[_, value]| value.size().x);
-        let width = indent + values.fold(0.0, f32::max) + 2.0 * GAP;
+        let widest = |k: usize| rows.iter().map(|row| row[k].size().x).fold(0.0, f32::max);
+        let indent = INDENT.max(widest(0) + GAP);
+        let width = indent + widest(1) + 2.0 * GAP;
         Self {
             rows,
             indent,

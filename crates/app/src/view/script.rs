@@ -3,11 +3,11 @@
 //! For kiosks, demonstrations and trials: a file with one thing a line, `SECONDS WHAT`, as
 //! `0.5 key space`. While a line waits for the picture to settle, the script's time stands still.
 
-use super::keys::{action_of, key_named};
+use super::keys::action_named;
 use anyhow::{Context, bail};
 use foveal_core::units::Seconds;
+use foveal_core::view::keys::Action;
 use std::path::PathBuf;
-use winit::keyboard::Key;
 
 /// What a line may say, for messages.
 const FORMS: &str = "SECONDS and one of: key NAME, move X Y, leave, drag DX DY, wheel STEPS, \
@@ -22,7 +22,8 @@ const MOST_LINES: usize = 100_000;
 /// One thing that happens.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Deed {
-    Key(Key),
+    /// What a key does.
+    Key(Action),
     /// The pointer to a place in the window, in pixels.
     Move([f64; 2]),
     /// The pointer out of the window.
@@ -134,9 +135,10 @@ fn parse_line(line: &str) -> anyhow::Result<(f64, Deed)> {
     };
     let nothing = |deed: Deed| given.is_empty().then_some(deed);
     let deed = match what {
-        "key" => match key_named(given) {
-            Some(key) if action_of(&key).is_none() => bail!("no key {given} does anything"),
-            key => key.map(Deed::Key),
+        "key" if given.is_empty() => None,
+        "key" => match action_named(given) {
+            None => bail!("no key {given} does anything; `foveal view --help` lists all keys"),
+            action => action.map(Deed::Key),
         },
         "move" => pair().map(Deed::Move),
         "leave" => nothing(Deed::Leave),

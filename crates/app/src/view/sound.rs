@@ -48,6 +48,8 @@ struct Shared {
 /// Bounded by what is read ahead.
 struct State {
     playing: bool,
+    /// What is played is silent.
+    muted: bool,
     stop: bool,
     /// Counts the jumps, so that what was read before one is not played after it.
     jumps: u64,
@@ -92,6 +94,7 @@ impl Sound {
             begun: Instant::now(),
             state: Mutex::new(State {
                 playing: false,
+                muted: false,
                 stop: false,
                 jumps: 0,
                 ahead: VecDeque::new(),
@@ -136,6 +139,14 @@ impl Sound {
         state.waits = false;
         drop(state);
         self.shared.wake.notify_one();
+    }
+
+    /// Makes it silent, or heard again; returns whether it is heard. It goes on in step with the
+    /// picture either way.
+    pub(crate) fn toggle(&self) -> bool {
+        let mut state = self.shared.lock();
+        state.muted = !state.muted;
+        !state.muted
     }
 
     /// Whether a device came back and must be [`Self::set`].
@@ -229,6 +240,9 @@ impl Shared {
         out.iter_mut()
             .zip(state.ahead.drain(..count))
             .for_each(|(out, sample)| *out = sample);
+        if state.muted {
+            out.fill(0.0);
+        }
         state.start.is_taken = true;
         let front = state.front;
         state.heard.note(now, now + latency.as_secs_f64(), front);

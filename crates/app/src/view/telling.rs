@@ -1,12 +1,12 @@
 //! How do a viewer's figures and settings read?
 
 use super::Stage;
-use super::keys::{KEYS, Needs};
 use super::overlay::{Key, Line};
 use super::viewer::Viewer;
 use crate::canvas::Showing;
 use foveal_core::selection::policy::Policy;
 use foveal_core::units::Seconds;
+use foveal_core::view::keys::{KEYS, Needs, Row};
 use foveal_render::Interpolation;
 
 /// A policy as it is called on the command line.
@@ -38,13 +38,15 @@ impl Viewer {
         let does = |needs| match needs {
             Needs::Nothing => true,
             Needs::Frames => !stage.timeline().is_still(),
+            Needs::Heard => self.sound.is_some(),
             Needs::TwoEyes => self.two_eyes,
             Needs::Samples => style.samples,
             Needs::Tiles => !style.samples,
             Needs::Atlas => !style.samples && !style.showing.has_textures,
         };
-        let here = KEYS.into_iter().filter(|(.., needs)| does(*needs));
-        here.map(|(keys, what, _)| (keys, what)).collect()
+        let here = KEYS.iter().filter(|row| does(row.needs));
+        here.map(|Row { shown, says, .. }| (*shown, *says))
+            .collect()
     }
 
     fn style_told(&self, stage: &Stage) -> String {

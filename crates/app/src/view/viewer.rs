@@ -6,11 +6,11 @@ use super::Stage;
 use super::choice::Choice;
 use super::drift::Drift;
 use super::easel::Style;
-use super::keys::Action;
 use super::looking::{Looking, Watched};
-use super::overlay::{Key, Line};
+use super::overlay::Told;
 use super::sound::Sound;
 use super::telling;
+use super::words::{Page, Words};
 use crate::options::PolicyOptions;
 use crate::showing_options::EyeName;
 use anyhow::bail;
@@ -23,6 +23,7 @@ use foveal_core::selection::policy::Policy;
 use foveal_core::selection::stage::Now;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::keys::Action;
 use foveal_core::view::scene::{Pane, Scene, Shown};
 use foveal_core::view::surface::Eye;
 use foveal_render::{Interpolation, Overlay};
@@ -43,12 +44,8 @@ const POLICIES: [Policy; 10] = [
 ];
 /// Radius of the ring round the gaze, in degrees: the fovea.
 const FOVEA_DEG: f64 = 2.5;
-/// How long a message stays, in seconds.
-const MESSAGE_S: f64 = 3.0;
 /// How long the sound waits for the frame that it begins with, in seconds.
 const MOST_PREROLL_S: f64 = 1.0;
-/// How often figures are painted anew, in seconds.
-const FIGURES_S: f64 = 0.25;
 /// How often a gaze that moves by itself is looked at while nothing plays, in seconds.
 const LOOK_S: f64 = 1.0 / 60.0;
 
@@ -83,13 +80,11 @@ pub(crate) struct Viewer {
     sound_in: Option<f64>,
     once: bool,
     pub(crate) figures: Figures,
-    overlay: bool,
-    heat_map: bool,
+    words: Words,
+    levels: bool,
     borders: bool,
-    message: Option<(String, f64)>,
     /// What the last step was made for.
     last: Option<(Aim, Shown)>,
-    painted: f64,
     /// How far picture and sound were from each other when frames were shown.
     pub(crate) drift: Drift,
     /// What was drawn last.
@@ -107,9 +102,6 @@ pub(crate) enum Wish {
     Quit,
 }
 
-/// Figures, and the keys that do something.
-pub(crate) type Told = (Vec<Line>, Vec<Key>);
-
 impl Viewer {
     /// A session that begins at `now`.
     pub(crate) fn new(begin: Begin, now: Seconds) -> Self {
@@ -125,12 +117,10 @@ impl Viewer {
             sound_in: None,
             once: begin.once,
             figures: Figures::default(),
-            overlay: false,
-            heat_map: false,
+            words: Words::default(),
+            levels: false,
             borders: false,
-            message: None,
             last: None,
-            painted: 0.0,
             drift: Drift::new(),
             drawn_tick: None,
             eye: begin.eye,
@@ -139,7 +129,6 @@ impl Viewer {
         if !begin.paused {
             viewer.play(now);
         }
-        viewer.say("H shows keys and figures".to_owned(), now);
         viewer
     }
 
@@ -186,9 +175,11 @@ impl Viewer {
                 self.restyle(action, stage, now);
             }
             Action::Eye => self.next_eye(now),
-            Action::HeatMap => self.heat_map = !self.heat_map,
+            Action::Levels => self.levels = !self.levels,
             Action::Borders => self.borders = !self.borders,
-            Action::Overlay => self.overlay = !self.overlay,
+            Action::Sound => self.toggle_sound(now),
+            Action::Overlay => self.words.turn_the_page(),
+            Action::Figures => self.words.toggle_figures(),
             Action::Screenshot => return Wish::Screenshot,
             Action::FullScreen => return Wish::FullScreen,
             Action::Quit => return Wish::Quit,
@@ -323,9 +314,18 @@ impl Viewer {
         }
     }
 
+    fn toggle_sound(&mut self, now: Seconds) {
+        let said = match &self.sound {
+            Some(sound) if sound.toggle() => "sound on",
+            Some(_) => "sound off",
+            None => "there is no sound",
+        };
+        self.say(said.to_owned(), now);
+    }
+
     /// Shows a message for some seconds.
     pub(crate) fn say(&mut self, message: String, now: Seconds) {
-        self.message = Some((message, now.0 + MESSAGE_S));
+        self.words.say(message, now);
     }
 
     /// Looks where the viewer looks and moves the stage on. Returns whether to paint anew.
@@ -358,21 +358,12 @@ impl Viewer {
         let shown = self.scene.shown(pane);
         if let Some((before, shown_before)) = &self.last {
             let style = stage.easel.style();
-            let follows = self.heat_map || style.samples || style.showing.blurs;
+            let follows = self.levels || style.samples || style.showing.blurs;
             let moved = before.gaze.gaze_in_content != aim.gaze.gaze_in_content;
             changed |= *shown_before != shown || follows && moved;
         }
         self.last = Some((aim, shown));
-        if self
-            .message
-            .as_ref()
-            .is_some_and(|(_, until)| now.0 >= *until)
-        {
-            self.message = None;
-            changed = true;
-        }
-        let stale = self.overlay && now.0 - self.painted >= FIGURES_S;
-        Ok(changed || stale && self.is_moving(stage))
+        Ok(changed || self.words.are_stale(now, self.is_moving(stage)))
     }
 
     /// Whether the content moves.
@@ -522,11 +513,6 @@ impl Viewer {
             let due = stage.next_due().map_or(media, |due| due.0);
             // What is overdue comes with the tiles that are waited for.
             times.push(now.0 + if due > media { due - media } else { 0.02 });
-            times.push(if self.overlay {
-                self.painted + FIGURES_S
-            } else {
-                f64::MAX
-            });
         } else if !self.is_settled(stage) {
             times.push(now.0 + 0.03);
         }
@@ -539,7 +525,7 @@ impl Viewer {
                 .map(|at| at.0)
                 .filter(|at| *at > now.0),
         );
-        times.extend(self.message.as_ref().map(|(_, until)| *until));
+        times.extend(self.words.due(now, self.is_moving(stage)));
         let next = times
             .into_iter()
             .filter(|time| *time < 1e12)
@@ -562,7 +548,7 @@ impl Viewer {
     pub(crate) fn marks(&self, stage: &Stage) -> Option<Overlay> {
         let (aim, shown) = self.last.as_ref()?;
         let style = stage.easel.style();
-        let marks = self.heat_map || self.borders;
+        let marks = self.levels || self.borders;
         if !marks || style.samples || style.showing.has_textures {
             return None;
         }
@@ -573,23 +559,25 @@ impl Viewer {
         let plain = Overlay::default();
         Some(Overlay {
             gaze: place.map(|place| place as f32),
-            gaze_radius: if self.heat_map {
+            gaze_radius: if self.levels {
                 (ppd * FOVEA_DEG) as f32
             } else {
                 0.0
             },
-            heat: if self.heat_map { plain.heat } else { 0.0 },
+            heat: if self.levels { plain.heat } else { 0.0 },
             borders: if self.borders { 0.5 } else { 0.0 },
             ..plain
         })
     }
 
-    /// What is written over the picture: figures where they are wanted, and a message.
+    /// What is written over the picture: the page of the overlay that is open, and a message.
     pub(crate) fn words(&mut self, stage: &Stage, now: Seconds) -> (Option<Told>, Option<String>) {
-        self.painted = now.0;
-        let told = || (self.lines(stage, now), self.keys(stage));
-        let told = self.overlay.then(told);
-        let message = self.message.as_ref().map(|(message, _)| message.clone());
+        let (page, message) = self.words.paint(now);
+        let told = match page {
+            Page::Nothing => None,
+            Page::Keys => Some(Told::Keys(self.keys(stage))),
+            Page::Figures => Some(Told::Figures(self.lines(stage, now))),
+        };
         (told, message)
     }
 

@@ -4,7 +4,7 @@ use super::Stage;
 use super::choice::Choice;
 use super::easel::{Easel, Style};
 use super::feed::DecodeFeed;
-use super::keys::{Action, ZOOM, action_of};
+use super::keys::action_of;
 use super::looking::Looking;
 use super::opening::{USUAL_SCREEN, open_window};
 use super::overlay;
@@ -22,6 +22,7 @@ use foveal_core::asset::timeline::Timeline;
 use foveal_core::selection::policy::Policy;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::keys::{Action, ZOOM};
 use foveal_core::view::scene::{Pane, Scene};
 use foveal_render::RgbaImage;
 use std::sync::Arc;
@@ -99,6 +100,8 @@ struct Open {
     size: [u32; 2],
     hidden: bool,
     dragging: bool,
+    /// Shift is held.
+    with_shift: bool,
     /// Where the pointer was when it last moved.
     pointer: [f64; 2],
     /// Until when a window that was told its size is waited for.
@@ -236,6 +239,7 @@ impl Open {
             size: [size.width, size.height],
             hidden: false,
             dragging: false,
+            with_shift: false,
             pointer: [0.0; 2],
             resizing: None,
             stale: true,
@@ -272,10 +276,11 @@ impl Open {
                 self.stale = true;
             }
             WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed => {
-                if let Some(action) = action_of(&event.logical_key) {
+                if let Some(action) = action_of(&event.logical_key, self.with_shift) {
                     return self.act(action, now);
                 }
             }
+            WindowEvent::ModifiersChanged(held) => self.with_shift = held.state().shift_key(),
             WindowEvent::CursorMoved { position, .. } => self.point([position.x, position.y]),
             WindowEvent::CursorLeft { .. } => self.viewer.pointer.leave(now),
             WindowEvent::MouseInput {
@@ -427,11 +432,7 @@ impl Open {
 
     fn perform(&mut self, deed: Deed, now: Seconds) -> anyhow::Result<Wish> {
         match deed {
-            Deed::Key(key) => {
-                if let Some(action) = action_of(&key) {
-                    return self.act(action, now);
-                }
-            }
+            Deed::Key(action) => return self.act(action, now),
             Deed::Move(place) => self.point(place),
             Deed::Leave => self.viewer.pointer.leave(now),
             Deed::Drag(by) => self.drag(by),

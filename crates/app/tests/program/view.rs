@@ -12,6 +12,8 @@ use std::process::{Child, Command, Stdio};
 struct Display {
     server: Child,
     name: String,
+    /// Where it keeps what is on its screen.
+    kept: Folder,
 }
 
 impl Display {
@@ -19,9 +21,10 @@ impl Display {
     /// number nobody holds and tells it when clients may come: a socket left behind by one that
     /// was killed is not taken for a server.
     fn start() -> Option<Self> {
+        let kept = Folder::new();
         let started = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "1000x700x24"])
-            .args(["-nolisten", "tcp"])
+            .args(["-nolisten", "tcp", "-fbdir", kept.to_str().unwrap()])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn();
@@ -35,7 +38,35 @@ impl Display {
             .unwrap();
         assert!(number.ends_with('\n'), "Xvfb does not start");
         let name = format!(":{}", number.trim());
-        Some(Self { server, name })
+        Some(Self { server, name, kept })
+    }
+
+    /// What is on the screen: an XWD file, whose header is 32-bit numbers, the big end first, and
+    /// whose pixels are blue, green, red and nothing.
+    fn screen(&self) -> Rgb {
+        let bytes = std::fs::read(self.kept.name("Xvfb_screen0")).unwrap();
+        let number = |at: usize| u32::from_be_bytes(bytes[4 * at..4 * at + 4].try_into().unwrap());
+        let [header, width, height, line, colours] = [0, 4, 5, 12, 19].map(number);
+        let begin = (header + 12 * colours) as usize;
+        let rows = bytes[begin..].chunks(line as usize).take(height as usize);
+        let pixels = rows.flat_map(|row| row[..4 * width as usize].chunks(4));
+        Rgb {
+            size: [width, height],
+            pixels: pixels
+                .flat_map(|bgrx| [bgrx[2], bgrx[1], bgrx[0]])
+                .collect(),
+        }
+    }
+
+    /// The program in a window on it, with a script.
+    fn view(&self, folder: &Folder, pack: &str, script: &str, options: &[&str]) -> Command {
+        let script = folder.holding("script.txt", script.as_bytes());
+        let mut view = command(&["view", pack, "--script", &script, "--json"]);
+        view.args(options);
+        view.env("DISPLAY", &self.name)
+            .env_remove("WAYLAND_DISPLAY")
+            .env("XDG_RUNTIME_DIR", folder.to_str().unwrap());
+        view
     }
 }
 
@@ -51,13 +82,7 @@ impl Drop for Display {
 /// Opens a pack on a display of its own and lets a script run to its end; `None` without Xvfb.
 fn watched(folder: &Folder, pack: &str, script: &str, options: &[&str]) -> Option<Value> {
     let display = Display::start()?;
-    let script = folder.holding("script.txt", script.as_bytes());
-    let mut view = command(&["view", pack, "--script", &script, "--json"]);
-    view.args(options);
-    view.env("DISPLAY", &display.name)
-        .env_remove("WAYLAND_DISPLAY")
-        .env("XDG_RUNTIME_DIR", folder.to_str().unwrap());
-    let ran: Ran = finish(view);
+    let ran: Ran = finish(display.view(folder, pack, script, options));
     assert_eq!(ran.code, Some(0), "{ran:?}");
     Some(serde_json::from_str(&ran.stdout).unwrap())
 }
@@ -101,6 +126,46 @@ fn a_settled_window_shows_the_picture_of_the_headless_run() {
     for (shot, frame) in [(first, 0), (last, 5)] {
         let expected = headless(&folder, &pack, "400x225", frame);
         assert!(Rgb::read(&shot).difference(&expected) <= 1, "frame {frame}");
+    }
+}
+
+/// Whether a rectangle of the screen is as dark as behind words, where the picture is not.
+fn is_behind_words(screen: &Rgb, plain: &Rgb, [xs, ys]: [std::ops::Range<u32>; 2]) -> bool {
+    let sum = |pixel: [u8; 3]| pixel.map(u32::from).iter().sum::<u32>();
+    let places = ys.flat_map(|y| xs.clone().map(move |x| [x, y]));
+    let bright: Vec<[u32; 2]> = places.filter(|at| sum(plain.at(*at)) > 90).collect();
+    let is_dark = |at: &[u32; 2]| 2 * sum(screen.at(*at)) < sum(plain.at(*at));
+    !bright.is_empty() && bright.iter().all(is_dark)
+}
+
+#[test]
+fn a_window_says_which_key_lists_the_keys_and_that_key_does() {
+    let folder = Folder::new();
+    let pack = flat_pack(&folder);
+    let plain = folder.name("plain.png");
+    let open = |more: &str| format!("0 settle\n0 screenshot {plain}\n{more}");
+    // At the bottom in the middle, below the text; at the left, beside all lines of the table.
+    let hint = || [375..393, 413..417];
+    let keys = || [12..18, 14..320];
+    let options = ["--view", "768x432", "--paused"];
+    for (script, is_seen) in [(open(""), [true, false]), (open("0 key h"), [false, true])] {
+        let Some(display) = Display::start() else {
+            return;
+        };
+        let mut view = display.view(&folder, &pack, &script, &options);
+        let mut window = view.stdout(Stdio::null()).spawn().unwrap();
+        let seen = (0..1200).any(|_| {
+            std::thread::sleep(std::time::Duration::from_millis(50));
+            if !std::path::Path::new(&plain).exists() {
+                return false;
+            }
+            let (screen, plain) = (display.screen(), Rgb::read(&plain));
+            [hint(), keys()].map(|place| is_behind_words(&screen, &plain, place)) == is_seen
+        });
+        let _ = window.kill();
+        let _ = window.wait();
+        assert!(seen, "{script}");
+        std::fs::remove_file(&plain).unwrap();
     }
 }
 

@@ -3,5 +3,6 @@
 pub mod axes;
 pub mod eye_view;
 pub mod head_pose;
+pub mod keys;
 pub mod scene;
 pub mod surface;

@@ -110,6 +110,31 @@ impl Scene {
         self.centre = self.surface.size.map(|side| f64::from(side) / 2.0);
     }
 
+    /// Turns a sphere's view by hand to a yaw and a pitch, and zooms until it is `fov` wide, as far
+    /// as it may; what is `None` stays. Flat content has no directions and stays as it is.
+    pub fn look(&mut self, [yaw, pitch, fov]: [Option<Radians>; 3], pane: &Pane) {
+        if self.surface.projection == Projection::Flat {
+            return;
+        }
+        let steepest = Radians::from_degrees(STEEPEST_DEG).0;
+        if let Some(yaw) = yaw {
+            self.head.yaw = within_a_turn(yaw.0);
+        }
+        if let Some(pitch) = pitch {
+            self.head.pitch = Radians(pitch.0.clamp(-steepest, steepest));
+        }
+        if let Some(fov) = fov {
+            let middle = pane.size.map(|side| f64::from(side) / 2.0);
+            let wanted = self.tangent / libm::tan(fov.0 / 2.0);
+            self.zoom_by(wanted / self.zoom, middle, pane);
+        }
+    }
+
+    /// How wide a sphere's view is; before zooming it is what it began with.
+    pub fn field(&self) -> Radians {
+        Radians(2.0 * libm::atan(self.tangent / self.zoom))
+    }
+
     /// Where the head is turned to.
     pub fn head(&self) -> HeadPose {
         let Some(led) = self.led else {
@@ -161,9 +186,7 @@ impl Scene {
             Projection::Cube => {
                 let per_pixel = 2.0 * self.tangent / self.zoom / pane.larger_side();
                 let steepest = Radians::from_degrees(STEEPEST_DEG).0;
-                let turn = std::f64::consts::TAU;
-                let yaw = (self.head.yaw.0 - x * per_pixel + turn / 2.0).rem_euclid(turn);
-                self.head.yaw = Radians(yaw - turn / 2.0);
+                self.head.yaw = within_a_turn(self.head.yaw.0 - x * per_pixel);
                 let pitch = self.head.pitch.0 + y * per_pixel;
                 self.head.pitch = Radians(pitch.clamp(-steepest, steepest));
             }
@@ -275,6 +298,12 @@ impl Scene {
     }
 }
 
+/// The same direction within half a turn to either side.
+fn within_a_turn(yaw: f64) -> Radians {
+    let turn = std::f64::consts::TAU;
+    Radians((yaw + turn / 2.0).rem_euclid(turn) - turn / 2.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -364,6 +393,31 @@ mod tests {
         assert!((scene.head().yaw.0 + 0.02).abs() < 1e-12);
         scene.drag([0.0, 1e6], &pane);
         assert!((scene.head().pitch.to_degrees() - STEEPEST_DEG).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_view_that_was_told_is_found_again_by_what_is_told_of_it() {
+        let mut scene = Scene::new(Surface::cube(1024), Radians::from_degrees(100.0));
+        let pane = pane([1000, 600]);
+        assert!((scene.field().to_degrees() - 100.0).abs() < 1e-9);
+        let degrees = |degrees: f64| Some(Radians::from_degrees(degrees));
+        scene.look([degrees(-350.0), degrees(20.0), degrees(60.0)], &pane);
+        assert!((scene.head().yaw.to_degrees() - 10.0).abs() < 1e-9);
+        assert!((scene.head().pitch.to_degrees() - 20.0).abs() < 1e-9);
+        assert!((scene.field().to_degrees() - 60.0).abs() < 1e-9);
+        let across = scene.shown(&pane).view.field.left.atan() * 2.0;
+        assert!((across.to_degrees() - 60.0).abs() < 1e-9);
+        scene.look([None, degrees(-90.0), None], &pane);
+        assert!((scene.head().pitch.to_degrees() + STEEPEST_DEG).abs() < 1e-9);
+        assert!((scene.field().to_degrees() - 60.0).abs() < 1e-9);
+        // Wider and closer than may be is as wide and as close as may be.
+        scene.look([None, None, degrees(170.0)], &pane);
+        assert!((scene.field().to_degrees() - 2.0 * WIDEST_HALF_DEG).abs() < 1e-9);
+        scene.look([None, None, degrees(1e-3)], &pane);
+        assert!((scene.scale(&pane) - CLOSEST).abs() < 1e-6);
+        let mut plane = flat([640, 360]);
+        plane.look([degrees(10.0), degrees(10.0), degrees(10.0)], &pane);
+        assert_eq!(plane, flat([640, 360]));
     }
 
     #[test]

@@ -1,0 +1,246 @@
+//! Which keys are there, and what do they do?
+//!
+//! One table for the window and the page: a key does the same in both. `docs/keys.md` and
+//! `web/src/element/keys.ts` are made of it.
+
+use serde::Serialize;
+
+/// What a viewer can ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "does", content = "by", rename_all = "camelCase")]
+pub enum Action {
+    /// Pause, or play on.
+    Pause,
+    /// Seconds forward or back.
+    Skip(f64),
+    /// Frames forward or back; pauses.
+    Step(i64),
+    /// To the first frame.
+    First,
+    /// To the last frame.
+    Last,
+    /// Draw the content along, to the right and down, in shares of the view's width.
+    Move([f64; 2]),
+    /// Come closer by this factor.
+    Zoom(f64),
+    /// Back to the whole picture, or to the front of a sphere.
+    Reset,
+    /// So many policies on, or back.
+    Policy(i32),
+    /// Sound, or none.
+    Sound,
+    /// Colour tiles by their level, or not.
+    Levels,
+    /// Draw the borders of tiles, or not.
+    Borders,
+    /// Blur what lies outside the fovea, or not.
+    Blur,
+    /// The other way to fill pixels between samples.
+    Interpolation,
+    /// Tiles in textures, or in the atlas.
+    Textures,
+    /// The next eye.
+    Eye,
+    /// A picture of what is seen into a file.
+    Screenshot,
+    /// The whole screen, or not.
+    FullScreen,
+    /// The next page of the overlay: keys, figures, nothing.
+    Overlay,
+    /// Figures, or none.
+    Figures,
+    /// End.
+    Quit,
+}
+
+/// What a key needs to do something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub enum Needs {
+    /// Nothing.
+    Nothing,
+    /// Content of more than one frame.
+    Frames,
+    /// Sound that is heard.
+    Heard,
+    /// Content for two eyes.
+    TwoEyes,
+    /// A policy that shows samples.
+    Samples,
+    /// A policy that shows tiles.
+    Tiles,
+    /// Tiles in an atlas, as levels are marked there.
+    Atlas,
+}
+
+/// Where a key is heard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// In the window and in the page.
+    Both,
+    /// In the window alone.
+    Window,
+}
+
+/// A key with what it does. It is named as the web names it (`KeyboardEvent.key`), letters small,
+/// behind `Shift+` where it counts with Shift alone.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Key {
+    /// Its name.
+    pub key: &'static str,
+    /// What it does.
+    #[serde(flatten)]
+    pub action: Action,
+}
+
+/// A line of the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// The keys as people call them.
+    pub shown: &'static str,
+    /// What they do, for people.
+    pub says: &'static str,
+    /// What they need.
+    pub needs: Needs,
+    /// Where they are heard.
+    pub place: Place,
+    /// The keys.
+    pub keys: &'static [Key],
+}
+
+/// Share of the view's width that an arrow moves.
+const STEP: f64 = 0.0625;
+/// Seconds that a key skips.
+const SKIP_S: f64 = 5.0;
+/// What a key, or a step of a wheel, zooms by.
+pub const ZOOM: f64 = 1.25;
+
+const fn key(key: &'static str, action: Action) -> Key {
+    Key { key, action }
+}
+
+const fn row(
+    shown: &'static str,
+    says: &'static str,
+    needs: Needs,
+    place: Place,
+    keys: &'static [Key],
+) -> Row {
+    Row {
+        shown,
+        says,
+        needs,
+        place,
+        keys,
+    }
+}
+
+/// All keys, in the order in which they are listed.
+#[rustfmt::skip]
+pub const KEYS: &[Row] = {
+    use Action::*;
+    use Needs::{Atlas, Frames, Heard, Nothing, Samples, Tiles, TwoEyes};
+    use Place::{Both, Window};
+    &[
+        row("H  ?", "keys, figures, nothing", Nothing, Both,
+            &[key("h", Overlay), key("?", Overlay)]),
+        row("space", "play, pause", Frames, Both,
+            &[key(" ", Pause)]),
+        row(",  .", "frame back, forward", Frames, Both,
+            &[key(",", Step(-1)), key(".", Step(1))]),
+        row("[  ]", "5 s back, forward", Frames, Both,
+            &[key("[", Skip(-SKIP_S)), key("]", Skip(SKIP_S))]),
+        row("Shift Left  Shift Right", "5 s back, forward", Frames, Both,
+            &[key("Shift+ArrowLeft", Skip(-SKIP_S)), key("Shift+ArrowRight", Skip(SKIP_S))]),
+        row("Home  End", "first, last frame", Frames, Both,
+            &[key("Home", First), key("End", Last)]),
+        row("Left  Right", "look round, move", Nothing, Both,
+            &[key("ArrowLeft", Move([STEP, 0.0])), key("ArrowRight", Move([-STEP, 0.0]))]),
+        row("Up  Down", "look up and down, move", Nothing, Both,
+            &[key("ArrowUp", Move([0.0, STEP])), key("ArrowDown", Move([0.0, -STEP]))]),
+        row("+", "closer", Nothing, Both,
+            &[key("+", Zoom(ZOOM)), key("=", Zoom(ZOOM))]),
+        row("-", "farther", Nothing, Both,
+            &[key("-", Zoom(1.0 / ZOOM)), key("_", Zoom(1.0 / ZOOM))]),
+        row("0", "whole picture, front of a sphere", Nothing, Both,
+            &[key("0", Reset)]),
+        row("P  Shift P", "next policy, the one before", Nothing, Both,
+            &[key("p", Policy(1)), key("Shift+p", Policy(-1))]),
+        row("M", "sound", Heard, Both,
+            &[key("m", Sound)]),
+        row("L", "tiles coloured by level", Atlas, Both,
+            &[key("l", Levels)]),
+        row("B", "borders of tiles", Atlas, Window,
+            &[key("b", Borders)]),
+        row("R", "radial blur", Nothing, Window,
+            &[key("r", Blur)]),
+        row("I", "interpolation", Samples, Window,
+            &[key("i", Interpolation)]),
+        row("T", "textures, atlas", Tiles, Window,
+            &[key("t", Textures)]),
+        row("E", "left, right, both eyes", TwoEyes, Window,
+            &[key("e", Eye)]),
+        row("S", "screenshot", Nothing, Window,
+            &[key("s", Screenshot)]),
+        row("O", "figures", Nothing, Both,
+            &[key("o", Figures)]),
+        row("F", "full screen", Nothing, Both,
+            &[key("f", FullScreen)]),
+        row("F1  F11", "as H, as F", Nothing, Window,
+            &[key("F1", Overlay), key("F11", FullScreen)]),
+        row("Q  Esc", "quit", Nothing, Window,
+            &[key("q", Quit), key("Escape", Quit)]),
+    ]
+};
+
+/// What a key does in the window, named as the web names it; `None` for keys that do nothing.
+pub fn action_of(name: &str, with_shift: bool) -> Option<Action> {
+    let name = match name.chars().count() {
+        1 => name.to_lowercase(),
+        _ => name.to_owned(),
+    };
+    let keys = || KEYS.iter().flat_map(|row| row.keys);
+    let find = |name: &str| keys().find(|key| key.key == name).map(|key| key.action);
+    let shifted = with_shift.then(|| find(&format!("Shift+{name}"))).flatten();
+    shifted.or_else(|| find(&name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_key_is_listed_once() {
+        let keys: Vec<&str> = KEYS
+            .iter()
+            .flat_map(|row| row.keys)
+            .map(|k| k.key)
+            .collect();
+        let all: BTreeSet<&str> = keys.iter().copied().collect();
+        assert_eq!(all.len(), keys.len(), "{keys:?}");
+    }
+
+    #[test]
+    fn a_key_and_its_opposite_undo_each_other() {
+        let action = |name| action_of(name, false).unwrap();
+        let (Action::Step(a), Action::Step(b)) = (action(","), action(".")) else {
+            panic!("no steps");
+        };
+        assert_eq!(a + b, 0);
+        let (Action::Zoom(a), Action::Zoom(b)) = (action("+"), action("-")) else {
+            panic!("no zooms");
+        };
+        assert!((a * b - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn shift_counts_where_it_is_named_and_nowhere_else() {
+        assert_eq!(action_of("P", true), Some(Action::Policy(-1)));
+        assert_eq!(action_of("P", false), Some(Action::Policy(1)), "caps lock");
+        assert_eq!(action_of("ArrowLeft", true), Some(Action::Skip(-SKIP_S)));
+        assert_eq!(action_of("+", true), Some(Action::Zoom(ZOOM)));
+        assert_eq!(action_of("M", true), Some(Action::Sound));
+        assert_eq!(action_of("x", false), None);
+    }
+}
