@@ -1,5 +1,6 @@
 //! Which rules of the repository does a commit of this tree break?
 
+mod citation;
 mod crates;
 mod documents;
 mod foreign;
@@ -85,6 +86,7 @@ fn check_files(tree: &Tree) -> Vec<Finding> {
         findings.extend(purity::check(path, text));
         findings.extend(documents::check(path, text, tree));
         findings.extend(papers::check(path, text, tree));
+        findings.extend(citation::check(path, text, tree));
     }
     findings
 }

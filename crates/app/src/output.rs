@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::fs::File;
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Prints `result` as one JSON object, or `text` for people.
@@ -124,20 +124,27 @@ pub(crate) fn spare_inputs<'a>(
     }
 }
 
-/// Writes a file whole or not at all.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+/// Where a file grows that takes its own name when it is whole; `None` of a device or a pipe, which
+/// takes bytes as they come: a rename would put a file in its place.
+pub(crate) fn growing_name(path: &Path) -> Option<PathBuf> {
     let there = std::fs::metadata(path);
     if there.is_ok_and(|there| !there.is_file() && !there.is_dir()) {
-        // A device or a pipe takes bytes as they come; a rename would put a file in its place.
-        let written = std::fs::write(path, bytes);
-        return written.with_context(|| format!("{}: cannot be written", path.display()));
+        return None;
     }
     let mut growing = path.as_os_str().to_owned();
     growing.push(".partial");
-    let growing = Path::new(&growing);
-    let written = std::fs::write(growing, bytes).and_then(|()| std::fs::rename(growing, path));
+    Some(growing.into())
+}
+
+/// Writes a file whole or not at all.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let Some(growing) = growing_name(path) else {
+        let written = std::fs::write(path, bytes);
+        return written.with_context(|| format!("{}: cannot be written", path.display()));
+    };
+    let written = std::fs::write(&growing, bytes).and_then(|()| std::fs::rename(&growing, path));
     if written.is_err() {
-        let _ = std::fs::remove_file(growing);
+        let _ = std::fs::remove_file(&growing);
     }
     written.with_context(|| format!("{}: cannot be written", path.display()))
 }

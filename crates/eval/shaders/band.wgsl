@@ -44,6 +44,7 @@ struct Looking {
 
 const ZONE_BORDERS_DEG = vec2<f32>(5.0, 20.0);
 const TINY = 1e-30;
+const RIGHT_ANGLE = 1.5707964;
 // Log2 of no difference at all.
 const NOTHING = -1e9;
 const GROUP = 256u;
@@ -94,8 +95,9 @@ fn eccentricity(id: vec2<u32>) -> f32 {
     let turned = apart.x * looking.place.y - apart.y * looking.place.x;
     let cross = sqrt(dot(apart, apart) + turned * turned);
     let far = sqrt(1.0 + dot(place, place)) * looking.length;
-    let ahead = 1.0 + dot(place, looking.place);
-    return degrees(2.0 * arc(min(cross / (far + ahead), 1.0)));
+    let ahead = far + (1.0 + dot(place, looking.place));
+    let half = arc(min(cross, ahead) / max(cross, ahead));
+    return degrees(2.0 * select(half, RIGHT_ANGLE - half, cross > ahead));
 }
 
 // The row of the table at a luminance, which lies between two.

@@ -7,6 +7,7 @@ use anyhow::{Context, anyhow, bail};
 use clap::ValueEnum;
 use foveal_eval::score::display::{DisplayFile, Transfer};
 use foveal_eval::score::gaze_trace::GazeTrace;
+use foveal_eval::score::named_displays::NamedDisplay;
 use foveal_eval::score::{Display, Mode};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -51,9 +52,11 @@ pub(crate) enum GazeOnPicture {
 pub(crate) fn parse_centre(text: &str) -> anyhow::Result<GazeOnPicture> {
     Ok(match text {
         "center" | "centre" => GazeOnPicture::Centre,
-        _ => GazeOnPicture::At(
-            parse_pair(text).map_err(|_| anyhow!("expected X,Y in pixels or center"))?,
-        ),
+        _ => {
+            GazeOnPicture::At(parse_pair(text).map_err(|_| {
+                anyhow!("expected two finite numbers of pixels as 10,-5, or center")
+            })?)
+        }
     })
 }
 
@@ -71,29 +74,19 @@ pub(super) fn gaze_of(
 }
 
 impl GazeOnPicture {
-    /// Where the eye looks in a frame of pictures of `size`.
+    /// Where the eye looks in a frame of pictures of `size`, or beside it.
     pub(crate) fn at(&self, frame: u32, size: [u32; 2]) -> anyhow::Result<[f64; 2]> {
-        let (place, option) = match self {
+        match self {
             // As the published package: the pixel after the middle.
-            Self::Centre => return Ok(size.map(|side| f64::from(side / 2))),
-            Self::At(place) => (*place, "--gaze".to_owned()),
-            Self::Trace(path, trace) => {
-                let Some(place) = trace.at(frame) else {
-                    bail!(
-                        "{}: no row for frame {frame}; give a row for every frame, or --frames N",
-                        path.display()
-                    );
-                };
-                (place, format!("{}: frame {frame}", path.display()))
-            }
-        };
-        let inside = |k: usize| (-0.5..=f64::from(size[k]) - 0.5).contains(&place[k]);
-        if inside(0) && inside(1) {
-            return Ok(place);
+            Self::Centre => Ok(size.map(|side| f64::from(side / 2))),
+            Self::At(place) => Ok(*place),
+            Self::Trace(path, trace) => trace.at(frame).with_context(|| {
+                format!(
+                    "{}: no row for frame {frame}; give a row for every frame, or --frames N",
+                    path.display()
+                )
+            }),
         }
-        let found = format!("{},{}", place[0], place[1]);
-        let range = format!("a place in the picture of {}x{} pixels", size[0], size[1]);
-        bail!(out_of_range(&option, found, &range));
     }
 
     /// What results call it.
@@ -106,14 +99,6 @@ impl GazeOnPicture {
     }
 }
 
-/// The displays that have names.
-pub(super) fn displays() -> Vec<Display> {
-    Display::NAMES
-        .into_iter()
-        .filter_map(Display::named)
-        .collect()
-}
-
 /// The display that `option` asked for, or else `own`.
 pub(super) fn display_of(
     option: &str,
@@ -122,17 +107,20 @@ pub(super) fn display_of(
 ) -> anyhow::Result<Display> {
     let Some(choice) = choice else {
         return own.ok_or_else(|| {
-            let names = Display::NAMES.join(", ");
+            let names = Display::names().join(", ");
             let text = format!("{option}: give one of {names}, or a file that describes it");
             WrongUsage(text).into()
         });
     };
-    if let Some(display) = Display::named(choice) {
-        return Ok(display);
+    if let Some(named) = NamedDisplay::find(choice) {
+        return match named.refused {
+            None => Ok(named.display),
+            Some(why) => bail!(WrongUsage(format!("{option} {choice}: {why}"))),
+        };
     }
     let path = Path::new(choice);
     if !path.exists() {
-        let names = Display::NAMES.join(", ");
+        let names = Display::names().join(", ");
         bail!(out_of_range(
             option,
             choice,
@@ -168,8 +156,8 @@ pub(super) fn fps_of(asked: Option<f64>, pair: [&Frames; 2]) -> anyhow::Result<O
 pub(super) fn check_hdr(display: &Display, pair: [&Frames; 2]) -> anyhow::Result<()> {
     match pair.iter().find(|frames| frames.is_hdr) {
         Some(frames) if display.transfer != Transfer::Pq => bail!(
-            "{}: its code values follow a high dynamic range curve; give a --display file with \
-             transfer = \"pq\", or convert it",
+            "{}: its code values follow a high dynamic range curve; give --display \
+             standard_hdr_pq or a file with transfer = \"pq\", or convert it",
             frames.name.display()
         ),
         _ => Ok(()),

@@ -6,6 +6,7 @@ mod folder;
 mod frames;
 mod heat;
 mod pack_frames;
+mod pairs;
 mod picture;
 mod report;
 
@@ -14,7 +15,7 @@ use crate::output::{self, Counting, WrongUsage};
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 pub(crate) use conditions::{DeviceName, ModeName};
-use conditions::{GazeOnPicture, displays, fps_of, gaze_of, parse_centre};
+use conditions::{GazeOnPicture, fps_of, gaze_of, parse_centre};
 use engine::Frame;
 pub(crate) use engine::{Companions, Engine};
 use foveal_eval::score::companion::{Companion, CompanionJudge};
@@ -25,6 +26,7 @@ pub(crate) use pack_frames::display_of_view;
 pub(crate) use picture::{from_image, read_picture};
 pub(crate) use report::Report;
 use report::Single;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// A measure by name.
@@ -61,43 +63,44 @@ impl MetricName {
     }
 }
 
-/// Scores pictures, folders of numbered pictures, videos, or two packs under two policies.
+/// Scores pictures, folders of numbered pictures, videos, or two packs under two policies; alone or
+/// many pairs at once.
 ///
 /// Without --gaze nobody looks at a place, and eccentricity does not count.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ScoreArgs {
     /// A picture, a folder of numbered pictures, a video or a pack: what should be seen.
-    #[arg(required_unless_present_any = ["list_displays", "cite"])]
+    #[arg(required_unless_present_any = ["pairs", "list_displays", "cite"])]
     reference: Option<PathBuf>,
     /// The same in the same size: what is seen.
-    #[arg(required_unless_present_any = ["list_displays", "cite"])]
+    #[arg(required_unless_present_any = ["pairs", "list_displays", "cite"])]
     test: Option<PathBuf>,
-    /// What shows it: standard_4k, standard_fhd, standard_hmd, htc_vive_pro, or a file that
-    /// describes it (default, of packs alone: the view itself).
+    /// What shows it (default, of packs alone: the view itself): standard_4k, standard_fhd,
+    /// standard_hmd, standard_phone, standard_hdr_pq, sdr_4k_30, sdr_fhd_24, htc_vive_pro,
+    /// iphone_12_pro, ipad_pro_12_9, macbook_pro_16, lg_oled_2017_sdr, lg_oled_2017_hdr, or a file
+    /// that describes it.
     #[arg(long, value_name = "NAME|FILE.toml")]
     display: Option<String>,
-    /// Where the eye looks: pixels from the middle of the first one, to the right and down, or
-    /// center.
+    /// Where the eye looks, in the picture or beside it: pixels from the middle of the first one,
+    /// to the right and down, or center.
     #[arg(long, value_name = "X,Y", value_parser = parse_centre, allow_hyphen_values = true)]
     #[arg(conflicts_with = "gaze_trace")]
     gaze: Option<GazeOnPicture>,
     /// The same frame by frame: CSV with frame,x_px,y_px.
     #[arg(long, value_name = "FILE.csv")]
     gaze_trace: Option<PathBuf>,
-    /// Frames a second (default: the video's; folders need it).
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    fps: Option<f64>,
-    /// Stop after this many frames (default: all).
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    frames: Option<u32>,
     /// What is measured.
     #[arg(long, value_enum, default_value = "fovvideovdp")]
     metric: MetricName,
     /// As published, to compare with published scores, or right where that slips.
     #[arg(long, value_enum, default_value = "compat")]
     mode: ModeName,
-    /// Write what is lost at every pixel, the mean over all frames, as a picture.
-    #[arg(long, value_name = "OUT.png")]
+    /// Stop after this many frames (default: all).
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
+    /// Write what is lost at every pixel, the mean over all frames: as a picture, or where the name
+    /// ends in .npy as numbers, JOD as float32 by rows and columns.
+    #[arg(long, value_name = "OUT.png|OUT.npy")]
     heat: Option<PathBuf>,
     /// What computes.
     #[arg(long, value_enum, default_value = "cpu")]
@@ -105,44 +108,90 @@ pub(crate) struct ScoreArgs {
     /// Threads (default: all cores).
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
-    /// The policy that the first of two packs is played under.
-    #[arg(long, value_enum, default_value = "full")]
-    reference_policy: PolicyName,
-    #[command(flatten)]
-    policy: PolicyOptions,
-    #[command(flatten)]
-    view: ViewOptions,
-    /// List the displays that have names.
-    #[arg(long)]
-    list_displays: bool,
-    /// Print version, parameters and paper, ready for a methods section.
-    #[arg(long, conflicts_with = "list_displays")]
-    cite: bool,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
+    /// Frames a second (default: the video's; folders need it).
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(help_heading = "Pictures and videos")]
+    fps: Option<f64>,
+    /// Score every row of a table: CSV with reference,test and as wanted gaze_x,gaze_y,gaze_trace,
+    /// display, which go before the options; other columns are kept. Files are named from where the
+    /// table lies.
+    #[arg(
+        long,
+        value_name = "FILE.csv",
+        requires = "out",
+        help_heading = "Many pairs"
+    )]
+    #[arg(conflicts_with_all = ["reference", "test", "heat"])]
+    pairs: Option<PathBuf>,
+    /// The same table with jod (or value) and under which conditions, or in column error why not.
+    #[arg(
+        long,
+        value_name = "FILE.csv",
+        requires = "pairs",
+        help_heading = "Many pairs"
+    )]
+    out: Option<PathBuf>,
+    /// List the displays that have names, with their figures.
+    #[arg(long, conflicts_with = "pairs", help_heading = "In place of a score")]
+    list_displays: bool,
+    /// Print version, parameters and paper, ready for a methods section.
+    #[arg(long, conflicts_with_all = ["list_displays", "pairs"])]
+    #[arg(help_heading = "In place of a score")]
+    cite: bool,
+    /// The policy that the first of two packs is played under.
+    #[arg(long, value_enum, default_value = "full", help_heading = PACKS)]
+    reference_policy: PolicyName,
+    #[command(flatten, next_help_heading = PACKS)]
+    policy: PolicyOptions,
+    #[command(flatten, next_help_heading = PACKS)]
+    view: ViewOptions,
 }
+
+/// What stands above the options that pictures and videos do not go by.
+const PACKS: &str = "Packs alone";
 
 pub(crate) fn run(args: &ScoreArgs) -> anyhow::Result<()> {
     if args.list_displays {
-        let list = report::displays(&displays());
+        let list = report::displays();
         return output::result(args.json, &list.0, &list.1);
     }
     if args.cite {
         let cited = report::citation();
         return output::result(args.json, &cited.0, &cited.1);
     }
+    if let (Some(pairs), Some(out)) = (&args.pairs, &args.out) {
+        let scored = pairs::score_pairs(args, pairs, out)?;
+        return output::result(args.json, &scored, &scored.text());
+    }
     let (Some(reference), Some(test)) = (&args.reference, &args.test) else {
         bail!(WrongUsage("give REFERENCE and TEST".to_owned()));
     };
+    if args.out.is_some() {
+        let text = "--out is for a table of pairs; give --pairs FILE.csv, or leave it";
+        bail!(WrongUsage(text.to_owned()));
+    }
     if let Some(heat) = &args.heat {
         output::spare_inputs(heat, [reference.as_path(), test.as_path()])?;
     }
-    args.score(reference, test)
+    match args.score(reference, test)? {
+        Judged::ByEye(report) => output::result(args.json, &*report, &report.text()),
+        Judged::By(single) => output::result(args.json, &single, &single.text()),
+    }
+}
+
+/// What is said of a pair.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+enum Judged {
+    ByEye(Box<Report>),
+    By(Single),
 }
 
 impl ScoreArgs {
-    fn score(&self, reference: &Path, test: &Path) -> anyhow::Result<()> {
+    fn score(&self, reference: &Path, test: &Path) -> anyhow::Result<Judged> {
         let mut pair = self.open(reference, test)?;
         let size = pair.0.size;
         let gaze = gaze_of(self.gaze.as_ref(), self.gaze_trace.as_deref())?;
@@ -190,7 +239,7 @@ impl ScoreArgs {
         pair: &mut (Frames, Frames),
         viewing: &Viewing,
         gaze: Option<&GazeOnPicture>,
-    ) -> anyhow::Result<()> {
+    ) -> anyhow::Result<Judged> {
         let mut engine = Engine::open(self.device, viewing, output::jobs(self.jobs)?)?;
         if self.heat.is_some() {
             engine.keep_heat()?;
@@ -209,7 +258,7 @@ impl ScoreArgs {
             engine.name(),
             self.heat.clone(),
         );
-        output::result(self.json, &report, &report.text())
+        Ok(Judged::ByEye(Box::new(report)))
     }
 
     fn score_by(
@@ -218,7 +267,7 @@ impl ScoreArgs {
         pair: &mut (Frames, Frames),
         viewing: &Viewing,
         gaze: Option<&GazeOnPicture>,
-    ) -> anyhow::Result<()> {
+    ) -> anyhow::Result<Judged> {
         if self.heat.is_some() {
             bail!(WrongUsage(
                 "--heat: only fovvideovdp tells where; leave --metric".to_owned()
@@ -232,7 +281,7 @@ impl ScoreArgs {
         })?;
         let measure = (companion, self.mode.mode());
         let single = Single::new(measure, viewing, gaze, judge.total(), per_frame);
-        output::result(self.json, &single, &single.text())
+        Ok(Judged::By(single))
     }
 
     /// Reads both to their end, frame by frame.

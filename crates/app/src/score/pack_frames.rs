@@ -83,11 +83,12 @@ impl PackFrames {
     /// The next frame, chosen and drawn for an eye that looks at a pixel of the view.
     pub(super) fn next(&mut self, gaze_px: [f64; 2]) -> anyhow::Result<ScorePicture> {
         let time = self.player.time(self.next);
-        let place = gaze_px.map(|pixel| pixel + 0.5);
+        let ray = self.view.ray(gaze_px.map(|pixel| pixel + 0.5));
         let gaze = GazeSample {
             time,
             received: time,
-            gaze_in_content: self.view.ray(place).normalize(),
+            // Far beside the view the square of a ray is no finite number.
+            gaze_in_content: (ray / ray.abs().max_element()).normalize(),
             valid: true,
             spread: Radians(0.0),
             head: None,

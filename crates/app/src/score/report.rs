@@ -4,8 +4,10 @@ use super::conditions::GazeOnPicture;
 use super::engine::CompanionValues;
 use foveal_eval::score::companion::Companion;
 use foveal_eval::score::constants as fit;
+use foveal_eval::score::display::Transfer;
+use foveal_eval::score::named_displays::NamedDisplay;
 use foveal_eval::score::pooling::{Band, Zones};
-use foveal_eval::score::{Display, Mode, Score, Viewing, Zone};
+use foveal_eval::score::{Mode, Score, Viewing, Zone};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -196,7 +198,7 @@ pub(super) struct Single {
     /// Of this program.
     version: &'static str,
     mode: Mode,
-    /// Null for equal pictures, of measures in decibels.
+    /// Null for equal pictures, of measures in decibels; of others where they see nothing.
     value: Option<f64>,
     unit: &'static str,
     #[serde(flatten)]
@@ -227,9 +229,13 @@ impl Single {
     }
 
     pub(super) fn text(&self) -> String {
+        let none = match self.unit {
+            "dB" => "no error",
+            _ => "nothing of the picture is in the fovea:",
+        };
         let value = self
             .value
-            .map_or("no error".to_owned(), |value| format!("{value:.4}"));
+            .map_or(none.to_owned(), |value| format!("{value:.4}"));
         let (unit, metric, frames) = (self.unit, self.metric.name(), self.frames);
         let (version, mode) = (self.version, mode_name(self.mode));
         let conditions = self.conditions.text();
@@ -247,6 +253,9 @@ pub(super) struct DisplayRow {
     fov_deg: [f64; 2],
     peak_cd_m2: f64,
     black_cd_m2: f64,
+    transfer: Transfer,
+    /// Why nothing is scored on it, and what to give in its place; mostly null.
+    refused: Option<&'static str>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -254,34 +263,50 @@ pub(super) struct DisplayList {
     displays: Vec<DisplayRow>,
 }
 
-/// The displays, as one object and as text.
-pub(super) fn displays(displays: &[Display]) -> (DisplayList, String) {
-    let row = |display: &Display| DisplayRow {
-        name: display.name.clone(),
-        size_px: display.size_px,
-        ppd: display.ppd(),
-        fov_deg: display.fov_deg(),
-        peak_cd_m2: display.peak_cd_m2,
-        black_cd_m2: display.black_cd_m2,
-    };
+/// The displays that have names, as one object and as text.
+pub(super) fn displays() -> (DisplayList, String) {
     let list = DisplayList {
-        displays: displays.iter().map(row).collect(),
+        displays: NamedDisplay::all().map(DisplayRow::of).collect(),
     };
-    let mut text = "name           panel       pixels/°   field of view    cd/m²\n".to_owned();
+    let mut text =
+        "name                 panel       pixels/°   field of view    cd/m²\n".to_owned();
     for row in &list.displays {
         let [w, h] = row.size_px;
         let [across, down] = row.fov_deg;
-        let _ = writeln!(
-            text,
-            "{:14} {:11} {:8.4}   {across:.2}° x {down:.2}°  {:.4} to {}",
+        let transfer = match row.transfer {
+            Transfer::Pq => ", PQ",
+            _ => "",
+        };
+        let figures = format!(
+            "{:20} {:11} {:8.4}   {across:.2}° x {down:.2}°  {:.4} to {}{transfer}",
             row.name,
             format!("{w}x{h}"),
             row.ppd,
             row.black_cd_m2,
-            row.peak_cd_m2
+            row.peak_cd_m2,
         );
+        let _ = match row.refused {
+            None => writeln!(text, "{figures}"),
+            Some(why) => writeln!(text, "{:20} refused: {why}", row.name),
+        };
     }
     (list, text)
+}
+
+impl DisplayRow {
+    fn of(named: NamedDisplay) -> Self {
+        let display = named.display;
+        Self {
+            size_px: display.size_px,
+            ppd: display.ppd(),
+            fov_deg: display.fov_deg(),
+            peak_cd_m2: display.peak_cd_m2,
+            black_cd_m2: display.black_cd_m2,
+            transfer: display.transfer,
+            refused: named.refused,
+            name: display.name,
+        }
+    }
 }
 
 /// What a methods section needs.

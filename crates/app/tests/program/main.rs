@@ -26,6 +26,8 @@ mod refusals;
 mod resume;
 mod scenes;
 mod score;
+mod score_conditions;
+mod score_many;
 mod selection;
 mod site;
 mod support;

@@ -148,7 +148,6 @@ fn a_gpu_gives_the_score_of_the_processor() {
 #[test]
 fn displays_and_the_paper_are_listed() {
     let list = json(&["score", "--list-displays"]);
-    assert_eq!(list["displays"].as_array().unwrap().len(), 4);
     near(&list["displays"][0]["ppd"], 75.4024, 1e-4);
     assert!(
         done(&["score", "--list-displays"])
@@ -225,7 +224,7 @@ fn other_measures_are_given_by_name() {
 }
 
 /// A pack of a small generated clip, and the clip.
-fn pack(folder: &Folder) -> [String; 2] {
+pub(crate) fn pack(folder: &Folder) -> [String; 2] {
     let pictures: Vec<Picture> = (0..6).map(|frame| noise([512, 256], frame)).collect();
     let clip = write_clip(folder, "clip.mkv", &pictures);
     let pack = folder.name("clip.foveal");
@@ -378,13 +377,6 @@ fn what_cannot_be_scored_is_refused_by_file_and_field() {
         );
     };
     score(&still, &wide, &[], 1, &["G4", "321x243", "256x256"]);
-    score(
-        &still,
-        &still,
-        &["--gaze", "256,3"],
-        2,
-        &["--gaze", "256,3", "256x256"],
-    );
     score(&video, &video, &[], 2, &["G9", "--fps"]);
     score(
         &video,
@@ -398,9 +390,6 @@ fn what_cannot_be_scored_is_refused_by_file_and_field() {
     let trace = folder.holding("short.csv", b"frame,x_px,y_px\n0,1,1\n1,2,2\n");
     let traced = ["--fps", "30", "--gaze-trace", &trace];
     score(&video, &video, &traced, 1, &["short.csv", "frame 2"]);
-    let trace = folder.holding("far.csv", b"frame,x_px,y_px\n0,1,900\n");
-    let traced = ["--fps", "30", "--gaze-trace", &trace];
-    score(&video, &video, &traced, 2, &["far.csv", "frame 0", "1,900"]);
     let trace = folder.holding("bad.csv", b"frame,x_px,y_px\n0,NaN,1\n");
     let traced = ["--fps", "30", "--gaze-trace", &trace];
     score(&video, &video, &traced, 1, &["bad.csv", "line 2", "x_px"]);

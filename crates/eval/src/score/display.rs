@@ -127,42 +127,9 @@ impl Photometry {
         black_cd_m2: 0.1,
         ambient_lux: 0.0,
     };
-    /// A brighter headset: 133.3 cd/m².
-    const BRIGHT_HEADSET: Self = Self {
-        peak_cd_m2: 133.3,
-        ..Self::HEADSET
-    };
 }
 
 impl Display {
-    /// Names of the displays that need no file.
-    pub const NAMES: [&'static str; 4] = [
-        "standard_4k",
-        "standard_fhd",
-        "standard_hmd",
-        "htc_vive_pro",
-    ];
-
-    /// The display of a name.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        let headset = headset_extent([1440, 1600], 110.0);
-        let (size_px, extent, light) = match name {
-            "standard_4k" => {
-                let size = [3840, 2160];
-                (size, extent(size, 30.0 * INCH_M, 0.7472), Photometry::DESK)
-            }
-            "standard_fhd" => {
-                let size = [1920, 1080];
-                (size, extent(size, 24.0 * INCH_M, 0.6), Photometry::DESK)
-            }
-            "standard_hmd" => ([1440, 1600], headset, Photometry::HEADSET),
-            "htc_vive_pro" => ([1440, 1600], headset, Photometry::BRIGHT_HEADSET),
-            _ => return None,
-        };
-        Some(Self::of(name, size_px, extent, light))
-    }
-
     /// A display of a panel `extent` wide and high, as shares of its distance; sRGB.
     #[must_use]
     pub fn of(name: &str, size_px: [u32; 2], extent: [f64; 2], light: Photometry) -> Self {
@@ -212,14 +179,19 @@ impl Display {
     }
 }
 
+/// Metres of a length in inches.
+pub(super) const fn inches(inches: f64) -> f64 {
+    inches * INCH_M
+}
+
 /// Width and height over distance of a panel of square pixels.
-fn extent(size: [u32; 2], diagonal_m: f64, distance_m: f64) -> [f64; 2] {
+pub(super) fn extent(size: [u32; 2], diagonal_m: f64, distance_m: f64) -> [f64; 2] {
     let size = size.map(f64::from);
     size.map(|side| diagonal_m * side / size[0].hypot(size[1]) / distance_m)
 }
 
 /// The same for a panel whose diagonal fills an angle.
-fn headset_extent(size: [u32; 2], diagonal_deg: f64) -> [f64; 2] {
+pub(super) fn headset_extent(size: [u32; 2], diagonal_deg: f64) -> [f64; 2] {
     let half = (diagonal_deg / 2.0).to_radians().tan() * HEADSET_DISTANCE_M;
     extent(size, 2.0 * half, HEADSET_DISTANCE_M)
 }
@@ -273,7 +245,7 @@ impl DisplayFile {
             (Some(inches), Some(distance), None) => {
                 let inches = within("diagonal_inches", inches, [0.1, 1e4])?;
                 let distance = within("distance_m", distance, [0.01, 1000.0])?;
-                Ok(extent(self.size_px, inches * INCH_M, distance))
+                Ok(extent(self.size_px, self::inches(inches), distance))
             }
             (None, None, Some(degrees)) => {
                 let degrees = within("fov_diagonal_deg", degrees, [1.0, 170.0])?;
@@ -375,28 +347,6 @@ mod tests {
 
     fn close(found: f64, wanted: f64, by: f64) -> bool {
         (found - wanted).abs() < by
-    }
-
-    #[test]
-    fn named_displays_have_their_published_geometry_and_light() {
-        for (name, ppd, black, fov) in [
-            ("standard_4k", 75.4024, 0.597_887, [47.92, 28.07]),
-            ("standard_fhd", 37.8425, 0.597_887, [47.76, 27.97]),
-            ("standard_hmd", 13.1533, 0.1, [87.39, 93.42]),
-            ("htc_vive_pro", 13.1533, 0.1, [87.39, 93.42]),
-        ] {
-            let display = Display::named(name).unwrap();
-            assert!(close(display.ppd(), ppd, 1e-4), "{name}: {}", display.ppd());
-            assert!(close(display.black_cd_m2, black, 1e-6), "{name}");
-            let found = display.fov_deg();
-            assert!(
-                (0..2).all(|k| close(found[k], fov[k], 0.005)),
-                "{name}: {found:?}"
-            );
-        }
-        assert_eq!(Display::named("standard_hmd").unwrap().peak_cd_m2, 100.0);
-        assert_eq!(Display::named("htc_vive_pro").unwrap().peak_cd_m2, 133.3);
-        assert_eq!(Display::named("mine"), None);
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Where in the picture did the eye look, frame by frame?
 //!
 //! CSV with a header that names `frame`, `x_px` and `y_px` in any order; one row a frame, in the
-//! order of frames. Pixels count from the middle of the first one, to the right and down; other
-//! columns are ignored.
+//! order of frames. Pixels count from the middle of the first one, to the right and down, and may
+//! lie outside of the picture; other columns are ignored.
 
 use super::error::ScoreError;
 
@@ -10,8 +10,6 @@ use super::error::ScoreError;
 const MOST_ROWS: usize = 10_368_000;
 /// The columns.
 const COLUMNS: [&str; 3] = ["frame", "x_px", "y_px"];
-/// Farthest place, pixels.
-const MOST_PX: f64 = 1e6;
 /// Longest piece of a file that is shown in a message, characters.
 const SHOWN: usize = 24;
 
@@ -95,11 +93,8 @@ fn parse_row(line: usize, text: &str, places: [usize; 3]) -> Result<(u32, [f64; 
         .parse()
         .map_err(|_| row_error(line, COLUMNS[0], of(0), "a frame's number from 0"))?;
     let place = |k: usize| {
-        let found = of(k)
-            .parse()
-            .ok()
-            .filter(|place: &f64| place.abs() <= MOST_PX);
-        found.ok_or_else(|| row_error(line, COLUMNS[k], of(k), "a place in pixels"))
+        let found = of(k).parse().ok().filter(|place: &f64| place.is_finite());
+        found.ok_or_else(|| row_error(line, COLUMNS[k], of(k), "a finite number of pixels"))
     };
     Ok((frame, [place(1)?, place(2)?]))
 }
@@ -153,7 +148,10 @@ mod tests {
             ("", ["line 1, column frame", "a header"]),
             ("frame,x_px\n0,1\n", ["line 1, column y_px", "a header"]),
             ("frame,x_px,y_px\n", ["line 2", "a row for every frame"]),
-            ("frame,x_px,y_px\n0,1\n", ["line 2, column y_px", "a place"]),
+            (
+                "frame,x_px,y_px\n0,1\n",
+                ["line 2, column y_px", "a finite number"],
+            ),
             (
                 "frame,x_px,y_px\n0,nan,1\n",
                 ["line 2, column x_px", "\"nan\""],

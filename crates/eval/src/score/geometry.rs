@@ -8,6 +8,8 @@ use super::viewing::Viewing;
 
 /// Largest angle from the middle of the panel, degrees.
 const MOST_ANGLE_DEG: f64 = 89.9;
+/// Beyond this tangents are no finite numbers; the direction is that of a right angle long before.
+const FARTHEST_PX: f64 = 1e300;
 
 /// The frame before the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,9 +54,21 @@ impl Geometry {
     }
 
     /// Where a gaze is, given in pixels of the frame: 0 is the middle of the first column or row.
+    /// It may lie outside of the frame, as far as finite numbers go.
     #[must_use]
     pub fn gaze(&self, gaze_px: [f64; 2]) -> Tangents {
-        [0, 1].map(|axis| ((gaze_px[axis] + 0.5) / self.size[axis] * 2.0 - 1.0) * self.half[axis])
+        let place = gaze_px.map(|place| place.clamp(-FARTHEST_PX, FARTHEST_PX));
+        let gaze = [0, 1]
+            .map(|axis| ((place[axis] + 0.5) / self.size[axis] * 2.0 - 1.0) * self.half[axis]);
+        match self.rule {
+            GeometryRule::Stretched => gaze,
+            // Products of tangents near a right angle leave single precision.
+            GeometryRule::TrueRays => {
+                let most = MOST_ANGLE_DEG.to_radians().tan();
+                let nearer = (most / gaze[0].hypot(gaze[1])).min(1.0);
+                gaze.map(|tangent| tangent * nearer)
+            }
+        }
     }
 
     /// Degrees between a place and the gaze.
@@ -134,6 +148,36 @@ mod tests {
             assert!(geometry.eccentricity_deg(place, gaze) < 1e-9);
             let near = geometry.eccentricity_deg([0.3, 0.1], gaze);
             assert!(geometry.eccentricity_deg([0.6, 0.1], gaze) > near);
+        }
+    }
+
+    #[test]
+    fn a_gaze_outside_is_as_far_as_its_direction_and_never_further_than_it_can_be() {
+        for mode in [Mode::Compat, Mode::Strict] {
+            let geometry = geometry([1440, 1600], mode);
+            let middle = geometry.gaze([719.5, 799.5]);
+            // Pixels are square: as far again to the right as the edge is from the middle.
+            let beyond = geometry.gaze([719.5 + 1440.0, 799.5]);
+            let edge = geometry.gaze([719.5 + 720.0, 799.5])[0];
+            let found = geometry.eccentricity_deg(middle, beyond);
+            assert!((found - (2.0 * edge).atan().to_degrees()).abs() < 1e-9);
+            let mut before = found;
+            for place in [1e4, 1e6, 1e12, 1e30, 1e200, f64::MAX] {
+                let far = geometry.eccentricity_deg(middle, geometry.gaze([place, 799.5]));
+                assert!(
+                    far >= before - 1e-9 && far <= 90.0,
+                    "{mode:?} {place}: {far}"
+                );
+                before = far;
+                let corner = geometry.gaze([-place, f64::MAX]);
+                let all = [
+                    geometry.tangent(0, 1439, 1440),
+                    geometry.tangent(1, 0, 1600),
+                ];
+                let far = geometry.eccentricity_deg(all, corner);
+                assert!(far > 90.0 && far < 200.0, "{mode:?} {place}: {far}");
+            }
+            assert!(before > 89.8, "{mode:?}: {before}");
         }
     }
 }

@@ -20,6 +20,7 @@ pub mod golden;
 mod golden_cases;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod named_displays;
 pub mod picture;
 pub mod pooling;
 pub mod pyramid;

@@ -6,6 +6,7 @@ use crate::score::rules::GeometryRule;
 use crate::score::sensitivity::SensitivityTable;
 use crate::score::viewing::Viewing;
 use rayon::prelude::*;
+use std::f32::consts::FRAC_PI_2;
 
 /// Entries of the table of octaves that eccentricity raises, over the root of degrees.
 const RAISED: usize = 1024;
@@ -167,8 +168,15 @@ impl BandEye {
                     let cross = (across * across + down * down + turned * turned).sqrt();
                     let dot = 1.0 + column * place[0] + row * place[1];
                     let far = (1.0 + column * column + row * row).sqrt() * length;
-                    // Half of the angle, whose tangent is at most 1 before the eye.
-                    *out = 2.0 * atan((cross / (far + dot)).min(1.0)).to_degrees();
+                    // Tangent of half of the angle, which is above 1 beyond a right angle.
+                    let ahead = far + dot;
+                    let half = atan(cross.min(ahead) / cross.max(ahead));
+                    let half = if cross > ahead {
+                        FRAC_PI_2 - half
+                    } else {
+                        half
+                    };
+                    *out = 2.0 * half.to_degrees();
                 }
             }
         }

@@ -161,6 +161,24 @@ fn the_fast_path_is_the_clear_one_in_both_modes() {
 }
 
 #[test]
+fn the_fast_path_is_the_clear_one_for_a_gaze_outside() {
+    let pictures = Golden::named("G4").unwrap().bytes(0);
+    let pictures = pictures.map(|rgb| ScorePicture::from_rgb8([321, 243], rgb).unwrap());
+    for mode in [Mode::Compat, Mode::Strict] {
+        let display = Display::named("standard_hmd").unwrap();
+        let viewing = Viewing::new(display, [321, 243], None, true, mode).unwrap();
+        for gaze in [[-200.0, 300.0], [9e3, -4e3], [1e300, 120.0]] {
+            let mut fast = Judge::new(&viewing, 1).unwrap();
+            let found = fast.frame(&pictures[0], &pictures[1], gaze).unwrap();
+            let mut clear = ClearJudge::new(&viewing);
+            let wanted = clear.frame(&pictures[0], &pictures[1], gaze).unwrap();
+            let what = format!("{mode:?} {gaze:?}");
+            assert_near("G4", &what, found.jod, wanted.score.jod, 1e-4);
+        }
+    }
+}
+
+#[test]
 fn the_clear_text_has_the_published_scores() {
     for id in ["G3", "G4", "G9", "G10", "G11", "G12", "G13", "G15"] {
         let golden = Golden::named(id).unwrap();
@@ -260,6 +278,27 @@ proptest! {
             let test = blurred.of([SIDE; 2], &reference);
             let found = still_score(&viewing, &reference, &test, gaze);
             prop_assert!(found < before, "level {}: {} after {}", most, found, before);
+            before = found;
+        }
+    }
+
+    #[test]
+    fn looking_past_an_even_blur_never_lowers_the_score(
+        shift in 0.0..5000.0,
+        towards in 0.0..std::f64::consts::TAU,
+        mode in prop_oneof![Just(Mode::Compat), Just(Mode::Strict)],
+    ) {
+        let reference = scene([SIDE; 2], shift);
+        let even = Foveation { round: [0.0; 2], radius: 1e-6, tile: 16, most: 2 };
+        let test = even.of([SIDE; 2], &reference);
+        let viewing = still(mode, "standard_hmd");
+        let (down, right) = towards.sin_cos();
+        let mut before = 0.0;
+        for apart in [0.0, 120.0, 400.0, 3e3, 1e7, 1e300] {
+            let gaze = [right, down].map(|part| f64::from(SIDE / 2) + part * apart);
+            let found = still_score(&viewing, &reference, &test, gaze);
+            prop_assert!(found >= before - 1e-3, "{}: {} after {}", apart, found, before);
+            prop_assert!(found < 10.0);
             before = found;
         }
     }

@@ -100,6 +100,28 @@ fn the_device_is_the_twin_of_the_processor_in_both_modes() {
 }
 
 #[test]
+fn a_gaze_outside_has_the_score_of_the_processor() {
+    let Some(device) = device() else { return };
+    let size = [64; 2];
+    let grey = |byte: usize| vec![byte as u8; 64 * 64 * 3];
+    let noise = (0..64 * 64 * 3).map(|n: usize| (n * n * 7919 % 251) as u8);
+    let [reference, test] = [grey(128), noise.collect()]
+        .map(|bytes| ScorePicture::new(size, Samples::Bits8(bytes)).unwrap());
+    for mode in [Mode::Compat, Mode::Strict] {
+        let display = Display::named("standard_hmd").unwrap();
+        let viewing = Viewing::new(display, size, None, true, mode).unwrap();
+        for gaze in [[-90.0, 300.0], [9e3, -4e3], [1e300, 30.0]] {
+            let mut here = Judge::new(&viewing, 1).unwrap();
+            let mut there = GpuJudge::new(&device.0, &device.1, &viewing).unwrap();
+            let wanted = here.frame(&reference, &test, gaze).unwrap().jod;
+            let found = there.frame(&reference, &test, gaze).unwrap().jod;
+            let off = (found - wanted).abs();
+            assert!(off < 5e-4, "{mode:?} {gaze:?}: {found} {wanted}");
+        }
+    }
+}
+
+#[test]
 fn every_kind_of_sample_has_its_score_on_the_device() {
     let Some(device) = device() else { return };
     let golden = Golden::named("G4").unwrap();
