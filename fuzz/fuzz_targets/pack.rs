@@ -49,6 +49,7 @@ fn good_pack() -> Vec<u8> {
         frame_rate: [25, 1],
         colour: Colour { matrix: Matrix::Bt601, full_range: true, chroma_left: false },
         source: Source { name: String::new(), size: [40, 24], bytes: 1, codec: String::new() },
+        identity: None,
         tables: Vec::new(),
     };
     let grid = description.grid(Screen::default());

@@ -2,6 +2,7 @@
 
 use crate::output;
 use clap::{Args, ValueEnum};
+use foveal_core::units::counted;
 use foveal_media::decode_pool::DecodePool;
 use foveal_media::decoders::{DecoderChoice, DeviceUse};
 use foveal_media::pack_file::PackFile;
@@ -97,8 +98,9 @@ impl DeviceReport {
             return String::new();
         };
         format!(
-            "{} decoders on {device}, {} of which failed and were replaced\n",
-            self.decoders, self.failed
+            "{} on {device}, {} of which failed and were replaced\n",
+            counted(self.decoders, "decoder"),
+            self.failed
         )
     }
 }

@@ -7,6 +7,7 @@ use foveal_core::asset::pack::Description;
 use foveal_core::asset::rate::QualityScale;
 use foveal_core::asset::sound::{SOUND_RATE, SoundTable};
 use foveal_core::asset::tile_grid::Cut;
+use foveal_core::units::counted;
 use foveal_core::view::surface::Projection;
 use foveal_media::pack_file::PackFile;
 use serde::Serialize;
@@ -141,17 +142,17 @@ impl PackInfo {
         };
         let mut text = format!(
             "{}, {}x{}, {surround}\n{} at {:.3} fps, {:.2} s\n\
-             {}, {} levels of ratio {}, {cut}, {} units\n{} from {}\n",
+             {}, {} of ratio {}, {cut}, {}\n{} from {}\n",
             self.source,
             self.width,
             self.height,
-            output::counted(u64::from(self.frames), "frame"),
+            counted(self.frames, "frame"),
             self.fps,
             self.seconds,
             self.codec.name(),
-            self.levels,
+            counted(self.levels, "level"),
             self.level_ratio,
-            self.units,
+            counted(self.units, "unit"),
             output::size(self.bytes),
             output::size(self.source_bytes),
         );
@@ -161,10 +162,7 @@ impl PackInfo {
                 "sound: {}, {} Hz, {}, {:.2} s, {}",
                 sound.codec,
                 sound.rate,
-                match sound.channels {
-                    1 => "one channel".to_owned(),
-                    more => format!("{more} channels"),
-                },
+                counted(sound.channels, "channel"),
                 sound.seconds,
                 output::size(sound.bytes as u64)
             );

@@ -15,6 +15,7 @@ mod kept_pack;
 mod link;
 mod options;
 mod output;
+mod pack_place;
 mod perception_command;
 mod perception_options;
 mod picture_file;

@@ -9,7 +9,7 @@ use foveal_core::perception::acuity::AcuityModel;
 use foveal_core::selection::policy::{
     EdgeRule, MASK_SIDE, MaskConfig, Policy, PolicyConfig, STEADINESS,
 };
-use foveal_core::units::Radians;
+use foveal_core::units::{Radians, counted};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::{Projection, Screen, Surface};
@@ -235,7 +235,7 @@ impl PolicyOptions {
             Some(samples) if !(1..=side * side).contains(&samples) => bail!(out_of_range(
                 "--samples",
                 samples,
-                &format!("1 to the {} pixels of the mask", side * side)
+                &format!("1 to {}, all of the mask", counted(side * side, "pixel"))
             )),
             samples => Ok(MaskConfig { side, samples }),
         }
@@ -248,10 +248,14 @@ pub(crate) fn check_thresholds(config: &PolicyConfig, grid: &TileGrid) -> anyhow
     if given <= most {
         return Ok(());
     }
-    let range = format!("at most {most} angles for {} levels", grid.levels);
+    let range = format!(
+        "at most {} for {}",
+        counted(most, "angle"),
+        counted(grid.levels, "level")
+    );
     bail!(out_of_range(
         "--thresholds",
-        format!("{given} angles"),
+        counted(given, "angle"),
         &range
     ))
 }

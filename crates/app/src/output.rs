@@ -149,11 +149,6 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     written.with_context(|| format!("{}: cannot be written", path.display()))
 }
 
-/// A number and what is counted, in the plural but for one.
-pub(crate) fn counted(number: u64, what: &str) -> String {
-    format!("{number} {what}{}", if number == 1 { "" } else { "s" })
-}
-
 /// Bytes with the unit that leaves digits to read.
 pub(crate) fn size(bytes: u64) -> String {
     match bytes {
@@ -177,8 +172,8 @@ pub(crate) fn bar(length: Option<u64>, counting: Counting) -> ProgressBar {
         None => ProgressBar::no_length(),
     };
     let template = match (counting, length) {
-        (Counting::Frames, Some(_)) => "{wide_bar} {pos}/{len} frames, {per_sec}, {eta} left",
-        (Counting::Frames, None) => "{spinner} {pos} frames, {per_sec}",
+        (Counting::Frames, Some(_)) => "{wide_bar} frame {pos} of {len}, {per_sec}, {eta} left",
+        (Counting::Frames, None) => "{spinner} frame {pos}, {per_sec}",
         (Counting::Bytes, _) => "{wide_bar} {bytes}/{total_bytes}, {bytes_per_sec}, {eta} left",
     };
     match ProgressStyle::with_template(template) {

@@ -2,22 +2,22 @@
 
 use crate::codec_options::CodecOptions;
 use crate::info::PackInfo;
+use crate::kept_pack::{remark, warn};
 use crate::options::CutOptions;
 use crate::output::{self, WrongUsage, out_of_range};
+use crate::pack_place::pack_at;
 use crate::preset::SystemPreset;
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
-use foveal_core::asset::pack::MAGIC;
+use foveal_core::units::counted;
 use foveal_media::VideoInput;
 use foveal_media::encode::Speed;
 use foveal_media::pack_file::{PackFile, partial_path};
 use foveal_media::prepare::{
-    Event, Plan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice, prepare_resumable,
-    rehearse,
+    Event, Plan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice, pack_identity_of,
+    prepare_resumable, rehearse,
 };
 use serde::Serialize;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -45,13 +45,24 @@ enum StereoName {
 pub(crate) struct PrepareVideoArgs {
     /// Whatever FFmpeg reads.
     input: PathBuf,
-    /// The pack to write, with the ending .foveal.
+    /// The pack to write, with the ending .foveal; where it is there already, nothing is done.
     #[arg(long, value_name = "PACK")]
     out: Option<PathBuf>,
     /// How the picture surrounds the eye; auto goes by metadata, name and size, and says so.
+    ///
+    /// Without metadata the size of one eye's picture decides, with the words of the name. 360°:
+    /// exactly 2:1, and 360, pano, sphere or equirect in the name, or one of two eyes, or at least
+    /// 3840 pixels wide. Two eyes may be squeezed: 1:1 or 4:1 with such a name, 4:1 also from 3840
+    /// pixels on. 180°: 1:1, and 180 or vr180 in the name. Cube: a shape of --projection cube, and
+    /// cube or the like of cube3x2 in the name, or 6:1 from 256 pixels high on. Else flat.
     #[arg(long, value_enum, default_value = "auto")]
     projection: ProjectionName,
     /// Where the pictures of two eyes lie; auto goes by metadata and name, and says so.
+    ///
+    /// Without metadata words of the name decide. Side by side: LR, SBS, HSBS, FSBS, 3DH, or RL
+    /// with the right eye first; also 180 or vr180 in the name of a picture of 2:1. One above the
+    /// other: TB, OU, HTB, HOU, 3DV, or BT with the right eye on top. Else one picture. By the size
+    /// that each eye's picture then has, --projection finds whether it is 360°.
     #[arg(long, value_enum, default_value = "auto")]
     stereo: StereoName,
     #[command(flatten)]
@@ -79,6 +90,9 @@ pub(crate) struct PrepareVideoArgs {
     /// Start afresh even if the same preparation was stopped before and could go on.
     #[arg(long)]
     no_resume: bool,
+    /// Replace another pack at --out, which stays until the new one is whole.
+    #[arg(long)]
+    force: bool,
     /// Say what it would take in time and disk, and write nothing.
     #[arg(long)]
     dry_run: bool,
@@ -96,22 +110,26 @@ struct Estimate {
     bytes: Option<u64>,
     seconds_per_frame: f64,
     bytes_per_frame: f64,
+    warnings: Vec<String>,
     notes: Vec<String>,
 }
 
 /// Frames that a dry run codes: one group of the finest level.
 const REHEARSED: u32 = 8;
 
+/// What `--json` prints.
+#[derive(Debug, Serialize)]
+struct Done<'a> {
+    #[serde(flatten)]
+    pack: &'a PackInfo,
+    /// Whether an earlier run had made it, so that nothing was written.
+    already_there: bool,
+}
+
 pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
-    let info = VideoInput::open(&args.input)?.info().clone();
-    let plan = Plan::new(&args.input, &info, &args.settings()?).map_err(|error| match error {
-        PrepareError::Grid(error) => WrongUsage(error.to_string()).into(),
-        error => anyhow::Error::from(error),
-    })?;
-    for note in &plan.notes {
-        output::say(&format!("{}: {note}", args.input.display()));
-    }
     if args.dry_run {
+        let plan = args.plan()?;
+        remark(&args.input, &plan.remarks);
         return args.estimate(&plan);
     }
     let out = args
@@ -119,45 +137,75 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
         .as_deref()
         .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
     refuse_to_overwrite_input(&args.input, out)?;
-    refuse_to_overwrite_other_files(out)?;
+    let there = pack_at(out)?;
+    let plan = args.plan()?;
+    if let Some(there) = there.filter(|_| !args.force) {
+        let pack = there.if_it_is(&pack_identity_of(&args.input, &plan)?)?;
+        let text = format!(
+            "{}: is there already, made in the same way of {}; nothing was written",
+            out.display(),
+            args.input.display()
+        );
+        return args.say_done(&pack, true, &text);
+    }
     if out.extension().is_none_or(|ending| ending != "foveal") {
-        output::say(&format!(
-            "{}: a pack usually ends in .foveal",
-            out.display()
-        ));
+        let usual = "a pack usually ends in .foveal, by which it is found among other files";
+        warn(out, &[usual.to_owned()]);
     }
-    let bar = output::bar(plan.frames, output::Counting::Frames);
-    let mut has_begun = false;
-    let mut tell = |event: Event| match event {
-        Event::Begins(note) => output::say(&format!("{}: {note}", out.display())),
-        Event::Progress(progress) => {
-            has_begun = true;
-            bar.set_position(u64::from(progress.frames));
-        }
-    };
+    remark(&args.input, &plan.remarks);
     let begun = Instant::now();
-    let prepared = prepare_resumable(&args.input, out, &plan, !args.no_resume, &mut tell);
-    bar.finish_and_clear();
-    let partial = partial_path(out);
-    let prepared = prepared.map_err(|error| match has_begun && partial.exists() {
-        true => anyhow!(
-            "{}\n{} and its journal keep what is done: the same command goes on there, and \
-             with a mended input it starts afresh",
-            output::told(&error.into()),
-            partial.display()
-        ),
-        false => error.into(),
-    })?;
-    for note in prepared.notes {
-        output::say(&format!("{}: {note}", args.input.display()));
-    }
+    args.prepare(out, &plan)?;
     let seconds = begun.elapsed().as_secs_f64();
-    let info = PackInfo::new(&PackFile::open(out)?)?;
-    let text = format!("{}: {seconds:.1} s\n{}", out.display(), info.text());
-    output::result(args.json, &info, &text)
+    let pack = PackInfo::new(&PackFile::open(out)?)?;
+    let text = format!("{}: {seconds:.1} s\n{}", out.display(), pack.text());
+    args.say_done(&pack, false, &text)
 }
 
 impl PrepareVideoArgs {
+    fn plan(&self) -> anyhow::Result<Plan> {
+        let settings = self.settings()?;
+        let info = VideoInput::open(&self.input)?.info().clone();
+        Plan::new(&self.input, &info, &settings).map_err(|error| match error {
+            PrepareError::Grid(error) => WrongUsage(error.to_string()).into(),
+            error => anyhow::Error::from(error),
+        })
+    }
+
+    /// Makes the pack with a progress bar, and says what no plan could tell.
+    fn prepare(&self, out: &Path, plan: &Plan) -> anyhow::Result<()> {
+        let bar = output::bar(plan.frames, output::Counting::Frames);
+        let mut has_begun = false;
+        let mut tell = |event: Event| match event {
+            Event::Begins(note) => output::say(&format!("{}: {note}", out.display())),
+            Event::Progress(progress) => {
+                has_begun = true;
+                bar.set_position(u64::from(progress.frames));
+            }
+        };
+        let prepared = prepare_resumable(&self.input, out, plan, !self.no_resume, &mut tell);
+        bar.finish_and_clear();
+        let partial = partial_path(out);
+        let prepared = prepared.map_err(|error| match has_begun && partial.exists() {
+            true => anyhow!(
+                "{}\n{} and its journal keep what is done: the same command goes on there, and \
+                 with a mended input it starts afresh",
+                output::told(&error.into()),
+                partial.display()
+            ),
+            false => error.into(),
+        })?;
+        warn(&self.input, &prepared.warnings);
+        Ok(())
+    }
+
+    fn say_done(&self, pack: &PackInfo, already_there: bool, text: &str) -> anyhow::Result<()> {
+        let done = Done {
+            pack,
+            already_there,
+        };
+        output::result(self.json, &done, text)
+    }
+
     fn settings(&self) -> anyhow::Result<PrepareSettings> {
         if self.frames == Some(0) {
             bail!(out_of_range("--frames", 0, "at least 1"));
@@ -212,7 +260,8 @@ impl PrepareVideoArgs {
             bytes: frames.map(|frames| (frames as f64 * bytes_per_frame) as u64),
             seconds_per_frame,
             bytes_per_frame,
-            notes: plan.notes.clone(),
+            warnings: plan.remarks.warnings.clone(),
+            notes: plan.remarks.notes.clone(),
         };
         let all = match (estimate.seconds, estimate.bytes) {
             (Some(seconds), Some(bytes)) => {
@@ -224,26 +273,13 @@ impl PrepareVideoArgs {
             _ => "the number of frames is not known".to_owned(),
         };
         let text = format!(
-            "{all}; {:.1} ms and {:.1} kB a frame by {rehearsed} frames (nothing written)",
+            "{all}; {:.1} ms and {:.1} kB a frame by {} (nothing written)",
             seconds_per_frame * 1e3,
             bytes_per_frame / 1e3,
+            counted(rehearsed, "frame"),
         );
         output::result(self.json, &estimate, &text)
     }
-}
-
-/// A pack takes the place of a pack, not of anything else.
-fn refuse_to_overwrite_other_files(out: &Path) -> anyhow::Result<()> {
-    let mut begin = [0; MAGIC.len()];
-    let there = std::fs::metadata(out).is_ok_and(|there| there.is_file() && there.len() > 0);
-    let mut read = || File::open(out).and_then(|mut file| file.read_exact(&mut begin));
-    if there && !(read().is_ok() && begin == MAGIC) {
-        bail!(WrongUsage(format!(
-            "--out {}: there is a file that is no pack; give another name, or remove it",
-            out.display()
-        )));
-    }
-    Ok(())
 }
 
 /// Writing the pack over its own source, or growing it there, would destroy the source.

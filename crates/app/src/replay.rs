@@ -6,6 +6,7 @@ use clap::Args;
 use foveal_core::selection::content::PackContent;
 use foveal_core::selection::session::{Session, SessionFrame, sha256_hex};
 use foveal_core::selection::session_log::SessionLog;
+use foveal_core::units::counted;
 use foveal_media::pack_file::PackFile;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -80,8 +81,8 @@ fn check_belongs(session: &Session, file: &PackFile) -> anyhow::Result<()> {
     let beyond = |frame: &&SessionFrame| frame.frame >= about.frames;
     if let Some(frame) = session.frames.iter().find(beyond) {
         bail!(
-            "{name}: has {} frames, the log asks for frame {}",
-            about.frames,
+            "{name}: has {}, the log asks for frame {}",
+            counted(about.frames, "frame"),
             frame.frame
         );
     }
@@ -114,8 +115,9 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
         "another selection"
     };
     let text = format!(
-        "{} frames: {verdict}\nsha256 {}",
-        replayed.frames, replayed.replay_sha256
+        "{}: {verdict}\nsha256 {}",
+        counted(replayed.frames, "frame"),
+        replayed.replay_sha256
     );
     output::result(args.json, &replayed, &text)?;
     if !replayed.same {

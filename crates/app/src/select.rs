@@ -15,7 +15,7 @@ use foveal_core::gaze::scan::Random;
 use foveal_core::perception::parameters::EyeState;
 use foveal_core::selection::level_map::{histogram, pixels};
 use foveal_core::selection::policy::{Moment, Policy, Selector};
-use foveal_core::units::{Radians, Seconds};
+use foveal_core::units::{Radians, Seconds, counted};
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::{Projection, Surface};
 use serde::Serialize;
@@ -261,12 +261,12 @@ fn summarise(mut all: Vec<One>) -> Many {
 impl One {
     fn text(&self) -> String {
         let mut text = format!(
-            "{} pixels, {:.2} % of the faces counted at the finest level\n",
-            self.pixels,
+            "{}, {:.2} % of the faces counted at the finest level\n",
+            counted(self.pixels, "pixel"),
             self.share * 100.0
         );
         for (level, tiles) in self.level_histogram.iter().enumerate() {
-            let _ = writeln!(text, "level {level}: {tiles} tiles");
+            let _ = writeln!(text, "level {level}: {}", counted(tiles, "tile"));
         }
         text
     }
@@ -275,8 +275,8 @@ impl One {
 impl Many {
     fn text(&self) -> String {
         format!(
-            "{} gazes: mean {:.2} %, 95th percentile {:.2} %, most {:.2} % of the finest level",
-            self.gazes,
+            "{}: mean {:.2} %, 95th percentile {:.2} %, most {:.2} % of the finest level",
+            counted(self.gazes, "gaze"),
             self.share_mean * 100.0,
             self.share_p95 * 100.0,
             self.share_max * 100.0,

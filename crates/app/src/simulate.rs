@@ -16,6 +16,7 @@ use clap::{Args, ValueEnum};
 use foveal_core::asset::picture::{Colour, Matrix};
 use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_core::selection::session::{Session, sha256_hex};
+use foveal_core::units::counted;
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Projection;
@@ -217,8 +218,9 @@ impl SimulateArgs {
                 start => format!(" from frame {start} on"),
             };
             output::say(&format!(
-                "{}: has {there} frames, so {}{from} are played",
+                "{}: has {}, so only {}{from} will be played",
                 self.pack.display(),
+                counted(there, "frame"),
                 frames.len(),
             ));
         }
@@ -389,9 +391,9 @@ impl RunSummary {
         format!(
             "{} under {}: {:.2} % of the pixels (most {:.2} %), {:.2} MB fetched, \
              {:.1} MPix decoded\n\
-             decoding {:.1} ms a frame (95th percentile {:.1}), {} late and {} incomplete frames, \
-             {} damaged tiles, {} level changes, {:.2} MB on the GPU\n{}{}{}{}",
-            output::counted(self.frames as u64, "frame"),
+             decoding {:.1} ms a frame (95th percentile {:.1}), {}, {}, {}, {}, \
+             {:.2} MB on the GPU\n{}{}{}{}",
+            counted(self.frames, "frame"),
             self.policy,
             self.pixels_share_mean * 100.0,
             self.pixels_share_max * 100.0,
@@ -399,10 +401,10 @@ impl RunSummary {
             self.decoded_megapixels,
             self.decode_ms_mean,
             self.decode_ms_p95,
-            self.late_frames,
-            self.incomplete_frames,
-            self.failed_tiles,
-            self.level_changes,
+            counted(self.late_frames, "late frame"),
+            counted(self.incomplete_frames, "incomplete frame"),
+            counted(self.failed_tiles, "damaged tile"),
+            counted(self.level_changes, "level change"),
             self.gpu_bytes as f64 / 1e6,
             self.detail_share_mean
                 .map_or(String::new(), |share| format!(

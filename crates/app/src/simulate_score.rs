@@ -14,6 +14,7 @@ use crate::score::{
 use anyhow::bail;
 use clap::Args;
 use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::units::counted;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Screen;
 use foveal_eval::score::{ScorePicture, Viewing};
@@ -124,8 +125,8 @@ impl RunScoring {
     pub(crate) fn report(&self, gaze: String) -> anyhow::Result<Report> {
         if self.unseen > 0 {
             output::say(&format!(
-                "in {} frames the gaze was not seen; they are scored for the last one that was",
-                self.unseen
+                "the gaze was not seen in {}, scored for the last gaze that was",
+                counted(self.unseen, "frame")
             ));
         }
         let score = self.engine.score()?;

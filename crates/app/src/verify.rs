@@ -3,6 +3,7 @@
 use crate::output;
 use anyhow::bail;
 use clap::Args;
+use foveal_core::units::counted;
 use foveal_media::pack_file::PackFile;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -58,6 +59,6 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
     bail!(
         "{}: {}\n  {listed}",
         args.pack.display(),
-        output::counted(found as u64, "damaged place")
+        counted(found, "damaged place")
     );
 }

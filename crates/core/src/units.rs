@@ -3,7 +3,22 @@
 //! Newtypes for the quantities that are easy to mix up. Angles are radians inside; degrees only
 //! where a name says so.
 
+use core::fmt::Display;
 use serde::{Deserialize, Serialize};
+
+/// A whole number and what it counts, in the plural but for one.
+///
+/// ```
+/// use foveal_core::units::counted;
+/// assert_eq!(counted(1, "frame"), "1 frame");
+/// assert_eq!(counted(0, "late frame"), "0 late frames");
+/// ```
+#[must_use]
+pub fn counted(number: impl Display, what: &str) -> String {
+    let number = number.to_string();
+    let ending = if number == "1" { "" } else { "s" };
+    format!("{number} {what}{ending}")
+}
 
 /// An angle in radians.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize)]

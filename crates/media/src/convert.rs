@@ -7,6 +7,7 @@ use av::format::Pixel;
 use av::frame::Video;
 use ffmpeg_next as av;
 use foveal_core::asset::picture::Matrix;
+use foveal_core::units::counted;
 
 use crate::frame::new_frame;
 
@@ -123,8 +124,8 @@ impl Converter {
         };
         if i64::from(lines) != i64::from(self.to.size[1]) {
             return Err(format!(
-                "the conversion wrote {lines} of {} lines",
-                self.to.size[1]
+                "the conversion wrote {lines} of {}",
+                counted(self.to.size[1], "line")
             ));
         }
         Ok(output)

@@ -1,6 +1,7 @@
 //! Where in a picture does each face of a cube lie?
 
 use foveal_core::asset::picture::Picture;
+use foveal_core::units::counted;
 
 /// Faces of a cube in columns and rows of one picture.
 ///
@@ -86,10 +87,11 @@ impl CubeLayout {
         match inner {
             Some(side) if side > 0 && self.padding.is_multiple_of(2) => Ok(self),
             _ => Err(format!(
-                "its metadata says {} pixels round each face of {} pixels, which must be an even \
+                "its metadata says {} round each face of {}, which must be an even \
                  number and leave some of the face; have the file written again with the right \
                  one, or without (`ffmpeg -i FILE -c copy OUT.mp4`) and give --projection cube",
-                self.padding, cell[0],
+                counted(self.padding, "pixel"),
+                counted(cell[0], "pixel"),
             )),
         }
     }

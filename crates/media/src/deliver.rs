@@ -20,9 +20,12 @@ pub(crate) struct Delivery {
     orientation: Orientation,
     is_jpeg: bool,
     colour: Colour,
-    /// Conversions before and after the turn, for frames of one layout.
-    steps: Option<(Vec<Converter>, Vec<Converter>)>,
+    /// For frames of one layout, and whether they have alpha.
+    steps: Option<(Steps, bool)>,
 }
+
+/// Conversions before and after the turn.
+type Steps = (Vec<Converter>, Vec<Converter>);
 
 impl Delivery {
     /// Decides on the colour of the pictures from the stream's first frame; the error is the name
@@ -67,22 +70,29 @@ impl Delivery {
         if as_it_is && is_420(from.format) && rows_run_down(frame) {
             return picture_from_frame(frame);
         }
+        let reads = |steps: &Steps| steps.0.first().is_some_and(|step| step.from() == from);
+        let is_clear = has_alpha(frame);
         let mut steps = match self.steps.take() {
-            Some(steps) if steps.0.first().is_some_and(|step| step.from() == from) => steps,
-            _ => self.build_steps(from)?,
+            Some((steps, of_clear)) if reads(&steps) && of_clear == is_clear => steps,
+            _ => self.build_steps(from, is_clear)?,
         };
         let mut current = run_all(&mut steps.0, frame)?;
+        if current.format() == Pixel::YUVA444P {
+            put_over_black(&mut current, self.colour.full_range);
+        }
         if !self.orientation.is_upright() {
             current = turn(&current, self.orientation)?;
+        }
+        if !steps.1.is_empty() {
             current = run_all(&mut steps.1, &current)?;
         }
-        self.steps = Some(steps);
+        self.steps = Some((steps, is_clear));
         picture_from_frame(&current)
     }
 
-    /// Palettes go through RGB, whose matrix swscale lets us choose; turned pictures through 4:4:4,
-    /// where chroma sits on luma and turns with it.
-    fn build_steps(&self, from: Layout) -> Result<(Vec<Converter>, Vec<Converter>), String> {
+    /// Palettes go through RGB, whose matrix swscale lets us choose; turned and transparent
+    /// pictures through 4:4:4, where chroma sits on luma, turns with it and darkens with it.
+    fn build_steps(&self, from: Layout, is_clear: bool) -> Result<Steps, String> {
         let Colour {
             matrix,
             full_range,
@@ -97,25 +107,28 @@ impl Delivery {
         };
         let mut before = Vec::new();
         let mut start = from;
+        let (rgb, full) = match is_clear {
+            true => (Pixel::RGBA, Pixel::YUVA444P),
+            false => (Pixel::RGB24, Pixel::YUV444P),
+        };
         if has_palette(from.format) {
             let rgb = Layout {
-                format: Pixel::RGB24,
+                format: rgb,
                 ..from
             };
             before.push(Converter::new(from, rgb)?);
             start = rgb;
         }
-        if self.orientation.is_upright() {
+        let is_upright = self.orientation.is_upright();
+        if is_upright && full == Pixel::YUV444P {
             before.push(Converter::new(start, to(Pixel::YUV420P, from.size))?);
             return Ok((before, Vec::new()));
         }
-        before.push(Converter::new(start, to(Pixel::YUV444P, from.size))?);
+        before.push(Converter::new(start, to(full, from.size))?);
         let turned = self.orientation.turned_size(from.size);
-        let full = to(Pixel::YUV444P, turned);
-        Ok((
-            before,
-            vec![Converter::new(full, to(Pixel::YUV420P, turned))?],
-        ))
+        let full = if is_upright { full } else { Pixel::YUV444P };
+        let last = Converter::new(to(full, turned), to(Pixel::YUV420P, turned))?;
+        Ok((before, vec![last]))
     }
 }
 
@@ -126,6 +139,29 @@ fn run_all(steps: &mut [Converter], frame: &Video) -> Result<Video, String> {
     others
         .iter_mut()
         .try_fold(first.run(frame)?, |current, step| step.run(&current))
+}
+
+/// Makes a frame of YUVA 4:4:4 what is seen of it before black.
+fn put_over_black(frame: &mut Video, full_range: bool) {
+    let [w, h] = [frame.width() as usize, frame.height() as usize];
+    let black = [if full_range { 0 } else { 16 }, 128, 128];
+    let stride = frame.stride(3);
+    let alpha: Vec<u8> = frame.data(3).to_vec();
+    for (p, black) in black.into_iter().enumerate() {
+        let step = frame.stride(p);
+        let rows = frame.data_mut(p).chunks_mut(step).take(h);
+        for (row, alpha) in rows.zip(alpha.chunks(stride)) {
+            for (code, alpha) in row[..w].iter_mut().zip(alpha) {
+                *code = over(*code, black, *alpha);
+            }
+        }
+    }
+}
+
+/// A code value seen through `alpha` before another, to the nearest whole one.
+pub(crate) fn over(code: u8, behind: u8, alpha: u8) -> u8 {
+    let [code, behind, alpha] = [code, behind, alpha].map(u32::from);
+    ((code * alpha + behind * (255 - alpha) + 127) / 255) as u8
 }
 
 fn turn(frame: &Video, orientation: Orientation) -> Result<Video, String> {
@@ -206,11 +242,27 @@ fn is_grey(format: Pixel) -> bool {
     format.descriptor().is_some_and(|d| d.nb_components() <= 2) && !is_rgb(format)
 }
 
-/// Whether the format has an alpha plane or channel: grey or colour plus one.
-pub(crate) fn has_alpha(format: Pixel) -> bool {
-    format
-        .descriptor()
-        .is_some_and(|d| matches!(d.nb_components(), 2 | 4))
+/// Whether a frame has an alpha plane or channel (grey or colour plus one), or a palette that is
+/// not opaque.
+pub(crate) fn has_alpha(frame: &Video) -> bool {
+    let format = frame.format();
+    let components = format.descriptor().map_or(0, |d| d.nb_components());
+    matches!(components, 2 | 4) || format == Pixel::PAL8 && !is_opaque_palette(frame)
+}
+
+#[allow(unsafe_code)] // A palette has no line size, by which ffmpeg-next tells lengths.
+fn is_opaque_palette(frame: &Video) -> bool {
+    // SAFETY: the second plane of a frame with a palette, where there is one, is its 256 entries of
+    // four bytes, alpha in the highest of each.
+    let entries = unsafe {
+        let palette = (*frame.as_ptr()).data[1].cast_const();
+        if palette.is_null() {
+            return true;
+        }
+        std::slice::from_raw_parts(palette, 4 * 256)
+    };
+    let alpha = if cfg!(target_endian = "big") { 0 } else { 3 };
+    entries.chunks_exact(4).all(|entry| entry[alpha] == 255)
 }
 
 #[allow(unsafe_code)] // The descriptor's flags have no safe call.

@@ -5,6 +5,7 @@ use ffmpeg_next as av;
 use foveal_core::asset::picture::{Colour, Matrix, Picture};
 
 use crate::scenes::{Scratch, VIDEO, raw, read, read_one, write_raw};
+use crate::source::Transparency;
 
 /// Whether Y, U and V are all over the picture what is expected, but for one code value.
 fn assert_filled(picture: &Picture, yuv: [u8; 3]) {
@@ -92,17 +93,43 @@ fn grey_keeps_its_full_range() {
 }
 
 #[test]
-fn alpha_is_dropped_and_told() {
+fn what_is_transparent_is_shown_over_black() {
+    // White at four strengths in columns of 16, so that chroma is even within each.
+    let strength = |x: usize| [0, 128, 7, 255][x / 16 % 4];
+    let rgba = |x: usize| if x % 4 == 3 { strength(x / 4) } else { 255 };
     let path = write_raw(
-        &raw("png", "mov", Pixel::RGBA, [16, 16]),
+        &raw("png", "mov", Pixel::RGBA, [64, 16]),
         2,
-        |_, _, x, _| {
-            if x % 4 == 3 { 7 } else { 255 }
-        },
+        |_, _, x, _| rgba(x),
     );
     let (input, picture) = read_one(&path);
-    assert!(input.info().has_alpha);
-    assert_filled(&picture, [235, 128, 128]);
+    let info = input.info();
+    assert_eq!(info.transparency, Some(Transparency::OverBlack));
+    let mut chroma = picture.planes[1..].iter().flatten();
+    assert!(chroma.all(|code| *code == 128));
+    for (at, luma) in picture.planes[0].iter().enumerate() {
+        let expected = 16.0 + 219.0 * f64::from(strength(at % 64)) / 255.0;
+        assert!((f64::from(*luma) - expected).abs() <= 1.5, "{at}: {luma}");
+    }
+}
+
+#[test]
+fn what_a_palette_says_is_transparent_is_black() {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, 16, 16);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_palette(vec![0, 0, 0, 255, 0, 0]);
+    encoder.set_trns(vec![255, 0]);
+    encoder
+        .write_header()
+        .unwrap()
+        .write_image_data(&[1; 16 * 16])
+        .unwrap();
+    let (input, picture) = read_one(&Scratch::holding("png", &file));
+    let info = input.info();
+    assert_eq!(info.pixel_format, "pal8");
+    assert_eq!(info.transparency, Some(Transparency::OverBlack));
+    assert_filled(&picture, [16, 128, 128]);
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::error::MediaError;
 use crate::frame_reader::FrameReader;
 use crate::large_still::LargeStill;
 use crate::orientation::Orientation;
-use crate::source::{self, SourceInfo};
+use crate::source::{self, SourceInfo, Transparency};
 use crate::spherical::{side_data_of, spherical_of, stereo_of};
 use crate::spherical_boxes::{Ffmpeg, broken_boxes_of};
 use crate::timeline::Timeline;
@@ -220,6 +220,10 @@ fn describe(
         .any(|broken| broken.ffmpeg == Ffmpeg::Misreads);
     // VP8 and VP9 carry alpha as a second stream that FFmpeg's decoders leave out.
     let has_second_stream = stream.metadata().get("alpha_mode") == Some("1");
+    let transparency = match has_alpha(first) {
+        true => Some(Transparency::OverBlack),
+        false => has_second_stream.then_some(Transparency::NotRead),
+    };
     SourceInfo {
         width,
         height,
@@ -231,7 +235,7 @@ fn describe(
         stereo: stereo_of(stream),
         broken_boxes,
         sound: source::sound_of(reader.input()),
-        has_alpha: has_second_stream || has_alpha(first.format()),
+        transparency,
         pixel_aspect: pixel_aspect(first),
         is_hdr: matches!(
             first.color_transfer_characteristic(),

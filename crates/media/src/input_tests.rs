@@ -33,7 +33,7 @@ fn a_lossless_clip_comes_back_sample_by_sample() {
         );
         assert_eq!(info.bytes, std::fs::metadata(&*path).unwrap().len());
         assert_eq!(info.frames, Some(7));
-        assert!(!info.has_alpha && !info.looks_still && info.spherical.is_none());
+        assert!(info.transparency.is_none() && !info.looks_still && info.spherical.is_none());
     }
 }
 

@@ -6,7 +6,8 @@
 //! at most one for each name of a pack.
 
 use foveal_core::asset::pack::{
-    Description, Identity, JOURNAL_MAGIC, Journal, PackBuilder, PlacedChunk, Step, check_crc,
+    Description, Difference, Identity, JOURNAL_MAGIC, Journal, PackBuilder, PlacedChunk, Step,
+    check_crc,
 };
 use foveal_core::asset::tile_grid::TileGrid;
 use foveal_core::view::surface::Screen;
@@ -71,7 +72,12 @@ impl JournalFile {
         let journal =
             Journal::parse(&bytes).map_err(|e| format!("what lies beside it is damaged ({e})"))?;
         if let Some(difference) = journal.identity.difference(identity) {
-            return Err(difference.to_owned());
+            let why = match difference {
+                Difference::Program => "another version of the program began it",
+                Difference::Input => "the input has changed",
+                Difference::Settings => "it was begun with other settings",
+            };
+            return Err(why.to_owned());
         }
         let unfinished = good_part(journal, file, draft);
         if unfinished.steps.is_empty() {

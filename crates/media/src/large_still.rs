@@ -8,13 +8,15 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use foveal_core::asset::picture::{Colour, Matrix, Picture};
+use foveal_core::units::counted;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
+use crate::deliver::over;
 use crate::error::MediaError;
 use crate::picture_from_rgba::PlanesOfRows;
-use crate::source::SourceInfo;
+use crate::source::{SourceInfo, Transparency};
 
 /// Most pixels of a picture, with its margin of 128 a side, that FFmpeg's decoders take.
 const MOST_OF_FFMPEG: u64 = (i32::MAX / 8) as u64;
@@ -85,7 +87,7 @@ impl LargeStill {
             stereo: None,
             broken_boxes: Vec::new(),
             sound: None,
-            has_alpha,
+            transparency: has_alpha.then_some(Transparency::OverBlack),
             pixel_aspect: None,
             is_hdr: false,
             codec: codec.to_owned(),
@@ -161,7 +163,7 @@ impl Planes {
             return Ok(picture);
         }
         let height = picture.height;
-        Err(format!("{} of {height} rows are there", self.rows))
+        Err(format!("{} of {height} came", counted(self.rows, "row")))
     }
 }
 
@@ -190,11 +192,24 @@ fn read_png(path: &Path, size: [u32; 2]) -> Result<Picture, String> {
     let mut planes = Planes::new(size);
     while planes.rows < size[1] {
         match reader.next_row().map_err(|e| e.to_string())? {
+            Some(row) if channels.is_multiple_of(2) => {
+                planes.push(&over_black(row.data(), channels), channels);
+            }
             Some(row) => planes.push(row.data(), channels),
             None => break,
         }
     }
     planes.finish()
+}
+
+/// What is seen before black of a row of pixels whose last sample is alpha.
+fn over_black(row: &[u8], channels: usize) -> Vec<u8> {
+    let pixels = row.chunks_exact(channels);
+    let seen = pixels.flat_map(|pixel| {
+        let alpha = pixel[channels - 1];
+        pixel.iter().map(move |code| over(*code, 0, alpha))
+    });
+    seen.collect()
 }
 
 fn jpeg_decoder(path: &Path) -> Option<JpegDecoder<BufReader<File>>> {

@@ -163,14 +163,15 @@ fn metadata_says_how_the_eyes_are_surrounded() {
             (about.eyes, about.size),
             (eyes, [face; 2]),
             "{:?}",
-            plan.notes
+            plan.remarks
         );
         assert_eq!(
             plan.eyes.right_first,
             stereo.is_some_and(|stereo| stereo[1] == 1)
         );
         assert!(
-            plan.notes
+            plan.remarks
+                .all()
                 .iter()
                 .any(|note| note.contains("metadata") || eyes == 1)
         );
@@ -211,9 +212,9 @@ fn a_squeezed_pair_is_shown_in_its_true_shape_and_that_is_said() {
         let [w, h] = plan.grid.surface.tangents;
         assert!((w / h - 16.0 / 9.0).abs() < 1e-9);
         assert!(
-            plan.notes.join(" ").contains("half the"),
+            plan.remarks.all().join(" ").contains("half the"),
             "{:?}",
-            plan.notes
+            plan.remarks
         );
     }
 }
@@ -268,7 +269,7 @@ fn a_broken_box_is_named_with_its_place_and_hidden_as_the_error_says() {
         let clip = with_box(name, |b| b[at..at + 4].copy_from_slice(&bytes));
         let settings = settings(ProjectionChoice::Auto, Codec::Png);
         let said = match plan_of(&clip, &settings) {
-            Ok(plan) => plan.notes.join("; "),
+            Ok(plan) => plan.remarks.all().join("; "),
             Err(error) => error.to_string(),
         };
         assert!(
@@ -281,7 +282,7 @@ fn a_broken_box_is_named_with_its_place_and_hidden_as_the_error_says() {
         assert_eq!(&bytes[at..at + 4], b"sv3d");
         bytes[at..at + 4].copy_from_slice(b"free");
         let plan = plan_of(&Scratch::holding("mp4", &bytes), &settings).unwrap();
-        let notes = plan.notes.join("; ");
+        let notes = plan.remarks.all().join("; ");
         assert!(
             !notes.contains("sv3d") && notes.contains("side by side"),
             "{notes}"
@@ -293,7 +294,11 @@ fn a_broken_box_is_named_with_its_place_and_hidden_as_the_error_says() {
 fn eyes_that_are_told_twice_or_in_an_unknown_way_are_told() {
     let unknown = with_box(b"st3d", |b| b[8] = 9);
     let plan = plan_of(&unknown, &settings(ProjectionChoice::Auto, Codec::Png)).unwrap();
-    assert!(plan.notes.join(" ").contains("says 9"), "{:?}", plan.notes);
+    assert!(
+        plan.remarks.all().join(" ").contains("says 9"),
+        "{:?}",
+        plan.remarks
+    );
     // The sphere's box becomes a second one about the eyes.
     let twice = with_box(b"sv3d", |b| b[..4].copy_from_slice(b"st3d"));
     let error = VideoInput::open(&twice).err().unwrap().to_string();
@@ -316,7 +321,7 @@ fn a_box_that_ends_within_its_numbers_is_not_believed() {
     bytes[at - 4..at].copy_from_slice(&12_u32.to_be_bytes());
     let clip = Scratch::holding("mp4", &bytes);
     let plan = plan_of(&clip, &settings(ProjectionChoice::Auto, Codec::Png)).unwrap();
-    let notes = plan.notes.join("; ");
+    let notes = plan.remarks.all().join("; ");
     assert!(notes.contains("ends within the numbers"), "{notes}");
     assert_eq!(VideoInput::open(&clip).unwrap().info().spherical, None);
 }
@@ -329,7 +334,7 @@ fn a_box_that_is_shorter_than_its_head_is_told() {
         bytes[at - 1] = 7;
         let clip = Scratch::holding("mp4", &bytes);
         let plan = plan_of(&clip, &settings(ProjectionChoice::Auto, Codec::Png)).unwrap();
-        let notes = plan.notes.join("; ");
+        let notes = plan.remarks.all().join("; ");
         assert!(notes.contains("7 bytes long"), "{notes}");
     }
 }
@@ -375,6 +380,12 @@ fn names_and_sizes_say_what_is_taken_for_what() {
         ("tour_360_TB.mp4", [4096, 4096], 2, [1024, 1024], 6),
         ("tour_360_TB.mp4", [4096, 2048], 2, [1024, 1024], 6),
         ("tour_360_SBS.mp4", [4096, 2048], 2, [1024, 1024], 6),
+        ("tour_TB.mp4", [2048, 2048], 2, [512, 512], 6),
+        ("tour_LR.mp4", [4096, 1024], 2, [512, 512], 6),
+        ("tour_TB.mp4", [4096, 2048], 2, [1024, 1024], 6),
+        ("tour_TB.mp4", [2048, 1024], 2, [2048, 512], 1),
+        ("tour_LR.mp4", [4096, 2048], 2, [2048, 2048], 1),
+        ("pano_TB.png", [1920, 1080], 2, [1920, 540], 1),
         ("film_sbs.mkv", [3840, 1080], 2, [1920, 1080], 1),
         ("film_hsbs.mkv", [1920, 1080], 2, [960, 1080], 1),
         ("strip.mp4", [6144, 1024], 1, [1024, 1024], 6),
@@ -394,10 +405,13 @@ fn names_and_sizes_say_what_is_taken_for_what() {
             found,
             (eyes, face, faces),
             "{name} {size:?}: {:?}",
-            plan.notes
+            plan.remarks
         );
         assert!(
-            plan.notes.iter().any(|note| note.contains("taken for")),
+            plan.remarks
+                .all()
+                .iter()
+                .any(|note| note.contains("taken for")),
             "{name}"
         );
     }

@@ -8,6 +8,7 @@ use foveal_core::asset::pack::{
 use foveal_core::asset::signature::{SIGNATURES, Signatures};
 use foveal_core::asset::sound::{SOUND, SoundTable};
 use foveal_core::asset::unit::UnitId;
+use foveal_core::units::counted;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -103,7 +104,7 @@ impl PackFile {
         if header.file_bytes != found.len() {
             return Err(format(PackError {
                 field: "file_bytes".to_owned(),
-                found: format!("a file of {} bytes", found.len()),
+                found: format!("a file of {}", counted(found.len(), "byte")),
                 expected: format!("{} (cut short or with something added)", header.file_bytes),
             }));
         }
@@ -245,7 +246,7 @@ impl PackFile {
             return Err(self.format(PackError {
                 field: what,
                 found: format!("{}+{}", table.offset, table.bytes),
-                expected: format!("within {} bytes", self.header.file_bytes),
+                expected: format!("within {}", counted(self.header.file_bytes, "byte")),
             }));
         }
         let bytes = self.read(table.offset, table.bytes, &|| what.clone())?;

@@ -4,6 +4,7 @@ use crate::journal_file::JournalFile;
 use crate::pack_file::{PackFileError, partial_path};
 use foveal_core::asset::pack::{Description, Identity, MAGIC, PackBuilder, SideTable, Step};
 use foveal_core::asset::tile_grid::Tile;
+use foveal_core::units::counted;
 use std::fs::File;
 use std::io::{BufWriter, Error, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -72,7 +73,8 @@ impl PackWriter {
                         writer,
                         steps: unfinished.steps,
                         note: Some(format!(
-                            "goes on after {frames} frames that were coded before"
+                            "goes on after {} coded before",
+                            counted(frames, "frame")
                         )),
                     });
                 }
@@ -174,9 +176,9 @@ impl PackWriter {
         PackFileError::Io {
             path: self.path.clone(),
             what: format!(
-                "cannot be written after {} bytes; free space there or choose another --out \
+                "cannot be written after {}; free space there or choose another --out \
                  ({left})",
-                self.builder.end()
+                counted(self.builder.end(), "byte")
             ),
             source,
         }

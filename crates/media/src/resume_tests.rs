@@ -71,7 +71,7 @@ fn wherever_it_stops_the_pack_ends_the_same() {
         assert_eq!(bytes(&out), whole, "{stops:?}");
         // A stop is noticed once a frame is coded, and its step is written before that.
         let coded = (before / 32 * 32).min(64);
-        let wanted = format!("goes on after {coded} frames that were coded before");
+        let wanted = format!("goes on after {coded} frames coded before");
         assert_eq!(notes, if coded > 0 { vec![wanted] } else { Vec::new() });
     }
 }

@@ -324,9 +324,9 @@ fn without_sound_or_wish_for_it_a_pack_is_silent_and_that_is_said() {
     );
     let plan = plan_of(&mute, &settings(ProjectionChoice::Flat, Codec::Jpeg)).unwrap();
     assert!(
-        plan.notes.iter().any(|note| note == "it has no sound"),
+        plan.remarks.all().contains(&"it has no sound"),
         "{:?}",
-        plan.notes
+        plan.remarks
     );
 }
 
@@ -354,9 +354,9 @@ fn broken_sound_is_noted_and_the_pictures_are_prepared_anyhow() {
     let done = prepare(&broken, &out, &plan, &mut |_| {}).unwrap();
     assert_eq!((done.description.frames, pictures > 50), (pictures, true));
     assert!(
-        done.notes.iter().any(|note| note.contains("sound")),
+        done.warnings.iter().any(|said| said.contains("sound")),
         "{:?}",
-        done.notes
+        done.warnings
     );
     let pack = PackFile::open(&out).unwrap();
     assert!(pack.verify(|_, _| {}).is_empty() && pack.sound().unwrap().is_none());

@@ -37,8 +37,8 @@ pub struct SourceInfo {
     pub broken_boxes: Vec<BrokenBox>,
     /// Its best sound stream, if it has any.
     pub sound: Option<Sound>,
-    /// True when the source has transparency, which is dropped.
-    pub has_alpha: bool,
+    /// What becomes of its transparency, where it has any.
+    pub transparency: Option<Transparency>,
     /// Width over height of a pixel, as numerator and denominator, where pixels are not square.
     pub pixel_aspect: Option<[i32; 2]>,
     /// True when code values follow a high dynamic range curve (PQ or HLG).
@@ -51,6 +51,29 @@ pub struct SourceInfo {
     pub bytes: u64,
     /// True for an image file or a video of one frame.
     pub looks_still: bool,
+}
+
+/// What becomes of a source's transparency: pictures as they are delivered have none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transparency {
+    /// Pictures lie over black.
+    OverBlack,
+    /// It lies where it is not read: pictures show what is stored under it.
+    NotRead,
+}
+
+impl Transparency {
+    /// What a person should know of it.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::OverBlack => "what is transparent in it is shown over black",
+            Self::NotRead => {
+                "its transparency, a second stream, is not read: where it is transparent, the \
+                 colours show that are stored there"
+            }
+        }
+    }
 }
 
 /// What a file says about its sound.

@@ -1,5 +1,6 @@
 //! Which boxes of an MP4 file about the sphere and the eyes are broken, and where?
 
+use foveal_core::units::counted;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
@@ -96,7 +97,8 @@ impl Found {
     /// With such a box FFmpeg leaves the list of boxes that it stands in.
     fn without_head(&self, name: &'static str) -> Option<BrokenBox> {
         let size = self.size;
-        let what = format!("says that it is {size} bytes long, which is less than its head");
+        let size = counted(size, "byte");
+        let what = format!("says that it is {size} long, which is less than its head");
         self.broken(name, Ffmpeg::PassesOver, &what)
     }
 }

@@ -10,7 +10,7 @@ use foveal_core::asset::timeline::Timeline;
 use foveal_core::asset::unit::UnitId;
 use foveal_core::selection::content::Content;
 use foveal_core::selection::picker::HasTables;
-use foveal_core::units::Seconds;
+use foveal_core::units::{Seconds, counted};
 use foveal_core::view::surface::Screen;
 use std::collections::HashSet;
 use std::ops::Range;
@@ -36,7 +36,7 @@ impl Shelf {
         let Some(description) = head.get(HEADER_BYTES..end) else {
             return Err(PackError {
                 field: "description".to_owned(),
-                found: format!("{} bytes of the file", head.len()),
+                found: format!("{} of the file", counted(head.len(), "byte")),
                 expected: format!("{end}"),
             });
         };

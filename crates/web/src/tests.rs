@@ -47,6 +47,7 @@ fn description() -> Description {
             bytes: 9,
             codec: "x".into(),
         },
+        identity: None,
         tables: vec![],
     }
 }

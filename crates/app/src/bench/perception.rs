@@ -5,6 +5,7 @@ use super::gpu::time_on_gpu;
 use crate::demo::machine::Machine;
 use crate::output::{self, out_of_range};
 use anyhow::bail;
+use foveal_core::units::counted;
 use foveal_eval::importance_bench::{Decision, ImportanceTimes, time_importance};
 use foveal_eval::path_bench::{time_gaze_path, time_selection};
 use foveal_eval::timing::{Clock, TimedRow};
@@ -53,7 +54,9 @@ fn text(report: &Report) -> String {
     let ([w, h], levels, units) = (times.size, times.levels, times.units);
     let _ = writeln!(
         text,
-        "\nimportance, {w}x{h}, {levels} levels, {units} units:"
+        "\nimportance, {w}x{h}, {}, {}:",
+        counted(levels, "level"),
+        counted(units, "unit")
     );
     for row in &times.rows {
         write_row(&mut text, row);
@@ -80,11 +83,11 @@ fn write_row(text: &mut String, row: &TimedRow) {
     };
     let _ = writeln!(
         text,
-        "{}: {:.2} {unit} ({:.2} to {:.2}, {} runs, {clock})",
+        "{}: {:.2} {unit} ({:.2} to {:.2}, {}, {clock})",
         row.name,
         median * scale,
         least * scale,
         most * scale,
-        row.runs
+        counted(row.runs, "run")
     );
 }

@@ -8,6 +8,7 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::picture::{Colour, Matrix};
+use foveal_core::units::counted;
 use foveal_media::encode::Speed;
 use foveal_media::generate::{FRAMES_PER_SECOND, Scene};
 use foveal_media::prepare::{Plan, PrepareSettings, ProjectionChoice, prepare};
@@ -237,12 +238,12 @@ fn text(report: &Report) -> String {
             .map_or("-".to_owned(), |cpu| format!("{cpu:.1}"));
         let _ = writeln!(
             text,
-            "{:14} {:14} {:6.1} {cpu:>6}   {:.1} MB, {} threads",
+            "{:14} {:14} {:6.1} {cpu:>6}   {:.1} MB, {}",
             row.content,
             row.way,
             row.source_mpix_per_s,
             row.pack_bytes as f64 / 1e6,
-            row.jobs,
+            counted(row.jobs, "thread"),
         );
     }
     let _ = writeln!(text, "\nbytes at equal PSNR over libvpx good, cpu-used 4:");

@@ -6,6 +6,7 @@ use crate::output::{self, out_of_range};
 use crate::score::Companions;
 use anyhow::{Context, bail};
 use clap::Args;
+use foveal_core::units::counted;
 use foveal_eval::score::clear::ClearJudge;
 use foveal_eval::score::golden::Golden;
 use foveal_eval::score::gpu::GpuJudge;
@@ -228,8 +229,10 @@ fn text(report: &Report) -> String {
     let mut text = report.machine.text();
     let [w, h] = report.size;
     text += &format!(
-        "\nscoring {w}x{h} at {} Hz, foveated, moving gaze, {} frames, threads: {}\n",
-        report.fps, report.frames, report.jobs
+        "\nscoring {w}x{h} at {} Hz, foveated, moving gaze, {}, {}\n",
+        report.fps,
+        counted(report.frames, "frame"),
+        counted(report.jobs, "thread")
     );
     let row = |spread: &Spread, unit: &str| {
         let [least, most] = spread.range;

@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use foveal_core::asset::picture::{Colour, Matrix};
 use foveal_media::generate::{FRAMES_PER_SECOND, Scene};
 use foveal_media::pack_file::PackFile;
-use foveal_media::prepare::{Plan, PrepareSettings};
+use foveal_media::prepare::{Plan, PrepareSettings, Remarks};
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -51,8 +51,8 @@ pub(super) struct Prepared {
     pub(super) generated: bool,
     /// How long preparing took; `None` when the pack of an earlier run was still good.
     pub(super) took: Option<Duration>,
-    /// What `auto` found and what was dropped.
-    pub(super) notes: Vec<String>,
+    /// What `auto` found and what is lost.
+    pub(super) remarks: Remarks,
 }
 
 /// The inputs, or a generated flat clip without any, then the generated 360° scene.
@@ -151,7 +151,7 @@ impl Content {
                 && file.pack().description().frames == FRAMES,
             generated: self.scene.is_some(),
             took: kept.is_none().then(|| begun.elapsed()),
-            notes: plan.notes,
+            remarks: plan.remarks,
             file: Arc::new(file),
         })
     }

@@ -5,6 +5,7 @@ use super::figures::frames;
 use super::run::Played;
 use crate::html::escape;
 use foveal_core::asset::tile_grid::Cut;
+use foveal_core::units::counted;
 use foveal_core::view::surface::Projection;
 
 /// Source, pack, licence and notes as paragraphs.
@@ -57,10 +58,10 @@ fn pack(played: &Played) -> String {
         None => "prepared by an earlier run and used again".to_owned(),
     };
     format!(
-        "Pack: {}, {} levels, {cut}, {} units, {} from {}; {took}.",
+        "Pack: {}, {}, {cut}, {}, {} from {}; {took}.",
         about.codec.name().to_uppercase(),
-        about.levels,
-        file.pack().units().count(),
+        counted(about.levels, "level"),
+        counted(file.pack().units().count(), "unit"),
         size(file.bytes()),
         size(about.source.bytes),
     )
@@ -74,8 +75,9 @@ fn notes(played: &Played) -> Option<String> {
     if content.cut_short {
         notes.push(format!("Only its first {FRAMES} frames are played."));
     }
-    if !content.generated && !content.notes.is_empty() {
-        notes.push(format!("Found on preparing: {}.", content.notes.join("; ")));
+    let found = content.remarks.all();
+    if !content.generated && !found.is_empty() {
+        notes.push(format!("Found on preparing: {}.", found.join("; ")));
     }
     if about.projection == Projection::Flat {
         notes.push(

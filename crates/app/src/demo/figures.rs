@@ -2,6 +2,7 @@
 
 use super::run::{FULL, PolicyRun, VIEWPORT};
 use crate::simulate::RunSummary;
+use foveal_core::units::counted;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -129,10 +130,7 @@ fn decimals(values: &[f64]) -> usize {
 
 /// How many frames were played, in words.
 pub(super) fn frames(runs: &[PolicyRun]) -> String {
-    match runs.first().map_or(0, |run| run.reports.len()) {
-        1 => "1 frame".to_owned(),
-        frames => format!("{frames} frames"),
-    }
+    counted(runs.first().map_or(0, |run| run.reports.len()), "frame")
 }
 
 /// The table for a terminal.

@@ -1,6 +1,7 @@
 //! What did the figures come from?
 
 use crate::output;
+use foveal_core::units::counted;
 use serde::Serialize;
 
 /// The machine, for whoever compares figures.
@@ -23,7 +24,8 @@ impl Machine {
     }
 
     pub(crate) fn text(&self) -> String {
-        format!("CPU {}, {} cores; GPU {}", self.cpu, self.cores, self.gpu)
+        let cores = counted(self.cores, "core");
+        format!("CPU {}, {cores}; GPU {}", self.cpu, self.gpu)
     }
 }
 

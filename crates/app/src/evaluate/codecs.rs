@@ -9,6 +9,7 @@ use crate::output;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use foveal_core::asset::codec::Codec;
+use foveal_core::units::counted;
 use foveal_media::prepare::{PrepareSettings, Quality};
 use serde::Serialize;
 
@@ -131,11 +132,11 @@ fn parse_coding(name: &str) -> anyhow::Result<Coding> {
 impl Report {
     fn text(&self) -> String {
         let mut text = format!(
-            "{}\n{}, {} frames\n\n\
+            "{}\n{}, {}\n\n\
              {:<8} {:>9} {:>8} {:>10} {:>8} {:>8} {:>8} {:>8}  bytes a level\n",
             self.machine.text(),
             self.input,
-            self.frames,
+            counted(self.frames, "frame"),
             "codec",
             "prepare s",
             "MPix/s",

@@ -8,6 +8,7 @@ use crate::output::{self, out_of_range};
 use anyhow::bail;
 use clap::Args;
 use foveal_core::asset::tile_grid::{Cut, MAX_LEVELS};
+use foveal_core::units::counted;
 use foveal_media::prepare::{PrepareError, PrepareSettings};
 use serde::Serialize;
 
@@ -74,7 +75,8 @@ pub(super) fn run(args: &GridSweepArgs) -> anyhow::Result<()> {
         for &levels in &args.levels {
             let (grid, number) = ([side; 2], cuts.len() + impossible.len() + 1);
             output::say(&format!(
-                "{number} of {of}: {side}x{side} cells, {levels} levels"
+                "{number} of {of}: {side}x{side} cells, {}",
+                counted(levels, "level")
             ));
             match args
                 .trial
@@ -122,10 +124,10 @@ impl GridSweepArgs {
 impl Report {
     fn text(&self) -> String {
         let mut text = format!(
-            "{}\n{}, {} frames\n\n{:>7} {:>6} {:>9} {:>8} {:>8} {:>6} {:>10} {:>9}\n",
+            "{}\n{}, {}\n\n{:>7} {:>6} {:>9} {:>8} {:>8} {:>6} {:>10} {:>9}\n",
             self.machine.text(),
             self.input,
-            self.frames,
+            counted(self.frames, "frame"),
             "grid",
             "levels",
             "pixels",
@@ -153,7 +155,12 @@ impl Report {
             );
         }
         for Impossible { grid, levels, why } in &self.impossible {
-            text += &format!("{}x{} cells, {levels} levels: {why}\n", grid[0], grid[1]);
+            text += &format!(
+                "{}x{} cells, {}: {why}\n",
+                grid[0],
+                grid[1],
+                counted(levels, "level")
+            );
         }
         text
     }

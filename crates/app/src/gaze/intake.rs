@@ -6,7 +6,7 @@ use foveal_core::gaze::osc::EyeMessages;
 use foveal_core::gaze::record::{GazeRecord, MAX_RECORD_BYTES};
 use foveal_core::gaze::row::TraceRow;
 use foveal_core::gaze::stream::GazeStream;
-use foveal_core::units::Seconds;
+use foveal_core::units::{Seconds, counted};
 use rosc::{OscMessage, OscPacket, OscType};
 use serde::Serialize;
 
@@ -93,7 +93,10 @@ fn lines(message: &[u8]) -> Vec<Read> {
 fn eye_record(eyes: &mut EyeMessages, packet: &[u8], arrived: Seconds) -> Read {
     // Packets may nest; the limit also bounds how deep.
     if packet.len() > MAX_RECORD_BYTES {
-        return Err(format!("an OSC packet of {} bytes", packet.len()));
+        return Err(format!(
+            "an OSC packet of {}",
+            counted(packet.len(), "byte")
+        ));
     }
     let (_, packet) = rosc::decoder::decode_udp(packet).map_err(|error| error.to_string())?;
     let mut messages = Vec::new();

@@ -9,7 +9,7 @@ use super::intake::{Counts, Intake};
 use crate::output::say;
 use anyhow::bail;
 use foveal_core::gaze::row::TraceRow;
-use foveal_core::units::Seconds;
+use foveal_core::units::{Seconds, counted};
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -74,7 +74,7 @@ impl Live {
             if Instant::now() >= until {
                 let skipped = match inner.intake.counts(0).skipped {
                     0 => "nothing came at all".to_owned(),
-                    skipped => format!("{skipped} messages came that are none"),
+                    skipped => format!("{} came without a gaze", counted(skipped, "message")),
                 };
                 let seconds = longest.as_secs();
                 bail!(
@@ -134,9 +134,11 @@ impl Drop for Live {
                 dropped,
             } = counts;
             say(&format!(
-                "foveal: {}: skipped {skipped} messages that are no gaze, {late} that came after \
-                 newer ones, and {dropped} samples that nobody took in time",
-                self.name
+                "foveal: {}: skipped {} without a gaze, {late} that came after newer ones, and {} \
+                 that nobody took in time",
+                self.name,
+                counted(skipped, "message"),
+                counted(dropped, "sample")
             ));
         }
     }

@@ -7,7 +7,7 @@ use anyhow::Context;
 use clap::Args;
 use foveal_core::gaze::saccade::SaccadeDetector;
 use foveal_core::gaze::sample::{EyeEvent, GazeSample};
-use foveal_core::units::Seconds;
+use foveal_core::units::{Seconds, counted};
 use foveal_eval::gaze::labelled::LabelScreen;
 use serde::Serialize;
 use std::fmt::Write;
@@ -96,7 +96,10 @@ fn name(event: EyeEvent) -> &'static str {
 fn text(counts: &Counts) -> String {
     let row = |name: &str, count: usize| {
         let share = 100.0 * count as f64 / counts.samples.max(1) as f64;
-        format!("{name:<9} {count:>9} samples {share:>6.1} %\n")
+        format!(
+            "{name:<9} {:>17} {share:>6.1} %\n",
+            counted(count, "sample")
+        )
     };
     [
         row("fixation", counts.fixation),
@@ -104,8 +107,9 @@ fn text(counts: &Counts) -> String {
         row("blink", counts.blink),
         row("lost", counts.lost),
         format!(
-            "{} saccades in {} samples\n",
-            counts.saccades, counts.samples
+            "{} in {}\n",
+            counted(counts.saccades, "saccade"),
+            counted(counts.samples, "sample")
         ),
     ]
     .concat()

@@ -5,6 +5,7 @@ use crate::output::{self, write_whole};
 use anyhow::bail;
 use clap::Args;
 use foveal_core::gaze::head_prediction::saturating::{AxisCurve, HeadGazePreset};
+use foveal_core::units::counted;
 use foveal_eval::gaze::head_fit::fit_head;
 use foveal_eval::gaze::head_protocol::evaluate_head;
 use serde::Serialize;
@@ -38,7 +39,7 @@ struct HeadFitted {
 
 impl HeadFitted {
     fn text(&self) -> String {
-        let mut text = format!("{}, from {} samples\n", self.out, self.samples);
+        let mut text = format!("{}, from {}\n", self.out, counted(self.samples, "sample"));
         for (axis, curve) in [("yaw", &self.preset.yaw), ("pitch", &self.preset.pitch)] {
             let _ = write!(text, "{axis:<6}");
             for ((name, _), value) in AxisCurve::RANGES.iter().zip(curve.parameters()) {
@@ -64,8 +65,9 @@ pub(crate) fn run(args: &FitHeadArgs) -> anyhow::Result<()> {
     let samples: usize = recordings.iter().map(|one| one.rows().len()).sum();
     if samples < LEAST_SAMPLES {
         bail!(
-            "--data holds {samples} samples of eyes and head; give at least {LEAST_SAMPLES} \
-             (ten seconds): fewer say nothing of how a gaze follows a head"
+            "--data holds {} of eyes and head; give at least {LEAST_SAMPLES} (ten seconds): fewer \
+             say nothing of how a gaze follows a head",
+            counted(samples, "sample")
         );
     }
     let fit = fit_head(&recordings.iter().collect::<Vec<_>>());

@@ -9,7 +9,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use foveal_core::gaze::row::TraceRow;
 use foveal_core::gaze::sample::GazeSample;
-use foveal_core::units::Seconds;
+use foveal_core::units::{Seconds, counted};
 use foveal_core::view::surface::Surface;
 use serde::Serialize;
 use std::fs::File;
@@ -257,8 +257,12 @@ fn cannot_write(path: &Path) -> String {
 impl Recorded {
     fn text(&self) -> String {
         format!(
-            "{}: {} samples, {} of them valid, over {:.2} s ({:.1} Hz)",
-            self.file, self.samples, self.valid, self.seconds, self.rate_hz
+            "{}: {}, {} of them valid, over {:.2} s ({:.1} Hz)",
+            self.file,
+            counted(self.samples, "sample"),
+            self.valid,
+            self.seconds,
+            self.rate_hz
         )
     }
 }

@@ -5,6 +5,7 @@ use crate::options::parse_pair;
 use crate::output::{WrongUsage, out_of_range, read_text};
 use anyhow::{Context, anyhow, bail};
 use clap::ValueEnum;
+use foveal_core::units::counted;
 use foveal_eval::score::display::{DisplayFile, Transfer};
 use foveal_eval::score::gaze_trace::GazeTrace;
 use foveal_eval::score::named_displays::NamedDisplay;
@@ -141,8 +142,9 @@ pub(super) fn fps_of(asked: Option<f64>, pair: [&Frames; 2]) -> anyhow::Result<O
     let rates = pair.map(|frames| frames.fps);
     match rates {
         [Some(a), Some(b)] if (a / b - 1.0).abs() > 1e-3 => bail!(
-            "{}: {b} frames a second where the reference has {a}; give --fps",
-            test.name.display()
+            "{}: {} a second where the reference has {a}; give --fps",
+            test.name.display(),
+            counted(b, "frame")
         ),
         [Some(rate), _] | [None, Some(rate)] => Ok(Some(rate)),
         [None, None] => bail!(WrongUsage(format!(

@@ -18,6 +18,7 @@ pub(crate) use conditions::{DeviceName, ModeName};
 use conditions::{GazeOnPicture, fps_of, gaze_of, parse_centre};
 use engine::Frame;
 pub(crate) use engine::{Companions, Engine};
+use foveal_core::units::counted;
 use foveal_eval::score::companion::{Companion, CompanionJudge};
 use foveal_eval::score::{Display, Viewing};
 use frames::{Frames, Opening};
@@ -229,7 +230,8 @@ impl ScoreArgs {
             && test.is_exact
         {
             let name = test.name.display();
-            bail!("{name}: has {found} frames where the reference has {wanted}; give --frames N");
+            let found = counted(found, "frame");
+            bail!("{name}: has {found} where the reference has {wanted}; give --frames N");
         }
         Ok((reference, test))
     }
@@ -312,8 +314,9 @@ impl ScoreArgs {
                         None => (&names[0], &names[1]),
                     };
                     bail!(
-                        "{}: ends after {number} frames, {} goes on; give --frames {}",
+                        "{}: ends after {}, {} goes on; give --frames {}",
                         name.display(),
+                        counted(number, "frame"),
                         other.display(),
                         number.max(1)
                     );

@@ -4,9 +4,10 @@
 
 use super::ScoreArgs;
 use super::conditions::GazeOnPicture;
-use crate::output::{self, counted, out_of_range, told};
+use crate::output::{self, out_of_range, told};
 use anyhow::{Context, bail};
 use csv::StringRecord;
+use foveal_core::units::counted;
 use foveal_eval::score::named_displays::NamedDisplay;
 use serde::Serialize;
 use serde_json::Value;
@@ -34,7 +35,7 @@ pub(super) struct Scored {
 
 impl Scored {
     pub(super) fn text(&self) -> String {
-        let pairs = counted(self.pairs as u64, "pair");
+        let pairs = counted(self.pairs, "pair");
         format!("{pairs} scored\n{}", self.out.display())
     }
 }
@@ -72,7 +73,7 @@ pub(super) fn score_pairs(args: &ScoreArgs, list: &Path, out: &Path) -> anyhow::
         bail!(
             "{}: {failed} of {} could not be scored; see column error of {}",
             list.display(),
-            counted(pairs as u64, "pair"),
+            counted(pairs, "pair"),
             out.display()
         );
     }
@@ -145,7 +146,7 @@ impl Table {
             .collect::<Result<_, _>>()
             .with_context(|| name.to_string())?;
         if !(1..=MOST_PAIRS).contains(&rows.len()) {
-            let found = counted(rows.len() as u64, "row");
+            let found = counted(rows.len(), "row");
             bail!("{name}: {found} below the first; give 1 to {MOST_PAIRS}, one a pair");
         }
         let folder = list.parent().unwrap_or(Path::new("")).to_owned();
@@ -172,7 +173,7 @@ impl Table {
         let line = row.position().map_or(0, csv::Position::line);
         let (found, wanted) = (row.len(), self.columns.len());
         if found != wanted {
-            let found = counted(found as u64, "field");
+            let found = counted(found, "field");
             bail!("line {line} has {found}, line 1 has {wanted}; put names with commas in quotes");
         }
         let file = |column: &str| {

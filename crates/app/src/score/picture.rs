@@ -39,13 +39,13 @@ pub(super) fn check_source(path: &Path, about: &SourceInfo) -> anyhow::Result<()
              write it as PNG with 16 bits"
         );
     }
-    match about.has_alpha {
-        true if about.looks_still => bail!(
+    match about.transparency {
+        Some(_) if about.looks_still => bail!(
             "{name}: has transparency ({format}), and colour depends on what lies behind; flatten \
              it, or write it as an opaque PNG"
         ),
-        true => output::say(&format!("{name}: its transparency is dropped")),
-        false => {}
+        Some(what) => output::say(&format!("warning: {name}: {}", what.words())),
+        None => {}
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use super::conditions::GazeOnPicture;
 use super::engine::CompanionValues;
+use foveal_core::units::counted;
 use foveal_eval::score::companion::Companion;
 use foveal_eval::score::constants as fit;
 use foveal_eval::score::display::Transfer;
@@ -132,12 +133,12 @@ impl Report {
         let mode = mode_name(self.mode);
         let mut text = format!(
             "{:.4} JOD ({} {}, {mode}, {}; 10 is no difference, 1 less is what three of four \
-             people see)\n{} frames, {}\n",
+             people see)\n{}, {}\n",
             self.jod,
             self.metric,
             self.version,
             self.device,
-            self.frames,
+            counted(self.frames, "frame"),
             self.conditions.text()
         );
         if let Some(zones) = &self.zones {
@@ -236,12 +237,11 @@ impl Single {
         let value = self
             .value
             .map_or(none.to_owned(), |value| format!("{value:.4}"));
-        let (unit, metric, frames) = (self.unit, self.metric.name(), self.frames);
+        let (unit, metric) = (self.unit, self.metric.name());
+        let frames = counted(self.frames, "frame");
         let (version, mode) = (self.version, mode_name(self.mode));
         let conditions = self.conditions.text();
-        format!(
-            "{value} {unit} ({metric} of foveal {version}, {mode})\n{frames} frames, {conditions}\n"
-        )
+        format!("{value} {unit} ({metric} of foveal {version}, {mode})\n{frames}, {conditions}\n")
     }
 }
 

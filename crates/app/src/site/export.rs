@@ -6,6 +6,7 @@ use super::{About, LISTING, Site, SiteFile};
 use crate::output::{self, Counting};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
+use foveal_core::units::counted;
 use foveal_media::pack_file::PackFile;
 use serde::Serialize;
 use std::io::ErrorKind;
@@ -81,7 +82,7 @@ fn tell_damage(packs: &[PathBuf]) -> anyhow::Result<()> {
         if let Some(first) = damage.first() {
             output::say(&format!(
                 "foveal: {first} ({} in all; the site shows the rest of it)",
-                output::counted(damage.len() as u64, "damaged place")
+                counted(damage.len(), "damaged place")
             ));
         }
     }
@@ -91,12 +92,12 @@ fn tell_damage(packs: &[PathBuf]) -> anyhow::Result<()> {
 impl Exported<'_> {
     fn text(&self) -> String {
         let out = self.out.display();
-        let (files, bytes) = (self.files, self.bytes as f64 / 1e6);
+        let (files, bytes) = (counted(self.files, "file"), self.bytes as f64 / 1e6);
         if self.dry_run {
-            return format!("{out}: would hold {files} files, {bytes:.2} MB");
+            return format!("{out}: would hold {files}, {bytes:.2} MB");
         }
         format!(
-            "{out}: {files} files, {bytes:.2} MB\nsee it:     foveal serve {out}\npublish it: copy \
+            "{out}: {files}, {bytes:.2} MB\nsee it:     foveal serve {out}\npublish it: copy \
              the folder to any web host that serves byte ranges (docs/deploy.md)"
         )
     }

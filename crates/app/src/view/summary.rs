@@ -1,7 +1,7 @@
 //! What is said when a window was closed?
 
 use super::viewer::Viewer;
-use crate::output::counted;
+use foveal_core::units::counted;
 use serde::Serialize;
 
 /// What a session took.
@@ -59,15 +59,15 @@ impl Summary {
     pub(crate) fn text(&self) -> String {
         format!(
             "{} shown, {} late for decoding, {} for drawing, {} incomplete, {} left out\n\
-             {} damaged tiles, {} damaged frames, {} lost devices",
+             {}, {}, {}",
             counted(self.frames, "frame"),
             self.late_frames,
             self.slow_draws,
             self.incomplete_frames,
             self.left_out_frames,
-            self.damaged_tiles,
-            self.damaged_frames,
-            self.lost_devices,
+            counted(self.damaged_tiles, "damaged tile"),
+            counted(self.damaged_frames, "damaged frame"),
+            counted(self.lost_devices, "lost device"),
         )
     }
 }

@@ -5,7 +5,7 @@ use super::overlay::{Key, Line};
 use super::viewer::Viewer;
 use crate::canvas::Showing;
 use foveal_core::selection::policy::Policy;
-use foveal_core::units::Seconds;
+use foveal_core::units::{Seconds, counted};
 use foveal_core::view::keys::{KEYS, Needs, Row};
 use foveal_render::Interpolation;
 
@@ -114,7 +114,10 @@ impl Viewer {
             let off = off.map_or("at the beginning".to_owned(), |[worst, p95]| {
                 format!("95 % in {p95:.0} ms, all {worst:.0}")
             });
-            lines.push(line("sound", format!("{off}; {} gaps", sound.gaps())));
+            lines.push(line(
+                "sound",
+                format!("{off}; {}", counted(sound.gaps(), "gap")),
+            ));
         }
         lines
     }
@@ -131,19 +134,21 @@ impl Viewer {
                     figures.late_frames, figures.slow_draws, figures.incomplete_frames
                 ),
             ),
-            line("left out", format!("{} frames", figures.left_out_frames)),
+            line("left out", counted(figures.left_out_frames, "frame")),
             line(
                 "damaged",
                 format!(
-                    "{} tiles, {} frames",
-                    figures.damaged_tiles, figures.damaged_frames
+                    "{}, {}",
+                    counted(figures.damaged_tiles, "tile"),
+                    counted(figures.damaged_frames, "frame")
                 ),
             ),
             line(
                 "recovered",
                 format!(
-                    "{} lost devices, {} errors",
-                    figures.lost_devices, figures.gpu_errors
+                    "{}, {}",
+                    counted(figures.lost_devices, "lost device"),
+                    counted(figures.gpu_errors, "error")
                 ),
             ),
         ]

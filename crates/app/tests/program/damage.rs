@@ -11,7 +11,8 @@ fn small_pack(folder: &Folder, codec: &str) -> String {
     let clip = write_clip(folder, "a.mkv", &waves([96, 64], 9));
     let pack = folder.name("a.foveal");
     let how = ["--codec", codec, "--tile", "32", "--levels", "2"];
-    done(&[&["prepare", "video", &clip, "--out", &pack], &how[..]].concat());
+    let prepare = ["prepare", "video", &clip, "--out", &pack, "--force"];
+    done(&[&prepare[..], &how].concat());
     pack
 }
 

@@ -106,7 +106,8 @@ fn decoding_is_the_same_with_and_without_a_wish_for_a_device() {
     let clip = write_clip(&folder, "a.mkv", &noisy_clip([96, 64], 9));
     let (pack, out) = (folder.name("a.foveal"), folder.name("out"));
     for codec in ["vp9", "h264"] {
-        done(&["prepare", "video", &clip, "--out", &pack, "--codec", codec]);
+        let prepare = ["prepare", "video", &clip, "--out", &pack, "--force"];
+        done(&[&prepare[..], &["--codec", codec]].concat());
         let play = |decoder: &str| {
             let play = [
                 "simulate",
@@ -138,7 +139,7 @@ fn a_device_that_is_not_there_is_told_with_all_that_was_tried() {
     let play = ["simulate", &pack, "--out", &out, "--decoder", "hardware"];
     refused(1, &play, &["--decoder hardware", "png", "auto or software"]);
     assert!(!std::path::Path::new(&out).exists());
-    done(&["prepare", "video", &clip, "--out", &pack]);
+    done(&["prepare", "video", &clip, "--out", &pack, "--force"]);
     let ran = crate::support::foveal(&[&play[..], &["--json"]].concat());
     if ran.code == Some(0) {
         let run = crate::support::json_of(&ran);

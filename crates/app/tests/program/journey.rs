@@ -37,7 +37,9 @@ fn go_all_the_way(folder: &Folder, size: [u32; 2], options: &[&str]) -> Value {
     let clip = write_clip(folder, "a.mkv", &waves(size, frames));
     let (pack, out) = (folder.name("a.foveal"), folder.name("out"));
     let prepare = [&["prepare", "video", &clip, "--out", &pack], options].concat();
-    let prepared = json(&prepare);
+    let mut prepared = json(&prepare);
+    let there = prepared.as_object_mut().unwrap().remove("already_there");
+    assert_eq!(there, Some(json!(false)));
     let info = json(&["info", &pack]);
     assert_eq!(prepared, info);
     assert_keys(&info, &INFO);

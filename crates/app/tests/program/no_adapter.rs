@@ -34,7 +34,8 @@ fn the_cpu_draws_nearly_the_same_without_an_adapter() {
         let clip = write_clip(&folder, "a.mkv", &noisy_clip(size, 4));
         let (pack, gpu) = (folder.name("a.foveal"), folder.name("gpu"));
         let how = ["--projection", projection, "--tile", "32", "--levels", "4"];
-        done(&[&["prepare", "video", &clip, "--out", &pack], &how[..]].concat());
+        let prepare = ["prepare", "video", &clip, "--out", &pack, "--force"];
+        done(&[&prepare[..], &how].concat());
         let drawn = json(&["simulate", &pack, "--gaze", "20,-9", "--out", &gpu]);
         let cpu = folder.name("cpu");
         let play = [

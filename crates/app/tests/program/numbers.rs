@@ -191,7 +191,7 @@ fn frames_count_from_the_first_that_is_played() {
     let log = format!("{out}/session.jsonl");
     assert_eq!(json(&["replay", &log])["same"], true);
     let ran = done(&[&simulate[..], &["--start", "15", "--frames", "9"]].concat());
-    let said = "has 18 frames, so 3 from frame 15 on are played";
+    let said = "has 18 frames, so only 3 from frame 15 on will be played";
     assert!(ran.stderr.contains(said), "{}", ran.stderr);
     let late = [&simulate[..], &["--start", "18"]].concat();
     refused(2, &late, &["--start", "18", "0 to 17"]);

@@ -62,7 +62,8 @@ fn a_killed_preparation_goes_on_and_ends_with_the_same_bytes() {
     assert!(std::fs::read(&out).unwrap() == std::fs::read(&undisturbed).unwrap());
     assert_eq!(json(&["verify", &out])["ok"], true);
     // Nothing is left of it for the next one.
-    assert!(!done(&prepare).stderr.contains("goes on"));
+    let again = done(&[&prepare[..], &["--force"]].concat());
+    assert!(!again.stderr.contains("goes on"), "{}", again.stderr);
 }
 
 #[test]
@@ -71,16 +72,22 @@ fn what_was_begun_otherwise_is_not_gone_on_with() {
     let clip = write_clip(&folder, "a.mkv", &noisy_clip([192, 128], FRAMES));
     let out = folder.name("a.foveal");
     let journal = folder.name("a.foveal.partial.journal");
-    let prepare = ["prepare", "video", &clip, "--out", &out, "--tile", "64"];
-    for (how, word) in [
-        (&["--quality", "30"][..], "other settings"),
-        (&["--no-resume"], "--no-resume"),
+    let prepare = [
+        "prepare", "video", &clip, "--out", &out, "--tile", "64", "--force",
+    ];
+    let mut before = None;
+    for (how, word, signal) in [
+        (&["--quality", "30"][..], "other settings", "-KILL"),
+        (&["--no-resume"], "--no-resume", "-TERM"),
     ] {
-        stopped_at(&prepare, &journal, 0, "-KILL");
+        stopped_at(&prepare, &journal, 0, signal);
+        // What it was to replace is still there.
+        assert!(std::fs::read(&out).ok() == before);
         let ran = done(&[&prepare[..], how].concat());
         assert!(ran.stderr.contains("starts afresh"), "{}", ran.stderr);
         assert!(ran.stderr.contains(word), "{}", ran.stderr);
         assert_eq!(folder.names(), ["a.foveal", "a.mkv"]);
+        before = std::fs::read(&out).ok();
     }
 }
 
@@ -111,7 +118,7 @@ fn codecs_qualities_and_bit_rates_are_told_by_the_pack() {
     let prepare = |how: &[&str]| {
         let out = folder.name("a.foveal");
         let start = [
-            "prepare", "video", &clip, "--out", &out, "--tile", "64", "--levels", "2",
+            "prepare", "video", &clip, "--out", &out, "--tile", "64", "--levels", "2", "--force",
         ];
         json(&[&start[..], how].concat())
     };

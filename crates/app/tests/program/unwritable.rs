@@ -10,22 +10,25 @@ use std::time::Duration;
 fn a_pack_cannot_go_where_nothing_can_be_written() {
     let folder = Folder::new();
     let clip = write_clip(&folder, "a.mkv", &waves([64, 48], 2));
-    let prepare = |out: &str, words: &[&str]| {
-        refused(1, &["prepare", "video", &clip, "--out", out], words);
+    let prepare = |code: i32, out: &str, words: &[&str]| {
+        refused(code, &["prepare", "video", &clip, "--out", out], words);
     };
     let missing = folder.name("no such folder/a.foveal");
-    prepare(&missing, &["make the folder", "no such folder first"]);
+    prepare(1, &missing, &["make the folder", "no such folder first"]);
     std::fs::create_dir(folder.name("folder.foveal")).unwrap();
     prepare(
+        2,
         &folder.name("folder.foveal"),
         &["folder.foveal", "choose another --out"],
     );
-    prepare(&folder.name("."), &["choose another --out"]);
+    prepare(2, &folder.name("."), &["choose another --out"]);
     prepare(
+        2,
         "/dev/null",
         &["/dev/null", "no plain file", "choose another --out"],
     );
     prepare(
+        1,
         "/proc/a.foveal",
         &["/proc/a.foveal", "choose another --out"],
     );
@@ -110,7 +113,7 @@ fn a_full_disk_is_told_and_nothing_is_left_on_it() {
     let other = write_clip(&folder, "b.mkv", &waves([64, 48], 2));
     done(&["prepare", "video", &other, "--out", &out]);
     let before = std::fs::read(&out).unwrap();
-    refused(1, &prepare, &words);
+    refused(1, &[&prepare[..], &["--force"]].concat(), &words);
     assert_eq!(small.names(), ["a.foveal"]);
     assert_eq!(std::fs::read(&out).unwrap(), before);
     let pack = folder.name("a.foveal");

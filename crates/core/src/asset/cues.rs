@@ -5,6 +5,7 @@
 
 use super::pack::{Pack, PackError};
 use super::unit::UnitId;
+use crate::units::counted;
 
 /// Name of the side table.
 pub const CUES: &str = "cues";
@@ -72,8 +73,8 @@ impl CueTable {
         if version != CUES_VERSION || rows.len() != expected {
             return Err(PackError::new(
                 &format!("side table {CUES}"),
-                format!("version {version}, {} bytes", rows.len()),
-                format!("version {CUES_VERSION}, {expected} bytes"),
+                format!("version {version}, {}", counted(rows.len(), "byte")),
+                format!("version {CUES_VERSION}, {}", counted(expected, "byte")),
             ));
         }
         Ok(Self { rows, first })

@@ -1,6 +1,7 @@
 //! When is each frame of a pack shown?
 
 use super::pack::{Description, PackError};
+use crate::units::counted;
 
 /// Name of the side table.
 pub const FRAME_TIMES: &str = "frame_times";
@@ -16,11 +17,17 @@ pub fn nominal_times(description: &Description) -> Vec<i64> {
 /// Reads the side table of a pack of `frames` frames: nanoseconds after the first.
 pub fn parse_frame_times(frames: u32, version: u32, bytes: &[u8]) -> Result<Vec<i64>, PackError> {
     let wrong = |found: String| {
-        let expected = format!("version 1: {frames} times of 8 bytes that grow");
+        let expected = format!(
+            "version 1: {} of 8 bytes that grow",
+            counted(frames, "time")
+        );
         PackError::new(&format!("side table {FRAME_TIMES}"), found, expected)
     };
     if version != 1 || bytes.len() as u64 != u64::from(frames) * 8 {
-        return Err(wrong(format!("version {version}, {} bytes", bytes.len())));
+        return Err(wrong(format!(
+            "version {version}, {}",
+            counted(bytes.len(), "byte")
+        )));
     }
     let number = |word: &[u8]| {
         let bytes = word.iter().rev();

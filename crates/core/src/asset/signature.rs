@@ -6,6 +6,7 @@
 
 use super::pack::{Pack, PackError};
 use super::unit::UnitId;
+use crate::units::counted;
 
 /// Name of the side table.
 pub const SIGNATURES: &str = "signatures";
@@ -88,8 +89,11 @@ impl Signatures {
         if version != SIGNATURES_VERSION || rows.len() != expected {
             return Err(PackError::new(
                 &format!("side table {SIGNATURES}"),
-                format!("version {version}, {} bytes", rows.len()),
-                format!("version {SIGNATURES_VERSION}, {expected} bytes"),
+                format!("version {version}, {}", counted(rows.len(), "byte")),
+                format!(
+                    "version {SIGNATURES_VERSION}, {}",
+                    counted(expected, "byte")
+                ),
             ));
         }
         Ok(Self { rows, first })

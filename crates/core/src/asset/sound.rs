@@ -4,6 +4,7 @@
 //! first frame is shown (docs/formats/pack.md, side table `sound`).
 
 use crate::asset::pack::PackError;
+use crate::units::counted;
 use core::ops::Range;
 
 /// Name of the side table.
@@ -108,11 +109,7 @@ impl SoundTable {
             return Err(wrong("version", version.to_string(), "1"));
         }
         if bytes.len() < HEAD {
-            return Err(wrong(
-                "length",
-                format!("{} bytes", bytes.len()),
-                "at least 24",
-            ));
+            return Err(wrong("length", counted(bytes.len(), "byte"), "at least 24"));
         }
         let word = |at: usize| {
             u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
@@ -165,14 +162,14 @@ impl SoundTable {
             self.ends.push(end);
         }
         if end != bytes.len() {
-            let expected = format!("{} bytes", bytes.len());
-            return Err(PackError::new(&field, format!("{end} bytes"), expected));
+            let expected = counted(bytes.len(), "byte");
+            return Err(PackError::new(&field, counted(end, "byte"), expected));
         }
         self.bytes = bytes.to_vec();
         let decoded = self.ends.len() as u64 * u64::from(self.packet_samples);
         if self.samples > decoded.saturating_sub(u64::from(self.pre_skip)) {
             let field = format!("side table {SOUND}: samples");
-            let expected = format!("what {} packets hold", self.ends.len());
+            let expected = format!("what {} can hold", counted(self.ends.len(), "packet"));
             return Err(PackError::new(&field, self.samples, expected));
         }
         Ok(())

@@ -1,5 +1,6 @@
 //! Which tiles does a picture consist of, and which pixels does each hold?
 
+use crate::units::counted;
 use crate::view::surface::{Projection, Surface};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -73,7 +74,7 @@ pub enum GridError {
     #[error("level ratio {0}; it must be 2 or 4")]
     Ratio(u32),
     /// Tile size out of range or odd.
-    #[error("tiles of {0} pixels; they must be an even number of 16 to 4096")]
+    #[error("tiles of {}; they must have an even number of 16 to 4096", counted(.0, "pixel"))]
     Tile(u32),
     /// Grid out of range.
     #[error("a grid of {0}x{1}; each must be 1 to 256 and leave cells of at least 2 pixels")]
@@ -82,7 +83,7 @@ pub enum GridError {
     #[error("pictures for {0} eyes; there must be 1 or 2")]
     Eyes(u8),
     /// Faces of a cube out of range.
-    #[error("a cube of {0} faces; it must have 6, or 4 without top and bottom")]
+    #[error("a cube of {}; it must have 6, or 4 without top and bottom", counted(.0, "face"))]
     Faces(u8),
     /// More tiles than a pack can address.
     #[error("{0} tiles; at most {MAX_TILES} can be addressed: use larger tiles")]

@@ -9,7 +9,7 @@ use super::row::{
     HEAD_PITCH, HEAD_ROLL, HEAD_YAW, PITCH, QUANTITIES, RECEIVED, SPREAD, T, TraceRow, VALID, YAW,
 };
 use super::sample::GazeSample;
-use crate::units::Seconds;
+use crate::units::{Seconds, counted};
 use thiserror::Error;
 
 /// Most rows of a trace: two and a half hours at 1000 Hz, about 1.5 GB once read.
@@ -62,7 +62,10 @@ pub enum TraceError {
         before: String,
     },
     /// More cells than the header has names.
-    #[error("line {line}: {found} cells where the header names {expected}; is a comma decimal?")]
+    #[error(
+        "line {line}: {} where the header names {expected}; is a comma decimal?",
+        counted(.found, "cell")
+    )]
     Cells {
         /// Line in the file, from 1.
         line: usize,

@@ -49,6 +49,7 @@ fn small_pack() -> Pack {
             bytes: 1,
             codec: String::new(),
         },
+        identity: None,
         tables: Vec::new(),
     };
     let grid = description.grid(Screen::default());

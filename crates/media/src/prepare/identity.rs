@@ -4,6 +4,7 @@ use super::PrepareError;
 use super::plan::Plan;
 use crate::error::MediaError;
 use foveal_core::asset::pack::Identity;
+use foveal_core::selection::session::sha256_hex;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -28,6 +29,30 @@ impl Stamp {
             modified: there.modified().ok(),
         })
     }
+}
+
+/// Hexadecimal digits of a digest that a pack keeps: 128 bits.
+const DIGITS: usize = 32;
+
+/// What a pack tells of how it was made: the program by name, the rest as digests, so that a pack
+/// that is published tells nobody's folders.
+///
+/// # Errors
+/// The input cannot be read.
+pub fn pack_identity_of(input: &Path, plan: &Plan) -> Result<Identity, PrepareError> {
+    let Identity {
+        program,
+        input: stamp,
+        settings,
+    } = identity_of(input, plan)?;
+    // What is read by another way is the same file.
+    let path = input.canonicalize().unwrap_or_else(|_| input.to_owned());
+    let digest = |text: &str| sha256_hex(text.as_bytes())[..DIGITS].to_owned();
+    Ok(Identity {
+        program,
+        input: digest(&format!("{}, {stamp}", path.display())),
+        settings: digest(&settings),
+    })
 }
 
 /// What a pack that was begun must agree in to be gone on with.

@@ -10,14 +10,17 @@ mod name_words;
 mod notes;
 mod plan;
 mod rates;
+mod remarks;
 mod sound;
 #[cfg(test)]
 mod speed_tests;
 mod surround;
 mod time_notes;
 
+pub use identity::pack_identity_of;
 pub use plan::{Plan, PrepareSettings};
 pub use rates::Quality;
+pub use remarks::Remarks;
 pub use surround::{ProjectionChoice, StereoChoice, Surround};
 
 use crate::encode::{EncodeSettings, encode_group};
@@ -127,7 +130,7 @@ pub struct Prepared {
     /// Bytes of the pack.
     pub bytes: u64,
     /// What a person should know that no plan could tell.
-    pub notes: Vec<String>,
+    pub warnings: Vec<String>,
 }
 
 /// Prepares `input` as planned and writes it to `out`.
@@ -139,8 +142,9 @@ pub fn prepare(
     plan: &Plan,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Prepared, PrepareError> {
-    let writer = PackWriter::create(out, &plan.description)?;
-    write_pack(input, plan, writer, &[], progress)
+    let description = described(input, plan)?;
+    let writer = PackWriter::create(out, &description)?;
+    write_pack(input, plan, description, (writer, &[]), progress)
 }
 
 /// What a preparation that can be gone on with tells while it works.
@@ -166,20 +170,30 @@ pub fn prepare_resumable(
     tell: &mut dyn FnMut(Event),
 ) -> Result<Prepared, PrepareError> {
     let identity = identity_of(input, plan)?;
-    let begun = PackWriter::resume(out, &plan.description, identity, go_on)?;
+    let description = described(input, plan)?;
+    let begun = PackWriter::resume(out, &description, identity, go_on)?;
     if let Some(note) = begun.note {
         tell(Event::Begins(note));
     }
     let mut progress = |progress| tell(Event::Progress(progress));
-    write_pack(input, plan, begun.writer, &begun.steps, &mut progress)
+    let start = (begun.writer, &begun.steps[..]);
+    write_pack(input, plan, description, start, &mut progress)
 }
 
-/// Codes what follows the steps and finishes the pack.
+/// The plan's description, and how the pack is made.
+fn described(input: &Path, plan: &Plan) -> Result<Description, PrepareError> {
+    Ok(Description {
+        identity: Some(pack_identity_of(input, plan)?),
+        ..plan.description.clone()
+    })
+}
+
+/// Codes what follows the steps that the writer took up, and finishes the pack.
 fn write_pack(
     input: &Path,
     plan: &Plan,
-    mut writer: PackWriter,
-    steps: &[Step],
+    mut description: Description,
+    (mut writer, steps): (PackWriter, &[Step]),
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Prepared, PrepareError> {
     let mut coder = Coder::new(plan);
@@ -200,7 +214,6 @@ fn write_pack(
     let most = u64::from(plan.most_frames.unwrap_or(MAX_FRAMES));
     let of = plan.frames.map(|of| of.min(most));
     said.extend(time_notes(&times, fps, coded?, of));
-    let mut description = plan.description.clone();
     description.frames = times.len() as u32;
     let mut tables = vec![SideTable {
         name: FRAME_TIMES.to_owned(),
@@ -217,7 +230,7 @@ fn write_pack(
     Ok(Prepared {
         description,
         bytes,
-        notes: said,
+        warnings: said,
     })
 }
 

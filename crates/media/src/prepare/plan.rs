@@ -2,6 +2,7 @@
 
 use super::PrepareError;
 use super::rates::{Quality, describe, rates_of};
+use super::remarks::Remarks;
 use super::surround::{ProjectionChoice, StereoChoice, Surround, SurroundOfEyes, surround_of};
 use crate::encode::{Rate, Speed};
 use crate::eye_layout::EyeLayout;
@@ -72,8 +73,8 @@ pub struct Plan {
     pub surround: Surround,
     /// Where in a frame the pictures of the eyes lie.
     pub eyes: EyeLayout,
-    /// What a person should know: how the projection was found, what was dropped.
-    pub notes: Vec<String>,
+    /// What a person should know: how the projection was found, what is lost.
+    pub remarks: Remarks,
     /// Frames as far as the container tells.
     pub frames: Option<u64>,
     /// Rate of each level, finest first.
@@ -103,8 +104,8 @@ impl Plan {
         info: &SourceInfo,
         settings: &PrepareSettings,
     ) -> Result<Self, PrepareError> {
-        let mut notes = Vec::new();
-        let found = surround_of(input, info, settings, &mut notes)?;
+        let mut remarks = Remarks::default();
+        let found = surround_of(input, info, settings, &mut remarks)?;
         let surround = found.surround;
         let surface = surface(&found);
         let levels = settings
@@ -112,8 +113,9 @@ impl Plan {
             .unwrap_or_else(|| default_levels(surface, settings.ratio));
         let cut = settings.cut.unwrap_or(Cut::pyramid_for(&surface));
         let grid = TileGrid::new(surface, cut, levels, settings.ratio)?;
-        notes.extend(losses(info));
-        notes.extend(sound_note(info, settings.sound));
+        remarks.warnings.extend(losses(info));
+        remarks.notes.extend(sound_note(info, settings.sound));
+        remarks.notes.extend(format_note(info));
         // JPEG stores planes as full range whatever the source has.
         let stretch_to_full_range = settings.codec == Codec::Jpeg && !info.colour.full_range;
         let colour = Colour {
@@ -144,6 +146,7 @@ impl Plan {
             frame_rate,
             colour,
             source: source_of(input, info),
+            identity: None,
             tables: Vec::new(),
         };
         describe(&rates, &mut description);
@@ -153,7 +156,7 @@ impl Plan {
             surround,
             eyes: found.eyes,
             eye_size: found.eye_size,
-            notes,
+            remarks,
             frames: info.frames,
             rates,
             has_sound: settings.sound && info.sound.is_some(),
@@ -183,23 +186,24 @@ impl Plan {
 
 /// What of the input does not reach the pack.
 fn losses(info: &SourceInfo) -> Vec<String> {
-    let mut notes = Vec::new();
-    if info.has_alpha {
-        notes.push("its transparency is dropped".to_owned());
-    }
+    let mut losses = Vec::new();
+    losses.extend(info.transparency.map(|what| what.words().to_owned()));
     if let Some([width, height]) = info.pixel_aspect {
-        notes.push(format!(
+        losses.push(format!(
             "its pixels are {width}:{height} and are taken as square; make them so first with \
              `ffmpeg -i FILE -vf scale=iw*sar:ih,setsar=1 OUT`"
         ));
     }
     if info.is_hdr {
-        notes.push("its high dynamic range curve is kept and shown as if it were none".to_owned());
+        losses.push("its high dynamic range curve is kept and shown as if it were none".to_owned());
     }
-    if info.pixel_format != "yuv420p" && info.pixel_format != "yuvj420p" {
-        notes.push(format!("{} is brought to 8-bit 4:2:0", info.pixel_format));
-    }
-    notes
+    losses
+}
+
+/// Every pack has the same pixel format.
+fn format_note(info: &SourceInfo) -> Option<String> {
+    let is_kept = ["yuv420p", "yuvj420p"].contains(&info.pixel_format.as_str());
+    (!is_kept).then(|| format!("{} is brought to 8-bit 4:2:0", info.pixel_format))
 }
 
 fn source_of(input: &Path, info: &SourceInfo) -> Source {
@@ -277,28 +281,25 @@ fn groups(levels: u8, fps: f64) -> Vec<u32> {
 mod tests {
     use super::*;
     use crate::scenes::{group, write_clip};
+    use crate::source::Transparency;
     use crate::{ClipCodec, VideoInput};
 
     #[test]
     fn what_does_not_reach_the_pack_is_said() {
         let clip = write_clip("mkv", ClipCodec::Ffv1, &group([64, 48], 1, 6));
         let plain = VideoInput::open(&clip).unwrap().info().clone();
-        assert!(losses(&plain).is_empty());
+        assert!(losses(&plain).is_empty() && format_note(&plain).is_none());
         let info = SourceInfo {
             pixel_aspect: Some([16, 11]),
             is_hdr: true,
-            has_alpha: true,
+            transparency: Some(Transparency::OverBlack),
             pixel_format: "yuva420p10le".to_owned(),
             ..plain
         };
-        let notes = losses(&info).join("; ");
-        for word in [
-            "16:11",
-            "high dynamic range",
-            "transparency",
-            "yuva420p10le",
-        ] {
-            assert!(notes.contains(word), "{word} in {notes}");
+        let said = losses(&info).join("; ");
+        for word in ["16:11", "high dynamic range", "black"] {
+            assert!(said.contains(word), "{word} in {said}");
         }
+        assert!(format_note(&info).unwrap().contains("yuva420p10le"));
     }
 }

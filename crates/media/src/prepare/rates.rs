@@ -5,6 +5,7 @@ use crate::encode::Rate;
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::Description;
 use foveal_core::asset::rate::QualityScale;
+use foveal_core::units::counted;
 
 /// What the caller asks for: one value for all levels, or one a level, finest first.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,8 +34,8 @@ pub(super) fn rates_of(
         1 => Ok(vec![asked[0]; usize::from(levels)]),
         count if count == usize::from(levels) => Ok(asked),
         count => Err(PrepareError::Option(format!(
-            "{count} qualities or bit rates for {levels} levels; give one for all, or one a level, \
-             finest first"
+            "{count} qualities or bit rates for {}; give one for all, or one a level, finest first",
+            counted(levels, "level")
         ))),
     }
 }

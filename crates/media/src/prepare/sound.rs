@@ -7,6 +7,7 @@ use av::format::{Sample, sample};
 use av::{ChannelLayout, Packet, encoder, frame};
 use ffmpeg_next as av;
 use foveal_core::asset::sound::{SOUND_RATE, SoundTable};
+use foveal_core::units::counted;
 use std::path::Path;
 
 /// Bits a second and channel: transparent to most people.
@@ -57,7 +58,8 @@ fn coded(
     if reader.damaged > 0 {
         let damaged = reader.damaged;
         notes.push(format!(
-            "{damaged} packets of its sound are damaged and silent"
+            "its sound is damaged and silent in {}",
+            counted(damaged, "packet")
         ));
     }
     if !heard {

@@ -24,7 +24,7 @@ fn info([width, height]: [u32; 2]) -> SourceInfo {
         stereo: None,
         broken_boxes: Vec::new(),
         sound: None,
-        has_alpha: false,
+        transparency: None,
         pixel_aspect: None,
         is_hdr: false,
         codec: "none".to_owned(),

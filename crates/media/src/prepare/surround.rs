@@ -5,6 +5,7 @@
 use super::PrepareError;
 use super::name_words::NameWords;
 use super::plan::PrepareSettings;
+use super::remarks::Remarks;
 use crate::cube_layout::CubeLayout;
 use crate::eye_layout::{EyeLayout, Packing};
 use crate::source::SourceInfo;
@@ -65,7 +66,8 @@ pub(super) struct SurroundOfEyes {
     pub(super) pixel_aspect: [u32; 2],
 }
 
-/// A picture twice as wide as high counts as a sphere from this width on when nothing else tells.
+/// The one picture of both eyes, twice as wide as high, counts as a sphere from this width on when
+/// nothing else tells; so do two eyes that share one of that shape and width, one above the other.
 const SPHERE_WIDTH: u32 = 3840;
 /// Six square faces in a row count as a cube from this face size on when nothing else tells.
 const CUBE_FACE: u32 = 256;
@@ -77,17 +79,17 @@ const WIDEST: f64 = 2.8;
 /// A sphere this many times as wide or as high as its angles is told to be stretched.
 const STRETCHED: f64 = 1.02;
 
-/// Finds how `input` surrounds the eyes, and notes what was assumed; refuses what does not fit.
+/// Finds how `input` surrounds the eyes, and says what was assumed; refuses what does not fit.
 pub(super) fn surround_of(
     input: &Path,
     info: &SourceInfo,
     settings: &PrepareSettings,
-    notes: &mut Vec<String>,
+    remarks: &mut Remarks,
 ) -> Result<SurroundOfEyes, PrepareError> {
     let wrong = |why: String| PrepareError::Option(format!("{}: {why}", input.display()));
     let words = NameWords::of(input);
     let frame = [info.width, info.height];
-    let eyes = eyes_of(info, settings, &words, notes).map_err(wrong)?;
+    let eyes = eyes_of(info, settings, &words, remarks).map_err(wrong)?;
     let eye_size = eyes.eye_size(frame).map_err(wrong)?;
     let found = Found {
         info,
@@ -99,27 +101,26 @@ pub(super) fn surround_of(
         ProjectionChoice::Flat => Surround::Flat,
         ProjectionChoice::Equirect => Surround::Equirect(Coverage::Full),
         ProjectionChoice::HalfEquirect => Surround::Equirect(Coverage::FrontHalf),
-        ProjectionChoice::Cube => Surround::Cube(found.cube(notes).map_err(wrong)?),
-        ProjectionChoice::Auto => found.surround(notes).map_err(wrong)?,
+        ProjectionChoice::Cube => Surround::Cube(found.cube(remarks).map_err(wrong)?),
+        ProjectionChoice::Auto => found.surround(remarks).map_err(wrong)?,
     };
-    notes.extend(info.broken_boxes.iter().map(|broken| {
-        let BrokenBox { name, at, what, .. } = broken;
-        format!(
+    for BrokenBox { name, at, what, .. } in &info.broken_boxes {
+        remarks.warn(format!(
             "its {name} box, at byte {at}, {what}, and is passed over; give --projection or \
              --stereo if the guess is wrong"
-        )
-    }));
+        ));
+    }
     if let Some(turn) = info.spherical.as_ref().and_then(turn_of) {
-        notes.push(format!(
+        remarks.warn(format!(
             "the turn of the sphere in its metadata ({turn}) is not applied"
         ));
     }
     if eyes.eyes() == 1 {
-        notes.extend(stretch_of(surround, eye_size));
+        remarks.warnings.extend(stretch_of(surround, eye_size));
     }
     let mut pixel_aspect = [1, 1];
     if eyes.eyes() > 1 {
-        pixel_aspect = squeeze_of(surround, eye_size, notes);
+        pixel_aspect = squeeze_of(surround, eye_size, remarks);
     }
     Ok(SurroundOfEyes {
         surround,
@@ -141,7 +142,7 @@ fn eyes_of(
     info: &SourceInfo,
     settings: &PrepareSettings,
     words: &NameWords,
-    notes: &mut Vec<String>,
+    remarks: &mut Remarks,
 ) -> Result<EyeLayout, String> {
     let told = info.stereo.map(|stereo| {
         let packing = match stereo.layout {
@@ -164,7 +165,7 @@ fn eyes_of(
                 packing,
                 right_first,
             };
-            notes.push(format!("two eyes, {}, by its metadata", words_of(eyes)));
+            remarks.note(format!("two eyes, {}, by its metadata", words_of(eyes)));
             Ok(eyes)
         }
         (StereoChoice::Auto, Some((None, _))) => Err(
@@ -172,7 +173,7 @@ fn eyes_of(
              by side with `ffmpeg -i FILE -vf stereo3d=..:sbsl OUT`, or give --stereo mono"
                 .to_owned(),
         ),
-        (StereoChoice::Auto, None) => Ok(eyes_by_name(info, settings, words, notes)),
+        (StereoChoice::Auto, None) => Ok(eyes_by_name(info, settings, words, remarks)),
     }
 }
 
@@ -180,7 +181,7 @@ fn eyes_by_name(
     info: &SourceInfo,
     settings: &PrepareSettings,
     words: &NameWords,
-    notes: &mut Vec<String>,
+    remarks: &mut Remarks,
 ) -> EyeLayout {
     let may_be_half = matches!(
         settings.projection,
@@ -199,7 +200,7 @@ fn eyes_by_name(
         return EyeLayout::default();
     };
     let words = words_of(eyes);
-    notes.push(format!(
+    remarks.note(format!(
         "taken for two eyes, {words}, {why}; give --stereo mono if it is not"
     ));
     eyes
@@ -224,39 +225,39 @@ struct Found<'a> {
 }
 
 impl Found<'_> {
-    fn cube(&self, notes: &mut Vec<String>) -> Result<CubeLayout, String> {
+    fn cube(&self, remarks: &mut Remarks) -> Result<CubeLayout, String> {
         let layout = match self.info.spherical.map(|spherical| spherical.projection) {
             Some(SourceProjection::Cube { padding }) => {
                 CubeLayout::of_metadata(self.eye_size, padding)?
             }
             _ => CubeLayout::of_size(self.eye_size)?,
         };
-        notes.push(format!("a cube of {}", layout.words()));
+        remarks.note(format!("a cube of {}", layout.words()));
         Ok(layout)
     }
 
-    fn surround(&self, notes: &mut Vec<String>) -> Result<Surround, String> {
+    fn surround(&self, remarks: &mut Remarks) -> Result<Surround, String> {
         match self.info.spherical {
-            Some(spherical) => self.by_metadata(&spherical, notes),
-            None => self.by_name_and_size(notes),
+            Some(spherical) => self.by_metadata(&spherical, remarks),
+            None => self.by_name_and_size(remarks),
         }
     }
 
     fn by_metadata(
         &self,
         spherical: &Spherical,
-        notes: &mut Vec<String>,
+        remarks: &mut Remarks,
     ) -> Result<Surround, String> {
         match spherical.projection {
             SourceProjection::Equirect => {
-                notes.push("360° by its spherical metadata".to_owned());
+                remarks.note("360° by its spherical metadata".to_owned());
                 Ok(Surround::Equirect(Coverage::Full))
             }
             SourceProjection::EquirectPart { .. } if spherical.is_half() => {
-                notes.push("180° by its spherical metadata".to_owned());
+                remarks.note("180° by its spherical metadata".to_owned());
                 Ok(Surround::Equirect(Coverage::FrontHalf))
             }
-            SourceProjection::Cube { .. } => Ok(Surround::Cube(self.cube(notes)?)),
+            SourceProjection::Cube { .. } => Ok(Surround::Cube(self.cube(remarks)?)),
             SourceProjection::EquirectPart { .. } => Err(
                 "shows a part of a sphere by its metadata, which cannot be prepared; make it whole \
                  with FFmpeg's filter pad, or give --projection flat"
@@ -265,14 +266,19 @@ impl Found<'_> {
         }
     }
 
-    fn by_name_and_size(&self, notes: &mut Vec<String>) -> Result<Surround, String> {
+    fn by_name_and_size(&self, remarks: &mut Remarks) -> Result<Surround, String> {
         let [w, h] = self.eye_size;
         let is = |columns: u64, rows: u64| u64::from(w) * rows == u64::from(h) * columns;
         let mut taken = |what: &str, named: bool| {
-            let by_name = if named { "name and " } else { "" };
             let shape = shape_of(self.eye_size);
-            notes.push(format!(
-                "taken for {what} by its {by_name}{shape} size; give --projection flat if it is not"
+            let why = match (named, self.two_eyes) {
+                (true, true) => format!("its name and each eye's {shape} size"),
+                (true, false) => format!("its name and {shape} size"),
+                (false, true) => format!("each eye's {shape} size"),
+                (false, false) => format!("its {shape} size"),
+            };
+            remarks.note(format!(
+                "taken for {what} by {why}; give --projection flat if it is not"
             ));
         };
         if self.words.names_equiangular() {
@@ -287,25 +293,45 @@ impl Found<'_> {
             return Ok(Surround::Equirect(Coverage::FrontHalf));
         }
         let named = self.words.names_sphere();
-        // An eye of 360° may be squeezed to half its width or height.
-        let squeezed = named && self.two_eyes && (is(1, 1) || is(4, 1));
-        if squeezed || is(2, 1) && (named || w >= SPHERE_WIDTH) {
+        if self.is_sphere(named) {
             taken("360°", named);
             return Ok(Surround::Equirect(Coverage::Full));
         }
         let named = self.words.names_cube();
         if named && CubeLayout::of_size(self.eye_size).is_ok() || is(6, 1) && h >= CUBE_FACE {
             taken("a cube", named);
-            return Ok(Surround::Cube(self.cube(notes)?));
+            return Ok(Surround::Cube(self.cube(remarks)?));
         }
         let hint = match () {
+            () if self.words.names_sphere() => {
+                ": its name says 360°, whose size is 2:1 an eye; give --projection equirect if it \
+                 is 360° all the same"
+            }
             () if is(2, 1) => "; give --projection equirect if it is 360°",
+            () if is(1, 1) && self.two_eyes => {
+                "; give --projection half-equirect if it is 180°, equirect if it is 360°"
+            }
+            () if is(4, 1) && self.two_eyes => "; give --projection equirect if it is 360°",
             () if is(4, 1) => "; give --projection cube if it is four faces round the horizon",
             () if is(3, 2) && w >= SPHERE_WIDTH => "; give --projection cube if it is six faces",
             () => "",
         };
-        notes.push(format!("taken for flat by its size{hint}"));
+        remarks.note(format!("taken for flat by its size{hint}"));
         Ok(Surround::Flat)
+    }
+
+    /// Whether an eye's picture has the shape of a whole sphere, and something else speaks for one:
+    /// the name, a second eye, or its width. `foveal prepare video --help` tells this rule.
+    fn is_sphere(&self, named: bool) -> bool {
+        let [w, h] = self.eye_size.map(u64::from);
+        let is_wide = w >= u64::from(SPHERE_WIDTH);
+        match self.two_eyes {
+            _ if w == 2 * h => named || self.two_eyes || is_wide,
+            // Squeezed to half the height, or to half the width.
+            true if w == 4 * h => named || is_wide,
+            true if w == h => named,
+            _ => false,
+        }
     }
 }
 
@@ -336,7 +362,7 @@ fn stretch_of(surround: Surround, [w, h]: [u32; 2]) -> Option<String> {
 
 /// The shape of the pixels of one eye of two: a flat picture of an unlikely shape was squeezed to
 /// share its frame. Spheres are resampled whatever their shape.
-fn squeeze_of(surround: Surround, [w, h]: [u32; 2], notes: &mut Vec<String>) -> [u32; 2] {
+fn squeeze_of(surround: Surround, [w, h]: [u32; 2], remarks: &mut Remarks) -> [u32; 2] {
     let shape = f64::from(w) / f64::from(h.max(1));
     let said = match surround {
         Surround::Flat if shape < NARROWEST => ([2, 1], "width"),
@@ -345,7 +371,7 @@ fn squeeze_of(surround: Surround, [w, h]: [u32; 2], notes: &mut Vec<String>) -> 
         Surround::Equirect(Coverage::Full) if shape > 3.0 => ([1, 1], "height"),
         _ => return [1, 1],
     };
-    notes.push(format!(
+    remarks.note(format!(
         "each eye's {w}x{h} pixels are taken for half the {}",
         said.1
     ));

@@ -1,5 +1,7 @@
 //! What is odd about when frames are shown?
 
+use foveal_core::units::counted;
+
 /// Frames that stand for longer than this, and than [`MANY`] others, are told; seconds.
 const LONG_S: f64 = 1.0;
 /// In frames of the nominal rate.
@@ -23,7 +25,10 @@ pub(super) fn time_notes(times: &[i64], fps: f64, repaired: u64, of: Option<u64>
     if let Some((frame, length)) = longest {
         let others = match stills.len() - 1 {
             0 => String::new(),
-            more => format!("; {more} other frames stand for more than {long:.1} s"),
+            more => format!(
+                ", and {} for more than {long:.1} s",
+                counted(more, "other frame")
+            ),
         };
         notes.push(format!(
             "its time stamps jump: frame {frame} stands for {length:.2} s{others}; where that is \
@@ -32,8 +37,8 @@ pub(super) fn time_notes(times: &[i64], fps: f64, repaired: u64, of: Option<u64>
     }
     if repaired > 0 {
         notes.push(format!(
-            "{repaired} of its time stamps do not rise; their frames follow at {fps:.3} frames a \
-             second"
+            "its time stamps fail to rise {}; frames there follow at {fps:.3} frames a second",
+            counted(repaired, "time")
         ));
     }
     notes.extend(of.and_then(|of| end_note(times, fps, of as f64)));
@@ -47,8 +52,9 @@ fn end_note(times: &[i64], fps: f64, of: f64) -> Option<String> {
     let most = (of - MOST_FRAMES_MISSING).min(of * (1.0 - MOST_MISSING));
     (frames < most && seconds * fps < most).then(|| {
         format!(
-            "it ends after {frames} of about {of} frames that it should have, at {seconds:.2} s; \
-             copy it again if it was cut short"
+            "it ends after {frames} of about {} that it should have, at {seconds:.2} s; copy it \
+             again if it was cut short",
+            counted(of, "frame")
         )
     })
 }
@@ -69,7 +75,7 @@ mod tests {
             .for_each(|time| *time += 7_000_000_000);
         let told = time_notes(&jumps, 25.0, 2, Some(9)).join("\n");
         assert!(told.contains("frame 3 stands for 7.04 s;"), "{told}");
-        assert!(told.contains("2 of its time stamps"), "{told}");
+        assert!(told.contains("fail to rise 2 times"), "{told}");
     }
 
     #[test]

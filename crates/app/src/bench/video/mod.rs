@@ -14,6 +14,7 @@ use anyhow::bail;
 use clap::Args;
 use content::{Content, Generated, WALL, cache};
 use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::units::counted;
 use foveal_core::view::surface::Screen;
 use foveal_media::VideoInput;
 use foveal_media::pack_file::PackFile;
@@ -271,8 +272,10 @@ impl Report {
         let mut text = self.machine.text();
         let [w, h] = self.size;
         text += &format!(
-            "\n{}, from {w}x{h}; {} decoding threads, medians of {} turns (slowest to fastest):\n",
-            self.pack, self.jobs, self.turns
+            "\n{}, from {w}x{h}; {}, medians of {} (slowest to fastest):\n",
+            self.pack,
+            counted(self.jobs, "decoding thread"),
+            counted(self.turns, "turn")
         );
         let rows = [
             ("foveated", self.foveated),
@@ -299,14 +302,14 @@ impl Report {
         };
         text + &format!(
             "foveated is {:.1} times full and {:.1} times viewport; {:.2} % of the pixels\n\
-             {} late and {} incomplete frames, fovea sharp {} frame(s) after a saccade \
+             {}, {}, fovea sharp {} after a saccade \
              (95th percentile), {:.2} MB on the GPU ({:.2} % of the whole)",
             self.ratio,
             self.ratio_viewport,
             self.pixels_share_mean * 100.0,
-            self.late_frames,
-            self.incomplete_frames,
-            self.frames_to_fovea_p95,
+            counted(self.late_frames, "late frame"),
+            counted(self.incomplete_frames, "incomplete frame"),
+            counted(self.frames_to_fovea_p95, "frame"),
             self.gpu_bytes as f64 / 1e6,
             self.gpu_share * 100.0
         )

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::asset::tile_grid::Tile;
 use crate::asset::unit::UnitId;
+use crate::units::counted;
 
 /// Spaces kept free in the description for the side tables' entries and the final frame count.
 const DESCRIPTION_ROOM: usize = 2048;
@@ -191,7 +192,7 @@ impl PackBuilder {
             let expected = format!("at most the {room} kept free at the start");
             return Err(PackError::new(
                 "description",
-                format!("{} bytes", json.len()),
+                counted(json.len(), "byte"),
                 expected,
             ));
         }

@@ -1,11 +1,12 @@
 //! What does a pack say about its content?
 
 use super::needs::check_needs;
-use super::{MAX_FRAMES, MAX_GROUP, PackError};
+use super::{Identity, MAX_FRAMES, MAX_GROUP, PackError};
 use crate::asset::codec::Codec;
 use crate::asset::picture::Colour;
 use crate::asset::rate::QualityScale;
 use crate::asset::tile_grid::{Cut, TileGrid};
+use crate::units::counted;
 use crate::view::surface::{
     Projection, Screen, Surface, all_faces, are_all_faces, is_one_eye, one_eye,
 };
@@ -57,6 +58,9 @@ pub struct Description {
     pub colour: Colour,
     /// What the pack was made from.
     pub source: Source,
+    /// Tells whether the same preparation would make this pack again; absent where nobody asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub identity: Option<Identity>,
     /// Side tables.
     #[serde(default)]
     pub tables: Vec<TableEntry>,
@@ -152,7 +156,11 @@ impl Description {
         }
         let levels = usize::from(self.levels);
         if self.groups.len() != levels || self.quality.len() != levels {
-            let found = format!("{} and {} entries", self.groups.len(), self.quality.len());
+            let found = format!(
+                "{} and {}",
+                counted(self.groups.len(), "group"),
+                self.quality.len()
+            );
             let expected = format!("{levels}, one a level");
             return Err(PackError::new(
                 "description.groups, quality",
@@ -162,7 +170,7 @@ impl Description {
         }
         if !self.bit_rates.is_empty() && self.bit_rates.len() != levels {
             let expected = format!("none or {levels}, one a level");
-            let found = format!("{} entries", self.bit_rates.len());
+            let found = counted(self.bit_rates.len(), "rate");
             return Err(PackError::new("description.bit_rates", found, expected));
         }
         let in_range = self.groups.iter().all(|g| (1..=MAX_GROUP).contains(g));

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::asset::unit::UnitId;
+use crate::units::counted;
 use crate::view::surface::Screen;
 use core::ops::Range;
 
@@ -168,7 +169,7 @@ impl Pack {
     pub fn parse(header: &Header, description: &[u8], index: &[u8]) -> Result<Self, PackError> {
         let mut pack = Self::begin(header, description)?;
         if index.len() as u64 != header.index_bytes {
-            let found = format!("{} bytes", index.len());
+            let found = counted(index.len(), "byte");
             return Err(pack.wrong_index(found));
         }
         let mut at = 0;
@@ -193,17 +194,13 @@ impl Pack {
             pages: Vec::new(),
         };
         if header.index_bytes != pack.layout.index_bytes() {
-            return Err(pack.wrong_index(format!("{} bytes", header.index_bytes)));
+            return Err(pack.wrong_index(counted(header.index_bytes, "byte")));
         }
         Ok(pack)
     }
 
     fn wrong_index(&self, found: String) -> PackError {
-        PackError::new(
-            "index",
-            found,
-            format!("{} bytes", self.layout.index_bytes()),
-        )
+        PackError::new("index", found, counted(self.layout.index_bytes(), "byte"))
     }
 
     /// Takes the bytes of an index page, wherever among the others it comes. Refuses a wrong
@@ -216,8 +213,8 @@ impl Pack {
             return Err(wrong("a number beyond the last".to_owned(), "a page of it"));
         };
         if bytes.len() as u64 != place.end - place.start {
-            let expected = format!("{} bytes", place.end - place.start);
-            return Err(wrong(format!("{} bytes", bytes.len()), &expected));
+            let expected = counted(place.end - place.start, "byte");
+            return Err(wrong(counted(bytes.len(), "byte"), &expected));
         }
         let entries = parse_page(page, units.clone(), bytes)?;
         for (unit, entry) in units.zip(entries.iter()) {
@@ -418,10 +415,10 @@ fn parse_page(page: u32, units: Range<u32>, bytes: &[u8]) -> Result<Box<[Entry]>
 
 /// The access units of a chunk that holds `frames` frames: a table of lengths, then the bytes.
 pub fn split_chunk(chunk: &[u8], frames: usize) -> Result<Vec<&[u8]>, PackError> {
-    let wrong = |found: String| PackError::new("chunk", found, format!("{frames} access units"));
+    let wrong = |found: String| PackError::new("chunk", found, counted(frames, "access unit"));
     let table = frames * 4;
     if chunk.len() < table {
-        return Err(wrong(format!("{} bytes", chunk.len())));
+        return Err(wrong(counted(chunk.len(), "byte")));
     }
     let mut rest = &chunk[table..];
     let mut units = Vec::with_capacity(frames);
@@ -429,7 +426,8 @@ pub fn split_chunk(chunk: &[u8], frames: usize) -> Result<Vec<&[u8]>, PackError>
         let bytes = u32_at(chunk, frame * 4) as usize;
         if bytes > rest.len() {
             return Err(wrong(format!(
-                "{bytes} bytes for number {frame}, {} left",
+                "{} for number {frame}, {} left",
+                counted(bytes, "byte"),
                 rest.len()
             )));
         }
@@ -440,6 +438,6 @@ pub fn split_chunk(chunk: &[u8], frames: usize) -> Result<Vec<&[u8]>, PackError>
     if rest.is_empty() {
         Ok(units)
     } else {
-        Err(wrong(format!("{} bytes more", rest.len())))
+        Err(wrong(counted(rest.len(), "further byte")))
     }
 }

@@ -7,14 +7,16 @@
 
 use super::{PackError, check_crc, u32_at};
 use crate::asset::tile_grid::Tile;
+use crate::units::counted;
+use serde::{Deserialize, Serialize};
 
 /// The first eight bytes of every journal.
 pub const JOURNAL_MAGIC: [u8; 8] = *b"FOVEALJ\n";
 /// Bytes before the payload of a block: its length and its checksum.
 const BLOCK_HEAD: usize = 8;
 
-/// What must be the same for work to go on.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// What must be the same for work to go on, and for a pack to be the one that is asked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// Program and libraries, with their versions.
     pub program: String,
@@ -24,16 +26,27 @@ pub struct Identity {
     pub settings: String,
 }
 
+/// What differs first between two identities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Difference {
+    /// Another program, or one with other libraries.
+    Program,
+    /// Another input, or it has changed.
+    Input,
+    /// Other settings.
+    Settings,
+}
+
 impl Identity {
-    /// What differs between this and what is asked for now, in words; `None` when nothing does.
+    /// What differs between this and what is asked for now; `None` when nothing does.
     #[must_use]
-    pub fn difference(&self, now: &Self) -> Option<&'static str> {
+    pub fn difference(&self, now: &Self) -> Option<Difference> {
         if self.program != now.program {
-            Some("another version of the program began it")
+            Some(Difference::Program)
         } else if self.input != now.input {
-            Some("the input has changed")
+            Some(Difference::Input)
         } else if self.settings != now.settings {
-            Some("it was begun with other settings")
+            Some(Difference::Settings)
         } else {
             None
         }
@@ -194,7 +207,7 @@ fn block<'a>(field: &str, bytes: &'a [u8]) -> Result<(&'a [u8], &'a [u8]), PackE
     let short = || {
         PackError::new(
             field,
-            format!("{} bytes left", bytes.len()),
+            format!("{} left", counted(bytes.len(), "byte")),
             "a whole block",
         )
     };
@@ -216,7 +229,7 @@ struct Reader<'a>(&'a [u8]);
 impl Reader<'_> {
     fn take(&mut self, count: usize) -> Result<&[u8], PackError> {
         if count > self.0.len() {
-            let found = format!("{} bytes left", self.0.len());
+            let found = format!("{} left", counted(self.0.len(), "byte"));
             return Err(PackError::new("journal block", found, count));
         }
         let (taken, rest) = self.0.split_at(count);
@@ -269,7 +282,7 @@ impl Reader<'_> {
             0 => Ok(()),
             left => Err(PackError::new(
                 "journal block",
-                format!("{left} bytes more"),
+                counted(left, "further byte"),
                 "none",
             )),
         }
@@ -378,7 +391,7 @@ mod tests {
             input: "b.mkv".into(),
             ..identity()
         };
-        assert_eq!(was.difference(&changed), Some("the input has changed"));
+        assert_eq!(was.difference(&changed), Some(Difference::Input));
     }
 
     proptest! {

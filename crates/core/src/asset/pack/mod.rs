@@ -15,8 +15,11 @@ mod tests;
 pub use build::{PackBuilder, PackHead, SideTable};
 pub use description::{Description, Source, TableEntry};
 pub use index::{Entry, Pack, split_chunk};
-pub use journal::{Identity, JOURNAL_MAGIC, Journal, PlacedChunk, Step, read_any_journal};
+pub use journal::{
+    Difference, Identity, JOURNAL_MAGIC, Journal, PlacedChunk, Step, read_any_journal,
+};
 
+use crate::units::counted;
 use thiserror::Error;
 
 /// The first eight bytes of every pack; the line end shows transfers that change line ends.
@@ -119,7 +122,7 @@ impl Header {
             ));
         }
         if bytes.len() < HEADER_BYTES {
-            let found = format!("{} bytes", bytes.len());
+            let found = counted(bytes.len(), "byte");
             return Err(PackError::new("header", found, "at least 64 bytes"));
         }
         let version = u32_at(bytes, 8);

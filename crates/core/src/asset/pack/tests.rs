@@ -37,6 +37,7 @@ fn description() -> Description {
             bytes: 9,
             codec: "x".into(),
         },
+        identity: None,
         tables: vec![],
     }
 }
@@ -462,6 +463,25 @@ fn a_description_without_a_scale_is_on_the_quantiser_scale() {
         ..rated
     };
     assert_eq!(short.check().unwrap_err().field, "description.bit_rates");
+}
+
+#[test]
+fn a_description_says_how_the_pack_was_made_or_nothing_of_it() {
+    let plain = description();
+    let json = serde_json::to_string(&plain).unwrap();
+    assert!(!json.contains("identity"), "{json}");
+    assert_eq!(Description::parse(json.as_bytes()), Ok(plain.clone()));
+    let identity = Identity {
+        program: "test 1".into(),
+        input: "0a".into(),
+        settings: "0b".into(),
+    };
+    let told = Description {
+        identity: Some(identity),
+        ..plain
+    };
+    let json = serde_json::to_vec(&told).unwrap();
+    assert_eq!(Description::parse(&json), Ok(told));
 }
 
 #[test]

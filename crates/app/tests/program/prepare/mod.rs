@@ -1,0 +1,4 @@
+//! Does `prepare` keep what is there, and say what it takes an input for?
+
+mod again;
+mod told;
