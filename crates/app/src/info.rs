@@ -64,7 +64,7 @@ pub(crate) struct PackInfo {
 #[derive(Debug, Serialize)]
 struct SoundInfo {
     codec: &'static str,
-    rate: u32,
+    rate_hz: u32,
     channels: u8,
     seconds: f64,
     bytes: usize,
@@ -75,7 +75,7 @@ impl SoundInfo {
         let packets = (0..sound.packets()).filter_map(|number| sound.packet(number));
         Self {
             codec: "opus",
-            rate: SOUND_RATE,
+            rate_hz: SOUND_RATE,
             channels: sound.channels,
             seconds: sound.samples as f64 / f64::from(SOUND_RATE),
             bytes: packets.map(<[u8]>::len).sum(),
@@ -161,7 +161,7 @@ impl PackInfo {
                 text,
                 "sound: {}, {} Hz, {}, {:.2} s, {}",
                 sound.codec,
-                sound.rate,
+                sound.rate_hz,
                 counted(sound.channels, "channel"),
                 sound.seconds,
                 output::size(sound.bytes as u64)

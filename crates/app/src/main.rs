@@ -1,11 +1,13 @@
 //! The `foveal` program: which command runs?
 
 mod bench;
+mod called;
 mod canvas;
 mod codec_options;
 mod decoding;
 mod demo;
 mod evaluate;
+mod fault;
 mod fire;
 mod gaze;
 mod gaze_command;
@@ -113,8 +115,9 @@ fn main() -> ExitCode {
     quiet_without_display();
     #[cfg(target_os = "linux")]
     keep_freed_memory();
-    let matches = with_negative_numbers(Cli::command()).get_matches();
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let matches = with_negative_numbers(Cli::command()).try_get_matches();
+    let matches = matches.unwrap_or_else(|error| output::fail_usage(&error));
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| output::fail_usage(&error));
     for line in unused_options::unused_options(&matches) {
         output::say(&line);
     }

@@ -1,28 +1,63 @@
 //! How do results and failures reach whoever called?
 //!
-//! Results go to stdout: text for people, or with `--json` exactly one JSON object. Everything else
-//! goes to stderr.
+//! Results go to stdout: text for people, or with `--json` exactly one JSON object, also of a
+//! failure (docs/formats/results.md). Everything else goes to stderr.
 
+mod old_names;
+
+use crate::called::called;
+use crate::fault::Fault;
+pub(crate) use crate::fault::told;
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
+use old_names::with_old_names;
 use serde::Serialize;
 use std::fs::File;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether a result was printed; a failure after it is told on stderr alone.
+static PRINTED: AtomicBool = AtomicBool::new(false);
 
 /// Prints `result` as one JSON object, or `text` for people.
 pub(crate) fn result(json: bool, result: &impl Serialize, text: &str) -> anyhow::Result<()> {
     let line = if json {
-        serde_json::to_string(result)?
+        with_old_names(&called().command, serde_json::to_string(result)?)
     } else {
         text.trim_end().to_owned()
     };
+    PRINTED.store(true, Ordering::Relaxed);
     match writeln!(std::io::stdout(), "{line}") {
         // Whoever reads has seen enough (`foveal info | head`).
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         done => done.context("stdout cannot be written; the work itself is done"),
     }
+}
+
+/// Prints a result that is no good, and fails with `error`, which is a part of the JSON object.
+pub(crate) fn result_that_fails(
+    json: bool,
+    result: &impl Serialize,
+    text: &str,
+    error: anyhow::Error,
+) -> anyhow::Result<()> {
+    #[derive(Serialize)]
+    struct Failed<'a, T> {
+        #[serde(flatten)]
+        result: &'a T,
+        error: Fault,
+    }
+    let error_parts = Fault::of(&error, called());
+    let failed = Failed {
+        result,
+        error: error_parts,
+    };
+    if json || !text.is_empty() {
+        self::result(json, &failed, text)?;
+    }
+    Err(error)
 }
 
 /// A command line that parses but cannot be meant.
@@ -42,26 +77,32 @@ pub(crate) fn out_of_range(option: &str, found: impl ToString, range: &str) -> W
     WrongUsage(format!("{option} is {}; give {range}", found.to_string()))
 }
 
-/// Says why the command failed: 2 for wrong usage, 1 for anything else.
+/// Says why the command failed, under `--json` also on stdout: 2 for wrong usage, 1 for anything
+/// else.
 pub(crate) fn fail(error: &anyhow::Error) -> ExitCode {
     say(&format!("foveal: {}", told(error)));
+    print_fault(&Fault::of(error, called()));
     ExitCode::from(if error.is::<WrongUsage>() { 2 } else { 1 })
 }
 
-/// An error and its causes, each once.
-pub(crate) fn told(error: &anyhow::Error) -> String {
-    let mut text = String::new();
-    for cause in error.chain().map(ToString::to_string) {
-        // Messages that name their cause already have said it.
-        if !text.contains(&cause) {
-            text = if text.is_empty() {
-                cause
-            } else {
-                format!("{text}: {cause}")
-            };
-        }
+/// Says why the command line cannot be read, or gives the help that it asks for.
+pub(crate) fn fail_usage(error: &clap::Error) -> ! {
+    if error.use_stderr() {
+        print_fault(&Fault::of_usage(error, called()));
     }
-    text
+    error.exit()
+}
+
+/// The failure as the one JSON object, where one was asked for and none is there.
+fn print_fault(fault: &Fault) {
+    #[derive(Serialize)]
+    struct Failed<'a> {
+        error: &'a Fault,
+    }
+    if called().json && !PRINTED.load(Ordering::Relaxed) {
+        // Where stdout takes nothing, stderr has told it.
+        let _ = result(true, &Failed { error: fault }, "");
+    }
 }
 
 /// A line for people on stderr; nobody may be listening.

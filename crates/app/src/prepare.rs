@@ -106,8 +106,10 @@ pub(crate) struct PrepareVideoArgs {
 struct Estimate {
     dry_run: bool,
     frames: Option<u64>,
+    #[serde(rename = "prepare_s")]
     seconds: Option<f64>,
     bytes: Option<u64>,
+    #[serde(rename = "prepare_s_per_frame")]
     seconds_per_frame: f64,
     bytes_per_frame: f64,
     warnings: Vec<String>,

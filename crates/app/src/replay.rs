@@ -1,7 +1,7 @@
 //! Does a logged session select the same again?
 
 use crate::output::{self, WrongUsage};
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use foveal_core::selection::content::PackContent;
 use foveal_core::selection::session::{Session, SessionFrame, sha256_hex};
@@ -119,10 +119,13 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
         counted(replayed.frames, "frame"),
         replayed.replay_sha256
     );
-    output::result(args.json, &replayed, &text)?;
-    if !replayed.same {
-        let from = first_difference.map_or("its first line".to_owned(), |f| format!("frame {f}"));
-        bail!("{name}: the replay differs from {from} on: the log was changed, or the program");
+    if replayed.same {
+        return output::result(args.json, &replayed, &text);
     }
-    Ok(())
+    let from = first_difference.map_or("its first line".to_owned(), |f| format!("frame {f}"));
+    let error = anyhow!(
+        "{name}: the replay differs from {from} on: the log was changed, or the program; take the \
+         log as it was written, and the program that wrote it"
+    );
+    output::result_that_fails(args.json, &replayed, &text, error)
 }

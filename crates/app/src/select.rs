@@ -75,7 +75,7 @@ pub(crate) struct SelectArgs {
 #[derive(Debug, Serialize)]
 struct One {
     pixels: u64,
-    share: f64,
+    pixels_share: f64,
     level_histogram: Vec<u32>,
 }
 
@@ -84,9 +84,9 @@ struct One {
 struct Many {
     gazes: usize,
     pixels_mean: f64,
-    share_mean: f64,
-    share_p95: f64,
-    share_max: f64,
+    pixels_share_mean: f64,
+    pixels_share_p95: f64,
+    pixels_share_max: f64,
     level_histogram_mean: Vec<f64>,
 }
 
@@ -136,7 +136,7 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
         let pixels = samples.map_or_else(|| pixels(&grid, &tiles), u64::from);
         One {
             pixels,
-            share: pixels as f64 / source,
+            pixels_share: pixels as f64 / source,
             level_histogram: histogram(&grid, &tiles),
         }
     };
@@ -249,9 +249,9 @@ fn summarise(mut all: Vec<One>) -> Many {
     Many {
         gazes: all.len(),
         pixels_mean: mean(&|one| one.pixels as f64),
-        share_mean: mean(&|one| one.share),
-        share_p95: all.get(p95).map_or(0.0, |one| one.share),
-        share_max: all.last().map_or(0.0, |one| one.share),
+        pixels_share_mean: mean(&|one| one.pixels_share),
+        pixels_share_p95: all.get(p95).map_or(0.0, |one| one.pixels_share),
+        pixels_share_max: all.last().map_or(0.0, |one| one.pixels_share),
         level_histogram_mean: (0..levels)
             .map(|level| mean(&|one| f64::from(one.level_histogram[level])))
             .collect(),
@@ -263,7 +263,7 @@ impl One {
         let mut text = format!(
             "{}, {:.2} % of the faces counted at the finest level\n",
             counted(self.pixels, "pixel"),
-            self.share * 100.0
+            self.pixels_share * 100.0
         );
         for (level, tiles) in self.level_histogram.iter().enumerate() {
             let _ = writeln!(text, "level {level}: {}", counted(tiles, "tile"));
@@ -277,9 +277,9 @@ impl Many {
         format!(
             "{}: mean {:.2} %, 95th percentile {:.2} %, most {:.2} % of the finest level",
             counted(self.gazes, "gaze"),
-            self.share_mean * 100.0,
-            self.share_p95 * 100.0,
-            self.share_max * 100.0,
+            self.pixels_share_mean * 100.0,
+            self.pixels_share_p95 * 100.0,
+            self.pixels_share_max * 100.0,
         )
     }
 }

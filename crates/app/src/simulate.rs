@@ -120,7 +120,7 @@ pub(crate) struct RunSummary {
     /// Frames shown with a coarser tile in the place of one that was chosen.
     pub(crate) incomplete_frames: usize,
     pub(crate) wrong_frame_tiles: usize,
-    pub(crate) failed_tiles: usize,
+    pub(crate) damaged_tiles: usize,
     pub(crate) level_changes: u64,
     pub(crate) gaze_error_deg_mean: f64,
     /// Share of the detail that the eye could see that was shown; null for packs without
@@ -375,7 +375,7 @@ pub(crate) fn summarise(
         late_frames: reports.iter().filter(|r| r.late).count(),
         incomplete_frames: reports.iter().filter(|r| !r.missing.is_empty()).count(),
         wrong_frame_tiles: reports.iter().map(|r| r.wrong_frame_tiles).sum(),
-        failed_tiles: reports.iter().map(|r| r.failed_tiles).sum(),
+        damaged_tiles: reports.iter().map(|r| r.failed_tiles).sum(),
         level_changes: reports.iter().map(|r| r.level_changes).sum(),
         gaze_error_deg_mean: reports.iter().map(|r| r.gaze_error_deg).sum::<f64>() / count,
         detail_share_mean: detail.map(|sum| sum / count),
@@ -403,7 +403,7 @@ impl RunSummary {
             self.decode_ms_p95,
             counted(self.late_frames, "late frame"),
             counted(self.incomplete_frames, "incomplete frame"),
-            counted(self.failed_tiles, "damaged tile"),
+            counted(self.damaged_tiles, "damaged tile"),
             counted(self.level_changes, "level change"),
             self.gpu_bytes as f64 / 1e6,
             self.detail_share_mean

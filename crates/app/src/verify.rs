@@ -1,7 +1,7 @@
 //! Is every byte of a pack as it was written?
 
 use crate::output;
-use anyhow::bail;
+use anyhow::anyhow;
 use clap::Args;
 use foveal_core::units::counted;
 use foveal_media::pack_file::PackFile;
@@ -52,13 +52,11 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
         );
         return output::result(args.json, &verified, &text);
     }
-    if args.json {
-        output::result(true, &verified, "")?;
-    }
-    let listed = verified.damage.join("\n  ");
-    bail!(
-        "{}: {}\n  {listed}",
+    let error = anyhow!(
+        "{}: {}; copy the pack again, or prepare it again\n  {}",
         args.pack.display(),
-        counted(found, "damaged place")
+        counted(found, "damaged place"),
+        verified.damage.join("\n  ")
     );
+    output::result_that_fails(args.json, &verified, "", error)
 }

@@ -20,7 +20,7 @@ const UNIT: u32 = 64;
 #[derive(Clone, Debug, Serialize)]
 pub struct ImportanceTimes {
     /// Columns and rows of the pictures.
-    pub size: [u32; 2],
+    pub size_px: [u32; 2],
     /// Level pictures.
     pub levels: usize,
     /// Units that values are added up for.
@@ -135,7 +135,7 @@ pub fn time_importance(size: [u32; 2], runs: usize) -> ImportanceTimes {
         fft.unit_gains(&pictures, &decision.unit_ids, &mut gains);
     });
     ImportanceTimes {
-        size,
+        size_px: size,
         levels: LEVELS,
         units: decision.units,
         ratio: fourier.median_ms / pyramid.median_ms,

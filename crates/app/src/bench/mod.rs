@@ -25,7 +25,7 @@ pub(crate) enum Bench {
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct BenchArgs {
-    /// Runs of each way, besides one to warm up; 5 to 1000.
+    /// Runs of each way, besides one to warm up; 1 to 1000.
     #[arg(long, value_name = "N", default_value_t = 7)]
     runs: usize,
     /// Print one JSON object.

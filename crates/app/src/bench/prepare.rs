@@ -71,12 +71,12 @@ struct SpeedRow {
     way: &'static str,
     jobs: usize,
     /// Millions of pixels of the source a second, reading and writing included.
-    source_mpix_per_s: f64,
+    prepare_mpix_per_s: f64,
     /// The same by the processor time of all threads; null where the system does not tell.
-    source_mpix_per_cpu_s: Option<f64>,
-    seconds: f64,
-    cpu_seconds: Option<f64>,
-    pack_bytes: u64,
+    prepare_mpix_per_cpu_s: Option<f64>,
+    prepare_s: f64,
+    prepare_cpu_s: Option<f64>,
+    bytes: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -138,7 +138,7 @@ fn measure(args: &PrepareBenchArgs, jobs: usize, folder: &Path) -> anyhow::Resul
             let row = time_one(&name, &clip, &settings, way.0, folder)?;
             output::say(&format!(
                 "{name}, {}: {:.1} MPix/s",
-                way.0, row.source_mpix_per_s
+                way.0, row.prepare_mpix_per_s
             ));
             speed.push(row);
         }
@@ -160,9 +160,9 @@ fn time_one(
     let out = folder.join("bench.foveal");
     let (begun, cpu_before) = (Instant::now(), cpu_seconds());
     let prepared = prepare(clip, &out, &plan, &mut |_| {})?;
-    let (about, pack_bytes) = (&prepared.description, prepared.bytes);
-    let seconds = begun.elapsed().as_secs_f64();
-    let cpu_seconds = cpu_seconds()
+    let (about, bytes) = (&prepared.description, prepared.bytes);
+    let prepare_s = begun.elapsed().as_secs_f64();
+    let prepare_cpu_s = cpu_seconds()
         .zip(cpu_before)
         .map(|(after, before)| after - before);
     let [w, h] = about.source.size.map(f64::from);
@@ -171,11 +171,11 @@ fn time_one(
         content: content.to_owned(),
         way,
         jobs: settings.jobs,
-        source_mpix_per_s: mpix / seconds,
-        source_mpix_per_cpu_s: cpu_seconds.map(|cpu| mpix / cpu),
-        seconds,
-        cpu_seconds,
-        pack_bytes,
+        prepare_mpix_per_s: mpix / prepare_s,
+        prepare_mpix_per_cpu_s: prepare_cpu_s.map(|cpu| mpix / cpu),
+        prepare_s,
+        prepare_cpu_s,
+        bytes,
     })
 }
 
@@ -234,15 +234,15 @@ fn text(report: &Report) -> String {
     );
     for row in &report.speed {
         let cpu = row
-            .source_mpix_per_cpu_s
+            .prepare_mpix_per_cpu_s
             .map_or("-".to_owned(), |cpu| format!("{cpu:.1}"));
         let _ = writeln!(
             text,
             "{:14} {:14} {:6.1} {cpu:>6}   {:.1} MB, {}",
             row.content,
             row.way,
-            row.source_mpix_per_s,
-            row.pack_bytes as f64 / 1e6,
+            row.prepare_mpix_per_s,
+            row.bytes as f64 / 1e6,
             counted(row.jobs, "thread"),
         );
     }

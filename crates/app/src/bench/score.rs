@@ -17,10 +17,10 @@ use std::time::Instant;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ScoreBenchArgs {
-    /// Frames of each turn; 4 to 1000.
+    /// Frames of each turn; 1 to 1000.
     #[arg(long, value_name = "N", default_value_t = 12)]
     frames: usize,
-    /// Turns, besides one to warm up; 3 to 100.
+    /// Turns, besides one to warm up; 1 to 100.
     #[arg(long, value_name = "N", default_value_t = 5)]
     runs: usize,
     /// Threads; processor time of all is what counts.
@@ -46,7 +46,7 @@ const LEAST_GPU_FRAMES: usize = 3;
 #[derive(Debug, Serialize)]
 struct Report {
     machine: Machine,
-    size: [u32; 2],
+    size_px: [u32; 2],
     fps: f64,
     jobs: usize,
     frames: usize,
@@ -114,11 +114,11 @@ impl Content {
 }
 
 pub(super) fn run(args: &ScoreBenchArgs) -> anyhow::Result<()> {
-    if !(4..=1000).contains(&args.frames) {
-        bail!(out_of_range("--frames", args.frames, "4 to 1000"));
+    if !(1..=1000).contains(&args.frames) {
+        bail!(out_of_range("--frames", args.frames, "1 to 1000"));
     }
-    if !(3..=100).contains(&args.runs) {
-        bail!(out_of_range("--runs", args.runs, "3 to 100"));
+    if !(1..=100).contains(&args.runs) {
+        bail!(out_of_range("--runs", args.runs, "1 to 100"));
     }
     let content = Content::of(Golden::named(CASE).context("a golden")?)?;
     let (cpu, clock) = fast_seconds(&content, args)?;
@@ -131,7 +131,7 @@ pub(super) fn run(args: &ScoreBenchArgs) -> anyhow::Result<()> {
     let adapter = gpu.as_ref().map_or("none", |row| row.adapter.as_str());
     let report = Report {
         machine: Machine::here(adapter.to_owned()),
-        size: content.viewing.size,
+        size_px: content.viewing.size,
         fps: content.viewing.fps.unwrap_or_default(),
         jobs: args.jobs,
         frames: args.frames * args.runs,
@@ -164,7 +164,7 @@ fn fast_seconds(
             clock.push(begun.elapsed().as_secs_f64() / args.frames as f64);
         }
     }
-    let clock = Spread::of(clock).context("three turns at least")?;
+    let clock = Spread::of(clock).context("a turn at least")?;
     Ok((Spread::of(cpu), clock))
 }
 
@@ -221,13 +221,13 @@ fn gpu_row(content: &Content, args: &ScoreBenchArgs) -> anyhow::Result<Option<Gp
     Ok(Some(GpuRow {
         adapter: gpu.adapter_name().to_owned(),
         stamped_ms: Spread::of(stamped),
-        clock_ms: Spread::of(clock).context("four frames at least")?,
+        clock_ms: Spread::of(clock).context("a frame at least")?,
     }))
 }
 
 fn text(report: &Report) -> String {
     let mut text = report.machine.text();
-    let [w, h] = report.size;
+    let [w, h] = report.size_px;
     text += &format!(
         "\nscoring {w}x{h} at {} Hz, foveated, moving gaze, {}, {}\n",
         report.fps,

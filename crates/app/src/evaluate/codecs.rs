@@ -37,7 +37,7 @@ struct Coding {
 struct Report {
     machine: Machine,
     input: String,
-    input_bytes: u64,
+    source_bytes: u64,
     frames: u32,
     codecs: Vec<Row>,
 }
@@ -54,7 +54,7 @@ struct Row {
 pub(super) fn run(args: &CodecsArgs) -> anyhow::Result<()> {
     let jobs = args.trial.jobs()?;
     let input = &args.trial.input;
-    let input_bytes = std::fs::metadata(input)
+    let source_bytes = std::fs::metadata(input)
         .with_context(|| format!("{}: cannot be read", input.display()))?
         .len();
     let scratch = args.trial.scratch()?;
@@ -67,14 +67,14 @@ pub(super) fn run(args: &CodecsArgs) -> anyhow::Result<()> {
         let share = args.share_of_input()?;
         rows.push(Row {
             codec: coding.name.clone(),
-            storage_ratio: trial.bytes as f64 / (input_bytes as f64 * share),
+            storage_ratio: trial.bytes as f64 / (source_bytes as f64 * share),
             trial,
         });
     }
     let report = Report {
         machine: Machine::here("none".to_owned()),
         input: input.display().to_string(),
-        input_bytes,
+        source_bytes,
         frames: rows.first().map_or(0, |row: &Row| row.trial.frames),
         codecs: rows,
     };
@@ -157,10 +157,10 @@ impl Report {
                 trial.prepare_s,
                 trial.prepare_mpix_per_s,
                 trial.bytes as f64 / 1e6,
-                trial.fps_median,
-                trial.fps_saccade_p5,
-                trial.fps_full,
-                trial.fps_coarsest,
+                trial.foveated_fps_median,
+                trial.foveated_saccade_fps_p5,
+                trial.full_fps,
+                trial.coarsest_fps,
                 levels.join(" / "),
             );
         }

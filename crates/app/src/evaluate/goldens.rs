@@ -3,7 +3,7 @@
 use crate::output::{self, WrongUsage};
 use crate::picture_file::write_png;
 use crate::score::{DeviceName, Engine, read_picture};
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use foveal_eval::score::companion::{Companion, CompanionJudge};
 use foveal_eval::score::gaze_trace::GazeTrace;
@@ -115,11 +115,14 @@ pub(super) fn run(args: &GoldensArgs) -> anyhow::Result<()> {
             command,
         });
     }
-    output::result(args.json, &report, &text(&report))?;
-    if report.worst_jod > report.tolerance_jod {
-        bail!("a score is off by {:.6} JOD", report.worst_jod);
+    if report.worst_jod <= report.tolerance_jod {
+        return output::result(args.json, &report, &text(&report));
     }
-    Ok(())
+    let error = anyhow!(
+        "a score is off by {:.6} JOD; give another --device, or report this with the machine",
+        report.worst_jod
+    );
+    output::result_that_fails(args.json, &report, &text(&report), error)
 }
 
 /// The cases that were named, or else all that there are pictures for.

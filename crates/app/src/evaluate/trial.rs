@@ -86,12 +86,12 @@ pub(super) struct Trial {
     /// Mean share of the pixels under `acuity`, of those of the finest level.
     pub(super) pixels_share_mean: f64,
     /// Frames a second under `acuity`, choosing and decoding: half of the frames are faster.
-    pub(super) fps_median: f64,
+    pub(super) foveated_fps_median: f64,
     /// Of the frames on which the gaze jumped, one in twenty is slower.
-    pub(super) fps_saccade_p5: f64,
+    pub(super) foveated_saccade_fps_p5: f64,
     /// Frames a second with every finest tile, and with the coarsest level alone.
-    pub(super) fps_full: f64,
-    pub(super) fps_coarsest: f64,
+    pub(super) full_fps: f64,
+    pub(super) coarsest_fps: f64,
     pub(super) late_frames: u32,
     pub(super) incomplete_frames: u32,
 }
@@ -177,10 +177,10 @@ impl TrialOptions {
             bytes: 0,
             bytes_per_level: bytes_per_level(&conditions.file),
             pixels_share_mean: foveated.share(),
-            fps_median: fps_at(50, foveated.frames.iter().map(|(seconds, _)| *seconds)),
-            fps_saccade_p5: fps_at(5, jumps.map(|(seconds, _)| *seconds)),
-            fps_full: run(Policy::Full, FULL_FRAMES.min(self.play))?.decoding[0],
-            fps_coarsest: run(Policy::Coarsest, self.play)?.decoding[0],
+            foveated_fps_median: fps_at(50, foveated.frames.iter().map(|(seconds, _)| *seconds)),
+            foveated_saccade_fps_p5: fps_at(5, jumps.map(|(seconds, _)| *seconds)),
+            full_fps: run(Policy::Full, FULL_FRAMES.min(self.play))?.decoding[0],
+            coarsest_fps: run(Policy::Coarsest, self.play)?.decoding[0],
             late_frames: foveated.late,
             incomplete_frames: foveated.incomplete,
         })

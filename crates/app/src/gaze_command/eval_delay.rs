@@ -42,7 +42,7 @@ impl DelayEvaluation {
             let _ = writeln!(
                 text,
                 "{:>6}{:>9.2}{:>9.2}{:>9.2}",
-                found.ms, found.last, found.head, found.blend
+                found.delay_ms, found.last_mean_deg, found.head_mean_deg, found.blend_mean_deg
             );
         }
         text + "mean degrees\n"
@@ -51,11 +51,11 @@ impl DelayEvaluation {
     /// Three lines over the delays, in their order.
     fn plot(&self) -> String {
         let mut sorted: Vec<&DelayErrors> = self.delays.iter().collect();
-        sorted.sort_by(|a, b| a.ms.total_cmp(&b.ms));
+        sorted.sort_by(|a, b| a.delay_ms.total_cmp(&b.delay_ms));
         let of = |value: fn(&DelayErrors) -> f64| -> Vec<f64> {
             sorted.iter().map(|found| value(found)).collect()
         };
-        let times = of(|found| found.ms);
+        let times = of(|found| found.delay_ms);
         let run = Run {
             times: &times,
             unit: "ms",
@@ -67,9 +67,9 @@ impl DelayEvaluation {
             values: of(value),
         };
         let lines = [
-            line("last", |found| found.last),
-            line("head", |found| found.head),
-            line("blend", |found| found.blend),
+            line("last", |found| found.last_mean_deg),
+            line("head", |found| found.head_mean_deg),
+            line("blend", |found| found.blend_mean_deg),
         ];
         plot::file(
             "mean error in degrees, by age of the last gaze",

@@ -29,9 +29,9 @@ struct HeadEvaluation {
 #[derive(Debug, Serialize)]
 struct RecordingMeans {
     file: String,
-    centre: f64,
-    sgaze: f64,
-    foveal: f64,
+    centre_mean_deg: f64,
+    sgaze_mean_deg: f64,
+    foveal_mean_deg: f64,
 }
 
 impl HeadEvaluation {
@@ -48,9 +48,9 @@ impl HeadEvaluation {
                 errors.median_deg,
                 errors.p90_deg,
                 errors.p95_deg,
-                errors.within_5 * 100.0,
-                errors.within_10 * 100.0,
-                errors.within_15 * 100.0,
+                errors.within_5_deg_share * 100.0,
+                errors.within_10_deg_share * 100.0,
+                errors.within_15_deg_share * 100.0,
             );
         }
         let _ = writeln!(
@@ -62,10 +62,10 @@ impl HeadEvaluation {
             let _ = writeln!(
                 text,
                 "{:>8.2}{:>8.2}{:>8.2}{:>8.3}  {}",
-                one.centre,
-                one.sgaze,
-                one.foveal,
-                one.foveal / one.sgaze,
+                one.centre_mean_deg,
+                one.sgaze_mean_deg,
+                one.foveal_mean_deg,
+                one.foveal_mean_deg / one.sgaze_mean_deg,
                 one.file
             );
         }
@@ -82,9 +82,9 @@ pub(crate) fn run(args: &EvalHeadArgs) -> anyhow::Result<()> {
         recordings: means
             .map(|(means, file)| RecordingMeans {
                 file,
-                centre: means.centre,
-                sgaze: means.sgaze,
-                foveal: means.foveal,
+                centre_mean_deg: means.centre,
+                sgaze_mean_deg: means.sgaze,
+                foveal_mean_deg: means.foveal,
             })
             .collect(),
     };

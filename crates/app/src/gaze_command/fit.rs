@@ -26,7 +26,7 @@ pub(crate) struct FitHeadArgs {
 
 #[derive(Debug, Serialize)]
 struct HeadFitted {
-    out: String,
+    file: String,
     samples: usize,
     preset: HeadGazePreset,
     /// Mean error on the same recordings, in degrees.
@@ -39,7 +39,7 @@ struct HeadFitted {
 
 impl HeadFitted {
     fn text(&self) -> String {
-        let mut text = format!("{}, from {}\n", self.out, counted(self.samples, "sample"));
+        let mut text = format!("{}, from {}\n", self.file, counted(self.samples, "sample"));
         for (axis, curve) in [("yaw", &self.preset.yaw), ("pitch", &self.preset.pitch)] {
             let _ = write!(text, "{axis:<6}");
             for ((name, _), value) in AxisCurve::RANGES.iter().zip(curve.parameters()) {
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &FitHeadArgs) -> anyhow::Result<()> {
     let errors = evaluate_head(&recordings, &vec![fit.clone(); recordings.len()]).pooled;
     write_whole(&args.out, toml::to_string(&fit.preset)?.as_bytes())?;
     let fitted = HeadFitted {
-        out: args.out.display().to_string(),
+        file: args.out.display().to_string(),
         samples,
         mean_deg: errors.foveal.mean_deg,
         sgaze_mean_deg: errors.sgaze.mean_deg,

@@ -109,7 +109,8 @@ pub(super) fn display_of(
     let Some(choice) = choice else {
         return own.ok_or_else(|| {
             let names = Display::names().join(", ");
-            let text = format!("{option}: give one of {names}, or a file that describes it");
+            let text =
+                format!("{option} is missing; give one of {names}, or a file that describes it");
             WrongUsage(text).into()
         });
     };

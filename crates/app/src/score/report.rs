@@ -24,7 +24,7 @@ pub(crate) struct Conditions {
     foveated: bool,
     /// Where the gaze came from; null without one.
     gaze: Option<String>,
-    size: [u32; 2],
+    size_px: [u32; 2],
     /// Null for a still.
     fps: Option<f64>,
 }
@@ -39,13 +39,13 @@ impl Conditions {
             black_cd_m2: display.black_cd_m2,
             foveated: viewing.foveated,
             gaze,
-            size: viewing.size,
+            size_px: viewing.size,
             fps: viewing.fps,
         }
     }
 
     fn text(&self) -> String {
-        let [w, h] = self.size;
+        let [w, h] = self.size_px;
         let rate = self
             .fps
             .map_or(String::new(), |fps| format!(" at {fps} Hz"));

@@ -23,7 +23,7 @@ pub(crate) struct Summary {
     gpu_bytes: u64,
     /// Greatest distance of picture and sound, in ms, from two seconds after a beginning or a jump
     /// on; null without sound.
-    sound_ms_worst: Option<f64>,
+    sound_ms_max: Option<f64>,
     /// Its 95th percentile.
     sound_ms_p95: Option<f64>,
     /// Times that the sound device found too little to play.
@@ -49,7 +49,7 @@ impl Summary {
             decode_ms: figures.decode_ms,
             draw_ms: figures.draw_s * 1e3,
             gpu_bytes: figures.gpu_bytes,
-            sound_ms_worst: drift.map(|[worst, _]| worst),
+            sound_ms_max: drift.map(|[worst, _]| worst),
             sound_ms_p95: drift.map(|[_, p95]| p95),
             sound_gaps: viewer.sound_gaps(),
         }

@@ -77,7 +77,7 @@ fn a_damaged_fine_tile_is_stood_in_for_and_counted() {
         let play = ["simulate", &bad, "--out", &out, "--policy", "full"];
         let run = json(&[&play[..], &["--pictures", "none"]].concat());
         assert_eq!(
-            run["failed_tiles"],
+            run["damaged_tiles"],
             json!(8),
             "{codec}: the tile's group of frames"
         );

@@ -31,7 +31,7 @@ fn ten_thousand_frames_are_prepared_and_any_of_them_is_played() {
         let few = ["--frames", "3", "--policy", "full", "--renderer", "cpu"];
         let run = json(&[&play[..], &few].concat());
         assert_eq!(
-            (&run["frames"], &run["failed_tiles"]),
+            (&run["frames"], &run["damaged_tiles"]),
             (&json!(3), &json!(0))
         );
         let first: u32 = start.parse().unwrap();

@@ -56,7 +56,12 @@ fn predictors_are_judged_in_one_table_and_one_object() {
     for name in ["centre", "mean", "sgaze", "lu-2020", "foveal"] {
         let [median, p90, p95] = ["median_deg", "p90_deg", "p95_deg"].map(|what| of(name, what));
         assert!(0.0 < median && median < p90 && p90 < p95, "{name}: {found}");
-        let within = ["within_5", "within_10", "within_15"].map(|what| of(name, what));
+        let within = [
+            "within_5_deg_share",
+            "within_10_deg_share",
+            "within_15_deg_share",
+        ]
+        .map(|what| of(name, what));
         assert!(
             0.0 < within[0] && within[0] < within[1] && within[2] <= 1.0,
             "{found}"
@@ -115,12 +120,13 @@ fn a_late_gaze_is_judged_beside_the_head_and_their_blend() {
     ];
     let found = json(&judge);
     let of = |k: usize, what: &str| found["delays"][k][what].as_f64().unwrap();
-    assert_eq!((of(0, "ms"), of(1, "ms")), (20.0, 500.0));
+    assert_eq!((of(0, "delay_ms"), of(1, "delay_ms")), (20.0, 500.0));
     assert!(
-        of(0, "last") < of(0, "head") && of(0, "blend") == of(0, "last"),
+        of(0, "last_mean_deg") < of(0, "head_mean_deg")
+            && of(0, "blend_mean_deg") == of(0, "last_mean_deg"),
         "{found}"
     );
-    assert!(of(1, "blend") < of(1, "last"), "{found}");
+    assert!(of(1, "blend_mean_deg") < of(1, "last_mean_deg"), "{found}");
     assert!(done(&judge).stdout.contains("blend"));
     let plot = folder.name("delay.svg");
     done(&[&judge[..], &["--plot", &plot]].concat());

@@ -67,7 +67,7 @@ fn go_all_the_way(folder: &Folder, size: [u32; 2], options: &[&str]) -> Value {
     assert_keys(&run, &SIMULATED);
     assert_eq!(run["frames"], json!(frames));
     assert_eq!(run["wrong_frame_tiles"], json!(0));
-    assert_eq!(run["failed_tiles"], json!(0));
+    assert_eq!(run["damaged_tiles"], json!(0));
     let share = run["pixels_share_mean"].as_f64().unwrap();
     assert!((0.0..1.4).contains(&share), "{share}");
     let pictures = (0..frames).map(|frame| format!("frame_{frame:05}.png"));

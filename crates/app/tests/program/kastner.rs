@@ -155,7 +155,7 @@ fn what_needs_content_is_refused_without_it() {
 fn the_published_mask_is_2_08_percent_of_8k() {
     let one = json(&WIDE);
     assert_eq!(one["pixels"], json!(690_926));
-    assert_eq!((one["share"].as_f64().unwrap() * 1e4).round(), 208.0);
+    assert_eq!((one["pixels_share"].as_f64().unwrap() * 1e4).round(), 208.0);
     let wanted = json(&[
         "select",
         "--projection",

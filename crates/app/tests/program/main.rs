@@ -24,6 +24,7 @@ mod perception;
 mod perceptual;
 mod prepare;
 mod refusals;
+mod results;
 mod resume;
 mod scenes;
 mod score;

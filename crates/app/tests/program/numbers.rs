@@ -69,7 +69,7 @@ fn assert_one_frame_a_picture(folder: &Folder, pack: &str, surface: &Surface, vi
         ];
         let run = json(&[&scan[..], &["--view", &size], how].concat());
         assert_eq!(run["wrong_frame_tiles"], 0, "{name}");
-        assert_eq!(run["failed_tiles"], 0, "{name}");
+        assert_eq!(run["damaged_tiles"], 0, "{name}");
         (out, run)
     };
     let (waited, unpaced) = play("waited", &[]);

@@ -70,7 +70,7 @@ const KEYS: [&str; 17] = [
     "foveated",
     "gaze",
     "fps",
-    "size",
+    "size_px",
     "frames",
     "device",
     "bands",

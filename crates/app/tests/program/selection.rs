@@ -26,7 +26,7 @@ fn the_pixels_of_kastner_s_grid_are_counted() {
     let inner = pixels(&["grid", "--gaze", "-10,10"]);
     assert_eq!(inner["pixels"], json!(1_037_435));
     assert_eq!(inner["level_histogram"], json!([1, 8, 87]));
-    let share = inner["share"].as_f64().unwrap();
+    let share = inner["pixels_share"].as_f64().unwrap();
     assert_eq!((share * 1e5).round(), 2882.0);
     let noisy = pixels(&["grid", "--gaze", "-10,10", "--noisy-cells", "22"]);
     assert_eq!(noisy["pixels"], json!(1_766_405));
@@ -57,9 +57,9 @@ fn acuity_takes_a_hundredth_of_a_16k_cube() {
             "1",
         ]);
         let figure = |key: &str| many[key].as_f64().unwrap();
-        assert!(figure("share_mean") <= mean, "{disc}: {many}");
-        assert!(figure("share_max") <= most, "{disc}: {many}");
-        assert!(figure("share_mean") >= 0.005, "{disc}: {many}");
+        assert!(figure("pixels_share_mean") <= mean, "{disc}: {many}");
+        assert!(figure("pixels_share_max") <= most, "{disc}: {many}");
+        assert!(figure("pixels_share_mean") >= 0.005, "{disc}: {many}");
         assert_eq!(many["gazes"], json!(300));
     }
 }

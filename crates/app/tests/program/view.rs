@@ -1,5 +1,6 @@
 //! Does a window show what the headless run shows, and does it survive what happens to windows?
 
+use crate::results::agrees;
 use crate::scenes::write_clip;
 use crate::support::{Folder, Ran, Rgb, command, done, finish, frame_picture, refused, skipped};
 use foveal_core::asset::picture::Picture;
@@ -123,6 +124,7 @@ fn a_settled_window_shows_the_picture_of_the_headless_run() {
         return;
     };
     assert_eq!(summary["wrong_frame_tiles"], 0);
+    agrees("view", &[&summary]);
     for (shot, frame) in [(first, 0), (last, 5)] {
         let expected = headless(&folder, &pack, "400x225", frame);
         assert!(Rgb::read(&shot).difference(&expected) <= 1, "frame {frame}");

@@ -14,11 +14,11 @@ pub struct AngleStatistics {
     /// 95th percentile in degrees.
     pub p95_deg: f64,
     /// Share of samples within 5 degrees.
-    pub within_5: f64,
+    pub within_5_deg_share: f64,
     /// Share of samples within 10 degrees.
-    pub within_10: f64,
+    pub within_10_deg_share: f64,
     /// Share of samples within 15 degrees.
-    pub within_15: f64,
+    pub within_15_deg_share: f64,
 }
 
 impl AngleStatistics {
@@ -37,9 +37,9 @@ impl AngleStatistics {
             median_deg: percentile(&angles_deg, 0.5),
             p90_deg: percentile(&angles_deg, 0.9),
             p95_deg: percentile(&angles_deg, 0.95),
-            within_5: within(5.0),
-            within_10: within(10.0),
-            within_15: within(15.0),
+            within_5_deg_share: within(5.0),
+            within_10_deg_share: within(10.0),
+            within_15_deg_share: within(15.0),
         }
     }
 }
@@ -66,9 +66,9 @@ mod tests {
         let found = AngleStatistics::of((0..=20).rev().map(f64::from).collect());
         assert_eq!((found.mean_deg, found.median_deg), (10.0, 10.0));
         assert_eq!((found.p90_deg, found.p95_deg), (18.0, 19.0));
-        assert_eq!(found.within_5, 6.0 / 21.0);
+        assert_eq!(found.within_5_deg_share, 6.0 / 21.0);
         assert_eq!(
-            (found.within_10, found.within_15),
+            (found.within_10_deg_share, found.within_15_deg_share),
             (11.0 / 21.0, 16.0 / 21.0)
         );
     }

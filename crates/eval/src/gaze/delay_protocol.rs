@@ -17,13 +17,13 @@ pub const DELAYS_MS: [f64; 6] = [50.0, 100.0, 150.0, 200.0, 300.0, 500.0];
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DelayErrors {
     /// The delay in milliseconds.
-    pub ms: f64,
+    pub delay_ms: f64,
     /// Of the last gaze.
-    pub last: f64,
+    pub last_mean_deg: f64,
     /// Of the head alone.
-    pub head: f64,
+    pub head_mean_deg: f64,
     /// Of the blend.
-    pub blend: f64,
+    pub blend_mean_deg: f64,
 }
 
 /// Mean errors after `delay_ms`, over all rows that have one so much later, with one fit per
@@ -56,10 +56,10 @@ pub fn evaluate_delay(
     }
     let [last, head, blend] = errors.map(|errors| mean(&errors));
     Some(DelayErrors {
-        ms: delay_ms,
-        last,
-        head,
-        blend,
+        delay_ms,
+        last_mean_deg: last,
+        head_mean_deg: head,
+        blend_mean_deg: blend,
     })
 }
 
@@ -82,19 +82,22 @@ mod tests {
     #[test]
     fn without_delay_the_last_gaze_is_the_gaze() {
         let found = errors(0.0).unwrap();
-        assert_eq!((found.last, found.blend), (0.0, 0.0));
-        assert!(found.head > 3.0);
+        assert_eq!((found.last_mean_deg, found.blend_mean_deg), (0.0, 0.0));
+        assert!(found.head_mean_deg > 3.0);
     }
 
     #[test]
     fn the_last_gaze_wins_early_the_head_late_and_the_blend_beats_the_head() {
         let [early, late] = [50.0, 500.0].map(|ms| errors(ms).unwrap());
-        assert!(early.last < early.head, "{early:?}");
-        assert!(late.head < late.last, "{late:?}");
+        assert!(early.last_mean_deg < early.head_mean_deg, "{early:?}");
+        assert!(late.head_mean_deg < late.last_mean_deg, "{late:?}");
         for found in [early, late] {
-            assert!(found.blend < found.last.max(found.head), "{found:?}");
+            assert!(
+                found.blend_mean_deg < found.last_mean_deg.max(found.head_mean_deg),
+                "{found:?}"
+            );
         }
-        assert!(late.last > early.last);
+        assert!(late.last_mean_deg > early.last_mean_deg);
     }
 
     #[test]

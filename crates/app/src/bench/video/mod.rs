@@ -72,7 +72,7 @@ struct Rate {
 struct Report {
     machine: Machine,
     pack: String,
-    size: [u32; 2],
+    size_px: [u32; 2],
     frames: u32,
     turns: u32,
     jobs: usize,
@@ -201,7 +201,7 @@ impl Bench<'_> {
         Report {
             machine: Machine::here(conditions.drawing.name().to_owned()),
             pack: name_of(conditions.file.path()),
-            size: about.source.size,
+            size_px: about.source.size,
             frames: frames.div_ceil(TURNS) * TURNS,
             turns: TURNS,
             jobs: conditions.decoding.jobs,
@@ -270,7 +270,7 @@ impl Rates {
 impl Report {
     fn text(&self) -> String {
         let mut text = self.machine.text();
-        let [w, h] = self.size;
+        let [w, h] = self.size_px;
         text += &format!(
             "\n{}, from {w}x{h}; {}, medians of {} (slowest to fastest):\n",
             self.pack,
