@@ -1,6 +1,6 @@
 //! Which options do several commands share, and how are their values written?
 
-use crate::output::out_of_range;
+use crate::output::{WrongUsage, out_of_range};
 use crate::perception_options::PerceptionOptions;
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
@@ -44,7 +44,7 @@ impl PolicyName {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum AcuityName {
-    /// 1/60° + 0.022 x eccentricity.
+    /// A pixel of 1/60° + --slope x eccentricity.
     Linear,
     /// Watson 2014, corrected: one polarity, four meridians, the better eye.
     Watson,
@@ -69,6 +69,10 @@ pub(crate) struct PolicyOptions {
     /// The eye of the acuity policy.
     #[arg(long, value_enum, default_value = "linear")]
     acuity: AcuityName,
+    /// The linear eye: degrees by which the smallest pixel that it tells apart grows with each
+    /// degree of eccentricity; a slope of a cycle, two pixels, is twice as large (default: 0.022).
+    #[arg(long, value_name = "SLOPE", allow_negative_numbers = true)]
+    slope: Option<f64>,
     /// acuity: radius round the gaze, in degrees, that is always finest.
     #[arg(
         long,
@@ -180,11 +184,7 @@ impl PolicyOptions {
     pub(crate) fn config_of(&self, policy: Policy) -> anyhow::Result<PolicyConfig> {
         Ok(PolicyConfig {
             policy,
-            acuity: match self.acuity {
-                AcuityName::Linear => AcuityModel::LINEAR,
-                AcuityName::Watson => AcuityModel::Watson,
-                AcuityName::WatsonPaper => AcuityModel::WatsonPaper,
-            },
+            acuity: self.acuity()?,
             safety_disc: angle("--safety-disc", self.safety_disc)?,
             margin: angle("--margin", self.margin)?,
             edge_rule: match self.edge_rule {
@@ -200,6 +200,23 @@ impl PolicyOptions {
             perception: self.perception.parameters()?,
             saliency: self.saliency == Switch::On,
         })
+    }
+
+    fn acuity(&self) -> anyhow::Result<AcuityModel> {
+        match (self.acuity, self.slope) {
+            (AcuityName::Linear, None) => Ok(AcuityModel::LINEAR),
+            (AcuityName::Linear, Some(slope)) if (0.0..=1.0).contains(&slope) => {
+                Ok(AcuityModel::linear(slope))
+            }
+            (AcuityName::Linear, Some(slope)) => {
+                bail!(out_of_range("--slope", slope, "0 to 1 degree a degree"))
+            }
+            (AcuityName::Watson, None) => Ok(AcuityModel::Watson),
+            (AcuityName::WatsonPaper, None) => Ok(AcuityModel::WatsonPaper),
+            (_, Some(_)) => bail!(WrongUsage(
+                "--slope is for --acuity linear; leave one of them out".to_owned()
+            )),
+        }
     }
 
     fn noise_threshold(&self) -> anyhow::Result<Option<f64>> {

@@ -5,7 +5,15 @@ use clap::ArgMatches;
 use clap::parser::ValueSource;
 
 /// Options, and the policies that go by them.
-const POLICIES_OF: [(&str, &[PolicyName]); 11] = [
+const POLICIES_OF: [(&str, &[PolicyName]); 12] = [
+    (
+        "slope",
+        &[
+            PolicyName::Acuity,
+            PolicyName::Distance,
+            PolicyName::Sampled,
+        ],
+    ),
     ("safety_disc", &[PolicyName::Acuity]),
     ("margin", &[PolicyName::Viewport]),
     ("edge_rule", &[PolicyName::Grid]),
@@ -43,7 +51,7 @@ pub(crate) fn unused_options(matches: &ArgMatches) -> Vec<String> {
                 "foveal: --{} changes nothing with --policy {}; it is for {}",
                 id.replace('_', "-"),
                 policy.name(),
-                names.join(" and "),
+                names.join(", "),
             )
         })
         .collect()

@@ -22,7 +22,11 @@ fn an_option_of_another_policy_is_told() {
     assert!(said.contains("--samples changes nothing with --policy acuity"));
     assert!(said.contains("--edge-margin changes nothing") && said.contains("it is for grid"));
     assert_eq!(told("grid", &["--edge-margin", "1"]), "");
-    assert_eq!(told("acuity", &["--safety-disc", "1"]), "");
+    assert_eq!(
+        told("acuity", &["--safety-disc", "1", "--slope", "0.011"]),
+        ""
+    );
+    assert!(told("full", &["--slope", "1"]).contains("--slope changes nothing"));
 }
 
 #[test]

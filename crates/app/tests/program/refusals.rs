@@ -251,11 +251,19 @@ fn options_out_of_range_are_refused_with_their_names() {
         (["--jobs", "0"], ["--jobs", "1 to 256"]),
         (["--view", "9000x10"], ["--view", "8192"]),
         (["--safety-disc", "-3"], ["--safety-disc", "0 to 180"]),
+        (["--slope", "-0.1"], ["--slope", "0 to 1"]),
+        (["--slope", "nan"], ["--slope", "0 to 1"]),
         (["--margin", "nan"], ["--margin", "0 to 180"]),
         (["--edge-margin", "181"], ["--edge-margin", "0 to 180"]),
     ] {
         refused(2, &[&play[..], &option].concat(), &words);
     }
+    let both = ["--slope", "0.011", "--acuity", "watson"];
+    refused(
+        2,
+        &[&play[..], &both].concat(),
+        &["--slope", "--acuity linear"],
+    );
     assert_eq!(folder.names(), ["a.mkv", "out.foveal"]);
     let around = folder.name("around.foveal");
     let sphere = ["--projection", "equirect", "--out", &around];

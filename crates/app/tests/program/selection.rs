@@ -65,6 +65,20 @@ fn acuity_takes_a_hundredth_of_a_16k_cube() {
 }
 
 #[test]
+fn a_smaller_slope_takes_more_and_the_usual_one_is_that_of_the_first_version() {
+    let share = |slope: &[&str]| {
+        let cube = ["select", "--projection", "cube", "--face-size", "2048"];
+        json(&[&cube[..], slope].concat())["pixels_share"]
+            .as_f64()
+            .unwrap()
+    };
+    let usual = share(&[]);
+    assert_eq!(usual, share(&["--slope", "0.022"]));
+    assert!(share(&["--slope", "0.011"]) > 1.5 * usual);
+    assert!(share(&["--slope", "0"]) > share(&["--slope", "0.011"]));
+}
+
+#[test]
 fn options_that_do_not_fit_are_refused_with_their_names() {
     let cube = ["select", "--projection", "cube"];
     let with = |options: &[&'static str]| [&cube[..], options].concat();

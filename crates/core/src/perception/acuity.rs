@@ -15,9 +15,10 @@ use serde::{Deserialize, Serialize};
 pub enum AcuityModel {
     /// Minimum angle of resolution that grows linearly with eccentricity: `mar_deg + slope x e`.
     Linear {
-        /// At the fovea, in degrees.
+        /// Degrees of the smallest pixel that is told apart at the fovea.
         mar_deg: f64,
-        /// Degrees per degree of eccentricity.
+        /// By how many degrees that pixel grows with each degree of eccentricity. Two pixels are a
+        /// cycle: who reads the measurements as degrees of a cycle takes half their slope here.
         slope: f64,
     },
     /// Watson 2014 with one polarity of cells (half the density), each meridian its own, the angle
@@ -29,11 +30,18 @@ pub enum AcuityModel {
 }
 
 impl AcuityModel {
-    /// The default of video: MAR 1/60° + 0.022 x eccentricity.
-    pub const LINEAR: Self = Self::Linear {
-        mar_deg: 1.0 / 60.0,
-        slope: 0.022,
-    };
+    /// The default of video: a pixel of 1/60° + 0.022 x eccentricity.
+    pub const LINEAR: Self = Self::linear(0.022);
+
+    /// A pixel of 1/60° at the fovea that grows by `slope` degrees with each degree of
+    /// eccentricity; no less than 0.
+    #[must_use]
+    pub const fn linear(slope: f64) -> Self {
+        Self::Linear {
+            mar_deg: 1.0 / 60.0,
+            slope,
+        }
+    }
 
     /// Highest spatial frequency that is resolved in `direction` by an eye that looks along
     /// `gaze` (unit vectors of one space).
