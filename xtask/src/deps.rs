@@ -1,19 +1,22 @@
 //! Which compiled dependencies has another clone on this machine left for this one?
 //!
 //! They lie under `${XDG_CACHE_HOME:-~/.cache}/foveal/deps`, laid out as cargo lays out a target
-//! folder. Cargo judges what comes from there by its own fingerprints, so a file that does not fit
-//! costs time and nothing else. Our own crates never go there, and `FOVEAL_DEPS_CACHE=off` turns it
-//! off.
+//! folder. What was compiled in one clone fits together, what was compiled in two may not: so a set
+//! comes from one clone whole and never changes, and a clone takes of it what is for profiles for
+//! which it has compiled nothing yet. What is missing of a set costs time and nothing else, as
+//! cargo looks at everything itself. Our own crates never go there. `FOVEAL_DEPS_CACHE=off` turns
+//! it off.
 
 use std::collections::hash_map::DefaultHasher;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::env;
+use std::ffi::OsStr;
 use std::fs::{self, File, FileTimes};
 use std::hash::{Hash, Hasher};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{self, Command};
-use std::time::SystemTime;
+use std::process::Command;
+use std::time::{Duration, SystemTime};
 
 use crate::steps::{Outcome, cargo, output_of, repository_root};
 use crate::tidy::workspace_metadata;
@@ -25,6 +28,10 @@ const MOST_SETS: usize = 3;
 const MOST_BYTES: u64 = 8 << 30;
 /// A file of each set whose time is that of the set's last use.
 const USED: &str = "used";
+/// What the name of a set begins with while it grows.
+const GROWING: &str = "growing-";
+/// How long a set may grow before it is taken for what a stopped run has left.
+const GROWS: Duration = Duration::from_secs(3600);
 /// Libraries of the system that build scripts look at.
 const LIBRARIES: [&str; 6] = [
     "libavcodec",
@@ -46,8 +53,10 @@ const VARIABLES: [&str; 6] = [
 
 /// Two places of this tree's dependencies.
 pub(crate) struct Deps {
-    /// In the store, those of this lock file and compiler.
-    set: PathBuf,
+    /// Where sets lie.
+    store: PathBuf,
+    /// What the names of the sets of this lock file and compiler begin with.
+    key: String,
     /// Where cargo builds in this clone.
     target: PathBuf,
     /// Packages of the workspace, which stay in the clone.
@@ -66,7 +75,8 @@ impl Deps {
         let metadata = workspace_metadata().ok()?;
         let names = metadata["packages"].as_array()?.iter();
         Some(Self {
-            set: store()?.join(key().ok()?),
+            store: store()?,
+            key: key().ok()?,
             target: metadata["target_directory"].as_str()?.into(),
             own: names
                 .filter_map(|p| Some(p["name"].as_str()?.to_owned()))
@@ -74,31 +84,82 @@ impl Deps {
         })
     }
 
-    /// Fetches what the clone lacks, and says how much that was.
+    /// Fetches dependencies for profiles that the clone has none for, and says how many.
     pub(crate) fn restore(&self) -> Outcome {
-        let count = copy_units(&self.set, &self.target, &self.own);
+        let mut count = 0;
+        if let Some(set) = self.sets().first() {
+            let profile = |(lane, _): &Unit| lane.file_name().map(OsStr::to_owned);
+            let ours: HashSet<_> = self.units(&self.target).iter().map(profile).collect();
+            let mut theirs = self.units(set);
+            theirs.retain(|unit| !ours.contains(&profile(unit)));
+            let _ = fs::write(set.join(USED), "");
+            count = copy_units(set, &self.target, theirs);
+        }
         println!("deps: {count} compiled before on this machine");
-        let _ = fs::create_dir_all(&self.set).and_then(|()| fs::write(self.set.join(USED), ""));
         Ok(())
     }
 
-    /// Leaves what the store lacks for other clones, and makes room for it.
+    /// Leaves all of this clone for others, where the set that is there lacks some of it.
     pub(crate) fn keep(&self) {
-        let count = copy_units(&self.target, &self.set, &self.own);
-        println!(
-            "deps: {count} kept for other clones in {}",
-            self.set.display()
-        );
-        if let Some(store) = self.set.parent() {
-            make_room(store, &self.set, MOST_SETS, MOST_BYTES);
+        let ours = self.units(&self.target);
+        let kept = |set: &PathBuf| ours.is_subset(&self.units(set));
+        if !ours.is_empty() && !self.sets().first().is_some_and(kept) {
+            let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+            let number = now.unwrap_or_default().as_nanos();
+            let name = format!("{}-{number:024}", self.key);
+            let growing = self.store.join(format!("{GROWING}{name}"));
+            let count = copy_units(&self.target, &growing, ours);
+            let used = fs::write(growing.join(USED), "");
+            if used.is_ok() && fs::rename(&growing, self.store.join(&name)).is_ok() {
+                println!(
+                    "deps: {count} kept for other clones in {}",
+                    self.store.display()
+                );
+            } else {
+                let _ = fs::remove_dir_all(&growing);
+            }
         }
+        make_room(&self.store, &self.key, MOST_SETS, MOST_BYTES);
+    }
+
+    /// What is compiled to its end below a target folder, but for the workspace's own packages.
+    fn units(&self, target: &Path) -> BTreeSet<Unit> {
+        let is_dependency = |unit: &String| {
+            unit.rsplit_once('-')
+                .is_some_and(|(package, _)| !self.own.contains(package))
+        };
+        let mut found = BTreeSet::new();
+        for lane in lanes(target) {
+            let fingerprints = target.join(&lane).join(FINGERPRINTS);
+            // Cargo writes it when the unit is finished.
+            let is_finished = |unit: &String| {
+                let written = names(&fingerprints.join(unit));
+                written.iter().any(|name| name.ends_with(".json"))
+            };
+            let units = names(&fingerprints).into_iter().filter(is_dependency);
+            found.extend(units.filter(is_finished).map(|unit| (lane.clone(), unit)));
+        }
+        found
+    }
+
+    /// Sets of this lock file and compiler, the newest first.
+    fn sets(&self) -> Vec<PathBuf> {
+        sets_of(&self.store, &self.key)
     }
 }
 
+fn sets_of(store: &Path, key: &str) -> Vec<PathBuf> {
+    let mut sets = names(store);
+    sets.retain(|name| name.starts_with(key));
+    sets.sort_unstable();
+    sets.iter().rev().map(|name| store.join(name)).collect()
+}
+
 fn store() -> Option<PathBuf> {
+    let absolute = |path: PathBuf| path.is_absolute().then_some(path);
     let named = env::var_os("XDG_CACHE_HOME").map(PathBuf::from);
-    let usual = || Some(Path::new(&env::var_os("HOME")?).join(".cache"));
-    let cache = named.filter(|path| path.is_absolute()).or_else(usual)?;
+    let usual = || absolute(Path::new(&env::var_os("HOME")?).join(".cache"));
+    let cache = named.and_then(absolute).or_else(usual)?;
     Some(cache.join("foveal").join("deps"))
 }
 
@@ -123,32 +184,32 @@ fn key() -> Result<String, String> {
     Ok(format!("{:016x}", hasher.finish()))
 }
 
-/// Copies each compiled unit that `to` lacks, but those of `own` packages; returns how many.
-/// A unit that cannot be copied is left out: cargo compiles it.
-fn copy_units(from: &Path, to: &Path, own: &HashSet<String>) -> usize {
+/// A compiled unit: its lane, and the name that cargo gives it there, as `serde-0123456789abcdef`.
+type Unit = (PathBuf, String);
+
+/// Copies compiled units; returns how many. One that cannot be copied is left out: cargo compiles
+/// it.
+fn copy_units(from: &Path, to: &Path, units: BTreeSet<Unit>) -> usize {
     // One time for all: cargo compiles what is older than something that it is made of.
     let now = SystemTime::now();
+    let mut outputs = HashMap::new();
     let mut count = 0;
-    for lane in lanes(from) {
+    for (lane, unit) in units {
         let [from, to] = [from, to].map(|folder| folder.join(&lane));
-        let outputs = outputs_by_hash(&from.join("deps"));
-        for unit in names(&from.join(FINGERPRINTS)) {
-            let Some((package, hash)) = unit.rsplit_once('-') else {
-                continue;
-            };
-            if own.contains(package) || to.join(FINGERPRINTS).join(&unit).exists() {
-                continue;
-            }
-            let outputs = outputs.get(hash).map_or(&[][..], Vec::as_slice);
-            count += usize::from(copy_unit(&from, &to, &unit, outputs, now).is_ok());
-        }
+        let outputs = outputs
+            .entry(lane)
+            .or_insert_with(|| outputs_by_hash(&from.join("deps")));
+        let hash = unit.rsplit_once('-').map_or("", |(_, hash)| hash);
+        let outputs = outputs.get(hash).map_or(&[][..], Vec::as_slice);
+        count += usize::from(copy_unit(&from, &to, &unit, outputs, now).is_ok());
     }
     count
 }
 
 const FINGERPRINTS: &str = ".fingerprint";
 
-/// Where cargo builds below a target folder: `debug`, `wasm32-unknown-unknown/web` and so on.
+/// Where cargo builds below a target folder: `debug`, `wasm32-unknown-unknown/web` and so on. Not
+/// where this program itself was built, before it could look.
 fn lanes(target: &Path) -> Vec<PathBuf> {
     let nested = |outer: String| {
         let inner = names(&target.join(&outer)).into_iter();
@@ -157,6 +218,7 @@ fn lanes(target: &Path) -> Vec<PathBuf> {
     };
     let all = names(target).into_iter().flat_map(nested);
     all.filter(|lane| target.join(lane).join(FINGERPRINTS).is_dir())
+        .filter(|lane| lane != Path::new("xtask"))
         .collect()
 }
 
@@ -181,33 +243,16 @@ fn copy_unit(
     now: SystemTime,
 ) -> io::Result<()> {
     let fingerprint = Path::new(FINGERPRINTS).join(unit);
-    // Cargo writes it when the unit is finished.
-    let is_finished = |name: &String| name.ends_with(".json");
-    if !names(&from.join(&fingerprint)).iter().any(is_finished) {
-        return Err(io::ErrorKind::NotFound.into());
-    }
     let build = Path::new("build").join(unit);
     let deps = outputs.iter().map(|name| Path::new("deps").join(name));
     for path in deps.chain([build, fingerprint]) {
         if from.join(&path).exists() {
-            copy(&from.join(&path), &to.join(&path), now)?;
+            let to = to.join(&path);
+            fs::create_dir_all(to.parent().unwrap_or(&to))?;
+            copy_tree(&from.join(&path), &to, now)?;
         }
     }
     Ok(())
-}
-
-/// Copies a file or a folder under another name first, so that what has its name is whole.
-fn copy(from: &Path, to: &Path, now: SystemTime) -> io::Result<()> {
-    let mut growing = to.as_os_str().to_owned();
-    growing.push(format!(".{}", process::id()));
-    let growing = PathBuf::from(growing);
-    fs::create_dir_all(to.parent().unwrap_or(to))?;
-    let copied = copy_tree(from, &growing, now).and_then(|()| fs::rename(&growing, to));
-    if copied.is_err() {
-        let _ = fs::remove_dir_all(&growing).or_else(|_| fs::remove_file(&growing));
-    }
-    // Another clone was first.
-    if to.exists() { Ok(()) } else { copied }
 }
 
 fn copy_tree(from: &Path, to: &Path, now: SystemTime) -> io::Result<()> {
@@ -225,19 +270,31 @@ fn copy_tree(from: &Path, to: &Path, now: SystemTime) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes sets that were not used for longest, but never `current`.
-fn make_room(store: &Path, current: &Path, most_sets: usize, most_bytes: u64) {
-    let used = |set: &PathBuf| {
-        fs::metadata(set.join(USED))
-            .and_then(|file| file.modified())
-            .ok()
-    };
-    let mut sets: Vec<PathBuf> = names(store).iter().map(|name| store.join(name)).collect();
-    sets.sort_by_key(|set| (set == current, used(set)));
+/// Removes sets that others of the same key have followed, those that were not used for longest,
+/// and what grew and never ended; the newest of `key` stays.
+fn make_room(store: &Path, key: &str, most_sets: usize, most_bytes: u64) {
+    let changed = |path: &PathBuf| fs::metadata(path).and_then(|file| file.modified()).ok();
+    for name in names(store).iter().filter(|name| name.starts_with(GROWING)) {
+        let growing = store.join(name);
+        let age = changed(&growing).and_then(|time| time.elapsed().ok());
+        if age.is_some_and(|age| age > GROWS) {
+            let _ = fs::remove_dir_all(growing);
+        }
+    }
+    let current = sets_of(store, key);
+    for followed in current.iter().skip(1) {
+        let _ = fs::remove_dir_all(followed);
+    }
+    let mut sets: Vec<PathBuf> = names(store)
+        .iter()
+        .filter(|name| !name.starts_with(GROWING))
+        .map(|name| store.join(name))
+        .collect();
+    sets.sort_by_key(|set| (current.contains(set), changed(&set.join(USED))));
     let mut bytes = 0;
     for (number, set) in sets.iter().rev().enumerate() {
         bytes += bytes_in(set);
-        if set != current && (number >= most_sets || bytes > most_bytes) {
+        if !current.contains(set) && (number >= most_sets || bytes > most_bytes) {
             let _ = fs::remove_dir_all(set);
         }
     }
@@ -264,7 +321,7 @@ fn names(folder: &Path) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
+    use std::process;
 
     /// A folder that goes away with the value.
     struct Folder(PathBuf);
@@ -307,14 +364,23 @@ mod tests {
         target.write(&format!("debug/build/{package}-{hash}/out/made.rs"));
     }
 
+    fn deps(store: &Folder, target: &Folder) -> Deps {
+        Deps {
+            store: store.0.clone(),
+            key: "key".to_owned(),
+            target: target.0.clone(),
+            own: own(),
+        }
+    }
+
     #[test]
     fn another_clone_gets_dependencies_whole_and_none_of_our_own_crates() {
         let [one, store, two] = ["one", "store", "two"].map(Folder::new);
         compile(&one, "half", "0a");
         compile(&one, "foveal-core", "0b");
         one.write("debug/deps/libother-0c.rlib");
-        assert_eq!(copy_units(&one.0, &store.0, &own()), 1);
-        assert_eq!(copy_units(&store.0, &two.0, &own()), 1);
+        deps(&store, &one).keep();
+        deps(&store, &two).restore().unwrap();
         for path in [
             "debug/.fingerprint/half-0a/lib-it.json",
             "debug/deps/libhalf-0a.rlib",
@@ -323,11 +389,29 @@ mod tests {
             assert!(two.has(path), "{path}");
         }
         assert_eq!(names(&two.0.join("debug/deps")).len(), 1);
-        assert_eq!(
-            copy_units(&store.0, &two.0, &own()),
-            0,
-            "nothing is copied twice"
-        );
+    }
+
+    #[test]
+    fn what_two_clones_compiled_is_never_mixed() {
+        let [one, store, two, three] = ["mix1", "mixed", "mix2", "mix3"].map(Folder::new);
+        compile(&one, "half", "0a");
+        one.write("release/.fingerprint/half-0c/lib-it.json");
+        deps(&store, &one).keep();
+        // A clone that has compiled something for a profile takes nothing of another's for it.
+        compile(&two, "wide", "0b");
+        deps(&store, &two).restore().unwrap();
+        assert!(!two.has("debug/deps/libhalf-0a.rlib"));
+        assert!(two.has("release/.fingerprint/half-0c/lib-it.json"));
+        // What it leaves is its own, in place of what was there.
+        deps(&store, &two).keep();
+        deps(&store, &three).restore().unwrap();
+        assert!(three.has("debug/deps/libwide-0b.rlib"));
+        assert!(!three.has("debug/deps/libhalf-0a.rlib"));
+        assert_eq!(names(&store.0).len(), 1);
+        // Nothing new, nothing written.
+        let before = names(&store.0);
+        deps(&store, &three).keep();
+        assert_eq!(names(&store.0), before);
     }
 
     #[test]
@@ -335,8 +419,8 @@ mod tests {
         let [one, store] = ["unfinished", "empty"].map(Folder::new);
         one.write("debug/.fingerprint/half-0a/invoked.timestamp");
         one.write("debug/deps/libhalf-0a.rmeta");
-        assert_eq!(copy_units(&one.0, &store.0, &own()), 0);
-        assert!(!store.has("debug"));
+        deps(&store, &one).keep();
+        assert!(names(&store.0).is_empty());
     }
 
     #[test]
@@ -345,7 +429,8 @@ mod tests {
         compile(&one, "first", "0a");
         std::thread::sleep(Duration::from_millis(20));
         compile(&one, "second", "0b");
-        copy_units(&one.0, &two.0, &own());
+        let all = deps(&two, &one).units(&one.0);
+        copy_units(&one.0, &two.0, all);
         let time = |path: &str| fs::metadata(two.0.join(path)).unwrap().modified().unwrap();
         let first = time("debug/deps/libfirst-0a.rlib");
         assert_eq!(first, time("debug/deps/libsecond-0b.rlib"));
@@ -355,14 +440,13 @@ mod tests {
     #[test]
     fn the_sets_used_last_stay_and_the_current_one_always_does() {
         let store = Folder::new("room");
-        for set in ["old", "newer", "newest"] {
+        for set in ["old-1", "newer-1", "newest-1"] {
             store.write(&format!("{set}/{USED}"));
             std::thread::sleep(Duration::from_millis(20));
         }
-        let current = store.0.join("old");
-        make_room(&store.0, &current, 2, u64::MAX);
-        assert!(store.has("old") && store.has("newest") && !store.has("newer"));
-        make_room(&store.0, &current, 2, 1);
-        assert_eq!(names(&store.0), ["old"]);
+        make_room(&store.0, "old", 2, u64::MAX);
+        assert!(store.has("old-1") && store.has("newest-1") && !store.has("newer-1"));
+        make_room(&store.0, "old", 2, 1);
+        assert_eq!(names(&store.0), ["old-1"]);
     }
 }
