@@ -154,11 +154,16 @@ pub(crate) fn spare_inputs<'a>(
     out: &Path,
     inputs: impl IntoIterator<Item = &'a Path>,
 ) -> Result<(), WrongUsage> {
-    let there = out.canonicalize().ok();
-    let is_out = |input: &&Path| there.is_some() && input.canonicalize().ok() == there;
+    let growing = growing_name(out).and_then(|growing| growing.canonicalize().ok());
+    let written = [out.canonicalize().ok(), growing];
+    let is_out = |input: &&Path| {
+        input
+            .canonicalize()
+            .is_ok_and(|input| written.contains(&Some(input)))
+    };
     match inputs.into_iter().find(is_out) {
         Some(input) => Err(WrongUsage(format!(
-            "{} is what is read; give another place to write to",
+            "{} is what is read, and would be written over; give another place to write to",
             input.display()
         ))),
         None => Ok(()),

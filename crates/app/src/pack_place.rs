@@ -57,7 +57,8 @@ impl PackThere {
             }
         };
         let how = match difference {
-            None => return PackInfo::new(&file),
+            None if file.verify(|_, _| ()).is_empty() => return PackInfo::new(&file),
+            None => bail!(self.in_the_way("the pack that is there is damaged")),
             Some(Difference::Program) => "by another version of the program",
             Some(Difference::Input) => "of another input, or of this one before it changed",
             Some(Difference::Settings) => "with other settings",

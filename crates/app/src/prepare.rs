@@ -291,10 +291,10 @@ fn refuse_to_overwrite_input(input: &Path, out: &Path) -> anyhow::Result<()> {
         _ => false,
     };
     if is_input(out) || is_input(&partial_path(out)) {
-        bail!(
-            "--out {} is the input itself, or grows where it lies; choose another name",
+        bail!(WrongUsage(format!(
+            "--out {}: it is the input itself, or grows where that lies; choose another name",
             out.display()
-        );
+        )));
     }
     Ok(())
 }

@@ -15,12 +15,20 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use thiserror::Error;
 
+/// What failed, why, and then what to do, which `what` tells behind a semicolon.
+fn with_cause(what: &str, cause: &std::io::Error) -> String {
+    match what.split_once("; ") {
+        Some((what, next)) => format!("{what}: {cause}; {next}"),
+        None => format!("{what}: {cause}"),
+    }
+}
+
 /// Why a pack cannot be read, and what to do.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PackFileError {
     /// The system refuses.
-    #[error("{}: {what}: {source}", path.display())]
+    #[error("{}: {}", path.display(), with_cause(what, source))]
     Io {
         /// The pack.
         path: PathBuf,

@@ -8,6 +8,7 @@ use foveal_core::units::counted;
 use std::fs::File;
 use std::io::{BufWriter, Error, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// Writes a pack beside its final name and renames it when it is whole: a `prepare` that fails or
 /// is killed never leaves a half pack under the final name.
@@ -21,6 +22,8 @@ pub(crate) struct PackWriter {
     journal: Option<JournalFile>,
     /// Chunks that it tells of.
     journalled: usize,
+    /// When what lay under the final name at the beginning was last changed.
+    replaced: Option<SystemTime>,
     is_whole: bool,
 }
 
@@ -100,6 +103,7 @@ impl PackWriter {
             builder,
             journal,
             journalled: 0,
+            replaced: last_change(path),
             is_whole: false,
         }
     }
@@ -157,6 +161,9 @@ impl PackWriter {
             self.file.write_all(&parts.head)?;
             self.file.flush()?;
             self.file.get_ref().sync_all()?;
+            if last_change(&self.path) != self.replaced {
+                return Err(Error::other("another file has taken its name meanwhile"));
+            }
             std::fs::rename(&self.partial, &self.path)
         };
         end().map_err(|source| self.refused(source))?;
@@ -188,6 +195,12 @@ impl PackWriter {
     fn can_go_on(&self) -> bool {
         self.journal.as_ref().is_some_and(JournalFile::has_steps)
     }
+}
+
+fn last_change(path: &Path) -> Option<SystemTime> {
+    std::fs::metadata(path)
+        .and_then(|there| there.modified())
+        .ok()
 }
 
 fn cannot_begin(path: &Path, source: Error) -> PackFileError {

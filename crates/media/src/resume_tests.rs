@@ -158,6 +158,17 @@ fn what_differs_is_named_and_started_afresh() {
 }
 
 #[test]
+fn a_file_that_takes_the_name_meanwhile_stays() {
+    let clip = clip();
+    let out = Scratch::new("foveal");
+    let plan = plan_of(&clip, &how()).unwrap();
+    let mut tell = |_: Event| std::fs::write(&*out, "precious").unwrap();
+    let error = prepare_resumable(&clip, &out, &plan, true, &mut tell).unwrap_err();
+    assert!(format!("{error}").contains("meanwhile"), "{error}");
+    assert_eq!(bytes(&out), b"precious");
+}
+
+#[test]
 fn an_input_that_changes_while_it_is_read_is_an_error() {
     let clip = clip();
     let out = Scratch::new("foveal");

@@ -2,8 +2,8 @@ import { expect, test } from "vitest";
 import { bytes, clock, percent, rate, spokenTime } from "./words.ts";
 
 test("a time is minutes and seconds, and hours where there are any", () => {
-  const said = ["0:00", "0:05", "1:05", "1:00:00", "1:02:05"];
-  expect([0, 5.9, 65, 3600, 3725].map(clock)).toEqual(said);
+  const said = ["0:00", "0:05", "0:03", "1:05", "1:00:00", "1:02:05"];
+  expect([0, 5.9, 2.999, 65, 3600, 3725].map(clock)).toEqual(said);
 });
 
 test("a spoken time leaves out what is zero", () => {

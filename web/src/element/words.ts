@@ -1,8 +1,13 @@
 // How are times, sizes and shares said to people?
 
+/** Seconds that are over; 2.999 of a clip of 90 pictures are three. */
+function wholeSeconds(seconds: number): number {
+  return Math.max(0, Math.floor(Math.round(seconds * 100) / 100));
+}
+
 /** Minutes and seconds, as 1:05. */
 export function clock(seconds: number): string {
-  const whole = Math.max(0, Math.floor(seconds));
+  const whole = wholeSeconds(seconds);
   const parts = [Math.floor(whole / 60) % 60, whole % 60];
   const hours = Math.floor(whole / 3600);
   const [minutes = 0, rest = 0] = parts;
@@ -14,7 +19,7 @@ export function clock(seconds: number): string {
 
 /** The same as it is spoken: "1 minute 5 seconds". */
 export function spokenTime(seconds: number): string {
-  const whole = Math.max(0, Math.floor(seconds));
+  const whole = wholeSeconds(seconds);
   const said = (count: number, word: string): string =>
     count === 0 ? "" : `${count} ${word}${count === 1 ? "" : "s"}`;
   const parts = [

@@ -1,7 +1,7 @@
 //! How is what is lost at every pixel written down: as colours, as numbers?
 
 use crate::fire::fire;
-use crate::output::write_whole;
+use crate::output::{WrongUsage, growing_name, out_of_range, write_whole};
 use crate::picture_file::write_png;
 use foveal_eval::score::fast::HeatMap;
 use foveal_render::RgbaImage;
@@ -13,6 +13,19 @@ const LIGHTEST_JOD: f32 = 5.0;
 
 /// What an NPY header's length is a multiple of, bytes.
 const NPY_ALIGNMENT: usize = 64;
+
+/// Refuses a name that says neither how to write a file there; devices take a picture.
+pub(crate) fn check_name(path: &Path) -> Result<(), WrongUsage> {
+    let is = |ending: &str| {
+        path.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case(ending))
+    };
+    if is("png") || is("npy") || growing_name(path).is_none() {
+        return Ok(());
+    }
+    let range = "a name that ends in .png, for a picture, or .npy, for numbers";
+    Err(out_of_range("--heat", path.display(), range))
+}
 
 /// Writes a heat map: numbers where the name ends in `.npy`, else PNG, in which black is nothing
 /// lost, then violet, orange and light yellow.

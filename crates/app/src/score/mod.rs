@@ -176,6 +176,7 @@ pub(crate) fn run(args: &ScoreArgs) -> anyhow::Result<()> {
     }
     if let Some(heat) = &args.heat {
         output::spare_inputs(heat, [reference.as_path(), test.as_path()])?;
+        heat::check_name(heat)?;
     }
     match args.score(reference, test)? {
         Judged::ByEye(report) => output::result(args.json, &*report, &report.text()),

@@ -3,7 +3,7 @@
 //! One row of CSV a pair; what is wrong with a pair is told in its row, and the others are scored.
 
 use super::ScoreArgs;
-use super::conditions::GazeOnPicture;
+use super::conditions::{GazeOnPicture, display_of};
 use crate::output::{self, out_of_range, told};
 use anyhow::{Context, bail};
 use csv::StringRecord;
@@ -48,6 +48,9 @@ pub(super) fn score_pairs(args: &ScoreArgs, list: &Path, out: &Path) -> anyhow::
         read.extend(FILES.iter().filter_map(|column| table.file(row, column)));
     }
     output::spare_inputs(out, read.iter().map(PathBuf::as_path))?;
+    if args.display.is_some() || table.no_row_names_a_display() {
+        display_of("--display", args.display.as_deref(), None)?;
+    }
     let added = || ADDED.into_iter().filter(|column| args.adds(column));
     let mut written = GrowingTable::begin(out)?;
     written.row(table.columns.iter().chain(added()))?;
@@ -154,6 +157,15 @@ impl Table {
             folder,
             columns,
             rows,
+        })
+    }
+
+    /// Whether every row needs a display, and none says which; packs bring their own.
+    fn no_row_names_a_display(&self) -> bool {
+        let is_pack = |file: PathBuf| file.extension().is_some_and(|ending| ending == "foveal");
+        self.rows.iter().all(|row| {
+            let reference = self.file(row, FILES[0]);
+            self.cell(row, "display").is_none() && !reference.is_some_and(is_pack)
         })
     }
 

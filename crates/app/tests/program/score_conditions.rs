@@ -211,6 +211,9 @@ fn the_heat_map_as_numbers_is_what_numpy_reads() {
         wanted.extend(lost.to_le_bytes());
     }
     assert_eq!(std::fs::read(&heat).unwrap(), wanted);
+    let neither = folder.name("lost.txt");
+    let score_into = [&score[..], &["--heat", &neither]].concat();
+    refused(2, &score_into, &["--heat", ".png", ".npy"]);
     let picture = folder.name("lost.png");
     done(&[&score[..], &["--heat", &picture]].concat());
     assert_eq!(Rgb::read(&picture).size, SIZE);

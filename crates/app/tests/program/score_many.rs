@@ -146,9 +146,26 @@ fn a_table_that_cannot_be_read_or_written_is_refused() {
     );
     refused(
         2,
-        &["score", "--pairs", &pairs, "--out", &folder.name(".")],
+        &[
+            "score",
+            "--pairs",
+            &pairs,
+            "--display",
+            "standard_fhd",
+            "--out",
+            &folder.name("."),
+        ],
         &["--out", "folder"],
     );
+    // What no row can be scored without is asked for once, before any work.
+    let score = ["score", "--pairs", &pairs, "--out", &out];
+    refused(2, &score, &["--display is missing"]);
+    let nowhere = [&score[..], &["--display", "nope"]].concat();
+    refused(2, &nowhere, &["--display", "nope"]);
+    // Nor is the table written over while the scores grow.
+    let growing = folder.holding("scores.csv.partial", b"reference,test\na.png,a.png\n");
+    let score = ["score", "--pairs", &growing, "--out", &out];
+    refused(2, &score, &["scores.csv.partial", "another place"]);
     for (table, words) in [
         ("reference,other\na,b\n", ["line 1", "test"]),
         (

@@ -50,7 +50,7 @@ fn a_pack_never_replaces_its_own_source() {
     let roundabout = folder.name("./a.mkv");
     for out in [&clip, &link, &roundabout] {
         let prepare = ["prepare", "video", &clip, "--out", out];
-        refused(1, &prepare, &["is the input itself", "choose another name"]);
+        refused(2, &prepare, &["is the input itself", "choose another name"]);
     }
     // The name under which the pack grows is taken by the source.
     let growing = folder.name("b.foveal.partial");
@@ -62,7 +62,7 @@ fn a_pack_never_replaces_its_own_source() {
         "--out",
         &folder.name("b.foveal"),
     ];
-    refused(1, &prepare, &["choose another name"]);
+    refused(2, &prepare, &["choose another name"]);
     assert_eq!(std::fs::read(&clip).unwrap(), before);
     assert_eq!(std::fs::read(&growing).unwrap(), before);
 }

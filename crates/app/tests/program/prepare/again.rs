@@ -105,6 +105,9 @@ fn a_pack_of_an_older_program_or_a_damaged_one_is_another() {
     done(&prepare(&clip, &out));
     let pack = std::fs::read(&out).unwrap();
     let silent = described_otherwise(&pack, |text| text.replace("\"identity\"", "\"unknowns\""));
+    // Within what is coded.
+    let mut flipped = pack.clone();
+    flipped[4096] ^= 1;
     let text = String::from_utf8_lossy(&pack[HEADER_BYTES..]);
     let description: Value = serde_json::Deserializer::from_str(&text)
         .into_iter()
@@ -119,6 +122,7 @@ fn a_pack_of_an_older_program_or_a_damaged_one_is_another() {
         (&silent[..], "does not say how it was made"),
         (&older, "another version of the program"),
         (&pack[..pack.len() - 1], "damaged"),
+        (&flipped, "damaged"),
     ] {
         std::fs::write(&out, bytes).unwrap();
         let kept = Kept::of(&out);
