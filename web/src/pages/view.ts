@@ -26,7 +26,7 @@ function show(): void {
   if (pack === null || pack === "") {
     const all = element("a", { href: "./index.html" }, "all videos");
     const text = "This address names no video; choose one of ";
-    main.replaceChildren(element("p", { class: "wait" }, text, all, "."));
+    main.replaceChildren(element("p", { class: "said" }, text, all, "."));
     return;
   }
   const title = (pack.split("/").pop() ?? pack).replace(/\.foveal$/, "");

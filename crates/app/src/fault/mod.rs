@@ -51,11 +51,14 @@ impl Fault {
             .filter_map(|line| line.trim().strip_prefix("tip: "));
         let tips: Vec<&str> = tips.collect();
         let word = wrong_word(error);
+        let is_group = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
         // Every command knows `--json`; only what groups commands does not.
-        let is_group = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
-            || word.as_deref() == Some("--json");
+        let is_misplaced =
+            error.kind() == ErrorKind::UnknownArgument && word.as_deref() == Some("--json");
         let what = if is_group {
             "no command is given".to_owned()
+        } else if is_misplaced {
+            "no command stands before '--json'".to_owned()
         } else {
             let first = text.split("\n\n").next().unwrap_or_default();
             let first = first.strip_prefix("error: ").unwrap_or(first);
@@ -64,7 +67,7 @@ impl Fault {
         Self {
             what,
             place: word
-                .filter(|_| !is_group)
+                .filter(|_| !(is_group || is_misplaced))
                 .unwrap_or_else(|| called.command.clone()),
             next: match tips.is_empty() {
                 true => help(called),

@@ -29,6 +29,7 @@ fn a_command_line_that_cannot_be_read_fails_as_json() {
         (&["dance"], "dance", "foveal --help"),
         (&["info"], "<PACK>", "foveal info --help"),
         (&["info", "a.foveal", "--jsn"], "--jsn", "--json"),
+        (&["--json", "info", "a.foveal"], "foveal", "info --json"),
         (
             &["gaze", "eval"],
             "foveal gaze eval",
@@ -45,6 +46,9 @@ fn a_command_line_that_cannot_be_read_fails_as_json() {
         assert!(advice.contains(next), "{arguments:?}: {advice}");
         assert!(!what.contains('\n') && !what.starts_with("error"), "{what}");
     }
+    let [what, place, _] = error(2, &["info", "a.foveal", "--json"]);
+    assert!(what.contains("multiple times"), "{what}");
+    assert_eq!(place, "--json");
 }
 
 #[test]

@@ -182,11 +182,11 @@ impl Header {
 /// Says what to do about a pack of another version.
 fn wrong_version(version: u32) -> PackError {
     let why = if version > VERSION {
-        "a newer foveal wrote this pack; update foveal"
+        "a newer foveal wrote this pack: update foveal"
     } else {
-        "damaged bytes; copy the pack again"
+        "damaged bytes: copy the pack again"
     };
-    PackError::new("version", version, format!("{VERSION} ({why})"))
+    PackError::new("version", version, format!("{VERSION}; {why}"))
 }
 
 /// Takes any bytes for a whole pack and reads all of it that can be read: the body of the fuzz

@@ -56,7 +56,7 @@ pub(super) fn check_needs(json: &[u8]) -> Result<(), PackError> {
                 .flat_map(char::escape_default)
                 .collect::<String>(),
             format!(
-                "nothing but {} (a newer foveal wrote this pack; update foveal)",
+                "nothing but {}; a newer foveal wrote this pack: update foveal",
                 UNDERSTOOD.join(", ")
             ),
         )),
