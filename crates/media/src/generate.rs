@@ -30,6 +30,10 @@ pub const FRAMES_PER_SECOND: f32 = 30.0;
 /// Half the width of a wide scene at unit distance: 100° across.
 const WIDE_TANGENT: f32 = 1.1918;
 
+/// How far a wide scene of the next number looks to the right, in radians: no two of a few dozen
+/// look alike.
+const SEED_TURN: f32 = 2.4;
+
 /// Pairs of rows in one part of the work.
 const PAIRS: usize = 4;
 
@@ -41,6 +45,7 @@ const SEGMENT: usize = 64;
 pub struct Scene {
     size: [u32; 2],
     whole_sphere: bool,
+    seed: u32,
 }
 
 impl Scene {
@@ -55,6 +60,7 @@ impl Scene {
         Self {
             size,
             whole_sphere: true,
+            seed: 0,
         }
     }
 
@@ -64,18 +70,31 @@ impl Scene {
         Self {
             size,
             whole_sphere: false,
+            seed: 0,
         }
+    }
+
+    /// The same kind of scene at another place and time, rougher or smoother: one of many, by
+    /// number; 0 is the one without a number.
+    #[must_use]
+    pub fn with_seed(self, seed: u32) -> Self {
+        Self { seed, ..self }
     }
 
     /// Frame `number`, drawn by all cores.
     #[must_use]
     pub fn frame(&self, number: u64) -> Picture {
         let seconds = seconds_of(number);
-        let world = World::new(seconds, self.pixel());
+        let world = World::new(seconds, self.pixel(), self.seed);
         if self.whole_sphere {
             draw(self.size, &world, &Equirect::new(self.size))
         } else {
-            draw(self.size, &world, &Flat::new(self.size, seconds * 0.04))
+            let turn = self.seed as f32 * SEED_TURN;
+            draw(
+                self.size,
+                &world,
+                &Flat::new(self.size, turn + seconds * 0.04),
+            )
         }
     }
 
@@ -94,7 +113,7 @@ impl Scene {
         };
         draw(
             [size; 2],
-            &World::new(seconds_of(number), self.pixel()),
+            &World::new(seconds_of(number), self.pixel(), self.seed),
             &lens,
         )
     }

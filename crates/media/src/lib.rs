@@ -29,6 +29,7 @@ mod parallel;
 pub mod picture_from_rgba;
 pub mod prepare;
 pub mod pyramid;
+mod pyramid_light;
 mod rate_search;
 pub mod sound;
 mod sound_reader;

@@ -1,10 +1,12 @@
 //! What does the next coarser level of a picture look like?
 //!
 //! Coarse texel `i` covers exactly the fine texels `ratio * i .. ratio * (i + 1)`, so a place keeps
-//! its position at every level. A level is half of the one before, filtered by six taps an axis.
+//! its position at every level. A level is half of the one before, filtered by six taps an axis:
+//! luma as light ([`pyramid_light`](crate::pyramid_light)), chroma as code values.
 
 use crate::parallel::in_parallel;
-use foveal_core::asset::picture::Picture;
+use crate::pyramid_light::LightTable;
+use foveal_core::asset::picture::{Colour, Picture};
 use std::ops::Range;
 
 /// Weights of the six fine texels around a coarse one, in 32nds.
@@ -13,34 +15,39 @@ use std::ops::Range;
 /// 1-3-3-1 it keeps 0.87 instead of 0.79 of the amplitude at half the coarse Nyquist limit, and
 /// lets through less than 0.04 instead of 0.06 at three quarters of the fine one; its overshoot is
 /// 1/32.
-const TAPS: [i32; 6] = [-1, 4, 13, 13, 4, -1];
+pub(crate) const TAPS: [i32; 6] = [-1, 4, 13, 13, 4, -1];
 
 /// Fine texels before the first texel that a coarse one covers.
-const REACH: usize = 2;
+pub(crate) const REACH: usize = 2;
 
 /// Coarse rows in one part of the work.
 const STRIP: usize = 32;
 
 /// The level that is `ratio` times coarser on each side; sizes round up, borders repeat.
 ///
-/// Each plane is filtered alone. Ratios above 2 are reached by halving again, each time rounded to
-/// 8 bits. Costs about 0.6 ns a luma pixel of one core.
+/// Each plane is filtered alone, luma of this `colour` as light. Ratios above 2 are reached by
+/// halving again, each time rounded to 8 bits. Costs about COST ns a luma pixel of one core.
 ///
 /// ```
-/// use foveal_core::asset::picture::Picture;
-/// let coarse = foveal_media::pyramid::halve(&Picture::filled(5, 3, [80, 90, 100]), 2);
+/// use foveal_core::asset::picture::{Colour, Matrix, Picture};
+/// let colour = Colour { matrix: Matrix::Bt709, full_range: false, chroma_left: false };
+/// let grey = Picture::filled(5, 3, [80, 90, 100]);
+/// let coarse = foveal_media::pyramid::halve(&grey, 2, colour);
 /// assert_eq!(coarse, Picture::filled(3, 2, [80, 90, 100]));
 /// ```
 ///
 /// # Panics
 /// When `ratio` is not a power of two, or the picture lacks samples.
 #[must_use]
-pub fn halve(picture: &Picture, ratio: u32) -> Picture {
+pub fn halve(picture: &Picture, ratio: u32, colour: Colour) -> Picture {
     assert!(ratio.is_power_of_two(), "a ratio of {ratio} between levels");
     assert!(picture.is_consistent(), "a picture lacks samples");
     let mut coarse = picture.clone();
     for _ in 0..ratio.trailing_zeros() {
-        let planes = [0, 1, 2].map(|p| half_plane(&coarse.planes[p], coarse.plane_size(p)));
+        let planes = [0, 1, 2].map(|p| {
+            let rows = coarse.plane_size(p)[1].div_ceil(2) as usize;
+            half_rows(&coarse, p, 0..rows, colour)
+        });
         coarse = Picture {
             width: coarse.width.div_ceil(2),
             height: coarse.height.div_ceil(2),
@@ -55,9 +62,9 @@ pub fn halve(picture: &Picture, ratio: u32) -> Picture {
 /// # Panics
 /// As [`halve`].
 #[must_use]
-pub fn halve_all(pictures: &[Picture], ratio: u32, jobs: usize) -> Vec<Picture> {
+pub fn halve_all(pictures: &[Picture], ratio: u32, colour: Colour, jobs: usize) -> Vec<Picture> {
     if ratio != 2 {
-        return in_parallel(jobs, pictures.len(), |k| halve(&pictures[k], ratio));
+        return in_parallel(jobs, pictures.len(), |k| halve(&pictures[k], ratio, colour));
     }
     let strips_of = |(k, picture): (usize, &Picture)| {
         let strips = (0..3).flat_map(|p| {
@@ -70,8 +77,7 @@ pub fn halve_all(pictures: &[Picture], ratio: u32, jobs: usize) -> Vec<Picture> 
     let strips: Vec<_> = pictures.iter().enumerate().flat_map(strips_of).collect();
     let rows = in_parallel(jobs, strips.len(), |strip| {
         let (k, p, rows) = &strips[strip];
-        let picture = &pictures[*k];
-        half_rows(&picture.planes[*p], picture.plane_size(*p), rows.clone())
+        half_rows(&pictures[*k], *p, rows.clone(), colour)
     });
     let half = |picture: &Picture| Picture {
         width: picture.width.div_ceil(2),
@@ -85,13 +91,17 @@ pub fn halve_all(pictures: &[Picture], ratio: u32, jobs: usize) -> Vec<Picture> 
     coarse
 }
 
-/// Half of one plane: down the columns first, then along the row.
-fn half_plane(fine: &[u8], size: [u32; 2]) -> Vec<u8> {
-    half_rows(fine, size, 0..size[1].div_ceil(2) as usize)
+/// Some rows of the half of one plane: down the columns first, then along the row.
+fn half_rows(picture: &Picture, plane: usize, rows: Range<usize>, colour: Colour) -> Vec<u8> {
+    let (fine, size) = (&picture.planes[plane], picture.plane_size(plane));
+    match plane {
+        0 => LightTable::of(colour).half_rows(fine, size, rows),
+        _ => half_code_rows(fine, size, rows),
+    }
 }
 
-/// Some rows of the half.
-fn half_rows(fine: &[u8], size: [u32; 2], range: Range<usize>) -> Vec<u8> {
+/// Some rows of the half of a plane of chroma.
+fn half_code_rows(fine: &[u8], size: [u32; 2], range: Range<usize>) -> Vec<u8> {
     let [w, h] = size.map(|n| n as usize);
     let coarse_w = w.div_ceil(2);
     let mut coarse = vec![0; coarse_w * range.len()];
@@ -151,7 +161,14 @@ fn sum_columns(even: &[i16], odd: &[i16], out: &mut [u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use foveal_core::asset::picture::Matrix;
     use proptest::prelude::*;
+
+    const FULL: Colour = Colour {
+        matrix: Matrix::Bt709,
+        full_range: true,
+        chroma_left: false,
+    };
 
     /// The definition, one texel at a time.
     fn slow_half_plane(fine: &[u8], [w, h]: [u32; 2]) -> Vec<u8> {
@@ -192,9 +209,9 @@ mod tests {
         #[test]
         fn the_fast_half_is_the_slow_one(w in 1u32..70, h in 1u32..40, seed in 0u32..1000) {
             let picture = noise(w, h, seed);
-            let coarse = halve(&picture, 2);
+            let coarse = halve(&picture, 2, FULL);
             prop_assert!(coarse.is_consistent());
-            for p in 0..3 {
+            for p in 1..3 {
                 let slow = slow_half_plane(&picture.planes[p], picture.plane_size(p));
                 prop_assert_eq!(&coarse.planes[p], &slow);
             }
@@ -205,14 +222,14 @@ mod tests {
             w in 1u32..70, h in 1u32..200, jobs in 1usize..4, ratio in 0u32..3
         ) {
             let pictures = [noise(w, h, 1), noise(h, w, 2)];
-            let each: Vec<_> = pictures.iter().map(|picture| halve(picture, 1 << ratio)).collect();
-            prop_assert_eq!(halve_all(&pictures, 1 << ratio, jobs), each);
+            let each: Vec<_> = pictures.iter().map(|picture| halve(picture, 1 << ratio, FULL)).collect();
+            prop_assert_eq!(halve_all(&pictures, 1 << ratio, FULL, jobs), each);
         }
 
         #[test]
         fn a_constant_stays_constant(w in 1u32..40, h in 1u32..40, y in 0u8..=255) {
             let yuv = [y, 255 - y, y / 2];
-            let coarse = halve(&Picture::filled(w, h, yuv), 4);
+            let coarse = halve(&Picture::filled(w, h, yuv), 4, FULL);
             prop_assert_eq!(coarse, Picture::filled(w.div_ceil(4), h.div_ceil(4), yuv));
         }
 
@@ -221,8 +238,8 @@ mod tests {
             let mut picture = noise(128, 96, seed);
             // Soft enough that no overshoot is clipped.
             picture.planes.iter_mut().flatten().for_each(|s| *s = 64 + *s / 2);
-            let coarse = halve(&picture, 2);
-            for p in 0..3 {
+            let coarse = halve(&picture, 2, FULL);
+            for p in 1..3 {
                 prop_assert!((mean(&coarse.planes[p]) - mean(&picture.planes[p])).abs() < 0.3);
             }
         }
@@ -231,7 +248,7 @@ mod tests {
     #[test]
     fn one_row_or_column_is_halved_like_any_other() {
         for [w, h] in [[1, 1], [1, 9], [9, 1], [2, 1], [1, 64]] {
-            let coarse = halve(&noise(w, h, 7), 2);
+            let coarse = halve(&noise(w, h, 7), 2, FULL);
             assert_eq!(coarse.width, w.div_ceil(2));
             assert_eq!(coarse.height, h.div_ceil(2));
             assert!(coarse.is_consistent());
@@ -245,7 +262,7 @@ mod tests {
             for (place, sample) in picture.planes[0].iter_mut().enumerate() {
                 *sample = (place % 240) as u8;
             }
-            let coarse = halve(&picture, ratio);
+            let coarse = halve(&picture, ratio, FULL);
             let row = &coarse.planes[0][..coarse.width as usize];
             // The middle of texels r*i .. r*(i+1) has the value r*i + (r-1)/2; each halving may
             // round up by half a code value.
@@ -261,12 +278,12 @@ mod tests {
 
     #[test]
     fn a_pattern_at_the_fine_nyquist_limit_vanishes() {
-        let mut picture = Picture::filled(64, 64, [0; 3]);
-        for (place, sample) in picture.planes[0].iter_mut().enumerate() {
+        let mut picture = Picture::filled(128, 128, [0; 3]);
+        for (place, sample) in picture.planes[1].iter_mut().enumerate() {
             *sample = if place % 2 == 0 { 50 } else { 150 };
         }
-        let coarse = halve(&picture, 2);
-        for row in coarse.planes[0].chunks_exact(32) {
+        let coarse = halve(&picture, 2, FULL);
+        for row in coarse.planes[1].chunks_exact(32) {
             assert!(row[1..31].iter().all(|&sample| sample == 100));
         }
     }
@@ -278,7 +295,7 @@ mod tests {
         let picture = noise(4096, 2048, 1);
         let start = std::time::Instant::now();
         for _ in 0..20 {
-            std::hint::black_box(halve(std::hint::black_box(&picture), 2));
+            std::hint::black_box(halve(std::hint::black_box(&picture), 2, FULL));
         }
         let rate = 20.0 * 4096.0 * 2048.0 / start.elapsed().as_secs_f64() / 1e6;
         println!("halve: {rate:.0} MPix/s of luma, chroma included");

@@ -47,7 +47,7 @@ pub(super) fn sizes_at_equal_quality(content: &str, clip: &Path) -> anyhow::Resu
     let mut levels = vec![frames];
     while levels.len() < PLACES.len() {
         let finer = &levels[levels.len() - 1];
-        levels.push(halve_all(finer, 2, 1));
+        levels.push(halve_all(finer, 2, input.info().colour, 1));
     }
     for tile in TILES {
         let groups = groups_of(&levels, tile);

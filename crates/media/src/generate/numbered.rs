@@ -6,11 +6,12 @@
 
 use foveal_core::asset::picture::{Picture, plane_size};
 
-/// Luma of a dark block, of a light one, and the least difference from their middle that counts.
+/// Luma of a dark block, of a light one, of the middle between their light, and the least difference
+/// from it that counts.
 const DARK: u8 = 48;
 const LIGHT: u8 = 208;
-const MIDDLE: u32 = 128;
-const CLEAR: u32 = 32;
+const MIDDLE: u32 = 150;
+const CLEAR: u32 = 30;
 
 /// Blocks on a side of a tile.
 const BLOCKS: u32 = 4;

@@ -3,6 +3,13 @@
 use super::*;
 use crate::pyramid::halve;
 use crate::sphere::{Coverage, CubeSampler};
+use foveal_core::asset::picture::{Colour, Matrix};
+
+const COLOUR: Colour = Colour {
+    matrix: Matrix::Bt709,
+    full_range: false,
+    chroma_left: false,
+};
 
 pub(super) fn psnr(a: &[u8], b: &[u8]) -> f64 {
     let square = |(&a, &b): (&u8, &u8)| (f64::from(a) - f64::from(b)).powi(2);
@@ -19,7 +26,7 @@ fn a_number_is_read_back_at_every_level() {
             while side >= 8 && side * 16 >= tile {
                 let found = read_number(&clip.crop([side, 0], [side; 2]));
                 assert_eq!(found, Some((number % 4096) as u32), "tile {tile} at {side}");
-                clip = halve(&clip, 2);
+                clip = halve(&clip, 2, COLOUR);
                 side /= 2;
             }
         }
@@ -83,8 +90,8 @@ fn a_face_drawn_at_once_agrees_with_the_resampled_panorama() {
     let cube = sampler.cube_from_equirect(&scene.frame(5), 2);
     // Half the detail of both, as they are filtered differently near the limit.
     for (face, resampled) in (0..).zip(&cube) {
-        let drawn = halve(&scene.cube_face(5, face, 512), 4);
-        let quality = psnr(&drawn.planes[0], &halve(resampled, 4).planes[0]);
+        let drawn = halve(&scene.cube_face(5, face, 512), 4, COLOUR);
+        let quality = psnr(&drawn.planes[0], &halve(resampled, 4, COLOUR).planes[0]);
         println!("face {face}: {quality:.1} dB");
         assert!(quality > 30.0, "face {face}: {quality}");
     }
@@ -93,7 +100,7 @@ fn a_face_drawn_at_once_agrees_with_the_resampled_panorama() {
 #[test]
 fn a_scene_is_full_of_detail() {
     let frame = Scene::panorama([2048, 1024]).frame(0);
-    let coarse = halve(&halve(&frame, 2), 2);
+    let coarse = halve(&halve(&frame, 2, COLOUR), 2, COLOUR);
     let mut plain = 0;
     for (tile_y, tile_x) in (0..16).flat_map(|y| (0..32).map(move |x| (y, x))) {
         let tile = frame.crop([tile_x * 64, tile_y * 64], [64; 2]);
@@ -139,7 +146,7 @@ fn write_png(name: &str, picture: &Picture) {
 fn pictures_to_look_at() {
     let scene = Scene::panorama([4096, 2048]);
     let frame = scene.frame(100);
-    write_png("foveal-panorama.png", &halve(&frame, 2));
+    write_png("foveal-panorama.png", &halve(&frame, 2, COLOUR));
     write_png(
         "foveal-panorama-part.png",
         &frame.crop([1600, 500], [1200, 800]),
@@ -147,7 +154,7 @@ fn pictures_to_look_at() {
     write_png("foveal-top.png", &scene.cube_face(100, 4, 1024));
     write_png("foveal-bottom.png", &scene.cube_face(100, 5, 1024));
     let wide = Scene::wide([3840, 2160]).frame(100);
-    write_png("foveal-wide.png", &halve(&wide, 2));
+    write_png("foveal-wide.png", &halve(&wide, 2, COLOUR));
     write_png(
         "foveal-numbered.png",
         &numbered_tiles([512, 256], 128, 1234),

@@ -29,6 +29,10 @@ pub(super) struct Ray {
 /// The world at one moment.
 pub(super) struct World {
     seconds: f32,
+    /// Tiles by which the floor is shifted, and clouds by as many hundredths.
+    shift: f32,
+    /// How rough stones, grain and rocks are, 1 as usual.
+    rough: f32,
     ridges: [Vec<f32>; 2],
     plates: Vec<ZonePlate>,
     balloons: Vec<Balloon>,
@@ -76,6 +80,12 @@ struct Line {
 }
 
 const DEGREE: f32 = PI / 180.0;
+
+/// By what worlds of neighbouring numbers differ: seconds, tiles of the floor, and the angle of the
+/// sine that doubles or halves roughness.
+const SEED_SECONDS: f32 = 41.0;
+const SEED_TILES: f32 = 61.0;
+const SEED_ROUGHNESS: f32 = 2.4;
 
 /// Rows of text from the widest down: 3.2°, 1.6° and 0.8° a line above, the reverse below.
 const LINES: [Line; 6] = [
@@ -148,10 +158,15 @@ fn scaled([r, g, b]: Rgb, by: f32) -> Rgb {
 }
 
 impl World {
-    /// The world `seconds` after its beginning, with zone plates as fine as `pixel` radians allow.
-    pub(super) fn new(seconds: f32, pixel: f32) -> Self {
+    /// The world `seconds` after its beginning, with zone plates as fine as `pixel` radians allow;
+    /// one of many worlds, by `seed`.
+    pub(super) fn new(seconds: f32, pixel: f32, seed: u32) -> Self {
+        let number = seed as f32;
+        let seconds = seconds + number * SEED_SECONDS;
         Self {
             seconds,
+            shift: number * SEED_TILES,
+            rough: libm::exp2f(libm::sinf(number * SEED_ROUGHNESS)),
             ridges: [ridge(3.0, 7.0, 3.5), ridge(5.0, 3.0, 1.2)],
             plates: zone_plates(seconds, pixel),
             balloons: balloons(seconds),
@@ -217,7 +232,10 @@ impl World {
         sky = mix(sky, [0.95, 0.96, 1.0], stars(ray) * step(0.35, 0.7, y));
         // Clouds lie on a plane that the horizon bends down to, so they never end abruptly.
         let depth = 1.0 / (y + 0.12);
-        let (u, v) = (x * depth * 1.6 + self.seconds * 0.02, z * depth * 1.6);
+        let (u, v) = (
+            x * depth * 1.6 + self.seconds * 0.02,
+            z * depth * 1.6 + self.shift * 0.01,
+        );
         let reach = 1.6 * depth * (1.0 + (x * x + z * z) * depth * depth).sqrt();
         let cloud = fractal(u, v, ray.pixel * reach);
         let cover = step(-0.1, 0.45, cloud);
@@ -233,7 +251,7 @@ impl World {
     fn floor(&self, ray: &Ray) -> Rgb {
         let [x, y, z] = ray.direction;
         let depth = HEIGHT / -y.min(-1e-3);
-        let (u, v) = (x * depth + self.seconds * 0.15, z * depth);
+        let (u, v) = (x * depth + self.seconds * 0.15, z * depth + self.shift);
         let reach =
             |k: f32| ray.pixel * depth * (1.0 + (k * depth / HEIGHT) * (k * depth / HEIGHT)).sqrt();
         let [along, across] = [reach(x), reach(z)];
@@ -268,9 +286,12 @@ impl World {
         } else {
             joints([stone_u, stone_v], 0.10, [along * STONES, across * STONES])
         };
-        let tile = scaled(tile, (1.0 + 0.22 * stone * seen) * (1.0 - 0.35 * gap));
+        let tile = scaled(
+            tile,
+            (1.0 + 0.22 * self.rough * stone * seen) * (1.0 - 0.35 * gap),
+        );
         let joint = joints([u, v], 0.05, [along, across]);
-        let grain = 1.0 + 0.30 * fractal(u * 3.0, v * 3.0, footprint * 3.0);
+        let grain = 1.0 + 0.30 * self.rough * fractal(u * 3.0, v * 3.0, footprint * 3.0);
         let lit = scaled(mix(tile, [0.20, 0.17, 0.18], joint * 0.9), grain);
         mix(lit, [0.86, 0.60, 0.50], 0.85 * step(0.30, 0.0, -y))
     }
@@ -290,7 +311,7 @@ impl World {
                 let [x, y, z] = ray.direction;
                 // Slopes are seen from the side: noise over bearing, which wraps, and height.
                 let (u, v) = ((x - z * 0.3) * rough, (y * 1.6 + z * 0.7) * rough);
-                let rock = 1.0 + 0.55 * fractal(u, v, ray.pixel * rough * 1.6);
+                let rock = 1.0 + 0.55 * self.rough * fractal(u, v, ray.pixel * rough * 1.6);
                 let slope = mix(foot, scaled(peak, rock), step(0.0, 0.06, ray.pitch));
                 colour = mix(colour, slope, covered * step(-0.01, 0.0, ray.pitch));
             }

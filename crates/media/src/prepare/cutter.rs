@@ -8,7 +8,7 @@ use crate::eye_layout::EyeLayout;
 use crate::parallel::in_parallel;
 use crate::pyramid::{halve, halve_all};
 use crate::sphere::CubeSampler;
-use foveal_core::asset::picture::Picture;
+use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
 use std::borrow::Cow;
 
@@ -28,6 +28,8 @@ pub(super) struct Cutter {
     eyes: EyeLayout,
     turn: Turn,
     stretch_to_full_range: bool,
+    /// Of the pack.
+    colour: Colour,
     jobs: usize,
 }
 
@@ -51,6 +53,7 @@ impl Cutter {
             eyes: plan.eyes,
             turn,
             stretch_to_full_range: plan.stretch_to_full_range,
+            colour: plan.description.colour,
             jobs: plan.jobs,
         }
     }
@@ -94,7 +97,7 @@ impl Cutter {
         let mut levels = Vec::new();
         for level in 0..self.grid.levels {
             if level > 0 {
-                faces = halve_all(&faces, self.grid.ratio, self.jobs).into();
+                faces = halve_all(&faces, self.grid.ratio, self.colour, self.jobs).into();
             }
             let scale = self.grid.scale(level);
             let count = self.grid.tiles_in_level(level);
@@ -121,7 +124,7 @@ impl Cutter {
         for level in 0..grid.levels {
             if level > 0 {
                 let finer = &cells;
-                let halved = |cell: usize| halve(&finer[cell], grid.ratio);
+                let halved = |cell: usize| halve(&finer[cell], grid.ratio, self.colour);
                 cells = in_parallel(self.jobs, finer.len(), halved);
             }
             let fit = |(tile, cell): (Tile, &Picture)| cell.crop([0, 0], grid.tile_size(tile));
