@@ -27,6 +27,7 @@ mod prepare;
 mod preset;
 mod replay;
 mod sampling;
+mod scene_clip;
 mod score;
 mod select;
 mod serve;
@@ -74,9 +75,9 @@ enum Command {
     /// Watch a pack in a window.
     #[command(mut_arg("policy", |policy| {
         policy
-            .help("How levels are chosen: by viewport, or with --demo by acuity, if not given")
+            .help("How levels are chosen: by viewport, or with --demo by perceptual, if not given")
             .default_value("viewport")
-            .default_value_if("demo", "true", "acuity")
+            .default_value_if("demo", "true", "perceptual")
             .hide_default_value(true)
     }))]
     View(view::ViewArgs),

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use foveal_core::asset::tile_grid::{Cut, TileGrid};
 use foveal_core::perception::acuity::AcuityModel;
 use foveal_core::selection::policy::{
-    EdgeRule, MASK_SIDE, MaskConfig, Policy, PolicyConfig, STEADINESS,
+    DEFAULT_TARGET, EdgeRule, MASK_SIDE, MaskConfig, Policy, PolicyConfig, STEADINESS,
 };
 use foveal_core::units::{Radians, counted};
 use foveal_core::view::axes::Axes;
@@ -63,14 +63,22 @@ pub(crate) enum EdgeRuleName {
 /// Which rule chooses levels.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PolicyOptions {
-    /// How levels are chosen (default: acuity, or the preset's).
+    /// How levels are chosen (default: perceptual; acuity where a pack does not tell what its units
+    /// add, and with --acuity, --slope or --safety-disc; or the preset's).
     #[arg(long, value_enum)]
     pub(crate) policy: Option<PolicyName>,
-    /// The eye of the acuity policy.
-    #[arg(long, value_enum, default_value = "linear")]
-    acuity: AcuityName,
+    /// The score in JOD that what is shown is expected to keep against every finest tile, 1 to
+    /// 9.99: where within --link buying stops, else what levels are chosen for; none for what is
+    /// worth anything (default: 9.5 for acuity and perceptual, else none).
+    #[arg(long, value_name = "JOD|none", value_parser = parse_target)]
+    #[arg(allow_hyphen_values = true)]
+    target: Option<Target>,
+    /// The eye of the acuity policy (default: linear).
+    #[arg(long, value_enum)]
+    acuity: Option<AcuityName>,
     /// The linear eye: degrees by which the smallest pixel that it tells apart grows with each
-    /// degree of eccentricity; a slope of a cycle, two pixels, is twice as large (default: 0.022).
+    /// degree of eccentricity; a slope of a cycle, two pixels, is twice as large (default: what
+    /// --target takes; 0.022 for distance and sampled).
     #[arg(long, value_name = "SLOPE", allow_negative_numbers = true)]
     slope: Option<f64>,
     /// acuity: radius round the gaze, in degrees, that is always finest.
@@ -138,6 +146,32 @@ pub(crate) struct PolicyOptions {
     saliency: Switch,
 }
 
+/// The value of `--target`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Target {
+    Jod(f64),
+    None,
+}
+
+/// Scores that can be asked for: 10 is every finest tile, which `--policy full` shows.
+const TARGETS: core::ops::RangeInclusive<f64> = 1.0..=9.99;
+
+/// Reads the value of `--target`.
+pub(crate) fn parse_target(text: &str) -> anyhow::Result<Target> {
+    if text == "none" {
+        return Ok(Target::None);
+    }
+    let jod: f64 = text.trim().parse().map_err(|_| expected_target())?;
+    match TARGETS.contains(&jod) {
+        true => Ok(Target::Jod(jod)),
+        false => Err(expected_target()),
+    }
+}
+
+fn expected_target() -> anyhow::Error {
+    anyhow!("expected a score of 1 to 9.99 JOD or none; 10 is --policy full")
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Switch {
     On,
@@ -152,7 +186,12 @@ const MOST_VARIANCE: f64 = 16_384.0;
 impl PolicyOptions {
     /// The policy that was asked for.
     pub(crate) fn name(&self) -> PolicyName {
-        self.policy.unwrap_or(PolicyName::Acuity)
+        let is_of_acuity = self.acuity.is_some() || self.slope.is_some() || self.safety_disc != 0.0;
+        let usual = match is_of_acuity {
+            true => PolicyName::Acuity,
+            false => PolicyName::Perceptual,
+        };
+        self.policy.unwrap_or(usual)
     }
 
     /// The same parameters for a policy of this name.
@@ -199,11 +238,32 @@ impl PolicyOptions {
             steadiness: angle("--steadiness", self.steadiness)?,
             perception: self.perception.parameters()?,
             saliency: self.saliency == Switch::On,
+            target: self.target(policy)?,
         })
     }
 
+    /// The score that levels are chosen for under a policy.
+    fn target(&self, policy: Policy) -> anyhow::Result<Option<f64>> {
+        let other = match (self.slope, self.acuity) {
+            (Some(_), _) => Some("--slope"),
+            (None, Some(AcuityName::Watson | AcuityName::WatsonPaper)) => Some("--acuity"),
+            _ => None,
+        };
+        match (self.target, other) {
+            (Some(Target::Jod(_)), Some(other)) => bail!(WrongUsage(format!(
+                "--target chooses what {other} does; give one of them"
+            ))),
+            (Some(Target::Jod(jod)), None) if policy.has_target() => Ok(Some(jod)),
+            (None, None) if matches!(policy, Policy::Acuity | Policy::Perceptual) => {
+                Ok(Some(DEFAULT_TARGET))
+            }
+            (None, Some(_)) if policy == Policy::Perceptual => Ok(Some(DEFAULT_TARGET)),
+            _ => Ok(None),
+        }
+    }
+
     fn acuity(&self) -> anyhow::Result<AcuityModel> {
-        match (self.acuity, self.slope) {
+        match (self.acuity.unwrap_or(AcuityName::Linear), self.slope) {
             (AcuityName::Linear, None) => Ok(AcuityModel::LINEAR),
             (AcuityName::Linear, Some(slope)) if (0.0..=1.0).contains(&slope) => {
                 Ok(AcuityModel::linear(slope))

@@ -15,11 +15,12 @@ use foveal_core::asset::signature::Signatures;
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use foveal_core::asset::unit::UnitId;
 use foveal_core::gaze::sample::{GazeSample, HeadPose};
-use foveal_core::perception::parameters::EyeState;
+use foveal_core::perception::parameters::{EyeState, Parameters};
 use foveal_core::selection::budget::Budget;
 use foveal_core::selection::chooser::Chooser;
 use foveal_core::selection::content::{Content, PackContent};
 use foveal_core::selection::level_map::{LevelMap, histogram};
+use foveal_core::selection::losses::LossMeter;
 use foveal_core::selection::policy::{Moment, Policy, PolicyConfig, Selection};
 use foveal_core::selection::session::{Given, SessionFrame, SessionHead};
 use foveal_core::selection::worth::Worth;
@@ -42,8 +43,9 @@ pub(crate) struct Player {
     chooser: Chooser,
     config: PolicyConfig,
     tables: Tables,
-    /// Judges how much of what the eye could see was shown, where somebody asks.
-    judge: Option<Worth>,
+    /// Tells how much of what the eye could see was shown, and what of it is missed, where somebody
+    /// asks.
+    judge: Option<(Worth, LossMeter)>,
     budget: Option<Budget>,
     shown_until: Seconds,
     pool: DecodePool,
@@ -115,6 +117,9 @@ pub(crate) struct FrameReport {
     /// Share of the detail that this eye could see that was shown; `None` where the pack does not
     /// tell what its units add, or nobody asked.
     pub(crate) detail_share: Option<f64>,
+    /// Quality difference to every finest tile that is expected of what was shown, as
+    /// [`expected_jod`](foveal_core::selection::calibration::expected_jod) takes it.
+    pub(crate) expected_loss: Option<f64>,
     pub(crate) view: EyeView,
     /// Tiles decoded and shown, coarsest first.
     pub(crate) tiles: Vec<Tile>,
@@ -148,6 +153,22 @@ pub(crate) struct FrameReport {
     pub(crate) level_changes: u64,
 }
 
+/// The policy in the place of one that weighs units, for a pack that does not tell what they add.
+fn without_signatures(options: &PlayerOptions, file: &PackFile) -> anyhow::Result<PolicyConfig> {
+    let config = options.config.without_signatures();
+    if config.policy.spends_a_budget() || options.bytes_per_s.is_finite() {
+        bail!(
+            "{}: has no signatures, by which this policy values units; prepare it again",
+            file.path().display(),
+        );
+    }
+    output::say(&format!(
+        "{}: has no signatures, which tell what units add, so levels are chosen by acuity alone",
+        file.path().display(),
+    ));
+    Ok(config)
+}
+
 impl Player {
     /// A player of an open pack.
     pub(crate) fn new(file: Arc<PackFile>, options: PlayerOptions) -> anyhow::Result<Self> {
@@ -155,13 +176,11 @@ impl Player {
         let grid = about.grid(options.screen);
         let times_ns = file.frame_times()?;
         let tables = Tables::read(&file)?;
-        let spends = options.config.policy.spends_a_budget();
-        if spends && tables.signatures.is_none() {
-            bail!(
-                "{}: has no signatures, by which this policy values units; prepare it again",
-                file.path().display(),
-            );
+        let mut options = options;
+        if options.config.needs_signatures() && tables.signatures.is_none() {
+            options.config = without_signatures(&options, &file)?;
         }
+        let spends = options.config.policy.spends_a_budget();
         check_thresholds(&options.config, &grid)?;
         if options.config.needs_cues() && (tables.cues.is_none() || tables.signatures.is_none()) {
             bail!(
@@ -180,7 +199,12 @@ impl Player {
         }
         Ok(Self {
             chooser: Chooser::new(grid, options.config.clone()),
-            judge: options.judged.then(|| Worth::judge(&grid)),
+            judge: options.judged.then(|| {
+                (
+                    Worth::judge(&grid),
+                    LossMeter::new(&grid, &Parameters::default()),
+                )
+            }),
             budget,
             shown_until: Seconds(0.0),
             tables,
@@ -198,6 +222,16 @@ impl Player {
             failed: 0,
             file,
         })
+    }
+
+    /// What shows the picture, while the head looks ahead.
+    pub(crate) fn view(&self) -> EyeView {
+        self.view
+    }
+
+    /// The policy with its parameters.
+    pub(crate) fn config(&self) -> &PolicyConfig {
+        &self.config
     }
 
     /// The tiles of the pack.
@@ -282,14 +316,15 @@ impl Player {
             .collect();
         let stood_in = (!missing.is_empty()).then(|| self.levels_of(&shown));
         let seen = stood_in.as_ref().unwrap_or(&selection.levels);
-        let detail_share = self.detail_share(frame, &gaze, view, seen);
+        let judged = self.judged(frame, &gaze, view, seen);
         let follows = self.before.replace(selection.levels).is_some();
         Ok(FrameReport {
             session,
             gaze,
             gaze_error_deg: angle_between(gaze.gaze_in_content, given.gaze.gaze_in_content)
                 .to_degrees(),
-            detail_share,
+            detail_share: judged.map(|[share, _]| share),
+            expected_loss: judged.map(|[_, loss]| loss),
             view,
             histogram: histogram(&self.grid, &tiles),
             late: follows && choose + decode > period,
@@ -377,8 +412,8 @@ impl Player {
         let content = self.tables.content(&self.file);
         let content = content.as_ref().map(|content| content as &dyn Content);
         let selection = self.chooser.choose(content, frame, &moment, budget);
-        if let (Some(budget), Chooser::Budget(refiner)) = (&mut self.budget, &self.chooser) {
-            budget.spend(refiner.spent());
+        if let Some(budget) = &mut self.budget {
+            budget.spend(self.chooser.spent());
         }
         let given = Given {
             gaze: moment.gaze,
@@ -389,14 +424,16 @@ impl Player {
         (given, selection)
     }
 
-    fn detail_share(
+    /// Share of the visible detail that is shown, and the quality difference that is expected of
+    /// it.
+    fn judged(
         &self,
         frame: u32,
         gaze: &GazeSample,
         view: EyeView,
         shown: &LevelMap,
-    ) -> Option<f64> {
-        let judge = self.judge.as_ref()?;
+    ) -> Option<[f64; 2]> {
+        let (judge, meter) = self.judge.as_ref()?;
         let content = self.tables.content(&self.file)?;
         let moment = Moment {
             gaze: *gaze,
@@ -404,7 +441,8 @@ impl Player {
             state: EyeState::Steady,
         };
         let gains = judge.gains(&self.grid, &content, frame, &moment);
-        Some(gains.share(&self.grid, shown))
+        let losses = meter.losses(&self.grid, &content, frame, &moment);
+        Some([gains.share(&self.grid, shown), losses.pooled(shown)])
     }
 
     fn turned(&self, head: HeadPose) -> EyeView {

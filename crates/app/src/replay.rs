@@ -15,7 +15,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct ReplayArgs {
     /// The session.jsonl that simulate wrote, or what view --log did.
     log: PathBuf,
-    /// The pack that was played; needed where the policy weighed its units.
+    /// The pack that was played; needed where the policy weighed its units (default: the one that
+    /// the log names, beside the log, a folder above it, or here).
     #[arg(long, value_name = "PACK")]
     pack: Option<PathBuf>,
     /// Print one JSON object.
@@ -34,17 +35,18 @@ struct Replayed {
 }
 
 /// The run selected again, on its pack where that is needed.
-fn replay(log: &SessionLog, pack: Option<&Path>) -> anyhow::Result<SessionLog> {
+fn replay(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::Result<SessionLog> {
     let Some(weighed) = log.parts.iter().find(|part| part.needs_content()) else {
         return Ok(log.replay(None));
     };
-    let Some(pack) = pack else {
+    let found = || pack_beside(path, &weighed.head.pack);
+    let Some(pack) = pack.map(Path::to_owned).or_else(found) else {
         bail!(WrongUsage(format!(
             "--pack is needed: this run weighed what is in its tiles; give {}",
             weighed.head.pack
         )));
     };
-    let file = PackFile::open(pack)?;
+    let file = PackFile::open(&pack)?;
     let name = pack.display();
     let cues = file.cues()?;
     let signatures = file
@@ -63,6 +65,17 @@ fn replay(log: &SessionLog, pack: Option<&Path>) -> anyhow::Result<SessionLog> {
         .iter()
         .try_for_each(|part| check_belongs(part, &file))?;
     Ok(log.replay(Some(&content)))
+}
+
+/// The pack that a log names: beside it, a folder above, or where the program was started.
+fn pack_beside(log: &Path, name: &str) -> Option<PathBuf> {
+    // A name with a folder in it is no name that a log has.
+    let name = Path::new(name).file_name().filter(|only| *only == name)?;
+    let beside = log.parent()?;
+    let above = beside.join("..");
+    let places = [beside, &above, Path::new(".")];
+    let mut packs = places.into_iter().map(|folder| folder.join(name));
+    packs.find(|pack| pack.is_file())
 }
 
 /// Refuses a session of another pack.
@@ -93,7 +106,7 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     let name = args.log.display();
     let text = output::read_text(&args.log, "the session.jsonl of a simulate")?;
     let log = SessionLog::parse(&text).with_context(|| name.to_string())?;
-    let again = replay(&log, args.pack.as_deref())?;
+    let again = replay(&log, &args.log, args.pack.as_deref())?;
     let frames = |log: &SessionLog| -> Vec<SessionFrame> {
         let frames = log.parts.iter().flat_map(|part| &part.frames);
         frames.cloned().collect()

@@ -114,16 +114,13 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
             args.policy.name().name()
         )));
     }
+    let config = config.without_signatures();
     let samples = match config.policy {
         Policy::Sampled => Some(sample_count(&config, &args.view.eye_view(&surface)?)),
         _ => None,
     };
     let selector = Selector::new(grid, config);
-    let faces = args.source_faces.unwrap_or(surface.faces());
-    if faces == 0 || faces > surface.faces() {
-        let range = format!("1 to {}", surface.faces());
-        bail!(out_of_range("--source-faces", faces, &range));
-    }
+    let faces = args.faces(&surface)?;
     let source = f64::from(faces) * f64::from(surface.size[0]) * f64::from(surface.size[1]);
     let view = args.eye_view(&surface)?;
     let choose = |gaze: GazeSample| {
@@ -172,7 +169,21 @@ impl SelectArgs {
             with.cut = preset.cut(&self.cut);
             with.policy = preset.policy(&self.policy, surface.projection);
         }
+        // Without content no unit can be weighed.
+        with.policy.policy = with.policy.policy.or(Some(PolicyName::Acuity));
         with
+    }
+
+    /// Faces that the share is counted over.
+    fn faces(&self, surface: &Surface) -> anyhow::Result<u32> {
+        match self.source_faces {
+            None => Ok(surface.faces()),
+            Some(faces) if (1..=surface.faces()).contains(&faces) => Ok(faces),
+            Some(faces) => {
+                let range = format!("1 to {}", surface.faces());
+                bail!(out_of_range("--source-faces", faces, &range))
+            }
+        }
     }
 
     fn surface(&self) -> anyhow::Result<Surface> {

@@ -14,6 +14,7 @@ use crate::watching::Watching;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::asset::picture::{Colour, Matrix};
+use foveal_core::selection::calibration::Expectation;
 use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_core::selection::session::{Session, sha256_hex};
 use foveal_core::units::counted;
@@ -126,6 +127,11 @@ pub(crate) struct RunSummary {
     /// Share of the detail that the eye could see that was shown; null for packs without
     /// signatures.
     pub(crate) detail_share_mean: Option<f64>,
+    /// The score that levels were chosen for, in JOD; null without one.
+    pub(crate) target: Option<f64>,
+    /// The score against every finest tile that signatures foretell, in JOD; null for packs
+    /// without.
+    pub(crate) expected_jod: Option<f64>,
     pub(crate) gpu_bytes: u64,
     pub(crate) decoded_on: DeviceReport,
     pub(crate) log_sha256: String,
@@ -193,12 +199,12 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let session = session(&player, &reports).write();
     output::write_whole(&args.out.join("session.jsonl"), session.as_bytes())?;
     output::write_whole(&args.out.join("frames.csv"), csv(&reports).as_bytes())?;
-    let policy = args.policy.name().name();
+    let policy = player.config().policy.name();
     let judged = |scoring: RunScoring| scoring.report(args.gaze.as_judged());
     let score = scoring.map(judged).transpose()?;
     let summary = RunSummary {
         score,
-        ..summarise(policy, &reports, &mut player, &session)
+        ..summarise(policy.to_owned(), &reports, &mut player, &session)
     };
     output::result(args.json, &summary, &summary.text(&args.out))
 }
@@ -363,6 +369,7 @@ pub(crate) fn summarise(
     decode_ms.sort_by(f64::total_cmp);
     let p95 = (decode_ms.len() * 95).div_ceil(100).max(1) - 1;
     let detail = reports.iter().map(|r| r.detail_share).sum::<Option<f64>>();
+    let loss = reports.iter().map(|r| r.expected_loss).sum::<Option<f64>>();
     RunSummary {
         policy,
         frames: reports.len(),
@@ -379,6 +386,8 @@ pub(crate) fn summarise(
         level_changes: reports.iter().map(|r| r.level_changes).sum(),
         gaze_error_deg_mean: reports.iter().map(|r| r.gaze_error_deg).sum::<f64>() / count,
         detail_share_mean: detail.map(|sum| sum / count),
+        target: player.config().target,
+        expected_jod: loss.map(|sum| Expectation::of(player.config().policy).jod(sum / count)),
         gpu_bytes: player.canvas.gpu_bytes(),
         decoded_on: DeviceReport::new(player.device_use()),
         log_sha256: sha256_hex(session.as_bytes()),

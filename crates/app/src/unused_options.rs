@@ -5,7 +5,16 @@ use clap::ArgMatches;
 use clap::parser::ValueSource;
 
 /// Options, and the policies that go by them.
-const POLICIES_OF: [(&str, &[PolicyName]); 12] = [
+const POLICIES_OF: [(&str, &[PolicyName]); 13] = [
+    (
+        "target",
+        &[
+            PolicyName::Acuity,
+            PolicyName::Uniform,
+            PolicyName::Eccentricity,
+            PolicyName::Perceptual,
+        ],
+    ),
     (
         "slope",
         &[
@@ -29,7 +38,7 @@ const POLICIES_OF: [(&str, &[PolicyName]); 12] = [
 
 /// A line for each option that was given to `simulate` or `select` for another policy.
 pub(crate) fn unused_options(matches: &ArgMatches) -> Vec<String> {
-    let Some(("simulate" | "select", given)) = matches.subcommand() else {
+    let Some((name @ ("simulate" | "select"), given)) = matches.subcommand() else {
         return Vec::new();
     };
     // A preset brings its own policy, which the content decides.
@@ -37,11 +46,15 @@ pub(crate) fn unused_options(matches: &ArgMatches) -> Vec<String> {
         return Vec::new();
     }
     let policy = given.get_one::<PolicyName>("policy").copied();
-    let policy = policy.unwrap_or(PolicyName::Acuity);
     let is_given = |id| {
         let known = given.try_contains_id(id).is_ok();
         known && given.value_source(id) == Some(ValueSource::CommandLine)
     };
+    let is_of_acuity = ["slope", "acuity", "safety_disc"].into_iter().any(is_given);
+    let policy = policy.unwrap_or(match is_of_acuity || name == "select" {
+        true => PolicyName::Acuity,
+        false => PolicyName::Perceptual,
+    });
     let unused = POLICIES_OF.iter().filter(|(_, of)| !of.contains(&policy));
     unused
         .filter(|(id, _)| is_given(id))

@@ -2,13 +2,12 @@
 
 use super::FRAMES;
 use crate::kept_pack::{kept, plan_of, write_pack};
-use crate::output::{self, Counting};
-use anyhow::{Context, bail};
-use foveal_core::asset::picture::{Colour, Matrix};
-use foveal_media::generate::{FRAMES_PER_SECOND, Scene};
+use crate::output;
+use crate::scene_clip::write_scene;
+use anyhow::bail;
+use foveal_media::generate::Scene;
 use foveal_media::pack_file::PackFile;
 use foveal_media::prepare::{Plan, PrepareSettings, Remarks};
-use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -17,12 +16,6 @@ use std::time::{Duration, Instant};
 const SPHERE_SIZE: [u32; 2] = [4096, 2048];
 /// Pixels of the generated flat scene.
 const WIDE_SIZE: [u32; 2] = [1920, 1080];
-/// Colour of generated scenes.
-const SCENE_COLOUR: Colour = Colour {
-    matrix: Matrix::Bt709,
-    full_range: false,
-    chroma_left: false,
-};
 /// The clip that `make demo` fetches, its length, and whose it is.
 const SAMPLE: &str = "bigbuckbunny.mp4";
 const SAMPLE_BYTES: u64 = 1_055_736;
@@ -132,7 +125,7 @@ impl Content {
             }
             (None, scene) => {
                 if let Some((size, scene)) = scene {
-                    write_scene(scene, *size, &self.source)?;
+                    write_scene(scene, *size, FRAMES, &self.source)?;
                 }
                 let plan = self.plan()?;
                 let most = u64::from(FRAMES);
@@ -167,37 +160,6 @@ fn settings() -> anyhow::Result<PrepareSettings> {
         most_frames: Some(FRAMES),
         ..PrepareSettings::default()
     })
-}
-
-/// Draws a scene into a video file; where that fails or is stopped, none is left under that name.
-fn write_scene(scene: &Scene, size: [u32; 2], path: &Path) -> anyhow::Result<()> {
-    output::say(&format!("{}: is being drawn", path.display()));
-    let partial = path.with_extension("partial.mkv");
-    if let Err(error) = draw_scene(scene, size, &partial) {
-        // What could not be written may not even be there.
-        let _ = std::fs::remove_file(&partial);
-        return Err(error);
-    }
-    std::fs::rename(&partial, path)
-        .with_context(|| format!("{}: cannot be given its name", partial.display()))
-}
-
-/// Frame by frame, so that one picture at a time is in memory.
-fn draw_scene(scene: &Scene, size: [u32; 2], path: &Path) -> anyhow::Result<()> {
-    let format = ClipFormat {
-        codec: ClipCodec::Ffv1,
-        size,
-        frame_rate: [FRAMES_PER_SECOND as i32, 1],
-        colour: SCENE_COLOUR,
-    };
-    let bar = output::bar(Some(u64::from(FRAMES)), Counting::Frames);
-    let mut clip = ClipWriter::create(path, &format)?;
-    for number in 0..u64::from(FRAMES) {
-        clip.push(&scene.frame(number))?;
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    Ok(clip.finish()?)
 }
 
 #[cfg(test)]

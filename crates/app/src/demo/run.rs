@@ -61,7 +61,7 @@ pub(super) fn play(
     let name = &stage.content.name;
     let mut runs = Vec::new();
     for run in stage.play()? {
-        let folder = out.join(format!("{name}-{}", word(run.policy)));
+        let folder = out.join(format!("{name}-{}", run.policy.name()));
         runs.push(run.finish(&folder)?);
     }
     let times = runs[ACUITY].reports.iter();
@@ -79,11 +79,6 @@ pub(super) fn play(
         moment,
         pictures,
     })
-}
-
-/// A policy as users write it.
-pub(super) fn word(policy: Policy) -> String {
-    format!("{policy:?}").to_lowercase()
 }
 
 /// What every run of one content shares.
@@ -150,7 +145,7 @@ impl<'a> Stage<'a> {
         };
         let runs = POLICIES.into_iter().map(start);
         let mut runs = runs.collect::<anyhow::Result<Vec<Run>>>()?;
-        let words = POLICIES.map(word).join(", ");
+        let words = POLICIES.map(Policy::name).join(", ");
         output::say(&format!("{}: plays under {words}", self.content.name));
         let bar = output::bar(Some(u64::from(self.frames)), Counting::Frames);
         for frame in 0..self.frames {
@@ -182,7 +177,12 @@ impl Run {
         let log = session(&self.player, &reports).write();
         output::write_whole(&folder.join("session.jsonl"), log.as_bytes())?;
         output::write_whole(&folder.join("frames.csv"), csv(&reports).as_bytes())?;
-        let summary = summarise(word(self.policy), &reports, &mut self.player, &log);
+        let summary = summarise(
+            self.policy.name().to_owned(),
+            &reports,
+            &mut self.player,
+            &log,
+        );
         Ok(PolicyRun { summary, reports })
     }
 }

@@ -3,6 +3,7 @@
 mod codecs;
 mod goldens;
 mod grid_sweep;
+mod targets;
 mod trial;
 
 use clap::Subcommand;
@@ -15,6 +16,9 @@ pub(crate) enum Evaluate {
     GridSweep(grid_sweep::GridSweepArgs),
     /// The score on pictures that come from formulas, against the published package's.
     Goldens(goldens::GoldensArgs),
+    /// What --target asks for against what the judge finds, on generated scenes: the fit of the
+    /// table that levels are chosen by, and how it holds elsewhere.
+    Targets(targets::TargetsArgs),
 }
 
 pub(crate) fn run(command: &Evaluate) -> anyhow::Result<()> {
@@ -22,5 +26,6 @@ pub(crate) fn run(command: &Evaluate) -> anyhow::Result<()> {
         Evaluate::Codecs(args) => codecs::run(args),
         Evaluate::GridSweep(args) => grid_sweep::run(args),
         Evaluate::Goldens(args) => goldens::run(args),
+        Evaluate::Targets(args) => targets::run(args),
     }
 }

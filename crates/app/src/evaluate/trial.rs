@@ -45,7 +45,19 @@ pub(super) struct TrialOptions {
 }
 
 /// A folder that goes away with the value.
-pub(super) struct Scratch(PathBuf);
+pub(super) struct Scratch(pub(super) PathBuf);
+
+impl Scratch {
+    /// An empty folder of this run's own, in `base` or where the system has such.
+    pub(super) fn new(base: Option<&Path>) -> anyhow::Result<Self> {
+        let base = base.map_or_else(std::env::temp_dir, Path::to_owned);
+        let folder = base.join(format!("foveal-evaluate-{}", std::process::id()));
+        leave_nothing_when_stopped(&folder)?;
+        std::fs::create_dir_all(&folder)
+            .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+        Ok(Self(folder))
+    }
+}
 
 impl Drop for Scratch {
     fn drop(&mut self) {
@@ -113,12 +125,7 @@ impl TrialOptions {
 
     /// An empty folder of this run's own.
     pub(super) fn scratch(&self) -> anyhow::Result<Scratch> {
-        let base = self.scratch.clone().unwrap_or_else(std::env::temp_dir);
-        let folder = base.join(format!("foveal-evaluate-{}", std::process::id()));
-        leave_nothing_when_stopped(&folder)?;
-        std::fs::create_dir_all(&folder)
-            .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
-        Ok(Scratch(folder))
+        Scratch::new(self.scratch.as_deref())
     }
 
     /// Prepares the input, plays it and removes the pack again.

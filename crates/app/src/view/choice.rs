@@ -76,6 +76,7 @@ impl Choice {
             })
         });
         let name = file.path().file_name().unwrap_or_default();
+        let config = told(config, tables.0.is_some(), link.is_some());
         let choice = Self {
             picker: Picker::new(&name.to_string_lossy(), grid, config),
             file,
@@ -119,7 +120,9 @@ impl Choice {
 
     /// Chooses by another policy from now on.
     pub(crate) fn change(&mut self, config: PolicyConfig) {
-        self.picker.change(config);
+        let signatures = self.tables.0.is_some();
+        self.picker
+            .change(told(config, signatures, self.link.is_some()));
     }
 
     /// Whether a link may still bring what was not chosen yet for lack of bytes.
@@ -127,6 +130,16 @@ impl Choice {
         let link = self.link.as_ref();
         let link = link.filter(|_| self.policy().spends_a_budget());
         link.is_some_and(|link| !link.budget.is_done())
+    }
+}
+
+/// The policy, or what stands in for it where a pack does not tell what its units add; within a
+/// link nothing can.
+fn told(config: PolicyConfig, has_signatures: bool, has_link: bool) -> PolicyConfig {
+    if has_signatures || has_link {
+        config
+    } else {
+        config.without_signatures()
     }
 }
 

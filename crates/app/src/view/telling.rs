@@ -4,15 +4,9 @@ use super::Stage;
 use super::overlay::{Key, Line};
 use super::viewer::Viewer;
 use crate::canvas::Showing;
-use foveal_core::selection::policy::Policy;
 use foveal_core::units::{Seconds, counted};
 use foveal_core::view::keys::{KEYS, Needs, Row};
 use foveal_render::Interpolation;
-
-/// A policy as it is called on the command line.
-pub(super) fn policy(policy: Policy) -> String {
-    format!("{policy:?}").to_lowercase()
-}
 
 /// What fills the pixels between samples.
 pub(super) fn interpolation(interpolation: Interpolation) -> &'static str {
@@ -74,7 +68,7 @@ impl Viewer {
         let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
         let line = |what: &str, value: String| (what.to_owned(), value);
         let mut lines = vec![
-            line("policy", policy(self.choice.policy())),
+            line("policy", self.choice.policy().name().to_owned()),
             line("picture", self.style_told(stage)),
             line(
                 "time",

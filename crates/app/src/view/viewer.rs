@@ -253,7 +253,7 @@ impl Viewer {
                 let mut style = stage.easel.style();
                 style.samples = policy == Policy::Sampled;
                 style.showing.has_textures &= !style.samples;
-                let said = format!("policy {}", telling::policy(policy));
+                let said = format!("policy {}", policy.name());
                 self.take_style(style, stage, said, now);
             }
             Err(error) => self.say(error.to_string(), now),

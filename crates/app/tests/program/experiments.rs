@@ -62,8 +62,12 @@ fn a_pack_is_timed_foveated_against_viewport_full_and_its_original() {
         &clip,
         "--frames",
         "30",
+        "--slope",
+        "0.022",
     ]);
     agrees("bench video", &[&report]);
+    assert_eq!(report["score"], report["before"]["score"]);
+    assert!(number(&report, "score") < 9.9, "{report}");
     for key in [
         "foveated_fps",
         "viewport_fps",
@@ -84,6 +88,10 @@ fn a_pack_is_timed_foveated_against_viewport_full_and_its_original() {
 #[test]
 fn a_benchmark_without_content_or_with_too_few_frames_is_refused() {
     refused(2, &["bench", "video"], &["PACK"]);
+    let policy = ["bench", "video", "x.foveal", "--policy", "grid"];
+    refused(2, &policy, &["--policy", "acuity or perceptual"]);
+    let target = ["bench", "video", "x.foveal", "--target", "10"];
+    refused(2, &target, &["--target", "1 to 9.99"]);
     refused(
         2,
         &["bench", "video", "x.foveal", "--frames", "9"],

@@ -47,7 +47,7 @@ fn assert_same_in_the_fovea(
         (out, run["decoded_megapixels"].as_f64().unwrap())
     };
     let (full, all) = play("full", &["--policy", "full"]);
-    let (foveated, some) = play("acuity", &["--policy", "acuity", "--safety-disc", "2.5"]);
+    let (foveated, some) = play("acuity", &["--slope", "0.022", "--safety-disc", "2.5"]);
     assert!(some < 0.8 * all, "{some} of {all} megapixels");
     for (frame, (gaze, head)) in looks.iter().enumerate() {
         let [yaw, pitch] = gaze.map(Radians::from_degrees);

@@ -65,7 +65,7 @@ fn assert_one_frame_a_picture(folder: &Folder, pack: &str, surface: &Surface, vi
     let play = |name: &str, how: &[&str]| -> (String, Value) {
         let out = folder.name(name);
         let scan = [
-            "simulate", pack, "--gaze", "scan", "--seed", "3", "--out", &out,
+            "simulate", pack, "--gaze", "scan", "--seed", "3", "--slope", "0.022", "--out", &out,
         ];
         let run = json(&[&scan[..], &["--view", &size], how].concat());
         assert_eq!(run["wrong_frame_tiles"], 0, "{name}");

@@ -86,10 +86,10 @@ fn the_help_names_one_default_of_the_policy_of_a_window() {
     for help in ["-h", "--help"] {
         let told = done(&["view", help]).stdout;
         let from = told.find("--policy").unwrap();
-        let policy = &told[from..from + told[from..].find("--acuity").unwrap()];
+        let policy = &told[from..from + told[from..].find("--target").unwrap()];
         let words = policy.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(
-            words.contains("by viewport, or with --demo by acuity"),
+            words.contains("by viewport, or with --demo by perceptual"),
             "{policy}"
         );
         assert!(!policy.contains("default"), "{policy}");

@@ -101,10 +101,7 @@ fn chosen(file: &PackFile, session: &Session) -> Vec<(SessionFrame, Selection, u
         let moment = frame.moment(&session.head);
         let content: Option<&dyn Content> = Some(&content);
         let selection = chooser.choose(content, frame.frame, &moment, frame.budget);
-        let Chooser::Budget(refiner) = &chooser else {
-            panic!("{:?} spends no budget", session.head.policy.policy);
-        };
-        (frame.clone(), selection, refiner.spent())
+        (frame.clone(), selection, chooser.spent())
     };
     session.frames.iter().map(again).collect()
 }
@@ -191,7 +188,13 @@ fn a_weighed_run_replays_bit_for_bit_with_its_pack_and_not_without() {
     let replayed = json(&["replay", &log, "--pack", &world.pack]);
     assert_eq!(replayed["same"], json!(true));
     assert_eq!(replayed["replay_sha256"], figures["log_sha256"]);
-    refused(2, &["replay", &log], &["--pack", "weighed", ".foveal"]);
+    assert_eq!(
+        json(&["replay", &log]),
+        replayed,
+        "the pack lies above the log"
+    );
+    let gone = world.folder.elsewhere(&log);
+    refused(2, &["replay", &gone], &["--pack", "weighed", ".foveal"]);
     let text = std::fs::read_to_string(&log).unwrap();
     for (from, to, words) in [
         ("\"lambda\":2.5", "\"lambda\":0.5", "the replay differs"),
@@ -327,6 +330,8 @@ fn saliency_fetches_what_lies_beside_the_view() {
             "perceptual",
             "--gaze",
             "0,0",
+            "--target",
+            "none",
             "--saliency",
             saliency,
         ];
@@ -384,15 +389,24 @@ fn a_pack_without_signatures_is_to_be_prepared_again() {
         "none",
     ];
     for policy in BUDGETED {
-        let how = [&run[..], &["--policy", policy]].concat();
+        let how = [&run[..], &["--policy", policy, "--link", LINK]].concat();
         refused(
             1,
             &how,
             &["bare.foveal", "has no signatures", "prepare it again"],
         );
     }
-    // A rule needs none, and then nothing is known of what the eye could have seen.
-    assert_eq!(json(&run)["detail_share_mean"], Value::Null);
+    // Without a link acuity stands in, which is said, and nothing is known of what the eye could
+    // have seen.
+    let by_acuity = done(&[&run[..], &["--target", "9", "--json"]].concat());
+    assert!(
+        by_acuity.stderr.contains("has no signatures"),
+        "{by_acuity:?}"
+    );
+    let by_acuity: Value = serde_json::from_str(&by_acuity.stdout).unwrap();
+    assert_eq!(by_acuity["policy"], json!("acuity"));
+    assert_eq!(by_acuity["target"], Value::Null);
+    assert_eq!(by_acuity["detail_share_mean"], Value::Null);
     let (weighed, _) = world.play("weighed", &["--policy", "eccentricity", "--link", LINK]);
     let log = format!("{weighed}/session.jsonl");
     let words = ["bare.foveal", "has no signatures"];

@@ -1,6 +1,6 @@
 //! Does `select` give the figures that it is known for?
 
-use crate::support::{json, refused};
+use crate::support::{done, json, refused};
 use serde_json::json;
 
 const KASTNER_GRID: [&str; 14] = [
@@ -49,6 +49,8 @@ fn acuity_takes_a_hundredth_of_a_16k_cube() {
             "256",
             "--policy",
             "acuity",
+            "--slope",
+            "0.022",
             "--safety-disc",
             disc,
             "--random-gazes",
@@ -65,17 +67,51 @@ fn acuity_takes_a_hundredth_of_a_16k_cube() {
 }
 
 #[test]
-fn a_smaller_slope_takes_more_and_the_usual_one_is_that_of_the_first_version() {
+fn a_higher_target_takes_more_and_the_usual_one_is_9_5() {
     let share = |slope: &[&str]| {
-        let cube = ["select", "--projection", "cube", "--face-size", "2048"];
+        let cube = [
+            "select",
+            "--projection",
+            "cube",
+            "--face-size",
+            "4096",
+            "--tile",
+            "128",
+        ];
         json(&[&cube[..], slope].concat())["pixels_share"]
             .as_f64()
             .unwrap()
     };
     let usual = share(&[]);
-    assert_eq!(usual, share(&["--slope", "0.022"]));
-    assert!(share(&["--slope", "0.011"]) > 1.5 * usual);
+    assert_eq!(usual, share(&["--target", "9.5"]));
+    assert!(share(&["--target", "9"]) < usual && usual < share(&["--target", "9.8"]));
+    assert!(share(&["--slope", "0.011"]) > 1.5 * share(&["--slope", "0.022"]));
     assert!(share(&["--slope", "0"]) > share(&["--slope", "0.011"]));
+    // Without content no texture is known: the slope of the usual target is told by a table.
+    assert_eq!(usual, share(&["--slope", "0.0075"]));
+}
+
+#[test]
+fn targets_that_make_no_sense_are_refused() {
+    let cube = ["select", "--projection", "cube", "--face-size", "512"];
+    let with = |options: &[&'static str]| [&cube[..], options].concat();
+    for target in ["10", "11", "0.5", "-1", "NaN", "inf", "fine"] {
+        refused(
+            2,
+            &with(&["--target", target]),
+            &["--target", target, "1 to 9.99"],
+        );
+    }
+    let both = with(&["--target", "9", "--slope", "0.01"]);
+    refused(2, &both, &["--target", "--slope", "one of them"]);
+    let both = with(&["--target", "9", "--acuity", "watson"]);
+    refused(2, &both, &["--target", "--acuity", "one of them"]);
+    let unused = done(&with(&["--target", "9", "--policy", "grid"]));
+    assert!(
+        unused
+            .stderr
+            .contains("--target changes nothing with --policy grid")
+    );
 }
 
 #[test]

@@ -32,6 +32,15 @@ impl Folder {
         path
     }
 
+    /// A copy of a file of it, with nothing beside or above it.
+    pub(crate) fn elsewhere(&self, file: &str) -> String {
+        let folder = self.name("else/where");
+        std::fs::create_dir_all(&folder).unwrap();
+        let copy = format!("{folder}/session.jsonl");
+        std::fs::copy(file, &copy).unwrap();
+        copy
+    }
+
     /// The names of everything in it, in order.
     pub(crate) fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(&self.0).unwrap();

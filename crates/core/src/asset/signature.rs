@@ -1,4 +1,4 @@
-//! How much contrast does a refinement add, told in nine bytes?
+//! How much contrast does a refinement add, told in twelve bytes?
 //!
 //! The side table `signatures` of a pack: for every unit that refines, what its first picture
 //! shows that the next coarser level does not. With it a step can be valued for any gaze without
@@ -10,8 +10,8 @@ use crate::units::counted;
 
 /// Name of the side table.
 pub const SIGNATURES: &str = "signatures";
-/// Version of its layout.
-pub const SIGNATURES_VERSION: u32 = 1;
+/// Version of its layout. Version 1 had no norms, and is read.
+pub const SIGNATURES_VERSION: u32 = 2;
 /// Octaves of spatial frequency that a signature tells of: the one that the step adds, and those
 /// below it that it changes.
 pub const SIGNATURE_BANDS: usize = 3;
@@ -25,7 +25,14 @@ pub struct BandContrast {
     pub after: f64,
     /// Mean absolute difference of the two, place by place.
     pub difference: f64,
+    /// Fourth root of the mean fourth power of that difference: what is seen of it, since an eye
+    /// sees a few strong edges where the mean is of flat surroundings.
+    pub norm: f64,
 }
+
+/// Norm over mean of differences where version 1 does not tell: that of differences whose sizes
+/// fall off exponentially, 24^(1/4).
+const USUAL_NORM: f64 = 2.213;
 
 /// What one unit adds to the next coarser level.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,16 +48,18 @@ const STEPS_PER_OCTAVE: f64 = 16.0;
 
 impl Signature {
     /// Bytes of a signature in the table.
-    pub const BYTES: usize = 3 * SIGNATURE_BANDS;
+    pub const BYTES: usize = 4 * SIGNATURE_BANDS;
+    /// Bytes of a signature of version 1.
+    pub const BYTES_V1: usize = 3 * SIGNATURE_BANDS;
 
     /// The signature as it lies in the table. Contrasts are coded logarithmically: off by at most
     /// 2.2 %, and 0 below 7e-5.
     #[must_use]
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
         let mut bytes = [0; Self::BYTES];
-        for (bytes, band) in bytes.chunks_exact_mut(3).zip(&self.bands) {
-            let told = [band.before, band.after, band.difference].map(code_of_contrast);
-            bytes.copy_from_slice(&told);
+        for (bytes, band) in bytes.chunks_exact_mut(4).zip(&self.bands) {
+            let told = [band.before, band.after, band.difference, band.norm];
+            bytes.copy_from_slice(&told.map(code_of_contrast));
         }
         bytes
     }
@@ -59,11 +68,30 @@ impl Signature {
     #[must_use]
     pub fn from_bytes(bytes: [u8; Self::BYTES]) -> Self {
         let band = |b: usize| {
+            let told = [0, 1, 2, 3].map(|k| contrast_of_code(bytes[4 * b + k]));
+            let [before, after, difference, norm] = told;
+            BandContrast {
+                before,
+                after,
+                difference,
+                norm,
+            }
+        };
+        Self {
+            bands: [0, 1, 2].map(band),
+        }
+    }
+
+    /// The signature that these bytes of version 1 tell; norms are guessed from means.
+    #[must_use]
+    pub fn from_bytes_v1(bytes: [u8; Self::BYTES_V1]) -> Self {
+        let band = |b: usize| {
             let [before, after, difference] = [0, 1, 2].map(|k| contrast_of_code(bytes[3 * b + k]));
             BandContrast {
                 before,
                 after,
                 difference,
+                norm: USUAL_NORM * difference,
             }
         };
         Self {
@@ -76,35 +104,44 @@ impl Signature {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Signatures {
     rows: Vec<u8>,
+    /// Bytes of a row: version 1 has shorter ones.
+    row: usize,
     /// The first unit that has one: those of the coarsest level refine nothing.
     first: u32,
 }
 
 impl Signatures {
-    /// The signatures in `rows`, the bytes of the side table of `pack`. Refuses another version
-    /// and another length than a row for every unit finer than the coarsest level.
+    /// The signatures in `rows`, the bytes of the side table of `pack`. Refuses a version that it
+    /// does not know and another length than a row for every unit finer than the coarsest level.
     pub fn parse(pack: &Pack, version: u32, rows: Vec<u8>) -> Result<Self, PackError> {
         let first = pack.first_refining_unit().0;
-        let expected = (pack.units().len() - first as usize) * Signature::BYTES;
-        if version != SIGNATURES_VERSION || rows.len() != expected {
+        let row = match version {
+            1 => Signature::BYTES_V1,
+            _ => Signature::BYTES,
+        };
+        let expected = (pack.units().len() - first as usize) * row;
+        if !(1..=SIGNATURES_VERSION).contains(&version) || rows.len() != expected {
             return Err(PackError::new(
                 &format!("side table {SIGNATURES}"),
                 format!("version {version}, {}", counted(rows.len(), "byte")),
                 format!(
-                    "version {SIGNATURES_VERSION}, {}",
+                    "version 1 to {SIGNATURES_VERSION}, {}",
                     counted(expected, "byte")
                 ),
             ));
         }
-        Ok(Self { rows, first })
+        Ok(Self { rows, row, first })
     }
 
     /// The signature of a unit; `None` for the coarsest level.
     #[must_use]
     pub fn of(&self, unit: UnitId) -> Option<Signature> {
         let row = unit.0.checked_sub(self.first)? as usize;
-        let bytes = self.rows.get(row * Signature::BYTES..)?.first_chunk()?;
-        Some(Signature::from_bytes(*bytes))
+        let rest = self.rows.get(row * self.row..)?;
+        if self.row == Signature::BYTES_V1 {
+            return Some(Signature::from_bytes_v1(*rest.first_chunk()?));
+        }
+        Some(Signature::from_bytes(*rest.first_chunk()?))
     }
 }
 
@@ -135,6 +172,15 @@ mod tests {
         fn a_contrast_is_told_to_within_a_few_percent(contrast in 1e-4f64..4.0) {
             let told = contrast_of_code(code_of_contrast(contrast));
             prop_assert!((told / contrast - 1.0).abs() < 0.023, "{contrast} told as {told}");
+        }
+
+        #[test]
+        fn version_1_tells_the_same_means(bytes in any::<[u8; Signature::BYTES]>()) {
+            let old = core::array::from_fn(|k| bytes[k / 3 * 4 + k % 3]);
+            let [old, new] = [Signature::from_bytes_v1(old), Signature::from_bytes(bytes)];
+            for (old, new) in old.bands.iter().zip(&new.bands) {
+                prop_assert_eq!(BandContrast { norm: new.norm, ..*old }, *new);
+            }
         }
 
         #[test]

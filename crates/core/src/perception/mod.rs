@@ -16,5 +16,6 @@ pub mod sensitivity;
 pub mod sensitivity_table;
 pub mod signature;
 pub mod spread;
+pub mod visible_loss;
 
 mod nearest_sample;

@@ -52,18 +52,23 @@ fn contrasts(
     gain: f64,
 ) -> BandContrast {
     let mut sums = [0.0; 3];
+    let mut fourth_powers = 0.0;
     let pairs = before.iter().zip(mean_before);
     for ((b, mean_b), (a, mean_a)) in pairs.zip(after.iter().zip(mean_after)) {
         let (b, a) = ((b - mean_b) / mean_b, (a - mean_a) / mean_a);
         for (sum, value) in sums.iter_mut().zip([b, a, a - b]) {
             *sum += value.abs();
         }
+        let square = (a - b) * (a - b);
+        fourth_powers += square * square;
     }
-    let [before, after, difference] = sums.map(|sum| sum / gain / after.len().max(1) as f64);
+    let count = after.len().max(1) as f64;
+    let [before, after, difference] = sums.map(|sum| sum / gain / count);
     BandContrast {
         before,
         after,
         difference,
+        norm: (fourth_powers / count).sqrt().sqrt() / gain,
     }
 }
 

@@ -4,6 +4,7 @@ use super::content::Content;
 use super::policy::{Moment, PolicyConfig, Selection};
 use super::refine::Refiner;
 use super::steady::SteadySelector;
+use super::target::TargetSelector;
 use crate::asset::tile_grid::TileGrid;
 
 /// Chooses frame after frame under one policy, whichever it is.
@@ -14,24 +15,37 @@ pub enum Chooser {
     Rule(Box<SteadySelector>),
     /// Step by step, within what can arrive: a frame also depends on what came before.
     Budget(Box<Refiner>),
+    /// For a score, where bytes are not limited; a budget is spent until the score is reached.
+    Target(Box<TargetSelector>, Option<Box<Refiner>>),
 }
 
 impl Chooser {
     /// The chooser of a policy.
     #[must_use]
     pub fn new(grid: TileGrid, config: PolicyConfig) -> Self {
-        if config.policy.spends_a_budget() {
-            Self::Budget(Box::new(Refiner::new(grid, config)))
-        } else {
-            Self::Rule(Box::new(SteadySelector::new(grid, config)))
+        let spends = config.policy.spends_a_budget();
+        let refiner = || Box::new(Refiner::new(grid, config.clone()));
+        match TargetSelector::new(&grid, &config) {
+            Some(target) => Self::Target(Box::new(target), spends.then(refiner)),
+            None if spends => Self::Budget(refiner()),
+            None => Self::Rule(Box::new(SteadySelector::new(grid, config))),
+        }
+    }
+
+    /// Bytes that the last frame took of the budget.
+    #[must_use]
+    pub fn spent(&self) -> u64 {
+        match self {
+            Self::Budget(refiner) | Self::Target(_, Some(refiner)) => refiner.spent(),
+            Self::Rule(_) | Self::Target(_, None) => 0,
         }
     }
 
     /// What to show of a frame. `budget` is what can arrive for it, in bytes; `None` without limit.
     ///
     /// # Panics
-    /// A policy that spends a budget needs the content, whose bytes it spends on, and one with a
-    /// noise threshold its cues.
+    /// A policy that spends a budget, or has a target, needs the content, whose units it weighs;
+    /// one with a noise threshold needs its cues.
     #[must_use]
     pub fn choose(
         &mut self,
@@ -42,10 +56,20 @@ impl Chooser {
     ) -> Selection {
         match (self, content) {
             (Self::Rule(selector), content) => selector.select(content, frame, moment),
+            (Self::Target(_, Some(refiner)), Some(content)) if is_limited(budget) => {
+                refiner.refine(content, frame, moment, budget)
+            }
+            (Self::Target(selector, _), Some(content)) => selector.select(content, frame, moment),
             (Self::Budget(refiner), Some(content)) => {
                 refiner.refine(content, frame, moment, budget)
             }
-            (Self::Budget(_), None) => panic!("a policy that spends a budget was given no content"),
+            (Self::Budget(_) | Self::Target(..), None) => {
+                panic!("a policy that weighs units was given no content")
+            }
         }
     }
+}
+
+fn is_limited(budget: Option<u64>) -> bool {
+    budget.is_some_and(|bytes| bytes < u64::MAX)
 }

@@ -2,12 +2,14 @@
 
 pub mod aim;
 pub mod budget;
+pub mod calibration;
 pub mod chooser;
 pub mod content;
 pub mod distance;
 pub mod figures;
 pub mod greedy;
 pub mod level_map;
+pub mod losses;
 pub mod picker;
 pub mod policy;
 pub mod refine;
@@ -15,6 +17,7 @@ pub mod session;
 pub mod session_log;
 pub mod stage;
 pub mod steady;
+pub mod target;
 pub mod worth;
 
 mod need;

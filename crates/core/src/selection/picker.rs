@@ -111,10 +111,7 @@ impl Picker {
             state: aim.state,
         };
         let selection = chooser.choose(content, frame, &moment, budget);
-        let spent = match chooser {
-            Chooser::Budget(refiner) => refiner.spent(),
-            Chooser::Rule(_) => 0,
-        };
+        let spent = chooser.spent();
         let given = Given {
             gaze: aim.gaze,
             head: aim.head,

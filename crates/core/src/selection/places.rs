@@ -1,11 +1,18 @@
 //! Which directions stand for a cell when its worth to an eye is added up?
 
+use super::policy::Moment;
+use super::sight::Sight;
 use crate::asset::tile_grid::{Tile, TileGrid};
-use crate::units::Ppd;
+use crate::units::{Cpd, Ppd, Radians};
+use crate::view::eye_view::EyeView;
 use glam::DVec3;
 
-/// Places of a cell on each axis.
+/// Places of a cell on each axis, for its worth.
 const ACROSS: u32 = 3;
+/// Places are at most this far apart where losses are summed up, in degrees: the fovea's radius;
+/// there are at most so many on each axis.
+const APART_DEG: f64 = 2.5;
+const MOST_ACROSS: u32 = 12;
 
 /// One place, standing for a part of its cell.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +32,26 @@ pub(super) struct CellPlaces {
 }
 
 impl CellPlaces {
+    /// Its places, as few as do.
     pub(super) fn new(grid: &TileGrid, cell: Tile) -> Self {
+        Self::with(grid, cell, ACROSS)
+    }
+
+    /// Its places, near to each other.
+    pub(super) fn dense(grid: &TileGrid, cell: Tile) -> Self {
+        let side = grid.covered(cell).into_iter().max().unwrap_or(0);
+        let middle = grid
+            .surface
+            .ppd(grid.surface.size.map(|side| f64::from(side) / 2.0));
+        let across = f64::from(side) / middle.0 / APART_DEG;
+        Self::with(
+            grid,
+            cell,
+            (across.ceil() as u32).clamp(ACROSS, MOST_ACROSS),
+        )
+    }
+
+    fn with(grid: &TileGrid, cell: Tile, across: u32) -> Self {
         let (from, size) = (grid.origin(cell), grid.covered(cell));
         let at = |x: f64, y: f64| {
             let place = [
@@ -36,11 +62,11 @@ impl CellPlaces {
             (grid.surface.direction(face, place), grid.surface.ppd(place))
         };
         let forward = grid.surface.axes(u32::from(cell.face)).forward;
-        let share = 1.0 / f64::from(ACROSS * ACROSS);
+        let share = 1.0 / f64::from(across * across);
         let pixels = f64::from(size[0]) * f64::from(size[1]);
-        let middle = |step: u32| (f64::from(step) + 0.5) / f64::from(ACROSS);
-        let places = (0..ACROSS * ACROSS).map(|k| {
-            let (direction, ppd) = at(middle(k % ACROSS), middle(k / ACROSS));
+        let middle = |step: u32| (f64::from(step) + 0.5) / f64::from(across);
+        let places = (0..across * across).map(|k| {
+            let (direction, ppd) = at(middle(k % across), middle(k / across));
             // Away from the face's axis a pixel fills a smaller solid angle: cos³.
             let cos = direction.dot(forward);
             let area_deg2 = pixels * share / (ppd.0 * ppd.0) * cos;
@@ -54,6 +80,68 @@ impl CellPlaces {
             cell,
             places: places.collect(),
         }
+    }
+}
+
+/// What is beside the view has no worth.
+const NO_MARGIN: Radians = Radians(0.0);
+
+/// What a view shows of places; without one, all of them.
+pub(super) struct Sighted<'a> {
+    view: Option<(&'a EyeView, Sight)>,
+}
+
+impl<'a> Sighted<'a> {
+    pub(super) fn new(moment: &'a Moment) -> Self {
+        let view = moment.view.as_ref();
+        Self {
+            view: view.map(|view| (view, Sight::new(view, NO_MARGIN))),
+        }
+    }
+
+    /// Those of a cell's places that are in view.
+    pub(super) fn places<'b>(&'b self, cell: &'b CellPlaces) -> impl Iterator<Item = &'b Place> {
+        let in_view = |direction| match &self.view {
+            Some((_, sight)) => sight.reaches(direction),
+            None => true,
+        };
+        let places = cell.places.iter();
+        places.filter(move |place| in_view(place.direction))
+    }
+
+    /// Highest frequency that the display shows there.
+    pub(super) fn display_limit(&self, place: &Place) -> Cpd {
+        let ppd = self.view.as_ref().map_or(f64::INFINITY, |(view, _)| {
+            let ppd = view.ppd_towards(place.direction);
+            view.seen_ppd(ppd, place.direction).0
+        });
+        Cpd(ppd / 2.0)
+    }
+
+    /// A place as it appears to the eye.
+    pub(super) fn seen(&self, place: &Place) -> Place {
+        let Some((view, _)) = &self.view else {
+            return *place;
+        };
+        let ppd = view.seen_ppd(place.ppd, place.direction);
+        let closer = place.ppd.0 / ppd.0;
+        Place {
+            ppd,
+            area_deg2: place.area_deg2 * closer * closer,
+            ..*place
+        }
+    }
+
+    /// Pixels of the display that show a place; without one, its square degrees.
+    pub(super) fn pixels(&self, place: &Place) -> f64 {
+        let Some((view, _)) = &self.view else {
+            return place.area_deg2;
+        };
+        let ppd = view.ppd_towards(place.direction).0;
+        // Away from the view's axis a pixel fills a smaller solid angle: cos³, of which cos² is in
+        // the density across the radius.
+        let depth = place.direction.dot(view.axes.forward).max(1e-3);
+        place.area_deg2 * ppd * ppd / depth
     }
 }
 

@@ -2,188 +2,24 @@
 
 use super::content::Content;
 use super::distance::{acuity_thresholds, angle_to_cell, distance_levels};
-use super::greedy::Misfit;
 use super::level_map::LevelMap;
 use super::need::{CellBounds, Probe, level_of_footprint, probes, probes_under};
 use super::neighbours::neighbours;
+use super::sight::Sight;
 use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::gaze::sample::GazeSample;
 use crate::perception::acuity::AcuityModel;
-use crate::perception::parameters::{EyeState, Model, Parameters};
+use crate::perception::parameters::EyeState;
 use crate::units::{Ppd, Radians};
 use crate::view::axes::{angle_between, direction_between};
 use crate::view::eye_view::EyeView;
 use crate::view::surface::Projection;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
-/// How levels are chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Policy {
-    /// Every finest tile: the baseline of all ratios.
-    Full,
-    /// Only the coarsest level: the other end.
-    Coarsest,
-    /// What is in view plus a margin at display density, the rest coarsest: what the industry
-    /// ships.
-    Viewport,
-    /// Kastner 2016 on panoramas: the gaze's cell finest, its neighbours middle, the rest coarsest.
-    Grid,
-    /// Kastner 2016 on wide screens: a level by the distance to the gaze, nothing finer than the
-    /// coarsest out of view.
-    Distance,
-    /// Kastner 2016 on wide screens: tiles as under `distance`, of which only samples are shown,
-    /// as dense round the gaze as the eye's acuity.
-    Sampled,
-    /// The coarsest level that still meets the eye's limit everywhere in a cell.
-    Acuity,
-    /// UNI: everything in view is raised evenly, one level at a time.
-    Uniform,
-    /// ECC: acuity plus a pedestal, per byte: no content, no popping.
-    Eccentricity,
-    /// OURS: what a step is worth to the eye, per byte (Chen et al. 2022, corrected).
-    Perceptual,
-}
-
-impl Policy {
-    /// Whether this policy spends a budget on units of known size, step by step: then a
-    /// [`Refiner`](super::refine::Refiner) chooses, else a [`Selector`].
-    #[must_use]
-    pub fn spends_a_budget(self) -> bool {
-        matches!(self, Self::Uniform | Self::Eccentricity | Self::Perceptual)
-    }
-}
-
-/// How far a gaze strays that means to stay: fixational eye movements and a tracker's noise.
-pub const STEADINESS: Radians = Radians(core::f64::consts::PI / 180.0);
-
-#[allow(
-    clippy::trivially_copy_pass_by_ref,
-    reason = "serde calls it with a reference"
-)]
-fn is_none(angle: &Radians) -> bool {
-    angle.0 == 0.0
-}
-
-/// Pixels on a side of a sample mask unless another size is asked for (Kastner 2016).
-pub const MASK_SIDE: u32 = 1920;
-
-/// Which pixels round the gaze `sampled` shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct MaskConfig {
-    /// Pixels of the view on a side of the square that samples lie in.
-    pub side: u32,
-    /// How many samples; `None` for as many as the eye's acuity asks for.
-    pub samples: Option<u32>,
-}
-
-impl Default for MaskConfig {
-    fn default() -> Self {
-        Self {
-            side: MASK_SIDE,
-            samples: None,
-        }
-    }
-}
-
-impl MaskConfig {
-    fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-/// Which cells the `grid` policy shows at the finest level.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum EdgeRule {
-    /// Every cell within the margin of the gaze, borders included.
-    #[default]
-    Conservative,
-    /// Only the cell that the gaze is in.
-    Single,
-}
-
-/// A policy with its parameters; written into session logs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PolicyConfig {
-    /// The rule.
-    pub policy: Policy,
-    /// The eye of `acuity`.
-    pub acuity: AcuityModel,
-    /// `acuity`: radius round the gaze within which everything is finest and beyond which
-    /// eccentricity counts.
-    pub safety_disc: Radians,
-    /// `viewport`: what is kept fine around the view.
-    pub margin: Radians,
-    /// `grid`: which cells are finest.
-    pub edge_rule: EdgeRule,
-    /// `grid`: how near a cell must be to the gaze to be finest.
-    pub edge_margin: Radians,
-    /// `grid`: how many cells of the lowest level, in index order, count as noisy and are promoted
-    /// to the middle level.
-    pub noisy_cells: u32,
-    /// `grid`: mean variance of red, green and blue, in squared 8-bit code values, above which a
-    /// cell of the lowest level is promoted to the middle level; `None` looks at no content.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub noise_threshold: Option<f64>,
-    /// `distance`, `sampled`: angle from the gaze up to which each level is shown, finest first,
-    /// rising; beyond the last all is coarsest. Empty: where acuity allows the next level.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub thresholds: Vec<Radians>,
-    /// `sampled`: which samples are shown.
-    #[serde(default, skip_serializing_if = "MaskConfig::is_default")]
-    pub mask: MaskConfig,
-    /// How far the gaze may go before what it leaves becomes coarser, for policies that spend no
-    /// budget; see [`steady`](super::steady).
-    #[serde(default, skip_serializing_if = "is_none")]
-    pub steadiness: Radians,
-    /// `perceptual`, `eccentricity`: what a step is worth.
-    #[serde(default)]
-    pub perception: Parameters,
-    /// `perceptual`: whether saliency says what to fetch outside the region that gaze predicts.
-    #[serde(default)]
-    pub saliency: bool,
-}
-
-impl PolicyConfig {
-    /// A policy with its default parameters.
-    #[must_use]
-    pub fn new(policy: Policy) -> Self {
-        Self {
-            policy,
-            acuity: AcuityModel::LINEAR,
-            safety_disc: Radians(0.0),
-            margin: Radians::from_degrees(10.0),
-            edge_rule: EdgeRule::Conservative,
-            edge_margin: Radians(0.0),
-            noisy_cells: 0,
-            noise_threshold: None,
-            thresholds: Vec::new(),
-            mask: MaskConfig::default(),
-            steadiness: STEADINESS,
-            perception: Parameters::default(),
-            saliency: false,
-        }
-    }
-
-    /// Whether this policy looks at cues of the content.
-    #[must_use]
-    pub fn needs_cues(&self) -> bool {
-        self.policy == Policy::Grid && self.noise_threshold.is_some()
-    }
-
-    /// What happens when the best step does not fit into what a frame may spend: the corrected
-    /// greedy stops and saves up for it, as what is left counts for the next frame; the published
-    /// one (Chen et al. 2022) goes on with the next and so spends what it would need
-    /// (docs/decisions/0004-what-does-not-fit-is-skipped.md).
-    pub(super) fn misfit(&self) -> Misfit {
-        match self.perception.model {
-            Model::Paper => Misfit::Skip,
-            Model::Default => Misfit::Stop,
-        }
-    }
-}
+mod config;
+pub use config::{
+    DEFAULT_TARGET, EdgeRule, MASK_SIDE, MaskConfig, Policy, PolicyConfig, STEADINESS,
+};
 
 /// What selection knows of the viewer at one display time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -261,6 +97,11 @@ impl Selector {
             cells,
             thresholds,
         }
+    }
+
+    /// From now on chooses for another eye, as far as `acuity` does.
+    pub(super) fn set_acuity(&mut self, acuity: AcuityModel) {
+        self.config.acuity = acuity;
     }
 
     /// The grid it chooses on.
@@ -418,14 +259,36 @@ impl Selector {
 
     fn acuity(&self, moment: &Moment, asked: impl Fn(usize) -> bool) -> LevelMap {
         let mut cells = self.cells.iter().enumerate();
+        let sight = moment.view.as_ref().map(|view| (view, self.sight(view)));
         let mut levels = LevelMap::from_cells(&self.grid, |_| match cells.next() {
-            Some((rank, bounds)) if asked(rank) => self.acuity_level(bounds, moment),
+            Some((rank, bounds)) if asked(rank) => {
+                let level = self.acuity_level(bounds, moment);
+                match &sight {
+                    Some(sight) if !moment.is_magnified() => {
+                        level.max(self.most_shown(bounds, moment, sight))
+                    }
+                    _ => level,
+                }
+            }
             _ => self.grid.coarsest(),
         });
         if let Some(view) = &moment.view {
             self.refine_under(view, &mut levels, |probe| self.allowed_level(moment, probe));
         }
         levels
+    }
+
+    /// The finest level of a cell that `viewport` would show; the safety disc is exempt.
+    fn most_shown(
+        &self,
+        bounds: &CellBounds,
+        moment: &Moment,
+        (view, sight): &(&EyeView, Sight),
+    ) -> u8 {
+        let nearest = bounds.least_eccentricity(moment.gaze.gaze_in_content);
+        let disc = self.disc_footprint(nearest, bounds.least_ppd());
+        let shown = self.shown_level(bounds, view, sight);
+        shown.min(level_of_footprint(&self.grid, disc))
     }
 
     fn acuity_level(&self, bounds: &CellBounds, moment: &Moment) -> u8 {

@@ -6,9 +6,11 @@
 //! for as long as it will be shown. What is bought and not shown in the end (four children hide
 //! their parent) is not bought.
 
+use super::calibration::Expectation;
 use super::content::Content;
-use super::greedy::{Catalog, CatalogBuilder, Chain, Misfit, Rule, Stage, Step};
+use super::greedy::{Catalog, CatalogBuilder, Chain, Choice, Misfit, Rule, Stage, Step};
 use super::level_map::LevelMap;
+use super::losses::{LossMeter, Losses};
 use super::policy::{Moment, Policy, PolicyConfig, Selection};
 use super::worth::{Gains, Worth};
 use crate::asset::tile_grid::{Tile, TileGrid};
@@ -26,6 +28,8 @@ pub struct Refiner {
     grid: TileGrid,
     config: PolicyConfig,
     worth: Worth,
+    /// Where buying stops at a score: tells it.
+    meter: Option<LossMeter>,
     /// Two units a tile: now, and in the groups that begin next.
     catalog: Catalog,
     /// All tiles of the left eye but those of the coarsest level, coarsest first; each is bought
@@ -45,8 +49,46 @@ struct Horizon {
     /// What a gain there counts.
     weight: f64,
     gains: Gains,
+    losses: Option<Losses>,
     /// What is held for it and worth showing.
     shown: LevelMap,
+}
+
+/// How far one time is from the score at which buying stops.
+struct Goal<'a> {
+    losses: &'a Losses,
+    levels: LevelMap,
+    /// What is lost at these levels, summed over cells.
+    lost: f64,
+}
+
+impl<'a> Goal<'a> {
+    fn new(horizon: &'a Horizon) -> Option<Self> {
+        let losses = horizon.losses.as_ref()?;
+        let levels = horizon.shown.clone();
+        let cells = levels.levels().iter().enumerate();
+        let lost = cells.map(|(rank, level)| losses.sum(rank, *level)).sum();
+        Some(Self {
+            losses,
+            levels,
+            lost,
+        })
+    }
+
+    fn is_reached(&self, expectation: Expectation, target: f64) -> bool {
+        expectation.jod(self.losses.quality(self.lost)) >= target
+    }
+
+    /// A tile is shown besides.
+    fn add(&mut self, grid: &TileGrid, tile: Tile) {
+        for cell in grid.cells_under(tile) {
+            let (rank, was) = (grid.rank(cell) as usize, self.levels.level(grid, cell));
+            if tile.level < was {
+                self.lost += self.losses.sum(rank, tile.level) - self.losses.sum(rank, was);
+                self.levels.refine(grid, cell, tile.level);
+            }
+        }
+    }
 }
 
 impl Refiner {
@@ -66,6 +108,9 @@ impl Refiner {
         Self {
             catalog: catalog_of(&grid, &tiles, &first, &config),
             worth: Worth::new(&grid, &config),
+            meter: config
+                .target
+                .map(|_| LossMeter::new(&grid, &config.perception)),
             held: vec![[None; 2]; tiles.len()],
             spent: 0,
             grid,
@@ -131,9 +176,11 @@ impl Refiner {
             .map(|(frame, weight)| {
                 let gains = self.worth.gains(&self.grid, content, frame, moment);
                 let shown = self.shown(content, frame, &gains);
+                let meter = self.meter.as_ref();
                 Horizon {
                     frame,
                     weight,
+                    losses: meter.map(|meter| meter.losses(&self.grid, content, frame, moment)),
                     gains,
                     shown,
                 }
@@ -201,7 +248,7 @@ impl Refiner {
                 self.catalog.set_values(at, &[value]);
             }
         }
-        let chosen = self.chosen(&worth_it, budget);
+        let chosen = self.chosen(&worth_it, horizons, budget);
         let mut bytes = 0;
         for (which, horizon) in horizons.iter().enumerate() {
             let here = chosen.iter().filter(|entry| **entry % 2 == which);
@@ -218,14 +265,30 @@ impl Refiner {
     }
 
     /// Entries of the catalog to buy.
-    fn chosen(&mut self, worth_it: &[bool], budget: u64) -> Vec<usize> {
+    fn chosen(&mut self, worth_it: &[bool], horizons: &[Horizon], budget: u64) -> Vec<usize> {
+        let mut goals: Vec<Option<Goal<'_>>> = horizons.iter().map(Goal::new).collect();
+        let (grid, tiles, target) = (self.grid, &self.tiles, self.config.target);
+        let expectation = Expectation::of(self.config.policy);
+        // What a horizon reaches its score without is left out.
+        let mut is_missed = |choice: &Choice| {
+            let entry = choice.unit as usize;
+            let goal = goals.get_mut(entry % 2).and_then(Option::as_mut);
+            let (Some(goal), Some(target)) = (goal, target) else {
+                return true;
+            };
+            let missed = !goal.is_reached(expectation, target);
+            if missed {
+                goal.add(&grid, tiles[entry / 2]);
+            }
+            missed
+        };
+        let entry = |choice: Choice| is_missed(&choice).then_some(choice.unit as usize);
         if self.config.policy == Policy::Uniform {
             let visible = |entry: u32| worth_it[entry as usize];
             let choices = self.catalog.uniform(budget, Misfit::Stop, visible);
-            return choices.map(|choice| choice.unit as usize).collect();
+            return choices.filter_map(entry).collect();
         }
-        let choices = self.catalog.choices(budget);
-        choices.map(|choice| choice.unit as usize).collect()
+        self.catalog.choices(budget).filter_map(entry).collect()
     }
 
     /// Those of the chosen tiles that will be seen.
@@ -286,291 +349,4 @@ fn shown_tiles(grid: &TileGrid, levels: &LevelMap) -> Vec<Tile> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::asset::cues::Cues;
-    use crate::asset::signature::{BandContrast, Signature};
-    use crate::asset::tile_grid::Cut;
-    use crate::gaze::sample::GazeSample;
-    use crate::perception::parameters::{EyeState, Model, Parameters};
-    use crate::selection::level_map::pixels;
-    use crate::units::{Radians, Seconds};
-    use crate::view::axes::{Axes, angle_between};
-    use crate::view::eye_view::{EyeView, Field};
-    use crate::view::surface::Surface;
-
-    const FRAMES_IN_GROUP: u32 = 8;
-
-    /// Busy everywhere; only one tile moves.
-    struct Busy;
-
-    impl Content for Busy {
-        fn unit(&self, tile: Tile, frame: u32) -> UnitId {
-            let place = u32::from(tile.face) << 12 | u32::from(tile.y) << 6 | u32::from(tile.x);
-            UnitId(place | u32::from(tile.level) << 16 | (frame / FRAMES_IN_GROUP) << 20)
-        }
-
-        fn next_group(&self, frame: u32) -> Option<u32> {
-            let next = (frame / FRAMES_IN_GROUP + 1) * FRAMES_IN_GROUP;
-            (next < 4 * FRAMES_IN_GROUP).then_some(next)
-        }
-
-        fn bytes(&self, unit: UnitId) -> u32 {
-            1000 + unit.0.wrapping_mul(2_654_435_761) % 500
-        }
-
-        fn signature(&self, _: UnitId) -> Option<Signature> {
-            let band = |before, after| BandContrast {
-                before,
-                after,
-                difference: after - before,
-            };
-            Some(Signature {
-                bands: [band(0.01, 0.15), band(0.1, 0.12), band(0.1, 0.1)],
-            })
-        }
-
-        fn cues(&self, unit: UnitId) -> Option<Cues> {
-            let moves = unit.0 & 0xffff == 3 << 12;
-            let change = if moves { 200.0 } else { 0.0 };
-            Some(Cues {
-                change,
-                ..Cues::default()
-            })
-        }
-    }
-
-    fn grid() -> TileGrid {
-        TileGrid::new(Surface::cube(1024), Cut::Tile(128), 4, 2).unwrap()
-    }
-
-    fn config(policy: Policy) -> PolicyConfig {
-        PolicyConfig::new(policy)
-    }
-
-    fn moment(yaw_deg: f64) -> Moment {
-        let size = [800, 500];
-        Moment {
-            gaze: GazeSample::at(Seconds(0.0), Radians::from_degrees(yaw_deg), Radians(0.0)),
-            view: Some(EyeView {
-                axes: Axes::FRONT,
-                field: Field::across(Radians::from_degrees(100.0), size),
-                size,
-                eye: Default::default(),
-            }),
-            state: EyeState::Steady,
-        }
-    }
-
-    const BUDGETED: [Policy; 3] = [Policy::Uniform, Policy::Eccentricity, Policy::Perceptual];
-
-    fn first_frame(policy: Policy, budget: Option<u64>) -> (Refiner, Selection) {
-        let mut refiner = Refiner::new(grid(), config(policy));
-        let selection = refiner.refine(&Busy, 0, &moment(0.0), budget);
-        (refiner, selection)
-    }
-
-    #[test]
-    fn a_budget_is_never_passed_and_what_is_shown_was_paid() {
-        for policy in BUDGETED {
-            for budget in [0, 999, 5_000, 30_000, 200_000] {
-                let (refiner, selection) = first_frame(policy, Some(budget));
-                let finer = selection.tiles.iter().filter(|tile| tile.level < 3);
-                let shown: u64 = finer
-                    .map(|tile| u64::from(Busy.bytes(Busy.unit(*tile, 0))))
-                    .sum();
-                assert!(refiner.spent() <= budget, "{policy:?} {budget}");
-                assert!(shown <= refiner.spent(), "{policy:?} {budget}");
-            }
-        }
-    }
-
-    #[test]
-    fn more_bytes_are_never_worth_less() {
-        for policy in BUDGETED {
-            let mut before = 0.0;
-            for budget in [0, 5_000, 20_000, 60_000, 200_000, u64::MAX] {
-                let (refiner, selection) = first_frame(policy, Some(budget));
-                let gains = refiner.worth.gains(&grid(), &Busy, 0, &moment(0.0));
-                let share = gains.share(&grid(), &selection.levels);
-                assert!(
-                    share >= before - 1e-9,
-                    "{policy:?} {budget}: {share} {before}"
-                );
-                before = share;
-            }
-            assert!(before > 0.999, "{policy:?}: {before}");
-        }
-    }
-
-    #[test]
-    fn what_is_bought_stays_and_a_steady_eye_gets_all_that_is_worth_it() {
-        for policy in BUDGETED {
-            let whole = first_frame(policy, None).1.levels;
-            let mut refiner = Refiner::new(grid(), config(policy));
-            let mut shown = LevelMap::filled(&grid(), 3);
-            for _ in 0..60 {
-                let levels = refiner.refine(&Busy, 3, &moment(0.0), Some(25_000)).levels;
-                for (now, before) in levels.levels().iter().zip(shown.levels()) {
-                    assert!(now <= before, "{policy:?}");
-                }
-                shown = levels;
-            }
-            assert_eq!(refiner.spent(), 0, "{policy:?}");
-            assert_eq!(shown, whole, "{policy:?}");
-        }
-    }
-
-    #[test]
-    fn detail_goes_where_the_eye_looks() {
-        for policy in [Policy::Eccentricity, Policy::Perceptual] {
-            let selection = first_frame(policy, Some(40_000)).1;
-            let level_at = |yaw: f64| {
-                let gaze = moment(yaw).gaze.gaze_in_content;
-                let (face, place) = grid().surface.locate(gaze).unwrap();
-                selection.levels.level(&grid(), grid().cell_at(face, place))
-            };
-            assert!(level_at(1.0) < level_at(35.0), "{policy:?}");
-            let behind = level_at(180.0);
-            assert_eq!(behind, 3, "{policy:?}");
-        }
-    }
-
-    #[test]
-    fn a_steady_eye_keeps_its_detail_when_new_groups_begin() {
-        for policy in BUDGETED {
-            let mut refiner = Refiner::new(grid(), config(policy));
-            let shares: Vec<f64> = (0..24)
-                .map(|frame| {
-                    let levels = refiner
-                        .refine(&Busy, frame, &moment(0.0), Some(40_000))
-                        .levels;
-                    let gains = refiner.worth.gains(&grid(), &Busy, frame, &moment(0.0));
-                    gains.share(&grid(), &levels)
-                })
-                .collect();
-            assert!(shares[16] > 0.6 * shares[15], "{policy:?}: {shares:?}");
-        }
-    }
-
-    #[test]
-    fn uniform_raises_what_is_in_view_evenly() {
-        let selection = first_frame(Policy::Uniform, Some(30_000)).1;
-        let view = moment(0.0).view.unwrap();
-        let grid = grid();
-        let in_view = grid.tiles_of(0).filter(|cell| {
-            angle_between(view.axes.forward, grid.centre(*cell)).to_degrees() < 30.0
-        });
-        let levels: Vec<u8> = in_view
-            .map(|cell| selection.levels.level(&grid, cell))
-            .collect();
-        let (least, most) = (levels.iter().min().unwrap(), levels.iter().max().unwrap());
-        assert!(most - least <= 1, "{levels:?}");
-    }
-
-    #[test]
-    fn without_limit_an_eye_gets_less_than_everything_and_the_view_bounds_it() {
-        let tiles = first_frame(Policy::Perceptual, None).1.tiles;
-        let whole = LevelMap::filled(&grid(), 0).cover(&grid());
-        assert!(pixels(&grid(), &tiles) * 2 < pixels(&grid(), &whole));
-    }
-
-    #[test]
-    fn saliency_fetches_what_moves_outside_the_view_and_nothing_else_there() {
-        let behind = |saliency| {
-            let config = PolicyConfig {
-                saliency,
-                ..config(Policy::Perceptual)
-            };
-            let mut refiner = Refiner::new(grid(), config);
-            let tiles = refiner.refine(&Busy, 0, &moment(0.0), None).tiles;
-            let left = tiles
-                .into_iter()
-                .filter(|tile| tile.face == 3 && tile.level < 3);
-            left.filter(|tile| grid().centre(*tile).x < -0.99).count()
-        };
-        assert_eq!(behind(false), 0);
-        let moving = grid().tile_at(
-            0,
-            grid().rank(Tile {
-                level: 0,
-                face: 3,
-                x: 0,
-                y: 0,
-            }),
-        );
-        let config = PolicyConfig {
-            saliency: true,
-            ..config(Policy::Perceptual)
-        };
-        let tiles = Refiner::new(grid(), config)
-            .refine(&Busy, 0, &moment(0.0), None)
-            .tiles;
-        assert!(tiles.contains(&moving));
-    }
-
-    #[test]
-    fn a_jumping_eye_is_prepared_for_anything_in_view() {
-        let shares = [EyeState::Steady, EyeState::Jumping].map(|state| {
-            let mut refiner = Refiner::new(grid(), config(Policy::Perceptual));
-            let moment = Moment {
-                state,
-                ..moment(0.0)
-            };
-            let levels = refiner.refine(&Busy, 0, &moment, Some(45_000)).levels;
-            let grid = grid();
-            let cells = grid.tiles_of(0).filter(|cell| {
-                angle_between(moment.gaze.gaze_in_content, grid.centre(*cell)).to_degrees() < 12.0
-            });
-            let finest: Vec<u8> = cells.map(|cell| levels.level(&grid, cell)).collect();
-            finest.iter().map(|level| f64::from(*level)).sum::<f64>() / finest.len() as f64
-        });
-        assert!(shares[0] < shares[1], "{shares:?}");
-    }
-
-    #[test]
-    fn both_eyes_are_bought_for_together_out_of_one_budget() {
-        let surface = grid().surface.for_two_eyes();
-        let both = TileGrid { surface, ..grid() };
-        for policy in BUDGETED {
-            let mut refiner = Refiner::new(both, config(policy));
-            let selection = refiner.refine(&Busy, 0, &moment(20.0), Some(60_000));
-            let finer = selection.tiles.iter().filter(|tile| tile.level < 3);
-            let bytes = finer.map(|tile| u64::from(Busy.bytes(Busy.unit(*tile, 0))));
-            assert!(bytes.sum::<u64>() <= refiner.spent() && refiner.spent() <= 60_000);
-            assert!(
-                selection.tiles.iter().any(|tile| tile.level < 3),
-                "{policy:?}"
-            );
-            for tile in &selection.tiles {
-                for twin in both.for_every_eye(*tile) {
-                    assert!(selection.tiles.contains(&twin), "{policy:?} {twin:?}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn nothing_is_bought_that_the_display_is_said_not_to_show() {
-        let finest = |display_cpd| {
-            let mut config = config(Policy::Perceptual);
-            config.perception.set("display_cpd", display_cpd).unwrap();
-            let mut refiner = Refiner::new(grid(), config);
-            let levels = refiner.refine(&Busy, 0, &moment(0.0), None).levels;
-            *levels.levels().iter().min().unwrap()
-        };
-        assert_eq!(finest(0.0), 0);
-        assert!(finest(0.5) > 0);
-    }
-
-    #[test]
-    fn the_published_model_also_chooses() {
-        let paper = PolicyConfig {
-            perception: Parameters::of(Model::Paper),
-            ..config(Policy::Perceptual)
-        };
-        let mut refiner = Refiner::new(grid(), paper);
-        let selection = refiner.refine(&Busy, 0, &moment(0.0), Some(50_000));
-        assert!(refiner.spent() > 0 && selection.levels.levels().contains(&0));
-    }
-}
+mod tests;

@@ -272,7 +272,7 @@ impl Session {
     #[must_use]
     pub fn needs_content(&self) -> bool {
         let config = &self.head.policy;
-        config.policy.spends_a_budget() || config.needs_cues()
+        config.needs_signatures() || config.needs_cues()
     }
 
     /// The same run selected again from what was given: equal to this one, or something changed.
@@ -340,7 +340,7 @@ impl Content for ScriptedContent {
 
     fn signature(&self, unit: UnitId) -> Option<Signature> {
         let byte = |k: u32| (unit.0.wrapping_mul(2_246_822_519 + 2 * k) >> 24) as u8;
-        Some(Signature::from_bytes(core::array::from_fn(|k| {
+        Some(Signature::from_bytes_v1(core::array::from_fn(|k| {
             byte(k as u32)
         })))
     }

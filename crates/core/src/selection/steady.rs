@@ -9,6 +9,7 @@ use super::content::Content;
 use super::level_map::LevelMap;
 use super::policy::{Moment, PolicyConfig, Selection, Selector};
 use crate::asset::tile_grid::TileGrid;
+use crate::perception::acuity::AcuityModel;
 use crate::units::Radians;
 
 /// A rule that remembers what it showed.
@@ -32,6 +33,18 @@ impl SteadySelector {
             slack,
             before: None,
         }
+    }
+
+    /// The rule without its memory.
+    #[must_use]
+    pub(super) fn exact(&self) -> &Selector {
+        &self.exact
+    }
+
+    /// From now on chooses for another eye.
+    pub(super) fn set_acuity(&mut self, acuity: AcuityModel) {
+        self.exact.set_acuity(acuity);
+        self.loose.set_acuity(acuity);
     }
 
     /// The choice for one moment, after those before. Costs at most twice a
@@ -72,12 +85,13 @@ impl SteadySelector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::asset::tile_grid::Cut;
+    use crate::asset::tile_grid::{Cut, Tile};
     use crate::gaze::sample::{GazeSample, HeadPose};
     use crate::gaze::scan::Random;
     use crate::perception::parameters::EyeState;
     use crate::selection::policy::Policy;
     use crate::units::Seconds;
+    use crate::view::axes::angle_between;
     use crate::view::eye_view::{EyeView, Field};
     use crate::view::surface::{Eye, Surface};
 
@@ -151,9 +165,19 @@ mod tests {
     fn a_nodding_head_under_a_steady_eye_changes_no_level() {
         for policy in [Policy::Grid, Policy::Acuity] {
             let mut steady = SteadySelector::new(sphere(), PolicyConfig::new(policy));
+            let grid = sphere();
+            let gaze = moment([12.0, -7.0], [0.0; 2]).gaze.gaze_in_content;
+            // What leaves the view becomes coarse under acuity.
+            let near = |cell: &Tile| {
+                let apart = angle_between(grid.centre(*cell), gaze).to_degrees();
+                policy == Policy::Grid || apart < 15.0
+            };
+            let near: Vec<Tile> = grid.tiles_of_left_eye(0).filter(near).collect();
             let mut at = |pitch: f64| {
                 let head = [0.3 * pitch, pitch];
-                steady.select(None, 0, &moment([12.0, -7.0], head))
+                let levels = steady.select(None, 0, &moment([12.0, -7.0], head)).levels;
+                let level = |cell: &Tile| levels.level(&grid, *cell);
+                near.iter().map(level).collect::<Vec<u8>>()
             };
             let first = at(0.0);
             for step in 0..60 {

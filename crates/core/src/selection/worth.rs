@@ -5,9 +5,8 @@
 
 use super::content::Content;
 use super::level_map::LevelMap;
-use super::places::{CellPlaces, Place};
+use super::places::{CellPlaces, Place, Sighted};
 use super::policy::{Moment, Policy, PolicyConfig};
-use super::sight::Sight;
 use crate::asset::signature::Signature;
 use crate::asset::tile_grid::{Tile, TileGrid};
 use crate::perception::eye::{Seen, share_of_octave_below};
@@ -19,7 +18,6 @@ use crate::perception::signature::band_steps;
 use crate::perception::spread::SpreadTable;
 use crate::units::{Cpd, Ppd, Radians};
 use crate::view::axes::angle_between;
-use crate::view::eye_view::EyeView;
 use std::sync::OnceLock;
 
 /// Gain of every step over every cell.
@@ -81,8 +79,6 @@ impl Gains {
     }
 }
 
-/// What is beside the view has no worth but by saliency.
-const NO_MARGIN: Radians = Radians(0.0);
 /// Chance that the next saccade lands outside what the gaze predicts while a group is shown.
 const WANDER: f64 = 0.3;
 /// Saccades fall off with amplitude as exp(-e / this), in degrees (Bahill et al. 1975: 86 % are of
@@ -149,9 +145,10 @@ impl Worth {
     ) -> Gains {
         let mut gains = Gains::zero(grid);
         let spread = SpreadTable::new(moment.gaze.spread);
+        let sighted = Sighted::new(moment);
         let prior = self.prior(grid, content, frame, moment);
         for (rank, cell) in self.cells.iter().enumerate() {
-            let looked = self.looked(cell, moment, &spread);
+            let looked = self.looked(cell, moment, &sighted, &spread);
             let prior = prior.get(rank).copied().unwrap_or_default();
             if looked.is_empty() && prior == 0.0 {
                 continue;
@@ -178,20 +175,19 @@ impl Worth {
     }
 
     /// The parts of a cell that are in view.
-    fn looked(&self, cell: &CellPlaces, moment: &Moment, spread: &SpreadTable) -> Vec<Looked> {
-        let view = moment.view.as_ref();
-        let sight = view.map(|view| Sight::new(view, NO_MARGIN));
-        let visible = |place: &&Place| sight.is_none_or(|sight| sight.reaches(place.direction));
+    fn looked(
+        &self,
+        cell: &CellPlaces,
+        moment: &Moment,
+        sighted: &Sighted<'_>,
+        spread: &SpreadTable,
+    ) -> Vec<Looked> {
         let looked = |place: &Place| {
             let apart = moment.eccentricity(place.direction);
-            let display = view.map_or(f64::INFINITY, |view| {
-                let ppd = view.ppd_towards(place.direction);
-                view.seen_ppd(ppd, place.direction).0
-            });
-            let place = view.map_or(*place, |view| seen_place(view, place));
-            self.looked_at(&place, spread.effective(apart), Cpd(display / 2.0))
+            let display = sighted.display_limit(place);
+            self.looked_at(&sighted.seen(place), spread.effective(apart), display)
         };
-        cell.places.iter().filter(visible).map(looked).collect()
+        sighted.places(cell).map(looked).collect()
     }
 
     fn looked_at(&self, place: &Place, eccentricity: Radians, display: Cpd) -> Looked {
@@ -300,17 +296,6 @@ impl Worth {
         let all: f64 = drawn.iter().sum();
         let share = if all > 0.0 { WANDER / all } else { 0.0 };
         drawn.iter().map(|drawn| drawn * share).collect()
-    }
-}
-
-/// A place as it appears to the eye.
-fn seen_place(view: &EyeView, place: &Place) -> Place {
-    let ppd = view.seen_ppd(place.ppd, place.direction);
-    let closer = place.ppd.0 / ppd.0;
-    Place {
-        ppd,
-        area_deg2: place.area_deg2 * closer * closer,
-        ..*place
     }
 }
 

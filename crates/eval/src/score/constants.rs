@@ -3,6 +3,10 @@
 //! Fitted constants of Mantiuk et al. 2021 in their version 1.2. Versions differ by whole JODs, so
 //! a score always names the one it was made with.
 
+pub use foveal_core::perception::visible_loss::{
+    DIFFERENCE_EXPONENT, JOD_EXPONENT, JOD_SCALE, MASKING, MASKING_EXPONENTS, SPACE_EXPONENT,
+};
+
 /// Name of the metric in results.
 pub const METRIC: &str = "fovvideovdp";
 /// Version of the fitted constants.
@@ -13,24 +17,12 @@ Gizem Rufo, Romain Bachy, Trisha Lian and Anjul Patney. 2021. FovVideoVDP: A vis
 predictor for wide field-of-view video. ACM Transactions on Graphics 40(4), article 49. \
 doi:10.1145/3450626.3459831";
 
-/// Exponent of contrast in the difference (`mask_p`).
-pub const DIFFERENCE_EXPONENT: f64 = 2.4;
-/// Strength of masking: `10^mask_c` with `mask_c` = -0.973838.
-pub const MASKING: f64 = 0.106_209_166;
-/// Exponents of masking: sustained, transient (`mask_q`).
-pub const MASKING_EXPONENTS: [f64; 2] = [2.436_85, 4.946];
 /// Weights of the channels: sustained, transient (`w_transient`).
 pub const CHANNEL_WEIGHTS: [f64; 2] = [1.0, 0.25];
-/// Exponent of pooling over pixels (`beta`).
-pub const SPACE_EXPONENT: f64 = 1.521_34;
 /// Exponent of pooling over the two channels (`beta_tch`); over bands and frames it is 1.
 pub const CHANNEL_EXPONENT: f64 = 0.666_092;
 /// What sensitivities are multiplied by: 16.2596 dB (`sensitivity_correction`).
 pub const SENSITIVITY_FACTOR: f64 = 6.500_997_5;
-/// JOD lost at a quality difference of 1 (`jod_a`).
-pub const JOD_SCALE: f64 = 0.016_171_3;
-/// Exponent from quality difference to JOD: `10^log_jod_exp` with `log_jod_exp` = -0.2280.
-pub const JOD_EXPONENT: f64 = 0.591_561_634;
 
 /// Flicker of the two channels in hertz.
 pub const CHANNEL_HERTZ: [f64; 2] = [0.0, 5.0];

@@ -3,9 +3,7 @@
 //! Mantiuk et al. 2021, pooling: a norm over pixels, sums over bands, a norm over channels, a
 //! mean over frames, and a power to the scale of just-objectionable differences.
 
-use super::constants::{
-    CHANNEL_EXPONENT, CHANNEL_WEIGHTS, JOD_EXPONENT, JOD_SCALE, SPACE_EXPONENT,
-};
+use super::constants::{CHANNEL_EXPONENT, CHANNEL_WEIGHTS, SPACE_EXPONENT};
 use serde::Serialize;
 
 /// Borders between zones, degrees of eccentricity.
@@ -68,10 +66,7 @@ pub fn jod(quality: f64) -> f64 {
 }
 
 /// What is missing to 10.
-#[must_use]
-pub fn jod_lost(quality: f64) -> f64 {
-    JOD_SCALE * quality.max(0.0).powf(JOD_EXPONENT)
-}
+pub use foveal_core::perception::visible_loss::jod_lost;
 
 /// Score of one frame.
 #[derive(Clone, Debug, PartialEq)]

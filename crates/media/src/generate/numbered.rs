@@ -6,8 +6,8 @@
 
 use foveal_core::asset::picture::{Picture, plane_size};
 
-/// Luma of a dark block, of a light one, of the middle between their light, and the least difference
-/// from it that counts.
+/// Luma of a dark block, of a light one, of the middle between their light, and the least
+/// difference from it that counts.
 const DARK: u8 = 48;
 const LIGHT: u8 = 208;
 const MIDDLE: u32 = 150;

@@ -8,12 +8,14 @@ mod content;
 use crate::canvas::{Drawing, RendererName};
 use crate::decoding::{DecodingOptions, DeviceReport};
 use crate::demo::machine::Machine;
+use crate::options::{PolicyName, Target, parse_target};
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::timed_run::{Conditions, Run};
 use anyhow::bail;
 use clap::Args;
 use content::{Content, Generated, WALL, cache};
-use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::perception::acuity::AcuityModel;
+use foveal_core::selection::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
 use foveal_core::units::counted;
 use foveal_core::view::surface::Screen;
 use foveal_media::VideoInput;
@@ -37,6 +39,16 @@ pub(crate) struct VideoArgs {
     /// Where drawn clips are kept (default: the user's folder for caches).
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
+    /// How the foveated frames are chosen: acuity or perceptual.
+    #[arg(long, value_enum, default_value = "acuity")]
+    policy: PolicyName,
+    /// The score in JOD that they are chosen for, 1 to 9.99, or none (default: 9.5).
+    #[arg(long, value_name = "JOD|none", value_parser = parse_target)]
+    #[arg(allow_hyphen_values = true, conflicts_with = "slope")]
+    target: Option<Target>,
+    /// acuity: degrees a degree by which the smallest pixel grows, in place of a target.
+    #[arg(long, value_name = "SLOPE", allow_negative_numbers = true)]
+    slope: Option<f64>,
     /// Foveated frames to play; 10 to 100000.
     #[arg(long, value_name = "N", default_value_t = 600)]
     frames: u32,
@@ -55,7 +67,9 @@ pub(crate) struct VideoArgs {
 
 /// Turns that every policy takes.
 const TURNS: u32 = 10;
-/// Of a turn's foveated frames, those that `viewport` and `full` play too: they are slower.
+/// Of a turn's foveated frames, those that the setting of before, `viewport` and `full` play too:
+/// the latter are slower.
+const SHARE_OF_BEFORE: u32 = 2;
 const SHARE_OF_VIEWPORT: u32 = 10;
 const SHARE_OF_FULL: u32 = 20;
 /// Frames of the original that are decoded, at most.
@@ -90,6 +104,13 @@ struct Report {
     foveated: Rates,
     viewport: Rates,
     full: Rates,
+    policy: &'static str,
+    target: Option<f64>,
+    slope: Option<f64>,
+    /// Of the first frames against every finest tile, in JOD; null where nothing draws.
+    score: Option<f64>,
+    /// As versions chose that knew no score: acuity at a slope of 0.022, in the same run.
+    before: Before,
     /// Foveated frames whose time was over before they could be shown.
     late_frames: u32,
     /// Foveated frames shown with a coarser tile in the place of one that was chosen.
@@ -100,6 +121,20 @@ struct Report {
     /// Of the whole finest level as 8-bit 4:2:0.
     gpu_share: f64,
 }
+
+/// Figures of another setting beside the foveated ones.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Before {
+    slope: f64,
+    foveated_fps: f64,
+    ratio: f64,
+    pixels_share_mean: f64,
+    gpu_bytes: u64,
+    score: Option<f64>,
+}
+
+/// The slope that levels were chosen by before there was a target, in degrees a degree.
+const SLOPE_BEFORE: f64 = 0.022;
 
 /// What one policy reached.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -115,9 +150,11 @@ pub(super) fn run(args: &VideoArgs) -> anyhow::Result<()> {
     if !(10..=100_000).contains(&args.frames) {
         bail!(out_of_range("--frames", args.frames, "10 to 100000"));
     }
+    let config = args.config()?;
     let drawing = Drawing::open(args.renderer)?;
     let content = args.content()?;
     let bench = Bench {
+        config,
         conditions: Conditions {
             file: Arc::new(PackFile::open(&content.pack)?),
             drawing: &drawing,
@@ -127,12 +164,42 @@ pub(super) fn run(args: &VideoArgs) -> anyhow::Result<()> {
         },
     };
     let original = content.original.as_deref().map(original_fps).transpose()?;
-    let [foveated, viewport, full] = bench.play(args.frames)?;
-    let report = bench.report(args.frames, original, foveated, viewport, full);
+    let runs = bench.play(args.frames)?;
+    let report = bench.report(args.frames, original, runs)?;
     output::result(args.json, &report, &report.text())
 }
 
 impl VideoArgs {
+    /// How the foveated frames are chosen.
+    fn config(&self) -> anyhow::Result<PolicyConfig> {
+        let policy = match self.policy {
+            PolicyName::Acuity => Policy::Acuity,
+            PolicyName::Perceptual if self.slope.is_none() => Policy::Perceptual,
+            PolicyName::Perceptual => bail!(WrongUsage(
+                "--slope is for --policy acuity; leave one of them out".to_owned()
+            )),
+            other => bail!(out_of_range(
+                "--policy",
+                other.name(),
+                "acuity or perceptual"
+            )),
+        };
+        let slope = self.slope.unwrap_or(SLOPE_BEFORE);
+        if !(0.0..=1.0).contains(&slope) {
+            bail!(out_of_range("--slope", slope, "0 to 1 degree a degree"));
+        }
+        let target = match (self.target, self.slope) {
+            (Some(Target::Jod(jod)), _) => Some(jod),
+            (Some(Target::None), _) | (None, Some(_)) => None,
+            (None, None) => Some(DEFAULT_TARGET),
+        };
+        Ok(PolicyConfig {
+            acuity: AcuityModel::linear(slope),
+            target,
+            ..PolicyConfig::new(policy)
+        })
+    }
+
     fn content(&self) -> anyhow::Result<Content> {
         match (&self.pack, self.generate) {
             (Some(pack), _) => Ok(Content {
@@ -149,56 +216,89 @@ impl VideoArgs {
 
 /// What is compared.
 struct Bench<'a> {
+    /// How the foveated frames are chosen.
+    config: PolicyConfig,
     conditions: Conditions<'a>,
+}
+
+/// What takes turns.
+struct Runs {
+    foveated: Run,
+    before: Run,
+    viewport: Run,
+    full: Run,
 }
 
 impl Bench<'_> {
     fn run(&self, policy: Policy) -> anyhow::Result<Run> {
         // Nobody sees the baselines, which must decode whatever they take.
-        let paced = policy == Policy::Acuity;
-        self.conditions.run(PolicyConfig::new(policy), paced)
+        self.conditions.run(PolicyConfig::new(policy), false)
+    }
+
+    fn before() -> PolicyConfig {
+        PolicyConfig {
+            acuity: AcuityModel::linear(SLOPE_BEFORE),
+            ..PolicyConfig::new(Policy::Acuity)
+        }
     }
 
     /// All policies take turns, so that other work on the machine touches all alike.
-    fn play(&self, frames: u32) -> anyhow::Result<[Run; 3]> {
-        let mut runs = [
-            self.run(Policy::Acuity)?,
-            self.run(Policy::Viewport)?,
-            self.run(Policy::Full)?,
-        ];
+    fn play(&self, frames: u32) -> anyhow::Result<Runs> {
+        let mut runs = Runs {
+            foveated: self.conditions.run(self.config.clone(), true)?,
+            before: self.conditions.run(Self::before(), true)?,
+            viewport: self.run(Policy::Viewport)?,
+            full: self.run(Policy::Full)?,
+        };
         let turn = frames.div_ceil(TURNS);
-        let shares = [1, SHARE_OF_VIEWPORT, SHARE_OF_FULL];
         let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
         for _ in 0..TURNS {
-            for (run, share) in runs.iter_mut().zip(shares) {
-                run.turn(turn.div_ceil(share))?;
-            }
+            runs.foveated.turn(turn)?;
+            runs.before.turn(turn.div_ceil(SHARE_OF_BEFORE))?;
+            runs.viewport.turn(turn.div_ceil(SHARE_OF_VIEWPORT))?;
+            runs.full.turn(turn.div_ceil(SHARE_OF_FULL))?;
             bar.inc(u64::from(turn));
         }
         bar.finish_and_clear();
         Ok(runs)
     }
 
-    fn report(
-        &self,
-        frames: u32,
-        original_fps: Option<f64>,
-        mut foveated: Run,
-        viewport: Run,
-        full: Run,
-    ) -> Report {
+    fn report(&self, frames: u32, original_fps: Option<f64>, runs: Runs) -> anyhow::Result<Report> {
+        let Runs {
+            mut foveated,
+            mut before,
+            viewport,
+            full,
+        } = runs;
         let gpu_bytes = foveated.gpu_bytes();
         foveated.to_fovea.sort_unstable();
         let p95 = (foveated.to_fovea.len() * 95).div_ceil(100).max(1) - 1;
         let conditions = &self.conditions;
         let about = conditions.file.pack().description();
         let pixels = about.grid(conditions.screen).surface.pixels();
-        let ratio_to = |other: &Run| {
-            let pairs = foveated.decoding.iter().zip(&other.decoding);
+        let ratio_of = |run: &Run, other: &Run| {
+            let pairs = run.decoding.iter().zip(&other.decoding);
             Rate::of(&pairs.map(|(a, b)| a / b).collect::<Vec<f64>>()).median
         };
+        let ratio_to = |other: &Run| ratio_of(&foveated, other);
         let fps = |run: &Run| Rate::of(&run.decoding).median;
-        Report {
+        let before = Before {
+            slope: SLOPE_BEFORE,
+            foveated_fps: fps(&before),
+            ratio: ratio_of(&before, &full),
+            pixels_share_mean: before.share(),
+            gpu_bytes: before.gpu_bytes(),
+            score: conditions.score(&Self::before())?,
+        };
+        Ok(Report {
+            policy: self.config.policy.name(),
+            target: self.config.target,
+            slope: match self.config.acuity {
+                AcuityModel::Linear { slope, .. } if self.config.target.is_none() => Some(slope),
+                _ => None,
+            },
+            score: conditions.score(&self.config)?,
+            before,
             machine: Machine::here(conditions.drawing.name().to_owned()),
             pack: name_of(conditions.file.path()),
             size_px: about.source.size,
@@ -222,7 +322,7 @@ impl Bench<'_> {
             foveated: Rates::of(&foveated),
             viewport: Rates::of(&viewport),
             full: Rates::of(&full),
-        }
+        })
     }
 }
 
@@ -300,6 +400,18 @@ impl Report {
             }
             _ => "original file: not compared; give it with --original FILE\n".to_owned(),
         };
+        let told = |score: Option<f64>| score.map_or("-".to_owned(), |jod| format!("{jod:.2} JOD"));
+        text += &format!(
+            "foveated under {}: {}; before, at a slope of {}: {}, {:.1} frames/s, {:.1} times \
+             full, {:.2} % of the pixels\n",
+            self.policy,
+            told(self.score),
+            self.before.slope,
+            told(self.before.score),
+            self.before.foveated_fps,
+            self.before.ratio,
+            self.before.pixels_share_mean * 100.0,
+        );
         text + &format!(
             "foveated is {:.1} times full and {:.1} times viewport; {:.2} % of the pixels\n\
              {}, {}, fovea sharp {} after a saccade \

@@ -72,6 +72,18 @@ fn scores_are_told_of_as_documented() {
         &folder.name("goldens"),
     ];
     agrees("evaluate goldens", &[&json(&goldens)]);
+    let few = [
+        "--seeds",
+        "1",
+        "--frames",
+        "1",
+        "--targets",
+        "8",
+        "--slopes",
+        "0.044,0.01",
+    ];
+    let targets = json(&[&["evaluate", "targets"][..], &few].concat());
+    agrees("evaluate targets", &[&targets]);
 }
 
 /// Thirty seconds of a head that turns to and fro and eyes that are ahead of it.

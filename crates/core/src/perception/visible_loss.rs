@@ -1,0 +1,109 @@
+//! How much worse than the finest picture does a coarser one look, before anybody judged it?
+//!
+//! The difference and the pooling of FovVideoVDP (Mantiuk et al. 2021, version 1.2), on mean
+//! contrasts of octaves in the place of pixels: what levels are chosen for is what they are judged
+//! by. The judge takes its constants from here.
+
+use super::sensitivity_table::SensitivityTable;
+
+/// Exponent of contrast in the difference (`mask_p`).
+pub const DIFFERENCE_EXPONENT: f64 = 2.4;
+/// Strength of masking: `10^mask_c` with `mask_c` = -0.973838.
+pub const MASKING: f64 = 0.106_209_166;
+/// Exponents of masking: sustained, transient (`mask_q`).
+pub const MASKING_EXPONENTS: [f64; 2] = [2.436_85, 4.946];
+/// Exponent of pooling over pixels (`beta`).
+pub const SPACE_EXPONENT: f64 = 1.521_34;
+/// JOD lost at a quality difference of 1 (`jod_a`).
+pub const JOD_SCALE: f64 = 0.016_171_3;
+/// Exponent from quality difference to JOD: `10^log_jod_exp` with `log_jod_exp` = -0.2280.
+pub const JOD_EXPONENT: f64 = 0.591_561_634;
+/// The score of no difference.
+pub const BEST_JOD: f64 = 10.0;
+
+/// JOD lost at a quality difference, which counts as 0 below 0.
+#[must_use]
+pub fn jod_lost(quality: f64) -> f64 {
+    JOD_SCALE * libm::pow(quality.max(0.0), JOD_EXPONENT)
+}
+
+/// The quality difference at which a score is reached: the inverse of [`jod_lost`]; 0 from 10 on.
+#[must_use]
+pub fn quality_of_jod(jod: f64) -> f64 {
+    libm::pow((BEST_JOD - jod).max(0.0) / JOD_SCALE, 1.0 / JOD_EXPONENT)
+}
+
+/// What the eye misses of one octave: powers of contrast, so that sensitivity is multiplied in
+/// later.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LostOctave {
+    lost: f64,
+    masking: f64,
+}
+
+impl LostOctave {
+    /// An octave of which contrast `lost` is shown wrongly and `kept` is shown; both are means of
+    /// absolute values.
+    #[must_use]
+    pub fn new(lost: f64, kept: f64) -> Self {
+        Self {
+            lost: libm::pow(lost, DIFFERENCE_EXPONENT),
+            masking: libm::pow(MASKING * kept, MASKING_EXPONENTS[0]),
+        }
+    }
+}
+
+/// Sensitivity to one octave, raised to the powers that a [`LostOctave`] is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sensed {
+    difference: f64,
+    masking: f64,
+}
+
+impl Sensed {
+    /// Of the sustained sensitivity of a table at `octaves` (log2 of the frequency at the cortex in
+    /// cycles per degree), as far as the display shows it: `share` in 0..=1.
+    #[must_use]
+    pub fn new(table: &SensitivityTable, octaves: f64, share: f64) -> Self {
+        let [sustained, _] = table.at(octaves as f32).map(f64::from);
+        let seen = sustained * share;
+        Self {
+            difference: libm::pow(seen, DIFFERENCE_EXPONENT),
+            masking: libm::pow(seen, MASKING_EXPONENTS[0]),
+        }
+    }
+
+    /// The difference that this eye sees in an octave: Mantiuk et al. 2021, sustained channel.
+    #[must_use]
+    pub fn difference(&self, octave: &LostOctave) -> f64 {
+        self.difference * octave.lost / (1.0 + self.masking * octave.masking)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::perception::parameters::{EyeState, Parameters};
+
+    #[test]
+    fn a_score_and_its_quality_difference_are_one_anothers_inverse() {
+        for jod in [5.0, 8.25, 9.0, 9.5, 9.75, 9.99] {
+            let back = BEST_JOD - jod_lost(quality_of_jod(jod));
+            assert!((back - jod).abs() < 1e-9, "{jod} {back}");
+        }
+        assert_eq!(quality_of_jod(10.0), 0.0);
+        assert_eq!(jod_lost(-1.0), 0.0);
+    }
+
+    #[test]
+    fn more_lost_is_seen_more_and_more_kept_hides_it() {
+        let table = SensitivityTable::new(&Parameters::default(), EyeState::Steady);
+        let sensed = Sensed::new(&table, 2.0, 1.0);
+        let seen = |lost, kept| sensed.difference(&LostOctave::new(lost, kept));
+        assert!(seen(0.2, 0.0) > seen(0.1, 0.0));
+        assert!(seen(0.1, 0.2) < seen(0.1, 0.0));
+        assert_eq!(seen(0.0, 0.3), 0.0);
+        let unseen = Sensed::new(&table, 2.0, 0.0);
+        assert_eq!(unseen.difference(&LostOctave::new(1.0, 0.0)), 0.0);
+    }
+}

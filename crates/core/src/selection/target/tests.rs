@@ -1,0 +1,259 @@
+//! Do levels keep the score that they are chosen for, no finer than that and no less steady?
+
+use super::*;
+use crate::asset::cues::Cues;
+use crate::asset::signature::{BandContrast, Signature};
+use crate::asset::tile_grid::{Cut, Tile};
+use crate::gaze::sample::GazeSample;
+use crate::perception::parameters::EyeState;
+use crate::selection::calibration::Expectation;
+use crate::selection::chooser::Chooser;
+use crate::selection::policy::Selector;
+use crate::units::Seconds;
+use crate::view::axes::Axes;
+use crate::view::eye_view::{EyeView, Field};
+use crate::view::surface::{Screen, Surface};
+
+/// Content whose steps add what a function says, the same everywhere.
+struct Texture<F>(F);
+
+impl<F: Fn(u8, u32) -> f64> Content for Texture<F> {
+    fn unit(&self, tile: Tile, frame: u32) -> UnitId {
+        let place = u32::from(tile.face) << 12 | u32::from(tile.y) << 6 | u32::from(tile.x);
+        UnitId(place | u32::from(tile.level) << 16 | (frame / 8) << 20)
+    }
+
+    fn next_group(&self, frame: u32) -> Option<u32> {
+        Some((frame / 8 + 1) * 8)
+    }
+
+    fn bytes(&self, unit: UnitId) -> u32 {
+        1000 + unit.0 % 300
+    }
+
+    fn signature(&self, unit: UnitId) -> Option<Signature> {
+        let contrast = self.0((unit.0 >> 16 & 15) as u8, unit.0 & 0xffff);
+        let band = BandContrast {
+            before: 0.0,
+            after: contrast,
+            difference: contrast,
+            norm: 2.0 * contrast,
+        };
+        Some(Signature {
+            bands: [band, BandContrast::default(), BandContrast::default()],
+        })
+    }
+
+    fn cues(&self, _: UnitId) -> Option<Cues> {
+        None
+    }
+}
+
+/// As busy in every octave everywhere.
+fn busy(_: u8, _: u32) -> f64 {
+    0.1
+}
+
+fn screen() -> TileGrid {
+    let surface = Surface::flat([1920, 1080], Screen::default());
+    TileGrid::new(surface, Cut::Tile(64), 5, 2).unwrap()
+}
+
+fn sphere() -> TileGrid {
+    TileGrid::new(Surface::cube(1024), Cut::Tile(128), 5, 2).unwrap()
+}
+
+fn config(policy: Policy, target: f64) -> PolicyConfig {
+    PolicyConfig {
+        target: Some(target),
+        ..PolicyConfig::new(policy)
+    }
+}
+
+fn moment(grid: &TileGrid, yaw_deg: f64) -> Moment {
+    let size = [1280, 720];
+    let view = match grid.faces() {
+        1 => EyeView::filling(&grid.surface, [1920, 1080]),
+        _ => EyeView {
+            axes: Axes::FRONT,
+            field: Field::across(Radians::from_degrees(90.0), size),
+            size,
+            eye: Default::default(),
+        },
+    };
+    Moment {
+        gaze: GazeSample::at(Seconds(0.0), Radians::from_degrees(yaw_deg), Radians(0.0)),
+        view: Some(view),
+        state: EyeState::Steady,
+    }
+}
+
+fn chosen(grid: TileGrid, config: &PolicyConfig, content: &dyn Content) -> LevelMap {
+    let mut chooser = Chooser::new(grid, config.clone());
+    let chosen = chooser.choose(Some(content), 0, &moment(&grid, 0.0), None);
+    chosen.levels
+}
+
+fn expected(grid: &TileGrid, policy: Policy, content: &dyn Content, levels: &LevelMap) -> f64 {
+    let meter = LossMeter::new(grid, &PolicyConfig::new(policy).perception);
+    let losses = meter.losses(grid, content, 0, &moment(grid, 0.0));
+    Expectation::of(policy).jod(losses.pooled(levels))
+}
+
+#[test]
+fn the_target_is_expected_and_a_higher_one_never_expects_less() {
+    let content = Texture(busy);
+    for grid in [screen(), sphere()] {
+        for policy in [Policy::Perceptual, Policy::Acuity] {
+            let mut before = 0.0;
+            for target in [7.5, 8.5, 9.0, 9.25, 9.5, 9.75, 9.9] {
+                let levels = chosen(grid, &config(policy, target), &content);
+                let jod = expected(&grid, policy, &content, &levels);
+                assert!(jod >= target, "{policy:?} {target}: {jod}");
+                assert!(jod >= before - 1e-9, "{policy:?} {target}: {jod} {before}");
+                before = jod;
+            }
+        }
+    }
+}
+
+#[test]
+fn no_more_than_the_target_is_shown_where_cells_are_small() {
+    let content = Texture(busy);
+    for target in [8.0, 9.0, 9.5] {
+        let levels = chosen(screen(), &config(Policy::Perceptual, target), &content);
+        let jod = expected(&screen(), Policy::Perceptual, &content, &levels);
+        assert!(jod < target + 0.3, "{target}: {jod}");
+    }
+}
+
+#[test]
+fn what_is_plain_stays_coarse_under_perceptual_alone() {
+    // Busy to the left of column 15, plain to the right.
+    let half = |level: u8, place: u32| match (place & 63) << level < 15 {
+        true => 0.1,
+        false => 0.0,
+    };
+    let grid = screen();
+    let level = |policy, x| {
+        let levels = chosen(grid, &config(policy, 9.5), &Texture(half));
+        levels.level(
+            &grid,
+            Tile {
+                level: 0,
+                face: 0,
+                x,
+                y: 8,
+            },
+        )
+    };
+    // Two columns as far to both sides of the gaze.
+    let [left, right] = [13, 16].map(|x| level(Policy::Perceptual, x));
+    assert!(left < right && right == grid.coarsest(), "{left} {right}");
+    let [left, right] = [13, 16].map(|x| level(Policy::Acuity, x));
+    assert_eq!(left, right);
+}
+
+/// A grating in one octave of the finest level: lost by every level coarser than that octave's.
+fn grating(octave: u8) -> Texture<impl Fn(u8, u32) -> f64> {
+    Texture(move |level, _| if level == octave { 0.1 } else { 0.0 })
+}
+
+#[test]
+fn a_grating_that_is_seen_is_kept_and_one_that_is_too_fine_to_be_seen_is_not() {
+    let grid = screen();
+    // 40 pixels a degree: octaves round 10, 5, 2.5 and 1.25 cycles per degree.
+    let finest_kept = |x| {
+        let is_kept = |octave: u8| {
+            let levels = chosen(grid, &config(Policy::Perceptual, 9.5), &grating(octave));
+            let cell = Tile {
+                level: 0,
+                face: 0,
+                x,
+                y: 8,
+            };
+            levels.level(&grid, cell) <= octave
+        };
+        let kept: Vec<bool> = (0..4).map(is_kept).collect();
+        let finest = kept.iter().position(|kept| *kept).unwrap();
+        assert!(
+            kept[finest..].iter().all(|kept| *kept),
+            "column {x}: {kept:?}"
+        );
+        finest
+    };
+    // At the gaze, 10° and 20° beside it.
+    let [fovea, near, far] = [15, 21, 28].map(finest_kept);
+    assert!(
+        fovea <= near && near <= far && fovea < far,
+        "{fovea} {near} {far}"
+    );
+}
+
+#[test]
+fn acuity_is_nowhere_finer_than_viewport() {
+    for grid in [screen(), sphere()] {
+        for yaw in [0.0, 20.0, 100.0] {
+            let moment = moment(&grid, yaw);
+            let levels = |policy| {
+                let config = PolicyConfig {
+                    acuity: AcuityModel::linear(0.0),
+                    ..PolicyConfig::new(policy)
+                };
+                Selector::new(grid, config).select(&moment).levels
+            };
+            let [acuity, viewport] = [Policy::Acuity, Policy::Viewport].map(levels);
+            for (acuity, viewport) in acuity.levels().iter().zip(viewport.levels()) {
+                assert!(acuity >= viewport, "{yaw}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_still_eye_changes_no_level_from_frame_to_frame() {
+    for policy in [Policy::Perceptual, Policy::Acuity] {
+        for grid in [screen(), sphere()] {
+            // What a group adds trembles by a tenth from group to group.
+            let mut chooser = Chooser::new(grid, config(policy, 9.5));
+            let mut at = |frame: u32| {
+                let contrast = if (frame / 8).is_multiple_of(2) {
+                    0.1
+                } else {
+                    0.108
+                };
+                let content = Texture(move |_, _| contrast);
+                let gaze = 0.1 * f64::from(frame % 3);
+                chooser
+                    .choose(Some(&content), frame, &moment(&grid, gaze), None)
+                    .levels
+            };
+            let settled = (0..24).map(&mut at).last().unwrap();
+            for frame in 24..80 {
+                assert_eq!(at(frame), settled, "{policy:?} frame {frame}");
+            }
+        }
+    }
+}
+
+#[test]
+fn within_a_budget_buying_stops_at_the_target() {
+    let content = Texture(busy);
+    for policy in [Policy::Uniform, Policy::Eccentricity, Policy::Perceptual] {
+        let bought = |target| {
+            let config = PolicyConfig {
+                target,
+                ..PolicyConfig::new(policy)
+            };
+            let mut chooser = Chooser::new(sphere(), config);
+            let moment = moment(&sphere(), 0.0);
+            let selection = chooser.choose(Some(&content), 0, &moment, Some(10_000_000));
+            (chooser.spent(), selection.levels)
+        };
+        let (all, _) = bought(None);
+        let (some, levels) = bought(Some(9.0));
+        assert!(some < all, "{policy:?}: {some} of {all}");
+        let jod = expected(&sphere(), policy, &content, &levels);
+        assert!(jod >= 9.0, "{policy:?}: {jod}");
+    }
+}
