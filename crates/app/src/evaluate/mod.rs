@@ -3,6 +3,7 @@
 mod codecs;
 mod goldens;
 mod grid_sweep;
+mod policies;
 mod targets;
 mod trial;
 
@@ -19,6 +20,8 @@ pub(crate) enum Evaluate {
     /// What --target asks for against what the judge finds, on generated scenes: the fit of the
     /// table that levels are chosen by, and how it holds elsewhere.
     Targets(targets::TargetsArgs),
+    /// All policies on one pack over one gaze: pixels, bytes and time of each, and its score.
+    Policies(policies::PoliciesArgs),
 }
 
 pub(crate) fn run(command: &Evaluate) -> anyhow::Result<()> {
@@ -27,5 +30,6 @@ pub(crate) fn run(command: &Evaluate) -> anyhow::Result<()> {
         Evaluate::GridSweep(args) => grid_sweep::run(args),
         Evaluate::Goldens(args) => goldens::run(args),
         Evaluate::Targets(args) => targets::run(args),
+        Evaluate::Policies(args) => policies::run(args),
     }
 }

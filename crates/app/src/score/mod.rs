@@ -25,8 +25,8 @@ use frames::{Frames, Opening};
 use heat::write_heat;
 pub(crate) use pack_frames::display_of_view;
 pub(crate) use picture::{from_image, read_picture};
-pub(crate) use report::Report;
 use report::Single;
+pub(crate) use report::{Conditions, Report};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

@@ -30,7 +30,7 @@ pub(crate) struct Conditions {
 }
 
 impl Conditions {
-    fn new(viewing: &Viewing, gaze: Option<String>) -> Self {
+    pub(crate) fn new(viewing: &Viewing, gaze: Option<String>) -> Self {
         let display = &viewing.display;
         Self {
             display: display.name.clone(),
@@ -44,7 +44,7 @@ impl Conditions {
         }
     }
 
-    fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let [w, h] = self.size_px;
         let rate = self
             .fps

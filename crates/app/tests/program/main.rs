@@ -22,6 +22,7 @@ mod numbers;
 mod options;
 mod perception;
 mod perceptual;
+mod policies;
 mod prepare;
 mod refusals;
 mod results;
