@@ -43,8 +43,8 @@ fn is_written(report: &Value, out: &str) {
         let svg = std::fs::read_to_string(format!("{out}/{file}")).unwrap();
         assert_eq!(
             svg.matches("<polyline").count(),
-            8,
-            "4 curves and their keys"
+            16,
+            "8 curves and their keys"
         );
         assert!(!svg.contains("NaN"), "{svg}");
     }
@@ -73,6 +73,8 @@ fn every_policy_is_told_with_its_score_and_what_it_takes() {
         "0.044,0.011,0.003",
         "--rates",
         "0.1,0.5",
+        "--targets",
+        "8.5,9.5",
         "--out",
         &out,
     ]);
@@ -115,6 +117,14 @@ fn every_policy_is_told_with_its_score_and_what_it_takes() {
             "{report}"
         );
     }
+    for name in ["acuity", "uniform", "eccentricity", "perceptual"] {
+        let rows = curve(&report, &format!("{name} by target"));
+        assert_eq!(number(rows[0], "target"), 8.5);
+        assert!(
+            number(rows[1], "jod") > number(rows[0], "jod") - 0.02,
+            "{report}"
+        );
+    }
     for name in ["uniform", "eccentricity", "perceptual"] {
         let rows = curve(&report, &format!("{name} by rate"));
         assert!(
@@ -151,6 +161,8 @@ fn a_sphere_is_compared_with_the_grid_and_with_a_source_that_says_not_what_it_is
         "0.022",
         "--rates",
         "1",
+        "--targets",
+        "9",
         "--out",
         &folder.name("out"),
     ];
@@ -195,6 +207,9 @@ fn what_cannot_be_compared_is_refused() {
         (["--rates", "0"], &["--rates", "0.001 to 100000"]),
         (["--rates", "2,-1"], &["--rates", "-1"]),
         (["--rates", "inf"], &["--rates", "inf"]),
+        (["--targets", "9,10"], &["--targets", "10", "1 to 9.99"]),
+        (["--targets", "nan"], &["--targets", "NaN"]),
+        (["--targets", "good"], &["--targets", "good"]),
         (["--frames", "0"], &["--frames", "1 to 10000"]),
         (
             ["--gaze", "udp:5005"],

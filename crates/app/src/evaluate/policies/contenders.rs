@@ -23,6 +23,7 @@ pub(super) struct Contender {
 pub(super) struct Ladders<'a> {
     pub(super) slopes: &'a [f64],
     pub(super) rates: &'a [f64],
+    pub(super) targets: &'a [f64],
 }
 
 /// Curve of `acuity` by slope, which others are compared with.
@@ -33,7 +34,7 @@ pub(super) const VIEWPORT: &str = "viewport";
 impl Contender {
     fn new(config: PolicyConfig) -> Self {
         Self {
-            curve: name_of(config.policy),
+            curve: config.policy.name().to_owned(),
             config,
             slope: None,
             rate_mbit: None,
@@ -42,8 +43,8 @@ impl Contender {
     }
 
     /// The policy as users write it.
-    pub(super) fn policy(&self) -> String {
-        name_of(self.config.policy)
+    pub(super) fn policy(&self) -> &'static str {
+        self.config.policy.name()
     }
 
     /// Bytes a second of its link.
@@ -59,10 +60,6 @@ impl Contender {
         let target = self.target.map(|target| format!("{target} JOD"));
         slope.or(rate).or(target).unwrap_or_default()
     }
-}
-
-fn name_of(policy: Policy) -> String {
-    format!("{policy:?}").to_lowercase()
 }
 
 /// All that are compared on content of a projection, baselines first.
@@ -86,11 +83,22 @@ pub(super) fn contenders(ladders: Ladders<'_>, projection: Projection) -> Vec<Co
             ..PolicyConfig::new(Policy::Acuity)
         })
     }));
-    for policy in [Policy::Uniform, Policy::Eccentricity, Policy::Perceptual] {
+    let of_units = [Policy::Uniform, Policy::Eccentricity, Policy::Perceptual];
+    for policy in of_units {
         all.extend(ladders.rates.iter().map(|rate| Contender {
-            curve: format!("{} by rate", name_of(policy)),
+            curve: format!("{} by rate", policy.name()),
             rate_mbit: Some(*rate),
             ..plain(policy)
+        }));
+    }
+    for policy in [Policy::Acuity].into_iter().chain(of_units) {
+        all.extend(ladders.targets.iter().map(|target| Contender {
+            curve: format!("{} by target", policy.name()),
+            target: Some(*target),
+            ..Contender::new(PolicyConfig {
+                target: Some(*target),
+                ..PolicyConfig::new(policy)
+            })
         }));
     }
     all

@@ -70,6 +70,15 @@ pub(crate) struct PoliciesArgs {
     )]
     #[arg(default_values_t = [1.0, 2.0, 4.0, 8.0])]
     rates: Vec<f64>,
+    /// Scores in JOD that acuity, uniform, eccentricity and perceptual choose levels for.
+    #[arg(
+        long,
+        value_name = "JOD,..",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    #[arg(default_values_t = [8.5, 9.0, 9.5, 9.75])]
+    targets: Vec<f64>,
     /// Frames that are played, of which the first second counts as the start; 1 to 10000.
     #[arg(long, value_name = "N", default_value_t = 48)]
     frames: u32,
@@ -90,6 +99,8 @@ pub(crate) struct PoliciesArgs {
 const DESK: &str = "desk";
 /// Scores at which policies are compared.
 const EQUAL_SCORES: [f64; 2] = [9.0, 9.5];
+/// Scores that can be chosen for, as of `--target`: 10 is `full`.
+const TARGETS: core::ops::RangeInclusive<f64> = 1.0..=9.99;
 /// Mbit/s that a link may have, as of `--link`.
 const RATES: core::ops::RangeInclusive<f64> = 0.001..=1e5;
 
@@ -124,6 +135,7 @@ pub(super) fn run(args: &PoliciesArgs) -> anyhow::Result<()> {
     let ladders = Ladders {
         slopes: &args.slopes,
         rates: &args.rates,
+        targets: &args.targets,
     };
     let contenders = contenders(ladders, surface.projection);
     let policies = counted(contenders.len(), "way");
@@ -153,6 +165,10 @@ impl PoliciesArgs {
         }
         if let Some(rate) = self.rates.iter().find(|of| !RATES.contains(*of)) {
             bail!(out_of_range("--rates", rate, "0.001 to 100000 Mbit/s"));
+        }
+        if let Some(target) = self.targets.iter().find(|of| !TARGETS.contains(*of)) {
+            let range = "scores of 1 to 9.99 JOD; 10 is full";
+            bail!(out_of_range("--targets", target, range));
         }
         if let GazeChoice::Live(sender) = &self.gaze {
             bail!(WrongUsage(format!(
@@ -198,9 +214,17 @@ impl PoliciesArgs {
             start_frames: start,
             frames: rest,
             played_frames: stage.spans[1].end,
-            at_equal_score: compared(&rows, &EQUAL_SCORES),
+            at_equal_score: compared(&rows, &self.scores()),
             rows,
         }
+    }
+
+    /// The scores at which policies are compared, rising.
+    fn scores(&self) -> Vec<f64> {
+        let mut scores = [&EQUAL_SCORES[..], &self.targets].concat();
+        scores.sort_by(f64::total_cmp);
+        scores.dedup();
+        scores
     }
 
     /// Writes the tables and the plots.

@@ -35,7 +35,7 @@ pub(super) struct Report {
 pub(super) struct Row {
     pub(super) content: String,
     pub(super) display: String,
-    pub(super) policy: String,
+    pub(super) policy: &'static str,
     pub(super) curve: String,
     pub(super) target: Option<f64>,
     pub(super) slope: Option<f64>,

@@ -14,7 +14,7 @@ impl Row {
         [
             quoted(&self.content),
             quoted(&self.display),
-            self.policy.clone(),
+            self.policy.to_owned(),
             self.curve.clone(),
             number(self.target),
             number(self.slope),
