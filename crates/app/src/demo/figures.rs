@@ -104,6 +104,10 @@ pub(super) fn rows(runs: &[PolicyRun]) -> Vec<Row> {
         row("Pixels a frame, most", "%", &|s| {
             percent(s.pixels_share_max)
         }),
+        row("Score of the first frames", "JOD", &|s| {
+            let jod = s.score.as_ref().map(|score| score.jod);
+            jod.map_or("-".to_owned(), |jod| format!("{jod:.2}"))
+        }),
         amount("Fetched", "MB", &|s| s.bytes as f64 / 1e6),
         amount("Decoded", "MPix", &|s| s.decoded_megapixels),
         amount("Decoding a frame, mean", "ms", &|s| s.decode_ms_mean),
@@ -117,6 +121,7 @@ pub(super) fn rows(runs: &[PolicyRun]) -> Vec<Row> {
         amount("GPU memory", "MB", &|s| s.gpu_bytes as f64 / 1e6),
         over("Pixels, of full", Cost::Pixels, FULL),
         over("Pixels, of viewport", Cost::Pixels, VIEWPORT),
+        over("Bytes, of full", Cost::Bytes, FULL),
         over("Decoding time, of full", Cost::DecodeTime, FULL),
         over("Decoding time, of viewport", Cost::DecodeTime, VIEWPORT),
     ]

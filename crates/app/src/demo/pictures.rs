@@ -48,7 +48,7 @@ impl Pictures {
         timed: &FrameReport,
         budget: usize,
     ) -> anyhow::Result<Self> {
-        let mut foveated = Shown::at(stage, Policy::Acuity, timed.session.frame)?;
+        let mut foveated = Shown::at(stage, Policy::Perceptual, timed.session.frame)?;
         if foveated.report.session != timed.session {
             bail!("a second run over the same gaze chose other tiles; please report this");
         }

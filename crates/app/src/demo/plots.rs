@@ -2,7 +2,7 @@
 
 use super::colours;
 use super::report::level_key;
-use super::run::{ACUITY, Played};
+use super::run::{FOVEATED, Played};
 use crate::player::FrameReport;
 use crate::plot::{Layer, Line, Run, lines, stack};
 
@@ -37,7 +37,7 @@ pub(super) fn all(played: &Played) -> String {
         ),
         figure(
             "Tiles on the GPU",
-            "under acuity, finest level at the bottom",
+            "under perceptual, finest level at the bottom",
             levels(played) + &level_key(played)
         ),
     )
@@ -63,7 +63,7 @@ fn of_all(played: &Played, title: &str, values: fn(&[FrameReport]) -> Vec<f64>) 
 
 fn levels(played: &Played) -> String {
     let coarsest = played.content.file.pack().description().levels - 1;
-    let reports = &played.runs[ACUITY].reports;
+    let reports = &played.runs[FOVEATED].reports;
     let layer = |level: u8| {
         let count = |report: &FrameReport| f64::from(report.histogram[usize::from(level)]);
         Layer {
@@ -72,5 +72,5 @@ fn levels(played: &Played) -> String {
         }
     };
     let layers: Vec<Layer> = (0..=coarsest).map(layer).collect();
-    stack("Tiles by level under acuity", &run(played), &layers)
+    stack("Tiles by level under perceptual", &run(played), &layers)
 }

@@ -5,7 +5,7 @@
 use super::figures::{Cost, frames, ratio, rows};
 use super::machine::Machine;
 use super::pictures::{AMPLIFIED, Png};
-use super::run::{ACUITY, FULL, Played, VIEWPORT};
+use super::run::{FOVEATED, FULL, Played, VIEWPORT};
 use super::{colours, facts, plots};
 use crate::html::escape;
 use base64::Engine as _;
@@ -46,10 +46,10 @@ fn section(played: &Played) -> String {
     )
 }
 
-/// What the acuity policy costs, in four figures.
+/// What the foveated policy costs, in four figures.
 fn stats(played: &Played) -> String {
     let figure = |name: &str, cost: Cost| {
-        let of = |baseline| ratio(&played.runs, cost, ACUITY, baseline) * 100.0;
+        let of = |baseline| ratio(&played.runs, cost, FOVEATED, baseline) * 100.0;
         format!(
             "<div><dt>{name}</dt><dd><b>{:.1}&#8239;%</b><span>of full, {:.1}&#8239;% of \
              viewport</span></dd></div>\n",
@@ -80,9 +80,9 @@ fn pictures(played: &Played) -> String {
         ""
     };
     let foveated = if p.error == [0.0, 0.0] {
-        "What <code>acuity</code> shows: the same, since the eye resolves all of it here."
+        "What <code>perceptual</code> shows: the same, since the eye resolves all of it here."
     } else {
-        "What <code>acuity</code> shows: look for blur far from the gaze, and for none near it."
+        "What <code>perceptual</code> shows: look for blur far from the gaze, and for none near it."
     };
     let figures = [
         picture("", &p.full, "Full", "Every tile at the finest level."),
@@ -203,11 +203,15 @@ fn how_to_read(seed: u64) -> String {
          anywhere on the content (seed {seed}); on 360° content the head follows. \
          <code>full</code> takes every tile at the finest level. <code>viewport</code> takes what \
          is in view and a margin of 10° as densely as the display can show it, which is what \
-         is usual today. <code>acuity</code> takes the coarsest level that still meets the eye’s \
-         limit everywhere in a tile: the smallest detail that it \
-         resolves is 1/60° at the gaze and grows by 0.022° with each degree away from it. \
+         is usual today. <code>perceptual</code> gives each tile the coarsest level at which \
+         the picture is still expected to score 9.5 of 10 against <code>full</code>, by what \
+         the tile would lose and what the eye sees of it there. \
          All three also hold the whole coarsest level, so that nothing is \
          ever missing.</p>\n\
+         <p>The score is that of FovVideoVDP 1.2 in just-objectionable differences, of the first \
+         {scored} frames against <code>full</code> in the same view for the true gaze: 10 is no \
+         difference, at 9.5 about 63 of 100 people guess right which of the two is which, at 9 \
+         75.</p>\n\
          <p>Pixels are those of all tiles of a frame, over the pixels of the finest level. \
          Decoding time runs from asking for the tiles of a frame until the last one is there, on \
          all cores; a frame is late when choosing and that take longer than it is shown, and \
@@ -218,6 +222,7 @@ fn how_to_read(seed: u64) -> String {
          <p>Not measured: a network, which is left out (nothing waits for bytes); uploading and \
          drawing; sound; the delay and the error of a real eye tracker; and whether a person \
          would see the difference, which the pictures on this page cannot tell, since you look at \
-         them with a gaze of your own.</p>\n</section>\n"
+         them with a gaze of your own.</p>\n</section>\n",
+        scored = super::run::SCORED,
     )
 }

@@ -11,20 +11,25 @@ use crate::gaze::{GazeChoice, GazeSource, Viewer};
 use crate::options::ViewOptions;
 use crate::output::{self, Counting};
 use crate::player::{FrameReport, Player, PlayerOptions};
+use crate::score::{DeviceName, Engine, Report, display_of_view, from_image};
 use crate::simulate::{RunSummary, csv, session, summarise};
 use anyhow::Context;
-use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::selection::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
+use foveal_eval::score::{Mode, ScorePicture, Viewing};
 use std::path::Path;
 use std::sync::Arc;
 
 /// What is compared, baselines first.
-pub(super) const POLICIES: [Policy; 3] = [Policy::Full, Policy::Viewport, Policy::Acuity];
+pub(super) const POLICIES: [Policy; 3] = [Policy::Full, Policy::Viewport, Policy::Perceptual];
 /// Index in [`POLICIES`] of what the others are judged by.
 pub(super) const FULL: usize = 0;
 /// Index of what the industry ships.
 pub(super) const VIEWPORT: usize = 1;
 /// Index of what is judged.
-pub(super) const ACUITY: usize = 2;
+pub(super) const FOVEATED: usize = 2;
+
+/// Frames that are scored: drawing them all would take a software driver minutes.
+pub(super) const SCORED: u32 = 16;
 
 /// How all content is played.
 pub(super) struct Conditions<'a> {
@@ -64,14 +69,18 @@ pub(super) fn play(
         let folder = out.join(format!("{name}-{}", run.policy.name()));
         runs.push(run.finish(&folder)?);
     }
-    let times = runs[ACUITY].reports.iter();
+    let times = runs[FOVEATED].reports.iter();
     let times = times.map(|report| report.session.time_s.0).collect();
-    let moment = Moment::choose(&runs[ACUITY].reports);
+    let moment = Moment::choose(&runs[FOVEATED].reports);
     output::say(&format!(
         "{name}: the pictures of frame {} are made",
         moment.frame
     ));
-    let pictures = Pictures::take(&stage, &runs[ACUITY].reports[moment.frame as usize], budget)?;
+    let pictures = Pictures::take(
+        &stage,
+        &runs[FOVEATED].reports[moment.frame as usize],
+        budget,
+    )?;
     Ok(Played {
         content: stage.content,
         runs,
@@ -109,7 +118,10 @@ impl<'a> Stage<'a> {
             .grid(view.screen)
             .surface;
         let options = PlayerOptions {
-            config: PolicyConfig::new(policy),
+            config: PolicyConfig {
+                target: (policy == Policy::Perceptual).then_some(DEFAULT_TARGET),
+                ..PolicyConfig::new(policy)
+            },
             view: view.eye_view(&surface)?,
             screen: view.screen,
             drawing: self.conditions.drawing.clone(),
@@ -131,6 +143,22 @@ impl<'a> Stage<'a> {
         Ok((player, gaze))
     }
 
+    /// The judge of one run.
+    fn engine(&self, player: &Player) -> anyhow::Result<Option<(Engine, Viewing)>> {
+        if matches!(self.conditions.drawing, Drawing::None) {
+            return Ok(None);
+        }
+        let view = player.view();
+        let display = display_of_view(&view, player.grid().surface.projection);
+        let fps = self.content.file.pack().description().fps();
+        // A view that no display shows (a pixel a degree or fewer) has no score.
+        let Ok(viewing) = Viewing::new(display, view.size, Some(fps), true, Mode::Compat) else {
+            return Ok(None);
+        };
+        let engine = Engine::open(DeviceName::Cpu, &viewing, output::jobs(None)?)?;
+        Ok(Some((engine, viewing)))
+    }
+
     /// All policies take turns, frame by frame and each first as often, so that other work on the
     /// machine touches all alike.
     fn play(&self) -> anyhow::Result<Vec<Run>> {
@@ -138,6 +166,7 @@ impl<'a> Stage<'a> {
             let (player, gaze) = self.player(policy)?;
             Ok(Run {
                 policy,
+                engine: self.engine(&player)?,
                 player,
                 gaze,
                 reports: Vec::new(),
@@ -153,6 +182,9 @@ impl<'a> Stage<'a> {
                 let run = &mut runs[(frame as usize + turn) % POLICIES.len()];
                 run.reports.push(run.player.play(frame, &mut run.gaze)?);
             }
+            if frame < SCORED {
+                score(&mut runs)?;
+            }
             bar.inc(1);
         }
         bar.finish_and_clear();
@@ -160,15 +192,48 @@ impl<'a> Stage<'a> {
     }
 }
 
+/// Scores what was shown last of every run against the first, which shows every finest tile.
+fn score(runs: &mut [Run]) -> anyhow::Result<()> {
+    let Some(reference) = runs[FULL].picture()? else {
+        return Ok(());
+    };
+    for run in runs {
+        let Some(test) = run.picture()? else {
+            continue;
+        };
+        let Some(report) = run.reports.last() else {
+            continue;
+        };
+        // A gaze beside the view counts at its middle.
+        let middle = report.view.size.map(|side| f64::from(side / 2));
+        let place = report.view.place(report.gaze.gaze_in_content);
+        let gaze_px = place.map_or(middle, |place| place.map(|at| at - 0.5));
+        if let Some((engine, _)) = &mut run.engine {
+            engine.frame(&reference, &test, gaze_px)?;
+        }
+    }
+    Ok(())
+}
+
 /// A run that goes on.
 struct Run {
     policy: Policy,
+    engine: Option<(Engine, Viewing)>,
     player: Player,
     gaze: GazeSource,
     reports: Vec<FrameReport>,
 }
 
 impl Run {
+    /// What it shows; `None` where nothing draws.
+    fn picture(&mut self) -> anyhow::Result<Option<ScorePicture>> {
+        let Some(report) = self.reports.last() else {
+            return Ok(None);
+        };
+        let picture = self.player.canvas.picture(&report.view, None)?;
+        picture.as_ref().map(from_image).transpose()
+    }
+
     /// Writes its log and its figures, and sums it up.
     fn finish(mut self, folder: &Path) -> anyhow::Result<PolicyRun> {
         std::fs::create_dir_all(folder)
@@ -177,12 +242,20 @@ impl Run {
         let log = session(&self.player, &reports).write();
         output::write_whole(&folder.join("session.jsonl"), log.as_bytes())?;
         output::write_whole(&folder.join("frames.csv"), csv(&reports).as_bytes())?;
-        let summary = summarise(
-            self.policy.name().to_owned(),
-            &reports,
-            &mut self.player,
-            &log,
-        );
+        let name = self.policy.name().to_owned();
+        let score = self.engine.map(|(engine, viewing)| {
+            let gaze = Some(GazeChoice::Scan.as_judged());
+            anyhow::Ok(Report::judged(
+                &viewing,
+                Mode::Compat,
+                gaze,
+                engine.score()?,
+            ))
+        });
+        let summary = RunSummary {
+            score: score.transpose()?,
+            ..summarise(name, &reports, &mut self.player, &log)
+        };
         Ok(PolicyRun { summary, reports })
     }
 }
@@ -215,8 +288,8 @@ mod tests {
         let stage = Stage::new(content.prepare(&out)?, &conditions);
         let runs = stage.play()?;
         for frame in (0..stage.frames).step_by(3) {
-            let again = Shown::at(&stage, Policy::Acuity, frame)?.report.session;
-            let first = &runs[ACUITY].reports[frame as usize].session;
+            let again = Shown::at(&stage, Policy::Perceptual, frame)?.report.session;
+            let first = &runs[FOVEATED].reports[frame as usize].session;
             assert_eq!(again, *first, "frame {frame}");
         }
         std::fs::remove_dir_all(&out)?;

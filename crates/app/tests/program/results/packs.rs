@@ -134,7 +134,7 @@ fn what_is_chosen_and_played_is_told_of_as_documented() {
         "--renderer",
         "cpu",
         "--view",
-        "32x32",
+        "160x100",
         "--out",
         &demo,
     ];
