@@ -41,6 +41,15 @@ impl Chooser {
         }
     }
 
+    /// Whether the last frame reaches the target, so that more bytes would buy nothing.
+    #[must_use]
+    pub fn has_reached(&self) -> bool {
+        match self {
+            Self::Budget(refiner) | Self::Target(_, Some(refiner)) => refiner.has_reached(),
+            Self::Rule(_) | Self::Target(_, None) => false,
+        }
+    }
+
     /// What to show of a frame. `budget` is what can arrive for it, in bytes; `None` without limit.
     ///
     /// # Panics

@@ -1,6 +1,7 @@
 //! What to show and fetch: levels for every cell, the tiles that follow, the log that replays.
 
 pub mod aim;
+pub mod asked;
 pub mod budget;
 pub mod calibration;
 pub mod chooser;

@@ -41,6 +41,8 @@ pub struct Refiner {
     held: Vec<[Option<UnitId>; 2]>,
     /// Bytes that the last frame took.
     spent: u64,
+    /// The last frame reaches the target, and so do the next groups as far as they are bought for.
+    reached: bool,
 }
 
 /// One time that is bought for.
@@ -113,6 +115,7 @@ impl Refiner {
                 .map(|_| LossMeter::new(&grid, &config.perception)),
             held: vec![[None; 2]; tiles.len()],
             spent: 0,
+            reached: false,
             grid,
             config,
             tiles,
@@ -124,6 +127,12 @@ impl Refiner {
     #[must_use]
     pub fn spent(&self) -> u64 {
         self.spent
+    }
+
+    /// Whether the last frame reaches the target, so that more bytes would buy nothing.
+    #[must_use]
+    pub fn has_reached(&self) -> bool {
+        self.reached
     }
 
     /// Buys what `budget` bytes allow (`None`: whatever is worth anything) and says what to show
@@ -148,6 +157,11 @@ impl Refiner {
                 horizon.shown = self.shown(content, horizon.frame, &horizon.gains);
             }
         }
+        let expectation = Expectation::of(self.config.policy);
+        self.reached = self.config.target.is_some_and(|target| {
+            let mut goals = horizons.iter().filter_map(Goal::new);
+            goals.all(|goal| goal.is_reached(expectation, target))
+        });
         let levels = horizons.swap_remove(0).shown;
         let tiles = shown_tiles(&self.grid, &levels);
         Selection { levels, tiles }
