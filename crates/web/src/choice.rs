@@ -3,6 +3,7 @@
 use crate::shelf::Shelf;
 use foveal_core::asset::tile_grid::Tile;
 use foveal_core::selection::aim::Aim;
+use foveal_core::selection::asked::Detail;
 use foveal_core::selection::budget::Budget;
 use foveal_core::selection::content::Content;
 use foveal_core::selection::picker::Picker;
@@ -17,49 +18,83 @@ use std::rc::Rc;
 const MOST_LOG: usize = 64 << 20;
 /// What a host is thought to bring before anything came from it, in bytes per second.
 const FIRST_GUESS: f64 = 1e6;
+/// How long what was chosen stays where the index of other frames is awaited, before something
+/// else stands in and what was bought is forgotten, in seconds.
+const PATIENCE_S: f64 = 0.5;
 
 /// Chooses under one policy at a time.
 pub(crate) struct WebChoice {
     shelf: Rc<RefCell<Shelf>>,
+    /// Chooses by `config`, or by what stands in for it.
     picker: Picker,
+    /// What is asked for.
+    config: PolicyConfig,
+    detail: Detail,
     log: Option<String>,
     bytes_per_s: f64,
     budget: Budget,
     /// When the budget was last asked.
     asked: Option<f64>,
-    /// A choice was put off until what it needs is there.
+    /// The frame for which something is not there yet that choosing needs.
     waits: Option<u32>,
+    last: Option<Last>,
+}
+
+/// What was chosen last.
+struct Last {
+    /// When, by the clock of gazes.
+    at: f64,
+    tiles: Vec<Tile>,
 }
 
 impl WebChoice {
-    pub(crate) fn new(shelf: Rc<RefCell<Shelf>>, picker: Picker, logs: bool) -> Self {
+    pub(crate) fn new(shelf: Rc<RefCell<Shelf>>, name: &str, detail: Detail, logs: bool) -> Self {
+        let config = detail.of(Policy::Coarsest);
+        let picker = Picker::new(name, shelf.borrow().grid, config.clone());
         Self {
             shelf,
             picker,
+            config,
+            detail,
             log: logs.then(String::new),
             bytes_per_s: FIRST_GUESS,
             budget: Budget::new(FIRST_GUESS),
             asked: None,
             waits: None,
+            last: None,
         }
     }
 
+    /// What is asked for.
     pub(crate) fn config(&self) -> &PolicyConfig {
-        self.picker.config()
+        &self.config
     }
 
     pub(crate) fn policy(&self) -> Policy {
-        self.config().policy
+        self.config.policy
     }
 
     /// Chooses by another policy from now on; `false` where the pack lacks what it needs.
     pub(crate) fn change(&mut self, policy: Policy) -> bool {
         let can = self.picker.can(policy, self.shelf.borrow().has());
         if can {
-            self.picker.change(PolicyConfig::new(policy));
+            self.config = self.detail.of(policy);
             self.waits = None;
         }
         can
+    }
+
+    /// Chooses at another detail from now on.
+    pub(crate) fn set_detail(&mut self, detail: Detail) {
+        self.detail = detail;
+        self.config = detail.of(self.config.policy);
+    }
+
+    /// The score that what was chosen last is expected to have, as far as signatures tell.
+    pub(crate) fn expected_jod(&self) -> Option<f64> {
+        let shelf = self.shelf.borrow();
+        let knows = shelf.has_signatures();
+        knows.then(|| self.picker.expected_jod(&*shelf)).flatten()
     }
 
     /// What the host brings, measured.
@@ -83,16 +118,65 @@ impl WebChoice {
         }
     }
 
-    /// Whether a choice waits for what it needs.
+    /// Whether what was asked for waits for what it needs, and something else stands in.
     pub(crate) fn waits(&self) -> bool {
-        self.waits.is_some()
+        self.waits.is_some() && self.shelf.borrow().may_get_signatures()
+    }
+
+    /// Whether all is there by which what is asked for chooses for a frame.
+    fn is_ready(&self, shelf: &Shelf, frame: u32) -> bool {
+        match &self.config {
+            config if config.policy.spends_a_budget() => shelf.can_spend(frame),
+            config => !config.needs_signatures() || shelf.has_signatures(),
+        }
+    }
+
+    /// Whether it is chosen by what is asked for, and not by what stands in.
+    fn is_as_asked(&self) -> bool {
+        *self.picker.config() == self.config
+    }
+
+    /// Whether what was chosen last stays while something is awaited.
+    fn keeps(&self, now: f64) -> bool {
+        let last = self.last.as_ref().filter(|_| self.is_as_asked());
+        last.is_some_and(|last| (0.0..PATIENCE_S).contains(&(now - last.at)))
     }
 
     /// Whether what a choice waited for is there, or may still be bought.
-    fn may_go_on(&self) -> bool {
-        let spends = self.policy().spends_a_budget();
-        let ready = |frame| self.shelf.borrow().can_spend(frame);
-        self.waits.is_some_and(ready) || spends && !self.budget.is_done()
+    fn may_go_on(&self, now: f64) -> bool {
+        let spends = self.picker.config().policy.spends_a_budget();
+        let saves_up = spends && !self.budget.is_done() && !self.picker.has_reached();
+        match self.waits {
+            Some(frame) if self.waits() => {
+                self.is_ready(&self.shelf.borrow(), frame)
+                    || self.is_as_asked() && self.last.is_some() && !self.keeps(now)
+            }
+            _ => saves_up,
+        }
+    }
+
+    /// Goes over to what is asked for, or to what stands in, whichever can choose now. Bytes of
+    /// what was chosen so far for a frame, where that is new: they are here or under way, and cost
+    /// nothing more.
+    fn go_over(&mut self, shelf: &Shelf, frame: u32, is_ready: bool) -> u64 {
+        let config = match is_ready {
+            true => self.config.clone(),
+            false => self.config.without_signatures(),
+        };
+        if *self.picker.config() == config {
+            return 0;
+        }
+        self.picker.change(config);
+        let tiles = self.last.iter().flat_map(|last| &last.tiles);
+        let finer = tiles.filter(|tile| tile.level < shelf.grid.coarsest());
+        let entries = finer.filter_map(|tile| shelf.pack.known_entry(shelf.unit(*tile, frame)));
+        entries.map(|entry| u64::from(entry.bytes)).sum()
+    }
+
+    /// Bytes that can be spent now.
+    fn saved(&mut self, now: f64) -> u64 {
+        let passed = now - self.asked.replace(now).unwrap_or(now);
+        self.budget.after(Seconds(passed))
     }
 }
 
@@ -102,24 +186,36 @@ impl Chooses for WebChoice {
     fn choose(&mut self, frame: u32, aim: &Aim) -> Result<Vec<Tile>, RenderError> {
         let shelf = Rc::clone(&self.shelf);
         let shelf = shelf.borrow();
-        let spends = self.policy().spends_a_budget();
-        self.waits = (spends && !shelf.can_spend(frame)).then_some(frame);
-        if self.waits.is_some() {
+        let now = aim.gaze.time.0;
+        let is_ready = self.is_ready(&shelf, frame);
+        self.waits = (!is_ready).then_some(frame);
+        if !is_ready && self.keeps(now) {
+            return Ok(self
+                .last
+                .iter()
+                .flat_map(|last| last.tiles.clone())
+                .collect());
+        }
+        let paid = self.go_over(&shelf, frame, is_ready);
+        let spends = self.picker.config().policy.spends_a_budget();
+        if spends && !is_ready {
+            // Nothing stands in for what weighs bytes alone.
+            self.last = None;
             return Ok(shelf.grid.tiles_of(shelf.grid.coarsest()).collect());
         }
-        let now = aim.gaze.time.0;
-        let budget = spends.then(|| {
-            let passed = now - self.asked.replace(now).unwrap_or(now);
-            self.budget.after(Seconds(passed))
-        });
-        let content = spends.then_some(&*shelf as &dyn Content);
+        let budget = spends.then(|| self.saved(now).saturating_add(paid));
+        let content = (self.picker.config().needs_signatures()).then_some(&*shelf as &dyn Content);
         let picked = self.picker.choose(content, frame, aim, budget);
         self.budget.spend(picked.spent);
         self.write(&picked.log);
+        self.last = Some(Last {
+            at: now,
+            tiles: picked.tiles.clone(),
+        });
         Ok(picked.tiles)
     }
 
     fn differs(&self, now: &Aim, before: &Aim) -> bool {
-        self.may_go_on() || now.differs(before, self.policy())
+        self.may_go_on(now.gaze.time.0) || now.differs(before, self.policy())
     }
 }

@@ -1,5 +1,6 @@
 //! What does a page ask for when it opens a pack?
 
+use foveal_core::selection::asked::{Detail, SLOPES, Target};
 use foveal_core::selection::policy::Policy;
 use foveal_core::view::surface::Screen;
 use serde::Deserialize;
@@ -12,6 +13,13 @@ pub struct Options {
     pub name: String,
     /// How levels are chosen.
     pub policy: Policy,
+    /// The score that levels are chosen for.
+    #[serde(default)]
+    pub target: Option<Target>,
+    /// Of `acuity`: degrees by which the smallest pixel that an eye tells apart grows with each
+    /// degree of eccentricity.
+    #[serde(default)]
+    pub slope: Option<f64>,
     /// Whether neighbours of what is looked at are fetched with it.
     #[serde(default)]
     pub coarse: bool,
@@ -62,7 +70,21 @@ impl Options {
         if !measured || !(diagonal_inches / distance_m).is_finite() {
             return Err("screen: expected inches and metres above 0".to_owned());
         }
+        options.detail()?;
         Ok(options)
+    }
+
+    /// How much detail is asked for; says what is wrong with it.
+    pub fn detail(&self) -> Result<Detail, String> {
+        match (self.target, self.slope) {
+            (Some(_), Some(_)) => {
+                Err("target and slope choose the same; give one of them".to_owned())
+            }
+            (Some(target), None) => Ok(Detail::Target(target.checked()?)),
+            (None, Some(slope)) if SLOPES.contains(&slope) => Ok(Detail::Slope(slope)),
+            (None, Some(slope)) => Err(format!("slope: found {slope}, expected 0 to 1")),
+            (None, None) => Ok(Detail::Usual),
+        }
     }
 }
 
@@ -78,5 +100,25 @@ mod tests {
         assert_eq!((options.field_deg, options.paused), (100.0, false));
         let narrow = text.replace("\"size\"", "\"fieldDeg\":0,\"size\"");
         assert!(Options::parse(&narrow).is_err());
+    }
+
+    #[test]
+    fn a_score_or_a_slope_is_asked_for_and_never_both() {
+        let detail = |more: &str| {
+            let text = r#"{"name":"a","policy":"acuity","size":[9,8],"screenSize":[90,80]MORE}"#;
+            Options::parse(&text.replace("MORE", more))?.detail()
+        };
+        assert_eq!(detail(""), Ok(Detail::Usual));
+        assert_eq!(detail(r#","target":9"#), Ok(Detail::Target(Some(9.0))));
+        assert_eq!(detail(r#","target":"none""#), Ok(Detail::Target(None)));
+        assert_eq!(detail(r#","slope":0.011"#), Ok(Detail::Slope(0.011)));
+        for wrong in [
+            r#","target":9,"slope":0.01"#,
+            r#","target":10"#,
+            r#","target":"high""#,
+            r#","slope":-0.1"#,
+        ] {
+            assert!(detail(wrong).is_err(), "{wrong}");
+        }
     }
 }

@@ -22,6 +22,8 @@ pub(crate) struct Shelf {
     pub(crate) grid: TileGrid,
     /// Pages of the index that cannot be had.
     pub(crate) damaged_pages: HashSet<u32>,
+    /// Side tables that cannot be had.
+    pub(crate) damaged_tables: HashSet<String>,
     times: Option<Vec<i64>>,
     signatures: Option<Signatures>,
     cues: Option<CueTable>,
@@ -46,6 +48,7 @@ impl Shelf {
             grid: pack.description().grid(screen),
             pack,
             damaged_pages: HashSet::new(),
+            damaged_tables: HashSet::new(),
             times: None,
             signatures: None,
             cues: None,
@@ -99,6 +102,16 @@ impl Shelf {
         }
     }
 
+    /// Whether it is known what each unit adds.
+    pub(crate) fn has_signatures(&self) -> bool {
+        self.signatures.is_some()
+    }
+
+    /// Whether that is known, or may be yet.
+    pub(crate) fn may_get_signatures(&self) -> bool {
+        self.has_signatures() || self.has().signatures && !self.damaged_tables.contains(SIGNATURES)
+    }
+
     /// Lengths of the access units of a chunk, its checksum checked.
     pub(crate) fn lengths(&self, unit: UnitId, chunk: &[u8]) -> Result<Vec<u32>, PackError> {
         let Some(entry) = self.pack.known_entry(unit) else {
@@ -132,8 +145,7 @@ impl Shelf {
             let mut pages = levels.flat_map(|level| self.pages_of(level, frame));
             pages.all(|page| self.pack.has_page(page) || self.damaged_pages.contains(&page))
         };
-        let cues = self.cues.is_some() || !self.has().cues;
-        self.signatures.is_some() && cues && frames.into_iter().flatten().all(pages_there)
+        self.has_signatures() && frames.into_iter().flatten().all(pages_there)
     }
 }
 

@@ -13,6 +13,7 @@ use foveal_core::asset::picture::{Picture, plane_size};
 use foveal_core::asset::sound::SoundTable;
 use foveal_core::asset::unit::UnitId;
 use foveal_core::gaze::sample::HeadPose;
+use foveal_core::selection::asked::{self, Detail};
 use foveal_core::selection::policy::Policy;
 use foveal_core::selection::stage::Delivery;
 use foveal_core::units::{Radians, Seconds};
@@ -163,6 +164,13 @@ impl Show {
     #[wasm_bindgen(js_name = addTable)]
     pub fn add_table(&mut self, name: &str, bytes: Vec<u8>) -> Outcome<()> {
         self.viewer.add_table(name, bytes).map_err(refused)
+    }
+
+    /// A side table cannot be had.
+    #[wasm_bindgen(js_name = failTable)]
+    pub fn fail_table(&self, name: &str) {
+        let mut shelf = self.viewer.shelf.borrow_mut();
+        shelf.damaged_tables.insert(name.to_owned());
     }
 
     /// Lengths of the access units at the end of a chunk; refuses a damaged one.
@@ -413,6 +421,30 @@ impl Show {
         }
         let what = "the pack has no tables for this policy; prepare it again";
         Err(refused(what))
+    }
+
+    /// Chooses for a score, in JSON a number or `"none"`; the usual one where nothing is said.
+    #[wasm_bindgen(js_name = setTarget)]
+    pub fn set_target(&mut self, target: Option<String>) -> Outcome<()> {
+        let detail = match target {
+            Some(json) => {
+                let target: asked::Target = serde_json::from_str(&json).map_err(refused)?;
+                Detail::Target(target.checked().map_err(refused)?)
+            }
+            None => Detail::Usual,
+        };
+        self.viewer.set_detail(detail);
+        Ok(())
+    }
+
+    /// Goes so many target scores on, or back, and says which is asked for then, as in
+    /// [`Self::set_target`]; nothing where the policy has no target.
+    #[wasm_bindgen(js_name = nextTarget)]
+    pub fn next_target(&mut self, by: i32) -> Option<String> {
+        match self.viewer.next_target(by)? {
+            Detail::Target(Some(jod)) => Some(jod.to_string()),
+            _ => Some("\"none\"".to_owned()),
+        }
     }
 
     /// Draws the levels over the picture.

@@ -23,6 +23,8 @@ impl Viewer {
         let [fps, upload] = figures.rates(now);
         json!({
             "policy": self.choice.policy(),
+            "target": self.choice.config().target,
+            "expectedScore": self.choice.expected_jod(),
             "playing": self.is_playing(),
             "time": self.time(now).0,
             "frame": frame,

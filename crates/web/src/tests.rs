@@ -6,7 +6,7 @@ use crate::needs::{Kind, ROW};
 use crate::options::Options;
 use crate::viewer::{Viewer, flag};
 use foveal_core::asset::codec::Codec;
-use foveal_core::asset::pack::{Description, HEADER_BYTES, Header, PackBuilder, Source};
+use foveal_core::asset::pack::{Description, HEADER_BYTES, Header, PackBuilder, SideTable, Source};
 use foveal_core::asset::picture::{Colour, Matrix, Picture};
 use foveal_core::asset::tile_grid::{Cut, Tile};
 use foveal_core::asset::unit::UnitId;
@@ -14,6 +14,8 @@ use foveal_core::selection::stage::Delivery;
 use foveal_core::units::Seconds;
 use foveal_core::view::surface::{Projection, Screen};
 use std::collections::HashSet;
+
+mod standing_in;
 
 const SIZE: [u32; 2] = [512, 320];
 const FRAMES: u32 = 12;
@@ -59,29 +61,40 @@ struct Host {
 
 impl Host {
     fn new() -> Self {
+        Self::with(|_| Vec::new())
+    }
+
+    /// With side tables for so many units finer than the coarsest level.
+    fn with(tables: impl FnOnce(usize) -> Vec<SideTable>) -> Self {
         let about = description();
         let grid = about.grid(Screen::default());
         let mut builder = PackBuilder::new(&about);
         let mut chunks = Vec::new();
+        let mut finer = 0;
         for level in (0..3).rev() {
             let group = about.groups[usize::from(level)];
             for first in (0..FRAMES).step_by(group as usize) {
                 for tile in grid.tiles_of(level) {
+                    finer += usize::from(level < 2);
                     let units = vec![vec![7; 5]; group as usize];
                     chunks.extend(builder.push(tile, first, &units));
                 }
             }
         }
-        let finished = builder.finish(about, &[]).unwrap();
+        let finished = builder.finish(about, &tables(finer)).unwrap();
         let file = [finished.head, chunks, finished.tail].concat();
         Self { file }
     }
 
     fn viewer(&self, options: &str) -> Viewer {
+        self.viewer_by("viewport", options)
+    }
+
+    fn viewer_by(&self, policy: &str, options: &str) -> Viewer {
         let header = Header::parse(&self.file).unwrap();
         let head = &self.file[..HEADER_BYTES + header.description_bytes as usize];
         let text = format!(
-            r#"{{"name":"a","policy":"viewport","size":{SIZE:?},"screenSize":{SIZE:?}{options}}}"#
+            r#"{{"name":"a","policy":"{policy}","size":{SIZE:?},"screenSize":{SIZE:?}{options}}}"#
         );
         let options = Options::parse(&text).unwrap();
         Viewer::new(head, &options, None).unwrap()

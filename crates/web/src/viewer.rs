@@ -11,9 +11,9 @@ use crate::shelf::Shelf;
 use crate::wide::{EyeRequest, head_of, union};
 use foveal_core::asset::media_clock::MediaClock;
 use foveal_core::selection::aim::Aim;
+use foveal_core::selection::asked::{Detail, next_target};
 use foveal_core::selection::figures::Figures;
-use foveal_core::selection::picker::Picker;
-use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::selection::policy::Policy;
 use foveal_core::selection::stage::{Delivery, Now, Stage};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
@@ -83,10 +83,10 @@ impl Viewer {
         let colour = shelf.pack.description().colour;
         let easel = WebEasel::new(gpu, &grid, colour).map_err(|error| error.to_string())?;
         let field = Radians::from_degrees(options.field_deg);
-        let picker = Picker::new(&options.name, grid, PolicyConfig::new(options.policy));
         let shelf = Rc::new(RefCell::new(shelf));
+        let (name, detail) = (&options.name, options.detail()?);
         let mut viewer = Self {
-            choice: WebChoice::new(Rc::clone(&shelf), picker, options.log),
+            choice: WebChoice::new(Rc::clone(&shelf), name, detail, options.log),
             stage: Stage::new(grid, timeline, WebFeed::default(), easel),
             scene: Scene::new(grid.surface, field),
             shelf,
@@ -198,6 +198,22 @@ impl Viewer {
             self.stage.forget_choice();
         }
         can
+    }
+
+    /// Chooses at another detail.
+    pub fn set_detail(&mut self, detail: Detail) {
+        self.choice.set_detail(detail);
+        self.stage.forget_choice();
+    }
+
+    /// Goes so many target scores on, or back; what is chosen for then, or nothing where the policy
+    /// has no target.
+    pub fn next_target(&mut self, by: i32) -> Option<Detail> {
+        let config = self.choice.config();
+        let has = config.policy.has_target();
+        let next = has.then(|| Detail::Target(next_target(config.target, by)))?;
+        self.set_detail(next);
+        Some(next)
     }
 
     /// Takes a side table; the frames' times count from now on.

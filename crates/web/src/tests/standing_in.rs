@@ -1,0 +1,142 @@
+//! Is there a sharp picture before a side table is there, and does the log still replay?
+
+use super::*;
+use foveal_core::asset::signature::{BandContrast, SIGNATURES, SIGNATURES_VERSION, Signature};
+use foveal_core::selection::policy::Policy;
+use foveal_core::selection::session_log::SessionLog;
+
+const DEMO: &str = r#","paused":true,"log":true"#;
+
+/// Rows of texture that is alike everywhere.
+fn signatures(units: usize) -> Vec<u8> {
+    let band = |before: f64, after: f64| BandContrast {
+        before,
+        after,
+        difference: after - before,
+        norm: after - before,
+    };
+    let signature = Signature {
+        bands: [band(0.0, 0.2), band(0.1, 0.2), band(0.2, 0.2)],
+    };
+    signature.to_bytes().repeat(units)
+}
+
+fn host() -> Host {
+    Host::with(|units| {
+        vec![SideTable {
+            name: SIGNATURES.to_owned(),
+            version: SIGNATURES_VERSION,
+            bytes: signatures(units),
+        }]
+    })
+}
+
+fn table(viewer: &Viewer, host: &Host) -> Vec<u8> {
+    let place = viewer.shelf.borrow().table_place(SIGNATURES).unwrap();
+    host.file[place.start as usize..place.end as usize].to_vec()
+}
+
+fn demo(host: &Host, policy: &str, more: &str) -> Viewer {
+    host.viewer_by(policy, &format!("{DEMO}{more}"))
+}
+
+/// Steps and answers for a while; when that ended.
+fn look(host: &Host, viewer: &mut Viewer, from: f64) -> f64 {
+    let steps = 40;
+    for step in 0..steps {
+        viewer.step(Seconds(from + 0.05 * f64::from(step))).unwrap();
+        host.answer(viewer);
+    }
+    from + 0.05 * f64::from(steps)
+}
+
+fn stats(viewer: &Viewer) -> serde_json::Value {
+    serde_json::from_str(&viewer.stats(Seconds(9.0))).unwrap()
+}
+
+/// The policies of a log's parts, which must replay.
+fn logged(viewer: &Viewer) -> Vec<Policy> {
+    let text = viewer.choice.log();
+    let log = SessionLog::parse(text).unwrap();
+    assert_eq!(log.replay(Some(&*viewer.shelf.borrow())).write(), text);
+    log.parts
+        .iter()
+        .map(|part| part.head.policy.policy)
+        .collect()
+}
+
+#[test]
+fn acuity_stands_in_until_the_signatures_are_there_and_the_log_replays() {
+    let host = host();
+    let mut viewer = demo(&host, "perceptual", "");
+    let now = look(&host, &mut viewer, 0.0);
+    assert!(viewer.figures.histogram[..2].iter().sum::<u32>() > 0);
+    let before = stats(&viewer);
+    assert_eq!(before["policy"], "perceptual");
+    assert_eq!(before["target"], 9.5);
+    assert!(before["expectedScore"].is_null());
+    assert!(!viewer.is_settled(), "the table is awaited");
+    assert_eq!(logged(&viewer), [Policy::Acuity]);
+
+    let bytes = table(&viewer, &host);
+    viewer.add_table(SIGNATURES, bytes).unwrap();
+    // What was shown is paid: there is no step back to the coarsest level.
+    viewer.step(Seconds(now)).unwrap();
+    assert!(
+        viewer
+            .stage
+            .wanted()
+            .unwrap()
+            .1
+            .iter()
+            .any(|tile| tile.level < 2)
+    );
+    settle(&host, &mut viewer, now + 0.1);
+    assert_eq!(logged(&viewer), [Policy::Acuity, Policy::Perceptual]);
+    let expected = stats(&viewer)["expectedScore"].as_f64().unwrap();
+    assert!(expected >= 9.5, "{expected}");
+}
+
+#[test]
+fn acuity_keeps_a_score_with_signatures_and_without() {
+    let host = host();
+    let mut viewer = demo(&host, "acuity", r#","target":9"#);
+    let now = look(&host, &mut viewer, 0.0);
+    let bytes = table(&viewer, &host);
+    viewer.add_table(SIGNATURES, bytes).unwrap();
+    settle(&host, &mut viewer, now);
+    let told = stats(&viewer);
+    assert_eq!(told["target"], 9.0);
+    assert!(told["expectedScore"].as_f64().unwrap() >= 9.0, "{told}");
+    assert_eq!(logged(&viewer), [Policy::Acuity; 2]);
+
+    let bare = Host::new();
+    let mut viewer = demo(&bare, "acuity", "");
+    settle(&bare, &mut viewer, 0.0);
+    assert!(stats(&viewer)["expectedScore"].is_null());
+    assert_eq!(logged(&viewer), [Policy::Acuity]);
+}
+
+#[test]
+fn a_damaged_table_leaves_what_stands_in_and_it_settles() {
+    let host = host();
+    let mut viewer = demo(&host, "perceptual", "");
+    look(&host, &mut viewer, 0.0);
+    let name = SIGNATURES.to_owned();
+    viewer.shelf.borrow_mut().damaged_tables.insert(name);
+    settle(&host, &mut viewer, 9.0);
+    assert!(viewer.figures.histogram[..2].iter().sum::<u32>() > 0);
+}
+
+#[test]
+fn a_slope_has_no_target_and_a_key_asks_for_a_score_in_its_place() {
+    let host = Host::new();
+    let mut viewer = demo(&host, "acuity", r#","slope":0.011"#);
+    settle(&host, &mut viewer, 0.0);
+    assert!(stats(&viewer)["target"].is_null());
+    viewer.next_target(-1).unwrap();
+    assert_eq!(stats(&viewer)["target"], 9.75);
+    settle(&host, &mut viewer, 1.0);
+    assert!(viewer.set_policy(Policy::Viewport));
+    assert_eq!(viewer.next_target(1), None);
+}
