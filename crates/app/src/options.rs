@@ -202,6 +202,16 @@ impl PolicyOptions {
         }
     }
 
+    /// The same for a score, in the place of the acuity that was asked for.
+    pub(crate) fn for_score(&self, target: Option<f64>) -> Self {
+        Self {
+            target: Some(target.map_or(Target::None, Target::Jod)),
+            acuity: None,
+            slope: None,
+            ..self.clone()
+        }
+    }
+
     /// The policy with its parameters, checked.
     pub(crate) fn config(&self) -> anyhow::Result<PolicyConfig> {
         let policy = match self.name() {

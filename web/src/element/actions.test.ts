@@ -19,6 +19,7 @@ function done(key: string, withShift = false): string {
     step: say("step"),
     seekShare: say("seekShare"),
     nextPolicy: say("nextPolicy"),
+    nextTarget: say("nextTarget"),
   };
   actionOfKey(key, withShift, 1600)?.(actions);
   return said.join(", ");
@@ -44,6 +45,8 @@ test("capital letters do what small ones do, but where Shift is in the table", (
   expect(done("p")).toBe("nextPolicy 1");
   expect(done("P", true)).toBe("nextPolicy -1");
   expect(done("P")).toBe("nextPolicy 1");
+  expect(done("j")).toBe("nextTarget 1");
+  expect(done("J", true)).toBe("nextTarget -1");
 });
 
 test("signs that a keyboard has on Shift are found, and other keys do nothing", () => {

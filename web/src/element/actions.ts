@@ -18,6 +18,8 @@ export interface Actions {
   seekShare(share: number): void;
   /** So many policies on, or back. */
   nextPolicy(by: number): void;
+  /** So many target scores on, or back. */
+  nextTarget(by: number): void;
 }
 
 /** What is either on or off; `overlay` goes from the keys to the figures to nothing. */
@@ -73,6 +75,8 @@ function perform(deed: Deed, actions: Actions, width: number): void {
       return actions.reset();
     case "policy":
       return actions.nextPolicy(deed.by);
+    case "target":
+      return actions.nextTarget(deed.by);
     case "fullScreen":
       return actions.toggle("fullscreen");
     case "sound":

@@ -50,6 +50,10 @@ export const KEYS = [
     {"key":"p","does":"policy","by":1},
     {"key":"Shift+p","does":"policy","by":-1},
   ] },
+  { shown: "J  Shift J", says: "higher, lower target score (JOD)", needs: "nothing", keys: [
+    {"key":"j","does":"target","by":1},
+    {"key":"Shift+j","does":"target","by":-1},
+  ] },
   { shown: "M", says: "sound", needs: "heard", keys: [
     {"key":"m","does":"sound"},
   ] },

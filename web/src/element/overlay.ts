@@ -2,7 +2,7 @@
 
 import { type PackFacts, POLICIES, type PolicyName, type Stats } from "../engine/api.ts";
 import { element } from "./dom.ts";
-import { bytes, percent, rate } from "./words.ts";
+import { bytes, percent, rate, score } from "./words.ts";
 
 /** What can be changed among the figures. */
 export interface OverlayChoices {
@@ -73,6 +73,13 @@ const LATE =
 
 /** Names, what they stand for, and values. */
 const FIGURES: readonly (readonly [string, string, (stats: Stats) => string])[] = [
+  ["policy", "By which levels are chosen", (s) => s.policy],
+  [
+    "score",
+    "In JOD, where 10 is every finest tile: what is asked for, and what is expected of what was " +
+      "chosen once all of it is shown",
+    (s) => score(s.target, s.expectedScore),
+  ],
   ["pixels shown", "Of all pixels of the finest level", (s) => percent(s.share)],
   [
     "tiles, finest first",

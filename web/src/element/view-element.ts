@@ -11,6 +11,7 @@ import {
   type Stats,
 } from "../engine/api.ts";
 import { Engine } from "../engine/engine.ts";
+import { detailOf } from "./detail.ts";
 import { DIRECTION, viewOf } from "./direction.ts";
 import { type FovealViewEvents, type Tell, problemOf } from "./events.ts";
 import { watchInput } from "./input.ts";
@@ -21,7 +22,7 @@ import { Shell } from "./shell.ts";
 import { Viewing, deviceSize } from "./viewing.ts";
 
 /** Attributes that open the pack anew when they change. */
-const OPENS = ["src", "demo", "privacy", "once"] as const;
+const OPENS = ["src", "demo", "privacy", "once", "slope"] as const;
 /** Those that count when it is opened. */
 const AT_FIRST = ["muted", "paused"] as const;
 
@@ -29,10 +30,10 @@ const AT_FIRST = ["muted", "paused"] as const;
  * Shows a pack, with controls.
  *
  * Attributes: `src`, the pack; `demo`, the pointer is the gaze; `policy`, which levels are wanted;
- * `gaze`, the WebSocket address of a tracker; `privacy="coarse"`, the host learns less of where one
- * looks; `yaw`, `pitch`, `fov`, where the view of a sphere begins, in degrees; `muted`, `paused`,
- * `once`; `poster`, a picture to begin with; `bare`, without controls; `label`, its name for those
- * who listen.
+ * `target`, for which score, or `slope`, for which acuity; `gaze`, the WebSocket address of a
+ * tracker; `privacy="coarse"`, the host learns less of where one looks; `yaw`, `pitch`, `fov`, where
+ * the view of a sphere begins, in degrees; `muted`, `paused`, `once`; `poster`, a picture to begin
+ * with; `bare`, without controls; `label`, its name for those who listen.
  */
 export class FovealView extends HTMLElement {
   static readonly observedAttributes: readonly string[] = [
@@ -40,6 +41,7 @@ export class FovealView extends HTMLElement {
     ...AT_FIRST,
     ...DIRECTION,
     "policy",
+    "target",
     "gaze",
     "poster",
     "bare",
@@ -117,6 +119,7 @@ export class FovealView extends HTMLElement {
     if (!this.isConnected) return;
     if (name === "gaze") this.followGaze();
     if (name === "policy") this.setPolicy(value);
+    if (name === "target") this.setTarget();
     if (DIRECTION.some((one) => one === name)) {
       const say = (sentence: string): void => this.shell.say(sentence, "seen");
       this.viewing?.look(viewOf((one) => (one === name ? value : null), say));
@@ -152,10 +155,9 @@ export class FovealView extends HTMLElement {
     this.open = open;
     const { shell, overlay, tell } = this;
     const refused: string[] = [];
-    const view = viewOf(
-      (name) => this.getAttribute(name),
-      (sentence) => refused.push(sentence),
-    );
+    const refuse = (sentence: string): number => refused.push(sentence);
+    const view = viewOf((name) => this.getAttribute(name), refuse);
+    const detail = detailOf((name) => this.getAttribute(name), refuse);
     shell.showProblem(null);
     shell.bar.hidden = this.hasAttribute("bare");
     shell.showNote(null);
@@ -163,18 +165,18 @@ export class FovealView extends HTMLElement {
     this.name();
     keepLaid(shell.stage, () => this.pack, signal);
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    const options = this.options(this.hasAttribute("paused") || calm);
-    const settings = {
-      paused: options.paused === true,
-      muted: this.hasAttribute("muted"),
-      policy: firstPolicy(options),
-    };
+    const options = { ...this.options(this.hasAttribute("paused") || calm), ...detail, view };
     try {
-      const engine = await Engine.open(shell.stage, { ...options, view });
+      const engine = await Engine.open(shell.stage, options);
       if (signal.aborted) {
         engine.close();
         return;
       }
+      const settings = {
+        paused: options.paused === true,
+        muted: this.hasAttribute("muted"),
+        policy: firstPolicy(options, engine.pack),
+      };
       const around = { host: this, shell, overlay, tell, signal };
       this.viewing = new Viewing(engine, around, settings);
       if (refused.length > 0) shell.say(refused.join(" "), "seen");
@@ -228,6 +230,15 @@ export class FovealView extends HTMLElement {
   private setPolicy(value: string | null): void {
     const policy = this.policyOf(value);
     if (policy !== undefined) this.viewing?.setPolicy(policy);
+  }
+
+  /** Chooses for the score that the attributes say; says so where that is none. */
+  private setTarget(): void {
+    const refuse = (sentence: string): void => this.shell.say(sentence, "seen");
+    const { target, slope } = detailOf((name) => this.getAttribute(name), refuse);
+    if (slope === undefined) this.viewing?.setTarget(target);
+    // Without a target beside it, a slope counts again.
+    else this.reopen();
   }
 
   /** The policy of a name; says so where there is none. */

@@ -1,7 +1,7 @@
 // What happens between a pack that is open and the controls around it?
 
-import type { EngineApi, GazeRecord, PackFacts, PolicyName } from "../engine/api.ts";
-import type { Pose, Stats, View } from "../engine/api.ts";
+import { demoPolicy, type EngineApi, type GazeRecord, type PackFacts } from "../engine/api.ts";
+import type { PolicyName, Pose, Stats, Target, View } from "../engine/api.ts";
 import type { Actions, Toggle } from "./actions.ts";
 import { type Tell, problemOf } from "./events.ts";
 import { listenForGaze } from "./gaze-socket.ts";
@@ -40,6 +40,8 @@ export class Viewing implements Actions {
   private pictured = false;
   private time = 0;
   private policy: PolicyName = "viewport";
+  /** The policy of the demo. */
+  private readonly demo: PolicyName;
   /** Where a skip has led that no figures have told of yet. */
   private skipping: number | null = null;
   private sensor: AbortController | null = null;
@@ -60,7 +62,8 @@ export class Viewing implements Actions {
     shell.showPlaying(this.playing);
     shell.showTime(0, engine.pack.seconds);
     shell.showsTime = engine.pack.frames > 1;
-    shell.buttons.demo.hidden = !engine.pack.policies.includes(DEMO);
+    this.demo = demoPolicy(engine.pack);
+    shell.buttons.demo.hidden = !engine.pack.policies.includes(this.demo);
     this.showPolicy(settings.policy);
     this.listen();
     this.fit();
@@ -213,16 +216,28 @@ export class Viewing implements Actions {
     this.showPolicy(name);
   }
 
+  nextTarget(by: number): void {
+    const { shell } = this.around;
+    void this.engine.nextTarget(by).then((target) => {
+      if (target === null) shell.say(`Policy ${this.policy} chooses for no score.`, "seen");
+      else shell.say(target === "none" ? "No target score" : `Target score ${target}`, "seen");
+    });
+  }
+
+  setTarget(target?: Target): void {
+    this.engine.setTarget(target);
+  }
+
   /** Makes the pointer the eye, or all that is in view sharp again. */
   toggleDemo(): void {
-    const isOn = this.policy === DEMO;
-    this.setPolicy(isOn ? "viewport" : DEMO);
+    const isOn = this.policy === this.demo;
+    this.setPolicy(isOn ? "viewport" : this.demo);
     this.around.shell.say(isOn ? "All that is in view gets sharp." : DEMO_WORDS, "seen");
   }
 
   private showPolicy(name: PolicyName): void {
     this.policy = name;
-    this.around.shell.press("demo", name === DEMO);
+    this.around.shell.press("demo", name === this.demo);
   }
 
   showLevels(shown: boolean): void {
@@ -398,9 +413,6 @@ const LOST = {
   worker: "Drawing stopped; it begins again.",
   network: "The host cannot be reached. What is here stays, and the rest comes when it is back.",
 } as const;
-
-/** The policy of the demo. */
-const DEMO: PolicyName = "acuity";
 
 const DEMO_WORDS =
   "Demo: the pointer is the eye; look at it. Only what an eye there could see is fetched.";

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { bytes, clock, percent, rate, spokenTime } from "./words.ts";
+import { bytes, clock, percent, rate, score, spokenTime } from "./words.ts";
 
 test("a time is minutes and seconds, and hours where there are any", () => {
   const said = ["0:00", "0:05", "0:03", "1:05", "1:00:00", "1:02:05"];
@@ -22,6 +22,12 @@ test("a size has three digits and never a thousand of its unit", () => {
     "1.00 MB",
   ]);
   expect(rate(40e6)).toBe("40.0 Mbit/s");
+});
+
+test("a score is what is asked and, where that is known, what is expected", () => {
+  expect(score(9.5, 9.5612)).toBe("9.5 asked, 9.56 expected");
+  expect(score(9, null)).toBe("9 asked");
+  expect(score(null, 10)).toBe("none asked, 10.00 expected");
 });
 
 test("a small share keeps its digits", () => {

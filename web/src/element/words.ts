@@ -49,6 +49,13 @@ export function rate(bitsPerSecond: number): string {
   return `${bytes(bitsPerSecond).replace("B", "bit")}/s`;
 }
 
+/** A score that is asked for and one that is expected, in JOD: "9.5 asked, 9.56 expected". As
+ *  `score_told` of crates/core/src/selection/asked.rs. */
+export function score(target: number | null, expected: number | null): string {
+  const said = expected === null ? "" : `, ${expected.toFixed(2)} expected`;
+  return `${target ?? "none"} asked${said}`;
+}
+
 /** A share as a percentage, with two digits below one per cent. */
 export function percent(share: number): string {
   const value = 100 * share;

@@ -20,6 +20,9 @@ export const POLICIES = [
 /** One of {@link POLICIES}. */
 export type PolicyName = (typeof POLICIES)[number];
 
+/** A score in JOD, 1 to 9.99, that what is shown is to keep against every finest tile; or none. */
+export type Target = number | "none";
+
 /** A view of a sphere, in degrees; what is left out stays. */
 export interface View {
   /** To the right of the front, -360 to 360. */
@@ -36,8 +39,18 @@ export interface EngineOptions {
   readonly src: string;
   /** The pointer is the gaze, and only what an eye there could see is fetched. */
   readonly demo?: boolean;
-  /** Which levels are wanted; `viewport`, or `acuity` with `demo`, where it is left out. */
+  /**
+   * Which levels are wanted. Where it is left out: `acuity` with `slope`; with `demo`
+   * `perceptual`, or `acuity` for packs that do not tell what their tiles add; else `viewport`.
+   */
   readonly policy?: PolicyName;
+  /** The score that levels are chosen for; where it is left out, 9.5 for `acuity`, `perceptual`. */
+  readonly target?: Target;
+  /**
+   * Of `acuity`, in place of a target: degrees by which the smallest pixel that an eye tells apart
+   * grows with each degree of eccentricity, 0 to 1.
+   */
+  readonly slope?: number;
   /** What a host may learn of where its viewer looks: single tiles, or 3 x 3 of them. */
   readonly privacy?: "tiles" | "coarse";
   /** Columns and rows of device pixels to begin with. */
@@ -65,9 +78,19 @@ export interface EngineOptions {
   readonly view?: View;
 }
 
+/** The policy of a demo with a pack: the first of these that the pack has the tables for. */
+export function demoPolicy({ policies }: Pick<PackFacts, "policies">): PolicyName {
+  return policies.includes("perceptual") ? "perceptual" : "acuity";
+}
+
 /** The policy that an engine begins with. */
-export function firstPolicy({ policy, demo }: EngineOptions): PolicyName {
-  return policy ?? (demo ? "acuity" : "viewport");
+export function firstPolicy(
+  { policy, demo, slope }: Pick<EngineOptions, "policy" | "demo" | "slope">,
+  pack: Pick<PackFacts, "policies">,
+): PolicyName {
+  if (policy !== undefined) return policy;
+  if (slope !== undefined) return "acuity";
+  return demo ? demoPolicy(pack) : "viewport";
 }
 
 /** What is known of a pack once its beginning is there. */
@@ -97,6 +120,13 @@ export interface PackFacts {
 /** Figures of the moment, and sums since the beginning. */
 export interface Stats {
   readonly policy: PolicyName;
+  /** The score that is asked for, in JOD; null where none is. */
+  readonly target: number | null;
+  /**
+   * The score that what was chosen is expected to have against every finest tile, once all of it is
+   * shown; null while that is not known, as it takes what the pack tells of its tiles.
+   */
+  readonly expectedScore: number | null;
   readonly playing: boolean;
   /** The time of the content, within a round. */
   readonly time: number;
@@ -269,6 +299,10 @@ export interface EngineApi {
   /** What is heard now, to which the picture keeps. */
   heard(seconds: number): void;
   setPolicy(name: PolicyName): void;
+  /** Chooses for a score from now on; the usual one where nothing is said. */
+  setTarget(target?: Target): void;
+  /** Goes so many target scores on, or back; null where the policy has none. */
+  nextTarget(by: number): Promise<Target | null>;
   showLevels(shown: boolean): void;
   stats(): Promise<Stats>;
   /** The packets of a stretch of time; null where the pack has no sound. */

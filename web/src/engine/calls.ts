@@ -1,7 +1,7 @@
 // What does the page's side of an engine ask of the side that works?
 
 import type { EngineEvents, EngineOptions, Pixels, SoundPackets, Stats } from "./api.ts";
-import type { GazeRecord, PackFacts, PolicyName, Pose, View } from "./api.ts";
+import type { GazeRecord, PackFacts, PolicyName, Pose, Target, View } from "./api.ts";
 
 /** What a host begins with. */
 export interface HostOptions {
@@ -27,6 +27,7 @@ export interface Answers {
   stats(): Promise<Stats>;
   soundPackets(from: number, to: number): Promise<SoundPackets | null>;
   pixels(): Promise<Pixels>;
+  nextTarget(by: number): Promise<Target | null>;
   sessionLog(): Promise<string>;
   /** Stops, and hands over all bytes. */
   leave(): Promise<{ offset: number; bytes: Uint8Array }[]>;
@@ -48,6 +49,7 @@ export interface Tells {
   step(frames: number): void;
   heard(seconds: number): void;
   setPolicy(name: PolicyName): void;
+  setTarget(target?: Target): void;
   showLevels(shown: boolean): void;
   hurry(): void;
   loseDevice(): void;

@@ -18,7 +18,7 @@ const USUAL_CACHE = 256 << 20;
 /** Decoders: one a core, and never fewer or more than these. */
 const DECODERS = [8, 12] as const;
 /** Policies that choose by what units are worth. */
-const VALUED: readonly PolicyName[] = ["uniform", "eccentricity", "perceptual"];
+const VALUED: readonly PolicyName[] = ["acuity", "uniform", "eccentricity", "perceptual"];
 
 /** What a courier tells. */
 export interface CourierEvents {
@@ -194,10 +194,9 @@ export class Courier {
     this.#decoders?.close();
   }
 
-  /** The tables that a policy chooses by. */
+  /** Fetches the table that a policy chooses by; settles once it is there, or cannot be had. */
   async tablesFor(policy: PolicyName): Promise<void> {
-    if (!VALUED.includes(policy)) return;
-    await Promise.all([this.#table("signatures"), this.#table("cues")]);
+    if (VALUED.includes(policy)) await this.#table("signatures");
   }
 
   /** Whether the sound is there. */
@@ -220,6 +219,7 @@ export class Courier {
           this.#show?.addTable(name, there.slice());
           done(true);
         } catch (error) {
+          this.#show?.failTable(name);
           this.#events.tell("error", problem("broken-pack", false, String(error)));
           done(false);
         }

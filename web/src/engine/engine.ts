@@ -2,7 +2,7 @@
 
 import type { EngineApi, EngineEvents, EngineOptions, EyeRequest, PackFacts } from "./api.ts";
 import type { EngineProblem, GazeRecord, Pixels, PolicyName, Pose } from "./api.ts";
-import type { SoundPackets, Stats, View } from "./api.ts";
+import type { SoundPackets, Stats, Target, View } from "./api.ts";
 import type { Answers, HostOptions, Tells } from "./calls.ts";
 import type { Host } from "./host.ts";
 import { type Side, startHere, startWorker } from "./sides.ts";
@@ -28,6 +28,8 @@ class PageEngine implements EngineApi {
   #thread: "worker" | "main";
   #size: readonly [number, number];
   #policy: PolicyName | null = null;
+  /** The target and slope of now; the first are those of the options. */
+  #detail: Pick<EngineOptions, "target" | "slope">;
   #levels = false;
   #playing: boolean;
   #time = 0;
@@ -40,6 +42,11 @@ class PageEngine implements EngineApi {
     this.#options = options;
     this.#thread = options.thread ?? "worker";
     this.#size = options.size;
+    const { target, slope } = options;
+    this.#detail = {
+      ...(target === undefined ? {} : { target }),
+      ...(slope === undefined ? {} : { slope }),
+    };
     this.#playing = !(options.paused ?? false);
     this.#canvas = document.createElement("canvas");
     const names: (keyof EngineEvents)[] = [
@@ -91,8 +98,10 @@ class PageEngine implements EngineApi {
     this.#canvas = made;
     const url = new URL(this.#options.src, document.baseURI).href;
     const policy = this.#policy ?? this.#options.policy;
+    const { target: _, slope: __, ...rest } = this.#options;
     const options: EngineOptions = {
-      ...this.#options,
+      ...rest,
+      ...this.#detail,
       size: this.#size,
       paused: !this.#playing,
       ...(policy ? { policy } : {}),
@@ -218,6 +227,17 @@ class PageEngine implements EngineApi {
   setPolicy(name: PolicyName): void {
     this.#policy = name;
     this.#tell("setPolicy", name);
+  }
+
+  setTarget(target?: Target): void {
+    this.#detail = target === undefined ? {} : { target };
+    this.#tell("setTarget", target);
+  }
+
+  async nextTarget(by: number): Promise<Target | null> {
+    const target = await this.#ask("nextTarget", by);
+    if (target !== null) this.#detail = { target };
+    return target;
   }
 
   showLevels(shown: boolean): void {

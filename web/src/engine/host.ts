@@ -5,7 +5,7 @@
 
 import { firstPolicy } from "./api.ts";
 import type { EngineProblem, PackFacts, Pixels, PolicyName, Pose, SoundPackets } from "./api.ts";
-import type { EyeRequest, GazeRecord, Stats, View } from "./api.ts";
+import type { EyeRequest, GazeRecord, Stats, Target, View } from "./api.ts";
 import type { Calls, HostOptions, Tell } from "./calls.ts";
 import { Courier } from "./courier.ts";
 import { Poster, softwareSize } from "./poster.ts";
@@ -103,10 +103,12 @@ export class Host implements Calls {
     this.#device = device ?? "";
     const facts = factsOf(head, this.#software);
     await courier.prepare(facts);
-    this.#policy = this.#software ? "coarsest" : firstPolicy(options);
+    this.#policy = this.#software ? "coarsest" : firstPolicy(options, facts);
     const told = {
       name: begin.name,
       policy: this.#policy,
+      target: options.target,
+      slope: options.slope,
       coarse: options.privacy === "coarse",
       size: this.#scaled(options.size),
       software: this.#software,
@@ -377,13 +379,24 @@ export class Host implements Calls {
 
   setPolicy(name: PolicyName): void {
     if (this.#software) return;
-    const ready = this.#courier?.tablesFor(name) ?? Promise.resolve();
-    this.#changing = ready.then(() => {
-      this.#do((show) => {
-        show.setPolicy(name);
-        this.#policy = name;
-      });
+    // Something stands in until its tables are there.
+    this.#do((show) => {
+      show.setPolicy(name);
+      this.#policy = name;
     });
+    this.#changing = this.#courier?.tablesFor(name) ?? Promise.resolve();
+  }
+
+  setTarget(target?: Target): void {
+    this.#do((show) => show.setTarget(target === undefined ? undefined : JSON.stringify(target)));
+  }
+
+  async nextTarget(by: number): Promise<Target | null> {
+    let next: string | undefined;
+    this.#do((show) => {
+      next = show.nextTarget(by);
+    });
+    return next === undefined ? null : (JSON.parse(next) as Target);
   }
 
   showLevels(shown: boolean): void {

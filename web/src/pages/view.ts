@@ -1,8 +1,10 @@
 // How is one video shown on a page of its own?
 //
-// The address says which and how: ?pack=a.foveal, &demo, &policy=NAME, &gaze=ws://127.0.0.1:PORT,
-// &privacy=coarse, &muted, &paused, &once; and where in a sphere one looks: &yaw, &pitch, &fov.
+// The address says which and how: ?pack=a.foveal, &demo, &policy=NAME, &target=JOD or
+// &slope=SLOPE, &gaze=ws://127.0.0.1:PORT, &privacy=coarse, &muted, &paused, &once; and where in
+// a sphere one looks: &yaw, &pitch, &fov.
 
+import { DETAIL } from "../element/detail.ts";
 import { DIRECTION, queryOf } from "../element/direction.ts";
 import { element } from "../element/dom.ts";
 import { type FovealView, defineFovealView } from "../element/view-element.ts";
@@ -12,7 +14,7 @@ import { missing } from "./missing.ts";
 
 /** Parameters of the address that are attributes of the element. */
 const FLAGS = ["demo", "muted", "paused", "once"] as const;
-const VALUES = ["policy", "gaze", "privacy", ...DIRECTION] as const;
+const VALUES = ["policy", "gaze", "privacy", ...DETAIL, ...DIRECTION] as const;
 
 /** How often the address is rewritten at most, in milliseconds: browsers refuse more than about ten
  *  a second. */

@@ -183,7 +183,7 @@ test("in demo mode the finest tiles lie where the pointer is, and follow a jump"
     };
     const left = await jump(0.1);
     const before = await seen(page);
-    expect(left.policy).toBe("acuity");
+    expect(left.policy).toBe("perceptual");
     expect(left.gazeDeg[0]).toBeLessThan(0);
     expect(left.share).toBeLessThan(0.9);
     const right = await jump(0.9);
@@ -205,7 +205,7 @@ test("a button makes the pointer the eye, and back", async () => {
     const demo = page.getByRole("button", { name: "Demo: the pointer is the eye" });
     expect(await demo.getAttribute("aria-pressed")).toBe("false");
     await demo.click();
-    await expect.poll(async () => (await stats(opened)).policy).toBe("acuity");
+    await expect.poll(async () => (await stats(opened)).policy).toBe("perceptual");
     expect(await demo.getAttribute("aria-pressed")).toBe("true");
     await demo.click();
     await expect.poll(async () => (await stats(opened)).policy).toBe("viewport");

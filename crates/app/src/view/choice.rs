@@ -22,7 +22,9 @@ use std::sync::Arc;
 /// Chooses under one policy at a time, and logs it.
 pub(crate) struct Choice {
     file: Arc<PackFile>,
+    /// Chooses by `config`, or without what the pack does not tell.
     picker: Picker,
+    config: PolicyConfig,
     tables: (Option<Signatures>, Option<CueTable>),
     log: Option<Log>,
     link: Option<Spending>,
@@ -76,9 +78,10 @@ impl Choice {
             })
         });
         let name = file.path().file_name().unwrap_or_default();
-        let config = told(config, tables.0.is_some(), link.is_some());
+        let usable = usable(&config, tables.0.is_some(), link.is_some());
         let choice = Self {
-            picker: Picker::new(&name.to_string_lossy(), grid, config),
+            picker: Picker::new(&name.to_string_lossy(), grid, usable),
+            config,
             file,
             tables,
             log: log.transpose()?,
@@ -104,9 +107,24 @@ impl Choice {
         &self.config().perception
     }
 
-    /// The policy with its parameters.
+    /// The policy with its parameters, as far as the pack has what they need.
     pub(crate) fn config(&self) -> &PolicyConfig {
         self.picker.config()
+    }
+
+    /// The score that is asked for.
+    pub(crate) fn target(&self) -> Option<f64> {
+        self.config.target
+    }
+
+    /// The score that what was chosen last is expected to have, as far as the pack tells.
+    pub(super) fn expected_jod(&self) -> Option<f64> {
+        let content = self.content()?;
+        self.picker.expected_jod(&content)
+    }
+
+    fn content(&self) -> Option<PackContent<'_>> {
+        content_of(&self.file, &self.tables)
     }
 
     /// Whether the pack has what a policy chooses by.
@@ -120,27 +138,39 @@ impl Choice {
 
     /// Chooses by another policy from now on.
     pub(crate) fn change(&mut self, config: PolicyConfig) {
-        let signatures = self.tables.0.is_some();
-        self.picker
-            .change(told(config, signatures, self.link.is_some()));
+        let has_signatures = self.tables.0.is_some();
+        let usable = usable(&config, has_signatures, self.link.is_some());
+        self.picker.change(usable);
+        self.config = config;
     }
 
     /// Whether a link may still bring what was not chosen yet for lack of bytes.
     fn saves_up(&self) -> bool {
         let link = self.link.as_ref();
         let link = link.filter(|_| self.policy().spends_a_budget());
-        link.is_some_and(|link| !link.budget.is_done())
+        link.is_some_and(|link| !link.budget.is_done() && !self.picker.has_reached())
     }
 }
 
-/// The policy, or what stands in for it where a pack does not tell what its units add; within a
-/// link nothing can.
-fn told(config: PolicyConfig, has_signatures: bool, has_link: bool) -> PolicyConfig {
-    if has_signatures || has_link {
-        config
+/// The policy, or what stands in for it where a pack does not tell what its units add; for what is
+/// to spend a link nothing can.
+fn usable(config: &PolicyConfig, has_signatures: bool, has_link: bool) -> PolicyConfig {
+    if has_signatures || has_link && config.policy.spends_a_budget() {
+        config.clone()
     } else {
         config.without_signatures()
     }
+}
+
+fn content_of<'a>(
+    file: &'a PackFile,
+    (signatures, cues): &'a (Option<Signatures>, Option<CueTable>),
+) -> Option<PackContent<'a>> {
+    Some(PackContent {
+        pack: file.pack(),
+        signatures: signatures.as_ref()?,
+        cues: cues.as_ref(),
+    })
 }
 
 impl Chooses for Choice {
@@ -151,11 +181,7 @@ impl Chooses for Choice {
     }
 
     fn choose(&mut self, frame: u32, aim: &Aim) -> anyhow::Result<Vec<Tile>> {
-        let content = self.tables.0.as_ref().map(|signatures| PackContent {
-            pack: self.file.pack(),
-            signatures,
-            cues: self.tables.1.as_ref(),
-        });
+        let content = content_of(&self.file, &self.tables);
         let content = content.as_ref().map(|content| content as &dyn Content);
         let spends = self.policy().spends_a_budget();
         let mut link = self.link.as_mut().filter(|_| spends);

@@ -1,5 +1,6 @@
 //! `foveal view`: what is in the window?
 
+mod asking;
 mod choice;
 mod drift;
 mod easel;

@@ -4,6 +4,7 @@ use super::Stage;
 use super::overlay::{Key, Line};
 use super::viewer::Viewer;
 use crate::canvas::Showing;
+use foveal_core::selection::asked::score_told;
 use foveal_core::units::{Seconds, counted};
 use foveal_core::view::keys::{KEYS, Needs, Row};
 use foveal_render::Interpolation;
@@ -69,6 +70,10 @@ impl Viewer {
         let line = |what: &str, value: String| (what.to_owned(), value);
         let mut lines = vec![
             line("policy", self.choice.policy().name().to_owned()),
+            line(
+                "score",
+                score_told(self.choice.target(), self.choice.expected_jod()),
+            ),
             line("picture", self.style_told(stage)),
             line(
                 "time",

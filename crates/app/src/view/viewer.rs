@@ -19,7 +19,6 @@ use foveal_core::gaze::pointer::Pointer;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::selection::aim::Aim;
 use foveal_core::selection::figures::{Figures, MOST_DRAW_S};
-use foveal_core::selection::policy::Policy;
 use foveal_core::selection::stage::Now;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
@@ -29,19 +28,6 @@ use foveal_core::view::surface::Eye;
 use foveal_render::{Interpolation, Overlay};
 use std::time::Duration;
 
-/// The policies that a key goes through.
-const POLICIES: [Policy; 10] = [
-    Policy::Viewport,
-    Policy::Acuity,
-    Policy::Perceptual,
-    Policy::Eccentricity,
-    Policy::Uniform,
-    Policy::Grid,
-    Policy::Distance,
-    Policy::Sampled,
-    Policy::Full,
-    Policy::Coarsest,
-];
 /// Radius of the ring round the gaze, in degrees: the fovea.
 const FOVEA_DEG: f64 = 2.5;
 /// How long the sound waits for the frame that it begins with, in seconds.
@@ -67,7 +53,7 @@ pub(crate) struct Begin {
 
 /// A viewer's session.
 pub(crate) struct Viewer {
-    policy: PolicyOptions,
+    pub(super) policy: PolicyOptions,
     pub(crate) scene: Scene,
     pub(super) clock: MediaClock,
     pub(super) choice: Choice,
@@ -171,6 +157,7 @@ impl Viewer {
             }
             Action::Reset => self.scene.reset(),
             Action::Policy(by) => self.next_policy(by, stage, now),
+            Action::Target(by) => self.next_target(by, stage, now),
             Action::Blur | Action::Interpolation | Action::Textures => {
                 self.restyle(action, stage, now);
             }
@@ -235,31 +222,6 @@ impl Viewer {
         self.seek(stage, to, now);
     }
 
-    fn next_policy(&mut self, by: i32, stage: &mut Stage, now: Seconds) {
-        let count = POLICIES.len();
-        let at = POLICIES.iter().position(|p| *p == self.choice.policy());
-        let step = if by > 0 { 1 } else { count - 1 };
-        let following = (1..=count).map(|k| POLICIES[(at.unwrap_or(0) + k * step) % count]);
-        let possible = following
-            .into_iter()
-            .find(|policy| self.choice.can(*policy));
-        let Some(policy) = possible else {
-            return;
-        };
-        match self.policy.config_of(policy) {
-            Ok(config) => {
-                self.choice.change(config);
-                stage.forget_choice();
-                let mut style = stage.easel.style();
-                style.samples = policy == Policy::Sampled;
-                style.showing.has_textures &= !style.samples;
-                let said = format!("policy {}", policy.name());
-                self.take_style(style, stage, said, now);
-            }
-            Err(error) => self.say(error.to_string(), now),
-        }
-    }
-
     /// Shows tiles in another way.
     fn restyle(&mut self, action: Action, stage: &mut Stage, now: Seconds) {
         let mut style = stage.easel.style();
@@ -288,7 +250,13 @@ impl Viewer {
         self.take_style(style, stage, said.to_owned(), now);
     }
 
-    fn take_style(&mut self, style: Style, stage: &mut Stage, said: String, now: Seconds) {
+    pub(super) fn take_style(
+        &mut self,
+        style: Style,
+        stage: &mut Stage,
+        said: String,
+        now: Seconds,
+    ) {
         match stage.easel.restyle(style) {
             Ok(true) => stage.fetch_anew(),
             Ok(false) => {}

@@ -27,6 +27,8 @@ pub enum Action {
     Reset,
     /// So many policies on, or back.
     Policy(i32),
+    /// So many target scores on, or back.
+    Target(i32),
     /// Sound, or none.
     Sound,
     /// Colour tiles by their level, or not.
@@ -166,6 +168,8 @@ pub const KEYS: &[Row] = {
             &[key("0", Reset)]),
         row("P  Shift P", "next policy, the one before", Nothing, Both,
             &[key("p", Policy(1)), key("Shift+p", Policy(-1))]),
+        row("J  Shift J", "higher, lower target score (JOD)", Nothing, Both,
+            &[key("j", Target(1)), key("Shift+j", Target(-1))]),
         row("M", "sound", Heard, Both,
             &[key("m", Sound)]),
         row("L", "tiles coloured by level", Atlas, Both,
