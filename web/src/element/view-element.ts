@@ -31,9 +31,9 @@ const AT_FIRST = ["muted", "paused"] as const;
  *
  * Attributes: `src`, the pack; `demo`, the pointer is the gaze; `policy`, which levels are wanted;
  * `target`, for which score, or `slope`, for which acuity; `gaze`, the WebSocket address of a
- * tracker; `privacy="coarse"`, the host learns less of where one looks; `yaw`, `pitch`, `fov`, where
- * the view of a sphere begins, in degrees; `muted`, `paused`, `once`; `poster`, a picture to begin
- * with; `bare`, without controls; `label`, its name for those who listen.
+ * tracker; `privacy="coarse"`, the host learns less of where one looks; `yaw`, `pitch`, `fov`,
+ * where the view of a sphere begins, in degrees; `muted`, `paused`, `once`; `poster`, a picture to
+ * begin with; `bare`, without controls; `label`, its name for those who listen.
  */
 export class FovealView extends HTMLElement {
   static readonly observedAttributes: readonly string[] = [
