@@ -1,7 +1,7 @@
 //! What does Foveal save on a clip, and how does that look?
 //!
-//! Every content is prepared, played headless under `full`, `viewport` and `perceptual` over one gaze,
-//! and shown in one page: pictures of a moment, plots over time, and a table of the same run.
+//! Every content is prepared, played headless under `full`, `viewport` and `perceptual` over one
+//! gaze, and shown in one page: pictures of a moment, plots over time, and a table of the same run.
 
 mod atlas_sheet;
 mod colours;

@@ -57,6 +57,37 @@ fn is_written(report: &Value, out: &str) {
     assert_eq!(serde_json::from_str::<Value>(&written).unwrap(), *report);
 }
 
+/// Along every curve more is asked for, taken and seen.
+fn more_takes_more(report: &Value) {
+    let acuity = curve(report, "acuity by slope");
+    assert_eq!(acuity.len(), 3);
+    for pair in acuity.windows(2) {
+        assert!(
+            number(pair[1], "jod") > number(pair[0], "jod") - 0.02,
+            "{report}"
+        );
+        assert!(
+            number(pair[1], "bytes") > number(pair[0], "bytes"),
+            "{report}"
+        );
+    }
+    for name in ["acuity", "uniform", "eccentricity", "perceptual"] {
+        let rows = curve(report, &format!("{name} by target"));
+        assert_eq!(number(rows[0], "target"), 8.5);
+        assert!(
+            number(rows[1], "jod") > number(rows[0], "jod") - 0.02,
+            "{report}"
+        );
+    }
+    for name in ["uniform", "eccentricity", "perceptual"] {
+        let rows = curve(report, &format!("{name} by rate"));
+        assert!(
+            number(rows[1], "bytes") > number(rows[0], "bytes"),
+            "{report}"
+        );
+    }
+}
+
 #[test]
 fn every_policy_is_told_with_its_score_and_what_it_takes() {
     let folder = Folder::new();
@@ -105,33 +136,7 @@ fn every_policy_is_told_with_its_score_and_what_it_takes() {
         assert_eq!(row["content"], "clip.mkv");
         assert_eq!(row["display"], "desk");
     }
-    let acuity = curve(&report, "acuity by slope");
-    assert_eq!(acuity.len(), 3);
-    for pair in acuity.windows(2) {
-        assert!(
-            number(pair[1], "jod") > number(pair[0], "jod") - 0.02,
-            "{report}"
-        );
-        assert!(
-            number(pair[1], "bytes") > number(pair[0], "bytes"),
-            "{report}"
-        );
-    }
-    for name in ["acuity", "uniform", "eccentricity", "perceptual"] {
-        let rows = curve(&report, &format!("{name} by target"));
-        assert_eq!(number(rows[0], "target"), 8.5);
-        assert!(
-            number(rows[1], "jod") > number(rows[0], "jod") - 0.02,
-            "{report}"
-        );
-    }
-    for name in ["uniform", "eccentricity", "perceptual"] {
-        let rows = curve(&report, &format!("{name} by rate"));
-        assert!(
-            number(rows[1], "bytes") > number(rows[0], "bytes"),
-            "{report}"
-        );
-    }
+    more_takes_more(&report);
     assert!(curve(&report, "grid").is_empty() && !curve(&report, "acuity watson").is_empty());
     is_written(&report, &out);
 }

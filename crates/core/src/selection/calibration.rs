@@ -1,7 +1,8 @@
 //! Which score is to be expected of what a model of the eye loses?
 //!
 //! Fitted by `foveal evaluate targets --frames 8` on generated scenes of seeds 1 to 8; the same
-//! command prints how the fit holds on others (docs/decisions/0013-levels-are-chosen-for-a-score.md).
+//! command prints how the fit holds on others
+//! (docs/decisions/0013-levels-are-chosen-for-a-score.md).
 
 use super::policy::Policy;
 use crate::perception::visible_loss::BEST_JOD;
