@@ -31,7 +31,7 @@ const TOLD_ELSEWISE: [[f64; 2]; 5] = [
     [8.5, 4100.0],
     [9.0, 1250.0],
     [9.5, 240.0],
-    [9.8, 120.0],
+    [9.8, 60.0],
 ];
 
 /// Pairs of a score and the slope of the linear model, in degrees of a pixel a degree of
