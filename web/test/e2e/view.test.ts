@@ -170,7 +170,8 @@ test("zooming shows detail that was not there before", async () => {
 });
 
 test("in demo mode the finest tiles lie where the pointer is, and follow a jump", async () => {
-  await on("view.html?pack=flat.foveal&demo&paused", async (opened) => {
+  // A still under perceptual keeps what was bought; acuity follows.
+  await on("view.html?pack=flat.foveal&demo&policy=acuity&target=9&paused", async (opened) => {
     const { page } = opened;
     await told(page, "picture");
     // Tiles in the colours of their levels.
@@ -183,7 +184,7 @@ test("in demo mode the finest tiles lie where the pointer is, and follow a jump"
     };
     const left = await jump(0.1);
     const before = await seen(page);
-    expect(left.policy).toBe("perceptual");
+    expect(left.policy).toBe("acuity");
     expect(left.gazeDeg[0]).toBeLessThan(0);
     expect(left.share).toBeLessThan(0.9);
     const right = await jump(0.9);

@@ -188,15 +188,18 @@ impl Refiner {
             .filter_map(|(frame, weight)| Some((frame?, weight)));
         known
             .map(|(frame, weight)| {
-                let gains = self.worth.gains(&self.grid, content, frame, moment);
-                let shown = self.shown(content, frame, &gains);
+                let mut gains = self.worth.gains(&self.grid, content, frame, moment);
                 let meter = self.meter.as_ref();
+                let losses = meter.map(|meter| meter.losses(&self.grid, content, frame, moment));
+                if let Some(losses) = &losses {
+                    gains.rise_where_lost(&self.grid, losses);
+                }
                 Horizon {
                     frame,
                     weight,
-                    losses: meter.map(|meter| meter.losses(&self.grid, content, frame, moment)),
+                    shown: self.shown(content, frame, &gains),
+                    losses,
                     gains,
-                    shown,
                 }
             })
             .collect()

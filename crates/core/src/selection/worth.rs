@@ -5,6 +5,7 @@
 
 use super::content::Content;
 use super::level_map::LevelMap;
+use super::losses::Losses;
 use super::places::{CellPlaces, Place, Sighted};
 use super::policy::{Moment, Policy, PolicyConfig};
 use crate::asset::signature::Signature;
@@ -34,6 +35,22 @@ impl Gains {
         Self {
             cells,
             steps: vec![0.0; cells * usize::from(grid.coarsest())],
+        }
+    }
+
+    /// Makes steps that are worth nothing by themselves worth next to nothing where they remove
+    /// visible loss: for a score they are bought too, after all others.
+    pub(super) fn rise_where_lost(&mut self, grid: &TileGrid, losses: &Losses) {
+        const NEXT_TO_NOTHING: f64 = 1e-9;
+        for cell in grid.tiles_of(0) {
+            let rank = grid.rank(grid.for_left_eye(cell)) as usize;
+            for level in 0..grid.coarsest() {
+                let removed = losses.sum(rank, level + 1) - losses.sum(rank, level);
+                let at = usize::from(level) * self.cells + grid.rank(cell) as usize;
+                if self.steps[at] <= 0.0 && removed > 0.0 {
+                    self.steps[at] = NEXT_TO_NOTHING * removed;
+                }
+            }
         }
     }
 
