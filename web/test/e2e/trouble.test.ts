@@ -244,6 +244,10 @@ for (const what of ["gpu", "worker"] as const) {
         engine.lose(lost);
         await restored;
         const after = await sum();
+        // What stood in for the picture goes once the new one is on screen.
+        for (let waits = 0; waits < 400 && place.childElementCount > 1; waits += 1) {
+          await new Promise((done) => setTimeout(done, 25));
+        }
         events.push(`${place.childElementCount} canvas at ${(await engine.stats()).time}`);
         engine.close();
         return [events, before, after] as const;
