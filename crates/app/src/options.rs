@@ -6,6 +6,7 @@ use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::asset::tile_grid::{Cut, TileGrid};
 use foveal_core::perception::acuity::AcuityModel;
+use foveal_core::selection::asked::{SLOPES, TARGETS};
 use foveal_core::selection::policy::{
     DEFAULT_TARGET, EdgeRule, MASK_SIDE, MaskConfig, Policy, PolicyConfig, STEADINESS,
 };
@@ -153,9 +154,6 @@ pub(crate) enum Target {
     None,
 }
 
-/// Scores that can be asked for: 10 is every finest tile, which `--policy full` shows.
-const TARGETS: core::ops::RangeInclusive<f64> = 1.0..=9.99;
-
 /// Reads the value of `--target`.
 pub(crate) fn parse_target(text: &str) -> anyhow::Result<Target> {
     if text == "none" {
@@ -275,7 +273,7 @@ impl PolicyOptions {
     fn acuity(&self) -> anyhow::Result<AcuityModel> {
         match (self.acuity.unwrap_or(AcuityName::Linear), self.slope) {
             (AcuityName::Linear, None) => Ok(AcuityModel::LINEAR),
-            (AcuityName::Linear, Some(slope)) if (0.0..=1.0).contains(&slope) => {
+            (AcuityName::Linear, Some(slope)) if SLOPES.contains(&slope) => {
                 Ok(AcuityModel::linear(slope))
             }
             (AcuityName::Linear, Some(slope)) => {

@@ -18,6 +18,7 @@ use clap::Args;
 use foveal_core::asset::tile_grid::Cut;
 use foveal_core::perception::acuity::AcuityModel;
 use foveal_core::perception::visible_loss::{BEST_JOD, quality_of_jod};
+use foveal_core::selection::asked::{SLOPES, TARGETS};
 use foveal_core::selection::calibration::Expectation;
 use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_eval::score::{Mode, ScorePicture, Viewing};
@@ -158,15 +159,11 @@ impl TargetsArgs {
         if !(1..=10_000).contains(&self.frames) {
             bail!(out_of_range("--frames", self.frames, "1 to 10000"));
         }
-        let wrong = |target: &&f64| !(1.0..=9.99).contains(*target);
+        let wrong = |target: &&f64| !TARGETS.contains(*target);
         if let Some(target) = self.targets.iter().find(wrong) {
             bail!(out_of_range("--targets", target, "scores of 1 to 9.99"));
         }
-        if let Some(slope) = self
-            .slopes
-            .iter()
-            .find(|slope| !(0.0..=1.0).contains(*slope))
-        {
+        if let Some(slope) = self.slopes.iter().find(|slope| !SLOPES.contains(*slope)) {
             bail!(out_of_range("--slopes", slope, "0 to 1 degree a degree"));
         }
         Ok(())

@@ -15,6 +15,7 @@ use anyhow::bail;
 use clap::Args;
 use content::{Content, Generated, WALL, cache};
 use foveal_core::perception::acuity::AcuityModel;
+use foveal_core::selection::asked::SLOPES;
 use foveal_core::selection::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
 use foveal_core::units::counted;
 use foveal_core::view::surface::Screen;
@@ -185,7 +186,7 @@ impl VideoArgs {
             )),
         };
         let slope = self.slope.unwrap_or(SLOPE_BEFORE);
-        if !(0.0..=1.0).contains(&slope) {
+        if !SLOPES.contains(&slope) {
             bail!(out_of_range("--slope", slope, "0 to 1 degree a degree"));
         }
         let target = match (self.target, self.slope) {

@@ -22,6 +22,7 @@ use crate::score::{Conditions, display_named, display_of_view};
 use anyhow::{Context, bail};
 use clap::Args;
 use contenders::{Contender, Ladders, contenders};
+use foveal_core::selection::asked::{SLOPES, TARGETS};
 use foveal_core::units::counted;
 use foveal_eval::score::{Mode, Viewing, constants as fit};
 use foveal_media::pack_file::PackFile;
@@ -99,8 +100,6 @@ pub(crate) struct PoliciesArgs {
 const DESK: &str = "desk";
 /// Scores at which policies are compared.
 const EQUAL_SCORES: [f64; 2] = [9.0, 9.5];
-/// Scores that can be chosen for, as of `--target`: 10 is `full`.
-const TARGETS: core::ops::RangeInclusive<f64> = 1.0..=9.99;
 /// Mbit/s that a link may have, as of `--link`.
 const RATES: core::ops::RangeInclusive<f64> = 0.001..=1e5;
 
@@ -160,7 +159,7 @@ impl PoliciesArgs {
         if !(1..=10_000).contains(&self.frames) {
             bail!(out_of_range("--frames", self.frames, "1 to 10000"));
         }
-        if let Some(slope) = self.slopes.iter().find(|of| !(0.0..=1.0).contains(*of)) {
+        if let Some(slope) = self.slopes.iter().find(|of| !SLOPES.contains(*of)) {
             bail!(out_of_range("--slopes", slope, "0 to 1 degree a degree"));
         }
         if let Some(rate) = self.rates.iter().find(|of| !RATES.contains(*of)) {
