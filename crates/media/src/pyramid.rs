@@ -5,8 +5,9 @@
 //! luma as light ([`pyramid_light`](crate::pyramid_light)), chroma as code values.
 
 use crate::parallel::in_parallel;
-use crate::pyramid_light::LightTable;
+use crate::pyramid_light;
 use foveal_core::asset::picture::{Colour, Picture};
+use foveal_core::perception::luma_light::LumaLight;
 use std::ops::Range;
 
 /// Weights of the six fine texels around a coarse one, in 32nds.
@@ -95,7 +96,7 @@ pub fn halve_all(pictures: &[Picture], ratio: u32, colour: Colour, jobs: usize) 
 fn half_rows(picture: &Picture, plane: usize, rows: Range<usize>, colour: Colour) -> Vec<u8> {
     let (fine, size) = (&picture.planes[plane], picture.plane_size(plane));
     match plane {
-        0 => LightTable::of(colour).half_rows(fine, size, rows),
+        0 => pyramid_light::half_rows(LumaLight::of(colour), fine, size, rows),
         _ => half_code_rows(fine, size, rows),
     }
 }

@@ -1,10 +1,12 @@
 //! How does a tile look from one level further away?
 //!
 //! A minified view, or the soft border of a fine tile, shows a fine tile at a coarser level's
-//! spacing. The box average is made once, when the tile arrives, for every later frame to read.
+//! spacing. The box average is made once, when the tile arrives, for every later frame to read: of
+//! luma as light, as the coarser levels themselves were made.
 
-use foveal_core::asset::picture::{Picture, plane_size};
+use foveal_core::asset::picture::{Colour, Picture, plane_size};
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::perception::luma_light::LumaLight;
 
 /// One plane of a tile at some spacing.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,7 +22,13 @@ pub(crate) struct Samples {
 
 /// Plane `p` of `tile`, then its averages at the spacing of every coarser level but the coarsest.
 #[must_use]
-pub(crate) fn pyramid(grid: &TileGrid, tile: Tile, picture: &Picture, p: usize) -> Vec<Samples> {
+pub(crate) fn pyramid(
+    grid: &TileGrid,
+    tile: Tile,
+    picture: &Picture,
+    p: usize,
+    colour: Colour,
+) -> Vec<Samples> {
     let segment_origin = match grid.cut {
         Cut::Tile(_) => [0, 0],
         Cut::Grid(_) => grid.origin(tile),
@@ -32,16 +40,30 @@ pub(crate) fn pyramid(grid: &TileGrid, tile: Tile, picture: &Picture, p: usize) 
         first: [0, 1].map(|k| (origin[k] - segment_origin[k]) / pitch),
         codes: picture.planes[p].clone(),
     }];
+    let table = LumaLight::of(colour);
     for _ in tile.level + 1..grid.coarsest() {
-        let next = reduce(&all[all.len() - 1], grid.ratio);
-        all.push(next);
+        let finer = &all[all.len() - 1];
+        all.push(match p {
+            0 => reduce(
+                finer,
+                grid.ratio,
+                |c| table.light(c),
+                |mean| table.code(mean),
+            ),
+            _ => reduce(finer, grid.ratio, i32::from, |mean| mean as u8),
+        });
     }
     all
 }
 
-/// The averages of `ratio` x `ratio` neighbours, rounded; samples that the tile lacks do not count.
-#[must_use]
-pub(crate) fn reduce(from: &Samples, ratio: u32) -> Samples {
+/// The averages of `ratio` x `ratio` neighbours, rounded, of what codes stand for; samples that the
+/// tile lacks do not count.
+fn reduce(
+    from: &Samples,
+    ratio: u32,
+    value: impl Fn(u8) -> i32,
+    code: impl Fn(i32) -> u8,
+) -> Samples {
     let first = from.first.map(|f| f / ratio);
     let size = [0, 1].map(|k| (from.first[k] + from.size[k]).div_ceil(ratio) - first[k]);
     let mut codes = Vec::with_capacity(size[0] as usize * size[1] as usize);
@@ -49,16 +71,13 @@ pub(crate) fn reduce(from: &Samples, ratio: u32) -> Samples {
         let rows = covered(from, 1, (first[1] + y) * ratio, ratio);
         for x in 0..size[0] {
             let columns = covered(from, 0, (first[0] + x) * ratio, ratio);
-            let count = (rows.len() * columns.len()) as u32;
+            let count = (rows.len() * columns.len()) as i32;
             let mut sum = count / 2;
             for row in rows.clone() {
                 let line = &from.codes[row * from.size[0] as usize..];
-                sum += line[columns.clone()]
-                    .iter()
-                    .map(|&c| u32::from(c))
-                    .sum::<u32>();
+                sum += line[columns.clone()].iter().map(|&c| value(c)).sum::<i32>();
             }
-            codes.push((sum / count) as u8);
+            codes.push(code(sum / count));
         }
     }
     Samples { size, first, codes }
@@ -82,7 +101,7 @@ mod tests {
             first: [4, 0],
             codes: (0..16).map(|i| (i % 8) * 10).collect(),
         };
-        let half = reduce(&ramp, 2);
+        let half = reduce(&ramp, 2, i32::from, |mean| mean as u8);
         assert_eq!((half.size, half.first), ([4, 1], [2, 0]));
         assert_eq!(half.codes, [5, 25, 45, 65]);
     }
@@ -94,8 +113,32 @@ mod tests {
             first: [1, 0],
             codes: vec![10, 20, 40],
         };
-        let half = reduce(&odd, 2);
+        let half = reduce(&odd, 2, i32::from, |mean| mean as u8);
         assert_eq!((half.size, half.first), ([2, 1], [0, 0]));
         assert_eq!(half.codes, [10, 30]);
+    }
+
+    #[test]
+    fn a_fine_tile_seen_from_afar_is_as_bright_as_its_texture() {
+        use foveal_core::asset::picture::Matrix;
+        use foveal_core::view::surface::Surface;
+        let grid = TileGrid::new(Surface::cube(64), Cut::Tile(16), 3, 2).unwrap();
+        let colour = Colour {
+            matrix: Matrix::Bt709,
+            full_range: true,
+            chroma_left: false,
+        };
+        let mut stripes = Picture::filled(16, 16, [40, 128, 128]);
+        stripes.planes[0]
+            .iter_mut()
+            .step_by(2)
+            .for_each(|code| *code = 200);
+        let table = LumaLight::of(colour);
+        let mean = f64::from(table.light(40) + table.light(200)) / 2.0;
+        let half = &pyramid(&grid, grid.tile_at(0, 0), &stripes, 0, colour)[1];
+        for code in &half.codes {
+            let off = f64::from(table.light(*code)) / mean - 1.0;
+            assert!(off.abs() < 0.02, "{code}");
+        }
     }
 }

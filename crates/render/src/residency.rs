@@ -18,6 +18,7 @@ use std::collections::{HashMap, HashSet};
 pub struct TileStore {
     gpu: Gpu,
     grid: TileGrid,
+    colour: Colour,
     atlas: Atlas,
     tables: Tables,
     resident: HashMap<Tile, Resident>,
@@ -57,6 +58,7 @@ impl TileStore {
         Ok(Self {
             gpu: gpu.clone(),
             grid: *grid,
+            colour,
             tables: Tables::new(gpu, grid, colour),
             free: atlas.slots().collect(),
             atlas,
@@ -81,7 +83,7 @@ impl TileStore {
     pub fn upload(&mut self, tile: Tile, frame: u32, picture: &Picture) -> Result<(), RenderError> {
         check(&self.grid, tile, picture)?;
         self.map_is_stale = true;
-        let planes = [0, 1, 2].map(|p| pyramid(&self.grid, tile, picture, p));
+        let planes = [0, 1, 2].map(|p| pyramid(&self.grid, tile, picture, p, self.colour));
         if tile.level == self.grid.coarsest() {
             let samples = [0, 1, 2].map(|p| &planes[p][0]);
             self.atlas.write_base(&self.gpu, tile, samples);

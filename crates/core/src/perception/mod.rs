@@ -7,6 +7,7 @@ pub mod eye;
 pub mod fast;
 pub mod gain;
 pub mod importance;
+pub mod luma_light;
 pub mod luminance;
 pub mod parameters;
 pub mod pyramid;

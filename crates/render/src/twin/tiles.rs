@@ -15,6 +15,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct TwinTiles {
     pub(super) grid: TileGrid,
     pub(super) params: TileParams,
+    colour: Colour,
     resident: BTreeMap<Tile, (u32, [Vec<Samples>; 3])>,
     frame: u32,
     level_map: Vec<u32>,
@@ -27,6 +28,7 @@ impl TwinTiles {
         Self {
             grid: *grid,
             params: TileParams::new(grid, colour),
+            colour,
             resident: BTreeMap::new(),
             frame: 0,
             level_map: shown_map(grid, []),
@@ -42,7 +44,7 @@ impl TwinTiles {
     /// Makes `tile` of source frame `frame` resident, in place of the same tile of another frame.
     pub fn upload(&mut self, tile: Tile, frame: u32, picture: &Picture) -> Result<(), RenderError> {
         check(&self.grid, tile, picture)?;
-        let planes = [0, 1, 2].map(|p| pyramid(&self.grid, tile, picture, p));
+        let planes = [0, 1, 2].map(|p| pyramid(&self.grid, tile, picture, p, self.colour));
         self.resident.insert(tile, (frame, planes));
         self.map_levels();
         Ok(())
