@@ -60,16 +60,46 @@ pub struct Sensed {
     masking: f64,
 }
 
-impl Sensed {
-    /// Of the sustained sensitivity of a table at `octaves` (log2 of the frequency at the cortex in
-    /// cycles per degree), as far as the display shows it: `share` in 0..=1.
+/// [`Sensed`] over octaves of frequency: powers of a [`SensitivityTable`], made once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SensedTable {
+    entries: Vec<Sensed>,
+}
+
+impl SensedTable {
+    /// Of the sustained sensitivity of a table.
     #[must_use]
-    pub fn new(table: &SensitivityTable, octaves: f64, share: f64) -> Self {
-        let [sustained, _] = table.at(octaves as f32).map(f64::from);
-        let seen = sustained * share;
+    pub fn new(table: &SensitivityTable) -> Self {
+        let sensed = |entry: &[f32; 2]| Sensed::of(f64::from(entry[0]));
         Self {
-            difference: libm::pow(seen, DIFFERENCE_EXPONENT),
-            masking: libm::pow(seen, MASKING_EXPONENTS[0]),
+            entries: table.entries().iter().map(sensed).collect(),
+        }
+    }
+
+    /// At `octaves` (log2 of the frequency at the cortex in cycles per degree), as far as the
+    /// display shows it: `share` in 0..=1. The nearest entry, within half a percent.
+    #[must_use]
+    pub fn at(&self, octaves: f64, share: f64) -> Sensed {
+        let first = f64::from(SensitivityTable::FIRST_OCTAVE);
+        let place = (octaves - first) * SensitivityTable::PER_OCTAVE as f64;
+        let last = self.entries.len() - 1;
+        let sensed = self.entries[(place.max(0.0) as usize).min(last)];
+        if share >= 1.0 {
+            return sensed;
+        }
+        let shown = Sensed::of(share);
+        Sensed {
+            difference: sensed.difference * shown.difference,
+            masking: sensed.masking * shown.masking,
+        }
+    }
+}
+
+impl Sensed {
+    fn of(sensitivity: f64) -> Self {
+        Self {
+            difference: libm::pow(sensitivity, DIFFERENCE_EXPONENT),
+            masking: libm::pow(sensitivity, MASKING_EXPONENTS[0]),
         }
     }
 
@@ -98,12 +128,13 @@ mod tests {
     #[test]
     fn more_lost_is_seen_more_and_more_kept_hides_it() {
         let table = SensitivityTable::new(&Parameters::default(), EyeState::Steady);
-        let sensed = Sensed::new(&table, 2.0, 1.0);
+        let table = SensedTable::new(&table);
+        let sensed = table.at(2.0, 1.0);
         let seen = |lost, kept| sensed.difference(&LostOctave::new(lost, kept));
         assert!(seen(0.2, 0.0) > seen(0.1, 0.0));
         assert!(seen(0.1, 0.2) < seen(0.1, 0.0));
         assert_eq!(seen(0.0, 0.3), 0.0);
-        let unseen = Sensed::new(&table, 2.0, 0.0);
+        let unseen = table.at(2.0, 0.0);
         assert_eq!(unseen.difference(&LostOctave::new(1.0, 0.0)), 0.0);
     }
 }

@@ -9,21 +9,20 @@ use super::places::{CellPlaces, Place, Sighted};
 use super::policy::Moment;
 use crate::asset::signature::{SIGNATURE_BANDS, Signature};
 use crate::asset::tile_grid::TileGrid;
-use crate::perception::eye::share_of_octave_below;
 use crate::perception::parameters::{EyeState, Model, Parameters};
 use crate::perception::sensitivity_table::SensitivityTable;
 use crate::perception::spread::SpreadTable;
-use crate::perception::visible_loss::{LostOctave, SPACE_EXPONENT, Sensed};
-use crate::units::Cpd;
+use crate::perception::visible_loss::{LostOctave, SPACE_EXPONENT, Sensed, SensedTable};
 
-/// Most octaves that the steps of a pyramid change.
-const MOST_OCTAVES: usize = 16;
+/// Octaves that are looked at, from the finest downwards: to below the judge's lowest band for any
+/// content of up to 700 pixels per degree.
+const MOST_OCTAVES: usize = 10;
 /// Share of the contrast that a step adds in its finest octave that lower ones change by, beyond
 /// those that signatures tell of: what texture leaves behind when it is coded and interpolated.
 /// Fitted by `foveal evaluate targets`.
 const LEAK: f64 = 0.03;
-/// The judge has no band below about this frequency, in cycles per degree.
-const LOWEST_CPD: f64 = 0.18;
+/// The judge has no band below about this octave: log2 of 0.18 cycles per degree.
+const LOWEST_OCTAVE: f64 = -2.5;
 /// The judge counts the finest octave of the display half, and as an octave finer than it is
 /// (Mantiuk et al. 2021: gains and centre frequencies of the pyramid's bands); these two keep half
 /// an octave more of it, as the fit asks for.
@@ -78,7 +77,7 @@ impl Losses {
 #[derive(Clone, Debug)]
 pub struct LossMeter {
     cells: Vec<CellPlaces>,
-    table: SensitivityTable,
+    table: SensedTable,
     parameters: Parameters,
 }
 
@@ -94,12 +93,12 @@ impl LossMeter {
         let cells = grid.tiles_of(0).map(|cell| CellPlaces::dense(grid, cell));
         Self {
             cells: cells.collect(),
-            table: SensitivityTable::new(&parameters, EyeState::Steady),
+            table: SensedTable::new(&SensitivityTable::new(&parameters, EyeState::Steady)),
             parameters,
         }
     }
 
-    /// The losses of one moment. Costs about 10 µs a cell in view.
+    /// The losses of one moment. Costs about LOSSCOST µs a cell in view.
     #[must_use]
     pub fn losses(
         &self,
@@ -128,7 +127,12 @@ impl LossMeter {
                 content.signature(unit).unwrap_or_default()
             });
             let signatures: Vec<Signature> = signatures.collect();
-            let octaves = lost_octaves(&signatures, grid.ratio.trailing_zeros() as usize);
+            let octaves_a_step = grid.ratio.trailing_zeros() as usize;
+            let footprints = places.iter().map(|place| sighted.footprint(place));
+            let footprint = footprints.fold(f64::INFINITY, f64::min);
+            let octaves = lost_octaves(&signatures, octaves_a_step, |step| {
+                drawn_share(step, footprint, octaves_a_step)
+            });
             for place in places {
                 let pixels = sighted.pixels(place);
                 losses.pixels[rank] += pixels;
@@ -136,8 +140,11 @@ impl LossMeter {
                 let sensed = self.sensed(&sighted, &spread, moment, place);
                 for (level, octaves) in (1..).zip(&octaves) {
                     let seen = sensed.iter().zip(octaves).map(|(s, o)| s.difference(o));
-                    let loss = libm::pow(seen.sum(), SPACE_EXPONENT);
-                    losses.sums[level * cells + rank] += pixels * loss;
+                    let seen: f64 = seen.sum();
+                    if seen > 0.0 {
+                        let loss = libm::pow(seen, SPACE_EXPONENT);
+                        losses.sums[level * cells + rank] += pixels * loss;
+                    }
                 }
             }
         }
@@ -157,48 +164,60 @@ impl LossMeter {
         let display = sighted.display_limit(place);
         let most = self.parameters.display_limit();
         let limit = if most < display { most } else { display };
-        let finest = sighted.seen(place).ppd.0 / 4.0;
+        let finest = libm::log2(sighted.seen(place).ppd.0 / 4.0);
+        let limit = libm::log2(limit.0);
         core::array::from_fn(|octave| {
-            let frequency = libm::ldexp(finest, -(octave as i32));
-            let share = share_of_octave_below(Cpd(frequency), limit);
-            if share == 0.0 || frequency < LOWEST_CPD {
+            let frequency = finest - octave as f64;
+            let share = (limit - frequency + 0.5).clamp(0.0, 1.0);
+            if share == 0.0 || frequency < LOWEST_OCTAVE {
                 return Sensed::default();
             }
-            let octaves = libm::log2(frequency) + raised;
             // The octave below the limit is the finest.
-            if libm::log2(limit.0 / frequency) < 1.5 {
-                let up = octaves + FINEST_OCTAVES_UP;
-                return Sensed::new(&self.table, up, share * FINEST_SHARE);
+            if limit - frequency < 1.5 {
+                let up = frequency + raised + FINEST_OCTAVES_UP;
+                return self.table.at(up, share * FINEST_SHARE);
             }
-            Sensed::new(&self.table, octaves, share)
+            self.table.at(frequency + raised, share)
         })
     }
 }
 
+/// How much is drawn of what a step adds, 0 to 1, where a pixel of the display covers `footprint`
+/// level-0 pixels on a side: a view that shows content smaller than it is blends the two levels
+/// about its footprint, and nothing finer.
+fn drawn_share(step: usize, footprint: f64, octaves_a_step: usize) -> f64 {
+    (step as f64 + 1.0 - libm::log2(footprint) / octaves_a_step as f64).clamp(0.0, 1.0)
+}
+
 /// What each level but the finest loses of each octave, from the signatures of its steps, finest
-/// first; a step is `octaves_a_step` octaves.
+/// first, and from how much of a step is drawn; a step is `octaves_a_step` octaves.
 fn lost_octaves(
     signatures: &[Signature],
     octaves_a_step: usize,
+    drawn: impl Fn(usize) -> f64,
 ) -> Vec<[LostOctave; MOST_OCTAVES]> {
     let mut lost = [0.0; MOST_OCTAVES];
     let mut whole = [0.0; MOST_OCTAVES];
     let level = |(step, signature): (usize, &Signature)| {
         let mut kept = [0.0; MOST_OCTAVES];
         let first = step * octaves_a_step;
+        let drawn = drawn(step);
         for (band, octave) in signature.bands.iter().zip(first..MOST_OCTAVES) {
             // Errors of single steps are of the same detail at different places.
-            lost[octave] = libm::hypot(lost[octave], band.norm);
+            lost[octave] = libm::hypot(lost[octave], drawn * band.norm);
             if step == 0 || octave + octaves_a_step >= first + SIGNATURE_BANDS {
                 whole[octave] = band.after;
             }
             kept[octave] = band.before.min(whole[octave]);
         }
-        let leak = LEAK * signature.bands[0].norm;
+        let leak = LEAK * drawn * signature.bands[0].norm;
         for lost in lost.iter_mut().skip(first + SIGNATURE_BANDS) {
             *lost = libm::hypot(*lost, leak);
         }
-        core::array::from_fn(|octave| LostOctave::new(lost[octave], kept[octave]))
+        core::array::from_fn(|octave| match lost[octave] {
+            0.0 => LostOctave::default(),
+            lost => LostOctave::new(lost, kept[octave]),
+        })
     };
     signatures.iter().enumerate().map(level).collect()
 }

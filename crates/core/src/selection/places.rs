@@ -118,6 +118,13 @@ impl<'a> Sighted<'a> {
         Cpd(ppd / 2.0)
     }
 
+    /// Level-0 pixels on a side that one pixel of the display covers there; 1 without a display.
+    pub(super) fn footprint(&self, place: &Place) -> f64 {
+        self.view.as_ref().map_or(1.0, |(view, _)| {
+            place.ppd.0 / view.ppd_towards(place.direction).0
+        })
+    }
+
     /// A place as it appears to the eye.
     pub(super) fn seen(&self, place: &Place) -> Place {
         let Some((view, _)) = &self.view else {

@@ -4,7 +4,7 @@
 //! by which acuity falls off (`acuity`). It is the largest at which the picture in view is expected
 //! to keep the score, by the signatures of what is in view.
 
-use super::calibration::Expectation;
+use super::calibration::{Expectation, slope_for};
 use super::content::Content;
 use super::level_map::LevelMap;
 use super::losses::{LossMeter, Losses};
@@ -17,8 +17,11 @@ use crate::perception::visible_loss::BEST_JOD;
 use crate::units::Radians;
 use crate::view::axes::angle_between;
 
-/// Steps of the free number for each doubling.
-const STEPS_PER_DOUBLING: f64 = 4.0;
+/// Steps of the bound for each doubling.
+const BOUND_STEPS: f64 = 4.0;
+/// Steps of the slope for each doubling: each costs a choice of every cell's level, and tiles are
+/// too large to follow finer ones.
+const SLOPE_STEPS: f64 = 2.0;
 /// Share of what the target allows to lose that must be lost before another number is looked for:
 /// what is good enough stays as it is.
 const LEAST_LOST: f64 = 0.5;
@@ -26,10 +29,11 @@ const LEAST_LOST: f64 = 0.5;
 const COARSER_BELOW: f64 = 0.7;
 /// How far the gaze may go before levels are chosen anew, over the steadiness that is asked for.
 const ANEW: f64 = 0.5;
-/// Slopes that are tried: from this one on, in degrees of a pixel a degree.
-const LEAST_SLOPE: f64 = 0.001;
-/// How many.
-const SLOPES: u32 = 24;
+/// The least slope that is tried, over the one by which content of unknown texture keeps the score:
+/// signatures know one content from another, and less of how the judge takes one.
+const LEAST_SLOPE: f64 = 0.7;
+/// Slopes that are tried.
+const SLOPES: u32 = 8;
 /// Bounds that are tried: this many steps below and above the loss of the target.
 const BOUNDS: u32 = 40;
 
@@ -92,7 +96,7 @@ impl TargetSelector {
         let (step, selection) = match self.rule.take() {
             Some(mut rule) => {
                 let step = self.slope(&rule, &losses, &looked);
-                rule.set_acuity(slope_of(step));
+                rule.set_acuity(slope_of(self.target, step));
                 let selection = rule.select(Some(content), frame, moment);
                 self.rule = Some(rule);
                 (step, selection)
@@ -121,7 +125,7 @@ impl TargetSelector {
     fn slope(&self, rule: &SteadySelector, losses: &Losses, moment: &Moment) -> u32 {
         let mut exact = rule.exact().clone();
         self.largest(SLOPES, |step| {
-            exact.set_acuity(slope_of(step));
+            exact.set_acuity(slope_of(self.target, step));
             Expectation::Elsewise.jod(losses.pooled(&exact.select(moment).levels))
         })
     }
@@ -182,13 +186,14 @@ impl TargetSelector {
     }
 }
 
-fn slope_of(step: u32) -> AcuityModel {
-    AcuityModel::linear(LEAST_SLOPE * libm::exp2(f64::from(step) / STEPS_PER_DOUBLING))
+fn slope_of(target: f64, step: u32) -> AcuityModel {
+    let times = LEAST_SLOPE * libm::exp2(f64::from(step) / SLOPE_STEPS);
+    AcuityModel::linear(slope_for(target) * times)
 }
 
 fn bound_of(target: f64, step: u32) -> f64 {
     let steps = f64::from(step) - f64::from(BOUNDS);
-    Expectation::ByLoss.told(target) * libm::exp2(steps / STEPS_PER_DOUBLING)
+    Expectation::ByLoss.told(target) * libm::exp2(steps / BOUND_STEPS)
 }
 
 #[cfg(test)]

@@ -101,7 +101,7 @@ fn expected(grid: &TileGrid, policy: Policy, content: &dyn Content, levels: &Lev
 }
 
 #[test]
-fn the_target_is_expected_and_a_higher_one_never_expects_less() {
+fn the_target_is_expected_or_the_least_slope_taken_and_a_higher_one_never_expects_less() {
     let content = Texture(busy);
     for grid in [screen(), sphere()] {
         for policy in [Policy::Perceptual, Policy::Acuity] {
@@ -109,7 +109,15 @@ fn the_target_is_expected_and_a_higher_one_never_expects_less() {
             for target in [7.5, 8.5, 9.0, 9.25, 9.5, 9.75, 9.9] {
                 let levels = chosen(grid, &config(policy, target), &content);
                 let jod = expected(&grid, policy, &content, &levels);
-                assert!(jod >= target, "{policy:?} {target}: {jod}");
+                let is_least = policy == Policy::Acuity && {
+                    let least = PolicyConfig {
+                        acuity: AcuityModel::linear(LEAST_SLOPE * slope_for(target)),
+                        target: None,
+                        ..config(policy, target)
+                    };
+                    levels == chosen(grid, &least, &content)
+                };
+                assert!(jod >= target || is_least, "{policy:?} {target}: {jod}");
                 assert!(jod >= before - 1e-9, "{policy:?} {target}: {jod} {before}");
                 before = jod;
             }
