@@ -142,7 +142,7 @@ pub(crate) struct PolicyOptions {
     steadiness: f64,
     #[command(flatten)]
     perception: PerceptionOptions,
-    /// perceptual: fetch what is salient outside the region that gaze predicts.
+    /// perceptual with a link: fetch what is salient outside the region that gaze predicts.
     #[arg(long, value_enum, default_value = "off")]
     saliency: Switch,
 }

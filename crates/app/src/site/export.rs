@@ -7,6 +7,7 @@ use crate::output::{self, Counting};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 use foveal_core::units::counted;
+use foveal_core::view::surface::Projection;
 use foveal_media::pack_file::PackFile;
 use serde::Serialize;
 use std::io::ErrorKind;
@@ -64,11 +65,31 @@ pub(crate) fn run(command: &Export) -> anyhow::Result<()> {
         linked: 0,
         packs: &site.packs,
     };
+    tell_growth(&args.packs)?;
     if !args.dry_run {
         tell_damage(&args.packs)?;
         exported.linked = write(&site, &args.out, exported.bytes)?;
     }
     output::result(args.json, &exported, &exported.text())
+}
+
+/// Tells of flat packs that are larger than the file that they were made from.
+fn tell_growth(packs: &[PathBuf]) -> anyhow::Result<()> {
+    for path in packs {
+        let file = PackFile::open(path)?;
+        let source = file.pack().description().source.bytes;
+        let is_flat = file.pack().grid().surface.projection == Projection::Flat;
+        if is_flat && source > 0 && file.bytes() > source {
+            output::say(&format!(
+                "foveal: {}: {}, and its source {}; flat video on an ordinary link mostly costs \
+                 more bytes as a pack (docs/concepts/policies.md says what gains)",
+                path.display(),
+                output::size(file.bytes()),
+                output::size(source)
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Reads the packs through: what is damaged is published, as the rest of it can be watched, and
