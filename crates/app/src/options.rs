@@ -13,7 +13,7 @@ use foveal_core::selection::policy::{
 use foveal_core::units::{Radians, counted};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
-use foveal_core::view::surface::{Projection, Screen, Surface};
+use foveal_core::view::surface::{Mapping, Projection, Screen, Surface};
 
 /// A policy by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -152,6 +152,24 @@ pub(crate) struct PolicyOptions {
 pub(crate) enum Target {
     Jod(f64),
     None,
+}
+
+/// How pixels lie over the faces of a cube.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MappingName {
+    /// Evenly in angle: as sharp as the source everywhere.
+    EquiAngular,
+    /// Evenly in tangent, as a camera draws: softer in the middle of a face.
+    Gnomonic,
+}
+
+impl MappingName {
+    pub(crate) fn mapping(self) -> Mapping {
+        match self {
+            Self::EquiAngular => Mapping::EquiAngular,
+            Self::Gnomonic => Mapping::Gnomonic,
+        }
+    }
 }
 
 /// Reads the value of `--target`.

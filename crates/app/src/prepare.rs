@@ -3,7 +3,7 @@
 use crate::codec_options::CodecOptions;
 use crate::info::PackInfo;
 use crate::kept_pack::{remark, warn};
-use crate::options::CutOptions;
+use crate::options::{CutOptions, MappingName};
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::pack_place::pack_at;
 use crate::preset::SystemPreset;
@@ -65,6 +65,14 @@ pub(crate) struct PrepareVideoArgs {
     /// that each eye's picture then has, --projection finds whether it is 360°.
     #[arg(long, value_enum, default_value = "auto")]
     stereo: StereoName,
+    /// 360°: how pixels lie over the faces of the cube (default: equi-angular, and what a preset
+    /// has). Faces of an input that is a cube stay as they are.
+    #[arg(long, value_enum)]
+    mapping: Option<MappingName>,
+    /// 360°: pixels on a side of a face, a multiple of 16 (default: a quarter of the width of the
+    /// sphere).
+    #[arg(long, value_name = "PX")]
+    face_size: Option<u32>,
     #[command(flatten)]
     cut: CutOptions,
     /// Cut as a published system does.
@@ -231,6 +239,12 @@ impl PrepareVideoArgs {
                 StereoName::Tb => StereoChoice::TopBottom,
             },
             sound: !self.no_sound,
+            mapping: match self.preset {
+                Some(preset) => Some(preset.mapping(self.mapping)),
+                None => self.mapping,
+            }
+            .map(MappingName::mapping),
+            face_size: self.face_size,
             cut: cut.asked(),
             levels: cut.levels,
             ratio: cut.ratio(),

@@ -3,7 +3,7 @@
 //! A preset stands for options of a published system; an option that is given itself wins. What
 //! each sets is told in docs/concepts/video.md.
 
-use crate::options::{CutOptions, PolicyName, PolicyOptions};
+use crate::options::{CutOptions, MappingName, PolicyName, PolicyOptions};
 use clap::ValueEnum;
 use foveal_core::view::surface::Projection;
 
@@ -34,6 +34,12 @@ impl SystemPreset {
             levels: given.levels.or(Some(3)),
             level_ratio: given.level_ratio.or(Some(4)),
         }
+    }
+
+    /// How pixels lie over the faces of a cube.
+    pub(crate) fn mapping(self, given: Option<MappingName>) -> MappingName {
+        let Self::Kastner2016 = self;
+        given.unwrap_or(MappingName::Gnomonic)
     }
 
     /// How levels are chosen on content of a projection.

@@ -2,7 +2,7 @@
 
 use crate::gaze::{GazeChoice, GazeSource, Viewer, parse_gaze};
 use crate::options::{
-    CutOptions, PolicyName, PolicyOptions, ViewOptions, check_thresholds, parse_size,
+    CutOptions, MappingName, PolicyName, PolicyOptions, ViewOptions, check_thresholds, parse_size,
 };
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::preset::SystemPreset;
@@ -35,6 +35,9 @@ pub(crate) struct SelectArgs {
     /// Cube: pixels on a side of a face.
     #[arg(long, value_name = "PX")]
     face_size: Option<u32>,
+    /// Cube: how pixels lie over a face (default: equi-angular, and what a preset has).
+    #[arg(long, value_enum)]
+    mapping: Option<MappingName>,
     /// Flat: pixels of the picture.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<[u32; 2]>,
@@ -186,12 +189,20 @@ impl SelectArgs {
         }
     }
 
+    fn mapping(&self) -> MappingName {
+        match self.preset {
+            Some(preset) => preset.mapping(self.mapping),
+            None => self.mapping.unwrap_or(MappingName::EquiAngular),
+        }
+    }
+
     fn surface(&self) -> anyhow::Result<Surface> {
         Ok(match self.projection {
             ProjectionName::Cube => Surface::cube(
                 self.face_size
                     .ok_or_else(|| missing("--projection cube needs --face-size PX"))?,
-            ),
+            )
+            .mapped(self.mapping().mapping()),
             ProjectionName::Flat => {
                 let size = self
                     .size

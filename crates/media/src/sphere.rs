@@ -19,7 +19,7 @@ mod tests;
 use crate::parallel::in_parallel;
 use cap::Cap;
 use foveal_core::asset::picture::Picture;
-use foveal_core::view::surface::CUBE_FACES;
+use foveal_core::view::surface::{CUBE_FACES, Mapping};
 use kernel::Kernel;
 use plane::Plane;
 use std::sync::{Mutex, PoisonError};
@@ -37,9 +37,9 @@ pub enum Coverage {
 /// Face size that keeps the pixels of a turn: the next multiple of 16 that is not below a quarter
 /// of a full sphere's width.
 ///
-/// A face spans 90° in `n` pixels, `n / 2` a radian at its centre and `n` at the middle of an edge;
-/// the source has `2 n / pi`. So a face's centre keeps 0.79 of the source's density and its edges
-/// exceed it; keeping all of it everywhere would take 1.27 times the face and 1.6 times the pixels.
+/// An equi-angular face spans 90° in `n` pixels evenly: the density of the source round the horizon.
+/// A gnomonic one has `n / 2` pixels a radian at its centre and `n` at the middle of an edge, where
+/// the source has `2 n / pi`: 0.79 of it in the middle.
 ///
 /// ```
 /// use foveal_media::sphere::{Coverage, face_size_for};
@@ -76,6 +76,7 @@ pub struct CubeSampler {
     face: u32,
     coverage: Coverage,
     chroma_left: bool,
+    mapping: Mapping,
     kernel: Kernel,
     /// For the fast way where it can be gone.
     fast: Option<Box<fast::Fast>>,
@@ -127,25 +128,32 @@ impl CubeSampler {
             face,
             coverage,
             chroma_left,
+            mapping: Mapping::Gnomonic,
             kernel: Kernel::new(),
             fast: None,
         }
     }
 
-    /// A sampler that takes a widened cubic kernel and remembers where samples look: many times
-    /// as fast, a little softer and with a little more aliasing of the finest detail. Takes about
-    /// 13 bytes a pixel of one face, and about 11 MB for the caps; sizes that it cannot do are
-    /// sampled as by [`Self::new`].
-    ///
-    /// # Panics
-    /// As [`Self::new`].
+    /// The same onto faces of another mapping than the gnomonic one.
     #[must_use]
-    pub fn fast(size: [u32; 2], face: u32, coverage: Coverage, chroma_left: bool) -> Self {
-        let mut this = Self::new(size, face, coverage, chroma_left);
-        let empty = Picture::filled(size[0], size[1], [0; 3]);
-        let [luma, chroma] = [0, 1].map(|p| this.plane(&empty, p));
-        this.fast = fast::Fast::new(&luma, &chroma, &this.kernel).map(Box::new);
-        this
+    pub fn mapped(self, mapping: Mapping) -> Self {
+        Self {
+            mapping,
+            fast: None,
+            ..self
+        }
+    }
+
+    /// A sampler that takes a cubic kernel, widened only where it must be, and remembers where
+    /// samples look: many times as fast, a little softer and with a little more aliasing of the
+    /// finest detail. Takes about 15 bytes a pixel of one face, and about 11 MB for the caps; sizes
+    /// that it cannot do are sampled as before.
+    #[must_use]
+    pub fn fast(mut self) -> Self {
+        let empty = Picture::filled(self.size[0], self.size[1], [0; 3]);
+        let [luma, chroma] = [0, 1].map(|p| self.plane(&empty, p));
+        self.fast = fast::Fast::new(&luma, &chroma, &self.kernel).map(Box::new);
+        self
     }
 
     /// The six faces of `picture`, the same for any number of threads `jobs`.
@@ -216,6 +224,7 @@ impl CubeSampler {
             self.coverage,
             shift,
             face,
+            self.mapping,
         )
     }
 

@@ -10,6 +10,7 @@ use foveal_core::asset::picture::Colour;
 use foveal_core::asset::tile_grid::{Cut, TileGrid};
 use foveal_core::perception::sample_mask::{SPACINGS, SampleMask};
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::surface::Mapping;
 
 /// What stays the same from frame to frame.
 #[repr(C)]
@@ -50,8 +51,8 @@ pub struct TileParams {
     pub chroma_offset: f32,
     /// Faces of one eye; those of the other follow.
     pub faces_of_an_eye: u32,
-    /// Keeps the rows that follow at a multiple of sixteen.
-    pub unused: u32,
+    /// How the pixels of a cube's faces lie over their angles: 0 gnomonic, 1 equi-angular.
+    pub mapping: u32,
     /// Rows that turn (Y, U, V, 1) into red, green, blue, all 0 to 1.
     pub rgb_from_yuv: [[f32; 4]; 3],
 }
@@ -232,7 +233,10 @@ impl TileParams {
             coarsest_scale: grid.scale(grid.coarsest()) as f32,
             chroma_offset: if colour.chroma_left { 0.25 } else { 0.5 },
             faces_of_an_eye: grid.surface.faces_of_an_eye(),
-            unused: 0,
+            mapping: match grid.surface.mapping {
+                Mapping::Gnomonic => 0,
+                Mapping::EquiAngular => 1,
+            },
             rgb_from_yuv: rgb_from_yuv(colour),
         }
     }

@@ -8,6 +8,7 @@ const SCREEN: &str = include_str!("../shaders/shared/screen.wgsl");
 const COVER: &str = include_str!("../shaders/shared/cover.wgsl");
 const TILES: &str = include_str!("../shaders/shared/tiles.wgsl");
 const COLOUR: &str = include_str!("../shaders/shared/colour.wgsl");
+const MAPPING: &str = include_str!("../shaders/shared/mapping.wgsl");
 const LATTICE: &str = include_str!("../shaders/shared/lattice.wgsl");
 const FOOTPRINT: &str = include_str!("../shaders/shared/footprint.wgsl");
 const PICTURE: &str = include_str!("../shaders/shared/picture.wgsl");
@@ -125,7 +126,15 @@ fn surroundings(projection: Projection) -> &'static str {
 }
 
 fn joined(surroundings: &str, entry: &[&str]) -> String {
-    let shared = [COVER, SCREEN, TILES, LATTICE, FOOTPRINT, surroundings];
+    let shared = [
+        COVER,
+        SCREEN,
+        TILES,
+        MAPPING,
+        LATTICE,
+        FOOTPRINT,
+        surroundings,
+    ];
     [shared.as_slice(), entry].concat().join("\n")
 }
 

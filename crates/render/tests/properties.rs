@@ -7,7 +7,7 @@ use common::*;
 use foveal_core::asset::picture::{Colour, Matrix, Picture};
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::surface::{Eye, Surface};
+use foveal_core::view::surface::{Eye, Mapping, Surface};
 use foveal_render::{Gpu, RgbaImage, twin};
 
 fn flat_scene(size: [u32; 2], cut: Cut, levels: u8, ratio: u32, colour: Colour) -> Scene {
@@ -267,13 +267,15 @@ fn at_edges() -> Vec<(EyeView, usize)> {
 #[test]
 fn no_border_shows_at_the_edges_of_the_cube() {
     let gpu = Gpu::open_blocking().unwrap();
-    for (face, cut, levels, ratio) in [
-        (256, Cut::Tile(32), 4, 2),
-        (250, Cut::Tile(32), 4, 2),
-        (250, Cut::Grid([4, 4]), 3, 4),
-        (256, Cut::Tile(64), 3, 2),
+    for (face, mapping, cut, levels, ratio) in [
+        (256, Mapping::Gnomonic, Cut::Tile(32), 4, 2),
+        (250, Mapping::Gnomonic, Cut::Tile(32), 4, 2),
+        (250, Mapping::Gnomonic, Cut::Grid([4, 4]), 3, 4),
+        (256, Mapping::Gnomonic, Cut::Tile(64), 3, 2),
+        (256, Mapping::EquiAngular, Cut::Tile(32), 4, 2),
+        (250, Mapping::EquiAngular, Cut::Tile(64), 3, 2),
     ] {
-        let surface = Surface::cube(face);
+        let surface = Surface::cube(face).mapped(mapping);
         let grid = TileGrid::new(surface, cut, levels, ratio).unwrap();
         let mut all = [Steps::default(); 2];
         let mut coarsest = [Steps::default(); 2];
@@ -296,15 +298,22 @@ fn no_border_shows_at_the_edges_of_the_cube() {
                 gather(&mut all, straddle(&image, axis, 80, 0..160, &[1, 2, 3]));
             }
         }
-        assert_no_border(coarsest, &format!("{face} {cut:?} coarsest"));
-        assert_no_border(all, &format!("{face} {cut:?} mixed"));
+        assert_no_border(coarsest, &format!("{face} {mapping:?} {cut:?} coarsest"));
+        assert_no_border(all, &format!("{face} {mapping:?} {cut:?} mixed"));
     }
 }
 
 #[test]
 fn a_cube_of_fine_tiles_shows_the_function_that_it_was_made_from() {
+    for mapping in [Mapping::Gnomonic, Mapping::EquiAngular] {
+        let scene = waves_on(Surface::cube(256).mapped(mapping), Cut::Tile(64), 3, 2);
+        shows_its_waves(&scene);
+    }
+}
+
+/// Every pixel of views over edges and corners is within four codes of the function.
+fn shows_its_waves(scene: &Scene) {
     let gpu = Gpu::open_blocking().unwrap();
-    let scene = cube_waves(256, Cut::Tile(64), 3, 2);
     let mut renderer = scene.on_gpu(&gpu, &scene.finest());
     for view in at_edges().into_iter().map(|(view, _)| view).chain([
         turned([45.0, 35.26, 0.0], 50.0, [160, 160]),

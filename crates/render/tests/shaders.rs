@@ -194,7 +194,7 @@ fn uniforms_have_one_layout_in_rust_and_in_wgsl() {
                 coarsest_scale,
                 chroma_offset,
                 faces_of_an_eye,
-                unused,
+                mapping,
                 rgb_from_yuv
             ]
         );

@@ -7,7 +7,7 @@ use common::*;
 use foveal_core::asset::picture::Colour;
 use foveal_core::asset::tile_grid::{Cut, TileGrid};
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::surface::Surface;
+use foveal_core::view::surface::{Mapping, Surface};
 use foveal_render::{Gpu, Overlay, twin};
 
 /// Within 1 of 255 on 99.9 % of all channels, and nowhere more than 3: beyond rounding, a place
@@ -131,6 +131,16 @@ fn two_eyes_and_missing_faces_are_drawn_as_by_their_twin() {
     let cube = Surface::cube(100);
     for (surface, cut, name) in [
         (cube.for_two_eyes(), Cut::Tile(32), "two cubes"),
+        (
+            cube.mapped(Mapping::EquiAngular),
+            Cut::Tile(32),
+            "equi-angular cube",
+        ),
+        (
+            cube.without_poles().mapped(Mapping::EquiAngular),
+            Cut::Grid([4, 4]),
+            "equi-angular panorama of a grid",
+        ),
         (cube.without_poles(), Cut::Tile(32), "panorama"),
         (
             cube.without_poles(),

@@ -27,6 +27,7 @@ fn description() -> Description {
         size: SIZE,
         eyes: 1,
         cube_faces: 6,
+        mapping: foveal_core::view::surface::Mapping::Gnomonic,
         pixel_aspect: [1, 1],
         cut: Cut::Tile(32),
         levels: 3,

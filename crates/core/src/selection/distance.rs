@@ -115,11 +115,8 @@ pub(super) fn angle_to_cell(grid: &TileGrid, cell: Tile, direction: DVec3) -> Ra
         direction.dot(axes.down) / depth,
     ];
     let (from, size) = (grid.origin(cell), grid.covered(cell));
-    let nearest = [0, 1].map(|k| {
-        let side = f64::from(surface.size[k]);
-        let place = (tangent[k] / surface.tangents[k] + 1.0) / 2.0 * side;
-        place.clamp(f64::from(from[k]), f64::from(from[k] + size[k]))
-    });
+    let place = surface.place(tangent);
+    let nearest = [0, 1].map(|k| place[k].clamp(f64::from(from[k]), f64::from(from[k] + size[k])));
     angle_between(direction, surface.direction(u32::from(cell.face), nearest))
 }
 

@@ -59,17 +59,22 @@ impl CellPlaces {
                 f64::from(from[1]) + y * f64::from(size[1]),
             ];
             let face = u32::from(cell.face);
-            (grid.surface.direction(face, place), grid.surface.ppd(place))
+            let surface = &grid.surface;
+            (
+                surface.direction(face, place),
+                surface.ppd(place),
+                surface.shape(place),
+            )
         };
         let forward = grid.surface.axes(u32::from(cell.face)).forward;
         let share = 1.0 / f64::from(across * across);
         let pixels = f64::from(size[0]) * f64::from(size[1]);
         let middle = |step: u32| (f64::from(step) + 0.5) / f64::from(across);
         let places = (0..across * across).map(|k| {
-            let (direction, ppd) = at(middle(k % across), middle(k / across));
+            let (direction, ppd, shape) = at(middle(k % across), middle(k / across));
             // Away from the face's axis a pixel fills a smaller solid angle: cos³.
             let cos = direction.dot(forward);
-            let area_deg2 = pixels * share / (ppd.0 * ppd.0) * cos;
+            let area_deg2 = pixels * share / (ppd.0 * ppd.0) * cos * shape;
             Place {
                 direction,
                 ppd,
@@ -157,7 +162,7 @@ mod tests {
     use super::*;
     use crate::asset::tile_grid::Cut;
     use crate::units::Radians;
-    use crate::view::surface::{Screen, Surface};
+    use crate::view::surface::{Mapping, Screen, Surface};
 
     fn square_degrees(grid: &TileGrid) -> f64 {
         let cells = grid.tiles_of(0).map(|cell| CellPlaces::new(grid, cell));
@@ -167,9 +172,12 @@ mod tests {
 
     #[test]
     fn the_places_of_a_sphere_cover_it() {
-        let grid = TileGrid::new(Surface::cube(1024), Cut::Tile(128), 4, 2).unwrap();
         let sphere = 4.0 * core::f64::consts::PI * Radians(1.0).to_degrees().powi(2);
-        assert!((square_degrees(&grid) / sphere - 1.0).abs() < 0.01);
+        for mapping in [Mapping::Gnomonic, Mapping::EquiAngular] {
+            let surface = Surface::cube(1024).mapped(mapping);
+            let grid = TileGrid::new(surface, Cut::Tile(128), 4, 2).unwrap();
+            assert!((square_degrees(&grid) / sphere - 1.0).abs() < 0.01);
+        }
     }
 
     #[test]

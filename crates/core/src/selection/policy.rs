@@ -184,7 +184,9 @@ impl Selector {
         let rise = self.grid.scale(self.grid.coarsest()) - 1;
         let pixels = self.grid.blend_pixels() * f64::from(rise);
         let half = f64::from(surface.size[0]) / 2.0;
-        Radians(libm::atan(pixels * surface.tangents[0] / half))
+        Radians(libm::atan(
+            pixels * surface.tangents[0] / half * surface.mapping.slope(0.0),
+        ))
     }
 
     /// Refines the cells that a window looks at, which may show less than the space between two

@@ -5,6 +5,7 @@
 
 use super::axes::Axes;
 use crate::units::{Ppd, Radians};
+use core::f64::consts::FRAC_PI_4;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +17,54 @@ pub enum Projection {
     Flat,
     /// Six square faces of a cube around the eye.
     Cube,
+}
+
+/// How the pixels of a cube's faces lie over their angles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mapping {
+    /// Evenly in the tangents of the angles, as a camera draws them: a face is 1.3 times as sharp
+    /// at the middle of an edge as in its middle.
+    #[default]
+    Gnomonic,
+    /// Evenly in the angles themselves (equi-angular cubemaps, 2017, as by EAC video): with a
+    /// quarter of an equirectangular picture's width a face, no direction has less than the
+    /// density of its equator along the axes of the face.
+    EquiAngular,
+}
+
+impl Mapping {
+    /// Whether this is what is meant where none is named, so that nothing needs to be written.
+    pub(crate) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The tangent at a place of a face from -1 to 1; beyond the edge up to 2.
+    #[must_use]
+    pub fn tangent(self, place: f64) -> f64 {
+        match self {
+            Self::Gnomonic => place,
+            Self::EquiAngular => libm::tan(place * FRAC_PI_4),
+        }
+    }
+
+    /// The place from -1 to 1 at a tangent: the inverse of [`Self::tangent`].
+    #[must_use]
+    pub fn place(self, tangent: f64) -> f64 {
+        match self {
+            Self::Gnomonic => tangent,
+            Self::EquiAngular => libm::atan(tangent) / FRAC_PI_4,
+        }
+    }
+
+    /// Change of the tangent with the place, at a tangent.
+    #[must_use]
+    pub fn slope(self, tangent: f64) -> f64 {
+        match self {
+            Self::Gnomonic => 1.0,
+            Self::EquiAngular => FRAC_PI_4 * (1.0 + tangent * tangent),
+        }
+    }
 }
 
 /// One of the two eyes.
@@ -67,6 +116,9 @@ pub struct Surface {
     /// top nor bottom. Flat content ignores it.
     #[serde(default = "all_faces", skip_serializing_if = "are_all_faces")]
     pub cube_faces: u8,
+    /// How pixels lie over the faces of a cube. Flat content is gnomonic, whatever this says.
+    #[serde(default, skip_serializing_if = "Mapping::is_default")]
+    pub mapping: Mapping,
 }
 
 /// The number of eyes of content that does not say it.
@@ -134,6 +186,7 @@ impl Surface {
             tangents: [w * per_pixel, h * per_pixel],
             eyes: one_eye(),
             cube_faces: all_faces(),
+            mapping: Mapping::Gnomonic,
         }
     }
 
@@ -158,6 +211,7 @@ impl Surface {
             tangents: [1.0; 2],
             eyes: one_eye(),
             cube_faces: all_faces(),
+            mapping: Mapping::Gnomonic,
         }
     }
 
@@ -169,6 +223,12 @@ impl Surface {
             cube_faces: 4,
             ..self
         }
+    }
+
+    /// This surface with its pixels laid out so.
+    #[must_use]
+    pub fn mapped(self, mapping: Mapping) -> Self {
+        Self { mapping, ..self }
     }
 
     /// This surface with a picture for each eye.
@@ -211,7 +271,29 @@ impl Surface {
     /// border, pixel centres lie at +0.5).
     #[must_use]
     pub fn tangent(&self, place: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|k| (place[k] * 2.0 / f64::from(self.size[k]) - 1.0) * self.tangents[k])
+        let mapping = self.mapping();
+        [0, 1].map(|k| {
+            let place = place[k] * 2.0 / f64::from(self.size[k]) - 1.0;
+            mapping.tangent(place) * self.tangents[k]
+        })
+    }
+
+    /// The place on a face, in level-0 pixels, at a position on its tangent plane: the inverse of
+    /// [`Self::tangent`].
+    #[must_use]
+    pub fn place(&self, tangent: [f64; 2]) -> [f64; 2] {
+        let mapping = self.mapping();
+        [0, 1].map(|k| {
+            let place = mapping.place(tangent[k] / self.tangents[k]);
+            (place + 1.0) / 2.0 * f64::from(self.size[k])
+        })
+    }
+
+    fn mapping(&self) -> Mapping {
+        match self.projection {
+            Projection::Flat => Mapping::Gnomonic,
+            Projection::Cube => self.mapping,
+        }
     }
 
     /// Unit direction of a place on a face, in level-0 pixels.
@@ -243,28 +325,67 @@ impl Surface {
             direction.dot(axes.right) / depth,
             direction.dot(axes.down) / depth,
         ];
-        let place =
-            [0, 1].map(|k| (tangent[k] / self.tangents[k] + 1.0) / 2.0 * f64::from(self.size[k]));
-        Some((face, place))
+        Some((face, self.place(tangent)))
     }
 
     /// Density at a place on a face: level-0 pixels per degree along the sparser direction.
     ///
-    /// A pixel at tangent radius r spans `pitch / sqrt(1 + r²)` radians across the radius and less
-    /// along it; the wider of the two is what limits the detail.
+    /// A pixel of a camera's picture at tangent radius r spans `pitch / sqrt(1 + r²)` radians across
+    /// the radius and less along it; the wider of the two is what limits the detail. Of an
+    /// equi-angular face it is the long axis of the ellipse that a pixel's circle becomes.
     #[must_use]
     pub fn ppd(&self, place: [f64; 2]) -> Ppd {
         let [a, b] = self.tangent(place);
-        let pitch = self.pitch();
-        let spacing = Radians(pitch / (1.0 + a * a + b * b).sqrt());
-        Ppd(1.0 / spacing.to_degrees())
+        let spacing = match self.mapping() {
+            Mapping::Gnomonic => self.pitch() / (1.0 + a * a + b * b).sqrt(),
+            Mapping::EquiAngular => {
+                let [across, down, both] = self.spans([a, b]);
+                let mean = f64::midpoint(across, down);
+                let half = (across - down) / 2.0;
+                (mean + (half * half + both * both).sqrt()).sqrt()
+            }
+        };
+        Ppd(1.0 / Radians(spacing).to_degrees())
     }
 
-    /// The wider side of a level-0 pixel at unit distance, in tangent units.
+    /// What a pixel at a place covers, over what a square of [`Self::ppd`] foreshortened by the
+    /// cosine to the face's axis does: 1 for square pixels of a camera's picture.
+    #[must_use]
+    pub fn shape(&self, place: [f64; 2]) -> f64 {
+        match self.mapping() {
+            Mapping::Gnomonic => 1.0,
+            Mapping::EquiAngular => {
+                let [a, b] = self.tangent(place);
+                let [across, down, both] = self.spans([a, b]);
+                let area = (across * down - both * both).sqrt();
+                let side = Radians::from_degrees(1.0 / self.ppd(place).0).0;
+                area * (1.0 + a * a + b * b).sqrt() / (side * side)
+            }
+        }
+    }
+
+    /// How a pixel of a face spans angles (squares of radians): its column with itself, its row
+    /// with itself, and the two with each other.
+    fn spans(&self, [a, b]: [f64; 2]) -> [f64; 3] {
+        let pitch = |k: usize, tangent: f64| {
+            2.0 * self.tangents[k] / f64::from(self.size[k])
+                * self.mapping().slope(tangent / self.tangents[k])
+        };
+        let [x, y] = [pitch(0, a), pitch(1, b)];
+        let length = 1.0 + a * a + b * b;
+        let scale = 1.0 / (length * length);
+        [
+            x * x * (1.0 + b * b) * scale,
+            y * y * (1.0 + a * a) * scale,
+            -a * b * x * y * scale,
+        ]
+    }
+
+    /// The wider side of a level-0 pixel in the middle of a face, in tangent units.
     #[must_use]
     pub fn pitch(&self) -> f64 {
         let [x, y] = [0, 1].map(|k| 2.0 * self.tangents[k] / f64::from(self.size[k]));
-        x.max(y)
+        x.max(y) * self.mapping().slope(0.0)
     }
 
     /// Pixels of all faces at level 0.
@@ -304,16 +425,58 @@ mod tests {
 
     #[test]
     fn a_place_on_the_cube_survives_the_way_to_a_direction_and_back() {
-        let cube = Surface::cube(64);
-        for face in 0..6 {
-            for y in 0..64 {
-                for x in 0..64 {
-                    let place = [f64::from(x) + 0.5, f64::from(y) + 0.5];
-                    let found = cube.locate(cube.direction(face, place)).unwrap();
-                    assert_eq!(found.0, face);
-                    assert!((found.1[0] - place[0]).abs() < 1e-9);
-                    assert!((found.1[1] - place[1]).abs() < 1e-9);
+        for mapping in [Mapping::Gnomonic, Mapping::EquiAngular] {
+            let cube = Surface::cube(64).mapped(mapping);
+            for face in 0..6 {
+                for y in 0..64 {
+                    for x in 0..64 {
+                        let place = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+                        let found = cube.locate(cube.direction(face, place)).unwrap();
+                        assert_eq!(found.0, face);
+                        assert!((found.1[0] - place[0]).abs() < 64e-12);
+                        assert!((found.1[1] - place[1]).abs() < 64e-12);
+                    }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn equi_angular_places_are_even_in_angle_and_have_the_density_of_the_equator() {
+        let cube = Surface::cube(256).mapped(Mapping::EquiAngular);
+        let at = |x: f64| cube.direction(0, [x, 128.0]);
+        for x in 0..256 {
+            let step = crate::view::axes::angle_between(at(f64::from(x)), at(f64::from(x) + 1.0));
+            assert!((step.to_degrees() - 90.0 / 256.0).abs() < 1e-9, "{x}");
+        }
+        // A picture of 1024 columns round the equator.
+        assert!((cube.ppd([128.0; 2]).0 - 1024.0 / 360.0).abs() < 1e-9);
+        // A pixel's long side is at most 1.16 times as long anywhere.
+        assert!(cube.ppd([0.0; 2]).0 > 1024.0 / 360.0 / 1.16);
+    }
+
+    #[test]
+    fn the_density_of_a_pixel_is_what_its_neighbours_are_apart() {
+        for mapping in [Mapping::Gnomonic, Mapping::EquiAngular] {
+            let cube = Surface::cube(512).mapped(mapping);
+            for place in [[256.0, 256.0], [20.0, 300.0], [3.0, 5.0], [500.0, 256.0]] {
+                let from = cube.direction(1, place);
+                let widest = (0..64).map(|step| {
+                    let turn = f64::from(step) / 64.0 * core::f64::consts::PI;
+                    let to = [place[0] + 0.01 * turn.cos(), place[1] + 0.01 * turn.sin()];
+                    (cube.direction(1, to) - from).length() / 0.01
+                });
+                let widest = Radians(widest.fold(0.0, f64::max)).to_degrees();
+                let told = 1.0 / cube.ppd(place).0;
+                assert!((widest / told - 1.0).abs() < 0.003, "{mapping:?} {place:?}");
+                // Sides of one pixel give its area.
+                let [right, down] = [[0.01, 0.0], [0.0, 0.01]]
+                    .map(|step| cube.direction(1, [place[0] + step[0], place[1] + step[1]]) - from);
+                let area = right.cross(down).length() / 1e-4;
+                let cos = from.dot(cube.axes(1).forward);
+                let side = Radians::from_degrees(told).0;
+                let told = side * side * cos * cube.shape(place);
+                assert!((area / told - 1.0).abs() < 0.003, "{mapping:?} {place:?}");
             }
         }
     }

@@ -27,6 +27,7 @@ fn small_pack() -> Pack {
         size: [100, 60],
         eyes: 1,
         cube_faces: 6,
+        mapping: foveal_core::view::surface::Mapping::Gnomonic,
         pixel_aspect: [1, 1],
         cut: Cut::Tile(16),
         levels: 3,

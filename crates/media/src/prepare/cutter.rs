@@ -40,11 +40,12 @@ impl Cutter {
         let turn = match plan.surround {
             Surround::Flat => Turn::Flat,
             Surround::Equirect(coverage) => {
-                let sampler = match plan.speed {
-                    Speed::Default | Speed::Fast | Speed::Small => CubeSampler::fast,
-                    Speed::Reference => CubeSampler::new,
-                };
-                Turn::Sphere(Box::new(sampler(plan.eye_size, face, coverage, left)))
+                let sampler = CubeSampler::new(plan.eye_size, face, coverage, left)
+                    .mapped(plan.grid.surface.mapping);
+                Turn::Sphere(Box::new(match plan.speed {
+                    Speed::Default | Speed::Fast | Speed::Small => sampler.fast(),
+                    Speed::Reference => sampler,
+                }))
             }
             Surround::Cube(layout) => Turn::Cube(layout, left),
         };

@@ -13,7 +13,7 @@ use foveal_core::asset::pack::{Description, Source};
 use foveal_core::asset::picture::Colour;
 use foveal_core::asset::rate::QualityScale;
 use foveal_core::asset::tile_grid::{Cut, TileGrid};
-use foveal_core::view::surface::{Screen, Surface};
+use foveal_core::view::surface::{Mapping, Screen, Surface};
 use std::path::Path;
 
 /// What the caller asks for.
@@ -25,6 +25,10 @@ pub struct PrepareSettings {
     pub stereo: StereoChoice,
     /// Whether its sound comes along.
     pub sound: bool,
+    /// How pixels lie over the faces of a cube that is resampled; equi-angular if `None`.
+    pub mapping: Option<Mapping>,
+    /// Pixels on a side of such a face; by size of the source if `None`.
+    pub face_size: Option<u32>,
     /// How pictures are cut; by size of the source if `None`.
     pub cut: Option<Cut>,
     /// Number of levels; five, fewer for tiny pictures, if `None`.
@@ -50,6 +54,8 @@ impl Default for PrepareSettings {
             projection: ProjectionChoice::Auto,
             stereo: StereoChoice::Auto,
             sound: true,
+            mapping: None,
+            face_size: None,
             cut: None,
             levels: None,
             ratio: 2,
@@ -107,7 +113,7 @@ impl Plan {
         let mut remarks = Remarks::default();
         let found = surround_of(input, info, settings, &mut remarks)?;
         let surround = found.surround;
-        let surface = surface(&found);
+        let surface = cube_as_asked(surface(&found), surround, settings)?;
         let levels = settings
             .levels
             .unwrap_or_else(|| default_levels(surface, settings.ratio));
@@ -131,6 +137,7 @@ impl Plan {
             size: surface.size,
             eyes: surface.eyes,
             cube_faces: surface.cube_faces,
+            mapping: surface.mapping,
             pixel_aspect: found.pixel_aspect,
             cut,
             levels,
@@ -259,6 +266,45 @@ fn surface(found: &SurroundOfEyes) -> Surface {
         surface
     }
 }
+
+/// Faces that are resampled have the mapping and the size that were asked for; faces that are cut
+/// out keep theirs.
+fn cube_as_asked(
+    surface: Surface,
+    surround: Surround,
+    settings: &PrepareSettings,
+) -> Result<Surface, PrepareError> {
+    let wrong = |what: String| Err(PrepareError::Option(what));
+    let kind = match surround {
+        Surround::Equirect(_) => {
+            let size = settings.face_size.unwrap_or(surface.size[0]);
+            if !FACE_SIZES.contains(&size) || !size.is_multiple_of(16) {
+                return wrong(format!(
+                    "--face-size {size}: expected a multiple of 16 from {} to {}",
+                    FACE_SIZES.start(),
+                    FACE_SIZES.end()
+                ));
+            }
+            return Ok(Surface {
+                size: [size; 2],
+                mapping: settings.mapping.unwrap_or(Mapping::EquiAngular),
+                ..surface
+            });
+        }
+        Surround::Cube(_) => "its faces are cut out as they are, gnomonic",
+        Surround::Flat => "it is flat, without faces",
+    };
+    if settings.mapping == Some(Mapping::EquiAngular) {
+        return wrong(format!("--mapping equi-angular: {kind}; leave it out"));
+    }
+    if let Some(size) = settings.face_size {
+        return wrong(format!("--face-size {size}: {kind}; leave it out"));
+    }
+    Ok(surface)
+}
+
+/// Sizes that faces may be resampled to, in pixels.
+const FACE_SIZES: core::ops::RangeInclusive<u32> = 16..=32_768;
 
 fn default_levels(surface: Surface, ratio: u32) -> u8 {
     let longest = surface.size[0].max(surface.size[1]);

@@ -23,19 +23,29 @@ pub(super) struct Cap {
     circles: Vec<Circle>,
     /// Half the width of the kernel, in face samples.
     reach: f32,
-    /// Tangents to face samples from the pole.
+    /// Tangents to face samples at the pole.
     scale: f64,
+    /// How much longer a face sample is at the rim than at the pole, in tangents.
+    slack: f64,
 }
 
 /// The samples of one source row, counter-clockwise or clockwise as the face sees them.
 struct Circle {
     /// Row of the source, counted from the pole.
     row: usize,
+    /// In face samples as they are at the pole.
     radius: f32,
-    /// Face samples squared that one sample stands for.
+    samples: Vec<Sample>,
+}
+
+/// One place of a circle.
+struct Sample {
+    /// Face samples from the pole.
+    place: [f32; 2],
+    /// Face samples squared that it stands for.
     area: f32,
-    /// Place in face samples from the pole, in units of the kernel's stretch, and code value.
-    samples: Vec<[f32; 3]>,
+    /// Code value.
+    value: f32,
 }
 
 impl Cap {
@@ -54,7 +64,7 @@ impl Cap {
             let count = circle.samples.len();
             for (k, sample) in circle.samples.iter_mut().enumerate() {
                 let column = plane.column(yaw_of(k, count));
-                sample[2] = around_turn(turn, kernel, column, ratio);
+                sample.value = around_turn(turn, kernel, column, ratio);
             }
         }
         this
@@ -62,10 +72,11 @@ impl Cap {
 
     /// The places of the samples, all of code value 0.
     fn without_values(plane: &Plane) -> Self {
-        let scale = plane.face as f64 / 2.0;
+        let scale = plane.samples_at_pole();
         let stretch = plane.pole_stretch();
         let reach = REACH * stretch;
-        let rim = plane.cap_radius() * scale + reach * std::f64::consts::SQRT_2;
+        let slack = plane.slope(plane.cap_radius() + 2.0 * reach / scale) / plane.slope(0.0);
+        let rim = plane.cap_radius() * scale + reach * std::f64::consts::SQRT_2 * slack;
         let step = PI / plane.height as f64;
         let mut circles = Vec::new();
         for row in 0..plane.height {
@@ -89,14 +100,15 @@ impl Cap {
             circles,
             reach: reach as f32,
             scale,
+            slack,
         }
     }
 
     /// Code value at a place of the tangent plane, within the cap.
-    pub(super) fn at(&self, kernel: &Kernel, a: f64, b: f64) -> u8 {
+    pub(super) fn at(&self, plane: &Plane, kernel: &Kernel, a: f64, b: f64) -> u8 {
         let [mut sum, mut total] = [0.0f32; 2];
-        self.each_weight(kernel, [a, b], |circle, k, weight| {
-            sum += weight * circle.samples[k][2];
+        self.each_weight(plane, kernel, [a, b], |circle, k, weight| {
+            sum += weight * circle.samples[k].value;
             total += weight;
         });
         code_value(sum / total)
@@ -105,21 +117,23 @@ impl Cap {
     /// Tells each sample that counts at a place of the tangent plane, and how much.
     fn each_weight(
         &self,
+        plane: &Plane,
         kernel: &Kernel,
         [a, b]: [f64; 2],
         mut tell: impl FnMut(&Circle, usize, f32),
     ) {
-        let [x, y] = [(a * self.scale) as f32, (b * self.scale) as f32];
+        let [x, y] = [a, b].map(|tangent| plane.samples_from_middle(tangent) as f32);
         let stretch = self.reach / REACH as f32;
-        let far = self.reach * std::f32::consts::SQRT_2;
-        let radius = (x * x + y * y).sqrt();
+        let far = self.reach * std::f32::consts::SQRT_2 * self.slack as f32;
+        let radius = ((a * a + b * b).sqrt() * self.scale) as f32;
         let near = |circle: &&Circle| (circle.radius - radius).abs() <= far;
         for circle in self.circles.iter().filter(near) {
-            for (k, [u, v, _]) in circle.samples.iter().enumerate() {
+            for (k, sample) in circle.samples.iter().enumerate() {
+                let [u, v] = sample.place;
                 let [dx, dy] = [(u - x).abs(), (v - y).abs()];
                 if dx < self.reach && dy < self.reach {
                     let weight = kernel.at(dx / stretch) * kernel.at(dy / stretch);
-                    tell(circle, k, weight * circle.area);
+                    tell(circle, k, weight * sample.area);
                 }
             }
         }
@@ -131,15 +145,21 @@ impl Circle {
         let around = TAU * radius;
         let most = plane.width.max(16);
         let count = ((around / (SPACING * stretch)).ceil() as usize).clamp(16, most);
+        let area = around / count as f64 * depth;
         let samples = (0..count).map(|k| {
             let yaw = yaw_of(k, count);
-            let [x, y] = [libm::sin(yaw) * radius, libm::cos(yaw) * radius];
-            [x as f32, y as f32, 0.0]
+            let tangents = [libm::sin(yaw), libm::cos(yaw)]
+                .map(|along| along * radius / plane.samples_at_pole());
+            let slopes = tangents.map(|tangent| plane.slope(tangent) / plane.slope(0.0));
+            Sample {
+                place: tangents.map(|tangent| plane.samples_from_middle(tangent) as f32),
+                area: (area / (slopes[0] * slopes[1])) as f32,
+                value: 0.0,
+            }
         });
         Self {
             row,
             radius: radius as f32,
-            area: (around / count as f64 * depth) as f32,
             samples: samples.collect(),
         }
     }

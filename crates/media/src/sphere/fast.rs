@@ -15,7 +15,6 @@ use crate::parallel::in_parallel;
 use cubic::{Cubic, WIDEST_INNER};
 use poles::{PolePlaces, PoleRows};
 use sides::SidePlaces;
-use std::f64::consts::PI;
 use std::ops::Range;
 
 /// All that does not depend on the picture.
@@ -85,8 +84,8 @@ impl Fast {
 
 impl Places {
     fn new(plane: &Plane, kernel: &Kernel) -> Option<Self> {
-        let density = plane.width as f64 / PI / plane.face as f64;
-        if density > WIDEST_INNER || plane.rows_per_step() > WIDEST_INNER {
+        let across = plane.columns_per_step().max(plane.rows_per_step());
+        if across * plane.slope(0.0) > WIDEST_INNER {
             return None;
         }
         Some(Self {

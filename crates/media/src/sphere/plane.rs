@@ -2,6 +2,7 @@
 
 use super::Coverage;
 use super::kernel::{Kernel, LANES, REACH};
+use foveal_core::view::surface::Mapping;
 use std::f64::consts::{PI, TAU};
 
 /// One plane with every column that a kernel may ask for: the turn closed, and for half a sphere
@@ -17,6 +18,8 @@ pub(super) struct Plane {
     centre: f64,
     /// Samples on a side of this plane's cube face.
     pub(super) face: usize,
+    /// How those samples lie over its angles.
+    mapping: Mapping,
 }
 
 impl Plane {
@@ -28,6 +31,7 @@ impl Plane {
         coverage: Coverage,
         shift: f64,
         face: usize,
+        mapping: Mapping,
     ) -> Self {
         let [given, height] = size.map(|n| n as usize);
         let (width, left) = match coverage {
@@ -41,6 +45,7 @@ impl Plane {
             height,
             centre: left as f64 + given as f64 / 2.0 + shift,
             face,
+            mapping,
         };
         let most = this.yaw_stretch(0.0).max(this.yaw_stretch_at_cap());
         this.stride = width + Kernel::most_taps(most) + LANES;
@@ -98,12 +103,46 @@ impl Plane {
     /// Tangent-plane place of sample `index` of the face.
     #[inline]
     pub(super) fn tangent(&self, index: usize) -> f64 {
-        (index as f64 + 0.5) * 2.0 / self.face as f64 - 1.0
+        let place = (index as f64 + 0.5) * 2.0 / self.face as f64 - 1.0;
+        self.mapping.tangent(place)
+    }
+
+    /// Change of the tangent with the place, over what it is on gnomonic faces.
+    #[inline]
+    pub(super) fn slope(&self, tangent: f64) -> f64 {
+        self.mapping.slope(tangent)
+    }
+
+    /// The same away from the pole and round it, at a place of a face that looks at a pole.
+    pub(super) fn pole_slopes(&self, [a, b]: [f64; 2]) -> [f64; 2] {
+        let [across, down] = [a, b].map(|tangent| self.slope(tangent));
+        let radius = (a * a + b * b).sqrt();
+        if radius == 0.0 {
+            return [across, down];
+        }
+        let [a, b] = [a / radius, b / radius];
+        let length = |x: f64, y: f64| (x * x + y * y).sqrt();
+        [length(across * a, down * b), length(across * b, down * a)]
+    }
+
+    /// Face samples from the middle of a face to a tangent, on one axis.
+    pub(super) fn samples_from_middle(&self, tangent: f64) -> f64 {
+        self.mapping.place(tangent) * self.face as f64 / 2.0
+    }
+
+    /// Face samples in a unit of the tangent plane at the pole.
+    pub(super) fn samples_at_pole(&self) -> f64 {
+        self.face as f64 / 2.0 / self.slope(0.0)
     }
 
     /// Columns a face sample at horizontal tangent `a` of an upright face, at least one.
     pub(super) fn yaw_stretch(&self, a: f64) -> f64 {
-        (self.width as f64 / PI / self.face as f64 / (1.0 + a * a)).max(1.0)
+        (self.columns_per_step() * self.slope(a) / (1.0 + a * a)).max(1.0)
+    }
+
+    /// Columns a unit of the tangent plane is multiplied with to give columns a face sample.
+    pub(super) fn columns_per_step(&self) -> f64 {
+        self.width as f64 / PI / self.face as f64
     }
 
     /// Rows a unit of the tangent plane is multiplied with to give rows a face sample.
@@ -114,19 +153,19 @@ impl Plane {
     /// How much wider than a face sample the kernel must be in the cap so as not to fall between
     /// rows, which lie up to 1.15 times as far apart at its rim as at the pole.
     pub(super) fn pole_stretch(&self) -> f64 {
-        (1.15 / self.rows_per_step()).max(1.0)
+        (1.15 / (self.rows_per_step() * self.slope(0.0))).max(1.0)
     }
 
     /// Radius around a pole, in tangents, within which the grid of longitudes bends too much under
     /// a kernel, so that [`super::cap`] takes over.
     pub(super) fn cap_radius(&self) -> f64 {
-        let sample = self.pole_stretch() * 2.0 / self.face as f64;
+        let sample = self.pole_stretch() / self.samples_at_pole();
         (CAP * sample).min(WIDEST_CAP).max(SMALLEST_CAP * sample)
     }
 
     /// Columns a face sample at the border of the cap: the most that any kernel outside it spans.
     fn yaw_stretch_at_cap(&self) -> f64 {
-        self.width as f64 / PI / self.face as f64 / self.cap_radius()
+        self.columns_per_step() / self.cap_radius()
     }
 }
 

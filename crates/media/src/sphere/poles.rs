@@ -10,7 +10,7 @@ use super::cap::Cap;
 use super::kernel::{Kernel, Taps, code_value, dot, keep_six_bits};
 use super::plane::Plane;
 use super::{BOTTOM, Block, TOP};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
 /// Rows of the upper left quarter of the top face, and of the seven quarters like it.
@@ -64,14 +64,15 @@ fn fill(
     if radius < plane.cap_radius() {
         for (pole, cap) in caps.iter().enumerate() {
             for (turns, [a, b]) in [[a, b], [b, -a], [-a, -b], [-b, a]].into_iter().enumerate() {
-                put(pole, turns, cap.at(kernel, a, b));
+                put(pole, turns, cap.at(plane, kernel, a, b));
             }
         }
         return;
     }
-    let stretch = (plane.rows_per_step() / (1.0 + radius * radius)).max(1.0);
+    let [away, round] = plane.pole_slopes([a, b]);
+    let stretch = (plane.rows_per_step() * away / (1.0 + radius * radius)).max(1.0);
     let row = kernel.weigh(plane.row(libm::atan(radius)), stretch, down);
-    let stretch = (plane.width as f64 / PI / plane.face as f64 / radius).max(1.0);
+    let stretch = (plane.columns_per_step() * round / radius).max(1.0);
     let yaw = libm::atan2(a, b);
     let mut column = kernel.weigh(plane.column(yaw), stretch, along);
     for turns in 0..4 {

@@ -119,9 +119,11 @@ fn filter_columns(
         let a = plane.tangent(i);
         let cos = 1.0 / (1.0 + a * a).sqrt();
         for j in 0..plane.face {
-            let slope = plane.tangent(j) * cos;
+            let b = plane.tangent(j);
+            let slope = b * cos;
             let position = plane.row(FRAC_PI_2 + libm::atan(slope));
-            let stretch = (plane.rows_per_step() * cos / (1.0 + slope * slope)).max(1.0);
+            let density = plane.rows_per_step() * plane.slope(b);
+            let stretch = (density * cos / (1.0 + slope * slope)).max(1.0);
             let first = kernel.weigh(position, stretch, &mut taps) - rows.start as i64;
             let first = (first.max(0) as usize).min(stride - taps.fixed.len());
             for strip in strips.iter_mut() {

@@ -50,7 +50,7 @@ fn tangent_of(axes: Axes, ray: vec3f) -> vec2f {
 }
 
 fn place_of(tangent: vec2f) -> vec2f {
-    return (tangent + 1.0) * 0.5 * tiles.size;
+    return (place_on_face(tangent) + 1.0) * 0.5 * tiles.size;
 }
 
 fn seen_by(pixel: vec2f) -> Seen {
@@ -84,16 +84,16 @@ struct Neighbour {
 // unfolded into the plane of `face`: depth beyond the edge becomes depth behind it.
 fn neighbour(face: u32, place: vec2f, k: u32, high: bool) -> Neighbour {
     let axes = axes_of(face);
-    let tangent = place * 2.0 / tiles.size - 1.0;
-    let across = select(tangent.x, tangent.y, k == 1u);
+    let on_face = place * 2.0 / tiles.size - 1.0;
+    let across = select(on_face.x, on_face.y, k == 1u);
     let edge = select(axes.down, axes.right, k == 1u);
-    let along = select(tangent.y, tangent.x, k == 1u);
+    let along = select(on_face.y, on_face.x, k == 1u);
     let side = select(-1.0, 1.0, high);
     let outward = select(axes.right, axes.down, k == 1u) * side;
     let depth = across * side - 1.0;
     let beside = cube_face(outward);
     let beside_axes = axes_of(beside);
-    let ray = outward + axes.forward * (1.0 - depth) + edge * along;
+    let ray = outward + axes.forward * tangent_on_face(1.0 - depth) + edge * tangent_on_face(along);
     let runs_right = abs(dot(edge, beside_axes.right)) > 0.5;
     let first = face - side_of(face);
     let place_beside = place_of(tangent_of(beside_axes, ray));

@@ -22,7 +22,8 @@ struct Tiles {
     chroma_offset: f32,
     // Faces of one eye; those of the other follow.
     faces_of_an_eye: u32,
-    unused: u32,
+    // Of the pixels of a cube's faces: 0 gnomonic, 1 equi-angular.
+    mapping: u32,
     rgb_from_yuv: array<vec4f, 3>,
 }
 

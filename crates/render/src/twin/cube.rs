@@ -2,6 +2,7 @@
 
 use super::footprint::widened;
 use super::lattice::{Axis, Bracket, axis_of, bracket, samples_in, tap_at, tap_of, weight_of};
+use super::mapping::{place_on_face, tangent_on_face};
 use super::screen::{Seen, View, display_footprint};
 use super::tiles::{Plane, TwinTiles, fetch};
 use foveal_core::view::surface::CUBE_FACES;
@@ -47,7 +48,7 @@ fn tangent_of(axes: &Axes, ray: Vec3) -> Vec2 {
 }
 
 fn place_of(tiles: &TwinTiles, tangent: Vec2) -> Vec2 {
-    (tangent + 1.0) * 0.5 * tiles.size()
+    (place_on_face(tiles, tangent) + 1.0) * 0.5 * tiles.size()
 }
 
 pub(super) fn seen_by(tiles: &TwinTiles, view: &View, pixel: Vec2) -> Seen {
@@ -86,16 +87,18 @@ struct Neighbour {
 
 fn neighbour(tiles: &TwinTiles, face: u32, place: Vec2, k: u32, high: bool) -> Neighbour {
     let axes = axes_of(tiles, face);
-    let tangent = place * 2.0 / tiles.size() - 1.0;
-    let across = if k == 1 { tangent.y } else { tangent.x };
+    let on_face = place * 2.0 / tiles.size() - 1.0;
+    let across = if k == 1 { on_face.y } else { on_face.x };
     let edge = if k == 1 { axes.right } else { axes.down };
-    let along = if k == 1 { tangent.x } else { tangent.y };
+    let along = if k == 1 { on_face.x } else { on_face.y };
     let side = if high { 1.0 } else { -1.0 };
     let outward = if k == 1 { axes.down } else { axes.right } * side;
     let depth = across * side - 1.0;
     let beside = cube_face(outward);
     let beside_axes = axes_of(tiles, beside);
-    let ray = outward + axes.forward * (1.0 - depth) + edge * along;
+    let ray = outward
+        + axes.forward * tangent_on_face(tiles, 1.0 - depth)
+        + edge * tangent_on_face(tiles, along);
     let runs_right = edge.dot(beside_axes.right).abs() > 0.5;
     let first = face - side_of(tiles, face);
     let place_beside = place_of(tiles, tangent_of(&beside_axes, ray));

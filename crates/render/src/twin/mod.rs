@@ -11,6 +11,7 @@ mod cube;
 mod footprint;
 mod interpolate_sparse;
 mod lattice;
+mod mapping;
 mod overlay;
 mod picture;
 mod plane;

@@ -8,7 +8,7 @@ use crate::asset::rate::QualityScale;
 use crate::asset::tile_grid::{Cut, TileGrid};
 use crate::units::counted;
 use crate::view::surface::{
-    Projection, Screen, Surface, all_faces, are_all_faces, is_one_eye, one_eye,
+    Mapping, Projection, Screen, Surface, all_faces, are_all_faces, is_one_eye, one_eye,
 };
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +27,9 @@ pub struct Description {
     /// Faces of a cube, an eye: 6, or 4 without top and bottom; 6 for flat content, too.
     #[serde(default = "all_faces", skip_serializing_if = "are_all_faces")]
     pub cube_faces: u8,
+    /// How pixels lie over the angles of a cube's faces; gnomonic for flat content, too.
+    #[serde(default, skip_serializing_if = "Mapping::is_default")]
+    pub mapping: Mapping,
     /// Width and height of a pixel of flat content, to each other.
     #[serde(default = "square_pixels", skip_serializing_if = "are_square_pixels")]
     pub pixel_aspect: [u32; 2],
@@ -190,7 +193,7 @@ impl Description {
     pub fn grid(&self, screen: Screen) -> TileGrid {
         let surface = match self.projection {
             Projection::Flat => Surface::flat_with_pixels(self.size, self.pixel_aspect, screen),
-            Projection::Cube => Surface::cube(self.size[0]),
+            Projection::Cube => Surface::cube(self.size[0]).mapped(self.mapping),
         };
         let surface = Surface {
             eyes: self.eyes,

@@ -8,7 +8,7 @@ use crate::view::surface::{are_all_faces, is_one_eye};
 use serde::{Deserialize, Serialize};
 
 /// What this program understands.
-const UNDERSTOOD: [&str; 3] = ["eyes", "cube_faces", "pixel_aspect"];
+const UNDERSTOOD: [&str; 4] = ["eyes", "cube_faces", "pixel_aspect", "mapping"];
 
 /// A description as it is written.
 #[derive(Serialize)]
@@ -26,6 +26,7 @@ impl<'a> Written<'a> {
             !is_one_eye(&description.eyes),
             !are_all_faces(&description.cube_faces),
             description.pixel_aspect[0] != description.pixel_aspect[1],
+            !description.mapping.is_default(),
         ];
         let needs = UNDERSTOOD.into_iter().zip(needed);
         Self {

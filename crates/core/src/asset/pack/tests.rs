@@ -6,7 +6,7 @@ use crate::asset::picture::{Colour, Matrix};
 use crate::asset::rate::QualityScale;
 use crate::asset::tile_grid::{Cut, Tile};
 use crate::asset::unit::UnitId;
-use crate::view::surface::{Projection, Screen};
+use crate::view::surface::{Mapping, Projection, Screen};
 
 fn description() -> Description {
     Description {
@@ -15,6 +15,7 @@ fn description() -> Description {
         size: [100, 60],
         eyes: 1,
         cube_faces: 6,
+        mapping: Mapping::Gnomonic,
         pixel_aspect: [1, 1],
         cut: Cut::Tile(32),
         levels: 3,
@@ -221,6 +222,7 @@ fn a_pack_says_what_a_reader_must_know_to_show_it() {
         size: [32, 32],
         ..description()
     };
+    let equi_angular = cube.clone();
     for (unusual, needs) in [
         (cube.clone(), &[][..]),
         (
@@ -230,6 +232,13 @@ fn a_pack_says_what_a_reader_must_know_to_show_it() {
                 ..cube
             },
             &["eyes", "cube_faces"],
+        ),
+        (
+            Description {
+                mapping: Mapping::EquiAngular,
+                ..equi_angular
+            },
+            &["mapping"],
         ),
         (
             Description {

@@ -52,7 +52,7 @@ impl CapTable {
             let count = circle.samples.len();
             circles.push(Ring::new(plane, kernel, [circle.row, count], halvings));
         }
-        let radius = (plane.cap_radius() * plane.face as f64 / 2.0).ceil() as usize + 1;
+        let radius = (plane.cap_radius() * plane.samples_at_pole()).ceil() as usize + 1;
         let start = (plane.face / 2).saturating_sub(radius);
         let side = plane.face - 2 * start;
         let mut this = Self {
@@ -67,7 +67,7 @@ impl CapTable {
             let [a, b] = place;
             if a * a + b * b < plane.cap_radius() * plane.cap_radius() {
                 let begin = this.weights.len();
-                cap.each_weight(kernel, place, |circle, k, weight| {
+                cap.each_weight(plane, kernel, place, |circle, k, weight| {
                     this.weights.push((starts[circle.row] + k as u32, weight));
                 });
                 let total: f32 = this.weights[begin..].iter().map(|(_, weight)| weight).sum();

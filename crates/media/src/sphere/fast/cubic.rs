@@ -66,7 +66,8 @@ pub(super) fn steps(place: f64) -> i64 {
 
 /// Number of the narrowest kernel that is at least so wide.
 pub(super) fn width_index(stretch: f64) -> u8 {
-    (((stretch - 1.0) * WIDTHS as f64).ceil()).clamp(0.0, WIDTHS as f64 - 1.0) as u8
+    // A stretch of one that arithmetic made a little longer is one.
+    (((stretch - 1.0) * WIDTHS as f64 - 1e-6).ceil()).clamp(0.0, WIDTHS as f64 - 1.0) as u8
 }
 
 /// Interpolating cubic of Catmull and Rom, zero from 2 on.

@@ -19,10 +19,12 @@ use std::ops::Range;
 /// Weights of a halving along longitude, in 32nds, as of [`crate::pyramid`].
 const HALVING: [i16; 3] = [-1, 4, 13];
 
-/// How often a row is halved for the poles, and the widening that is left.
-#[derive(Clone, Copy, Default)]
-struct Widening {
-    halvings: u8,
+/// Where a sample looks, and how wide its kernel is.
+#[derive(Clone, Copy)]
+struct Look {
+    /// Column and row, in 64ths.
+    place: [i32; 2],
+    /// Widening along a row that is halved as its row number asks for, and across rows.
     along: u8,
     down: u8,
 }
@@ -30,40 +32,45 @@ struct Widening {
 /// Where the samples of the top face look.
 pub(super) struct PolePlaces {
     face: usize,
-    /// Column and row, in 64ths.
-    places: Vec<[i32; 2]>,
-    /// Of each row.
-    widenings: Vec<Widening>,
+    looks: Vec<Look>,
+    /// How often each row is halved.
+    halvings: Vec<u8>,
     cap: CapTable,
 }
 
 impl PolePlaces {
     /// `None` where rows cannot be halved as often as the poles need, or are too short.
     pub(super) fn new(plane: &Plane, kernel: &Kernel) -> Option<Self> {
-        let widenings: Vec<Widening> = (0..plane.height).map(|row| widening(plane, row)).collect();
-        let most = widenings.first().map_or(0, |w| w.halvings);
+        let halvings: Vec<u8> = (0..plane.height).map(|row| halvings(plane, row)).collect();
+        let most = halvings.first().copied().unwrap_or(0);
         let fits = plane.width.is_multiple_of(1 << most) && plane.width >> most >= 4 * TAPS;
         if !fits || plane.height < 4 * TAPS {
             return None;
         }
         let tangents: Vec<f64> = (0..plane.face).map(|i| plane.tangent(i)).collect();
-        let place = |a: f64, b: f64| {
+        let look = |a: f64, b: f64| {
             let radius = (a * a + b * b).sqrt();
-            [
+            let place = [
                 steps(plane.column(libm::atan2(a, b))) as i32,
                 steps(plane.row(libm::atan(radius))) as i32,
-            ]
+            ];
+            let halved = halvings[nearest(place[1], plane.height)];
+            let [away, round] = plane.pole_slopes([a, b]);
+            // Within the cap nothing is read so.
+            let along = plane.columns_per_step() * round / radius.max(plane.cap_radius() * 0.9);
+            let down = plane.rows_per_step() * away / (1.0 + radius * radius);
+            Look {
+                place,
+                along: width_index(along / f64::from(1 << halved)),
+                down: width_index(down),
+            }
         };
-        let places = tangents
-            .iter()
-            .flat_map(|b| tangents.iter().map(move |a| place(*a, *b)))
-            .collect();
-        let halvings = |row: usize| widenings[row].halvings;
+        let row_of = |b: &f64| tangents.iter().map(|a| look(*a, *b)).collect::<Vec<_>>();
         Some(Self {
             face: plane.face,
-            places,
-            cap: CapTable::new(plane, kernel, halvings),
-            widenings,
+            looks: tangents.iter().flat_map(row_of).collect(),
+            cap: CapTable::new(plane, kernel, |row| halvings[row]),
+            halvings,
         })
     }
 
@@ -100,12 +107,10 @@ impl PolePlaces {
     }
 
     fn fill(&self, cubic: &Cubic, rows: &PoleRows, y: usize, out: &mut [u8]) {
-        let places = &self.places[y * self.face..][..self.face];
-        for (out, [column, row]) in out.iter_mut().zip(places) {
-            let nearest = (row >> PHASE_BITS).clamp(0, self.widenings.len() as i32 - 1);
-            let widening = self.widenings[nearest as usize];
-            let place = [*column, *row].map(i64::from);
-            *out = rows.sample(cubic, place, widening);
+        let looks = &self.looks[y * self.face..][..self.face];
+        for (out, look) in out.iter_mut().zip(looks) {
+            let halvings = self.halvings[nearest(look.place[1], self.halvings.len())];
+            *out = rows.sample(cubic, look, halvings);
         }
         for (x, sample) in self.cap.row(y, &rows.around) {
             out[x] = sample;
@@ -113,16 +118,18 @@ impl PolePlaces {
     }
 }
 
-fn widening(plane: &Plane, row: usize) -> Widening {
-    let density = plane.width as f64 / PI / plane.face as f64;
+/// How often a row may be halved along longitude: so that its samples are still as near to each
+/// other as those of the face.
+fn halvings(plane: &Plane, row: usize) -> u8 {
     let radius = libm::tan(((row as f64 + 0.5) * PI / plane.height as f64).min(1.5));
-    let stretch = (density / radius.max(plane.cap_radius() * 0.9)).max(1.0);
-    let halvings = stretch.log2().floor();
-    Widening {
-        halvings: halvings as u8,
-        along: width_index(stretch / halvings.exp2()),
-        down: width_index((plane.rows_per_step() / (1.0 + radius * radius)).max(1.0)),
-    }
+    let [_, round] = plane.pole_slopes([radius, 0.0]);
+    let stretch = plane.columns_per_step() * round / radius.max(plane.cap_radius() * 0.9);
+    stretch.max(1.0).log2().floor() as u8
+}
+
+/// The row at or above a place in 64ths.
+fn nearest(row: i32, height: usize) -> usize {
+    (row >> PHASE_BITS).clamp(0, height as i32 - 1) as usize
 }
 
 /// The rows round one pole of one plane: whole, and halved along longitude where they are read so.
@@ -143,12 +150,12 @@ impl<'a> PoleRows<'a> {
             halved: Vec::new(),
             around: Vec::new(),
         };
-        let most = places.widenings.first().map_or(0, |w| w.halvings);
+        let most = places.halvings.first().copied().unwrap_or(0);
         for level in 1..=most {
             let width = plane.width >> level;
             let read = places
-                .widenings
-                .partition_point(|widening| widening.halvings >= level);
+                .halvings
+                .partition_point(|halvings| *halvings >= level);
             let mut rows = Vec::with_capacity((read + TAPS) * (width + TAPS));
             // A kernel reads beside the row that it is at.
             for row in 0..(read + TAPS / 2).min(plane.height) {
@@ -180,23 +187,24 @@ impl<'a> PoleRows<'a> {
     }
 
     #[inline]
-    fn sample(&self, cubic: &Cubic, [column, row]: [i64; 2], widening: Widening) -> u8 {
+    fn sample(&self, cubic: &Cubic, look: &Look, halvings: u8) -> u8 {
+        let [column, row] = look.place.map(i64::from);
         // Samples lie at half integers of each level's own columns.
         let half = PHASES / 2;
-        let column = ((column + half) >> widening.halvings) - half;
-        let width = (self.plane.width >> widening.halvings) as i64;
+        let column = ((column + half) >> halvings) - half;
+        let width = (self.plane.width >> halvings) as i64;
         let mut first = (column >> PHASE_BITS) - BEFORE;
         first += width * (i64::from(first < 0) - i64::from(first >= width));
         let top = (row >> PHASE_BITS) - BEFORE + 1;
         let last = self.plane.height as i64 - 1;
-        let (samples, stride) = match widening.halvings.checked_sub(1) {
+        let (samples, stride) = match halvings.checked_sub(1) {
             None => self.plane.rows(),
             Some(halving) => (
                 self.halved[usize::from(halving)].as_slice(),
                 width as usize + TAPS,
             ),
         };
-        let is_mirrored = !self.is_top && widening.halvings == 0;
+        let is_mirrored = !self.is_top && halvings == 0;
         let rows = std::array::from_fn::<_, INNER, _>(|k| {
             let row = (top + k as i64).clamp(0, last);
             let row = if is_mirrored { last - row } else { row };
@@ -204,8 +212,8 @@ impl<'a> PoleRows<'a> {
             let taps = samples.get(start..).and_then(<[u8]>::first_chunk);
             taps.unwrap_or(&[0; TAPS])
         });
-        let sums = sum_inner_codes(rows, cubic.at(entry(row, widening.down)));
-        code_value(sums, cubic.at(entry(column, widening.along)))
+        let sums = sum_inner_codes(rows, cubic.at(entry(row, look.down)));
+        code_value(sums, cubic.at(entry(column, look.along)))
     }
 }
 

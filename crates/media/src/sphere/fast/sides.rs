@@ -42,7 +42,8 @@ impl SidePlaces {
         let row = |a: f64, b: f64| {
             let cos = 1.0 / (1.0 + a * a).sqrt();
             let slope = b * cos;
-            let stretch = (plane.rows_per_step() * cos / (1.0 + slope * slope)).max(1.0);
+            let density = plane.rows_per_step() * plane.slope(b);
+            let stretch = (density * cos / (1.0 + slope * slope)).max(1.0);
             let place = steps(plane.row(FRAC_PI_2 + libm::atan(slope)));
             (place, width_index(stretch))
         };
