@@ -21,7 +21,7 @@ const WHITE: i32 = (1 << 14) - 1;
 /// let colour = Colour { matrix: Matrix::Bt709, full_range: true, chroma_left: false };
 /// let table = LumaLight::of(colour);
 /// let mean = (table.light(40) + table.light(200)) / 2;
-/// assert_eq!(table.code(mean), 148);
+/// assert_eq!(table.code(mean), 149);
 /// ```
 #[derive(Debug)]
 pub struct LumaLight {
