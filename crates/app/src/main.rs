@@ -35,6 +35,7 @@ mod showing_options;
 mod simulate;
 mod simulate_score;
 mod site;
+mod source_frames;
 mod timed_run;
 mod unused_options;
 mod verify;
