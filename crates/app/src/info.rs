@@ -3,7 +3,7 @@
 use crate::output;
 use clap::Args;
 use foveal_core::asset::codec::Codec;
-use foveal_core::asset::pack::Description;
+use foveal_core::asset::pack::{Description, Loss};
 use foveal_core::asset::rate::QualityScale;
 use foveal_core::asset::sound::{SOUND_RATE, SoundTable};
 use foveal_core::asset::tile_grid::Cut;
@@ -55,6 +55,8 @@ pub(crate) struct PackInfo {
     bit_rates: Vec<u32>,
     pub(crate) bytes: u64,
     bytes_per_level: Vec<u64>,
+    /// What preparing lost; null where nobody measured.
+    loss: Option<Loss>,
     source: String,
     source_bytes: u64,
     generator: String,
@@ -114,6 +116,7 @@ impl PackInfo {
             bit_rates: about.bit_rates.clone(),
             bytes: file.bytes(),
             bytes_per_level: pack.bytes_per_level(),
+            loss: about.loss,
             source: about.source.name.clone(),
             source_bytes: about.source.bytes,
             generator: about.generator.clone(),
@@ -156,6 +159,17 @@ impl PackInfo {
             output::size(self.bytes),
             output::size(self.source_bytes),
         );
+        if let Some(Loss { psnr_db, jod }) = self.loss {
+            let psnr = match psnr_db {
+                Some(decibels) => format!("PSNR {decibels:.2} dB"),
+                None => "no pixel differs".to_owned(),
+            };
+            let _ = writeln!(
+                text,
+                "the finest level against the source: {psnr}, {jod:.2} JOD at the worst of nine \
+                 gazes (10 is no difference)"
+            );
+        }
         if let Some(sound) = &self.sound {
             let _ = writeln!(
                 text,

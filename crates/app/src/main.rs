@@ -15,6 +15,7 @@ mod html;
 mod info;
 mod kept_pack;
 mod link;
+mod loss;
 mod options;
 mod output;
 mod pack_place;
