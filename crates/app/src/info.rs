@@ -3,13 +3,14 @@
 use crate::output;
 use clap::Args;
 use foveal_core::asset::codec::Codec;
-use foveal_core::asset::pack::Description;
+use foveal_core::asset::pack::{Description, Loss};
 use foveal_core::asset::rate::QualityScale;
 use foveal_core::asset::sound::{SOUND_RATE, SoundTable};
 use foveal_core::asset::tile_grid::Cut;
 use foveal_core::units::counted;
-use foveal_core::view::surface::Projection;
+use foveal_core::view::surface::{Mapping, Projection};
 use foveal_media::pack_file::PackFile;
+use foveal_media::sphere::{Coverage, face_size_for};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -40,6 +41,11 @@ pub(crate) struct PackInfo {
     eyes: u8,
     /// Faces of one eye.
     faces: u32,
+    /// How pixels lie over the faces of a cube.
+    mapping: Mapping,
+    /// Whether preparing the same file anew would make it sharper.
+    #[serde(skip)]
+    is_softer: bool,
     /// Width and height of a pixel to each other.
     pixel_aspect: [u32; 2],
     /// Its sound, if it has any.
@@ -55,6 +61,8 @@ pub(crate) struct PackInfo {
     bit_rates: Vec<u32>,
     pub(crate) bytes: u64,
     bytes_per_level: Vec<u64>,
+    /// What preparing lost; null where nobody measured.
+    loss: Option<Loss>,
     source: String,
     source_bytes: u64,
     generator: String,
@@ -101,6 +109,8 @@ impl PackInfo {
             face_height: about.size[1],
             eyes: about.eyes,
             faces: pack.grid().surface.faces_of_an_eye(),
+            mapping: about.mapping,
+            is_softer: is_softer(about),
             pixel_aspect: about.pixel_aspect,
             sound: file.sound()?.map(|sound| SoundInfo::new(&sound)),
             cut: about.cut,
@@ -114,6 +124,7 @@ impl PackInfo {
             bit_rates: about.bit_rates.clone(),
             bytes: file.bytes(),
             bytes_per_level: pack.bytes_per_level(),
+            loss: about.loss,
             source: about.source.name.clone(),
             source_bytes: about.source.bytes,
             generator: about.generator.clone(),
@@ -133,6 +144,9 @@ impl PackInfo {
             }
             (Projection::Cube, _) => format!("cube of {0}x{0} px faces", self.face_width),
         };
+        if self.mapping == Mapping::EquiAngular {
+            surround += ", equi-angular";
+        }
         if self.eyes > 1 {
             surround += ", for each of two eyes";
         }
@@ -156,6 +170,17 @@ impl PackInfo {
             output::size(self.bytes),
             output::size(self.source_bytes),
         );
+        if let Some(Loss { psnr_db, jod }) = self.loss {
+            let psnr = match psnr_db {
+                Some(decibels) => format!("PSNR {decibels:.2} dB"),
+                None => "no pixel differs".to_owned(),
+            };
+            let _ = writeln!(
+                text,
+                "the finest level against the source: {psnr}, {jod:.2} JOD at the worst of nine \
+                 gazes (10 is no difference)"
+            );
+        }
         if let Some(sound) = &self.sound {
             let _ = writeln!(
                 text,
@@ -166,6 +191,9 @@ impl PackInfo {
                 sound.seconds,
                 output::size(sound.bytes as u64)
             );
+        }
+        if self.is_softer {
+            text += "prepared anew from a sphere this would be sharper: its faces are gnomonic\n";
         }
         for (level, bytes) in self.bytes_per_level.iter().enumerate() {
             let _ = writeln!(
@@ -187,6 +215,14 @@ impl PackInfo {
             (None, QualityScale::Ijg) => format!("quality q{}", self.quality[level]),
         }
     }
+}
+
+/// Whether gnomonic faces were resampled from a sphere, which equi-angular ones keep better: those
+/// of an input that is a cube have not a quarter of its width.
+fn is_softer(about: &Description) -> bool {
+    let is_cube = about.projection == Projection::Cube && about.cube_faces == 6;
+    let quarter = face_size_for(about.source.size[0], Coverage::Full);
+    is_cube && about.mapping == Mapping::Gnomonic && about.size[0] == quarter
 }
 
 pub(crate) fn run(args: &InfoArgs) -> anyhow::Result<()> {

@@ -3,20 +3,23 @@
 use crate::codec_options::CodecOptions;
 use crate::info::PackInfo;
 use crate::kept_pack::{remark, warn};
+use crate::loss::loss_of;
 use crate::options::{CutOptions, MappingName};
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::pack_place::pack_at;
 use crate::preset::SystemPreset;
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
+use foveal_core::asset::pack::Loss;
 use foveal_core::units::counted;
 use foveal_media::VideoInput;
 use foveal_media::encode::Speed;
 use foveal_media::pack_file::{PackFile, partial_path};
 use foveal_media::prepare::{
-    Event, Plan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice, pack_identity_of,
-    prepare_resumable, rehearse,
+    Event, Plan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice, Witness,
+    pack_identity_of, prepare_resumable, rehearse,
 };
+use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -83,6 +86,10 @@ pub(crate) struct PrepareVideoArgs {
     /// Leave the sound out.
     #[arg(long)]
     no_sound: bool,
+    /// Do not tell how far the finest level is from the source: PSNR, and the score at the worst of
+    /// nine gazes.
+    #[arg(long)]
+    no_loss: bool,
     /// Twice as fast, larger files.
     #[arg(long, conflicts_with = "small")]
     fast: bool,
@@ -183,17 +190,17 @@ impl PrepareVideoArgs {
 
     /// Makes the pack with a progress bar, and says what no plan could tell.
     fn prepare(&self, out: &Path, plan: &Plan) -> anyhow::Result<()> {
-        let bar = output::bar(plan.frames, output::Counting::Frames);
-        let mut has_begun = false;
-        let mut tell = |event: Event| match event {
-            Event::Begins(note) => output::say(&format!("{}: {note}", out.display())),
-            Event::Progress(progress) => {
-                has_begun = true;
-                bar.set_position(u64::from(progress.frames));
-            }
+        let mut guide = Guide {
+            args: self,
+            plan,
+            out,
+            bar: output::bar(plan.frames, output::Counting::Frames),
+            jobs: output::jobs(self.jobs)?,
+            has_begun: false,
         };
-        let prepared = prepare_resumable(&self.input, out, plan, !self.no_resume, &mut tell);
-        bar.finish_and_clear();
+        let prepared = prepare_resumable(&self.input, out, plan, !self.no_resume, &mut guide);
+        guide.bar.finish_and_clear();
+        let has_begun = guide.has_begun;
         let partial = partial_path(out);
         let prepared = prepared.map_err(|error| match has_begun && partial.exists() {
             true => anyhow!(
@@ -295,6 +302,44 @@ impl PrepareVideoArgs {
             counted(rehearsed, "frame"),
         );
         output::result(self.json, &estimate, &text)
+    }
+}
+
+/// What a preparation turns to.
+struct Guide<'a> {
+    args: &'a PrepareVideoArgs,
+    plan: &'a Plan,
+    out: &'a Path,
+    bar: ProgressBar,
+    jobs: usize,
+    has_begun: bool,
+}
+
+impl Witness for Guide<'_> {
+    fn tell(&mut self, event: Event) {
+        match event {
+            Event::Begins(note) => output::say(&format!("{}: {note}", self.out.display())),
+            Event::Progress(progress) => {
+                self.has_begun = true;
+                self.bar.set_position(u64::from(progress.frames));
+            }
+        }
+    }
+
+    fn loss_of(&mut self, pack: &Path) -> Option<Loss> {
+        let input = &self.args.input;
+        self.bar.finish_and_clear();
+        if self.args.no_loss {
+            return None;
+        }
+        let loss = loss_of(input, pack, self.plan, self.jobs);
+        // The pack is good, whatever cannot be told of it.
+        loss.unwrap_or_else(|error| {
+            let why = output::told(&error);
+            let text = format!("what preparing lost cannot be told: {why}");
+            warn(input, &[text]);
+            None
+        })
     }
 }
 

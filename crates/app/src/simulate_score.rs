@@ -9,15 +9,15 @@ use crate::gaze::Look;
 use crate::output;
 use crate::player::{FrameReport, Player, PlayerOptions};
 use crate::score::{
-    Companions, DeviceName, Engine, ModeName, Report, display_named, display_of_view, from_image,
+    Companions, DeviceName, Engine, LastGaze, ModeName, Report, display_named, display_of_view,
+    picture_of,
 };
 use anyhow::bail;
 use clap::Args;
 use foveal_core::selection::policy::{Policy, PolicyConfig};
-use foveal_core::units::counted;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Screen;
-use foveal_eval::score::{ScorePicture, Viewing};
+use foveal_eval::score::Viewing;
 use foveal_media::pack_file::PackFile;
 use std::sync::Arc;
 
@@ -53,9 +53,7 @@ pub(crate) struct RunScoring {
     mode: ModeName,
     engine: Engine,
     companions: Companions,
-    gaze_px: [f64; 2],
-    /// Frames in which the eye looked at nothing that is shown.
-    unseen: usize,
+    last_gaze: LastGaze,
 }
 
 impl ScoringOptions {
@@ -93,8 +91,7 @@ impl ScoringOptions {
             mode: self.score_mode,
             engine: Engine::open(DeviceName::Cpu, &viewing, output::jobs(None)?)?,
             companions: Companions::beside(&viewing)?,
-            gaze_px: beside.view.size.map(|side| f64::from(side / 2)),
-            unseen: 0,
+            last_gaze: LastGaze::new(&beside.view),
             viewing,
         }))
     }
@@ -109,35 +106,18 @@ impl RunScoring {
         report: &FrameReport,
     ) -> anyhow::Result<()> {
         self.full.show(report.session.frame, look)?;
-        let reference = picture(&mut self.full, &report.view)?;
-        let test = picture(player, &report.view)?;
-        // A gaze beside the view or behind closed lids stays where it was last seen.
-        let place = report.view.place(report.gaze.gaze_in_content);
-        match place.filter(|_| report.gaze.valid) {
-            Some(place) => self.gaze_px = place.map(|at| at - 0.5),
-            None => self.unseen += 1,
-        }
-        self.companions.frame(&reference, &test, self.gaze_px)?;
-        self.engine.frame(&reference, &test, self.gaze_px)
+        let reference = picture_of(&mut self.full, &report.view)?;
+        let test = picture_of(player, &report.view)?;
+        let gaze_px = self.last_gaze.at(report);
+        self.companions.frame(&reference, &test, gaze_px)?;
+        self.engine.frame(&reference, &test, gaze_px)
     }
 
     /// The score of the run, by a `gaze` of that name.
     pub(crate) fn report(&self, gaze: String) -> anyhow::Result<Report> {
-        if self.unseen > 0 {
-            output::say(&format!(
-                "the gaze was not seen in {}, scored for the last gaze that was",
-                counted(self.unseen, "frame")
-            ));
-        }
+        self.last_gaze.tell_unseen();
         let score = self.engine.score()?;
         let report = Report::judged(&self.viewing, self.mode.mode(), Some(gaze), score);
         Ok(report.with(self.companions.totals(), self.engine.name(), None))
-    }
-}
-
-fn picture(player: &mut Player, view: &EyeView) -> anyhow::Result<ScorePicture> {
-    match player.canvas.picture(view, None)? {
-        Some(image) => from_image(&image),
-        None => bail!("nothing draws the pictures to score; give --renderer gpu or cpu"),
     }
 }

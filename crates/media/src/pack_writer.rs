@@ -2,7 +2,7 @@
 
 use crate::journal_file::JournalFile;
 use crate::pack_file::{PackFileError, partial_path};
-use foveal_core::asset::pack::{Description, Identity, MAGIC, PackBuilder, SideTable, Step};
+use foveal_core::asset::pack::{Description, Identity, Loss, MAGIC, PackBuilder, SideTable, Step};
 use foveal_core::asset::tile_grid::Tile;
 use foveal_core::units::counted;
 use std::fs::File;
@@ -140,26 +140,32 @@ impl PackWriter {
         Ok(())
     }
 
-    /// Writes the rest, makes it durable and gives it its final name. Returns its bytes.
+    /// Writes the rest, makes it durable and gives it its final name. Before that, the whole pack
+    /// is shown to whoever tells what was lost. Returns its description and bytes.
     pub(crate) fn finish(
         mut self,
         description: Description,
         tables: &[SideTable],
-    ) -> Result<u64, PackFileError> {
+        loss_of: &mut dyn FnMut(&Path) -> Option<Loss>,
+    ) -> Result<(Description, u64), PackFileError> {
         let chunk_bytes = self.builder.end();
         let builder = std::mem::replace(&mut self.builder, PackBuilder::new(&description));
-        let parts =
-            builder
-                .finish(description, tables)
-                .map_err(|source| PackFileError::Format {
-                    path: self.path.clone(),
-                    source,
-                })?;
+        let format = |path: &Path| {
+            let path = path.to_owned();
+            move |source| PackFileError::Format { path, source }
+        };
+        let mut parts = builder
+            .finish(description.clone(), tables)
+            .map_err(format(&self.path))?;
+        let whole = self.file.write_all(&parts.tail);
+        let whole = whole.and_then(|()| self.write_head(&parts.head));
+        whole.map_err(|source| self.refused(source))?;
+        let loss = loss_of(&self.partial);
+        if let Some(loss) = loss {
+            parts = parts.with_loss(loss).map_err(format(&self.path))?;
+        }
         let mut end = || {
-            self.file.write_all(&parts.tail)?;
-            self.file.seek(SeekFrom::Start(0))?;
-            self.file.write_all(&parts.head)?;
-            self.file.flush()?;
+            self.write_head(&parts.head)?;
             self.file.get_ref().sync_all()?;
             if last_change(&self.path) != self.replaced {
                 return Err(Error::other("another file has taken its name meanwhile"));
@@ -171,7 +177,17 @@ impl PackWriter {
         if let Some(journal) = &mut self.journal {
             journal.remove();
         }
-        Ok(chunk_bytes + parts.tail.len() as u64)
+        let description = Description {
+            loss,
+            ..description
+        };
+        Ok((description, chunk_bytes + parts.tail.len() as u64))
+    }
+
+    fn write_head(&mut self, head: &[u8]) -> Result<(), Error> {
+        self.file.seek(SeekFrom::Start(0))?;
+        self.file.write_all(head)?;
+        self.file.flush()
     }
 
     fn refused(&self, source: Error) -> PackFileError {

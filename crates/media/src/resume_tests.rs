@@ -2,10 +2,13 @@
 
 use crate::ClipCodec;
 use crate::journal_file::journal_path;
-use crate::pack_file::partial_path;
-use crate::prepare::{Event, PrepareError, PrepareSettings, ProjectionChoice, prepare_resumable};
+use crate::pack_file::{PackFile, partial_path};
+use crate::prepare::{
+    Event, PrepareError, PrepareSettings, ProjectionChoice, Witness, prepare_resumable,
+};
 use crate::scenes::{Scratch, group, plan_of, prepared, settings, write_clip};
 use foveal_core::asset::codec::Codec;
+use foveal_core::asset::pack::Loss;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -189,4 +192,46 @@ fn an_input_that_changes_while_it_is_read_is_an_error() {
         "{error}"
     );
     assert!(!out.exists());
+}
+
+/// Somebody who is shown the whole pack, and tells what was lost unless stopped.
+struct Judge {
+    stops: bool,
+}
+
+const LOSS: Loss = Loss {
+    psnr_db: Some(40.25),
+    jod: 9.5,
+};
+
+impl Witness for Judge {
+    fn tell(&mut self, _: Event) {}
+
+    fn loss_of(&mut self, pack: &Path) -> Option<Loss> {
+        assert!(PackFile::open(pack).unwrap().verify(|_, _| ()).is_empty());
+        assert!(!self.stops, "stopped");
+        Some(LOSS)
+    }
+}
+
+#[test]
+fn a_pack_tells_what_was_lost_and_is_else_the_same() {
+    let clip = clip();
+    let (out, plan) = (Scratch::new("foveal"), plan_of(&clip, &how()).unwrap());
+    let prepare = |stops: bool| {
+        let prepare = || prepare_resumable(&clip, &out, &plan, true, &mut Judge { stops });
+        catch_unwind(AssertUnwindSafe(prepare))
+    };
+    assert!(prepare(true).is_err() && !out.exists());
+    let made = prepare(false).unwrap().unwrap();
+    let silent = prepared(&clip, &how());
+    let [told, plain] = [&out, &silent].map(|file| PackFile::open(file).unwrap());
+    let [told, plain] = [&told, &plain].map(|file| file.pack().description().clone());
+    assert_eq!(told.loss, Some(LOSS));
+    assert_eq!(made.description.loss, told.loss);
+    let [mut rest, from] = [told, plain];
+    rest.loss = None;
+    assert_eq!(rest, from);
+    let chunks = |file: &Path| bytes(file).split_off(4096);
+    assert_eq!(chunks(&out), chunks(&silent));
 }

@@ -18,6 +18,7 @@ mod tests;
 
 use crate::parallel::in_parallel;
 use cap::Cap;
+pub(crate) use fast::catmull_rom;
 use foveal_core::asset::picture::Picture;
 use foveal_core::view::surface::{CUBE_FACES, Mapping};
 use kernel::Kernel;

@@ -1,6 +1,5 @@
 //! What is a finished picture?
 
-use crate::params::rgb_from_yuv;
 use foveal_core::asset::picture::{Colour, Picture};
 
 /// Red, green, blue and alpha, 8 bits each, rows from the top without padding.
@@ -26,7 +25,7 @@ impl RgbaImage {
     /// A tile by itself, in its own pixels; each chroma sample colours the four pixels over it.
     #[must_use]
     pub fn from_planes(picture: &Picture, colour: Colour) -> Self {
-        let rows = rgb_from_yuv(colour);
+        let rows = colour.rgb_from_yuv();
         let half = picture.plane_size(1)[0];
         let mut image = Self::black([picture.width, picture.height]);
         for y in 0..picture.height {

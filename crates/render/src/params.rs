@@ -237,28 +237,7 @@ impl TileParams {
                 Mapping::Gnomonic => 0,
                 Mapping::EquiAngular => 1,
             },
-            rgb_from_yuv: rgb_from_yuv(colour),
+            rgb_from_yuv: colour.rgb_from_yuv(),
         }
     }
-}
-
-/// ITU-T H.273, equations 35 to 43: limited or full range, then the matrix of the luma weights.
-pub(crate) fn rgb_from_yuv(colour: Colour) -> [[f32; 4]; 3] {
-    let [kr, kb] = colour.matrix.luma_weights().map(f64::from);
-    let kg = 1.0 - kr - kb;
-    let (luma, black, chroma) = if colour.full_range {
-        (1.0, 0.0, 1.0)
-    } else {
-        (255.0 / 219.0, 16.0 / 255.0, 255.0 / 224.0)
-    };
-    let (red, blue) = (2.0 * (1.0 - kr) * chroma, 2.0 * (1.0 - kb) * chroma);
-    let grey = 128.0 / 255.0;
-    let row = |u: f64, v: f64| {
-        [luma, u, v, -luma * black - grey * (u + v)].map(|coefficient| coefficient as f32)
-    };
-    [
-        row(0.0, red),
-        row(-blue * kb / kg, -red * kr / kg),
-        row(blue, 0.0),
-    ]
 }

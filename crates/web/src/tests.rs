@@ -51,6 +51,7 @@ fn description() -> Description {
             codec: "x".into(),
         },
         identity: None,
+        loss: None,
         tables: vec![],
     }
 }

@@ -1,9 +1,10 @@
 //! Who looks at what, from where?
 
 use super::frames::Frames;
+use crate::gaze::{GazeChoice, parse_gaze};
 use crate::options::parse_pair;
 use crate::output::{WrongUsage, out_of_range, read_text};
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, bail};
 use clap::ValueEnum;
 use foveal_core::units::counted;
 use foveal_eval::score::display::{DisplayFile, Transfer};
@@ -49,25 +50,59 @@ pub(crate) enum GazeOnPicture {
     Trace(PathBuf, Arc<GazeTrace>),
 }
 
+/// What `--gaze` was given: of pictures and packs a place in pixels, of a pack beside its source
+/// where its viewer looks.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct GazeWords(String);
+
 /// Reads the value of `--gaze`.
-pub(crate) fn parse_centre(text: &str) -> anyhow::Result<GazeOnPicture> {
-    Ok(match text {
-        "center" | "centre" => GazeOnPicture::Centre,
-        _ => {
-            GazeOnPicture::At(parse_pair(text).map_err(|_| {
-                anyhow!("expected two finite numbers of pixels as 10,-5, or center")
-            })?)
+pub(super) fn parse_gaze_words(text: &str) -> anyhow::Result<GazeWords> {
+    let is_known = on_picture(text).is_some() || parse_gaze(text).is_ok();
+    is_known
+        .then(|| GazeWords(text.to_owned()))
+        .with_context(|| format!("expected {ON_PICTURE}; for a pack beside its source {OF_VIEWER}"))
+}
+
+const ON_PICTURE: &str = "two finite numbers of pixels as 10,-5, or center";
+const OF_VIEWER: &str = "YAW,PITCH in degrees, center, scan, trace:FILE or head:FILE";
+
+fn on_picture(text: &str) -> Option<GazeOnPicture> {
+    match text {
+        "center" | "centre" => Some(GazeOnPicture::Centre),
+        _ => parse_pair(text).ok().map(GazeOnPicture::At),
+    }
+}
+
+impl GazeWords {
+    /// A place in pixels.
+    pub(super) fn at([x, y]: [f64; 2]) -> Self {
+        Self(format!("{x},{y}"))
+    }
+
+    /// The place in a picture.
+    fn on_picture(&self) -> anyhow::Result<GazeOnPicture> {
+        let place = on_picture(&self.0);
+        place.ok_or_else(|| out_of_range("--gaze", &self.0, ON_PICTURE).into())
+    }
+
+    /// Where the viewer of a pack looks.
+    pub(super) fn of_viewer(&self) -> anyhow::Result<GazeChoice> {
+        match parse_gaze(&self.0) {
+            Ok(GazeChoice::Live(_)) | Err(_) => {
+                bail!(out_of_range("--gaze", &self.0, OF_VIEWER))
+            }
+            Ok(choice) => Ok(choice),
         }
-    })
+    }
 }
 
 /// The gaze that was asked for.
 pub(super) fn gaze_of(
-    gaze: Option<&GazeOnPicture>,
+    gaze: Option<&GazeWords>,
     trace: Option<&Path>,
 ) -> anyhow::Result<Option<GazeOnPicture>> {
     let Some(path) = trace else {
-        return Ok(gaze.cloned());
+        return gaze.map(GazeWords::on_picture).transpose();
     };
     let text = read_text(path, "a gaze trace")?;
     let trace = GazeTrace::parse(&text).with_context(|| path.display().to_string())?;

@@ -48,13 +48,18 @@ pub(super) struct Opening {
     pub(super) needs_gaze: bool,
 }
 
+/// Whether a file is a pack, by its name.
+pub(super) fn is_pack(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "foveal")
+}
+
 impl Frames {
     /// Opens what lies there, whatever it is.
     pub(super) fn open(path: &Path, opening: &Opening) -> anyhow::Result<Self> {
         if path.is_dir() {
             return Self::folder(path);
         }
-        if path.extension().is_some_and(|ending| ending == "foveal") {
+        if is_pack(path) {
             return Self::pack(path, opening);
         }
         if is_png(path) {

@@ -5,6 +5,7 @@ mod engine;
 mod folder;
 mod frames;
 mod heat;
+mod of_source;
 mod pack_frames;
 mod pairs;
 mod picture;
@@ -15,15 +16,16 @@ use crate::output::{self, Counting, WrongUsage};
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 pub(crate) use conditions::{DeviceName, ModeName};
-use conditions::{GazeOnPicture, fps_of, gaze_of, parse_centre};
+use conditions::{GazeOnPicture, GazeWords, fps_of, gaze_of, parse_gaze_words};
 use engine::Frame;
 pub(crate) use engine::{Companions, Engine};
 use foveal_core::units::counted;
 use foveal_eval::score::companion::{Companion, CompanionJudge};
 use foveal_eval::score::{Display, Viewing};
-use frames::{Frames, Opening};
+use frames::{Frames, Opening, is_pack};
 use heat::write_heat;
-pub(crate) use pack_frames::display_of_view;
+use of_source::PackOfSource;
+pub(crate) use pack_frames::{LastGaze, display_of_view, picture_of};
 pub(crate) use picture::{from_image, read_picture};
 use report::Single;
 pub(crate) use report::{Conditions, Report};
@@ -64,13 +66,14 @@ impl MetricName {
     }
 }
 
-/// Scores pictures, folders of numbered pictures, videos, or two packs under two policies; alone or
-/// many pairs at once.
+/// Scores pictures, folders of numbered pictures, videos, two packs under two policies, or a pack
+/// against the file that it was made from; alone or many pairs at once.
 ///
 /// Without --gaze nobody looks at a place, and eccentricity does not count.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ScoreArgs {
-    /// A picture, a folder of numbered pictures, a video or a pack: what should be seen.
+    /// A picture, a folder of numbered pictures, a video or a pack: what should be seen. Before a
+    /// pack, a file is what it was made from, and is seen in the same views.
     #[arg(required_unless_present_any = ["pairs", "list_displays", "cite"])]
     reference: Option<PathBuf>,
     /// The same in the same size: what is seen.
@@ -83,10 +86,11 @@ pub(crate) struct ScoreArgs {
     #[arg(long, value_name = "NAME|FILE.toml")]
     display: Option<String>,
     /// Where the eye looks, in the picture or beside it: pixels from the middle of the first one,
-    /// to the right and down, or center.
-    #[arg(long, value_name = "X,Y", value_parser = parse_centre, allow_hyphen_values = true)]
+    /// to the right and down, or center. Of a pack beside its source, as in `simulate`: YAW,PITCH
+    /// in degrees, center, scan, trace:FILE or head:FILE.
+    #[arg(long, value_name = "X,Y", value_parser = parse_gaze_words, allow_hyphen_values = true)]
     #[arg(conflicts_with = "gaze_trace")]
-    gaze: Option<GazeOnPicture>,
+    gaze: Option<GazeWords>,
     /// The same frame by frame: CSV with frame,x_px,y_px.
     #[arg(long, value_name = "FILE.csv")]
     gaze_trace: Option<PathBuf>,
@@ -149,6 +153,9 @@ pub(crate) struct ScoreArgs {
     policy: PolicyOptions,
     #[command(flatten, next_help_heading = PACKS)]
     view: ViewOptions,
+    /// Seed of the scan path.
+    #[arg(long, default_value_t = 1, help_heading = PACKS)]
+    seed: u64,
 }
 
 /// What stands above the options that pictures and videos do not go by.
@@ -184,6 +191,10 @@ pub(crate) fn run(args: &ScoreArgs) -> anyhow::Result<()> {
     }
 }
 
+/// What takes in a frame, and what hands over all of them.
+type TakeFrame<'a> = dyn FnMut(Frame) -> anyhow::Result<()> + 'a;
+type EachFrame<'a> = dyn FnMut(&mut TakeFrame<'_>) -> anyhow::Result<()> + 'a;
+
 /// What is said of a pair.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
@@ -194,6 +205,9 @@ enum Judged {
 
 impl ScoreArgs {
     fn score(&self, reference: &Path, test: &Path) -> anyhow::Result<Judged> {
+        if is_pack(test) && !is_pack(reference) && !reference.is_dir() {
+            return self.score_of_source(reference, test);
+        }
         let mut pair = self.open(reference, test)?;
         let size = pair.0.size;
         let gaze = gaze_of(self.gaze.as_ref(), self.gaze_trace.as_deref())?;
@@ -204,21 +218,72 @@ impl ScoreArgs {
         let foveated = gaze.is_some();
         let viewing = Viewing::new(display, size, fps, foveated, self.mode.mode())
             .with_context(|| reference.display().to_string())?;
+        let name = gaze.as_ref().map(GazeOnPicture::source);
+        self.judge(&viewing, name, &mut |take| {
+            self.each_frame(&mut pair, &viewing, gaze.as_ref(), take)
+        })
+    }
+
+    /// Scores a pack that is played as `simulate` does against the same views of its source.
+    fn score_of_source(&self, source: &Path, pack: &Path) -> anyhow::Result<Judged> {
+        let (name, trace) = (pack.display(), self.gaze_trace.is_some());
+        let Some(gaze) = self.gaze.as_ref().filter(|_| !trace) else {
+            bail!(WrongUsage(format!(
+                "{name}: levels of a pack are chosen for its viewer's gaze; give --gaze \
+                 YAW,PITCH, center, scan, trace:FILE or head:FILE"
+            )));
+        };
+        if self.fps.is_some() {
+            bail!(WrongUsage(format!(
+                "--fps: {name} and its source tell their rate; leave it out"
+            )));
+        }
+        let look = (gaze, self.seed);
+        let opening = self.opening(None);
+        let mut played = PackOfSource::open(source, pack, &opening, look, self.frames)?;
+        let own = Some(played.display());
+        let display = conditions::display_of("--display", self.display.as_deref(), own)?;
+        let mode = self.mode.mode();
+        let viewing = Viewing::new(display, played.size(), played.fps(), true, mode)
+            .with_context(|| name.to_string())?;
+        let judged = gaze.of_viewer()?.as_judged();
+        self.judge(&viewing, Some(judged), &mut |take| {
+            let bar = output::bar(Some(u64::from(played.frames())), Counting::Frames);
+            while let Some(frame) = played.next()? {
+                take(frame)?;
+                bar.inc(1);
+            }
+            bar.finish_and_clear();
+            played.tell_unseen();
+            Ok(())
+        })
+    }
+
+    fn judge(
+        &self,
+        viewing: &Viewing,
+        gaze: Option<String>,
+        frames: &mut EachFrame<'_>,
+    ) -> anyhow::Result<Judged> {
         match self.metric.companion() {
-            None => self.score_by_eye(&mut pair, &viewing, gaze.as_ref()),
-            Some(companion) => self.score_by(companion, &mut pair, &viewing, gaze.as_ref()),
+            None => self.score_by_eye(viewing, gaze, frames),
+            Some(companion) => self.score_by(companion, viewing, gaze, frames),
         }
     }
 
-    fn open(&self, reference: &Path, test: &Path) -> anyhow::Result<(Frames, Frames)> {
-        let opening = |policy: Option<PolicyName>| Opening {
+    /// How packs are played, under a policy in the place of that of the options.
+    fn opening(&self, policy: Option<PolicyName>) -> Opening {
+        Opening {
             policy: policy.map_or_else(|| self.policy.clone(), |name| self.policy.named(name)),
             view: self.view.clone(),
             jobs: self.jobs,
             needs_gaze: self.gaze.is_none() && self.gaze_trace.is_none(),
-        };
-        let reference = Frames::open(reference, &opening(Some(self.reference_policy)))?;
-        let test = Frames::open(test, &opening(None))?;
+        }
+    }
+
+    fn open(&self, reference: &Path, test: &Path) -> anyhow::Result<(Frames, Frames)> {
+        let reference = Frames::open(reference, &self.opening(Some(self.reference_policy)))?;
+        let test = Frames::open(test, &self.opening(None))?;
         if test.size != reference.size {
             let ([a, b], [c, d]) = (reference.size, test.size);
             let name = test.name.display();
@@ -239,16 +304,16 @@ impl ScoreArgs {
 
     fn score_by_eye(
         &self,
-        pair: &mut (Frames, Frames),
         viewing: &Viewing,
-        gaze: Option<&GazeOnPicture>,
+        gaze: Option<String>,
+        frames: &mut EachFrame<'_>,
     ) -> anyhow::Result<Judged> {
         let mut engine = Engine::open(self.device, viewing, output::jobs(self.jobs)?)?;
         if self.heat.is_some() {
             engine.keep_heat()?;
         }
         let mut companions = Companions::beside(viewing)?;
-        self.each_frame(pair, viewing, gaze, |frame| {
+        frames(&mut |frame| {
             companions.frame(&frame.reference, &frame.test, frame.gaze_px)?;
             engine.frame(&frame.reference, &frame.test, frame.gaze_px)
         })?;
@@ -256,7 +321,7 @@ impl ScoreArgs {
         if let (Some(path), Some(heat)) = (&self.heat, engine.heat()?) {
             write_heat(path, &heat)?;
         }
-        let report = Report::new(viewing, self.mode.mode(), gaze, score).with(
+        let report = Report::judged(viewing, self.mode.mode(), gaze, score).with(
             companions.totals(),
             engine.name(),
             self.heat.clone(),
@@ -267,9 +332,9 @@ impl ScoreArgs {
     fn score_by(
         &self,
         companion: Companion,
-        pair: &mut (Frames, Frames),
         viewing: &Viewing,
-        gaze: Option<&GazeOnPicture>,
+        gaze: Option<String>,
+        frames: &mut EachFrame<'_>,
     ) -> anyhow::Result<Judged> {
         if self.heat.is_some() {
             bail!(WrongUsage(
@@ -278,7 +343,7 @@ impl ScoreArgs {
         }
         let mut judge = CompanionJudge::new(companion, viewing).context("--metric")?;
         let mut per_frame = Vec::new();
-        self.each_frame(pair, viewing, gaze, |frame| {
+        frames(&mut |frame| {
             per_frame.push(judge.frame(&frame.reference, &frame.test, frame.gaze_px)?);
             Ok(())
         })?;
@@ -293,7 +358,7 @@ impl ScoreArgs {
         (reference, test): &mut (Frames, Frames),
         viewing: &Viewing,
         gaze: Option<&GazeOnPicture>,
-        mut take: impl FnMut(Frame) -> anyhow::Result<()>,
+        take: &mut TakeFrame<'_>,
     ) -> anyhow::Result<()> {
         let most = self.frames.unwrap_or(u32::MAX);
         let length = reference.frames.map(|frames| frames.min(u64::from(most)));

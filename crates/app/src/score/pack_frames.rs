@@ -6,11 +6,11 @@ use crate::canvas::{Drawing, RendererName, Showing};
 use crate::decoding::Decoding;
 use crate::gaze::Look;
 use crate::output;
-use crate::player::{Player, PlayerOptions};
+use crate::player::{FrameReport, Player, PlayerOptions};
 use anyhow::{Context, bail};
 use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
 use foveal_core::gaze::tracker::Prediction;
-use foveal_core::units::Radians;
+use foveal_core::units::{Radians, counted};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Projection;
 use foveal_eval::score::ScorePicture;
@@ -36,22 +36,8 @@ impl PackFrames {
         let (frames, fps) = (about.frames, about.fps());
         let surface = about.grid(opening.view.screen).surface;
         let view = opening.view.eye_view(&surface)?;
-        let options = PlayerOptions {
-            config: opening.policy.config()?,
-            view,
-            screen: opening.view.screen,
-            drawing: drawing()?,
-            showing: Showing::default(),
-            paced: false,
-            judged: false,
-            bytes_per_s: f64::INFINITY,
-            decoding: Decoding {
-                jobs: output::jobs(opening.jobs)?,
-                choice: DecoderChoice::Software,
-            },
-        };
         Ok(Self {
-            player: Player::new(file, options)?,
+            player: player_for(file, opening, view)?,
             view,
             frames,
             fps,
@@ -106,9 +92,75 @@ impl PackFrames {
         };
         let report = self.player.show(self.next, &look)?;
         self.next += 1;
-        match self.player.canvas.picture(&report.view, None)? {
-            Some(image) => from_image(&image),
-            None => bail!("frame {}: nothing draws", self.next - 1),
+        picture_of(&mut self.player, &report.view)
+    }
+}
+
+/// What plays a pack to be judged: every frame is waited for, with no link before it.
+pub(super) fn player_for(
+    file: Arc<PackFile>,
+    opening: &Opening,
+    view: EyeView,
+) -> anyhow::Result<Player> {
+    let options = PlayerOptions {
+        config: opening.policy.config()?,
+        view,
+        screen: opening.view.screen,
+        drawing: drawing()?,
+        showing: Showing::default(),
+        paced: false,
+        judged: false,
+        bytes_per_s: f64::INFINITY,
+        decoding: Decoding {
+            jobs: output::jobs(opening.jobs)?,
+            choice: DecoderChoice::Software,
+        },
+    };
+    Player::new(file, options)
+}
+
+/// What a player shows in a view.
+pub(crate) fn picture_of(player: &mut Player, view: &EyeView) -> anyhow::Result<ScorePicture> {
+    match player.canvas.picture(view, None)? {
+        Some(image) => from_image(&image),
+        None => bail!("nothing draws the pictures to score; give --renderer gpu or cpu"),
+    }
+}
+
+/// Where in its view an eye looks: a gaze beside it or behind closed lids stays where it was last
+/// seen.
+pub(crate) struct LastGaze {
+    gaze_px: [f64; 2],
+    /// Frames in which the eye looked at nothing that is shown.
+    unseen: usize,
+}
+
+impl LastGaze {
+    /// At first in the middle.
+    pub(crate) fn new(view: &EyeView) -> Self {
+        Self {
+            gaze_px: view.size.map(|side| f64::from(side / 2)),
+            unseen: 0,
+        }
+    }
+
+    /// Its place in a frame, 0 the middle of the first pixel.
+    pub(crate) fn at(&mut self, report: &FrameReport) -> [f64; 2] {
+        let place = report.view.place(report.gaze.gaze_in_content);
+        match place.filter(|_| report.gaze.valid) {
+            Some(place) => self.gaze_px = place.map(|at| at - 0.5),
+            None => self.unseen += 1,
+        }
+        self.gaze_px
+    }
+
+    /// Says how often it was not seen.
+    pub(crate) fn tell_unseen(&self) {
+        if self.unseen > 0 {
+            output::say(&format!(
+                "the gaze was not seen in {}, scored for the last gaze that was",
+                counted(self.unseen, "frame")
+            ));
         }
     }
 }

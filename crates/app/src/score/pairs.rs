@@ -3,7 +3,7 @@
 //! One row of CSV a pair; what is wrong with a pair is told in its row, and the others are scored.
 
 use super::ScoreArgs;
-use super::conditions::{GazeOnPicture, display_of};
+use super::conditions::{GazeWords, display_of};
 use crate::output::{self, out_of_range, told};
 use anyhow::{Context, bail};
 use csv::StringRecord;
@@ -203,7 +203,7 @@ impl Table {
             bail!("line {line}: has gaze_x and gaze_trace; leave one of them empty");
         }
         if place.is_some() || trace.is_some() {
-            (pair.gaze, pair.gaze_trace) = (place.map(GazeOnPicture::At), trace);
+            (pair.gaze, pair.gaze_trace) = (place.map(GazeWords::at), trace);
         }
         if let Some(choice) = self.cell(row, "display") {
             let described = self.folder.join(choice);

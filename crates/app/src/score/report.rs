@@ -1,6 +1,5 @@
 //! What does a result say?
 
-use super::conditions::GazeOnPicture;
 use super::engine::CompanionValues;
 use foveal_core::units::counted;
 use foveal_eval::score::companion::Companion;
@@ -82,15 +81,6 @@ pub(crate) struct Report {
 }
 
 impl Report {
-    pub(super) fn new(
-        viewing: &Viewing,
-        mode: Mode,
-        gaze: Option<&GazeOnPicture>,
-        score: Score,
-    ) -> Self {
-        Self::judged(viewing, mode, gaze.map(GazeOnPicture::source), score)
-    }
-
     /// Of a gaze by the name of its source.
     pub(crate) fn judged(
         viewing: &Viewing,
@@ -212,7 +202,7 @@ impl Single {
     pub(super) fn new(
         (metric, mode): (Companion, Mode),
         viewing: &Viewing,
-        gaze: Option<&GazeOnPicture>,
+        gaze: Option<String>,
         value: f64,
         per_frame: Vec<f64>,
     ) -> Self {
@@ -223,7 +213,7 @@ impl Single {
             mode,
             value: value.is_finite().then_some(value),
             unit: if is_similarity { "" } else { "dB" },
-            conditions: Conditions::new(viewing, gaze.map(GazeOnPicture::source)),
+            conditions: Conditions::new(viewing, gaze),
             frames: per_frame.len(),
             per_frame,
         }

@@ -17,6 +17,7 @@ mod journey;
 mod kastner;
 mod layouts;
 mod live_gaze;
+mod loss;
 mod no_adapter;
 mod numbers;
 mod options;

@@ -126,3 +126,28 @@ pub struct Colour {
     /// VP9's default), false when they sit between the two (JPEG).
     pub chroma_left: bool,
 }
+
+impl Colour {
+    /// Rows that turn (Y, U, V, 1) into red, green, blue, all 0 to 1. ITU-T H.273, equations 35 to
+    /// 43: limited or full range, then the matrix of the luma weights.
+    #[must_use]
+    pub fn rgb_from_yuv(self) -> [[f32; 4]; 3] {
+        let [kr, kb] = self.matrix.luma_weights().map(f64::from);
+        let kg = 1.0 - kr - kb;
+        let (luma, black, chroma) = if self.full_range {
+            (1.0, 0.0, 1.0)
+        } else {
+            (255.0 / 219.0, 16.0 / 255.0, 255.0 / 224.0)
+        };
+        let (red, blue) = (2.0 * (1.0 - kr) * chroma, 2.0 * (1.0 - kb) * chroma);
+        let grey = 128.0 / 255.0;
+        let row = |u: f64, v: f64| {
+            [luma, u, v, -luma * black - grey * (u + v)].map(|coefficient| coefficient as f32)
+        };
+        [
+            row(0.0, red),
+            row(-blue * kb / kg, -red * kr / kg),
+            row(blue, 0.0),
+        ]
+    }
+}

@@ -106,6 +106,21 @@ impl EyeView {
         }
     }
 
+    /// The view of `size` pixels of flat content from `corner` on, pixel for pixel.
+    #[must_use]
+    pub fn of_part(surface: &Surface, corner: [u32; 2], size: [u32; 2]) -> Self {
+        let tangent = |k: usize, pixel: u32| {
+            let share = f64::from(pixel) / f64::from(surface.size[k]);
+            (2.0 * share - 1.0) * surface.tangents[k]
+        };
+        let [left, up] = [0, 1].map(|k| -tangent(k, corner[k]));
+        let [right, down] = [0, 1].map(|k| tangent(k, corner[k] + size[k]));
+        Self {
+            field: Field::of([left, right, up, down]),
+            ..Self::filling(surface, size)
+        }
+    }
+
     /// World ray of a place in the picture (pixel centres at +0.5), not normalised.
     #[must_use]
     pub fn ray(&self, place: [f64; 2]) -> DVec3 {

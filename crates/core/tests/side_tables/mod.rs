@@ -51,6 +51,7 @@ fn small_pack() -> Pack {
             codec: String::new(),
         },
         identity: None,
+        loss: None,
         tables: Vec::new(),
     };
     let grid = description.grid(Screen::default());

@@ -32,7 +32,7 @@ use crate::parallel::in_parallel;
 use cutter::Cutter;
 use foveal_core::asset::frame_times::FRAME_TIMES;
 use foveal_core::asset::order::hilbert_distance;
-use foveal_core::asset::pack::{Description, MAX_FRAMES, SideTable, Step};
+use foveal_core::asset::pack::{Description, Loss, MAX_FRAMES, SideTable, Step};
 use foveal_core::asset::picture::Picture;
 use foveal_core::asset::sound::SOUND;
 use foveal_core::asset::tile_grid::{GridError, Tile};
@@ -144,7 +144,12 @@ pub fn prepare(
 ) -> Result<Prepared, PrepareError> {
     let description = described(input, plan)?;
     let writer = PackWriter::create(out, &description)?;
-    write_pack(input, plan, description, (writer, &[]), progress)
+    let mut tell = |event: Event| {
+        if let Event::Progress(done) = event {
+            progress(done);
+        }
+    };
+    write_pack(input, plan, description, (writer, &[]), &mut tell)
 }
 
 /// What a preparation that can be gone on with tells while it works.
@@ -154,6 +159,24 @@ pub enum Event {
     Begins(String),
     /// How far it is.
     Progress(Progress),
+}
+
+/// Whom a preparation that can be gone on with turns to.
+pub trait Witness {
+    /// Hears what it tells.
+    fn tell(&mut self, event: Event);
+
+    /// What preparing lost, for the pack to tell, or none: the pack is whole, and lies under this
+    /// name until it is given its own.
+    fn loss_of(&mut self, _pack: &Path) -> Option<Loss> {
+        None
+    }
+}
+
+impl<F: FnMut(Event)> Witness for F {
+    fn tell(&mut self, event: Event) {
+        self(event);
+    }
 }
 
 /// As [`prepare`]; however it is stopped, the same call goes on after the last group of all levels
@@ -167,17 +190,16 @@ pub fn prepare_resumable(
     out: &Path,
     plan: &Plan,
     go_on: bool,
-    tell: &mut dyn FnMut(Event),
+    witness: &mut dyn Witness,
 ) -> Result<Prepared, PrepareError> {
     let identity = identity_of(input, plan)?;
     let description = described(input, plan)?;
     let begun = PackWriter::resume(out, &description, identity, go_on)?;
     if let Some(note) = begun.note {
-        tell(Event::Begins(note));
+        witness.tell(Event::Begins(note));
     }
-    let mut progress = |progress| tell(Event::Progress(progress));
     let start = (begun.writer, &begun.steps[..]);
-    write_pack(input, plan, description, start, &mut progress)
+    write_pack(input, plan, description, start, witness)
 }
 
 /// The plan's description, and how the pack is made.
@@ -194,14 +216,15 @@ fn write_pack(
     plan: &Plan,
     mut description: Description,
     (mut writer, steps): (PackWriter, &[Step]),
-    progress: &mut dyn FnMut(Progress),
+    witness: &mut dyn Witness,
 ) -> Result<Prepared, PrepareError> {
     let mut coder = Coder::new(plan);
     for step in steps {
         coder.take_up(step);
     }
     let before = Stamp::of(input);
-    let coded = code(input, &mut coder, None, &mut writer, progress);
+    let mut progress = |progress| witness.tell(Event::Progress(progress));
+    let coded = code(input, &mut coder, None, &mut writer, &mut progress);
     let Coder { times, notes, .. } = coder;
     let fps = plan.description.fps();
     let (sound, mut said) = match coded.is_ok() && plan.has_sound {
@@ -226,7 +249,8 @@ fn write_pack(
         version: 1,
         bytes: sound.write(),
     }));
-    let bytes = writer.finish(description.clone(), &tables)?;
+    let mut loss_of = |pack: &Path| witness.loss_of(pack);
+    let (description, bytes) = writer.finish(description, &tables, &mut loss_of)?;
     Ok(Prepared {
         description,
         bytes,

@@ -154,6 +154,7 @@ impl Plan {
             colour,
             source: source_of(input, info),
             identity: None,
+            loss: None,
             tables: Vec::new(),
         };
         describe(&rates, &mut description);

@@ -12,6 +12,7 @@ use super::Block;
 use super::kernel::Kernel;
 use super::plane::Plane;
 use crate::parallel::in_parallel;
+pub(crate) use cubic::catmull_rom;
 use cubic::{Cubic, WIDEST_INNER};
 use poles::{PolePlaces, PoleRows};
 use sides::SidePlaces;

@@ -9,27 +9,26 @@ mod equal_score;
 mod measure;
 mod play;
 mod report;
-mod source;
 mod tables;
 
-use super::trial::Scratch;
 use crate::canvas::{Drawing, RendererName};
 use crate::demo::machine::Machine;
 use crate::gaze::{GazeChoice, parse_gaze};
 use crate::options::ViewOptions;
 use crate::output::{self, WrongUsage, out_of_range};
 use crate::score::{Conditions, display_named, display_of_view};
+use crate::source_frames::SourceFrames;
 use anyhow::{Context, bail};
 use clap::Args;
 use contenders::{Contender, Ladders, contenders};
 use foveal_core::selection::asked::{SLOPES, TARGETS};
 use foveal_core::units::counted;
 use foveal_eval::score::{Mode, Viewing, constants as fit};
+use foveal_media::SourceInfo;
 use foveal_media::pack_file::PackFile;
 use measure::Figures;
 use play::Stage;
 use report::{Report, Row, Shown, compared};
-use source::{Original, original};
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -114,14 +113,16 @@ pub(super) fn run(args: &PoliciesArgs) -> anyhow::Result<()> {
     let frames = args.frames.min(about.frames);
     let display = own.unwrap_or_else(|| display_of_view(&view, surface.projection));
     let fps = (frames > 1).then(|| about.fps());
-    let scratch = args.source.is_some().then(|| Scratch::new(None));
-    let scratch = scratch.transpose()?;
-    let originals = args.source.as_ref().zip(scratch.as_ref());
-    let originals = originals.map(|(source, scratch)| original(source, &file, frames, scratch));
-    let originals = originals.transpose()?;
+    let original = args.source.as_ref().map(|source| {
+        let opened = SourceFrames::open(source, &file, args.view.screen);
+        opened
+            .map(|frames| frames.info().clone())
+            .context("--source")
+    });
+    let original = original.transpose()?;
     let drawing = Drawing::open(RendererName::Gpu).or_else(|_| Drawing::open(RendererName::Cpu));
     let stage = Stage {
-        source: originals.as_ref().map(|source| Arc::clone(&source.file)),
+        source: args.source.as_deref(),
         view,
         screen: args.view.screen,
         drawing: drawing.context("pictures of a pack cannot be drawn")?,
@@ -140,7 +141,7 @@ pub(super) fn run(args: &PoliciesArgs) -> anyhow::Result<()> {
     let policies = counted(contenders.len(), "way");
     output::say(&format!("{}: played in {policies}", args.pack.display()));
     let figures = stage.play(&contenders)?;
-    let report = args.report(&stage, originals.as_ref(), &contenders, &figures);
+    let report = args.report(&stage, original.as_ref(), &contenders, &figures);
     args.write(&report)?;
     output::result(args.json, &report, &report.text())
 }
@@ -181,7 +182,7 @@ impl PoliciesArgs {
     fn report(
         &self,
         stage: &Stage<'_>,
-        original: Option<&Original>,
+        original: Option<&SourceInfo>,
         contenders: &[Contender],
         figures: &[Vec<Figures>],
     ) -> Report {

@@ -7,14 +7,16 @@ use crate::decoding::Decoding;
 use crate::gaze::{GazeChoice, GazeSource, Viewer};
 use crate::output::{self, Counting};
 use crate::player::{FrameReport, Player, PlayerOptions};
-use crate::score::from_image;
-use anyhow::{Context, bail};
+use crate::score::{LastGaze, picture_of};
+use crate::source_frames::SourceFrames;
+use anyhow::Context;
 use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Screen;
-use foveal_eval::score::{ScorePicture, Viewing};
+use foveal_eval::score::Viewing;
 use foveal_media::pack_file::PackFile;
 use std::ops::Range;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Policies that are played side by side: a judge of 1920x1080 at 60 Hz holds 0.4 GB.
@@ -23,8 +25,8 @@ const AT_ONCE: usize = 8;
 /// What all policies share.
 pub(super) struct Stage<'a> {
     pub(super) file: Arc<PackFile>,
-    /// The same pictures without loss.
-    pub(super) source: Option<Arc<PackFile>>,
+    /// What it was made from.
+    pub(super) source: Option<&'a Path>,
     pub(super) view: EyeView,
     pub(super) screen: Screen,
     pub(super) drawing: Drawing,
@@ -63,9 +65,9 @@ impl Stage<'_> {
         frames: u32,
         played: &mut dyn FnMut(),
     ) -> anyhow::Result<Vec<Vec<Figures>>> {
-        let every_tile = |file| self.player(file, PolicyConfig::new(Policy::Full), f64::INFINITY);
-        let mut full = every_tile(&self.file)?;
-        let mut source = self.source.as_ref().map(every_tile).transpose()?;
+        let mut full = self.player(PolicyConfig::new(Policy::Full), f64::INFINITY)?;
+        let open = |source| SourceFrames::open(source, &self.file, self.screen);
+        let mut source = self.source.map(open).transpose()?;
         let runs = contenders.iter().map(|contender| self.run(contender));
         let mut runs = runs.collect::<anyhow::Result<Vec<Run>>>()?;
         let mut gaze = GazeSource::new(
@@ -75,31 +77,24 @@ impl Stage<'_> {
             full.time(frames - 1),
             &Viewer::default(),
         )?;
-        let mut gaze_px = self.view.size.map(|side| f64::from(side / 2));
+        let mut last_gaze = LastGaze::new(&self.view);
         for frame in 0..frames {
             let look = gaze.look(full.time(frame));
             let whole = full.show(frame, &look)?;
-            // A gaze beside the view or behind closed lids stays where it was last seen.
-            let place = whole.view.place(whole.gaze.gaze_in_content);
-            if let Some(place) = place.filter(|_| whole.gaze.valid) {
-                gaze_px = place.map(|at| at - 0.5);
-            }
-            let mut of_source = None;
-            if let Some(source) = &mut source {
-                source.show(frame, &look)?;
-                of_source = Some(picture(source, &whole.view)?);
-            }
+            let of_source = source
+                .as_mut()
+                .map(|source| source.seen(frame, &[whole.view]));
             let reference = Reference {
-                full: picture(&mut full, &whole.view)?,
-                source: of_source,
-                gaze_px,
+                full: picture_of(&mut full, &whole.view)?,
+                source: of_source.transpose()?.and_then(|mut seen| seen.pop()),
+                gaze_px: last_gaze.at(&whole),
             };
             let count = runs.len();
             for turn in 0..count {
                 let Run { player, measure } = &mut runs[(frame as usize + turn) % count];
                 let report: FrameReport = player.show(frame, &look)?;
                 measure.took(&self.file, &report, &whole);
-                let test = picture(player, &report.view)?;
+                let test = picture_of(player, &report.view)?;
                 measure.looked(frame, &reference, &test)?;
             }
             played();
@@ -113,17 +108,12 @@ impl Stage<'_> {
         let jobs = output::jobs(None)?;
         let config = contender.config.clone();
         Ok(Run {
-            player: self.player(&self.file, config, contender.bytes_per_s())?,
+            player: self.player(config, contender.bytes_per_s())?,
             measure: Measure::new(&self.spans, &self.viewing, has_source, jobs)?,
         })
     }
 
-    fn player(
-        &self,
-        file: &Arc<PackFile>,
-        config: PolicyConfig,
-        bytes_per_s: f64,
-    ) -> anyhow::Result<Player> {
+    fn player(&self, config: PolicyConfig, bytes_per_s: f64) -> anyhow::Result<Player> {
         let options = PlayerOptions {
             config,
             view: self.view,
@@ -135,13 +125,6 @@ impl Stage<'_> {
             judged: false,
             decoding: Decoding::software()?,
         };
-        Player::new(Arc::clone(file), options)
-    }
-}
-
-fn picture(player: &mut Player, view: &EyeView) -> anyhow::Result<ScorePicture> {
-    match player.canvas.picture(view, None)? {
-        Some(image) => from_image(&image),
-        None => bail!("nothing draws the pictures to score"),
+        Player::new(Arc::clone(&self.file), options)
     }
 }

@@ -76,8 +76,14 @@ fn a_pack_is_told_of_as_documented() {
     // A name without the usual ending is warned of.
     let unusual = folder.name("unusual");
     let dry = json(&[&how[..], &[&unusual, "--dry-run"]].concat());
-    agrees("prepare video", &[&tiles, &cells, &dry]);
-    agrees("info", &[&json(&["info", &pack]), &json(&["info", &grid])]);
+    // 32 pixels are too few for a score.
+    assert!(tiles["loss"].is_null(), "{tiles}");
+    let larger = write_clip(&folder, "b.mkv", &waves([64, 48], 1));
+    let judged = folder.name("judged.foveal");
+    let lossy = json(&["prepare", "video", &larger, "--fast", "--out", &judged]);
+    agrees("prepare video", &[&tiles, &cells, &lossy, &dry]);
+    let info = [&pack, &grid, &judged].map(|pack| json(&["info", pack]));
+    agrees("info", &info.each_ref());
 
     let whole = json(&["verify", &pack]);
     let mut bytes = std::fs::read(&pack).unwrap();

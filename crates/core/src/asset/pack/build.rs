@@ -1,14 +1,15 @@
 //! Which bytes does a new pack begin and end with?
 
 use super::{
-    Description, Entry, HEADER_BYTES, Header, PackError, PlacedChunk, TableEntry, index::Layout,
-    needs::Written,
+    Description, Entry, HEADER_BYTES, Header, Loss, PackError, PlacedChunk, TableEntry,
+    index::Layout, needs::Written,
 };
 use crate::asset::tile_grid::Tile;
 use crate::asset::unit::UnitId;
 use crate::units::counted;
 
-/// Spaces kept free in the description for the side tables' entries and the final frame count.
+/// Spaces kept free in the description for the side tables' entries, the final frame count and what
+/// preparing lost.
 const DESCRIPTION_ROOM: usize = 2048;
 
 /// A side table to be written after the index.
@@ -175,37 +176,50 @@ impl PackBuilder {
             });
             tail.extend_from_slice(&table.bytes);
         }
-        let head = self.head(&description, index_bytes, tail.len() as u64)?;
-        Ok(PackHead { head, tail })
-    }
-
-    fn head(
-        &self,
-        description: &Description,
-        index_bytes: u64,
-        tail_bytes: u64,
-    ) -> Result<Vec<u8>, PackError> {
-        let mut json = serde_json::to_vec(&Written::new(description))
-            .map_err(|e| PackError::new("description", e, "valid JSON"))?;
-        let room = self.data_offset as usize - HEADER_BYTES;
-        if json.len() > room {
-            let expected = format!("at most the {room} kept free at the start");
-            return Err(PackError::new(
-                "description",
-                counted(json.len(), "byte"),
-                expected,
-            ));
-        }
-        json.resize(room, b' ');
         let header = Header {
-            description_bytes: json.len() as u32,
-            description_crc: crc32c::crc32c(&json),
+            description_bytes: (self.data_offset - HEADER_BYTES as u64) as u32,
+            description_crc: 0,
             index_offset: self.at,
             index_bytes,
-            file_bytes: self.at + tail_bytes,
+            file_bytes: self.at + tail.len() as u64,
         };
-        let mut head = header.write().to_vec();
-        head.extend_from_slice(&json);
-        Ok(head)
+        let head = head_of(&description, header)?;
+        Ok(PackHead { head, tail })
     }
+}
+
+impl PackHead {
+    /// The same with what preparing lost, which only a finished pack shows; as long as before.
+    pub fn with_loss(self, loss: Loss) -> Result<Self, PackError> {
+        let description = Description {
+            loss: Some(loss),
+            ..Description::parse(&self.head[HEADER_BYTES..])?
+        };
+        description.check()?;
+        let head = head_of(&description, Header::parse(&self.head)?)?;
+        Ok(Self { head, ..self })
+    }
+}
+
+/// Header and description of a pack whose parts lie where `header` says.
+fn head_of(description: &Description, header: Header) -> Result<Vec<u8>, PackError> {
+    let mut json = serde_json::to_vec(&Written::new(description))
+        .map_err(|e| PackError::new("description", e, "valid JSON"))?;
+    let room = header.description_bytes as usize;
+    if json.len() > room {
+        let expected = format!("at most the {room} kept free at the start");
+        return Err(PackError::new(
+            "description",
+            counted(json.len(), "byte"),
+            expected,
+        ));
+    }
+    json.resize(room, b' ');
+    let header = Header {
+        description_crc: crc32c::crc32c(&json),
+        ..header
+    };
+    let mut head = header.write().to_vec();
+    head.extend_from_slice(&json);
+    Ok(head)
 }

@@ -64,9 +64,22 @@ pub struct Description {
     /// Tells whether the same preparation would make this pack again; absent where nobody asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub identity: Option<Identity>,
+    /// What preparing lost; absent where nobody measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loss: Option<Loss>,
     /// Side tables.
     #[serde(default)]
     pub tables: Vec<TableEntry>,
+}
+
+/// The finest level beside the source, each in the same views.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Loss {
+    /// Peak signal to noise over red, green and blue of all views, decibels; none where no pixel
+    /// differs.
+    pub psnr_db: Option<f64>,
+    /// Score of the view that is worst to the eye, JOD, at most 10.
+    pub jod: f64,
 }
 
 /// The shape of pixels of content that does not say it.
@@ -92,6 +105,21 @@ pub struct Source {
     pub bytes: u64,
     /// Codec of the source.
     pub codec: String,
+}
+
+/// Most decibels that are told: more than a picture of 16K has where one code differs by one.
+const MOST_DECIBELS: f64 = 150.0;
+
+impl Loss {
+    fn check(self) -> Result<(), PackError> {
+        let Self { psnr_db, jod } = self;
+        if jod <= 10.0 && psnr_db.is_none_or(|psnr| (0.0..=MOST_DECIBELS).contains(&psnr)) {
+            return Ok(());
+        }
+        let expected = format!("0 to {MOST_DECIBELS} dB, at most 10 JOD");
+        let found = format!("{psnr_db:?} dB, {jod} JOD");
+        Err(PackError::new("description.loss", found, expected))
+    }
 }
 
 /// Where a side table lies.
@@ -175,6 +203,9 @@ impl Description {
             let expected = format!("none or {levels}, one a level");
             let found = counted(self.bit_rates.len(), "rate");
             return Err(PackError::new("description.bit_rates", found, expected));
+        }
+        if let Some(loss) = self.loss {
+            loss.check()?;
         }
         let in_range = self.groups.iter().all(|g| (1..=MAX_GROUP).contains(g));
         if !in_range || self.groups.windows(2).any(|pair| pair[1] % pair[0] != 0) {

@@ -13,7 +13,7 @@ mod needs;
 mod tests;
 
 pub use build::{PackBuilder, PackHead, SideTable};
-pub use description::{Description, Source, TableEntry};
+pub use description::{Description, Loss, Source, TableEntry};
 pub use index::{Entry, Pack, split_chunk};
 pub use journal::{
     Difference, Identity, JOURNAL_MAGIC, Journal, PlacedChunk, Step, read_any_journal,

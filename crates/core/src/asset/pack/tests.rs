@@ -39,6 +39,7 @@ fn description() -> Description {
             codec: "x".into(),
         },
         identity: None,
+        loss: None,
         tables: vec![],
     }
 }
@@ -491,6 +492,29 @@ fn a_description_says_how_the_pack_was_made_or_nothing_of_it() {
     };
     let json = serde_json::to_vec(&told).unwrap();
     assert_eq!(Description::parse(&json), Ok(told));
+}
+
+#[test]
+fn a_description_tells_what_was_lost_or_nothing_of_it() {
+    let plain = description();
+    let json = serde_json::to_string(&plain).unwrap();
+    assert!(!json.contains("loss"), "{json}");
+    let told = |psnr_db, jod| {
+        let loss = Some(Loss { psnr_db, jod });
+        let told = Description {
+            loss,
+            ..plain.clone()
+        };
+        let json = serde_json::to_vec(&told).unwrap();
+        Description::parse(&json).map(|read| assert_eq!(read, told))
+    };
+    for (psnr_db, jod) in [(Some(41.5), 9.73), (None, 10.0), (Some(0.0), -2.5)] {
+        assert_eq!(told(psnr_db, jod), Ok(()));
+    }
+    for (psnr_db, jod) in [(Some(-1.0), 9.0), (Some(151.0), 9.0), (None, 10.5)] {
+        let error = told(psnr_db, jod).unwrap_err();
+        assert_eq!(error.field, "description.loss");
+    }
 }
 
 #[test]

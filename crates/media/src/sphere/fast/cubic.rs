@@ -71,7 +71,7 @@ pub(super) fn width_index(stretch: f64) -> u8 {
 }
 
 /// Interpolating cubic of Catmull and Rom, zero from 2 on.
-fn catmull_rom(x: f64) -> f64 {
+pub(crate) fn catmull_rom(x: f64) -> f64 {
     let x = x.abs();
     if x < 1.0 {
         (1.5 * x - 2.5) * x * x + 1.0
