@@ -274,12 +274,16 @@ impl PrepareVideoArgs {
             }
             _ => "the number of frames is not known".to_owned(),
         };
-        let text = format!(
-            "{all}; {:.1} ms and {:.1} kB a frame by {} (nothing written)",
-            seconds_per_frame * 1e3,
-            bytes_per_frame / 1e3,
-            counted(rehearsed, "frame"),
-        );
+        let by = match plan.is_still {
+            true => "a picture".to_owned(),
+            false => format!(
+                "{:.1} ms and {:.1} kB a frame by {}",
+                seconds_per_frame * 1e3,
+                bytes_per_frame / 1e3,
+                counted(rehearsed, "frame"),
+            ),
+        };
+        let text = format!("{all}; {by} (nothing written)");
         output::result(self.json, &estimate, &text)
     }
 }

@@ -8,6 +8,7 @@ use crate::encode::{Rate, Speed};
 use crate::eye_layout::EyeLayout;
 use crate::source::{Sound, SourceInfo};
 use crate::sphere::{Coverage, face_size_for};
+use crate::sphere_part::SpherePart;
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::{Description, Source};
 use foveal_core::asset::picture::Colour;
@@ -73,13 +74,17 @@ pub struct Plan {
     pub surround: Surround,
     /// Where in a frame the pictures of the eyes lie.
     pub eyes: EyeLayout,
+    /// Where a picture of a part of a sphere, or one that is turned, lies on the whole.
+    pub part: Option<SpherePart>,
     /// What a person should know: how the projection was found, what is lost.
     pub remarks: Remarks,
+    /// Whether the input is one picture.
+    pub is_still: bool,
     /// Frames as far as the container tells.
     pub frames: Option<u64>,
     /// Rate of each level, finest first.
     pub(super) rates: Vec<Rate>,
-    /// Pixels of one eye's picture in the source.
+    /// Pixels of one eye's picture, of the whole where it is a part.
     pub(super) eye_size: [u32; 2],
     /// Whether the pack is to have sound.
     pub(super) has_sound: bool,
@@ -123,7 +128,7 @@ impl Plan {
             chroma_left: info.colour.chroma_left && !matches!(surround, Surround::Equirect(_)),
             ..info.colour
         };
-        let rates = rates_of(settings.quality.as_ref(), settings.codec, levels)?;
+        let rates = rates_of(settings, info.looks_still, levels)?;
         let frame_rate = info.frame_rate.map(|n| n.max(1) as u32);
         let mut description = Description {
             generator: concat!("foveal ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -139,7 +144,10 @@ impl Plan {
             quality: Vec::new(),
             quality_scale: QualityScale::default(),
             bit_rates: Vec::new(),
-            groups: groups(levels, f64::from(frame_rate[0]) / f64::from(frame_rate[1])),
+            groups: match info.looks_still {
+                true => vec![1; usize::from(levels)],
+                false => groups(levels, f64::from(frame_rate[0]) / f64::from(frame_rate[1])),
+            },
             frames: info
                 .frames
                 .map_or(1, |frames| frames.clamp(1, 1 << 24) as u32),
@@ -155,8 +163,10 @@ impl Plan {
             grid,
             surround,
             eyes: found.eyes,
+            part: found.part,
             eye_size: found.eye_size,
             remarks,
+            is_still: info.looks_still,
             frames: info.frames,
             rates,
             has_sound: settings.sound && info.sound.is_some(),
@@ -176,7 +186,14 @@ impl Plan {
         format!(
             "{:?}",
             (
-                (about, self.grid, self.surround, self.eyes, &self.rates),
+                (
+                    about,
+                    self.grid,
+                    self.surround,
+                    self.eyes,
+                    self.part,
+                    &self.rates
+                ),
                 (self.speed, self.most_frames, self.has_sound),
                 (self.source_chroma_left, self.stretch_to_full_range),
             )

@@ -8,8 +8,10 @@ use super::plan::PrepareSettings;
 use super::remarks::Remarks;
 use crate::cube_layout::CubeLayout;
 use crate::eye_layout::{EyeLayout, Packing};
+use crate::photo_sphere::PhotoSphere;
 use crate::source::SourceInfo;
 use crate::sphere::Coverage;
+use crate::sphere_part::SpherePart;
 use crate::spherical::{Projection as SourceProjection, Spherical, StereoLayout};
 use crate::spherical_boxes::BrokenBox;
 use std::path::Path;
@@ -60,8 +62,10 @@ pub enum Surround {
 pub(super) struct SurroundOfEyes {
     pub(super) surround: Surround,
     pub(super) eyes: EyeLayout,
-    /// Pixels of one eye's picture.
+    /// Pixels of one eye's picture, of the whole where it is a part.
     pub(super) eye_size: [u32; 2],
+    /// Where the picture lies on the whole sphere, if it is a part or turned.
+    pub(super) part: Option<SpherePart>,
     /// Width and height of a pixel to each other, where a flat picture was squeezed.
     pub(super) pixel_aspect: [u32; 2],
 }
@@ -90,7 +94,7 @@ pub(super) fn surround_of(
     let words = NameWords::of(input);
     let frame = [info.width, info.height];
     let eyes = eyes_of(info, settings, &words, remarks).map_err(wrong)?;
-    let eye_size = eyes.eye_size(frame).map_err(wrong)?;
+    let mut eye_size = eyes.eye_size(frame).map_err(wrong)?;
     let found = Found {
         info,
         words: &words,
@@ -104,6 +108,12 @@ pub(super) fn surround_of(
         ProjectionChoice::Cube => Surround::Cube(found.cube(remarks).map_err(wrong)?),
         ProjectionChoice::Auto => found.surround(remarks).map_err(wrong)?,
     };
+    let part = match surround {
+        Surround::Equirect(_) => found.part(settings, remarks).map_err(wrong)?,
+        _ => None,
+    };
+    eye_size = part.map_or(eye_size, |part| part.whole);
+    remarks.warnings.extend(info.tags.broken.iter().cloned());
     for BrokenBox { name, at, what, .. } in &info.broken_boxes {
         remarks.warn(format!(
             "its {name} box, at byte {at}, {what}, and is passed over; give --projection or \
@@ -126,6 +136,7 @@ pub(super) fn surround_of(
         surround,
         eyes,
         eye_size,
+        part,
         pixel_aspect,
     })
 }
@@ -237,10 +248,86 @@ impl Found<'_> {
     }
 
     fn surround(&self, remarks: &mut Remarks) -> Result<Surround, String> {
-        match self.info.spherical {
-            Some(spherical) => self.by_metadata(&spherical, remarks),
+        if let Some(spherical) = self.info.spherical {
+            return self.by_metadata(&spherical, remarks);
+        }
+        match self.photo_sphere() {
+            Some(sphere) => Ok(self.by_photo_sphere(sphere, remarks)),
             None => self.by_name_and_size(remarks),
         }
+    }
+
+    /// What the file says of a photo sphere; it speaks of one picture, so nothing of two eyes.
+    fn photo_sphere(&self) -> Option<&PhotoSphere> {
+        let said = self.info.tags.photo_sphere.as_ref();
+        said.filter(|_| !self.two_eyes)
+    }
+
+    fn by_photo_sphere(&self, sphere: &PhotoSphere, remarks: &mut Remarks) -> Surround {
+        match sphere.flat_because() {
+            None => {
+                remarks.note("360° by its photo sphere metadata (GPano)".to_owned());
+                Surround::Equirect(Coverage::Full)
+            }
+            Some(why) => {
+                remarks.note(format!(
+                    "taken for flat by its photo sphere metadata (GPano): {why}; give --projection \
+                     equirect if it is 360°"
+                ));
+                Surround::Flat
+            }
+        }
+    }
+
+    /// Where the picture lies on the sphere by its metadata, unless the caller says what it is;
+    /// `None` where it is the whole sphere as it stands.
+    fn part(
+        &self,
+        settings: &PrepareSettings,
+        remarks: &mut Remarks,
+    ) -> Result<Option<SpherePart>, String> {
+        let is_asked = settings.projection == ProjectionChoice::Auto;
+        let Some(sphere) = self.photo_sphere().filter(|_| is_asked) else {
+            return Ok(None);
+        };
+        if self.info.spherical.is_some() || sphere.flat_because().is_some() {
+            return Ok(None);
+        }
+        let said = |why: String| {
+            format!(
+                "its photo sphere metadata (GPano) contradict it or themselves: {why}; mend them, \
+                 or give --projection: equirect if it is the whole sphere, flat if it is none"
+            )
+        };
+        let part = sphere.part(self.eye_size).map_err(said)?;
+        let [pitch, roll] = sphere.tilt().map_err(said)?;
+        if [pitch, roll] != [0.0; 2] {
+            remarks.warn(format!(
+                "the tilt in its metadata (pitch {pitch:.1}°, roll {roll:.1}°) is not applied"
+            ));
+        }
+        if let Some(heading) = sphere.heading().map_err(said)? {
+            remarks.note(format!(
+                "forward is north: the middle of its sphere lies at {heading:.1}°, by its metadata"
+            ));
+        }
+        if part.whole != self.eye_size {
+            let [wide, high] =
+                [0, 1].map(|k| f64::from(self.eye_size[k]) / f64::from(part.whole[k]));
+            remarks.note(format!(
+                "it covers {:.0}° x {:.0}° of the sphere, whose whole is {}x{} pixels; the rest is \
+                 black",
+                wide * 360.0,
+                high * 180.0,
+                part.whole[0],
+                part.whole[1]
+            ));
+        }
+        let as_it_stands = SpherePart {
+            whole: self.eye_size,
+            at: [0, 0],
+        };
+        Ok((part != as_it_stands).then_some(part))
     }
 
     fn by_metadata(

@@ -205,6 +205,11 @@ impl Description {
         }
     }
 
+    /// Whether it is a picture: of one frame there is no time.
+    pub fn is_still(&self) -> bool {
+        self.frames == 1
+    }
+
     /// Frames per second.
     #[must_use]
     pub fn fps(&self) -> f64 {
