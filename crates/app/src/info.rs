@@ -44,6 +44,8 @@ pub(crate) struct PackInfo {
     faces: u32,
     /// Width and height of a pixel to each other.
     pixel_aspect: [u32; 2],
+    /// Yaw that a view of a sphere begins at.
+    front_deg: f64,
     /// Its sound, if it has any.
     sound: Option<SoundInfo>,
     cut: Cut,
@@ -128,6 +130,7 @@ impl PackInfo {
             eyes: about.eyes,
             faces: pack.grid().surface.faces_of_an_eye(),
             pixel_aspect: about.pixel_aspect,
+            front_deg: about.front_deg,
             sound: file.sound()?.map(|sound| SoundInfo::new(&sound)),
             cut: about.cut,
             units: pack.units().count(),
@@ -159,6 +162,9 @@ impl PackInfo {
             }
             (Projection::Cube, _) => format!("cube of {0}x{0} px faces", self.face_width),
         };
+        if self.front_deg != 0.0 {
+            surround += &format!(", opened at {:.0}°", self.front_deg);
+        }
         if self.eyes > 1 {
             surround += ", for each of two eyes";
         }

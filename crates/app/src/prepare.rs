@@ -43,12 +43,15 @@ enum StereoName {
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PrepareVideoArgs {
-    /// Whatever FFmpeg reads.
+    /// Whatever FFmpeg reads: a video, or a picture, which EXIF may turn upright.
     input: PathBuf,
     /// The pack to write, with the ending .foveal; where it is there already, nothing is done.
     #[arg(long, value_name = "PACK")]
     out: Option<PathBuf>,
     /// How the picture surrounds the eye; auto goes by metadata, name and size, and says so.
+    ///
+    /// The metadata of a photo sphere (GPano) also tell which part of the sphere a picture covers
+    /// and where north is, which is then forward; any other choice than auto passes them over.
     ///
     /// Without metadata the size of one eye's picture decides, with the words of the name. 360°:
     /// exactly 2:1, and 360, pano, sphere or equirect in the name, or one of two eyes, or at least

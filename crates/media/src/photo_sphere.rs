@@ -35,6 +35,18 @@ pub struct PhotoSphere {
     said: Vec<(String, String)>,
 }
 
+/// How a picture lies on the sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placed {
+    /// Where on the whole, whose middle is north, or as it was taken where no heading is said.
+    pub part: SpherePart,
+    /// Compass direction of the middle of the whole as it was taken, from north to east, in
+    /// degrees; `None` where it is not said.
+    pub heading_deg: Option<f64>,
+    /// Pitch and roll in degrees, 0 of a sphere that stands upright.
+    pub tilt_deg: [f64; 2],
+}
+
 impl PhotoSphere {
     /// Reads an XMP packet; `None` where it says nothing in the namespace. The error says what is
     /// wrong with the packet.
@@ -103,29 +115,10 @@ impl PhotoSphere {
         }
     }
 
-    /// Pitch and roll in degrees, which turn a sphere that is not level.
-    pub fn tilt(&self) -> Result<[f64; 2], String> {
-        let angle = |name| Ok::<_, String>(self.number(name)?.unwrap_or(0.0));
-        Ok([angle("PosePitchDegrees")?, angle("PoseRollDegrees")?])
-    }
-
-    /// Compass direction of the middle of the whole sphere's picture, in degrees from north to
-    /// east, -360 to 360; `None` where it is not said.
-    pub fn heading(&self) -> Result<Option<f64>, String> {
-        let name = "PoseHeadingDegrees";
-        match self.number(name)? {
-            Some(degrees) if degrees.abs() > 360.0 => {
-                Err(format!("{name} is {degrees}, more than a turn"))
-            }
-            heading => Ok(heading),
-        }
-    }
-
-    /// Where a picture of this size lies on the sphere whose forward is north, or the middle of
-    /// the whole where no heading is said. A picture that was scaled since lies where it lay.
+    /// How a picture of this size lies on the sphere; one that was scaled since lies where it lay.
     ///
-    /// The error says what contradicts what.
-    pub fn part(&self, size: [u32; 2]) -> Result<SpherePart, String> {
+    /// The error says what cannot be meant.
+    pub fn placed(&self, size: [u32; 2]) -> Result<Placed, String> {
         let [w, h] = size.map(f64::from);
         let (mut whole, mut crop, mut at) = ([w, h], [w, h], [0.0; 2]);
         for (k, [of, cropped, from]) in NAMES.into_iter().enumerate() {
@@ -163,13 +156,22 @@ impl PhotoSphere {
                 whole[0], whole[1]
             ));
         }
-        let turned = self.heading()?.unwrap_or(0.0) / 360.0 * whole[0];
+        let heading_deg = self.number("PoseHeadingDegrees")?;
+        if let Some(degrees) = heading_deg.filter(|degrees| degrees.abs() > 360.0) {
+            return Err(format!("PoseHeadingDegrees is {degrees}, more than a turn"));
+        }
+        let turned = heading_deg.unwrap_or(0.0) / 360.0 * whole[0];
         let left = even(at[0] * scale + turned).rem_euclid(whole[0]);
         let lowest = 2.0 * ((whole[1] - h) / 2.0).floor();
         let top = even(at[1] * h / crop[1]).min(lowest);
-        Ok(SpherePart {
-            whole: whole.map(|side| side as u32),
-            at: [left, top].map(|place| place as u32 & !1),
+        let tilt = |name| Ok::<_, String>(self.number(name)?.unwrap_or(0.0));
+        Ok(Placed {
+            part: SpherePart {
+                whole: whole.map(|side| side as u32),
+                at: [left, top].map(|place| place as u32 & !1),
+            },
+            heading_deg,
+            tilt_deg: [tilt("PosePitchDegrees")?, tilt("PoseRollDegrees")?],
         })
     }
 }

@@ -13,6 +13,20 @@ pub struct SpherePart {
 }
 
 impl SpherePart {
+    /// Whether a picture of this size is the whole as it stands.
+    #[must_use]
+    pub fn is_whole(&self, size: [u32; 2]) -> bool {
+        self.whole == size && self.at == [0, 0]
+    }
+
+    /// How far the middle of a picture of this width lies to the right of the middle of the whole,
+    /// in degrees, -180 to 180.
+    #[must_use]
+    pub fn middle_deg(&self, width: u32) -> f64 {
+        let middle = f64::from(self.at[0]) + f64::from(width) / 2.0;
+        (middle / f64::from(self.whole[0]) * 360.0).rem_euclid(360.0) - 180.0
+    }
+
     /// The whole with the picture on it, and code value `black` where there is none.
     ///
     /// # Panics

@@ -28,6 +28,7 @@ fn description() -> Description {
         eyes: 1,
         cube_faces: 6,
         pixel_aspect: [1, 1],
+        front_deg: 0.0,
         cut: Cut::Tile(32),
         levels: 3,
         ratio: 4,

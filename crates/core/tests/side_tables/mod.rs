@@ -28,6 +28,7 @@ fn small_pack() -> Pack {
         eyes: 1,
         cube_faces: 6,
         pixel_aspect: [1, 1],
+        front_deg: 0.0,
         cut: Cut::Tile(16),
         levels: 3,
         ratio: 2,

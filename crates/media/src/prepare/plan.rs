@@ -137,6 +137,7 @@ impl Plan {
             eyes: surface.eyes,
             cube_faces: surface.cube_faces,
             pixel_aspect: found.pixel_aspect,
+            front_deg: found.front_deg,
             cut,
             levels,
             ratio: settings.ratio,

@@ -68,10 +68,10 @@ pub(super) fn describe(rates: &[Rate], description: &mut Description) {
 fn default_quantisers(codec: Codec) -> [u8; 2] {
     match codec {
         Codec::Vp9 => [24, 4],
-        Codec::Vp8 => [16, 4],
-        Codec::H264 => [26, 14],
-        Codec::Hevc => [27, 14],
-        Codec::Av1 => [28, 8],
+        Codec::Vp8 => [16, 0],
+        Codec::H264 => [26, 15],
+        Codec::Hevc => [27, 16],
+        Codec::Av1 => [28, 3],
         Codec::Jpeg => [3, 1],
         Codec::Png => [0, 0],
     }

@@ -30,6 +30,9 @@ pub struct Description {
     /// Width and height of a pixel of flat content, to each other.
     #[serde(default = "square_pixels", skip_serializing_if = "are_square_pixels")]
     pub pixel_aspect: [u32; 2],
+    /// Yaw that a view of a sphere begins at, in degrees to the right of forward.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub front_deg: f64,
     /// How faces are cut into tiles.
     pub cut: Cut,
     /// Number of levels.
@@ -73,6 +76,10 @@ fn square_pixels() -> [u32; 2] {
 
 fn are_square_pixels(aspect: &[u32; 2]) -> bool {
     *aspect == square_pixels()
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 /// Longest side of a pixel for a shortest of 1.
@@ -131,6 +138,14 @@ impl Description {
                 "description.pixel_aspect",
                 format!("{wide}:{high}"),
                 format!("positive numbers, at most {MOST_STRETCH}:1"),
+            ));
+        }
+        if !(-360.0..=360.0).contains(&self.front_deg) {
+            let found = self.front_deg.to_string();
+            return Err(PackError::new(
+                "description.front_deg",
+                found,
+                "-360 to 360",
             ));
         }
         let square = self.size[0] == self.size[1];
