@@ -218,32 +218,39 @@ fn a_picture_is_told_as_a_picture_and_film_as_film() {
         picture["quality"][0].as_u64() < video["quality"][0].as_u64(),
         "a picture is coded finer than film: {picture}"
     );
-    let site = folder.name("site");
-    done(&["export", "site", &packs[0], &packs[1], "--out", &site]);
-    let list = std::fs::read(format!("{site}/packs.json")).unwrap();
-    let list: Value = serde_json::from_slice(&list).unwrap();
-    let told = ["content", "seconds", "fps"].map(|key| [0, 1].map(|k| &list["packs"][k][key]));
-    assert_eq!(told[0], [&json!("picture"), &json!("video")]);
-    assert!(told[1][0].is_null() && told[1][1].is_f64(), "{list}");
-    assert!(told[2][0].is_null() && told[2][1].is_f64(), "{list}");
 }
 
 #[test]
 fn by_default_the_finest_level_of_a_picture_scores_as_high_as_its_source_without_loss() {
     let folder = Folder::new();
-    let photo = Photo::of_grain([512, 256]).png(&folder, "pano.png", &Tags::default());
-    let [lossless, usual] = ["lossless", "usual"].map(|name| folder.name(name) + ".foveal");
-    done(&[
-        "prepare", "video", &photo, "--out", &lossless, "--codec", "png",
-    ]);
-    done(&["prepare", "video", &photo, "--out", &usual]);
-    // A pixel of the pack is four of the view, as where one looks closely.
-    let view = ["--policy", "full", "--view", "480x300", "--fov", "60"];
-    for gaze in ["-160,-100", "160,-100", "0,0", "-160,100", "160,100"] {
-        let gaze = format!("--gaze={gaze}");
-        let score = json(&[&["score", &lossless, &usual, &gaze], &view[..]].concat());
-        assert!(score["jod"].as_f64().unwrap() >= 9.8, "{gaze}: {score}");
-    }
+    let photo = Photo::of_grain([512, 320]).png(&folder, "a.png", &Tags::default());
+    let pack = |name: &str, how: &[&str]| {
+        let pack = folder.name(name);
+        done(&[&["prepare", "video", &photo, "--out", &pack], how].concat());
+        pack
+    };
+    let lossless = pack("lossless.foveal", &["--codec", "png"]);
+    let picture = pack("picture.foveal", &[]);
+    let as_film = pack("film.foveal", &["--quality", "24"]);
+    // Over 83°: a pixel is as wide as in a panorama of 2048.
+    let view = [
+        "--policy", "full", "--view", "512x320", "--screen", "24,0.3",
+    ];
+    let worst = |pack: &str| {
+        let places = [-1, 0, 1].map(|y| [-1, 0, 1].map(|x| [x * 171, y * 107]));
+        let jod = |[x, y]: &[i32; 2]| {
+            let gaze = format!("--gaze={x},{y}");
+            let score = json(&[&["score", &lossless, pack, &gaze], &view[..]].concat());
+            score["jod"].as_f64().unwrap()
+        };
+        places.as_flattened().iter().map(jod).fold(10.0, f64::min)
+    };
+    let [picture, as_film] = [&picture, &as_film].map(|pack| worst(pack));
+    assert!(picture >= 9.8, "{picture}");
+    assert!(
+        as_film < 9.8,
+        "{as_film}: the scene asks nothing of a picture"
+    );
 }
 
 #[test]
@@ -317,7 +324,7 @@ fn a_cropped_panorama_is_seen_where_it_was_cut_from_and_its_heading_turns_it() {
         let by_hand = by_hand.png(&folder, "whole.png", &Tags::default());
         let found = seen(&folder, &part, &[], "240x160");
         let expected = seen(&folder, &by_hand, &["--projection", "equirect"], "240x160");
-        // Chroma at a border knows nothing of what was black beyond it.
+        // Chroma at a border knows nothing of what was black beyond it: 3 % may be off.
         let far: Vec<[u32; 2]> = found
             .places()
             .filter(|at| {
@@ -326,7 +333,7 @@ fn a_cropped_panorama_is_seen_where_it_was_cut_from_and_its_heading_turns_it() {
             })
             .collect();
         assert!(
-            far.len() < 240,
+            far.len() < 240 * 160 * 3 / 100,
             "{at:?} {size:?} {heading:?}: {} differ",
             far.len()
         );
