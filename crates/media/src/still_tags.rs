@@ -236,7 +236,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_bytes_make_it_panic(at in 0usize..900, bytes in prop::collection::vec(any::<u8>(), 1..9)) {
+        fn no_bytes_make_it_panic(
+            at in 0usize..900,
+            bytes in prop::collection::vec(any::<u8>(), 1..9),
+        ) {
             let mut file = tagged();
             let at = at % file.len();
             let end = (at + bytes.len()).min(file.len());

@@ -145,13 +145,8 @@ impl Plan {
             quality: Vec::new(),
             quality_scale: QualityScale::default(),
             bit_rates: Vec::new(),
-            groups: match info.looks_still {
-                true => vec![1; usize::from(levels)],
-                false => groups(levels, f64::from(frame_rate[0]) / f64::from(frame_rate[1])),
-            },
-            frames: info
-                .frames
-                .map_or(1, |frames| frames.clamp(1, 1 << 24) as u32),
+            groups: groups(levels, info.looks_still, frame_rate),
+            frames: info.frames.unwrap_or(1).clamp(1, 1 << 24) as u32,
             frame_rate,
             colour,
             source: source_of(input, info),
@@ -285,14 +280,16 @@ fn default_levels(surface: Surface, ratio: u32) -> u8 {
 }
 
 /// Frames in a group: 8, at the coarsest level 32, doubled for fast content. Short where the gaze
-/// switches, long where nothing ever switches (docs/concepts/video.md).
-fn groups(levels: u8, fps: f64) -> Vec<u32> {
-    let factor = if fps > FAST_FPS { 2 } else { 1 };
+/// switches, long where nothing ever switches (docs/concepts/video.md). A still has one.
+fn groups(levels: u8, is_still: bool, [frames, seconds]: [u32; 2]) -> Vec<u32> {
+    let is_fast = f64::from(frames) / f64::from(seconds) > FAST_FPS;
+    let factor = if is_fast { 2 } else { 1 };
     let of_level = |level: u8| match level {
-        _ if levels > 1 && level == levels - 1 => 32,
-        _ => 8,
+        _ if is_still => 1,
+        _ if levels > 1 && level == levels - 1 => 32 * factor,
+        _ => 8 * factor,
     };
-    (0..levels).map(|level| of_level(level) * factor).collect()
+    (0..levels).map(of_level).collect()
 }
 
 #[cfg(test)]

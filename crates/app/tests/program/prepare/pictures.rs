@@ -402,56 +402,59 @@ fn a_picture_whose_metadata_asks_to_be_flat_is_flat() {
     }
 }
 
+/// What a cut of 128 x 64 out of 256 x 128 cannot say as well, and words of the answer.
+const NOT_MEANT: [((&str, &str), &[&str]); 11] = [
+    (
+        ("CroppedAreaImageHeightPixels", "96"),
+        &["128 x 96", "128 x 64 pixels"],
+    ),
+    (
+        ("CroppedAreaLeftPixels", "200"),
+        &["CroppedAreaLeftPixels 200", "beyond", "256"],
+    ),
+    (
+        ("CroppedAreaTopPixels", "-2"),
+        &["CroppedAreaTopPixels -2", "beyond"],
+    ),
+    (
+        ("CroppedAreaImageWidthPixels", "0"),
+        &["CroppedAreaImageWidthPixels is 0"],
+    ),
+    (
+        ("CroppedAreaImageWidthPixels", "300"),
+        &["300", "beyond FullPanoWidthPixels 256"],
+    ),
+    (
+        ("FullPanoWidthPixels", "wide"),
+        &["FullPanoWidthPixels", "\"wide\"", "not a number"],
+    ),
+    (
+        ("FullPanoWidthPixels", "inf"),
+        &["FullPanoWidthPixels", "not a number"],
+    ),
+    (
+        ("FullPanoHeightPixels", "4e9"),
+        &["4000000000 pixels, more than"],
+    ),
+    (
+        ("PoseHeadingDegrees", "361"),
+        &["PoseHeadingDegrees is 361", "more than a turn"],
+    ),
+    (
+        ("PoseHeadingDegrees", "NaN"),
+        &["PoseHeadingDegrees", "not a number"],
+    ),
+    (
+        ("PoseRollDegrees", ""),
+        &["PoseRollDegrees", "not a number"],
+    ),
+];
+
 #[test]
 fn a_photo_sphere_that_cannot_be_meant_is_refused_with_what_to_do_and_taken_when_told() {
     let folder = Folder::new();
     let photo = Photo::of_waves([128, 64]);
-    for (more, words) in [
-        (
-            ("CroppedAreaImageHeightPixels", "96"),
-            &["128 x 96", "128 x 64 pixels"][..],
-        ),
-        (
-            ("CroppedAreaLeftPixels", "200"),
-            &["CroppedAreaLeftPixels 200", "beyond", "256"],
-        ),
-        (
-            ("CroppedAreaTopPixels", "-2"),
-            &["CroppedAreaTopPixels -2", "beyond"],
-        ),
-        (
-            ("CroppedAreaImageWidthPixels", "0"),
-            &["CroppedAreaImageWidthPixels is 0"],
-        ),
-        (
-            ("CroppedAreaImageWidthPixels", "300"),
-            &["300", "beyond FullPanoWidthPixels 256"],
-        ),
-        (
-            ("FullPanoWidthPixels", "wide"),
-            &["FullPanoWidthPixels", "\"wide\"", "not a number"],
-        ),
-        (
-            ("FullPanoWidthPixels", "inf"),
-            &["FullPanoWidthPixels", "not a number"],
-        ),
-        (
-            ("FullPanoHeightPixels", "4e9"),
-            &["4000000000 pixels, more than"],
-        ),
-        (
-            ("PoseHeadingDegrees", "361"),
-            &["PoseHeadingDegrees is 361", "more than a turn"],
-        ),
-        (
-            ("PoseHeadingDegrees", "NaN"),
-            &["PoseHeadingDegrees", "not a number"],
-        ),
-        (
-            ("PoseRollDegrees", ""),
-            &["PoseRollDegrees", "not a number"],
-        ),
-    ] {
+    for (more, words) in NOT_MEANT {
         let tags = cropped([256, 128], [64, 32], [128, 64], &[more]);
         let file = photo.jpeg(&folder, "a.jpg", &tags);
         let pack = folder.name("a.foveal");

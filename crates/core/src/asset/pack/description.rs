@@ -126,6 +126,13 @@ impl Description {
         Ok(description)
     }
 
+    fn check_front(&self) -> Result<(), PackError> {
+        let found = self.front_deg;
+        let is_good = (-360.0..=360.0).contains(&found);
+        let error = || PackError::new("description.front_deg", found, "-360 to 360");
+        is_good.then_some(()).ok_or_else(error)
+    }
+
     /// Whether every field is in range.
     pub fn check(&self) -> Result<(), PackError> {
         self.grid(Screen::default())
@@ -140,14 +147,7 @@ impl Description {
                 format!("positive numbers, at most {MOST_STRETCH}:1"),
             ));
         }
-        if !(-360.0..=360.0).contains(&self.front_deg) {
-            let found = self.front_deg.to_string();
-            return Err(PackError::new(
-                "description.front_deg",
-                found,
-                "-360 to 360",
-            ));
-        }
+        self.check_front()?;
         let square = self.size[0] == self.size[1];
         if self.projection == Projection::Cube && !square {
             let found = format!("{}x{}", self.size[0], self.size[1]);
