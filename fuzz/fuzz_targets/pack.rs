@@ -37,6 +37,7 @@ fn good_pack() -> Vec<u8> {
         eyes: 1,
         cube_faces: 6,
         pixel_aspect: [1, 1],
+        front_deg: 0.0,
         cut: Cut::Tile(16),
         levels: 2,
         ratio: 2,

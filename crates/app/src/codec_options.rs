@@ -19,7 +19,8 @@ pub(crate) struct CodecOptions {
     /// is finer: vp9, vp8 and av1 0-63, h264 and hevc 0-51, jpeg 1-31; for jpeg also q1-q100, the
     /// quality of other programs. png is lossless.
     ///
-    /// Defaults: vp9 24, vp8 16, av1 28, h264 26, hevc 27, jpeg 3.
+    /// Defaults of video: vp9 24, vp8 16, av1 28, h264 26, hevc 27, jpeg 3; of a picture, which is
+    /// looked at for long: vp9 4, vp8 0, av1 3, h264 15, hevc 16, jpeg 1.
     #[arg(long, value_name = "Q[,Q..]", conflicts_with = "bitrate")]
     quality: Option<String>,
     /// The finest quantiser at which no group of a tile takes more, as 10mbit or one a level as

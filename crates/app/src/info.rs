@@ -27,10 +27,12 @@ pub(crate) struct InfoArgs {
 /// What `info` and `prepare` say of a pack.
 #[derive(Debug, Serialize)]
 pub(crate) struct PackInfo {
+    content: Content,
     projection: Projection,
     pub(crate) frames: u32,
-    fps: f64,
-    seconds: f64,
+    /// Null for a picture.
+    fps: Option<f64>,
+    seconds: Option<f64>,
     /// Pixels of the source.
     width: u32,
     height: u32,
@@ -48,6 +50,8 @@ pub(crate) struct PackInfo {
     is_softer: bool,
     /// Width and height of a pixel to each other.
     pixel_aspect: [u32; 2],
+    /// Yaw that a view of a sphere begins at.
+    front_deg: f64,
     /// Its sound, if it has any.
     sound: Option<SoundInfo>,
     cut: Cut,
@@ -66,6 +70,24 @@ pub(crate) struct PackInfo {
     source: String,
     source_bytes: u64,
     generator: String,
+}
+
+/// What a pack shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Content {
+    Picture,
+    Video,
+}
+
+impl Content {
+    pub(crate) fn of(about: &Description) -> Self {
+        if about.is_still() {
+            Self::Picture
+        } else {
+            Self::Video
+        }
+    }
 }
 
 /// What is said of a pack's sound.
@@ -91,18 +113,24 @@ impl SoundInfo {
     }
 }
 
+/// How long a video lasts; `None` of a picture.
+pub(crate) fn seconds_of(file: &PackFile) -> anyhow::Result<Option<f64>> {
+    let about = file.pack().description();
+    let times = file.frame_times()?;
+    let last = times.last().map_or(0.0, |&ns| ns as f64 / 1e9);
+    Ok((!about.is_still()).then_some(last + 1.0 / about.fps()))
+}
+
 impl PackInfo {
     pub(crate) fn new(file: &PackFile) -> anyhow::Result<Self> {
         let pack = file.pack();
         let about: &Description = pack.description();
-        let times = file.frame_times()?;
-        let one_frame = 1.0 / about.fps();
-        let last = times.last().map_or(0.0, |&ns| ns as f64 / 1e9);
         Ok(Self {
+            content: Content::of(about),
             projection: about.projection,
             frames: about.frames,
-            fps: about.fps(),
-            seconds: last + one_frame,
+            fps: (!about.is_still()).then_some(about.fps()),
+            seconds: seconds_of(file)?,
             width: about.source.size[0],
             height: about.source.size[1],
             face_width: about.size[0],
@@ -112,6 +140,7 @@ impl PackInfo {
             mapping: about.mapping,
             is_softer: is_softer(about),
             pixel_aspect: about.pixel_aspect,
+            front_deg: about.front_deg,
             sound: file.sound()?.map(|sound| SoundInfo::new(&sound)),
             cut: about.cut,
             units: pack.units().count(),
@@ -147,6 +176,9 @@ impl PackInfo {
         if self.mapping == Mapping::EquiAngular {
             surround += ", equi-angular";
         }
+        if self.front_deg != 0.0 {
+            surround += &format!(", opened at {:.0}°", self.front_deg);
+        }
         if self.eyes > 1 {
             surround += ", for each of two eyes";
         }
@@ -154,15 +186,21 @@ impl PackInfo {
             Cut::Tile(px) => format!("tiles of {px} px"),
             Cut::Grid([c, r]) => format!("a grid of {c}x{r} a face"),
         };
+        let content = match (self.fps, self.seconds) {
+            (Some(fps), Some(seconds)) => {
+                format!(
+                    "{} at {fps:.3} fps, {seconds:.2} s",
+                    counted(self.frames, "frame")
+                )
+            }
+            _ => "a picture".to_owned(),
+        };
         let mut text = format!(
-            "{}, {}x{}, {surround}\n{} at {:.3} fps, {:.2} s\n\
+            "{}, {}x{}, {surround}\n{content}\n\
              {}, {} of ratio {}, {cut}, {}\n{} from {}\n",
             self.source,
             self.width,
             self.height,
-            counted(self.frames, "frame"),
-            self.fps,
-            self.seconds,
             self.codec.name(),
             counted(self.levels, "level"),
             self.level_ratio,
@@ -198,10 +236,13 @@ impl PackInfo {
         for (level, bytes) in self.bytes_per_level.iter().enumerate() {
             let _ = writeln!(
                 text,
-                "level {level}: {}, {}, groups of {}",
+                "level {level}: {}, {}{}",
                 output::size(*bytes),
                 self.quality_of(level),
-                self.groups[level]
+                match self.content {
+                    Content::Picture => String::new(),
+                    Content::Video => format!(", groups of {}", self.groups[level]),
+                }
             );
         }
         text

@@ -46,12 +46,15 @@ enum StereoName {
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PrepareVideoArgs {
-    /// Whatever FFmpeg reads.
+    /// Whatever FFmpeg reads: a video, or a picture, which EXIF may turn upright.
     input: PathBuf,
     /// The pack to write, with the ending .foveal; where it is there already, nothing is done.
     #[arg(long, value_name = "PACK")]
     out: Option<PathBuf>,
     /// How the picture surrounds the eye; auto goes by metadata, name and size, and says so.
+    ///
+    /// The metadata of a photo sphere (GPano) also tell which part of the sphere a picture covers
+    /// and where north is, which is then forward; any other choice than auto passes them over.
     ///
     /// Without metadata the size of one eye's picture decides, with the words of the name. 360°:
     /// exactly 2:1, and 360, pano, sphere or equirect in the name, or one of two eyes, or at least
@@ -295,12 +298,16 @@ impl PrepareVideoArgs {
             }
             _ => "the number of frames is not known".to_owned(),
         };
-        let text = format!(
-            "{all}; {:.1} ms and {:.1} kB a frame by {} (nothing written)",
-            seconds_per_frame * 1e3,
-            bytes_per_frame / 1e3,
-            counted(rehearsed, "frame"),
-        );
+        let by = match plan.is_still {
+            true => "a picture".to_owned(),
+            false => format!(
+                "{:.1} ms and {:.1} kB a frame by {}",
+                seconds_per_frame * 1e3,
+                bytes_per_frame / 1e3,
+                counted(rehearsed, "frame"),
+            ),
+        };
+        let text = format!("{all}; {by} (nothing written)");
         output::result(self.json, &estimate, &text)
     }
 }

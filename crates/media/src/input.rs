@@ -17,6 +17,7 @@ use crate::orientation::Orientation;
 use crate::source::{self, SourceInfo, Transparency};
 use crate::spherical::{side_data_of, spherical_of, stereo_of};
 use crate::spherical_boxes::{Ffmpeg, broken_boxes_of};
+use crate::still_tags::StillTags;
 use crate::timeline::Timeline;
 
 /// A picture and the time at which it is shown.
@@ -132,7 +133,11 @@ impl StreamInput {
         let stream = reader
             .stream()
             .ok_or_else(|| no_frames("it is gone".to_owned()))?;
-        let orientation = orientation_of(path, &stream)?;
+        let tags = match source::is_image_format(reader.input()) {
+            true => StillTags::of(path),
+            false => StillTags::default(),
+        };
+        let orientation = orientation_of(path, &stream)?.unwrap_or(tags.orientation);
         let is_jpeg = reader.decoder().id() == av::codec::Id::MJPEG;
         let delivery = Delivery::new(&first, orientation, is_jpeg).map_err(|found| {
             let (path, field) = (path.to_owned(), "the colour matrix");
@@ -145,7 +150,10 @@ impl StreamInput {
             }
         })?;
         let coded_size = [first.width(), first.height()];
-        let info = describe(&reader, &stream, &first, &delivery, bytes);
+        let info = SourceInfo {
+            tags,
+            ..describe(&reader, &stream, &first, &delivery, bytes)
+        };
         let timeline = Timeline::new(stream.time_base(), info.frame_rate);
         let first_stamp_ns = timeline.stamp_ns(first.timestamp());
         let path = path.to_owned();
@@ -233,6 +241,7 @@ fn describe(
         colour: delivery.colour(),
         spherical: spherical_of(stream).filter(|_| !is_misread),
         stereo: stereo_of(stream),
+        tags: StillTags::default(),
         broken_boxes,
         sound: source::sound_of(reader.input()),
         transparency,
@@ -279,16 +288,20 @@ fn file_bytes(path: &Path) -> Result<u64, MediaError> {
     Ok(about.len())
 }
 
-fn orientation_of(path: &Path, stream: &Stream) -> Result<Orientation, MediaError> {
+/// As the container says; `None` where it says nothing.
+fn orientation_of(path: &Path, stream: &Stream) -> Result<Option<Orientation>, MediaError> {
     let Some(matrix) = side_data_of(stream, Type::DisplayMatrix) else {
-        return Ok(Orientation::default());
+        return Ok(None);
     };
-    Orientation::from_display_matrix(&matrix).ok_or_else(|| MediaError::Unsupported {
-        path: path.to_owned(),
-        field: "the display rotation",
-        found: "not a multiple of 90 degrees".to_owned(),
-        next: "turn the pictures themselves with `ffmpeg -i FILE OUT.mp4`",
-    })
+    let orientation = Orientation::from_display_matrix(&matrix);
+    orientation
+        .map(Some)
+        .ok_or_else(|| MediaError::Unsupported {
+            path: path.to_owned(),
+            field: "the display rotation",
+            found: "not a multiple of 90 degrees".to_owned(),
+            next: "turn the pictures themselves with `ffmpeg -i FILE OUT.mp4`",
+        })
 }
 
 /// The shape of a frame's pixels; `None` when they are square or nothing is said.

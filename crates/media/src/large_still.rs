@@ -17,6 +17,7 @@ use crate::deliver::over;
 use crate::error::MediaError;
 use crate::picture_from_rgba::PlanesOfRows;
 use crate::source::{SourceInfo, Transparency};
+use crate::still_tags::StillTags;
 
 /// Most pixels of a picture, with its margin of 128 a side, that FFmpeg's decoders take.
 const MOST_OF_FFMPEG: u64 = (i32::MAX / 8) as u64;
@@ -76,15 +77,18 @@ impl LargeStill {
             Kind::Png => "png",
             Kind::Jpeg => "mjpeg",
         };
+        let tags = StillTags::of(path);
+        let [width, height] = tags.orientation.turned_size(size);
         let info = SourceInfo {
-            width: size[0],
-            height: size[1],
+            width,
+            height,
             frame_rate: [25, 1],
             frames: Some(1),
             seconds: None,
             colour: COLOUR,
             spherical: None,
             stereo: None,
+            tags,
             broken_boxes: Vec::new(),
             sound: None,
             transparency: has_alpha.then_some(Transparency::OverBlack),
@@ -113,11 +117,14 @@ impl LargeStill {
         if std::mem::replace(&mut self.is_read, true) {
             return Ok(None);
         }
-        let size = [self.info.width, self.info.height];
+        // Width and height change places back as they did.
+        let orientation = self.info.tags.orientation;
+        let size = orientation.turned_size([self.info.width, self.info.height]);
         let read = match self.kind {
             Kind::Png => read_png(&self.path, size),
             Kind::Jpeg => read_jpeg(&self.path, size),
         };
+        let read = read.map(|picture| orientation.turned(picture));
         read.map(Some).map_err(|reason| MediaError::Broken {
             path: self.path.clone(),
             frame: 0,

@@ -1,5 +1,7 @@
 //! Which way up does a file want its pictures shown?
 
+use foveal_core::asset::picture::Picture;
+
 /// The elements of a display matrix below this are taken as zero; 16.16 fixed point, so 0.01.
 const NEARLY_ZERO: i32 = 655;
 
@@ -39,6 +41,26 @@ impl Orientation {
         }
     }
 
+    /// From the number that EXIF has for it, 1 to 8.
+    pub(crate) fn from_exif(number: u32) -> Option<Self> {
+        let [transpose, mirror_x, mirror_y] = match number {
+            1 => [false, false, false],
+            2 => [false, true, false],
+            3 => [false, true, true],
+            4 => [false, false, true],
+            5 => [true, false, false],
+            6 => [true, true, false],
+            7 => [true, true, true],
+            8 => [true, false, true],
+            _ => return None,
+        };
+        Some(Self {
+            transpose,
+            mirror_x,
+            mirror_y,
+        })
+    }
+
     /// Whether pictures stay as they are.
     pub(crate) fn is_upright(self) -> bool {
         self == Self::default()
@@ -50,6 +72,27 @@ impl Orientation {
             [height, width]
         } else {
             [width, height]
+        }
+    }
+
+    /// A picture whose chroma lies between its luma samples, turned.
+    pub(crate) fn turned(self, picture: Picture) -> Picture {
+        if self.is_upright() {
+            return picture;
+        }
+        let [width, height] = self.turned_size([picture.width, picture.height]);
+        let planes = [0, 1, 2].map(|p| {
+            let size = picture.plane_size(p);
+            let from = (&picture.planes[p][..], size[0] as usize);
+            let mut to = vec![0; picture.planes[p].len()];
+            let stride = self.turned_size(size)[0] as usize;
+            self.turn(from, size, (&mut to, stride));
+            to
+        });
+        Picture {
+            width,
+            height,
+            planes,
         }
     }
 
@@ -96,7 +139,11 @@ mod tests {
     }
 
     fn turned(cos: i32, sin: i32) -> Vec<u8> {
-        let orientation = Orientation::from_display_matrix(&matrix(cos, sin)).unwrap();
+        laid(Orientation::from_display_matrix(&matrix(cos, sin)).unwrap())
+    }
+
+    /// A picture of two rows of three samples, laid.
+    fn laid(orientation: Orientation) -> Vec<u8> {
         let mut to = vec![0; 6];
         let stride = orientation.turned_size([3, 2])[0] as usize;
         orientation.turn((&[1, 2, 3, 4, 5, 6], 3), [3, 2], (&mut to, stride));
@@ -109,6 +156,30 @@ mod tests {
         assert_eq!(turned(0, 1), [4, 1, 5, 2, 6, 3]);
         assert_eq!(turned(-1, 0), [6, 5, 4, 3, 2, 1]);
         assert_eq!(turned(0, -1), [3, 6, 2, 5, 1, 4]);
+    }
+
+    #[test]
+    fn exif_numbers_the_eight_ways_by_the_side_that_the_first_row_and_column_show() {
+        // Where the first row (1, 2, 3) and the first column (1, 4) of a picture are seen.
+        for (number, seen) in [
+            (1, [1, 2, 3, 4, 5, 6]),
+            (2, [3, 2, 1, 6, 5, 4]),
+            (3, [6, 5, 4, 3, 2, 1]),
+            (4, [4, 5, 6, 1, 2, 3]),
+            (5, [1, 4, 2, 5, 3, 6]),
+            (6, [4, 1, 5, 2, 6, 3]),
+            (7, [6, 3, 5, 2, 4, 1]),
+            (8, [3, 6, 2, 5, 1, 4]),
+        ] {
+            let orientation = Orientation::from_exif(number).unwrap();
+            assert_eq!(laid(orientation), seen, "{number}");
+        }
+        assert!(
+            [0, 9, 65535]
+                .map(Orientation::from_exif)
+                .iter()
+                .all(Option::is_none)
+        );
     }
 
     #[test]

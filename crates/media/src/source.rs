@@ -8,6 +8,7 @@ use foveal_core::asset::picture::Colour;
 
 use crate::spherical::{Spherical, Stereo};
 use crate::spherical_boxes::BrokenBox;
+use crate::still_tags::StillTags;
 
 /// Frame rate of a stream that names none, frames a second.
 const FALLBACK_RATE: [i32; 2] = [25, 1];
@@ -33,6 +34,8 @@ pub struct SourceInfo {
     pub spherical: Option<Spherical>,
     /// Layout of the two eyes, where the file names one.
     pub stereo: Option<Stereo>,
+    /// What a picture file says of how it is meant to be looked at.
+    pub tags: StillTags,
     /// What it says of projection and eyes that cannot be used.
     pub broken_boxes: Vec<BrokenBox>,
     /// Its best sound stream, if it has any.

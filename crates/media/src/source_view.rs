@@ -13,6 +13,7 @@ use crate::parallel::in_parallel;
 use crate::prepare::{Plan, Surround};
 use crate::source::SourceInfo;
 use crate::sphere::catmull_rom;
+use crate::sphere_part::SpherePart;
 use chart::{Chart, Spot};
 use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::view::eye_view::EyeView;
@@ -23,6 +24,8 @@ use std::borrow::Cow;
 #[derive(Clone, Copy, Debug)]
 pub struct SourceView {
     surround: Surround,
+    /// Where a picture of a part of a sphere lies on the whole.
+    part: Option<SpherePart>,
     eyes: EyeLayout,
     surface: Surface,
     colour: Colour,
@@ -59,6 +62,7 @@ impl SourceView {
         surface.eyes = 1;
         Self {
             surround: plan.surround,
+            part: plan.part,
             eyes: plan.eyes,
             surface,
             colour: info.colour,
@@ -68,7 +72,14 @@ impl SourceView {
     /// A decoded picture of this source.
     #[must_use]
     pub fn of<'a>(&self, picture: &'a Picture) -> SourcePicture<'a> {
-        let eyes = self.eyes.split(picture);
+        let eyes = match self.part {
+            Some(part) => {
+                let black = if self.colour.full_range { 0 } else { 16 };
+                let whole = part.whole_of(picture, black);
+                Cow::Owned(self.eyes.split(&whole).into_owned())
+            }
+            None => self.eyes.split(picture),
+        };
         let pictures = match self.surround {
             Surround::Cube(layout) => eyes
                 .iter()

@@ -80,7 +80,8 @@ impl Viewer {
     ) -> Result<Self, String> {
         let shelf = Shelf::new(head, options.screen).map_err(|error| error.to_string())?;
         let (grid, timeline) = (shelf.grid, shelf.timeline());
-        let colour = shelf.pack.description().colour;
+        let about = shelf.pack.description();
+        let (colour, front) = (about.colour, Radians::from_degrees(about.front_deg));
         let easel = WebEasel::new(gpu, &grid, colour).map_err(|error| error.to_string())?;
         let field = Radians::from_degrees(options.field_deg);
         let shelf = Rc::new(RefCell::new(shelf));
@@ -88,7 +89,7 @@ impl Viewer {
         let mut viewer = Self {
             choice: WebChoice::new(Rc::clone(&shelf), name, detail, options.log),
             stage: Stage::new(grid, timeline, WebFeed::default(), easel),
-            scene: Scene::new(grid.surface, field),
+            scene: Scene::new(grid.surface, field).facing(front),
             shelf,
             looking: Looking::default(),
             figures: Figures::default(),

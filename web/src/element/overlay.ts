@@ -20,14 +20,20 @@ export class Overlay {
   private readonly policies = element("select", { "aria-label": "Policy" });
   private readonly heat = element("input", { type: "checkbox" });
   private readonly values = new Map<string, HTMLElement>();
+  /** What says nothing of a picture, which is never late. */
+  private readonly ofVideo: HTMLElement[] = [];
 
   constructor(choices: OverlayChoices) {
     const rows = element("dl");
     for (const [name, title] of FIGURES) {
       const value = element("dd", { title }, "–");
+      const term = element("dt", { title }, name);
       this.values.set(name, value);
-      rows.append(element("dt", { title }, name), value);
+      rows.append(term, value);
+      if (OF_VIDEO.has(name)) this.ofVideo.push(term, value);
     }
+    const late = element("p", {}, LATE);
+    this.ofVideo.push(late);
     this.policies.addEventListener("change", () => {
       const chosen = POLICIES.find((name) => name === this.policies.value);
       if (chosen !== undefined) choices.policy(chosen);
@@ -37,14 +43,15 @@ export class Overlay {
       "section",
       { class: "figures", "aria-label": "Figures", hidden: true },
       rows,
-      element("p", {}, LATE),
+      late,
       element("label", {}, "Policy ", this.policies),
       element("label", {}, this.heat, " Colour tiles by level"),
     );
   }
 
-  /** Offers the policies that this pack has the tables for. */
+  /** Offers the policies that this pack has the tables for, and the figures that it has. */
   offer(pack: PackFacts): void {
+    for (const part of this.ofVideo) part.hidden = pack.frames === 1;
     this.policies.replaceChildren(...pack.policies.map((name) => element("option", {}, name)));
   }
 
@@ -70,6 +77,8 @@ export class Overlay {
 const LATE =
   "A late picture came after its time. One that was left out never came: the next was due, and " +
   "time goes on. Many of either: the link or this device is slower than the video.";
+
+const OF_VIDEO: ReadonlySet<string> = new Set(["late pictures", "left-out pictures"]);
 
 /** Names, what they stand for, and values. */
 const FIGURES: readonly (readonly [string, string, (stats: Stats) => string])[] = [

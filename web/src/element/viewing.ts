@@ -428,6 +428,7 @@ export function deviceSize(of: HTMLElement): readonly [number, number] {
 }
 
 function spokenFacts(pack: PackFacts): string {
-  const kind = pack.projection === "cube" ? "Video all around" : "Video";
-  return `${kind}, ${spokenTime(pack.seconds)}${pack.hasSound ? ", with sound" : ""}`;
+  const around = pack.projection === "cube" ? " all around" : "";
+  if (pack.frames === 1) return `Picture${around}`;
+  return `Video${around}, ${spokenTime(pack.seconds)}${pack.hasSound ? ", with sound" : ""}`;
 }

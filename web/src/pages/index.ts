@@ -1,4 +1,4 @@
-// Which videos are there?
+// Which videos and pictures are there?
 
 import { element } from "../element/dom.ts";
 import { bytes, clock, spokenTime } from "../element/words.ts";
@@ -13,11 +13,10 @@ function item(pack: Listed): HTMLElement {
     alt: "",
     loading: "lazy",
   });
-  const length = element(
-    "span",
-    { "aria-label": spokenTime(pack.seconds) },
-    clock(pack.seconds),
-  );
+  const { seconds } = pack;
+  const length = seconds === null
+    ? "Picture"
+    : element("span", { "aria-label": spokenTime(seconds) }, clock(seconds));
   const facts = element("p", {}, length, `, ${factsOf(pack)}, ${bytes(pack.bytes)}`);
   const address = `./view.html?pack=${encodeURIComponent(pack.file)}`;
   const { description } = pack;

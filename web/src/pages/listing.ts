@@ -14,7 +14,8 @@ export interface Listed {
   readonly eyes: number;
   readonly width: number;
   readonly height: number;
-  readonly seconds: number;
+  /** Null for a picture. */
+  readonly seconds: number | null;
   readonly sound: boolean;
 }
 
@@ -45,7 +46,8 @@ function isListed(one: unknown): one is Listed {
   return (
     is(one, "string", said) &&
     is(one, "string", ["name", "file", "projection"]) &&
-    is(one, "number", ["bytes", "eyes", "width", "height", "seconds"]) &&
+    is(one, "number", ["bytes", "eyes", "width", "height"]) &&
+    ((one as { seconds?: unknown }).seconds === null || is(one, "number", ["seconds"])) &&
     is(one, "boolean", ["sound"]) &&
     typeof poster === "object" &&
     poster !== null &&

@@ -3,6 +3,7 @@
 use super::ENDING;
 use super::about::AboutPack;
 use super::poster::Poster;
+use crate::info::{Content, seconds_of};
 use foveal_core::view::surface::Projection;
 use foveal_media::pack_file::PackFile;
 use serde::Serialize;
@@ -42,13 +43,15 @@ pub(crate) struct Listed {
     pub(crate) file: String,
     pub(crate) poster: ListedPoster,
     bytes: u64,
+    content: Content,
     projection: Projection,
     eyes: u8,
     /// Pixels of the source.
     width: u32,
     height: u32,
-    fps: f64,
-    seconds: f64,
+    /// Null for a picture.
+    fps: Option<f64>,
+    seconds: Option<f64>,
     sound: bool,
 }
 
@@ -68,10 +71,6 @@ impl Listed {
         said: AboutPack,
     ) -> anyhow::Result<Self> {
         let about = file.pack().description();
-        let last = file
-            .frame_times()?
-            .last()
-            .map_or(0.0, |&ns| ns as f64 / 1e9);
         let [width, height] = about.source.size;
         Ok(Self {
             name: name.to_owned(),
@@ -85,12 +84,13 @@ impl Listed {
                 height: poster.size[1],
             },
             bytes: file.bytes(),
+            content: Content::of(about),
             projection: about.projection,
             eyes: about.eyes,
             width,
             height,
-            fps: about.fps(),
-            seconds: last + 1.0 / about.fps(),
+            fps: (!about.is_still()).then_some(about.fps()),
+            seconds: seconds_of(file)?,
             sound: about.tables.iter().any(|table| table.name == "sound"),
         })
     }

@@ -43,7 +43,7 @@ pub(super) fn drawing() -> Drawing {
 pub(super) fn poster(file: Arc<PackFile>, drawing: &Drawing) -> anyhow::Result<Poster> {
     let about = file.pack().description();
     let (surface, frame) = (about.grid(Screen::default()).surface, about.frames / LATER);
-    let view = view(&surface);
+    let view = view(&surface, Radians::from_degrees(about.front_deg));
     let options = PlayerOptions {
         config: PolicyConfig::new(Policy::Viewport),
         view,
@@ -74,7 +74,7 @@ pub(super) fn poster(file: Arc<PackFile>, drawing: &Drawing) -> anyhow::Result<P
     })
 }
 
-fn view(surface: &Surface) -> EyeView {
+fn view(surface: &Surface, front: Radians) -> EyeView {
     match surface.projection {
         Projection::Flat => {
             let height = f64::from(WIDTH) * surface.tangents[1] / surface.tangents[0];
@@ -84,7 +84,7 @@ fn view(surface: &Surface) -> EyeView {
         Projection::Cube => {
             let size = [WIDTH, WIDTH * 9 / 16];
             EyeView {
-                axes: Axes::FRONT,
+                axes: Axes::from_yaw_pitch_roll(front, Radians(0.0), Radians(0.0)),
                 field: Field::across(Radians::from_degrees(FIELD_DEG), size),
                 size,
                 eye: Eye::Left,

@@ -58,13 +58,6 @@ impl Viewer {
     /// The figures, for people.
     pub(super) fn lines(&self, stage: &Stage, now: Seconds) -> Vec<Line> {
         let [fps, upload] = self.figures.rates(now);
-        let timeline = stage.timeline();
-        let media = self.clock.time(now);
-        let frame = stage.shown_tick().map_or(0, |tick| timeline.frame_of(tick));
-        let shown = match self.is_moving(stage) {
-            true => format!("{fps:.1} frames/s"),
-            false => "paused".to_owned(),
-        };
         let figures = &self.figures;
         let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
         let line = |what: &str, value: String| (what.to_owned(), value);
@@ -75,16 +68,10 @@ impl Viewer {
                 score_told(self.choice.target(), self.choice.expected_jod()),
             ),
             line("picture", self.style_told(stage)),
-            line(
-                "time",
-                format!(
-                    "{:.2} / {:.2} s, frame {frame}",
-                    timeline.within(media).0,
-                    timeline.length().0
-                ),
-            ),
             line("zoom", format!("{:.2}", self.scene.zoom())),
-            line("shown", shown),
+        ];
+        lines.extend(self.time(stage, now, fps));
+        lines.extend([
             line(
                 "decode, draw",
                 format!(
@@ -103,7 +90,7 @@ impl Viewer {
                 "GPU memory",
                 format!("{:.1} MB", figures.gpu_bytes as f64 / 1e6),
             ),
-        ];
+        ]);
         lines.extend(self.carried_on());
         if self.two_eyes {
             lines.push(line("eye", self.eye.name().to_owned()));
@@ -119,6 +106,28 @@ impl Viewer {
             ));
         }
         lines
+    }
+
+    /// Where in time it is, and how fast that goes; nothing of a picture, which has none.
+    fn time(&self, stage: &Stage, now: Seconds, fps: f64) -> Vec<Line> {
+        let timeline = stage.timeline();
+        if timeline.is_still() {
+            return Vec::new();
+        }
+        let media = self.clock.time(now);
+        let frame = stage.shown_tick().map_or(0, |tick| timeline.frame_of(tick));
+        let (within, length) = (timeline.within(media).0, timeline.length().0);
+        let shown = match self.is_moving(stage) {
+            true => format!("{fps:.1} frames/s"),
+            false => "paused".to_owned(),
+        };
+        vec![
+            (
+                "time".to_owned(),
+                format!("{within:.2} / {length:.2} s, frame {frame}"),
+            ),
+            ("shown".to_owned(), shown),
+        ]
     }
 
     /// What went wrong and was carried on from.

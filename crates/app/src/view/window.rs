@@ -20,7 +20,7 @@ use anyhow::{Context, anyhow, bail};
 use foveal_core::asset::tile_grid::TileGrid;
 use foveal_core::asset::timeline::Timeline;
 use foveal_core::selection::policy::Policy;
-use foveal_core::units::Seconds;
+use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::keys::{Action, ZOOM};
 use foveal_core::view::scene::{Pane, Scene};
@@ -210,7 +210,8 @@ impl Open {
         let log = args.log.as_deref();
         let begin = Begin {
             policy: args.policy.clone(),
-            scene: Scene::new(grid.surface, args.view.fov()?),
+            scene: Scene::new(grid.surface, args.view.fov()?)
+                .facing(Radians::from_degrees(about.front_deg)),
             choice: Choice::new(Arc::clone(&file), grid, config, args.link, log)?,
             looking,
             sound: ready.samples.take().and_then(|samples| {

@@ -346,6 +346,29 @@ fn a_damaged_pack_is_published_and_told() {
 }
 
 #[test]
+fn a_list_tells_pictures_which_have_no_time_from_videos() {
+    let folder = Folder::new();
+    let Some(video) = wave_pack(&folder) else {
+        return;
+    };
+    let clip = write_clip(&folder, "b.mkv", &waves([96, 64], 1));
+    let picture = folder.name("b.foveal");
+    done(&["prepare", "video", &clip, "--out", &picture]);
+    let site = folder.name("site");
+    done(&["export", "site", &video, &picture, "--out", &site]);
+    let list = std::fs::read(format!("{site}/packs.json")).unwrap();
+    let list: Value = serde_json::from_slice(&list).unwrap();
+    let told = |pack: usize, key: &str| &list["packs"][pack][key];
+    assert_eq!(
+        [told(0, "content"), told(1, "content")],
+        ["video", "picture"]
+    );
+    for key in ["fps", "seconds"] {
+        assert!(told(0, key).is_f64() && told(1, key).is_null(), "{list}");
+    }
+}
+
+#[test]
 fn a_site_holds_pages_packs_posters_and_their_list() {
     let folder = Folder::new();
     let Some(pack) = wave_pack(&folder) else {

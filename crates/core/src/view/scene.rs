@@ -23,6 +23,8 @@ pub struct Scene {
     surface: Surface,
     /// Half the larger side of a sphere's view at unit distance, before zooming.
     tangent: f64,
+    /// The yaw that a sphere's view begins at.
+    front: Radians,
     /// Where the viewer turned the head by hand.
     head: HeadPose,
     /// Where the head is turned to by whatever else moves it; the hand adds to that.
@@ -96,6 +98,7 @@ impl Scene {
         Self {
             surface,
             tangent: libm::tan(fov.0 / 2.0),
+            front: Radians(0.0),
             head: HeadPose::default(),
             led: None,
             zoom: 1.0,
@@ -103,9 +106,22 @@ impl Scene {
         }
     }
 
+    /// The same, but for a sphere's view that begins at another yaw.
+    #[must_use]
+    pub fn facing(mut self, front: Radians) -> Self {
+        if self.surface.projection == Projection::Cube {
+            self.front = within_a_turn(front.0);
+            self.head.yaw = self.front;
+        }
+        self
+    }
+
     /// Back to the beginning.
     pub fn reset(&mut self) {
-        self.head = HeadPose::default();
+        self.head = HeadPose {
+            yaw: self.front,
+            ..HeadPose::default()
+        };
         self.zoom = 1.0;
         self.centre = self.surface.size.map(|side| f64::from(side) / 2.0);
     }
@@ -418,6 +434,21 @@ mod tests {
         let mut plane = flat([640, 360]);
         plane.look([degrees(10.0), degrees(10.0), degrees(10.0)], &pane);
         assert_eq!(plane, flat([640, 360]));
+    }
+
+    #[test]
+    fn a_view_begins_at_its_front_and_goes_back_there() {
+        let pane = pane([1000, 600]);
+        let sphere = Scene::new(Surface::cube(1024), Radians::from_degrees(100.0));
+        let mut scene = sphere.facing(Radians::from_degrees(200.0));
+        assert!((scene.head().yaw.to_degrees() + 160.0).abs() < 1e-9);
+        let begun = scene;
+        scene.drag([30.0, 40.0], &pane);
+        assert_ne!(scene, begun);
+        scene.reset();
+        assert_eq!(scene, begun);
+        let plane = flat([640, 360]);
+        assert_eq!(plane.facing(Radians(1.0)), plane);
     }
 
     #[test]

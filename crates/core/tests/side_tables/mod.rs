@@ -29,6 +29,7 @@ fn small_pack() -> Pack {
         cube_faces: 6,
         mapping: foveal_core::view::surface::Mapping::Gnomonic,
         pixel_aspect: [1, 1],
+        front_deg: 0.0,
         cut: Cut::Tile(16),
         levels: 3,
         ratio: 2,

@@ -8,6 +8,7 @@ use crate::eye_layout::EyeLayout;
 use crate::parallel::in_parallel;
 use crate::pyramid::{halve, halve_all};
 use crate::sphere::CubeSampler;
+use crate::sphere_part::SpherePart;
 use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
 use std::borrow::Cow;
@@ -27,6 +28,7 @@ pub(super) struct Cutter {
     grid: TileGrid,
     eyes: EyeLayout,
     turn: Turn,
+    part: Option<SpherePart>,
     stretch_to_full_range: bool,
     /// Of the pack.
     colour: Colour,
@@ -53,6 +55,7 @@ impl Cutter {
             grid: plan.grid,
             eyes: plan.eyes,
             turn,
+            part: plan.part,
             stretch_to_full_range: plan.stretch_to_full_range,
             colour: plan.description.colour,
             jobs: plan.jobs,
@@ -65,6 +68,13 @@ impl Cutter {
         let picture = if self.stretch_to_full_range {
             stretched = full_range(picture);
             &stretched
+        } else {
+            picture
+        };
+        let whole;
+        let picture = if let Some(part) = self.part {
+            whole = part.whole_of(picture, if self.colour.full_range { 0 } else { 16 });
+            &whole
         } else {
             picture
         };

@@ -8,6 +8,7 @@ use crate::encode::{Rate, Speed};
 use crate::eye_layout::EyeLayout;
 use crate::source::{Sound, SourceInfo};
 use crate::sphere::{Coverage, face_size_for};
+use crate::sphere_part::SpherePart;
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::{Description, Source};
 use foveal_core::asset::picture::Colour;
@@ -79,13 +80,17 @@ pub struct Plan {
     pub surround: Surround,
     /// Where in a frame the pictures of the eyes lie.
     pub eyes: EyeLayout,
+    /// Where a picture of a part of a sphere, or one that is turned, lies on the whole.
+    pub part: Option<SpherePart>,
     /// What a person should know: how the projection was found, what is lost.
     pub remarks: Remarks,
+    /// Whether the input is one picture.
+    pub is_still: bool,
     /// Frames as far as the container tells.
     pub frames: Option<u64>,
     /// Rate of each level, finest first.
     pub(super) rates: Vec<Rate>,
-    /// Pixels of one eye's picture in the source.
+    /// Pixels of one eye's picture, of the whole where it is a part.
     pub(super) eye_size: [u32; 2],
     /// Whether the pack is to have sound.
     pub(super) has_sound: bool,
@@ -129,7 +134,7 @@ impl Plan {
             chroma_left: info.colour.chroma_left && !matches!(surround, Surround::Equirect(_)),
             ..info.colour
         };
-        let rates = rates_of(settings.quality.as_ref(), settings.codec, levels)?;
+        let rates = rates_of(settings, info.looks_still, levels)?;
         let frame_rate = info.frame_rate.map(|n| n.max(1) as u32);
         let mut description = Description {
             generator: concat!("foveal ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -139,6 +144,7 @@ impl Plan {
             cube_faces: surface.cube_faces,
             mapping: surface.mapping,
             pixel_aspect: found.pixel_aspect,
+            front_deg: found.front_deg,
             cut,
             levels,
             ratio: settings.ratio,
@@ -146,10 +152,8 @@ impl Plan {
             quality: Vec::new(),
             quality_scale: QualityScale::default(),
             bit_rates: Vec::new(),
-            groups: groups(levels, f64::from(frame_rate[0]) / f64::from(frame_rate[1])),
-            frames: info
-                .frames
-                .map_or(1, |frames| frames.clamp(1, 1 << 24) as u32),
+            groups: groups(levels, info.looks_still, frame_rate),
+            frames: info.frames.unwrap_or(1).clamp(1, 1 << 24) as u32,
             frame_rate,
             colour,
             source: source_of(input, info),
@@ -163,8 +167,10 @@ impl Plan {
             grid,
             surround,
             eyes: found.eyes,
+            part: found.part,
             eye_size: found.eye_size,
             remarks,
+            is_still: info.looks_still,
             frames: info.frames,
             rates,
             has_sound: settings.sound && info.sound.is_some(),
@@ -184,7 +190,14 @@ impl Plan {
         format!(
             "{:?}",
             (
-                (about, self.grid, self.surround, self.eyes, &self.rates),
+                (
+                    about,
+                    self.grid,
+                    self.surround,
+                    self.eyes,
+                    self.part,
+                    &self.rates
+                ),
                 (self.speed, self.most_frames, self.has_sound),
                 (self.source_chroma_left, self.stretch_to_full_range),
             )
@@ -314,14 +327,16 @@ fn default_levels(surface: Surface, ratio: u32) -> u8 {
 }
 
 /// Frames in a group: 8, at the coarsest level 32, doubled for fast content. Short where the gaze
-/// switches, long where nothing ever switches (docs/concepts/video.md).
-fn groups(levels: u8, fps: f64) -> Vec<u32> {
-    let factor = if fps > FAST_FPS { 2 } else { 1 };
+/// switches, long where nothing ever switches (docs/concepts/video.md). A still has one.
+fn groups(levels: u8, is_still: bool, [frames, seconds]: [u32; 2]) -> Vec<u32> {
+    let is_fast = f64::from(frames) / f64::from(seconds) > FAST_FPS;
+    let factor = if is_fast { 2 } else { 1 };
     let of_level = |level: u8| match level {
-        _ if levels > 1 && level == levels - 1 => 32,
-        _ => 8,
+        _ if is_still => 1,
+        _ if levels > 1 && level == levels - 1 => 32 * factor,
+        _ => 8 * factor,
     };
-    (0..levels).map(|level| of_level(level) * factor).collect()
+    (0..levels).map(of_level).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! How fine, or of how many bytes, is each level coded?
 
-use super::PrepareError;
+use super::{PrepareError, PrepareSettings};
 use crate::encode::Rate;
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::Description;
@@ -18,14 +18,18 @@ pub enum Quality {
     BitRate(Vec<u32>),
 }
 
-/// The rate of each level, finest first; the codec's default where nothing is asked for.
+/// The rate of each level, finest first; the codec's default for a still or for film where nothing
+/// is asked for.
 pub(super) fn rates_of(
-    quality: Option<&Quality>,
-    codec: Codec,
+    settings: &PrepareSettings,
+    is_still: bool,
     levels: u8,
 ) -> Result<Vec<Rate>, PrepareError> {
-    let asked: Vec<Rate> = match quality {
-        None => vec![Rate::Quantiser(default_quantiser(codec))],
+    let asked: Vec<Rate> = match &settings.quality {
+        None => {
+            let [of_film, of_still] = default_quantisers(settings.codec);
+            vec![Rate::Quantiser(if is_still { of_still } else { of_film })]
+        }
         Some(Quality::Quantiser(all)) => all.iter().map(|q| Rate::Quantiser(*q)).collect(),
         Some(Quality::Ijg(all)) => all.iter().map(|q| Rate::Ijg(*q)).collect(),
         Some(Quality::BitRate(all)) => all.iter().map(|bits| Rate::Bits(*bits)).collect(),
@@ -58,15 +62,17 @@ pub(super) fn describe(rates: &[Rate], description: &mut Description) {
     };
 }
 
-/// About the same quality in every codec: 40 to 44 dB on natural video.
-fn default_quantiser(codec: Codec) -> u8 {
+/// Of film, 40 to 44 dB in every codec on natural video; and of a still, which is looked at for
+/// long and from near: what coding takes from its finest level is then 0.15 JOD at most, also where
+/// a pixel is drawn four times as wide (docs/concepts/video.md).
+fn default_quantisers(codec: Codec) -> [u8; 2] {
     match codec {
-        Codec::Vp9 => 24,
-        Codec::Vp8 => 16,
-        Codec::H264 => 26,
-        Codec::Hevc => 27,
-        Codec::Av1 => 28,
-        Codec::Jpeg => 3,
-        Codec::Png => 0,
+        Codec::Vp9 => [24, 4],
+        Codec::Vp8 => [16, 0],
+        Codec::H264 => [26, 15],
+        Codec::Hevc => [27, 16],
+        Codec::Av1 => [28, 3],
+        Codec::Jpeg => [3, 1],
+        Codec::Png => [0, 0],
     }
 }

@@ -22,6 +22,7 @@ fn info([width, height]: [u32; 2]) -> SourceInfo {
         },
         spherical: None,
         stereo: None,
+        tags: Default::default(),
         broken_boxes: Vec::new(),
         sound: None,
         transparency: None,

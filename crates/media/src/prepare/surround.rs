@@ -8,8 +8,10 @@ use super::plan::PrepareSettings;
 use super::remarks::Remarks;
 use crate::cube_layout::CubeLayout;
 use crate::eye_layout::{EyeLayout, Packing};
+use crate::photo_sphere::{PhotoSphere, Placed};
 use crate::source::SourceInfo;
 use crate::sphere::Coverage;
+use crate::sphere_part::SpherePart;
 use crate::spherical::{Projection as SourceProjection, Spherical, StereoLayout};
 use crate::spherical_boxes::BrokenBox;
 use std::path::Path;
@@ -56,12 +58,16 @@ pub enum Surround {
 }
 
 /// What was found, for an input of one size.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SurroundOfEyes {
     pub(super) surround: Surround,
     pub(super) eyes: EyeLayout,
-    /// Pixels of one eye's picture.
+    /// Pixels of one eye's picture, of the whole where it is a part.
     pub(super) eye_size: [u32; 2],
+    /// Where the picture lies on the whole sphere, if it is a part or turned.
+    pub(super) part: Option<SpherePart>,
+    /// Yaw of the picture's middle, in degrees to the right of forward.
+    pub(super) front_deg: f64,
     /// Width and height of a pixel to each other, where a flat picture was squeezed.
     pub(super) pixel_aspect: [u32; 2],
 }
@@ -104,6 +110,11 @@ pub(super) fn surround_of(
         ProjectionChoice::Cube => Surround::Cube(found.cube(remarks).map_err(wrong)?),
         ProjectionChoice::Auto => found.surround(remarks).map_err(wrong)?,
     };
+    let placed = found.placed(settings, remarks).map_err(wrong)?;
+    let part = placed.map(|placed| placed.part);
+    let front_deg = part.map_or(0.0, |part| part.middle_deg(eye_size[0]));
+    let eye_size = part.map_or(eye_size, |part| part.whole);
+    remarks.warnings.extend(info.tags.broken.iter().cloned());
     for BrokenBox { name, at, what, .. } in &info.broken_boxes {
         remarks.warn(format!(
             "its {name} box, at byte {at}, {what}, and is passed over; give --projection or \
@@ -126,6 +137,8 @@ pub(super) fn surround_of(
         surround,
         eyes,
         eye_size,
+        part: part.filter(|part| !part.is_whole(frame)),
+        front_deg,
         pixel_aspect,
     })
 }
@@ -237,10 +250,60 @@ impl Found<'_> {
     }
 
     fn surround(&self, remarks: &mut Remarks) -> Result<Surround, String> {
-        match self.info.spherical {
-            Some(spherical) => self.by_metadata(&spherical, remarks),
-            None => self.by_name_and_size(remarks),
+        match (self.info.spherical, self.photo_sphere()) {
+            (Some(spherical), _) => self.by_metadata(&spherical, remarks),
+            (None, Some(sphere)) => Ok(by_photo_sphere(sphere, remarks)),
+            (None, None) => self.by_name_and_size(remarks),
         }
+    }
+
+    /// What the file says of a photo sphere; it speaks of one picture, so nothing of two eyes.
+    fn photo_sphere(&self) -> Option<&PhotoSphere> {
+        let said = self.info.tags.photo_sphere.as_ref();
+        said.filter(|_| !self.two_eyes)
+    }
+
+    /// How the picture lies on the sphere by the metadata of a photo sphere, where these count.
+    fn placed(
+        &self,
+        settings: &PrepareSettings,
+        remarks: &mut Remarks,
+    ) -> Result<Option<Placed>, String> {
+        let is_asked = settings.projection == ProjectionChoice::Auto;
+        let sphere = self.photo_sphere().filter(|_| is_asked);
+        let Some(sphere) = sphere.filter(|sphere| sphere.flat_because().is_none()) else {
+            return Ok(None);
+        };
+        let placed = sphere.placed(self.eye_size).map_err(|why| {
+            format!(
+                "its photo sphere metadata (GPano) cannot be meant: {why}; mend them, or give \
+                 --projection: equirect if it is the whole sphere, flat if it is none"
+            )
+        })?;
+        let [pitch, roll] = placed.tilt_deg;
+        if placed.tilt_deg != [0.0; 2] {
+            remarks.warn(format!(
+                "the tilt in its metadata (pitch {pitch:.1}°, roll {roll:.1}°) is not applied"
+            ));
+        }
+        if let Some(heading) = placed.heading_deg {
+            remarks.note(format!(
+                "forward is north; the middle of its sphere lies at {heading:.1}° by its metadata"
+            ));
+        }
+        let whole = placed.part.whole;
+        if whole != self.eye_size {
+            let share = |k: usize| f64::from(self.eye_size[k]) / f64::from(whole[k]);
+            remarks.note(format!(
+                "it covers {:.0}° x {:.0}° of the sphere, whose whole is {}x{} pixels; the rest is \
+                 black",
+                share(0) * 360.0,
+                share(1) * 180.0,
+                whole[0],
+                whole[1]
+            ));
+        }
+        Ok(Some(placed))
     }
 
     fn by_metadata(
@@ -331,6 +394,22 @@ impl Found<'_> {
             true if w == 4 * h => named || is_wide,
             true if w == h => named,
             _ => false,
+        }
+    }
+}
+
+fn by_photo_sphere(sphere: &PhotoSphere, remarks: &mut Remarks) -> Surround {
+    match sphere.flat_because() {
+        None => {
+            remarks.note("360° by its photo sphere metadata (GPano)".to_owned());
+            Surround::Equirect(Coverage::Full)
+        }
+        Some(why) => {
+            remarks.note(format!(
+                "taken for flat by its photo sphere metadata (GPano), where {why}; give \
+                 --projection equirect if it is 360°"
+            ));
+            Surround::Flat
         }
     }
 }

@@ -1,4 +1,5 @@
 //! Does `prepare` keep what is there, and say what it takes an input for?
 
 mod again;
+mod pictures;
 mod told;

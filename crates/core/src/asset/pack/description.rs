@@ -33,6 +33,9 @@ pub struct Description {
     /// Width and height of a pixel of flat content, to each other.
     #[serde(default = "square_pixels", skip_serializing_if = "are_square_pixels")]
     pub pixel_aspect: [u32; 2],
+    /// Yaw that a view of a sphere begins at, in degrees to the right of forward.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub front_deg: f64,
     /// How faces are cut into tiles.
     pub cut: Cut,
     /// Number of levels.
@@ -89,6 +92,10 @@ fn square_pixels() -> [u32; 2] {
 
 fn are_square_pixels(aspect: &[u32; 2]) -> bool {
     *aspect == square_pixels()
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 /// Longest side of a pixel for a shortest of 1.
@@ -150,6 +157,13 @@ impl Description {
         Ok(description)
     }
 
+    fn check_front(&self) -> Result<(), PackError> {
+        let found = self.front_deg;
+        let is_good = (-360.0..=360.0).contains(&found);
+        let error = || PackError::new("description.front_deg", found, "-360 to 360");
+        is_good.then_some(()).ok_or_else(error)
+    }
+
     /// Whether every field is in range.
     pub fn check(&self) -> Result<(), PackError> {
         self.grid(Screen::default())
@@ -164,6 +178,7 @@ impl Description {
                 format!("positive numbers, at most {MOST_STRETCH}:1"),
             ));
         }
+        self.check_front()?;
         let square = self.size[0] == self.size[1];
         if self.projection == Projection::Cube && !square {
             let found = format!("{}x{}", self.size[0], self.size[1]);
@@ -237,6 +252,11 @@ impl Description {
             levels: self.levels,
             ratio: self.ratio,
         }
+    }
+
+    /// Whether it is a picture: of one frame there is no time.
+    pub fn is_still(&self) -> bool {
+        self.frames == 1
     }
 
     /// Frames per second.

@@ -17,6 +17,7 @@ fn description() -> Description {
         cube_faces: 6,
         mapping: Mapping::Gnomonic,
         pixel_aspect: [1, 1],
+        front_deg: 0.0,
         cut: Cut::Tile(32),
         levels: 3,
         ratio: 2,
@@ -291,7 +292,7 @@ fn what_a_later_foveal_writes_is_refused_with_what_to_do() {
 }
 
 #[test]
-fn eyes_faces_and_pixels_out_of_range_are_refused() {
+fn eyes_faces_pixels_and_fronts_out_of_range_are_refused() {
     for wrong in [
         Description {
             eyes: 0,
@@ -315,6 +316,10 @@ fn eyes_faces_and_pixels_out_of_range_are_refused() {
         },
         Description {
             pixel_aspect: [u32::MAX, 1],
+            ..description()
+        },
+        Description {
+            front_deg: 361.0,
             ..description()
         },
     ] {

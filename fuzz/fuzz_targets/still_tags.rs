@@ -1,0 +1,26 @@
+//! Do any bytes of a picture file, or of the XMP in one, make the search for its tags panic, or lay
+//! a picture beyond the sphere?
+
+#![no_main]
+
+use std::io::Cursor;
+
+use foveal_media::photo_sphere::PhotoSphere;
+use foveal_media::still_tags::StillTags;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|data: &[u8]| {
+    let said = StillTags::read(&mut Cursor::new(data)).photo_sphere;
+    let alone = PhotoSphere::of_xmp(data).ok().flatten();
+    for sphere in [said, alone].into_iter().flatten() {
+        for size in [[1, 1], [64, 32], [4001, 1999]] {
+            let Ok(placed) = sphere.placed(size) else {
+                continue;
+            };
+            let part = placed.part;
+            assert!(part.whole[0] >= size[0] && part.whole[1] >= size[1] + part.at[1]);
+            assert!(part.at[0] <= part.whole[0] && part.at.iter().all(|at| at % 2 == 0));
+            assert!(part.middle_deg(size[0]).abs() <= 180.0);
+        }
+    }
+});
