@@ -22,6 +22,7 @@ const PLAIN: Colour = Colour {
 fn source(surround: Surround, surface: Surface) -> SourceView {
     SourceView {
         surround,
+        part: None,
         eyes: EyeLayout::default(),
         surface,
         colour: PLAIN,
