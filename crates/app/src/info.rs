@@ -161,27 +161,6 @@ impl PackInfo {
     }
 
     pub(crate) fn text(&self) -> String {
-        let [wide, high] = self.pixel_aspect;
-        let mut surround = match (self.projection, self.faces) {
-            (Projection::Flat, _) if wide != high => format!("flat, pixels of {wide}:{high}"),
-            (Projection::Flat, _) => "flat".to_owned(),
-            (Projection::Cube, 4) => {
-                format!(
-                    "four faces of {0}x{0} px round the horizon",
-                    self.face_width
-                )
-            }
-            (Projection::Cube, _) => format!("cube of {0}x{0} px faces", self.face_width),
-        };
-        if self.mapping == Mapping::EquiAngular {
-            surround += ", equi-angular";
-        }
-        if self.front_deg != 0.0 {
-            surround += &format!(", opened at {:.0}°", self.front_deg);
-        }
-        if self.eyes > 1 {
-            surround += ", for each of two eyes";
-        }
         let cut = match self.cut {
             Cut::Tile(px) => format!("tiles of {px} px"),
             Cut::Grid([c, r]) => format!("a grid of {c}x{r} a face"),
@@ -196,11 +175,12 @@ impl PackInfo {
             _ => "a picture".to_owned(),
         };
         let mut text = format!(
-            "{}, {}x{}, {surround}\n{content}\n\
+            "{}, {}x{}, {}\n{content}\n\
              {}, {} of ratio {}, {cut}, {}\n{} from {}\n",
             self.source,
             self.width,
             self.height,
+            self.surround_told(),
             self.codec.name(),
             counted(self.levels, "level"),
             self.level_ratio,
@@ -208,17 +188,7 @@ impl PackInfo {
             output::size(self.bytes),
             output::size(self.source_bytes),
         );
-        if let Some(Loss { psnr_db, jod }) = self.loss {
-            let psnr = match psnr_db {
-                Some(decibels) => format!("PSNR {decibels:.2} dB"),
-                None => "no pixel differs".to_owned(),
-            };
-            let _ = writeln!(
-                text,
-                "the finest level against the source: {psnr}, {jod:.2} JOD at the worst of nine \
-                 gazes (10 is no difference)"
-            );
-        }
+        text += &self.loss_told();
         if let Some(sound) = &self.sound {
             let _ = writeln!(
                 text,
@@ -246,6 +216,47 @@ impl PackInfo {
             );
         }
         text
+    }
+
+    /// How it surrounds the eye, in words.
+    fn surround_told(&self) -> String {
+        let [wide, high] = self.pixel_aspect;
+        let mut surround = match (self.projection, self.faces) {
+            (Projection::Flat, _) if wide != high => format!("flat, pixels of {wide}:{high}"),
+            (Projection::Flat, _) => "flat".to_owned(),
+            (Projection::Cube, 4) => {
+                format!(
+                    "four faces of {0}x{0} px round the horizon",
+                    self.face_width
+                )
+            }
+            (Projection::Cube, _) => format!("cube of {0}x{0} px faces", self.face_width),
+        };
+        if self.mapping == Mapping::EquiAngular {
+            surround += ", equi-angular";
+        }
+        if self.front_deg != 0.0 {
+            surround += &format!(", opened at {:.0}°", self.front_deg);
+        }
+        if self.eyes > 1 {
+            surround += ", for each of two eyes";
+        }
+        surround
+    }
+
+    /// A line about what preparing lost, if anybody measured.
+    fn loss_told(&self) -> String {
+        if let Some(Loss { psnr_db, jod }) = self.loss {
+            let psnr = match psnr_db {
+                Some(decibels) => format!("PSNR {decibels:.2} dB"),
+                None => "no pixel differs".to_owned(),
+            };
+            return format!(
+                "the finest level against the source: {psnr}, {jod:.2} JOD at the worst of nine \
+                 gazes (10 is no difference)\n"
+            );
+        }
+        String::new()
     }
 
     fn quality_of(&self, level: usize) -> String {

@@ -38,9 +38,9 @@ pub enum Coverage {
 /// Face size that keeps the pixels of a turn: the next multiple of 16 that is not below a quarter
 /// of a full sphere's width.
 ///
-/// An equi-angular face spans 90° in `n` pixels evenly: the density of the source round the horizon.
-/// A gnomonic one has `n / 2` pixels a radian at its centre and `n` at the middle of an edge, where
-/// the source has `2 n / pi`: 0.79 of it in the middle.
+/// An equi-angular face spans 90° in `n` pixels evenly: the density of the source round the
+/// horizon. A gnomonic one has `n / 2` pixels a radian at its centre and `n` at the middle of an
+/// edge, where the source has `2 n / pi`: 0.79 of it in the middle.
 ///
 /// ```
 /// use foveal_media::sphere::{Coverage, face_size_for};

@@ -330,8 +330,8 @@ impl Surface {
 
     /// Density at a place on a face: level-0 pixels per degree along the sparser direction.
     ///
-    /// A pixel of a camera's picture at tangent radius r spans `pitch / sqrt(1 + r²)` radians across
-    /// the radius and less along it; the wider of the two is what limits the detail. Of an
+    /// A pixel of a camera's picture at tangent radius r spans `pitch / sqrt(1 + r²)` radians
+    /// across the radius and less along it; the wider of the two is what limits the detail. Of an
     /// equi-angular face it is the long axis of the ellipse that a pixel's circle becomes.
     #[must_use]
     pub fn ppd(&self, place: [f64; 2]) -> Ppd {

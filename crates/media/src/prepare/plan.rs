@@ -127,8 +127,7 @@ impl Plan {
         remarks.warnings.extend(losses(info));
         remarks.notes.extend(sound_note(info, settings.sound));
         remarks.notes.extend(format_note(info));
-        // JPEG stores planes as full range whatever the source has.
-        let stretch_to_full_range = settings.codec == Codec::Jpeg && !info.colour.full_range;
+        let stretch_to_full_range = stretches(info, settings);
         let colour = Colour {
             full_range: info.colour.full_range || stretch_to_full_range,
             chroma_left: info.colour.chroma_left && !matches!(surround, Surround::Equirect(_)),
@@ -203,6 +202,11 @@ impl Plan {
             )
         )
     }
+}
+
+/// JPEG stores planes as full range whatever the source has.
+fn stretches(info: &SourceInfo, settings: &PrepareSettings) -> bool {
+    settings.codec == Codec::Jpeg && !info.colour.full_range
 }
 
 /// What of the input does not reach the pack.

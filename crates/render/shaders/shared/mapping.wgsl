@@ -1,8 +1,9 @@
 // Where on a face does an angle lie?
 //
 // Places on a face run from -1 to 1, beyond its edges up to 2. Gnomonic faces are even in the
-// tangent of the angle, equi-angular ones in the angle: `Mapping` in core. Polynomials of Abramowitz
-// and Stegun 1964, 4.4.49 and 4.3.101, within 2e-8, as a driver's own functions may be far off.
+// tangent of the angle, equi-angular ones in the angle: `Mapping` in core. Polynomials of
+// Abramowitz and Stegun 1964, 4.4.49 and 4.3.101, within 2e-8, as a driver's own functions may be
+// far off.
 
 const GNOMONIC = 0u;
 const QUARTER = 0.7853981633974483;
@@ -15,7 +16,8 @@ fn place_on_face(tangent: vec2f) -> vec2f {
     let x = select(tangent, 1.0 / tangent, steep);
     let s = x * x;
     let high = -0.0752896400 + s * (0.0429096138 + s * (-0.0161657367 + s * 0.0028662257));
-    let low = -0.3333314528 + s * (0.1999355085 + s * (-0.1420889944 + s * (0.1065626393 + s * high)));
+    let middle = -0.1420889944 + s * (0.1065626393 + s * high);
+    let low = -0.3333314528 + s * (0.1999355085 + s * middle);
     let place = (x + x * s * low) / QUARTER;
     return select(place, 2.0 * sign(tangent) - place, steep);
 }
