@@ -34,7 +34,7 @@ fn to_border(seen: Seen) -> f32 {
     let shown = shown_in(seen.face, cell_at(seen.place));
     let tile = source_at(level_in(shown), seen.face, seen.place, shown);
     let away = min(seen.place - tile.low, tile.high - seen.place);
-    return min(away.x, away.y) / seen.footprint;
+    return min(away.x, away.y) / max(seen.footprint, 1.0);
 }
 
 // Red, green, blue and coverage of colour `over` on top of `under`, both with straight alpha.

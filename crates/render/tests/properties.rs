@@ -76,6 +76,55 @@ fn all_fine_tiles_seen_one_to_one_are_the_plain_conversion() {
     }
 }
 
+/// Catmull and Rom 1974, as image libraries resize by it.
+fn cubic(x: f64) -> f64 {
+    match x.abs() {
+        x if x < 1.0 => (1.5 * x - 2.5) * x * x + 1.0,
+        x if x < 2.0 => ((-0.5 * x + 2.5) * x - 4.0) * x + 2.0,
+        _ => 0.0,
+    }
+}
+
+#[test]
+fn what_is_enlarged_twice_is_the_cubic_of_its_pixels_across_tiles_and_borders() {
+    let gpu = Gpu::open_blocking().unwrap();
+    for cut in [Cut::Tile(32), Cut::Grid([3, 2])] {
+        let size = [96, 64];
+        let grid = TileGrid::new(flat(size), cut, 3, 2).unwrap();
+        // Grey, so that chroma, which is drawn in straight lines, says nothing.
+        let scene = Scene::new(grid, FULL, |_, [x, y]| {
+            let noise = (x * 12.9898 + y * 78.233).sin() * 43_758.545_3;
+            [128.0 + 90.0 * (noise - noise.floor() - 0.5), 128.0, 128.0]
+        });
+        let view = EyeView::filling(&grid.surface, size.map(|side| 2 * side));
+        let drawn = scene
+            .on_gpu(&gpu, &scene.finest())
+            .reconstruct(&view)
+            .unwrap();
+        let luma = |x: i64, y: i64| {
+            let [x, y] = [x.clamp(0, 95), y.clamp(0, 63)];
+            f64::from(scene.faces[0].planes[0][(y * 96 + x) as usize])
+        };
+        for y in 0..128 {
+            for x in 0..192 {
+                let place = [x, y].map(|k| (f64::from(k) + 0.5) / 2.0 - 0.5);
+                let mut exact = 0.0;
+                for row in -2..=2 {
+                    for column in -2..=2 {
+                        let at = [column, row].map(i64::from);
+                        let at = [0, 1].map(|k| place[k].floor() as i64 + at[k]);
+                        let weight = [0, 1].map(|k| cubic(place[k] - at[k] as f64));
+                        exact += weight[0] * weight[1] * luma(at[0], at[1]);
+                    }
+                }
+                let code = f64::from(drawn.pixel([x, y])[1]);
+                let off = (code - exact.clamp(0.0, 255.0)).abs();
+                assert!(off <= 0.51, "{cut:?} {x},{y}: {code} {exact}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_picture_of_one_colour_is_that_colour_everywhere() {
     let gpu = Gpu::open_blocking().unwrap();

@@ -119,6 +119,27 @@ fn widened_across(face: u32, place: vec2f, known: f32) -> f32 {
     return widest;
 }
 
+// A place beyond an edge: what lies there. Beyond a corner of the cube it is what lies beyond the
+// farther edge.
+struct Beside {
+    face: u32,
+    place: vec2f,
+}
+
+fn beside_edge(face: u32, place: vec2f) -> Beside {
+    let beyond = max(-place, place - tiles.size);
+    let k = select(0u, 1u, beyond.y > beyond.x && has_beside(1u));
+    let depth = select(beyond.x, beyond.y, k == 1u);
+    var beside = Beside(face, place);
+    if (depth > 0.0) {
+        let high = select(place.x, place.y, k == 1u) > 0.0;
+        let found = neighbour(face, place, k, high);
+        beside = Beside(found.face, found.place);
+    }
+    beside.place = clamp(beside.place, vec2f(0.5), tiles.size - 0.5);
+    return beside;
+}
+
 // How far beyond the low and the high border the next sample lies.
 fn beyond_edges(face: u32, axis: Axis, k: u32) -> vec2f {
     let last = tap_at(axis, axis.last_segment, samples_in(axis, axis.last_segment) - 1);

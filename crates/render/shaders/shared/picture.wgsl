@@ -44,6 +44,58 @@ fn corner_across(corner: u32, plane: u32, level: u32, face: u32, place: vec2f) -
     return corner_sample(corner, plane, level, face, place, x, y);
 }
 
+// How much of the finest level is drawn by a cubic instead of straight lines: all where it is
+// enlarged twice or more, nothing where it is not.
+fn cubic_share(display: f32) -> f32 {
+    return clamp(2.0 - 2.0 * display, 0.0, 1.0);
+}
+
+// Weights of four samples for a place between the middle two: the interpolating cubic of Catmull
+// and Rom 1974.
+fn cubic_weights(t: f32) -> vec4f {
+    let s = 1.0 - t;
+    return vec4f(
+        -0.5 * t * s * s,
+        1.0 + t * t * (1.5 * t - 2.5),
+        1.0 + s * s * (1.5 * s - 2.5),
+        -0.5 * s * t * t,
+    );
+}
+
+// The finest level's luma at the middle of a pixel that may lie beyond the face's edge.
+fn sample_across(face: u32, middle: vec2f) -> f32 {
+    let at = beside_edge(face, middle);
+    var luma = 0.0;
+    var corner = 0u;
+    while (corner < 4u) {
+        luma = luma + corner_across(corner, LUMA, 0u, at.face, at.place).x;
+        corner = corner + 1u;
+    }
+    return luma;
+}
+
+// Luma of the finest level at a place by the cubic: 16 samples, all from one tile, or each looked
+// up for itself.
+fn cubic_luma(face: u32, place: vec2f, own: Source, at: Footing, within: bool) -> f32 {
+    let middle = floor(place - 0.5) + 0.5;
+    let share = select(place - middle, at.weight, within);
+    let x_weights = cubic_weights(share.x);
+    let y_weights = cubic_weights(share.y);
+    var luma = 0.0;
+    var k = 0u;
+    while (k < 16u) {
+        let step = vec2i(i32(k & 3u), i32(k >> 2u)) - 1;
+        let weight = x_weights[k & 3u] * y_weights[k >> 2u];
+        if (within) {
+            luma = luma + weight * load(own, LUMA, at.texel + step, 0u).x;
+        } else {
+            luma = luma + weight * sample_across(face, middle + vec2f(step));
+        }
+        k = k + 1u;
+    }
+    return luma;
+}
+
 // What was found at a place: Y, U and V, or in the end red, green and blue.
 struct Found {
     colour: vec3f,
@@ -52,8 +104,10 @@ struct Found {
 }
 
 // Y, U and V of one level at a place whose own tile is `own`; samples of several tiles only if
-// they may come from `anywhere`.
-fn level_view(level: u32, face: u32, place: vec2f, own: Source, anywhere: bool) -> Found {
+// they may come from `anywhere`; the finest level by a cubic to a share of `cubic`.
+fn level_view(
+    level: u32, face: u32, place: vec2f, own: Source, anywhere: bool, cubic: f32,
+) -> Found {
     var source = own;
     if (level == tiles.coarsest && own.level != level) {
         source = source_at(level, face, place, level);
@@ -82,7 +136,16 @@ fn level_view(level: u32, face: u32, place: vec2f, own: Source, anywhere: bool) 
             corner = corner + 1u;
         }
     }
-    return Found(vec3f(luma.x, chroma), anywhere || (luma_at.inside && chroma_at.inside));
+    var complete = anywhere || (luma_at.inside && chroma_at.inside);
+    if (level == 0u && cubic > 0.0) {
+        let low = floor(place - 0.5) - 1.0;
+        let within = own.level == 0u && all(low >= own.low) && all(low + 4.0 <= own.high);
+        complete = complete && (anywhere || within);
+        if (complete) {
+            luma.x = mix(luma.x, cubic_luma(face, place, own, luma_at, within), cubic);
+        }
+    }
+    return Found(vec3f(luma.x, chroma), complete);
 }
 
 // Red, green and blue at a place, for an output pixel of the given footprint.
@@ -102,7 +165,7 @@ fn picture_at(face: u32, place: vec2f, display: f32, anywhere: bool) -> Found {
     var yuv = vec3f(0.0);
     var complete = true;
     while (level < end) {
-        let view = level_view(level, face, place, own, anywhere);
+        let view = level_view(level, face, place, own, anywhere, cubic_share(display));
         yuv = yuv + view.colour * weight;
         complete = complete && view.complete;
         weight = blend;

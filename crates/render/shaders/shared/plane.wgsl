@@ -18,6 +18,16 @@ fn beyond_edges(face: u32, axis: Axis, k: u32) -> vec2f {
     return vec2f(axis.pitch);
 }
 
+// A place beyond an edge: what lies there.
+struct Beside {
+    face: u32,
+    place: vec2f,
+}
+
+fn beside_edge(face: u32, place: vec2f) -> Beside {
+    return Beside(face, clamp(place, vec2f(0.5), tiles.size - 0.5));
+}
+
 fn corner_sample(
     corner: u32, plane: u32, level: u32, face: u32, place: vec2f, x: Bracket, y: Bracket,
 ) -> vec2f {

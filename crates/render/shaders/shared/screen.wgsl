@@ -20,5 +20,5 @@ struct Seen {
 
 // Geometric mean of the stretch of the parallelogram that one step right and one step down span.
 fn display_footprint(right: vec2f, down: vec2f) -> f32 {
-    return max(sqrt(abs(right.x * down.y - right.y * down.x)), 1.0);
+    return sqrt(abs(right.x * down.y - right.y * down.x));
 }

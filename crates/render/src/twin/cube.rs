@@ -133,6 +133,22 @@ pub(super) fn widened_across(tiles: &TwinTiles, face: u32, place: Vec2, known: f
     widest
 }
 
+pub(super) fn beside_edge(tiles: &TwinTiles, face: u32, place: Vec2) -> (u32, Vec2) {
+    let beyond = (-place).max(place - tiles.size());
+    let k = u32::from(beyond.y > beyond.x && has_beside(tiles, 1));
+    let depth = if k == 1 { beyond.y } else { beyond.x };
+    let mut beside = (face, place);
+    if depth > 0.0 {
+        let high = if k == 1 { place.y } else { place.x } > 0.0;
+        let found = neighbour(tiles, face, place, k, high);
+        beside = (found.face, found.place);
+    }
+    (
+        beside.0,
+        beside.1.clamp(Vec2::splat(0.5), tiles.size() - 0.5),
+    )
+}
+
 pub(super) fn beyond_edges(tiles: &TwinTiles, face: u32, axis: &Axis, k: usize) -> Vec2 {
     let last = tap_at(
         axis,

@@ -35,7 +35,7 @@ fn to_border(tiles: &TwinTiles, seen: &Seen) -> f32 {
     let shown = shown_in(tiles, seen.face, cell_at(tiles, seen.place));
     let tile = source_at(tiles, shown, seen.face, seen.place);
     let away = (seen.place - tile.low).min(tile.high - seen.place);
-    away.x.min(away.y) / seen.footprint
+    away.x.min(away.y) / seen.footprint.max(1.0)
 }
 
 fn over(under: Vec4, colour: Vec3, cover: f32) -> Vec4 {

@@ -68,7 +68,68 @@ fn beyond_edges(tiles: &TwinTiles, face: u32, axis: &Axis, k: usize) -> Vec2 {
     }
 }
 
-fn level_view(tiles: &TwinTiles, level: u32, face: u32, place: Vec2, own: &Source) -> Vec3 {
+fn cubic_share(display: f32) -> f32 {
+    (2.0 - 2.0 * display).clamp(0.0, 1.0)
+}
+
+fn cubic_weights(t: f32) -> [f32; 4] {
+    let s = 1.0 - t;
+    [
+        -0.5 * t * s * s,
+        1.0 + t * t * (1.5 * t - 2.5),
+        1.0 + s * s * (1.5 * s - 2.5),
+        -0.5 * s * t * t,
+    ]
+}
+
+fn beside_edge(tiles: &TwinTiles, face: u32, place: Vec2) -> (u32, Vec2) {
+    match tiles.grid.surface.projection {
+        Projection::Flat => plane::beside_edge(tiles, face, place),
+        Projection::Cube => cube::beside_edge(tiles, face, place),
+    }
+}
+
+fn sample_across(tiles: &TwinTiles, face: u32, middle: Vec2) -> f32 {
+    let (face, place) = beside_edge(tiles, face, middle);
+    let corners = 0..4;
+    corners
+        .map(|corner| corner_across(tiles, corner, Plane::Luma, 0, face, place).x)
+        .sum()
+}
+
+fn cubic_luma(
+    tiles: &TwinTiles,
+    face: u32,
+    place: Vec2,
+    own: &Source,
+    at: &Footing,
+    within: bool,
+) -> f32 {
+    let middle = (place - 0.5).floor() + 0.5;
+    let share = if within { at.weight } else { place - middle };
+    let [x_weights, y_weights] = share.to_array().map(cubic_weights);
+    let mut luma = 0.0;
+    for k in 0..16 {
+        let step = IVec2::new(k & 3, k >> 2) - 1;
+        let weight = x_weights[(k & 3) as usize] * y_weights[(k >> 2) as usize];
+        luma += weight
+            * if within {
+                load(tiles, own, Plane::Luma, at.texel + step, 0).x
+            } else {
+                sample_across(tiles, face, middle + step.as_vec2())
+            };
+    }
+    luma
+}
+
+fn level_view(
+    tiles: &TwinTiles,
+    level: u32,
+    face: u32,
+    place: Vec2,
+    own: &Source,
+    cubic: f32,
+) -> Vec3 {
     let mut source = *own;
     if level == tiles.params.coarsest && own.level != level {
         source = source_at(tiles, level, face, place);
@@ -98,6 +159,13 @@ fn level_view(tiles: &TwinTiles, level: u32, face: u32, place: Vec2, own: &Sourc
         }
         corner += 1;
     }
+    if level == 0 && cubic > 0.0 {
+        let low = (place - 0.5).floor() - 1.0;
+        let within =
+            own.level == 0 && low.cmpge(own.low).all() && (low + 4.0).cmple(own.high).all();
+        let sharp = cubic_luma(tiles, face, place, own, &luma_at, within);
+        luma.x = mix(luma.x, sharp, cubic);
+    }
     Vec3::new(luma.x, chroma.x, chroma.y)
 }
 
@@ -116,7 +184,7 @@ pub(super) fn picture_at(tiles: &TwinTiles, face: u32, place: Vec2, display: f32
     let mut weight = if end == level + 2 { 1.0 - blend } else { 1.0 };
     let mut yuv = Vec3::ZERO;
     while level < end {
-        yuv += level_view(tiles, level, face, place, &own) * weight;
+        yuv += level_view(tiles, level, face, place, &own, cubic_share(display)) * weight;
         weight = blend;
         level += 1;
     }

@@ -28,6 +28,10 @@ pub(super) fn beyond_edges(axis: &Axis) -> Vec2 {
     Vec2::splat(axis.pitch)
 }
 
+pub(super) fn beside_edge(tiles: &TwinTiles, face: u32, place: Vec2) -> (u32, Vec2) {
+    (face, place.clamp(Vec2::splat(0.5), tiles.size() - 0.5))
+}
+
 pub(super) fn corner_sample(
     tiles: &TwinTiles,
     corner: u32,

@@ -15,5 +15,5 @@ pub(super) struct Seen {
 }
 
 pub(super) fn display_footprint(right: Vec2, down: Vec2) -> f32 {
-    (right.x * down.y - right.y * down.x).abs().sqrt().max(1.0)
+    (right.x * down.y - right.y * down.x).abs().sqrt()
 }
