@@ -45,6 +45,8 @@ fn acuity_takes_a_hundredth_of_a_16k_cube() {
             "cube",
             "--face-size",
             "4096",
+            "--mapping",
+            "gnomonic",
             "--tile",
             "256",
             "--policy",
