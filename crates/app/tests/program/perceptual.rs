@@ -143,7 +143,7 @@ fn no_policy_spends_more_than_the_link_has_brought() {
         }
         // A limit that nothing comes near would prove nothing.
         let all = LINK_BYTES_PER_S * f64::from(FRAMES) / 25.0;
-        assert!(paid as f64 > 0.5 * all, "{policy}: {paid} of {all}");
+        assert!(paid as f64 > 0.4 * all, "{policy}: {paid} of {all}");
     }
 }
 
