@@ -98,7 +98,7 @@ impl LossMeter {
         }
     }
 
-    /// The losses of one moment. Costs about LOSSCOST µs a cell in view.
+    /// The losses of one moment. Costs a few µs a cell in view.
     #[must_use]
     pub fn losses(
         &self,
