@@ -70,7 +70,7 @@ impl Sampling {
         let middle = view.place(gaze).unwrap_or([0.0; 2]);
         let corner = middle.map(|place| place.clamp(-1e6, 1e6).floor() as i32 - half);
         let footprint = grid.surface.locate(gaze).map_or(1.0, |(_, place)| {
-            grid.surface.ppd(place).0 / view.ppd_towards(gaze).0
+            view.footprint(grid.surface.ppd(place), gaze)
         });
         let gather = Gather::new(grid, &self.tiles, footprint, self.averages);
         Samples {

@@ -112,7 +112,13 @@ pub fn share_of_octave_below(Cpd(frequency): Cpd, Cpd(limit): Cpd) -> f64 {
     if limit >= frequency * 2.0 {
         return 1.0;
     }
-    (libm::log2(limit / frequency) + 0.5).clamp(0.0, 1.0)
+    share_of_octave(libm::log2(limit / frequency))
+}
+
+/// [`share_of_octave_below`] of an octave whose middle lies so many octaves below the limit.
+#[must_use]
+pub fn share_of_octave(octaves_below: f64) -> f64 {
+    (octaves_below + 0.5).clamp(0.0, 1.0)
 }
 
 /// An eye that looks somewhere.

@@ -77,13 +77,20 @@ impl SensedTable {
     }
 
     /// At `octaves` (log2 of the frequency at the cortex in cycles per degree), as far as the
-    /// display shows it: `share` in 0..=1. The nearest entry, within half a percent.
+    /// display shows it: `share` in 0..=1. Interpolated linearly, constant beyond the ends.
     #[must_use]
     pub fn at(&self, octaves: f64, share: f64) -> Sensed {
         let first = f64::from(SensitivityTable::FIRST_OCTAVE);
-        let place = (octaves - first) * SensitivityTable::PER_OCTAVE as f64;
         let last = self.entries.len() - 1;
-        let sensed = self.entries[(place.max(0.0) as usize).min(last)];
+        let place = (octaves - first) * SensitivityTable::PER_OCTAVE as f64;
+        let place = place.clamp(0.0, last as f64);
+        let index = (place as usize).min(last - 1);
+        let [near, far] = [self.entries[index], self.entries[index + 1]];
+        let between = |a: f64, b: f64| a + (b - a) * (place - index as f64);
+        let sensed = Sensed {
+            difference: between(near.difference, far.difference),
+            masking: between(near.masking, far.masking),
+        };
         if share >= 1.0 {
             return sensed;
         }

@@ -9,6 +9,7 @@ use super::places::{CellPlaces, Place, Sighted};
 use super::policy::Moment;
 use crate::asset::signature::{SIGNATURE_BANDS, Signature};
 use crate::asset::tile_grid::TileGrid;
+use crate::perception::eye::share_of_octave;
 use crate::perception::parameters::{EyeState, Model, Parameters};
 use crate::perception::sensitivity_table::SensitivityTable;
 use crate::perception::spread::SpreadTable;
@@ -168,7 +169,7 @@ impl LossMeter {
         let limit = libm::log2(limit.0);
         core::array::from_fn(|octave| {
             let frequency = finest - octave as f64;
-            let share = (limit - frequency + 0.5).clamp(0.0, 1.0);
+            let share = share_of_octave(limit - frequency);
             if share == 0.0 || frequency < LOWEST_OCTAVE {
                 return Sensed::default();
             }

@@ -125,9 +125,8 @@ impl<'a> Sighted<'a> {
 
     /// Level-0 pixels on a side that one pixel of the display covers there; 1 without a display.
     pub(super) fn footprint(&self, place: &Place) -> f64 {
-        self.view.as_ref().map_or(1.0, |(view, _)| {
-            place.ppd.0 / view.ppd_towards(place.direction).0
-        })
+        let view = self.view.as_ref();
+        view.map_or(1.0, |(view, _)| view.footprint(place.ppd, place.direction))
     }
 
     /// A place as it appears to the eye.

@@ -185,7 +185,7 @@ impl Selector {
         let pixels = self.grid.blend_pixels() * f64::from(rise);
         let half = f64::from(surface.size[0]) / 2.0;
         Radians(libm::atan(
-            pixels * surface.tangents[0] / half * surface.mapping.slope(0.0),
+            pixels * surface.tangents[0] / half * surface.mapping().slope(0.0),
         ))
     }
 
@@ -379,7 +379,7 @@ impl Selector {
         let eccentricity = moment.eccentricity(probe.direction);
         let limit = moment.view.map_or(0.0, |view| match self.turns(moment) {
             true => probe.ppd.0 / view.most_ppd().0,
-            false => display_footprint(&view, probe),
+            false => view.footprint(probe.ppd, probe.direction),
         });
         limit.min(self.disc_footprint(eccentricity, seen_ppd(moment, probe)))
     }
@@ -408,11 +408,6 @@ fn toward(gaze: DVec3, direction: DVec3, eccentricity: Radians, left: Radians) -
 fn seen_ppd(moment: &Moment, probe: &Probe) -> Ppd {
     let view = moment.view.as_ref();
     view.map_or(probe.ppd, |view| view.seen_ppd(probe.ppd, probe.direction))
-}
-
-/// Level-0 pixels under one pixel of the display at the place of a probe.
-fn display_footprint(view: &EyeView, probe: &Probe) -> f64 {
-    probe.ppd.0 / view.ppd_towards(probe.direction).0
 }
 
 mod in_view;

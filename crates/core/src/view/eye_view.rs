@@ -222,6 +222,13 @@ impl EyeView {
         self.ppd_at([a, b])
     }
 
+    /// Level-0 pixels on a side that one pixel of the display covers where content of `ppd` pixels
+    /// per degree lies in a world direction.
+    #[must_use]
+    pub fn footprint(&self, ppd: Ppd, direction: DVec3) -> f64 {
+        ppd.0 / self.ppd_towards(direction).0
+    }
+
     /// Pixels per degree in the farthest corner, where they are densest: however the head turns, no
     /// direction is shown with more.
     #[must_use]

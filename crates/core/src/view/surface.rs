@@ -289,7 +289,8 @@ impl Surface {
         })
     }
 
-    fn mapping(&self) -> Mapping {
+    /// How its pixels lie: of flat content evenly, whatever the field says.
+    pub(crate) fn mapping(&self) -> Mapping {
         match self.projection {
             Projection::Flat => Mapping::Gnomonic,
             Projection::Cube => self.mapping,

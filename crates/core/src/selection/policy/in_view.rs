@@ -6,7 +6,7 @@
 use super::super::level_map::LevelMap;
 use super::super::need::{CellBounds, Probe, corners, level_of_footprint, probes};
 use super::super::sight::Sight;
-use super::{Moment, Selector, display_footprint};
+use super::{Moment, Selector};
 use crate::units::{Ppd, Radians};
 use crate::view::axes::angle_between;
 use crate::view::eye_view::EyeView;
@@ -33,7 +33,7 @@ impl Selector {
     }
 
     fn level_shown(&self, view: &EyeView, probe: &Probe) -> u8 {
-        level_of_footprint(&self.grid, display_footprint(view, probe))
+        level_of_footprint(&self.grid, view.footprint(probe.ppd, probe.direction))
     }
 
     /// The level at which the display shows no more of a cell.

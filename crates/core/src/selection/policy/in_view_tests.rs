@@ -77,7 +77,9 @@ fn what_is_in_view_is_as_fine_as_its_finest_probe() {
             for bounds in &selector.cells {
                 let reached = probes(&grid, bounds.cell)
                     .filter(|probe| sight.reaches(probe.direction))
-                    .map(|probe| level_of_footprint(&grid, display_footprint(&view, &probe)))
+                    .map(|probe| {
+                        level_of_footprint(&grid, view.footprint(probe.ppd, probe.direction))
+                    })
                     .min();
                 let found = selector.shown_level(bounds, &view, &sight);
                 let expected = reached.unwrap_or(grid.coarsest());
