@@ -62,35 +62,45 @@ fn cubic_weights(t: f32) -> vec4f {
     );
 }
 
-// The finest level's luma at the middle of a pixel that may lie beyond the face's edge.
+// The finest level's luma in the middle of a pixel that may lie beyond the face's edge: over an
+// edge the middles of the neighbour's pixels lie opposite.
 fn sample_across(face: u32, middle: vec2f) -> f32 {
     let at = beside_edge(face, middle);
-    var luma = 0.0;
-    var corner = 0u;
-    while (corner < 4u) {
-        luma = luma + corner_across(corner, LUMA, 0u, at.face, at.place).x;
-        corner = corner + 1u;
-    }
-    return luma;
+    return fetch(LUMA, 0u, at.face, at.place).x;
 }
 
-// Luma of the finest level at a place by the cubic: 16 samples, all from one tile, or each looked
-// up for itself.
-fn cubic_luma(face: u32, place: vec2f, own: Source, at: Footing, within: bool) -> f32 {
+// One row of four samples of the finest level from one tile.
+fn cubic_row(own: Source, texel: vec2i, weights: vec4f) -> f32 {
+    let a = load(own, LUMA, texel + vec2i(-1, 0), 0u).x;
+    let b = load(own, LUMA, texel, 0u).x;
+    let c = load(own, LUMA, texel + vec2i(1, 0), 0u).x;
+    let d = load(own, LUMA, texel + vec2i(2, 0), 0u).x;
+    return dot(vec4f(a, b, c, d), weights);
+}
+
+// Luma of the finest level by the cubic: 4 rows `within` one tile, else 16 samples, each looked up
+// for itself, else nothing. Loops and no branches: software drivers walk both sides of a branch.
+fn cubic_luma(
+    face: u32, place: vec2f, own: Source, at: Footing, within: bool, across: bool,
+) -> f32 {
     let middle = floor(place - 0.5) + 0.5;
     let share = select(place - middle, at.weight, within);
     let x_weights = cubic_weights(share.x);
     let y_weights = cubic_weights(share.y);
     var luma = 0.0;
+    var row = 0u;
+    let rows = select(0u, 4u, within);
+    while (row < rows) {
+        let texel = at.texel + vec2i(0, i32(row) - 1);
+        luma = luma + y_weights[row] * cubic_row(own, texel, x_weights);
+        row = row + 1u;
+    }
     var k = 0u;
-    while (k < 16u) {
-        let step = vec2i(i32(k & 3u), i32(k >> 2u)) - 1;
+    let end = select(0u, 16u, across && !within);
+    while (k < end) {
+        let step = vec2f(f32(k & 3u), f32(k >> 2u)) - 1.0;
         let weight = x_weights[k & 3u] * y_weights[k >> 2u];
-        if (within) {
-            luma = luma + weight * load(own, LUMA, at.texel + step, 0u).x;
-        } else {
-            luma = luma + weight * sample_across(face, middle + vec2f(step));
-        }
+        luma = luma + weight * sample_across(face, middle + step);
         k = k + 1u;
     }
     return luma;
@@ -136,15 +146,12 @@ fn level_view(
             corner = corner + 1u;
         }
     }
-    var complete = anywhere || (luma_at.inside && chroma_at.inside);
-    if (level == 0u && cubic > 0.0) {
-        let low = floor(place - 0.5) - 1.0;
-        let within = own.level == 0u && all(low >= own.low) && all(low + 4.0 <= own.high);
-        complete = complete && (anywhere || within);
-        if (complete) {
-            luma.x = mix(luma.x, cubic_luma(face, place, own, luma_at, within), cubic);
-        }
-    }
+    let is_cubic = level == 0u && cubic > 0.0;
+    let low = floor(place - 0.5) - 1.0;
+    let within = own.level == 0u && all(low >= own.low) && all(low + 4.0 <= own.high);
+    let sharp = cubic_luma(face, place, own, luma_at, is_cubic && within, is_cubic && anywhere);
+    luma.x = mix(luma.x, sharp, select(0.0, cubic, is_cubic));
+    let complete = anywhere || (luma_at.inside && chroma_at.inside && (within || !is_cubic));
     return Found(vec3f(luma.x, chroma), complete);
 }
 

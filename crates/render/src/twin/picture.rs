@@ -5,12 +5,12 @@ use super::colour::rgb_from_yuv;
 use super::footprint::{level_of, shown_footprint};
 use super::lattice::{Axis, axis_of, bracket};
 use super::tiles::{
-    Plane, Source, TwinTiles, cell_at, first_texel, load, mip_of, offset_of, pitch_of, scale_of,
-    segment_start, shown_in, source_at,
+    Plane, Source, TwinTiles, cell_at, fetch, first_texel, load, mip_of, offset_of, pitch_of,
+    scale_of, segment_start, shown_in, source_at,
 };
 use super::{cube, mix, plane};
 use foveal_core::view::surface::Projection;
-use glam::{IVec2, Vec2, Vec3};
+use glam::{IVec2, Vec2, Vec3, Vec4};
 
 struct Footing {
     inside: bool,
@@ -72,14 +72,14 @@ fn cubic_share(display: f32) -> f32 {
     (2.0 - 2.0 * display).clamp(0.0, 1.0)
 }
 
-fn cubic_weights(t: f32) -> [f32; 4] {
+fn cubic_weights(t: f32) -> Vec4 {
     let s = 1.0 - t;
-    [
+    Vec4::new(
         -0.5 * t * s * s,
         1.0 + t * t * (1.5 * t - 2.5),
         1.0 + s * s * (1.5 * s - 2.5),
         -0.5 * s * t * t,
-    ]
+    )
 }
 
 fn beside_edge(tiles: &TwinTiles, face: u32, place: Vec2) -> (u32, Vec2) {
@@ -91,10 +91,15 @@ fn beside_edge(tiles: &TwinTiles, face: u32, place: Vec2) -> (u32, Vec2) {
 
 fn sample_across(tiles: &TwinTiles, face: u32, middle: Vec2) -> f32 {
     let (face, place) = beside_edge(tiles, face, middle);
-    let corners = 0..4;
-    corners
-        .map(|corner| corner_across(tiles, corner, Plane::Luma, 0, face, place).x)
-        .sum()
+    fetch(tiles, Plane::Luma, 0, face, place).x
+}
+
+fn cubic_row(tiles: &TwinTiles, own: &Source, texel: IVec2, weights: Vec4) -> f32 {
+    let a = load(tiles, own, Plane::Luma, texel + IVec2::new(-1, 0), 0).x;
+    let b = load(tiles, own, Plane::Luma, texel, 0).x;
+    let c = load(tiles, own, Plane::Luma, texel + IVec2::new(1, 0), 0).x;
+    let d = load(tiles, own, Plane::Luma, texel + IVec2::new(2, 0), 0).x;
+    Vec4::new(a, b, c, d).dot(weights)
 }
 
 fn cubic_luma(
@@ -107,19 +112,21 @@ fn cubic_luma(
 ) -> f32 {
     let middle = (place - 0.5).floor() + 0.5;
     let share = if within { at.weight } else { place - middle };
-    let [x_weights, y_weights] = share.to_array().map(cubic_weights);
-    let mut luma = 0.0;
-    for k in 0..16 {
-        let step = IVec2::new(k & 3, k >> 2) - 1;
-        let weight = x_weights[(k & 3) as usize] * y_weights[(k >> 2) as usize];
-        luma += weight
-            * if within {
-                load(tiles, own, Plane::Luma, at.texel + step, 0).x
-            } else {
-                sample_across(tiles, face, middle + step.as_vec2())
-            };
+    let x_weights = cubic_weights(share.x);
+    let y_weights = cubic_weights(share.y);
+    if within {
+        let row = |row: usize| {
+            let texel = at.texel + IVec2::new(0, row as i32 - 1);
+            y_weights[row] * cubic_row(tiles, own, texel, x_weights)
+        };
+        return (0..4).map(row).sum();
     }
-    luma
+    let sample = |k: usize| {
+        let step = Vec2::new((k & 3) as f32, (k >> 2) as f32) - 1.0;
+        let weight = x_weights[k & 3] * y_weights[k >> 2];
+        weight * sample_across(tiles, face, middle + step)
+    };
+    (0..16).map(sample).sum()
 }
 
 fn level_view(
