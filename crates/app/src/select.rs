@@ -200,13 +200,18 @@ impl SelectArgs {
         Ok(match self.projection {
             ProjectionName::Cube => Surface::cube(
                 self.face_size
-                    .ok_or_else(|| missing("--projection cube needs --face-size PX"))?,
+                    .ok_or_else(|| wrong("--projection cube needs --face-size PX"))?,
             )
             .mapped(self.mapping().mapping()),
             ProjectionName::Flat => {
+                if self.mapping.is_some() || self.face_size.is_some() {
+                    let cubes = "--mapping and --face-size are of cubes: leave them out, or give \
+                                 --projection cube";
+                    bail!(wrong(cubes));
+                }
                 let size = self
                     .size
-                    .ok_or_else(|| missing("--projection flat needs --size WxH"))?;
+                    .ok_or_else(|| wrong("--projection flat needs --size WxH"))?;
                 Surface::flat(size, self.view.screen)
             }
         })
@@ -230,7 +235,7 @@ impl SelectArgs {
     }
 }
 
-fn missing(what: &str) -> WrongUsage {
+fn wrong(what: &str) -> WrongUsage {
     WrongUsage(what.to_owned())
 }
 
