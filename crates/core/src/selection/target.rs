@@ -16,6 +16,8 @@ use crate::perception::acuity::AcuityModel;
 use crate::perception::visible_loss::BEST_JOD;
 use crate::units::Radians;
 use crate::view::axes::angle_between;
+use crate::view::eye_view::EyeView;
+use glam::DVec3;
 
 /// Steps of the bound for each doubling.
 const BOUND_STEPS: f64 = 4.0;
@@ -29,6 +31,11 @@ const LEAST_LOST: f64 = 0.5;
 const COARSER_BELOW: f64 = 0.7;
 /// How far the gaze may go before levels are chosen anew, over the steadiness that is asked for.
 const ANEW: f64 = 0.5;
+/// How far gaze and spread may go before a slope is looked for anew, in degrees: the fovea's
+/// radius. Levels follow the eye at every moment; only the slope waits.
+const SLOPE_ANEW_DEG: f64 = 2.5;
+/// How far the head may turn until then: a seventh of a view that is 100° wide is another.
+const SLOPE_ANEW_HEAD_DEG: f64 = 15.0;
 /// The least slope that is tried, over the one by which content of unknown texture keeps the score:
 /// signatures know one content from another, and less of how the judge takes one.
 const LEAST_SLOPE: f64 = 0.7;
@@ -82,13 +89,17 @@ impl TargetSelector {
     /// The choice for one moment, after those before.
     pub fn select(&mut self, content: &dyn Content, frame: u32, moment: &Moment) -> Selection {
         let group = content.unit(self.grid.tile_at(0, 0), frame);
-        let is_still = |before: &&Chosen| self.is_still(before, moment);
-        let still = self.before.as_ref().filter(is_still);
-        if let Some(before) = still.filter(|before| before.group == group) {
-            return match &mut self.rule {
-                Some(rule) => rule.select(Some(content), frame, moment),
-                None => before.selection.clone(),
-            };
+        let of_group = self.before.as_ref().filter(|before| before.group == group);
+        let still = self.before.as_ref();
+        let still = still.filter(|before| self.is_still(&before.moment, moment));
+        if let Some(before) = of_group {
+            match &mut self.rule {
+                Some(rule) if keeps_slope(&before.moment, moment) => {
+                    return rule.select(Some(content), frame, moment);
+                }
+                None if still.is_some() => return before.selection.clone(),
+                _ => {}
+            }
         }
         // An eye that trembles is taken to look where it did before.
         let looked = still.map_or(*moment, |before| before.moment);
@@ -113,11 +124,11 @@ impl TargetSelector {
     }
 
     /// Whether what was chosen still serves.
-    fn is_still(&self, before: &Chosen, moment: &Moment) -> bool {
-        let [was, is] = [&before.moment, moment].map(|moment| moment.gaze.gaze_in_content);
+    fn is_still(&self, before: &Moment, moment: &Moment) -> bool {
+        let [was, is] = [before, moment].map(|moment| moment.gaze.gaze_in_content);
         let still = Radians(self.config.steadiness.0 * ANEW);
-        before.moment.view == moment.view
-            && before.moment.gaze.spread == moment.gaze.spread
+        before.view == moment.view
+            && before.gaze.spread == moment.gaze.spread
             && angle_between(was, is) <= still
     }
 
@@ -184,6 +195,27 @@ impl TargetSelector {
         }
         enough
     }
+}
+
+/// Whether eye and head are still so near to where a slope was found that it serves.
+fn keeps_slope(before: &Moment, moment: &Moment) -> bool {
+    let within = |a: DVec3, b: DVec3, degrees| angle_between(a, b).to_degrees() <= degrees;
+    let [was, is] = [before, moment].map(|moment| &moment.gaze);
+    let views_agree = match (&before.view, &moment.view) {
+        (Some(was), Some(is)) => {
+            let turned = EyeView {
+                axes: is.axes,
+                ..*was
+            };
+            turned == *is
+                && within(was.axes.forward, is.axes.forward, SLOPE_ANEW_HEAD_DEG)
+                && within(was.axes.right, is.axes.right, SLOPE_ANEW_HEAD_DEG)
+        }
+        (was, is) => was == is,
+    };
+    views_agree
+        && within(was.gaze_in_content, is.gaze_in_content, SLOPE_ANEW_DEG)
+        && Radians((was.spread.0 - is.spread.0).abs()).to_degrees() <= SLOPE_ANEW_DEG
 }
 
 fn slope_of(target: f64, step: u32) -> AcuityModel {
