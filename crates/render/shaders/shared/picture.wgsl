@@ -44,10 +44,10 @@ fn corner_across(corner: u32, plane: u32, level: u32, face: u32, place: vec2f) -
     return corner_sample(corner, plane, level, face, place, x, y);
 }
 
-// How much of the finest level is drawn by a cubic instead of straight lines: all where it is
-// enlarged twice or more, nothing where it is not.
+// How much of the finest level is drawn by a cubic instead of straight lines: all where a
+// pixel of the display is at most three quarters of a texel, nothing where it is one or more.
 fn cubic_share(display: f32) -> f32 {
-    return clamp(2.0 - 2.0 * display, 0.0, 1.0);
+    return clamp(4.0 - 4.0 * display, 0.0, 1.0);
 }
 
 // Weights of four samples for a place between the middle two: the interpolating cubic of Catmull

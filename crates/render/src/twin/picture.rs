@@ -69,7 +69,7 @@ fn beyond_edges(tiles: &TwinTiles, face: u32, axis: &Axis, k: usize) -> Vec2 {
 }
 
 fn cubic_share(display: f32) -> f32 {
-    (2.0 - 2.0 * display).clamp(0.0, 1.0)
+    (4.0 - 4.0 * display).clamp(0.0, 1.0)
 }
 
 fn cubic_weights(t: f32) -> Vec4 {
