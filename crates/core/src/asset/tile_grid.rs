@@ -1,6 +1,6 @@
 //! Which tiles does a picture consist of, and which pixels does each hold?
 
-use crate::units::counted;
+use crate::units::{Radians, counted};
 use crate::view::surface::{Projection, Surface};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -296,6 +296,19 @@ impl TileGrid {
             y: 0,
         };
         self.tile_size(first)
+    }
+
+    /// How far beside a coarsest cell the picture is coarser than its own level, at most: a view
+    /// that is to be sharp to its borders needs as much beyond them.
+    #[must_use]
+    pub fn fade(&self) -> Radians {
+        let surface = &self.surface;
+        let rise = self.scale(self.coarsest()) - 1;
+        let pixels = self.blend_pixels() * f64::from(rise);
+        let half = f64::from(surface.size[0]) / 2.0;
+        Radians(libm::atan(
+            pixels * surface.tangents[0] / half * surface.mapping().slope(0.0),
+        ))
     }
 
     /// Level-0 pixels over which the reconstruction lets the footprint of a texel grow by one

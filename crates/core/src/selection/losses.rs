@@ -5,7 +5,7 @@
 
 use super::content::Content;
 use super::level_map::LevelMap;
-use super::places::{CellPlaces, Place, Sighted};
+use super::places::{APART_DEG, CellPlaces, Place, Sighted};
 use super::policy::Moment;
 use crate::asset::signature::{SIGNATURE_BANDS, Signature};
 use crate::asset::tile_grid::TileGrid;
@@ -14,6 +14,7 @@ use crate::perception::parameters::{EyeState, Model, Parameters};
 use crate::perception::sensitivity_table::SensitivityTable;
 use crate::perception::spread::SpreadTable;
 use crate::perception::visible_loss::{LostOctave, SPACE_EXPONENT, Sensed, SensedTable};
+use crate::units::Radians;
 
 /// Octaves that are looked at, from the finest downwards: to below the judge's lowest band for any
 /// content of up to 700 pixels per degree.
@@ -37,9 +38,12 @@ pub struct Losses {
     /// Sums over the places of a cell of pixels x loss^beta, by level, then by rank of the left
     /// eye's cell; nothing is lost at level 0.
     sums: Vec<f64>,
-    /// Pixels of the display that show a cell, by rank.
+    /// Pixels of the display that show a cell, by rank; of cells beside the view, that would.
     pixels: Vec<f64>,
-    /// All of them.
+    /// Whether a cell is in view, by rank. One beside it counts nothing in the whole, but is seen
+    /// fading into the picture if it is too coarse.
+    in_view: Vec<bool>,
+    /// All pixels that show a cell in view.
     shown: f64,
 }
 
@@ -51,10 +55,17 @@ impl Losses {
         sum <= self.pixels[rank] * libm::pow(bound, SPACE_EXPONENT)
     }
 
+    /// Whether a cell lies beside the view, of which one level more is too little to be seen fading
+    /// into it.
+    #[must_use]
+    pub fn is_beside(&self, rank: usize) -> bool {
+        !self.in_view[rank]
+    }
+
     /// The quality difference of a picture whose cells are shown at these levels, to the finest.
     #[must_use]
     pub fn pooled(&self, shown: &LevelMap) -> f64 {
-        let at = |(rank, level): (usize, &u8)| self.sums[usize::from(*level) * self.cells + rank];
+        let at = |(rank, level): (usize, &u8)| self.sum(rank, *level);
         self.quality(shown.levels().iter().enumerate().map(at).sum())
     }
 
@@ -70,7 +81,11 @@ impl Losses {
     /// What a cell adds to the sum at a level.
     #[must_use]
     pub(super) fn sum(&self, rank: usize, level: u8) -> f64 {
-        self.sums[usize::from(level) * self.cells + rank]
+        if self.in_view[rank] {
+            self.sums[usize::from(level) * self.cells + rank]
+        } else {
+            0.0
+        }
     }
 }
 
@@ -113,16 +128,23 @@ impl LossMeter {
             cells,
             sums: vec![0.0; cells * usize::from(grid.levels)],
             pixels: vec![0.0; cells],
+            in_view: vec![false; cells],
             shown: 0.0,
         };
         let spread = SpreadTable::new(moment.gaze.spread);
         let sighted = Sighted::new(moment);
+        let near = Sighted::up_to(moment, beside(grid));
         for cell in &self.cells {
-            let places: Vec<&Place> = sighted.places(cell).collect();
+            let mut places: Vec<&Place> = sighted.places(cell).collect();
+            let in_view = !places.is_empty();
+            if !in_view {
+                places.extend(near.places(cell));
+            }
             if places.is_empty() {
                 continue;
             }
             let rank = grid.rank(grid.for_left_eye(cell.cell)) as usize;
+            losses.in_view[rank] |= in_view;
             let signatures = (0..grid.coarsest()).map(|level| {
                 let unit = content.unit(grid.tile_over(cell.cell, level), frame);
                 content.signature(unit).unwrap_or_default()
@@ -137,7 +159,7 @@ impl LossMeter {
             for place in places {
                 let pixels = sighted.pixels(place);
                 losses.pixels[rank] += pixels;
-                losses.shown += pixels;
+                losses.shown += if in_view { pixels } else { 0.0 };
                 let sensed = self.sensed(&sighted, &spread, moment, place);
                 for (level, octaves) in (1..).zip(&octaves) {
                     let seen = sensed.iter().zip(octaves).map(|(s, o)| s.difference(o));
@@ -181,6 +203,11 @@ impl LossMeter {
             self.table.at(frequency + raised, share)
         })
     }
+}
+
+/// How far beside the view a cell is seen fading into it, or lies in view between its places.
+fn beside(grid: &TileGrid) -> Radians {
+    Radians(grid.fade().0 + Radians::from_degrees(APART_DEG / 2.0).0)
 }
 
 /// How much is drawn of what a step adds, 0 to 1, where a pixel of the display covers `footprint`

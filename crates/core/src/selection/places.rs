@@ -11,7 +11,7 @@ use glam::DVec3;
 const ACROSS: u32 = 3;
 /// Places are at most this far apart where losses are summed up, in degrees: the fovea's radius;
 /// there are at most so many on each axis.
-const APART_DEG: f64 = 2.5;
+pub(super) const APART_DEG: f64 = 2.5;
 const MOST_ACROSS: u32 = 12;
 
 /// One place, standing for a part of its cell.
@@ -88,19 +88,22 @@ impl CellPlaces {
     }
 }
 
-/// What is beside the view has no worth.
-const NO_MARGIN: Radians = Radians(0.0);
-
 /// What a view shows of places; without one, all of them.
 pub(super) struct Sighted<'a> {
     view: Option<(&'a EyeView, Sight)>,
 }
 
 impl<'a> Sighted<'a> {
+    /// What is in view; what is beside it has no worth.
     pub(super) fn new(moment: &'a Moment) -> Self {
+        Self::up_to(moment, Radians(0.0))
+    }
+
+    /// What is in view, or at most a margin beside it.
+    pub(super) fn up_to(moment: &'a Moment, margin: Radians) -> Self {
         let view = moment.view.as_ref();
         Self {
-            view: view.map(|view| (view, Sight::new(view, NO_MARGIN))),
+            view: view.map(|view| (view, Sight::new(view, margin))),
         }
     }
 

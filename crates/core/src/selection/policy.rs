@@ -177,18 +177,6 @@ impl Selector {
         loose
     }
 
-    /// How far beside a coarsest cell the picture is coarser than its own level, at most: a view
-    /// that is to be sharp to its borders needs as much beyond them.
-    fn fade(&self) -> Radians {
-        let surface = &self.grid.surface;
-        let rise = self.grid.scale(self.grid.coarsest()) - 1;
-        let pixels = self.grid.blend_pixels() * f64::from(rise);
-        let half = f64::from(surface.size[0]) / 2.0;
-        Radians(libm::atan(
-            pixels * surface.tangents[0] / half * surface.mapping().slope(0.0),
-        ))
-    }
-
     /// Refines the cells that a window looks at, which may show less than the space between two
     /// probes of a cell.
     fn refine_under(&self, view: &EyeView, levels: &mut LevelMap, level_at: impl Fn(&Probe) -> u8) {

@@ -160,15 +160,15 @@ impl TargetSelector {
         let coarsest = self.grid.coarsest();
         let allowed = |rank: usize, bound: f64| {
             let mut levels = (1..=coarsest).rev();
-            levels.find(|level| losses.is_within(rank, *level, bound))
+            let within = levels.find(|level| losses.is_within(rank, *level, bound));
+            let more = u8::from(losses.is_beside(rank));
+            coarsest.min(within.unwrap_or(0) + more)
         };
         LevelMap::from_cells(&self.grid, |cell| {
             let rank = self.grid.rank(cell) as usize;
-            let level = allowed(rank, bound).unwrap_or(0);
+            let level = allowed(rank, bound);
             match before.map(|before| before.level(&self.grid, cell)) {
-                Some(was) if was < level => {
-                    was.max(allowed(rank, bound * COARSER_BELOW).unwrap_or(0))
-                }
+                Some(was) if was < level => was.max(allowed(rank, bound * COARSER_BELOW)),
                 _ => level,
             }
         })

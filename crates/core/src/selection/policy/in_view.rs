@@ -29,7 +29,7 @@ impl Selector {
 
     /// What is in view or so near that a coarse cell there would be seen fading into it.
     pub(super) fn sight(&self, view: &EyeView) -> Sight {
-        Sight::new(view, Radians(self.config.margin.0.max(self.fade().0)))
+        Sight::new(view, Radians(self.config.margin.0.max(self.grid.fade().0)))
     }
 
     fn level_shown(&self, view: &EyeView, probe: &Probe) -> u8 {

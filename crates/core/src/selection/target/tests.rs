@@ -265,3 +265,36 @@ fn within_a_budget_buying_stops_at_the_target() {
         assert!(jod >= 9.0, "{policy:?}: {jod}");
     }
 }
+
+#[test]
+fn a_view_is_as_sharp_at_its_borders_as_inside_them() {
+    let content = Texture(busy);
+    let grid = sphere();
+    let moment = |degrees| {
+        let wide = moment(&grid, 0.0);
+        let field = Field::across(Radians::from_degrees(degrees), [1000; 2]);
+        let view = wide.view.map(|view| EyeView {
+            field,
+            size: [1000; 2],
+            ..view
+        });
+        Moment { view, ..wide }
+    };
+    let mut chooser = Chooser::new(grid, config(Policy::Perceptual, 9.5));
+    let levels = chooser
+        .choose(Some(&content), 0, &moment(42.0), None)
+        .levels;
+    let level_at = |yaw: f64, pitch: f64| {
+        let [yaw, pitch] = [yaw, pitch].map(Radians::from_degrees);
+        let direction = crate::view::axes::direction_from_yaw_pitch(yaw, pitch);
+        let (face, place) = grid.surface.locate(direction).unwrap();
+        levels.level(&grid, grid.cell_at(face, place))
+    };
+    for along in [-18.0, -8.0, 3.0, 14.0] {
+        for [inside, beside] in [[20.0, 24.0], [-20.0, -24.0]] {
+            assert!(level_at(beside, along) <= level_at(inside, along) + 1);
+            assert!(level_at(along, beside) <= level_at(along, inside) + 1);
+        }
+    }
+    assert_eq!(level_at(180.0, 0.0), grid.coarsest());
+}
