@@ -1,47 +1,10 @@
 //! The `foveal` program: which command runs?
 
-mod bench;
-mod called;
-mod canvas;
-mod codec_options;
-mod decoding;
-mod demo;
-mod evaluate;
-mod fault;
-mod fire;
-mod gaze;
-mod gaze_command;
-mod html;
-mod info;
-mod kept_pack;
-mod link;
-mod loss;
+mod commands;
+mod gaze_source;
 mod options;
-mod output;
-mod pack_place;
-mod perception_command;
-mod perception_options;
-mod picture_file;
-mod player;
-mod plot;
-mod prepare;
-mod preset;
-mod replay;
-mod sampling;
-mod scene_clip;
-mod score;
-mod select;
-mod serve;
-mod showing_options;
-mod simulate;
-mod simulate_score;
-mod site;
-mod source_frames;
-mod timed_run;
-mod unused_options;
-mod verify;
-mod view;
-mod watching;
+mod report;
+mod run;
 mod web_files;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -67,13 +30,13 @@ enum Command {
     #[command(subcommand)]
     Prepare(Prepare),
     /// What is in a pack.
-    Info(info::InfoArgs),
+    Info(commands::info::InfoArgs),
     /// Is every byte of a pack as it was written.
-    Verify(verify::VerifyArgs),
+    Verify(commands::verify::VerifyArgs),
     /// What would be chosen, without content: levels, pixels, shares.
-    Select(select::SelectArgs),
+    Select(commands::select::SelectArgs),
     /// Play a pack headless: pictures of what the eye gets, figures, and a log.
-    Simulate(simulate::SimulateArgs),
+    Simulate(commands::simulate::SimulateArgs),
     /// Watch a pack in a window.
     #[command(mut_arg("policy", |policy| {
         policy
@@ -82,36 +45,36 @@ enum Command {
             .default_value_if("demo", "true", "perceptual")
             .hide_default_value(true)
     }))]
-    View(view::ViewArgs),
+    View(commands::view::ViewArgs),
     /// Prepare and play clips under several policies, and show in a page what was saved.
-    Demo(demo::DemoArgs),
+    Demo(commands::demo::DemoArgs),
     /// What the eye sees, and what a finer picture is worth to it.
     #[command(subcommand)]
-    Perception(perception_command::Perception),
+    Perception(commands::perception::Perception),
     /// What a part of Foveal costs on this machine.
     #[command(subcommand)]
-    Bench(bench::Bench),
+    Bench(commands::bench::Bench),
     /// How good a picture or video looks to an eye that looks at a place in it.
-    Score(Box<score::ScoreArgs>),
+    Score(Box<commands::score::ScoreArgs>),
     /// Compare ways to prepare and to play a video.
     #[command(subcommand)]
-    Evaluate(evaluate::Evaluate),
+    Evaluate(commands::evaluate::Evaluate),
     /// Make the selection of a logged session again and compare.
-    Replay(replay::ReplayArgs),
+    Replay(commands::replay::ReplayArgs),
     /// Put packs into a folder of pages that any web host can serve.
     #[command(subcommand)]
-    Export(site::export::Export),
+    Export(commands::site::export::Export),
     /// Serve a site, or packs as one, to browsers.
-    Serve(serve::ServeArgs),
+    Serve(commands::serve::ServeArgs),
     /// Judge, fit, classify and record gaze.
     #[command(subcommand)]
-    Gaze(gaze_command::GazeCommand),
+    Gaze(commands::gaze::GazeCommand),
 }
 
 #[derive(Debug, Subcommand)]
 enum Prepare {
     /// Flat or 360° video, or a still picture.
-    Video(prepare::PrepareVideoArgs),
+    Video(commands::prepare::PrepareVideoArgs),
 }
 
 fn main() -> ExitCode {
@@ -119,31 +82,32 @@ fn main() -> ExitCode {
     #[cfg(target_os = "linux")]
     keep_freed_memory();
     let matches = with_negative_numbers(Cli::command()).try_get_matches();
-    let matches = matches.unwrap_or_else(|error| output::fail_usage(&error));
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| output::fail_usage(&error));
-    for line in unused_options::unused_options(&matches) {
-        output::say(&line);
+    let matches = matches.unwrap_or_else(|error| report::output::fail_usage(&error));
+    let cli =
+        Cli::from_arg_matches(&matches).unwrap_or_else(|error| report::output::fail_usage(&error));
+    for line in options::unused::unused_options(&matches) {
+        report::output::say(&line);
     }
     let result = match cli.command {
-        Command::Prepare(Prepare::Video(args)) => prepare::run(&args),
-        Command::Info(args) => info::run(&args),
-        Command::Verify(args) => verify::run(&args),
-        Command::Select(args) => select::run(&args),
-        Command::Simulate(args) => simulate::run(&args),
-        Command::View(args) => view::run(&args),
-        Command::Demo(args) => demo::run(&args),
-        Command::Perception(command) => perception_command::run(&command),
-        Command::Bench(command) => bench::run(&command),
-        Command::Score(args) => score::run(&args),
-        Command::Evaluate(command) => evaluate::run(&command),
-        Command::Replay(args) => replay::run(&args),
-        Command::Export(command) => site::export::run(&command),
-        Command::Serve(args) => serve::run(&args),
-        Command::Gaze(command) => gaze_command::run(&command),
+        Command::Prepare(Prepare::Video(args)) => commands::prepare::run(&args),
+        Command::Info(args) => commands::info::run(&args),
+        Command::Verify(args) => commands::verify::run(&args),
+        Command::Select(args) => commands::select::run(&args),
+        Command::Simulate(args) => commands::simulate::run(&args),
+        Command::View(args) => commands::view::run(&args),
+        Command::Demo(args) => commands::demo::run(&args),
+        Command::Perception(command) => commands::perception::run(&command),
+        Command::Bench(command) => commands::bench::run(&command),
+        Command::Score(args) => commands::score::run(&args),
+        Command::Evaluate(command) => commands::evaluate::run(&command),
+        Command::Replay(args) => commands::replay::run(&args),
+        Command::Export(command) => commands::site::export::run(&command),
+        Command::Serve(args) => commands::serve::run(&args),
+        Command::Gaze(command) => commands::gaze::run(&command),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => output::fail(&error),
+        Err(error) => report::output::fail(&error),
     }
 }
 

@@ -1,0 +1,298 @@
+//! How does one content play under each policy?
+
+use crate::commands::demo::FRAMES;
+use crate::commands::demo::content::Prepared;
+use crate::commands::demo::moment::Moment;
+use crate::commands::demo::pictures::Pictures;
+use crate::commands::score::{DeviceName, Engine, Report, display_of_view, from_image};
+use crate::commands::simulate::{RunSummary, csv, session, summarise};
+use crate::gaze_source::{GazeChoice, GazeSource, Viewer};
+use crate::options::decoding::Decoding;
+use crate::options::policy::ViewOptions;
+use crate::report::output::{self, Counting};
+use crate::run::canvas::Drawing;
+use crate::run::canvas::Showing;
+use crate::run::player::{FrameReport, Player, PlayerOptions};
+use anyhow::Context;
+use foveal_core::selection::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
+use foveal_eval::score::{Mode, ScorePicture, Viewing};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What is compared, baselines first.
+pub(super) const POLICIES: [Policy; 3] = [Policy::Full, Policy::Viewport, Policy::Perceptual];
+/// Index in [`POLICIES`] of what the others are judged by.
+pub(super) const FULL: usize = 0;
+/// Index of what the industry ships.
+pub(super) const VIEWPORT: usize = 1;
+/// Index of what is judged.
+pub(super) const FOVEATED: usize = 2;
+
+/// Frames that are scored: drawing them all would take a software driver minutes.
+pub(super) const SCORED: u32 = 16;
+
+/// How all content is played.
+pub(super) struct Conditions<'a> {
+    pub(super) view: &'a ViewOptions,
+    pub(super) drawing: &'a Drawing,
+    pub(super) seed: u64,
+}
+
+/// One run under one policy.
+pub(super) struct PolicyRun {
+    pub(super) summary: RunSummary,
+    pub(super) reports: Vec<FrameReport>,
+}
+
+/// Content that was played under all policies.
+pub(super) struct Played {
+    pub(super) content: Prepared,
+    /// In the order of [`POLICIES`].
+    pub(super) runs: Vec<PolicyRun>,
+    /// Display time of every frame in seconds.
+    pub(super) times: Vec<f64>,
+    pub(super) moment: Moment,
+    pub(super) pictures: Pictures,
+}
+
+/// Plays content under every policy in this one run, then makes the pictures.
+pub(super) fn play(
+    content: Prepared,
+    conditions: &Conditions<'_>,
+    out: &Path,
+    budget: usize,
+) -> anyhow::Result<Played> {
+    let stage = Stage::new(content, conditions);
+    let name = &stage.content.name;
+    let mut runs = Vec::new();
+    for run in stage.play()? {
+        let folder = out.join(format!("{name}-{}", run.policy.name()));
+        runs.push(run.finish(&folder)?);
+    }
+    let times = runs[FOVEATED].reports.iter();
+    let times = times.map(|report| report.session.time_s.0).collect();
+    let moment = Moment::choose(&runs[FOVEATED].reports);
+    output::say(&format!(
+        "{name}: the pictures of frame {} are made",
+        moment.frame
+    ));
+    let pictures = Pictures::take(
+        &stage,
+        &runs[FOVEATED].reports[moment.frame as usize],
+        budget,
+    )?;
+    Ok(Played {
+        content: stage.content,
+        runs,
+        times,
+        moment,
+        pictures,
+    })
+}
+
+/// What every run of one content shares.
+pub(super) struct Stage<'a> {
+    content: Prepared,
+    conditions: &'a Conditions<'a>,
+    frames: u32,
+}
+
+impl<'a> Stage<'a> {
+    fn new(content: Prepared, conditions: &'a Conditions<'a>) -> Self {
+        let frames = content.file.pack().description().frames.min(FRAMES);
+        Self {
+            content,
+            conditions,
+            frames,
+        }
+    }
+
+    /// A player at the first frame, and the gaze that all runs follow.
+    pub(super) fn player(&self, policy: Policy) -> anyhow::Result<(Player, GazeSource)> {
+        let view = self.conditions.view;
+        let surface = self
+            .content
+            .file
+            .pack()
+            .description()
+            .grid(view.screen)
+            .surface;
+        let options = PlayerOptions {
+            config: PolicyConfig {
+                target: (policy == Policy::Perceptual).then_some(DEFAULT_TARGET),
+                ..PolicyConfig::new(policy)
+            },
+            view: view.eye_view(&surface)?,
+            screen: view.screen,
+            drawing: self.conditions.drawing.clone(),
+            showing: Showing::default(),
+            paced: false,
+            judged: false,
+            bytes_per_s: f64::INFINITY,
+            decoding: Decoding::software()?,
+        };
+        let player = Player::new(Arc::clone(&self.content.file), options)?;
+        let length = player.time(self.frames - 1);
+        let gaze = GazeSource::new(
+            &GazeChoice::Scan,
+            &surface,
+            self.conditions.seed,
+            length,
+            &Viewer::default(),
+        )?;
+        Ok((player, gaze))
+    }
+
+    /// The judge of one run.
+    fn engine(&self, player: &Player) -> anyhow::Result<Option<(Engine, Viewing)>> {
+        if matches!(self.conditions.drawing, Drawing::None) {
+            return Ok(None);
+        }
+        let view = player.view();
+        let display = display_of_view(&view, player.grid().surface.projection);
+        let fps = self.content.file.pack().description().fps();
+        // A view that no display shows (a pixel a degree or fewer) has no score.
+        let Ok(viewing) = Viewing::new(display, view.size, Some(fps), true, Mode::Compat) else {
+            return Ok(None);
+        };
+        let engine = Engine::open(DeviceName::Cpu, &viewing, output::jobs(None)?)?;
+        Ok(Some((engine, viewing)))
+    }
+
+    /// All policies take turns, frame by frame and each first as often, so that other work on the
+    /// machine touches all alike.
+    fn play(&self) -> anyhow::Result<Vec<Run>> {
+        let start = |policy| {
+            let (player, gaze) = self.player(policy)?;
+            Ok(Run {
+                policy,
+                engine: self.engine(&player)?,
+                player,
+                gaze,
+                reports: Vec::new(),
+            })
+        };
+        let runs = POLICIES.into_iter().map(start);
+        let mut runs = runs.collect::<anyhow::Result<Vec<Run>>>()?;
+        let words = POLICIES.map(Policy::name).join(", ");
+        output::say(&format!("{}: plays under {words}", self.content.name));
+        let bar = output::bar(Some(u64::from(self.frames)), Counting::Frames);
+        for frame in 0..self.frames {
+            for turn in 0..runs.len() {
+                let run = &mut runs[(frame as usize + turn) % POLICIES.len()];
+                run.reports.push(run.player.play(frame, &mut run.gaze)?);
+            }
+            if frame < SCORED {
+                score(&mut runs)?;
+            }
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Ok(runs)
+    }
+}
+
+/// Scores what was shown last of every run against the first, which shows every finest tile.
+fn score(runs: &mut [Run]) -> anyhow::Result<()> {
+    let Some(reference) = runs[FULL].picture()? else {
+        return Ok(());
+    };
+    for run in runs {
+        let Some(test) = run.picture()? else {
+            continue;
+        };
+        let Some(report) = run.reports.last() else {
+            continue;
+        };
+        // A gaze beside the view counts at its middle.
+        let middle = report.view.size.map(|side| f64::from(side / 2));
+        let place = report.view.place(report.gaze.gaze_in_content);
+        let gaze_px = place.map_or(middle, |place| place.map(|at| at - 0.5));
+        if let Some((engine, _)) = &mut run.engine {
+            engine.frame(&reference, &test, gaze_px)?;
+        }
+    }
+    Ok(())
+}
+
+/// A run that goes on.
+struct Run {
+    policy: Policy,
+    engine: Option<(Engine, Viewing)>,
+    player: Player,
+    gaze: GazeSource,
+    reports: Vec<FrameReport>,
+}
+
+impl Run {
+    /// What it shows; `None` where nothing draws.
+    fn picture(&mut self) -> anyhow::Result<Option<ScorePicture>> {
+        let Some(report) = self.reports.last() else {
+            return Ok(None);
+        };
+        let picture = self.player.canvas.picture(&report.view, None)?;
+        picture.as_ref().map(from_image).transpose()
+    }
+
+    /// Writes its log and its figures, and sums it up.
+    fn finish(mut self, folder: &Path) -> anyhow::Result<PolicyRun> {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+        let reports = self.reports;
+        let log = session(&self.player, &reports).write();
+        output::write_whole(&folder.join("session.jsonl"), log.as_bytes())?;
+        output::write_whole(&folder.join("frames.csv"), csv(&reports).as_bytes())?;
+        let name = self.policy.name().to_owned();
+        let score = self.engine.map(|(engine, viewing)| {
+            let gaze = Some(GazeChoice::Scan.as_judged());
+            anyhow::Ok(Report::judged(
+                &viewing,
+                Mode::Compat,
+                gaze,
+                engine.score()?,
+            ))
+        });
+        let summary = RunSummary {
+            score: score.transpose()?,
+            ..summarise(name, &reports, &mut self.player, &log)
+        };
+        Ok(PolicyRun { summary, reports })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::content::Content;
+    use super::super::pictures::Shown;
+    use super::*;
+    use clap::Parser;
+    use foveal_media::generate::Scene;
+
+    #[derive(Debug, Parser)]
+    struct Options {
+        #[command(flatten)]
+        view: ViewOptions,
+    }
+
+    #[test]
+    fn a_frame_that_is_played_to_again_is_chosen_as_in_the_run() -> anyhow::Result<()> {
+        let out = std::env::temp_dir().join(format!("foveal-again-{}", std::process::id()));
+        std::fs::create_dir_all(&out)?;
+        let size = [640, 360];
+        let content = Content::generated("wide", size, Scene::wide(size), &out);
+        let conditions = Conditions {
+            view: &Options::parse_from([""]).view,
+            drawing: &Drawing::None,
+            seed: 4,
+        };
+        let stage = Stage::new(content.prepare(&out)?, &conditions);
+        let runs = stage.play()?;
+        for frame in (0..stage.frames).step_by(3) {
+            let again = Shown::at(&stage, Policy::Perceptual, frame)?.report.session;
+            let first = &runs[FOVEATED].reports[frame as usize].session;
+            assert_eq!(again, *first, "frame {frame}");
+        }
+        std::fs::remove_dir_all(&out)?;
+        Ok(())
+    }
+}

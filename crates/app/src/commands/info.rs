@@ -1,0 +1,283 @@
+//! What is in a pack?
+
+use crate::report::output;
+use clap::Args;
+use foveal_core::asset::codec::Codec;
+use foveal_core::asset::pack::{Description, Loss};
+use foveal_core::asset::rate::QualityScale;
+use foveal_core::asset::sound::{SOUND_RATE, SoundTable};
+use foveal_core::asset::tile_grid::Cut;
+use foveal_core::units::counted;
+use foveal_core::view::surface::{Mapping, Projection};
+use foveal_media::pack_file::PackFile;
+use foveal_media::sphere::{Coverage, face_size_for};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// The pack.
+    pack: PathBuf,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `info` and `prepare` say of a pack.
+#[derive(Debug, Serialize)]
+pub(crate) struct PackInfo {
+    content: Content,
+    projection: Projection,
+    pub(crate) frames: u32,
+    /// Null for a picture.
+    fps: Option<f64>,
+    seconds: Option<f64>,
+    /// Pixels of the source.
+    width: u32,
+    height: u32,
+    /// Pixels of one face at level 0.
+    face_width: u32,
+    face_height: u32,
+    /// Eyes with a picture of their own.
+    eyes: u8,
+    /// Faces of one eye.
+    faces: u32,
+    /// How pixels lie over the faces of a cube.
+    mapping: Mapping,
+    /// Whether preparing the same file anew would make it sharper.
+    #[serde(skip)]
+    is_softer: bool,
+    /// Width and height of a pixel to each other.
+    pixel_aspect: [u32; 2],
+    /// Yaw that a view of a sphere begins at.
+    front_deg: f64,
+    /// Its sound, if it has any.
+    sound: Option<SoundInfo>,
+    cut: Cut,
+    units: usize,
+    levels: u8,
+    level_ratio: u32,
+    groups: Vec<u32>,
+    codec: Codec,
+    quality: Vec<u8>,
+    quality_scale: QualityScale,
+    bit_rates: Vec<u32>,
+    pub(crate) bytes: u64,
+    bytes_per_level: Vec<u64>,
+    /// What preparing lost; null where nobody measured.
+    loss: Option<Loss>,
+    source: String,
+    source_bytes: u64,
+    generator: String,
+}
+
+/// What a pack shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Content {
+    Picture,
+    Video,
+}
+
+impl Content {
+    pub(crate) fn of(about: &Description) -> Self {
+        if about.is_still() {
+            Self::Picture
+        } else {
+            Self::Video
+        }
+    }
+}
+
+/// What is said of a pack's sound.
+#[derive(Debug, Serialize)]
+struct SoundInfo {
+    codec: &'static str,
+    rate_hz: u32,
+    channels: u8,
+    seconds: f64,
+    bytes: usize,
+}
+
+impl SoundInfo {
+    fn new(sound: &SoundTable) -> Self {
+        let packets = (0..sound.packets()).filter_map(|number| sound.packet(number));
+        Self {
+            codec: "opus",
+            rate_hz: SOUND_RATE,
+            channels: sound.channels,
+            seconds: sound.samples as f64 / f64::from(SOUND_RATE),
+            bytes: packets.map(<[u8]>::len).sum(),
+        }
+    }
+}
+
+/// How long a video lasts; `None` of a picture.
+pub(crate) fn seconds_of(file: &PackFile) -> anyhow::Result<Option<f64>> {
+    let about = file.pack().description();
+    let times = file.frame_times()?;
+    let last = times.last().map_or(0.0, |&ns| ns as f64 / 1e9);
+    Ok((!about.is_still()).then_some(last + 1.0 / about.fps()))
+}
+
+impl PackInfo {
+    pub(crate) fn new(file: &PackFile) -> anyhow::Result<Self> {
+        let pack = file.pack();
+        let about: &Description = pack.description();
+        Ok(Self {
+            content: Content::of(about),
+            projection: about.projection,
+            frames: about.frames,
+            fps: (!about.is_still()).then_some(about.fps()),
+            seconds: seconds_of(file)?,
+            width: about.source.size[0],
+            height: about.source.size[1],
+            face_width: about.size[0],
+            face_height: about.size[1],
+            eyes: about.eyes,
+            faces: pack.grid().surface.faces_of_an_eye(),
+            mapping: about.mapping,
+            is_softer: is_softer(about),
+            pixel_aspect: about.pixel_aspect,
+            front_deg: about.front_deg,
+            sound: file.sound()?.map(|sound| SoundInfo::new(&sound)),
+            cut: about.cut,
+            units: pack.units().count(),
+            levels: about.levels,
+            level_ratio: about.ratio,
+            groups: about.groups.clone(),
+            codec: about.codec,
+            quality: about.quality.clone(),
+            quality_scale: about.quality_scale,
+            bit_rates: about.bit_rates.clone(),
+            bytes: file.bytes(),
+            bytes_per_level: pack.bytes_per_level(),
+            loss: about.loss,
+            source: about.source.name.clone(),
+            source_bytes: about.source.bytes,
+            generator: about.generator.clone(),
+        })
+    }
+
+    pub(crate) fn text(&self) -> String {
+        let cut = match self.cut {
+            Cut::Tile(px) => format!("tiles of {px} px"),
+            Cut::Grid([c, r]) => format!("a grid of {c}x{r} a face"),
+        };
+        let content = match (self.fps, self.seconds) {
+            (Some(fps), Some(seconds)) => {
+                format!(
+                    "{} at {fps:.3} fps, {seconds:.2} s",
+                    counted(self.frames, "frame")
+                )
+            }
+            _ => "a picture".to_owned(),
+        };
+        let mut text = format!(
+            "{}, {}x{}, {}\n{content}\n\
+             {}, {} of ratio {}, {cut}, {}\n{} from {}\n",
+            self.source,
+            self.width,
+            self.height,
+            self.surround_told(),
+            self.codec.name(),
+            counted(self.levels, "level"),
+            self.level_ratio,
+            counted(self.units, "unit"),
+            output::size(self.bytes),
+            output::size(self.source_bytes),
+        );
+        text += &self.loss_told();
+        if let Some(sound) = &self.sound {
+            let _ = writeln!(
+                text,
+                "sound: {}, {} Hz, {}, {:.2} s, {}",
+                sound.codec,
+                sound.rate_hz,
+                counted(sound.channels, "channel"),
+                sound.seconds,
+                output::size(sound.bytes as u64)
+            );
+        }
+        if self.is_softer {
+            text += "prepared anew from a sphere this would be sharper: its faces are gnomonic\n";
+        }
+        for (level, bytes) in self.bytes_per_level.iter().enumerate() {
+            let _ = writeln!(
+                text,
+                "level {level}: {}, {}{}",
+                output::size(*bytes),
+                self.quality_of(level),
+                match self.content {
+                    Content::Picture => String::new(),
+                    Content::Video => format!(", groups of {}", self.groups[level]),
+                }
+            );
+        }
+        text
+    }
+
+    /// How it surrounds the eye, in words.
+    fn surround_told(&self) -> String {
+        let [wide, high] = self.pixel_aspect;
+        let mut surround = match (self.projection, self.faces) {
+            (Projection::Flat, _) if wide != high => format!("flat, pixels of {wide}:{high}"),
+            (Projection::Flat, _) => "flat".to_owned(),
+            (Projection::Cube, 4) => {
+                format!(
+                    "four faces of {0}x{0} px round the horizon",
+                    self.face_width
+                )
+            }
+            (Projection::Cube, _) => format!("cube of {0}x{0} px faces", self.face_width),
+        };
+        if self.mapping == Mapping::EquiAngular {
+            surround += ", equi-angular";
+        }
+        if self.front_deg != 0.0 {
+            surround += &format!(", opened at {:.0}°", self.front_deg);
+        }
+        if self.eyes > 1 {
+            surround += ", for each of two eyes";
+        }
+        surround
+    }
+
+    /// A line about what preparing lost, if anybody measured.
+    fn loss_told(&self) -> String {
+        if let Some(Loss { psnr_db, jod }) = self.loss {
+            let psnr = match psnr_db {
+                Some(decibels) => format!("PSNR {decibels:.2} dB"),
+                None => "no pixel differs".to_owned(),
+            };
+            return format!(
+                "the finest level against the source: {psnr}, {jod:.2} JOD at the worst of nine \
+                 gazes (10 is no difference)\n"
+            );
+        }
+        String::new()
+    }
+
+    fn quality_of(&self, level: usize) -> String {
+        match (self.bit_rates.get(level), self.quality_scale) {
+            (Some(bits), _) => format!("{:.3} Mbit/s a tile", f64::from(*bits) / 1e6),
+            (None, _) if self.codec == Codec::Png => "lossless".to_owned(),
+            (None, QualityScale::Quantiser) => format!("quality {}", self.quality[level]),
+            (None, QualityScale::Ijg) => format!("quality q{}", self.quality[level]),
+        }
+    }
+}
+
+/// Whether gnomonic faces were resampled from a sphere, which equi-angular ones keep better: those
+/// of an input that is a cube have not a quarter of its width.
+fn is_softer(about: &Description) -> bool {
+    let is_cube = about.projection == Projection::Cube && about.cube_faces == 6;
+    let quarter = face_size_for(about.source.size[0], Coverage::Full);
+    is_cube && about.mapping == Mapping::Gnomonic && about.size[0] == quarter
+}
+
+pub(crate) fn run(args: &InfoArgs) -> anyhow::Result<()> {
+    let info = PackInfo::new(&PackFile::open(&args.pack)?)?;
+    output::result(args.json, &info, &info.text())
+}

@@ -1,0 +1,144 @@
+//! Does a logged session select the same again?
+
+use crate::report::output::{self, WrongUsage};
+use anyhow::{Context, anyhow, bail};
+use clap::Args;
+use foveal_core::selection::content::PackContent;
+use foveal_core::selection::session::{Session, SessionFrame, sha256_hex};
+use foveal_core::selection::session_log::SessionLog;
+use foveal_core::units::counted;
+use foveal_media::pack_file::PackFile;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ReplayArgs {
+    /// The session.jsonl that simulate wrote, or what view --log did.
+    log: PathBuf,
+    /// The pack that was played; needed where the policy weighed its units (default: the one that
+    /// the log names, beside the log, a folder above it, or here).
+    #[arg(long, value_name = "PACK")]
+    pack: Option<PathBuf>,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Replayed {
+    same: bool,
+    frames: usize,
+    differing_frames: usize,
+    first_difference: Option<u32>,
+    log_sha256: String,
+    replay_sha256: String,
+}
+
+/// The run selected again, on its pack where that is needed.
+fn replay(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::Result<SessionLog> {
+    let Some(weighed) = log.parts.iter().find(|part| part.needs_content()) else {
+        return Ok(log.replay(None));
+    };
+    let found = || pack_beside(path, &weighed.head.pack);
+    let Some(pack) = pack.map(Path::to_owned).or_else(found) else {
+        bail!(WrongUsage(format!(
+            "--pack is needed: this run weighed what is in its tiles; give {}",
+            weighed.head.pack
+        )));
+    };
+    let file = PackFile::open(&pack)?;
+    let name = pack.display();
+    let cues = file.cues()?;
+    let signatures = file
+        .signatures()?
+        .with_context(|| format!("{name}: has no signatures; prepare it again"))?;
+    let needs_cues = |part: &Session| part.head.policy.needs_cues();
+    if log.parts.iter().any(needs_cues) && cues.is_none() {
+        bail!("{name}: has no cues, by which the log chose; prepare it again");
+    }
+    let content = PackContent {
+        pack: file.pack(),
+        signatures: &signatures,
+        cues: cues.as_ref(),
+    };
+    log.parts
+        .iter()
+        .try_for_each(|part| check_belongs(part, &file))?;
+    Ok(log.replay(Some(&content)))
+}
+
+/// The pack that a log names: beside it, a folder above, or where the program was started.
+fn pack_beside(log: &Path, name: &str) -> Option<PathBuf> {
+    // A name with a folder in it is no name that a log has.
+    let name = Path::new(name).file_name().filter(|only| *only == name)?;
+    let beside = log.parent()?;
+    let above = beside.join("..");
+    let places = [beside, &above, Path::new(".")];
+    let mut packs = places.into_iter().map(|folder| folder.join(name));
+    packs.find(|pack| pack.is_file())
+}
+
+/// Refuses a session of another pack.
+fn check_belongs(session: &Session, file: &PackFile) -> anyhow::Result<()> {
+    let name = file.path().display();
+    let about = file.pack().description();
+    let mut grid = *file.pack().grid();
+    // Flat content may have filled another screen.
+    grid.surface.tangents = session.head.grid.surface.tangents;
+    if session.head.grid != grid {
+        bail!(
+            "{name}: has other tiles than the pack of the log, {}",
+            session.head.pack
+        );
+    }
+    let beyond = |frame: &&SessionFrame| frame.frame >= about.frames;
+    if let Some(frame) = session.frames.iter().find(beyond) {
+        bail!(
+            "{name}: has {}, the log asks for frame {}",
+            counted(about.frames, "frame"),
+            frame.frame
+        );
+    }
+    Ok(())
+}
+
+pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
+    let name = args.log.display();
+    let text = output::read_text(&args.log, "the session.jsonl of a simulate")?;
+    let log = SessionLog::parse(&text).with_context(|| name.to_string())?;
+    let again = replay(&log, &args.log, args.pack.as_deref())?;
+    let frames = |log: &SessionLog| -> Vec<SessionFrame> {
+        let frames = log.parts.iter().flat_map(|part| &part.frames);
+        frames.cloned().collect()
+    };
+    let (before, after) = (frames(&log), frames(&again));
+    let mut differing = before.iter().zip(&after).filter(|(a, b)| a != b).peekable();
+    let first_difference = differing.peek().map(|(frame, _)| frame.frame);
+    let replayed = Replayed {
+        frames: before.len(),
+        differing_frames: differing.count(),
+        first_difference,
+        log_sha256: sha256_hex(text.as_bytes()),
+        replay_sha256: sha256_hex(again.write().as_bytes()),
+        same: again.write() == text,
+    };
+    let verdict = if replayed.same {
+        "the same selection again"
+    } else {
+        "another selection"
+    };
+    let text = format!(
+        "{}: {verdict}\nsha256 {}",
+        counted(replayed.frames, "frame"),
+        replayed.replay_sha256
+    );
+    if replayed.same {
+        return output::result(args.json, &replayed, &text);
+    }
+    let from = first_difference.map_or("its first line".to_owned(), |f| format!("frame {f}"));
+    let error = anyhow!(
+        "{name}: the replay differs from {from} on: the log was changed, or the program; take the \
+         log as it was written, and the program that wrote it"
+    );
+    output::result_that_fails(args.json, &replayed, &text, error)
+}

@@ -1,0 +1,193 @@
+//! Which file lies at the path of a request?
+//!
+//! Nothing outside the folder is reachable: a path is split into names, none of which may be
+//! special, and what the names lead to must lie in the folder with all links followed.
+
+use crate::commands::site::{Site, SiteFile};
+use percent_encoding::percent_decode_str;
+use std::borrow::Cow;
+use std::fs::{File, Metadata};
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// What is served.
+pub(super) enum Place {
+    /// A folder.
+    Folder(PathBuf),
+    /// A site that nobody wrote, and when it was made.
+    Site(Box<Site>, SystemTime),
+}
+
+/// What lies at a path.
+pub(super) enum Found {
+    /// This.
+    File(FoundFile),
+    /// A folder whose page is at the same path with a `/` behind it.
+    Folder,
+    /// Nothing.
+    Nothing,
+}
+
+/// A file that can be sent.
+pub(super) struct FoundFile {
+    pub(super) name: String,
+    pub(super) content: FoundContent,
+    pub(super) length: u64,
+    pub(super) modified: SystemTime,
+    /// Changes with the content.
+    pub(super) tag: String,
+}
+
+pub(super) enum FoundContent {
+    Bytes(Cow<'static, [u8]>),
+    File(File),
+}
+
+/// The page of a folder.
+const PAGE: &str = "index.html";
+/// The page of a site for addresses where nothing lies.
+const NOTHING: &str = "404.html";
+
+impl Place {
+    /// What lies at the path of a URL, as it was sent.
+    pub(super) fn find(&self, path: &str) -> Found {
+        let Some(mut names) = names_of(path) else {
+            return Found::Nothing;
+        };
+        if names.last().is_none_or(String::is_empty) {
+            names.pop();
+            names.push(PAGE.to_owned());
+        }
+        match self {
+            Self::Folder(folder) => in_folder(folder, &names),
+            Self::Site(site, made) => match site.files.get(&names.join("/")) {
+                Some(SiteFile::Bytes(bytes)) => Found::File(FoundFile {
+                    name: names.join("/"),
+                    length: bytes.len() as u64,
+                    modified: *made,
+                    tag: tag(bytes.len() as u64, *made),
+                    content: FoundContent::Bytes(bytes.clone()),
+                }),
+                Some(SiteFile::File(path)) => open(path, &names.join("/")),
+                None => Found::Nothing,
+            },
+        }
+    }
+
+    /// The page for addresses where nothing lies, whatever their depth; `None` in a folder that
+    /// has none.
+    pub(super) fn page_of_nothing(&self) -> Option<String> {
+        let Found::File(page) = self.find(&format!("/{NOTHING}")) else {
+            return None;
+        };
+        let text = match page.content {
+            FoundContent::Bytes(bytes) => String::from_utf8(bytes.into_owned()).ok()?,
+            FoundContent::File(file) => std::io::read_to_string(file).ok()?,
+        };
+        // What it loads and leads to lies at the beginning of the site.
+        Some(text.replace("=\"./", "=\"/"))
+    }
+}
+
+/// The names between the slashes, decoded; the last is empty where the path ends in one. `None`
+/// for what could mean anything but a name in a folder.
+fn names_of(path: &str) -> Option<Vec<String>> {
+    let names = path.strip_prefix('/')?.split('/');
+    let decoded = names.map(|name| {
+        let name = percent_decode_str(name).decode_utf8().ok()?.into_owned();
+        let special = name.starts_with('.')
+            || name.contains(['/', '\\', ':'])
+            || name.chars().any(char::is_control);
+        (!special).then_some(name)
+    });
+    let names: Vec<String> = decoded.collect::<Option<_>>()?;
+    let inner = &names[..names.len() - 1];
+    (!inner.iter().any(String::is_empty)).then_some(names)
+}
+
+fn in_folder(folder: &Path, names: &[String]) -> Found {
+    let asked = names
+        .iter()
+        .fold(folder.to_owned(), |path, name| path.join(name));
+    let Ok(path) = asked.canonicalize() else {
+        return Found::Nothing;
+    };
+    if !path.starts_with(folder) {
+        return Found::Nothing;
+    }
+    if path.is_dir() {
+        return if path.join(PAGE).is_file() {
+            Found::Folder
+        } else {
+            Found::Nothing
+        };
+    }
+    open(&path, &names.join("/"))
+}
+
+fn open(path: &Path, name: &str) -> Found {
+    // Opening a pipe would wait for somebody to write into it.
+    if !path.is_file() {
+        return Found::Nothing;
+    }
+    let opened = File::open(path).and_then(|file| Ok((file.metadata()?, file)));
+    match opened {
+        Ok((there, file)) if there.is_file() => Found::File(FoundFile {
+            name: name.to_owned(),
+            content: FoundContent::File(file),
+            length: there.len(),
+            modified: modified(&there),
+            tag: tag(there.len(), modified(&there)),
+        }),
+        _ => Found::Nothing,
+    }
+}
+
+fn modified(there: &Metadata) -> SystemTime {
+    there.modified().unwrap_or(UNIX_EPOCH)
+}
+
+fn tag(length: u64, modified: SystemTime) -> String {
+    let since = modified.duration_since(UNIX_EPOCH).unwrap_or_default();
+    format!("\"{length:x}-{:x}\"", since.as_nanos())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_decoded_between_slashes() {
+        assert_eq!(names_of("/"), Some(vec![String::new()]));
+        assert_eq!(
+            names_of("/a%20b/c.js"),
+            Some(vec!["a b".into(), "c.js".into()])
+        );
+        assert_eq!(names_of("/a/"), Some(vec!["a".into(), String::new()]));
+    }
+
+    #[test]
+    fn what_could_lead_out_of_the_folder_is_no_name() {
+        let paths = [
+            "",
+            "a",
+            "/..",
+            "/../a",
+            "/a/../b",
+            "/%2e%2e/a",
+            "/a%2fb",
+            "/a%5cb",
+            "/..%5ca",
+            "//a",
+            "/a//b",
+            "/.git/config",
+            "/a%00",
+            "/%ff",
+            "/c:/a",
+            "/a\n",
+        ];
+        for path in paths {
+            assert_eq!(names_of(path), None, "{path:?}");
+        }
+    }
+}

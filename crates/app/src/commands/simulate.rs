@@ -1,0 +1,562 @@
+//! What does an eye get from a pack, and what did that take?
+
+use crate::commands::score::Report;
+use crate::commands::simulate_score::{Baseline, RunScoring, ScoringOptions};
+use crate::gaze_source::{GazeChoice, GazeSource, interrupted, parse_gaze};
+use crate::options::decoding::{DecodingOptions, DeviceReport};
+use crate::options::policy::{PolicyOptions, Switch, ViewOptions};
+use crate::options::showing::{EyeName, InterpolationName, ShowingOptions};
+use crate::options::watching::Watching;
+use crate::report::output::{self, WrongUsage, out_of_range};
+use crate::report::picture_file::write_png;
+use crate::run::canvas::{Drawing, RendererName, Showing};
+use crate::run::player::{FrameReport, Player, PlayerOptions};
+use anyhow::{Context, bail};
+use clap::{Args, ValueEnum};
+use foveal_core::asset::picture::{Colour, Matrix};
+use foveal_core::selection::calibration::Expectation;
+use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::selection::session::{Session, sha256_hex};
+use foveal_core::units::counted;
+use foveal_core::view::axes::yaw_pitch_from_direction;
+use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::surface::Projection;
+use foveal_media::pack_file::PackFile;
+use foveal_media::picture_from_rgba::picture_from_rgba;
+use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
+use foveal_render::{Overlay, RgbaImage};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Pictures {
+    /// One PNG a frame.
+    Png,
+    /// One video.
+    Video,
+    /// None: only figures.
+    None,
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct SimulateArgs {
+    /// The pack.
+    pack: PathBuf,
+    /// YAW,PITCH in degrees, center, scan, trace:FILE, head:FILE, udp:PORT, ws:URL or osc:PORT.
+    ///
+    /// The last three are live: frames are then played when they are due.
+    #[arg(
+        long,
+        value_name = "G",
+        default_value = "scan",
+        allow_hyphen_values = true
+    )]
+    #[arg(value_parser = parse_gaze)]
+    gaze: GazeChoice,
+    #[command(flatten)]
+    policy: PolicyOptions,
+    #[command(flatten)]
+    watching: Watching,
+    #[command(flatten)]
+    view: ViewOptions,
+    #[command(flatten)]
+    showing: ShowingOptions,
+    /// First frame to play; decoding starts at its group's key frame, without showing.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    start: u32,
+    /// Stop after this many frames (default: all).
+    #[arg(long, value_name = "N")]
+    frames: Option<u32>,
+    /// Folder for pictures, frames.csv and session.jsonl; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// What pictures to write.
+    #[arg(long, value_enum, default_value = "png")]
+    pictures: Pictures,
+    /// Whose picture to write, of content for two eyes; both lie side by side.
+    #[arg(long, value_enum, default_value = "left")]
+    eye: EyeName,
+    /// Write every Nth picture.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    every: u32,
+    /// Draw levels as colours, tile borders and the gaze over the pictures.
+    #[arg(long)]
+    heat_map: bool,
+    /// What draws the pictures.
+    #[arg(long, value_enum, default_value = "gpu")]
+    renderer: RendererName,
+    /// Show a frame when its time is over, a coarser level standing in for tiles that are late;
+    /// otherwise every frame is waited for.
+    #[arg(long)]
+    paced: bool,
+    #[command(flatten)]
+    decoding: DecodingOptions,
+    /// Seed of the scan path.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    scoring: ScoringOptions,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a run took.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct RunSummary {
+    pub(crate) policy: String,
+    pub(crate) frames: usize,
+    pub(crate) pixels_share_mean: f64,
+    pub(crate) pixels_share_max: f64,
+    pub(crate) bytes: u64,
+    pub(crate) decoded_megapixels: f64,
+    pub(crate) decode_ms_mean: f64,
+    pub(crate) decode_ms_p95: f64,
+    pub(crate) late_frames: usize,
+    /// Frames shown with a coarser tile in the place of one that was chosen.
+    pub(crate) incomplete_frames: usize,
+    pub(crate) wrong_frame_tiles: usize,
+    pub(crate) damaged_tiles: usize,
+    pub(crate) level_changes: u64,
+    pub(crate) gaze_error_deg_mean: f64,
+    /// Share of the detail that the eye could see that was shown; null for packs without
+    /// signatures.
+    pub(crate) detail_share_mean: Option<f64>,
+    /// The score that levels were chosen for, in JOD; null without one.
+    pub(crate) target: Option<f64>,
+    /// The score against every finest tile that signatures foretell, in JOD; null for packs
+    /// without.
+    pub(crate) expected_jod: Option<f64>,
+    pub(crate) gpu_bytes: u64,
+    pub(crate) decoded_on: DeviceReport,
+    pub(crate) log_sha256: String,
+    /// How good it looked beside the full picture, where somebody asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) score: Option<Report>,
+}
+
+/// Most frames between two pictures.
+const MOST_EVERY: u32 = 10_000;
+
+pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
+    args.check()?;
+    let file = Arc::new(PackFile::open(&args.pack)?);
+    let about = file.pack().description();
+    let args = &args.with_preset(about.projection);
+    let config = args.config()?;
+    let showing = args.showing(config.policy)?;
+    let frames = args.frames_to_play(about.frames)?;
+    let fps = about.frame_rate;
+    let surface = about.grid(args.view.screen).surface;
+    if surface.eyes == 1 && args.eye != EyeName::Left {
+        output::say(&format!(
+            "{}: has one picture for both eyes, so --eye {} shows that",
+            args.pack.display(),
+            args.eye.name()
+        ));
+    }
+    let (view, drawing) = (args.view.eye_view(&surface)?, Drawing::open(args.renderer)?);
+    let mut scoring = args.scoring.open(&Baseline {
+        file: &file,
+        view,
+        screen: args.view.screen,
+        drawing: &drawing,
+        decoding: args.decoding.decoding()?,
+        frames: frames.len(),
+    })?;
+    let mut player = Player::new(
+        Arc::clone(&file),
+        PlayerOptions {
+            config,
+            view,
+            screen: args.view.screen,
+            drawing,
+            showing,
+            paced: args.paced,
+            judged: true,
+            bytes_per_s: args.watching.link().bytes_per_s,
+            decoding: args.decoding.decoding()?,
+        },
+    )?;
+    let length = player.time(frames.end - 1);
+    let mut gaze = GazeSource::new(
+        &args.gaze,
+        &surface,
+        args.seed,
+        length,
+        &args.watching.viewer()?,
+    )?;
+    std::fs::create_dir_all(&args.out)
+        .with_context(|| format!("--out {}: the folder cannot be made", args.out.display()))?;
+    let mut pictures = PictureSink::new(args, fps);
+    let reports = play(&mut player, &mut gaze, frames, &mut pictures, &mut scoring)?;
+    pictures.finish()?;
+    let session = session(&player, &reports).write();
+    output::write_whole(&args.out.join("session.jsonl"), session.as_bytes())?;
+    output::write_whole(&args.out.join("frames.csv"), csv(&reports).as_bytes())?;
+    let policy = player.config().policy.name();
+    let judged = |scoring: RunScoring| scoring.report(args.gaze.as_judged());
+    let score = scoring.map(judged).transpose()?;
+    let summary = RunSummary {
+        score,
+        ..summarise(policy.to_owned(), &reports, &mut player, &session)
+    };
+    output::result(args.json, &summary, &summary.text(&args.out))
+}
+
+impl SimulateArgs {
+    /// The frames to play of a pack that has `there`; says so where they are fewer than asked for.
+    fn frames_to_play(&self, there: u32) -> anyhow::Result<Range<u32>> {
+        if self.start >= there {
+            let range = format!("0 to {} in this pack", there - 1);
+            bail!(out_of_range("--start", self.start, &range));
+        }
+        let asked = self.frames.unwrap_or(there - self.start);
+        let frames = self.start..self.start.saturating_add(asked).min(there);
+        if asked as usize > frames.len() {
+            let from = match self.start {
+                0 => String::new(),
+                start => format!(" from frame {start} on"),
+            };
+            output::say(&format!(
+                "{}: has {}, so only {}{from} will be played",
+                self.pack.display(),
+                counted(there, "frame"),
+                frames.len(),
+            ));
+        }
+        Ok(frames)
+    }
+
+    /// These options with those that a preset stands for.
+    fn with_preset(&self, projection: Projection) -> Self {
+        let mut with = self.clone();
+        if let Some(preset) = self.watching.system() {
+            with.policy = preset.policy(&self.policy, projection);
+        }
+        with
+    }
+
+    fn showing(&self, policy: Policy) -> anyhow::Result<Showing> {
+        let has_textures = self.showing.has_textures();
+        if has_textures && policy == Policy::Sampled {
+            bail!(WrongUsage(
+                "--reconstruction textures shows tiles, --policy sampled samples; give one of them"
+                    .to_owned()
+            ));
+        }
+        if has_textures && self.heat_map {
+            bail!(WrongUsage(
+                "--heat-map marks the tiles of --reconstruction atlas; give one of them".to_owned()
+            ));
+        }
+        let usual = match self.watching.system() {
+            Some(_) => InterpolationName::Nearest,
+            None => InterpolationName::Blended,
+        };
+        Ok(self.showing.showing(usual))
+    }
+
+    /// Checks the options that need no pack.
+    fn check(&self) -> anyhow::Result<()> {
+        if !(1..=MOST_EVERY).contains(&self.every) {
+            bail!(out_of_range(
+                "--every",
+                self.every,
+                &format!("1 to {MOST_EVERY}")
+            ));
+        }
+        if self.frames == Some(0) {
+            bail!(out_of_range("--frames", 0, "at least 1"));
+        }
+        if self.renderer == RendererName::None && (self.heat_map || self.showing.blur == Switch::On)
+        {
+            bail!(WrongUsage(
+                "--renderer none draws nothing to blur or mark; leave --blur and --heat-map out"
+                    .to_owned()
+            ));
+        }
+        if self.watching.system().is_none() {
+            self.config()?;
+        }
+        Ok(())
+    }
+
+    /// The policy.
+    fn config(&self) -> anyhow::Result<PolicyConfig> {
+        let config = self.policy.config()?;
+        if self.watching.link.is_some() && !config.policy.spends_a_budget() {
+            bail!(WrongUsage(format!(
+                "--link: {} spends no budget; give --policy uniform, eccentricity or perceptual",
+                self.policy.name().name()
+            )));
+        }
+        Ok(config)
+    }
+}
+
+/// Plays the frames, with a live source until the user stops it.
+fn play(
+    player: &mut Player,
+    gaze: &mut GazeSource,
+    frames: Range<u32>,
+    pictures: &mut PictureSink<'_>,
+    scoring: &mut Option<RunScoring>,
+) -> anyhow::Result<Vec<FrameReport>> {
+    let stop = gaze.is_live().then(interrupted).transpose()?;
+    let stopped = || {
+        stop.as_ref()
+            .is_some_and(|stop| stop.load(Ordering::Relaxed))
+    };
+    let bar = output::bar(Some(frames.len() as u64), output::Counting::Frames);
+    let first = player.time(frames.start);
+    player.begin_at(frames.start);
+    let mut reports = Vec::new();
+    let begun = Instant::now();
+    for frame in frames {
+        if gaze.is_live() {
+            let due = (player.time(frame).0 - first.0).max(0.0);
+            sleep_until(begun + Duration::from_secs_f64(due));
+        }
+        if stopped() && !reports.is_empty() {
+            break;
+        }
+        let look = gaze.look(player.time(frame));
+        let report = player.show(frame, &look)?;
+        if let Some(scoring) = scoring {
+            scoring.frame(player, &look, &report)?;
+        }
+        pictures.frame(player, &report)?;
+        reports.push(report);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(reports)
+}
+
+fn sleep_until(due: Instant) {
+    std::thread::sleep(due.saturating_duration_since(Instant::now()));
+}
+
+/// The log of a run.
+pub(crate) fn session(player: &Player, reports: &[FrameReport]) -> Session {
+    Session {
+        head: player.session_head(),
+        frames: reports
+            .iter()
+            .map(|report| report.session.clone())
+            .collect(),
+    }
+}
+
+/// Sums up a run.
+pub(crate) fn summarise(
+    policy: String,
+    reports: &[FrameReport],
+    player: &mut Player,
+    session: &str,
+) -> RunSummary {
+    let count = reports.len().max(1) as f64;
+    let mut decode_ms: Vec<f64> = reports
+        .iter()
+        .map(|r| r.decode.as_secs_f64() * 1e3)
+        .collect();
+    decode_ms.sort_by(f64::total_cmp);
+    let p95 = (decode_ms.len() * 95).div_ceil(100).max(1) - 1;
+    let detail = reports.iter().map(|r| r.detail_share).sum::<Option<f64>>();
+    let loss = reports.iter().map(|r| r.expected_loss).sum::<Option<f64>>();
+    RunSummary {
+        policy,
+        frames: reports.len(),
+        pixels_share_mean: reports.iter().map(|r| r.share).sum::<f64>() / count,
+        pixels_share_max: reports.iter().map(|r| r.share).fold(0.0, f64::max),
+        bytes: reports.iter().map(|r| r.new_bytes).sum(),
+        decoded_megapixels: reports.iter().map(|r| r.decoded_pixels).sum::<u64>() as f64 / 1e6,
+        decode_ms_mean: decode_ms.iter().sum::<f64>() / count,
+        decode_ms_p95: decode_ms.get(p95).copied().unwrap_or_default(),
+        late_frames: reports.iter().filter(|r| r.late).count(),
+        incomplete_frames: reports.iter().filter(|r| !r.missing.is_empty()).count(),
+        wrong_frame_tiles: reports.iter().map(|r| r.wrong_frame_tiles).sum(),
+        damaged_tiles: reports.iter().map(|r| r.failed_tiles).sum(),
+        level_changes: reports.iter().map(|r| r.level_changes).sum(),
+        gaze_error_deg_mean: reports.iter().map(|r| r.gaze_error_deg).sum::<f64>() / count,
+        detail_share_mean: detail.map(|sum| sum / count),
+        target: player.config().target,
+        expected_jod: loss.map(|sum| Expectation::of(player.config().policy).jod(sum / count)),
+        gpu_bytes: player.canvas.gpu_bytes(),
+        decoded_on: DeviceReport::new(player.device_use()),
+        log_sha256: sha256_hex(session.as_bytes()),
+        score: None,
+    }
+}
+
+impl RunSummary {
+    fn text(&self, out: &Path) -> String {
+        format!(
+            "{} under {}: {:.2} % of the pixels (most {:.2} %), {:.2} MB fetched, \
+             {:.1} MPix decoded\n\
+             decoding {:.1} ms a frame (95th percentile {:.1}), {}, {}, {}, {}, \
+             {:.2} MB on the GPU\n{}{}{}{}",
+            counted(self.frames, "frame"),
+            self.policy,
+            self.pixels_share_mean * 100.0,
+            self.pixels_share_max * 100.0,
+            self.bytes as f64 / 1e6,
+            self.decoded_megapixels,
+            self.decode_ms_mean,
+            self.decode_ms_p95,
+            counted(self.late_frames, "late frame"),
+            counted(self.incomplete_frames, "incomplete frame"),
+            counted(self.damaged_tiles, "damaged tile"),
+            counted(self.level_changes, "level change"),
+            self.gpu_bytes as f64 / 1e6,
+            self.detail_share_mean
+                .map_or(String::new(), |share| format!(
+                    "{:.1} % of the detail that the eye could see, gaze expected within {:.2}°\n",
+                    share * 100.0,
+                    self.gaze_error_deg_mean
+                )),
+            self.decoded_on.text(),
+            self.score.as_ref().map_or(String::new(), Report::text),
+            out.display(),
+        )
+    }
+}
+
+/// The figures of a run as CSV, one line a frame.
+pub(crate) fn csv(reports: &[FrameReport]) -> String {
+    let mut text = "frame,time_s,gaze_yaw_deg,gaze_pitch_deg,head_yaw_deg,head_pitch_deg,tiles,\
+                    pixels,share,decoded_pixels,new_bytes,decode_ms,upload_ms,late,missing_tiles,\
+                    level_changes,gaze_error_deg,detail_share\n"
+        .to_owned();
+    for report in reports {
+        let (yaw, pitch) = yaw_pitch_from_direction(report.gaze.gaze_in_content);
+        let head = report.session.head;
+        let _ = writeln!(
+            text,
+            "{},{:.6},{:.4},{:.4},{:.4},{:.4},{},{},{:.6},{},{},{:.3},{:.3},{},{},{},{:.4},{}",
+            report.session.frame,
+            report.session.time_s.0,
+            yaw.to_degrees(),
+            pitch.to_degrees(),
+            head.yaw.to_degrees(),
+            head.pitch.to_degrees(),
+            report.tiles.len(),
+            report.pixels,
+            report.share,
+            report.decoded_pixels,
+            report.new_bytes,
+            report.decode.as_secs_f64() * 1e3,
+            report.upload.as_secs_f64() * 1e3,
+            u8::from(report.late),
+            report.missing.len(),
+            report.level_changes,
+            report.gaze_error_deg,
+            report
+                .detail_share
+                .map_or(String::new(), |share| format!("{share:.6}")),
+        );
+    }
+    text
+}
+
+/// The marks of a heat map: levels, borders, and a ring of 2.5° (the fovea) round the gaze.
+pub(crate) fn marks(report: &FrameReport) -> Overlay {
+    let gaze = report
+        .view
+        .place(report.gaze.gaze_in_content)
+        .unwrap_or([-1e6; 2]);
+    let radius = report.view.ppd_towards(report.gaze.gaze_in_content).0 * 2.5;
+    Overlay {
+        gaze: gaze.map(|place| place as f32),
+        gaze_radius: radius as f32,
+        borders: 0.5,
+        ..Overlay::default()
+    }
+}
+
+/// Where pictures go.
+struct PictureSink<'a> {
+    args: &'a SimulateArgs,
+    frame_rate: [u32; 2],
+    video: Option<ClipWriter>,
+}
+
+/// Colour of written videos: what RGB becomes.
+const VIDEO_COLOUR: Colour = Colour {
+    matrix: Matrix::Bt709,
+    full_range: false,
+    chroma_left: false,
+};
+/// Quantiser of written videos: visually lossless.
+const VIDEO_QUALITY: u8 = 16;
+
+impl<'a> PictureSink<'a> {
+    fn new(args: &'a SimulateArgs, frame_rate: [u32; 2]) -> Self {
+        Self {
+            args,
+            frame_rate,
+            video: None,
+        }
+    }
+
+    fn frame(&mut self, player: &mut Player, report: &FrameReport) -> anyhow::Result<()> {
+        let frame = report.session.frame;
+        if self.args.pictures == Pictures::None
+            || !(frame - self.args.start).is_multiple_of(self.args.every)
+        {
+            return Ok(());
+        }
+        let marks = self.args.heat_map.then(|| marks(report));
+        let mut picture: Option<RgbaImage> = None;
+        for eye in self.args.eye.eyes() {
+            let view = EyeView {
+                eye: *eye,
+                ..report.view
+            };
+            let drawn = player.canvas.picture(&view, marks.as_ref())?;
+            picture = match (picture, drawn) {
+                (Some(left), Some(right)) => Some(left.beside(&right)),
+                (None, drawn) => drawn,
+                (left, None) => left,
+            };
+        }
+        match picture {
+            Some(image) if self.args.pictures == Pictures::Png => {
+                write_png(&self.args.out.join(format!("frame_{frame:05}.png")), &image)
+            }
+            Some(image) => self.append(&image),
+            None => Ok(()),
+        }
+    }
+
+    fn append(&mut self, image: &RgbaImage) -> anyhow::Result<()> {
+        let picture = picture_from_rgba(&image.pixels, image.size, VIDEO_COLOUR);
+        if self.video.is_none() {
+            let [frames, seconds] = self.frame_rate;
+            let rate = [frames, seconds.saturating_mul(self.args.every)];
+            self.video = Some(ClipWriter::create(
+                &self.args.out.join("frames.mkv"),
+                &ClipFormat {
+                    codec: ClipCodec::Vp9(VIDEO_QUALITY),
+                    size: image.size,
+                    frame_rate: rate.map(|n| n.min(i32::MAX as u32) as i32),
+                    colour: VIDEO_COLOUR,
+                },
+            )?);
+        }
+        match &mut self.video {
+            Some(video) => Ok(video.push(&picture)?),
+            None => Ok(()),
+        }
+    }
+
+    fn finish(self) -> anyhow::Result<()> {
+        Ok(self.video.map_or(Ok(()), ClipWriter::finish)?)
+    }
+}

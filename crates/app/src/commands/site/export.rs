@@ -1,0 +1,236 @@
+//! How does a site get into a folder?
+
+use crate::commands::site::about::AboutOptions;
+use crate::commands::site::listing::{GENERATOR, Listed, Listing};
+use crate::commands::site::{About, LISTING, Site, SiteFile};
+use crate::report::output::{self, Counting};
+use anyhow::{Context, bail};
+use clap::{Args, Subcommand};
+use foveal_core::units::counted;
+use foveal_core::view::surface::Projection;
+use foveal_media::pack_file::PackFile;
+use serde::Serialize;
+use std::io::ErrorKind;
+use std::path::{Component, Path, PathBuf};
+
+/// What can be exported.
+#[derive(Clone, Debug, Subcommand)]
+pub(crate) enum Export {
+    /// A folder of pages and packs that any web host can serve.
+    Site(SiteArgs),
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct SiteArgs {
+    /// The packs that it shows.
+    #[arg(required = true, value_name = "PACK")]
+    packs: Vec<PathBuf>,
+    /// Folder of the site; made if it is not there. An earlier site in it is replaced.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    #[command(flatten)]
+    about: AboutOptions,
+    /// Say what it would hold, and write nothing.
+    #[arg(long)]
+    dry_run: bool,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `export site` prints.
+#[derive(Serialize)]
+struct Exported<'a> {
+    dry_run: bool,
+    out: &'a Path,
+    files: usize,
+    /// Of all files together, as a host sees them.
+    bytes: u64,
+    /// Packs that share their bytes on disk with the pack that was given.
+    linked: usize,
+    packs: &'a [Listed],
+}
+
+pub(crate) fn run(command: &Export) -> anyhow::Result<()> {
+    let Export::Site(args) = command;
+    refuse_foreign_folder(&args.out)?;
+    let about = About::read(&args.about)?;
+    let site = Site::of(&args.packs, &about)?;
+    let sizes = site.files.values().map(SiteFile::bytes);
+    let mut exported = Exported {
+        dry_run: args.dry_run,
+        out: &args.out,
+        files: site.files.len(),
+        bytes: sizes.sum::<anyhow::Result<u64>>()?,
+        linked: 0,
+        packs: &site.packs,
+    };
+    tell_growth(&args.packs)?;
+    if !args.dry_run {
+        tell_damage(&args.packs)?;
+        exported.linked = write(&site, &args.out, exported.bytes)?;
+    }
+    output::result(args.json, &exported, &exported.text())
+}
+
+/// Tells of flat packs that are larger than the file that they were made from.
+fn tell_growth(packs: &[PathBuf]) -> anyhow::Result<()> {
+    for path in packs {
+        let file = PackFile::open(path)?;
+        let source = file.pack().description().source.bytes;
+        let is_flat = file.pack().grid().surface.projection == Projection::Flat;
+        if is_flat && source > 0 && file.bytes() > source {
+            output::say(&format!(
+                "foveal: {}: {}, and its source {}; flat video on an ordinary link mostly costs \
+                 more bytes as a pack (docs/concepts/policies.md says what gains)",
+                path.display(),
+                output::size(file.bytes()),
+                output::size(source)
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Reads the packs through: what is damaged is published, as the rest of it can be watched, and
+/// told.
+fn tell_damage(packs: &[PathBuf]) -> anyhow::Result<()> {
+    for pack in packs {
+        let file = PackFile::open(pack)?;
+        let bar = output::bar(Some(file.bytes()), Counting::Bytes);
+        let damage = file.verify(|done, _| bar.set_position(done));
+        bar.finish_and_clear();
+        if let Some(first) = damage.first() {
+            output::say(&format!(
+                "foveal: {first} ({} in all; the site shows the rest of it)",
+                counted(damage.len(), "damaged place")
+            ));
+        }
+    }
+    Ok(())
+}
+
+impl Exported<'_> {
+    fn text(&self) -> String {
+        let out = self.out.display();
+        let (files, bytes) = (counted(self.files, "file"), self.bytes as f64 / 1e6);
+        if self.dry_run {
+            return format!("{out}: would hold {files}, {bytes:.2} MB");
+        }
+        format!(
+            "{out}: {files}, {bytes:.2} MB\nsee it:     foveal serve {out}\npublish it: copy \
+             the folder to any web host that serves byte ranges (docs/deploy.md)"
+        )
+    }
+}
+
+/// A folder that somebody keeps other things in is left alone.
+fn refuse_foreign_folder(out: &Path) -> anyhow::Result<()> {
+    let name = out.display();
+    let mut entries = match std::fs::read_dir(out) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(error) => {
+            return Err(error).with_context(|| format!("--out {name}: is no folder to write to"));
+        }
+    };
+    if entries.next().is_none() || is_site(out) {
+        return Ok(());
+    }
+    bail!("--out {name}: the folder is not empty and holds no site; give a new or an empty one");
+}
+
+/// Whether an earlier export made this folder.
+fn is_site(folder: &Path) -> bool {
+    listing_in(folder).is_some()
+}
+
+/// The list of the site that an earlier export made in this folder.
+fn listing_in(folder: &Path) -> Option<serde_json::Value> {
+    let bytes = std::fs::read(folder.join(LISTING)).ok()?;
+    let listing: serde_json::Value = serde_json::from_slice(&bytes).ok()?;
+    let program = GENERATOR.split(' ').next();
+    let generator = listing["generator"].as_str().unwrap_or_default();
+    (generator.split(' ').next() == program).then_some(listing)
+}
+
+/// Packs and posters that a list names, as far as they lie in its folder.
+fn listed_files(listing: &serde_json::Value) -> Vec<String> {
+    let packs = listing["packs"].as_array().into_iter().flatten();
+    let files = packs.flat_map(|pack| [&pack["file"], &pack["poster"]["file"]]);
+    let names = files.filter_map(|name| name.as_str().map(str::to_owned));
+    let inside = |name: &String| {
+        let mut parts = Path::new(name).components();
+        parts.all(|part| matches!(part, Component::Normal(_)))
+    };
+    names.filter(inside).collect()
+}
+
+/// Writes every file whole or not at all, the list last: packs that it names are there. Packs of an
+/// earlier site that are not in this one are removed. Returns how many are links.
+fn write(site: &Site, out: &Path, bytes: u64) -> anyhow::Result<usize> {
+    let earlier = listing_in(out);
+    if earlier.is_none() {
+        // An export that is stopped leaves a site, which the next one may replace.
+        std::fs::create_dir_all(out)
+            .with_context(|| format!("--out {}: the folder cannot be made", out.display()))?;
+        let empty = serde_json::to_vec(&Listing::new(&[]))?;
+        output::write_whole(&out.join(LISTING), &empty)?;
+    }
+    let bar = output::bar(Some(bytes), Counting::Bytes);
+    let mut linked = 0;
+    let last = |name: &&String| name.as_str() == LISTING;
+    let names = site.files.keys().filter(|name| !last(name));
+    for name in names.chain(site.files.keys().filter(last)) {
+        let path = out.join(name);
+        let folder = path.parent().unwrap_or(out);
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("--out {}: the folder cannot be made", folder.display()))?;
+        let file = &site.files[name];
+        match file {
+            SiteFile::Bytes(bytes) => output::write_whole(&path, bytes)?,
+            SiteFile::File(from) => linked += usize::from(place(from, &path)?),
+        }
+        bar.inc(file.bytes()?);
+    }
+    bar.finish_and_clear();
+    let stale = earlier.iter().flat_map(listed_files);
+    for name in stale.filter(|name| !site.files.contains_key(name)) {
+        let path = out.join(name);
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(error).with_context(|| {
+                    format!(
+                        "{}: is of the earlier site and cannot be removed",
+                        path.display()
+                    )
+                });
+            }
+            _ => {}
+        }
+    }
+    Ok(linked)
+}
+
+/// Makes `to` the file `from`: by a hard link where the file system has them, which takes no room,
+/// else by a copy. Returns whether it is a link.
+fn place(from: &Path, to: &Path) -> anyhow::Result<bool> {
+    let from = from
+        .canonicalize()
+        .with_context(|| format!("{}: cannot be read", from.display()))?;
+    let mut growing = to.as_os_str().to_owned();
+    growing.push(".partial");
+    let growing = Path::new(&growing);
+    let _ = std::fs::remove_file(growing);
+    let linked = std::fs::hard_link(&from, growing).is_ok();
+    let placed = if linked {
+        Ok(())
+    } else {
+        std::fs::copy(&from, growing).map(drop)
+    };
+    let placed = placed.and_then(|()| std::fs::rename(growing, to));
+    // Renaming one name of a file to another name of it does nothing, and a failure leaves a part.
+    let _ = std::fs::remove_file(growing);
+    placed.with_context(|| format!("{}: cannot be written", to.display()))?;
+    Ok(linked)
+}

@@ -1,0 +1,97 @@
+//! What does a list of packs say of each?
+
+use crate::commands::info::{Content, seconds_of};
+use crate::commands::site::ENDING;
+use crate::commands::site::about::AboutPack;
+use crate::commands::site::poster::Poster;
+use foveal_core::view::surface::Projection;
+use foveal_media::pack_file::PackFile;
+use serde::Serialize;
+
+/// `packs.json`.
+#[derive(Debug, Serialize)]
+pub(super) struct Listing<'a> {
+    /// Of this form.
+    version: u32,
+    generator: &'static str,
+    packs: &'a [Listed],
+}
+
+/// Who wrote a list; an export replaces only sites that carry it.
+pub(super) const GENERATOR: &str = concat!("foveal ", env!("CARGO_PKG_VERSION"));
+
+impl<'a> Listing<'a> {
+    pub(super) fn new(packs: &'a [Listed]) -> Self {
+        Self {
+            version: 1,
+            generator: GENERATOR,
+            packs,
+        }
+    }
+}
+
+/// A pack in a site; names are relative to the list.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Listed {
+    pub(super) name: String,
+    /// What people read of it.
+    title: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    description: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    licence: Option<String>,
+    pub(crate) file: String,
+    pub(crate) poster: ListedPoster,
+    bytes: u64,
+    content: Content,
+    projection: Projection,
+    eyes: u8,
+    /// Pixels of the source.
+    width: u32,
+    height: u32,
+    /// Null for a picture.
+    fps: Option<f64>,
+    seconds: Option<f64>,
+    sound: bool,
+}
+
+/// The picture that stands for a pack in a list.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct ListedPoster {
+    pub(super) file: String,
+    width: u32,
+    height: u32,
+}
+
+impl Listed {
+    pub(super) fn new(
+        name: &str,
+        file: &PackFile,
+        poster: &Poster,
+        said: AboutPack,
+    ) -> anyhow::Result<Self> {
+        let about = file.pack().description();
+        let [width, height] = about.source.size;
+        Ok(Self {
+            name: name.to_owned(),
+            title: said.title.unwrap_or_else(|| name.to_owned()),
+            description: said.description,
+            licence: said.licence,
+            file: format!("{name}{ENDING}"),
+            poster: ListedPoster {
+                file: format!("posters/{name}.jpg"),
+                width: poster.size[0],
+                height: poster.size[1],
+            },
+            bytes: file.bytes(),
+            content: Content::of(about),
+            projection: about.projection,
+            eyes: about.eyes,
+            width,
+            height,
+            fps: (!about.is_still()).then_some(about.fps()),
+            seconds: seconds_of(file)?,
+            sound: about.tables.iter().any(|table| table.name == "sound"),
+        })
+    }
+}

@@ -1,0 +1,94 @@
+//! Which picture stands for a pack in a list?
+//!
+//! What a viewer sees who has just opened it, drawn by the path that plays it: flat content whole,
+//! a sphere towards its front.
+
+use crate::gaze_source::{GazeChoice, GazeSource, Viewer};
+use crate::options::decoding::Decoding;
+use crate::run::canvas::{Drawing, RendererName, Showing};
+use crate::run::player::{Player, PlayerOptions};
+use anyhow::Context;
+use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::units::Radians;
+use foveal_core::view::axes::Axes;
+use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
+use foveal_media::pack_file::PackFile;
+use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
+use std::sync::Arc;
+
+/// Columns of a poster: twice what a list shows, for dense screens.
+const WIDTH: u32 = 640;
+/// Rows that a poster has at most, however tall the content is.
+const MOST_HEIGHT: u32 = 960;
+/// Field of view of a sphere's poster, in degrees.
+const FIELD_DEG: f64 = 100.0;
+/// JPEG quality, 1 to 100.
+const QUALITY: u8 = 82;
+/// A clip often begins in black: the poster is taken this part of its length later.
+const LATER: u32 = 10;
+
+/// A poster as a JPEG file.
+pub(super) struct Poster {
+    pub(super) size: [u32; 2],
+    pub(super) jpeg: Vec<u8>,
+}
+
+/// What draws posters: the GPU, or the CPU twin where there is no driver.
+pub(super) fn drawing() -> Drawing {
+    Drawing::open(RendererName::Gpu).unwrap_or(Drawing::Cpu)
+}
+
+/// Draws the poster of a pack.
+pub(super) fn poster(file: Arc<PackFile>, drawing: &Drawing) -> anyhow::Result<Poster> {
+    let about = file.pack().description();
+    let (surface, frame) = (about.grid(Screen::default()).surface, about.frames / LATER);
+    let view = view(&surface, Radians::from_degrees(about.front_deg));
+    let options = PlayerOptions {
+        config: PolicyConfig::new(Policy::Viewport),
+        view,
+        screen: Screen::default(),
+        drawing: drawing.clone(),
+        showing: Showing::default(),
+        bytes_per_s: f64::INFINITY,
+        paced: false,
+        judged: false,
+        decoding: Decoding::software()?,
+    };
+    let mut player = Player::new(file, options)?;
+    let ahead = GazeChoice::At([0.0, 0.0]);
+    let until = player.time(frame);
+    let mut gaze = GazeSource::new(&ahead, &surface, 0, until, &Viewer::default())?;
+    player.play(frame, &mut gaze)?;
+    let picture = player.canvas.picture(&view, None)?;
+    let picture = picture.context("nothing draws")?;
+    let mut jpeg = Vec::new();
+    let mut encoder = Encoder::new(&mut jpeg, QUALITY);
+    encoder.set_sampling_factor(SamplingFactor::R_4_2_0);
+    encoder.set_optimized_huffman_tables(true);
+    let [width, height] = picture.size.map(|side| side as u16);
+    encoder.encode(&picture.pixels, width, height, ColorType::Rgba)?;
+    Ok(Poster {
+        size: picture.size,
+        jpeg,
+    })
+}
+
+fn view(surface: &Surface, front: Radians) -> EyeView {
+    match surface.projection {
+        Projection::Flat => {
+            let height = f64::from(WIDTH) * surface.tangents[1] / surface.tangents[0];
+            let height = (height.round() as u32).clamp(1, MOST_HEIGHT);
+            EyeView::filling(surface, [WIDTH, height])
+        }
+        Projection::Cube => {
+            let size = [WIDTH, WIDTH * 9 / 16];
+            EyeView {
+                axes: Axes::from_yaw_pitch_roll(front, Radians(0.0), Radians(0.0)),
+                field: Field::across(Radians::from_degrees(FIELD_DEG), size),
+                size,
+                eye: Eye::Left,
+            }
+        }
+    }
+}

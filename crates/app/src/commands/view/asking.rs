@@ -1,0 +1,74 @@
+//! Which policy, and which score, does a key go to?
+
+use crate::commands::view::Stage;
+use crate::commands::view::viewer::Viewer;
+use foveal_core::selection::asked::next_target;
+use foveal_core::selection::policy::Policy;
+use foveal_core::units::Seconds;
+
+/// The policies that a key goes through.
+const POLICIES: [Policy; 10] = [
+    Policy::Viewport,
+    Policy::Acuity,
+    Policy::Perceptual,
+    Policy::Eccentricity,
+    Policy::Uniform,
+    Policy::Grid,
+    Policy::Distance,
+    Policy::Sampled,
+    Policy::Full,
+    Policy::Coarsest,
+];
+
+impl Viewer {
+    /// Chooses by the next policy, or the one before, that the pack has the tables for.
+    pub(super) fn next_policy(&mut self, by: i32, stage: &mut Stage, now: Seconds) {
+        let count = POLICIES.len();
+        let at = POLICIES.iter().position(|p| *p == self.choice.policy());
+        let step = if by > 0 { 1 } else { count - 1 };
+        let following = (1..=count).map(|k| POLICIES[(at.unwrap_or(0) + k * step) % count]);
+        let possible = following
+            .into_iter()
+            .find(|policy| self.choice.can(*policy));
+        let Some(policy) = possible else {
+            return;
+        };
+        match self.policy.config_of(policy) {
+            Ok(config) => {
+                self.choice.change(config);
+                stage.forget_choice();
+                let mut style = stage.easel.style();
+                style.samples = policy == Policy::Sampled;
+                style.showing.has_textures &= !style.samples;
+                let said = format!("policy {}", policy.name());
+                self.take_style(style, stage, said, now);
+            }
+            Err(error) => self.say(error.to_string(), now),
+        }
+    }
+
+    /// Chooses for a higher score, or a lower one; policies that are gone to later do, too.
+    pub(super) fn next_target(&mut self, by: i32, stage: &mut Stage, now: Seconds) {
+        let policy = self.choice.policy();
+        if !policy.has_target() {
+            return self.say(
+                format!("policy {} chooses for no score", policy.name()),
+                now,
+            );
+        }
+        let target = next_target(self.choice.target(), by);
+        let options = self.policy.for_score(target);
+        match options.config_of(policy) {
+            Ok(config) => {
+                self.policy = options;
+                self.choice.change(config);
+                stage.forget_choice();
+                let said = target.map_or("no target score".to_owned(), |jod| {
+                    format!("target score {jod}")
+                });
+                self.say(said, now);
+            }
+            Err(error) => self.say(error.to_string(), now),
+        }
+    }
+}

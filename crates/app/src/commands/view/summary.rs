@@ -1,0 +1,73 @@
+//! What is said when a window was closed?
+
+use crate::commands::view::viewer::Viewer;
+use foveal_core::units::counted;
+use serde::Serialize;
+
+/// What a session took.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Summary {
+    frames: u64,
+    late_frames: u64,
+    incomplete_frames: u64,
+    slow_draws: u64,
+    left_out_frames: u64,
+    wrong_frame_tiles: u64,
+    damaged_tiles: u64,
+    damaged_frames: u64,
+    lost_devices: u64,
+    gpu_errors: u64,
+    decoded_megapixels: f64,
+    decode_ms: f64,
+    draw_ms: f64,
+    gpu_bytes: u64,
+    /// Greatest distance of picture and sound, in ms, from two seconds after a beginning or a jump
+    /// on; null without sound.
+    sound_ms_max: Option<f64>,
+    /// Its 95th percentile.
+    sound_ms_p95: Option<f64>,
+    /// Times that the sound device found too little to play.
+    sound_gaps: u64,
+}
+
+impl Summary {
+    pub(crate) fn new(viewer: &Viewer) -> Self {
+        let figures = &viewer.figures;
+        let drift = viewer.drift.worst_and_p95_ms();
+        Self {
+            frames: figures.frames,
+            late_frames: figures.late_frames,
+            incomplete_frames: figures.incomplete_frames,
+            slow_draws: figures.slow_draws,
+            left_out_frames: figures.left_out_frames,
+            wrong_frame_tiles: figures.wrong_frame_tiles,
+            damaged_tiles: figures.damaged_tiles,
+            damaged_frames: figures.damaged_frames,
+            lost_devices: figures.lost_devices,
+            gpu_errors: figures.gpu_errors,
+            decoded_megapixels: figures.decoded_pixels as f64 / 1e6,
+            decode_ms: figures.decode_ms,
+            draw_ms: figures.draw_s * 1e3,
+            gpu_bytes: figures.gpu_bytes,
+            sound_ms_max: drift.map(|[worst, _]| worst),
+            sound_ms_p95: drift.map(|[_, p95]| p95),
+            sound_gaps: viewer.sound_gaps(),
+        }
+    }
+
+    /// For people.
+    pub(crate) fn text(&self) -> String {
+        format!(
+            "{} shown, {} late for decoding, {} for drawing, {} incomplete, {} left out\n\
+             {}, {}, {}",
+            counted(self.frames, "frame"),
+            self.late_frames,
+            self.slow_draws,
+            self.incomplete_frames,
+            self.left_out_frames,
+            counted(self.damaged_tiles, "damaged tile"),
+            counted(self.damaged_frames, "damaged frame"),
+            counted(self.lost_devices, "lost device"),
+        )
+    }
+}

@@ -1,0 +1,11 @@
+//! Options that several commands take.
+
+pub(crate) mod codec;
+pub(crate) mod decoding;
+pub(crate) mod link;
+pub(crate) mod perception;
+pub(crate) mod policy;
+pub(crate) mod preset;
+pub(crate) mod showing;
+pub(crate) mod unused;
+pub(crate) mod watching;

@@ -1,0 +1,9 @@
+//! How results and failures are told: text, JSON, pictures, plots.
+
+pub(crate) mod called;
+pub(crate) mod colour_ramp;
+pub(crate) mod fault;
+pub(crate) mod html;
+pub(crate) mod output;
+pub(crate) mod picture_file;
+pub(crate) mod plot;

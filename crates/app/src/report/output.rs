@@ -1,0 +1,229 @@
+//! How do results and failures reach whoever called?
+//!
+//! Results go to stdout: text for people, or with `--json` exactly one JSON object, also of a
+//! failure (docs/formats/results.md). Everything else goes to stderr.
+
+mod old_names;
+
+use crate::report::called::called;
+use crate::report::fault::Fault;
+pub(crate) use crate::report::fault::told;
+use anyhow::{Context, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use old_names::with_old_names;
+use serde::Serialize;
+use std::fs::File;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether a result was printed; a failure after it is told on stderr alone.
+static PRINTED: AtomicBool = AtomicBool::new(false);
+
+/// Prints `result` as one JSON object, or `text` for people.
+pub(crate) fn result(json: bool, result: &impl Serialize, text: &str) -> anyhow::Result<()> {
+    let line = if json {
+        with_old_names(&called().command, serde_json::to_string(result)?)
+    } else {
+        text.trim_end().to_owned()
+    };
+    PRINTED.store(true, Ordering::Relaxed);
+    match writeln!(std::io::stdout(), "{line}") {
+        // Whoever reads has seen enough (`foveal info | head`).
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        done => done.context("stdout cannot be written; the work itself is done"),
+    }
+}
+
+/// Prints a result that is no good, and fails with `error`, which is a part of the JSON object.
+pub(crate) fn result_that_fails(
+    json: bool,
+    result: &impl Serialize,
+    text: &str,
+    error: anyhow::Error,
+) -> anyhow::Result<()> {
+    #[derive(Serialize)]
+    struct Failed<'a, T> {
+        #[serde(flatten)]
+        result: &'a T,
+        error: Fault,
+    }
+    let error_parts = Fault::of(&error, called());
+    let failed = Failed {
+        result,
+        error: error_parts,
+    };
+    if json || !text.is_empty() {
+        self::result(json, &failed, text)?;
+    }
+    Err(error)
+}
+
+/// A command line that parses but cannot be meant.
+#[derive(Debug)]
+pub(crate) struct WrongUsage(pub(crate) String);
+
+impl std::fmt::Display for WrongUsage {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for WrongUsage {}
+
+/// The error for an option with this name and value out of `range`.
+pub(crate) fn out_of_range(option: &str, found: impl ToString, range: &str) -> WrongUsage {
+    WrongUsage(format!("{option} is {}; give {range}", found.to_string()))
+}
+
+/// Says why the command failed, under `--json` also on stdout: 2 for wrong usage, 1 for anything
+/// else.
+pub(crate) fn fail(error: &anyhow::Error) -> ExitCode {
+    say(&format!("foveal: {}", told(error)));
+    print_fault(&Fault::of(error, called()));
+    ExitCode::from(if error.is::<WrongUsage>() { 2 } else { 1 })
+}
+
+/// Says why the command line cannot be read, or gives the help that it asks for.
+pub(crate) fn fail_usage(error: &clap::Error) -> ! {
+    if error.use_stderr() {
+        print_fault(&Fault::of_usage(error, called()));
+    }
+    error.exit()
+}
+
+/// The failure as the one JSON object, where one was asked for and none is there.
+fn print_fault(fault: &Fault) {
+    #[derive(Serialize)]
+    struct Failed<'a> {
+        error: &'a Fault,
+    }
+    if called().json && !PRINTED.load(Ordering::Relaxed) {
+        // Where stdout takes nothing, stderr has told it.
+        let _ = result(true, &Failed { error: fault }, "");
+    }
+}
+
+/// A line for people on stderr; nobody may be listening.
+pub(crate) fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Most threads that may be asked for.
+const MOST_JOBS: usize = 256;
+
+/// As many threads as asked for, else as many as there are cores.
+pub(crate) fn jobs(asked: Option<usize>) -> Result<usize, WrongUsage> {
+    match asked {
+        Some(jobs) if !(1..=MOST_JOBS).contains(&jobs) => {
+            Err(out_of_range("--jobs", jobs, &format!("1 to {MOST_JOBS}")))
+        }
+        Some(jobs) => Ok(jobs),
+        None => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZero::get)),
+    }
+}
+
+/// Longest text file that is read, in bytes.
+const MAX_TEXT_BYTES: u64 = 1 << 30;
+
+/// The text of a file that a person named; `what` it should be goes into the message.
+pub(crate) fn read_text(path: &Path, what: &str) -> anyhow::Result<String> {
+    let name = path.display();
+    let there =
+        std::fs::metadata(path).with_context(|| format!("{name}: cannot be read as {what}"))?;
+    if !there.is_file() || there.len() > MAX_TEXT_BYTES {
+        bail!("{name}: expected {what}: a file of at most {MAX_TEXT_BYTES} bytes");
+    }
+    std::fs::read_to_string(path).with_context(|| format!("{name}: cannot be read as {what}"))
+}
+
+/// Opens the file that a person named; `what` it should be goes into the message. A pipe, which
+/// nobody may ever write into, is refused.
+pub(crate) fn open_file(path: &Path, what: &str) -> anyhow::Result<File> {
+    let name = path.display();
+    let there = std::fs::metadata(path).with_context(|| format!("{name}: no {what} there"))?;
+    if !there.is_file() {
+        bail!("{name}: expected a {what}: a CSV file");
+    }
+    File::open(path).with_context(|| format!("{name}: the {what} cannot be opened"))
+}
+
+/// Refuses to write where one of the inputs lies, under whatever name.
+pub(crate) fn spare_inputs<'a>(
+    out: &Path,
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<(), WrongUsage> {
+    let growing = growing_name(out).and_then(|growing| growing.canonicalize().ok());
+    let written = [out.canonicalize().ok(), growing];
+    let is_out = |input: &&Path| {
+        input
+            .canonicalize()
+            .is_ok_and(|input| written.contains(&Some(input)))
+    };
+    match inputs.into_iter().find(is_out) {
+        Some(input) => Err(WrongUsage(format!(
+            "{} is what is read, and would be written over; give another place to write to",
+            input.display()
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Where a file grows that takes its own name when it is whole; `None` of a device or a pipe, which
+/// takes bytes as they come: a rename would put a file in its place.
+pub(crate) fn growing_name(path: &Path) -> Option<PathBuf> {
+    let there = std::fs::metadata(path);
+    if there.is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        return None;
+    }
+    let mut growing = path.as_os_str().to_owned();
+    growing.push(".partial");
+    Some(growing.into())
+}
+
+/// Writes a file whole or not at all.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let Some(growing) = growing_name(path) else {
+        let written = std::fs::write(path, bytes);
+        return written.with_context(|| format!("{}: cannot be written", path.display()));
+    };
+    let written = std::fs::write(&growing, bytes).and_then(|()| std::fs::rename(&growing, path));
+    if written.is_err() {
+        let _ = std::fs::remove_file(&growing);
+    }
+    written.with_context(|| format!("{}: cannot be written", path.display()))
+}
+
+/// Bytes with the unit that leaves digits to read.
+pub(crate) fn size(bytes: u64) -> String {
+    match bytes {
+        0..100_000 => format!("{:.2} kB", bytes as f64 / 1e3),
+        _ => format!("{:.2} MB", bytes as f64 / 1e6),
+    }
+}
+
+/// What a progress bar counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Counting {
+    Frames,
+    Bytes,
+}
+
+/// A progress bar with rate and time left on a terminal; silent in a pipe. Without a length it
+/// counts up.
+pub(crate) fn bar(length: Option<u64>, counting: Counting) -> ProgressBar {
+    let bar = match length {
+        Some(length) => ProgressBar::new(length),
+        None => ProgressBar::no_length(),
+    };
+    let template = match (counting, length) {
+        (Counting::Frames, Some(_)) => "{wide_bar} frame {pos} of {len}, {per_sec}, {eta} left",
+        (Counting::Frames, None) => "{spinner} frame {pos}, {per_sec}",
+        (Counting::Bytes, _) => "{wide_bar} {bytes}/{total_bytes}, {bytes_per_sec}, {eta} left",
+    };
+    match ProgressStyle::with_template(template) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}

@@ -1,0 +1,240 @@
+//! How far is the finest level of a pack from its source, to an eye that looks there?
+//!
+//! Nine gazes, each in a view of about a pixel of the source a pixel; frames are judged as stills.
+//! The pack is drawn by the CPU twin and what is told is rounded, so that packs do not depend on
+//! machine and threads.
+
+use crate::commands::score::{display_of_view, picture_of};
+use crate::gaze_source::Look;
+use crate::options::decoding::Decoding;
+use crate::run::canvas::{Drawing, Showing};
+use crate::run::player::{Player, PlayerOptions};
+use crate::run::source_frames::SourceFrames;
+use foveal_core::asset::pack::{Description, Loss};
+use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
+use foveal_core::gaze::tracker::Prediction;
+use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::units::{Radians, Seconds};
+use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::surface::{Eye, Screen, Surface};
+use foveal_eval::score::companion::{Companion, CompanionJudge};
+use foveal_eval::score::pooling::Pool;
+use foveal_eval::score::{Judge, Mode, ScorePicture, Viewing};
+use foveal_media::decoders::DecoderChoice;
+use foveal_media::pack_file::PackFile;
+use foveal_media::prepare::{Plan, Surround};
+use foveal_media::sphere::Coverage;
+use std::f64::consts::TAU;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Largest view, in pixels: nine of three frames take about five seconds of a processor.
+const LARGEST_VIEW: [u32; 2] = [480, 300];
+/// Smallest side of a view of a sphere, in pixels: that of a score.
+const LEAST_SIDE: u32 = 16;
+/// Pixels of the source that are read at most: half a minute of film, or less.
+const MOST_READ: u64 = 1 << 30;
+/// Where in a flat picture the gazes are, in sixths of its width and height.
+const SIXTHS: [u32; 3] = [1, 3, 5];
+/// Where on a sphere they are, in degrees.
+const YAWS: [f64; 3] = [-120.0, 0.0, 120.0];
+const PITCHES: [f64; 3] = [-45.0, 0.0, 45.0];
+
+/// A view, and the gazes in it: pixels, 0 the middle of the first one.
+struct Scene {
+    view: EyeView,
+    head: HeadPose,
+    gazes: Vec<[f64; 2]>,
+}
+
+/// What preparing as planned lost of `source`; none where its pictures are too small for a score.
+pub(crate) fn loss_of(
+    source: &Path,
+    pack: &Path,
+    plan: &Plan,
+    jobs: usize,
+) -> anyhow::Result<Option<Loss>> {
+    let file = Arc::new(PackFile::open(pack)?);
+    let about = file.pack().description();
+    let surface = about.grid(Screen::default()).surface;
+    let scenes = match plan.surround {
+        Surround::Flat => flat_scenes(&surface),
+        _ => sphere_scenes(plan, &surface),
+    };
+    let display = display_of_view(&scenes[0].view, surface.projection);
+    let size = scenes[0].view.size;
+    let Ok(viewing) = Viewing::new(display, size, None, true, Mode::Compat) else {
+        return Ok(None);
+    };
+    let frames = frames_of(about);
+    let views: Vec<EyeView> = scenes.iter().map(|scene| scene.view).collect();
+    let mut source = SourceFrames::planned(source, &file, plan, Screen::default(), jobs)?;
+    let seen = frames.iter().map(|frame| source.seen(*frame, &views));
+    let seen = seen.collect::<anyhow::Result<Vec<_>>>()?;
+    let shown = drawn(&file, &scenes, &frames, jobs)?;
+    let mut noise = CompanionJudge::new(Companion::Psnr, &viewing)?;
+    let mut judge = Judge::new(&viewing, jobs)?;
+    let mut worst = f64::INFINITY;
+    for (number, (scene, shown)) in scenes.iter().zip(&shown).enumerate() {
+        let pairs = || seen.iter().map(|seen| &seen[number]).zip(shown);
+        for (seen, shown) in pairs() {
+            noise.frame(seen, shown, scene.gazes[0])?;
+        }
+        for gaze_px in &scene.gazes {
+            let mut pool = Pool::default();
+            for (seen, shown) in pairs() {
+                pool.add(&judge.frame(seen, shown, *gaze_px)?);
+            }
+            let jod = pool.score(&[]).map(|score| score.jod);
+            worst = jod.map_or(worst, |jod| worst.min(jod));
+        }
+    }
+    let hundredths = |value: f64| (value * 100.0).round() / 100.0;
+    Ok(Some(Loss {
+        psnr_db: Some(hundredths(noise.total())).filter(|decibels| decibels.is_finite()),
+        jod: hundredths(worst),
+    }))
+}
+
+/// The first, the middle and the last frame, as far as the source is read.
+fn frames_of(about: &Description) -> Vec<u32> {
+    let [w, h] = about.source.size.map(u64::from);
+    let readable = (MOST_READ / (w * h).max(1)).max(1);
+    let last = u64::from(about.frames).min(readable) as u32 - 1;
+    let mut frames = vec![0, last / 2, last];
+    frames.dedup();
+    frames
+}
+
+/// Parts of a flat picture round its gazes, pixel for pixel; one that holds several is seen once.
+fn flat_scenes(surface: &Surface) -> Vec<Scene> {
+    let size = [0, 1].map(|k| surface.size[k].min(LARGEST_VIEW[k]));
+    let mut scenes: Vec<Scene> = Vec::new();
+    for sixth in SIXTHS.into_iter().flat_map(|y| SIXTHS.map(|x| [x, y])) {
+        let gaze = [0, 1].map(|k| f64::from(surface.size[k] * sixth[k]) / 6.0);
+        let corner = [0, 1].map(|k| {
+            let left = gaze[k] - f64::from(size[k]) / 2.0;
+            (left.max(0.0) as u32).min(surface.size[k] - size[k])
+        });
+        let view = EyeView::of_part(surface, corner, size);
+        let gaze_px = [0, 1].map(|k| gaze[k] - f64::from(corner[k]) - 0.5);
+        match scenes.iter_mut().find(|scene| scene.view == view) {
+            Some(scene) => scene.gazes.push(gaze_px),
+            None => scenes.push(Scene {
+                view,
+                head: HeadPose::default(),
+                gazes: vec![gaze_px],
+            }),
+        }
+    }
+    scenes
+}
+
+/// Views of the source's density round a sphere; of one that is not whole, where it is.
+fn sphere_scenes(plan: &Plan, surface: &Surface) -> Vec<Scene> {
+    let source = plan.description.source.size;
+    let [w, h] = plan.eyes.eye_size(source).unwrap_or(source).map(f64::from);
+    // Squeezed across or down, the longer side says how much detail there is.
+    let (pixel, yaws) = match plan.surround {
+        Surround::Equirect(Coverage::FrontHalf) => (TAU / (2.0 * w.max(h)), 0.5),
+        Surround::Equirect(Coverage::Full) => (TAU / w.max(2.0 * h), 1.0),
+        Surround::Flat | Surround::Cube(_) => (surface.pitch(), 1.0),
+    };
+    let pitches = if surface.faces_of_an_eye() == 4 {
+        0.5
+    } else {
+        1.0
+    };
+    let quarter = TAU / pixel / 4.0;
+    let shape = [1.0, f64::from(LARGEST_VIEW[1]) / f64::from(LARGEST_VIEW[0])];
+    let size = [0, 1].map(|k| ((quarter * shape[k]) as u32).clamp(LEAST_SIDE, LARGEST_VIEW[k]));
+    let towards = |[yaw, pitch]: [f64; 2]| {
+        let head = HeadPose {
+            yaw: Radians::from_degrees(yaw * yaws),
+            pitch: Radians::from_degrees(pitch * pitches),
+            ..HeadPose::default()
+        };
+        let view = EyeView {
+            axes: head.axes(),
+            field: Field::symmetric(size.map(|side| f64::from(side) * pixel / 2.0)),
+            size,
+            eye: Eye::Left,
+        };
+        let gazes = vec![size.map(|side| f64::from(side - 1) / 2.0)];
+        Scene { view, head, gazes }
+    };
+    let all = PITCHES.into_iter().flat_map(|p| YAWS.map(|y| [y, p]));
+    all.map(towards).collect()
+}
+
+/// What the finest level shows in every scene, frame by frame.
+fn drawn(
+    file: &Arc<PackFile>,
+    scenes: &[Scene],
+    frames: &[u32],
+    jobs: usize,
+) -> anyhow::Result<Vec<Vec<ScorePicture>>> {
+    let some = scenes.len().div_ceil(jobs.max(1));
+    let draw = |scenes: &[Scene]| -> anyhow::Result<Vec<_>> {
+        scenes.iter().map(|of| draw(file, of, frames)).collect()
+    };
+    let parts = std::thread::scope(|scope| {
+        let parts = scenes
+            .chunks(some)
+            .map(|part| scope.spawn(move || draw(part)));
+        let parts: Vec<_> = parts.collect();
+        let join = |part: std::thread::ScopedJoinHandle<'_, _>| {
+            part.join()
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        };
+        parts
+            .into_iter()
+            .map(join)
+            .collect::<anyhow::Result<Vec<Vec<_>>>>()
+    })?;
+    Ok(parts.into_iter().flatten().collect())
+}
+
+fn draw(file: &Arc<PackFile>, scene: &Scene, frames: &[u32]) -> anyhow::Result<Vec<ScorePicture>> {
+    let options = PlayerOptions {
+        config: PolicyConfig::new(Policy::Viewport),
+        view: scene.view,
+        screen: Screen::default(),
+        drawing: Drawing::Cpu,
+        showing: Showing::default(),
+        bytes_per_s: f64::INFINITY,
+        paced: false,
+        judged: false,
+        decoding: Decoding {
+            jobs: 1,
+            choice: DecoderChoice::Software,
+        },
+    };
+    let mut player = Player::new(Arc::clone(file), options)?;
+    let look = |time: Seconds| {
+        let gaze = GazeSample {
+            time,
+            received: time,
+            gaze_in_content: scene.view.axes.forward,
+            valid: true,
+            spread: Radians(0.0),
+            head: None,
+        };
+        Look {
+            gaze,
+            head: scene.head,
+            expected: Prediction {
+                gaze,
+                event: EyeEvent::Fixation,
+                since_saccade: None,
+            },
+            head_expected: scene.head,
+        }
+    };
+    let draw = |frame: &u32| {
+        let look = look(player.time(*frame));
+        let report = player.show(*frame, &look)?;
+        picture_of(&mut player, &report.view)
+    };
+    frames.iter().map(draw).collect()
+}

@@ -1,0 +1,78 @@
+//! What lies where a pack is to go, and may it be replaced?
+
+use crate::commands::info::PackInfo;
+use crate::report::output::WrongUsage;
+use anyhow::bail;
+use foveal_core::asset::pack::{Difference, Identity, MAGIC};
+use foveal_media::pack_file::PackFile;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// A pack that lies where another is to go.
+pub(crate) struct PackThere(PathBuf);
+
+/// What lies there; refuses what is neither a pack nor an empty file, as nothing but a pack is ever
+/// replaced by one.
+pub(crate) fn pack_at(out: &Path) -> Result<Option<PackThere>, WrongUsage> {
+    let Ok(there) = std::fs::symlink_metadata(out) else {
+        return Ok(None);
+    };
+    let what = match there.file_type() {
+        kind if kind.is_dir() => "a folder is there, and no pack",
+        kind if kind.is_symlink() => "a link is there; name its target",
+        kind if !kind.is_file() => "what is there is no plain file",
+        _ if there.len() == 0 => return Ok(None),
+        _ if begins_as_pack(out) => return Ok(Some(PackThere(out.to_owned()))),
+        _ => "a file is there that is no pack",
+    };
+    Err(WrongUsage(format!(
+        "--out {}: {what}; choose another --out, or move it away (--force replaces nothing but \
+         packs)",
+        out.display()
+    )))
+}
+
+fn begins_as_pack(path: &Path) -> bool {
+    let mut begin = [0; MAGIC.len()];
+    let read = File::open(path).and_then(|mut file| file.read_exact(&mut begin));
+    read.is_ok() && begin == MAGIC
+}
+
+impl PackThere {
+    /// What is in it, where it is the pack that is wanted; refuses another, which stays.
+    pub(crate) fn if_it_is(&self, wanted: &Identity) -> anyhow::Result<PackInfo> {
+        let Ok(file) = PackFile::open(&self.0) else {
+            bail!(self.in_the_way("a damaged pack, or one of another version, is there"));
+        };
+        let about = file.pack().description();
+        let difference = match &about.identity {
+            Some(identity) => identity.difference(wanted),
+            None => {
+                let what = format!(
+                    "a pack is there of {} that does not say how it was made",
+                    about.source.name
+                );
+                bail!(self.in_the_way(&what));
+            }
+        };
+        let how = match difference {
+            None if file.verify(|_, _| ()).is_empty() => return PackInfo::new(&file),
+            None => bail!(self.in_the_way("the pack that is there is damaged")),
+            Some(Difference::Program) => "by another version of the program",
+            Some(Difference::Input) => "of another input, or of this one before it changed",
+            Some(Difference::Settings) => "with other settings",
+        };
+        let (name, [w, h]) = (&about.source.name, about.source.size);
+        let what = format!("a pack is there of {name} ({w}x{h}), made {how}");
+        bail!(self.in_the_way(&what))
+    }
+
+    fn in_the_way(&self, what: &str) -> WrongUsage {
+        WrongUsage(format!(
+            "--out {}: {what}; give --force to replace it once the new one is whole, or choose \
+             another --out",
+            self.0.display()
+        ))
+    }
+}

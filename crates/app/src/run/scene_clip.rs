@@ -1,0 +1,51 @@
+//! How does a generated scene become a video file?
+
+use crate::report::output::{self, Counting};
+use anyhow::Context;
+use foveal_core::asset::picture::{Colour, Matrix};
+use foveal_media::generate::{FRAMES_PER_SECOND, Scene};
+use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
+use std::path::Path;
+
+/// Colour of generated scenes.
+const SCENE_COLOUR: Colour = Colour {
+    matrix: Matrix::Bt709,
+    full_range: false,
+    chroma_left: false,
+};
+
+/// Draws a scene into a video file; where that fails or is stopped, none is left under that name.
+pub(crate) fn write_scene(
+    scene: &Scene,
+    size: [u32; 2],
+    frames: u32,
+    path: &Path,
+) -> anyhow::Result<()> {
+    output::say(&format!("{}: is being drawn", path.display()));
+    let partial = path.with_extension("partial.mkv");
+    if let Err(error) = draw_scene(scene, size, frames, &partial) {
+        // What could not be written may not even be there.
+        let _ = std::fs::remove_file(&partial);
+        return Err(error);
+    }
+    std::fs::rename(&partial, path)
+        .with_context(|| format!("{}: cannot be given its name", partial.display()))
+}
+
+/// Frame by frame, so that one picture at a time is in memory.
+fn draw_scene(scene: &Scene, size: [u32; 2], frames: u32, path: &Path) -> anyhow::Result<()> {
+    let format = ClipFormat {
+        codec: ClipCodec::Ffv1,
+        size,
+        frame_rate: [FRAMES_PER_SECOND as i32, 1],
+        colour: SCENE_COLOUR,
+    };
+    let bar = output::bar(Some(u64::from(frames)), Counting::Frames);
+    let mut clip = ClipWriter::create(path, &format)?;
+    for number in 0..u64::from(frames) {
+        clip.push(&scene.frame(number))?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(clip.finish()?)
+}

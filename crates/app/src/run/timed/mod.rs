@@ -1,0 +1,124 @@
+//! Under which conditions is playing timed?
+
+mod eye;
+mod run;
+
+pub(crate) use run::Run;
+
+use crate::commands::score::{DeviceName, Engine, display_of_view, from_image};
+use crate::gaze_source::{GazeChoice, GazeSource, Viewer};
+use crate::options::decoding::Decoding;
+use crate::run::canvas::{Drawing, Showing};
+use crate::run::player::{Player, PlayerOptions};
+use eye::JumpingEye;
+use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::units::Radians;
+use foveal_core::view::axes::Axes;
+use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
+use foveal_eval::score::{Mode, Viewing};
+use foveal_media::pack_file::PackFile;
+use std::sync::Arc;
+
+/// What 360° content is seen with: a headset of 22 pixels a degree.
+const HEADSET_PIXELS: u32 = 2200;
+const HEADSET_FIELD_DEG: f64 = 100.0;
+/// Pixels across that are drawn of flat content.
+const DRAWN_WIDTH: u32 = 1920;
+
+/// What all runs of a comparison share.
+pub(crate) struct Conditions<'a> {
+    pub(crate) file: Arc<PackFile>,
+    pub(crate) drawing: &'a Drawing,
+    /// What flat content fills.
+    pub(crate) screen: Screen,
+    pub(crate) decoding: Decoding,
+    pub(crate) seed: u64,
+}
+
+/// Frames that are scored.
+const SCORED_FRAMES: u32 = 8;
+
+impl Conditions<'_> {
+    fn player(&self, config: PolicyConfig, paced: bool) -> anyhow::Result<Player> {
+        let surface = self.file.pack().description().grid(self.screen).surface;
+        let options = PlayerOptions {
+            config,
+            view: display(&surface),
+            screen: self.screen,
+            drawing: self.drawing.clone(),
+            showing: Showing::default(),
+            bytes_per_s: f64::INFINITY,
+            paced,
+            judged: false,
+            decoding: self.decoding,
+        };
+        Player::new(Arc::clone(&self.file), options)
+    }
+
+    /// The picture that is drawn, which may be smaller than what levels are chosen for.
+    fn drawn(&self) -> EyeView {
+        let display = display(&self.file.pack().description().grid(self.screen).surface);
+        let [w, h] = display.size;
+        let width = w.min(DRAWN_WIDTH);
+        let height = u64::from(h) * u64::from(width) / u64::from(w);
+        EyeView {
+            size: [width, height.max(1) as u32],
+            ..display
+        }
+    }
+
+    /// The score of the first frames under a policy, against every finest tile, in JOD, for an eye
+    /// that rests ahead; `None` where nothing draws.
+    pub(crate) fn score(&self, config: &PolicyConfig) -> anyhow::Result<Option<f64>> {
+        let mut shown = self.player(config.clone(), false)?;
+        let mut full = self.player(PolicyConfig::new(Policy::Full), false)?;
+        let about = self.file.pack().description();
+        let (surface, view) = (about.grid(self.screen).surface, self.drawn());
+        let display = display_of_view(&view, surface.projection);
+        let viewing = Viewing::new(display, view.size, Some(about.fps()), true, Mode::Compat)?;
+        let mut engine = Engine::open(DeviceName::Cpu, &viewing, self.decoding.jobs)?;
+        let still = GazeChoice::At([0.0; 2]);
+        let end = full.time(about.frames - 1);
+        let mut gaze = GazeSource::new(&still, &surface, self.seed, end, &Viewer::default())?;
+        for frame in 0..SCORED_FRAMES.min(about.frames) {
+            let look = gaze.look(full.time(frame));
+            let pictures = [&mut full, &mut shown].map(|player| {
+                player.show(frame, &look)?;
+                player.canvas.picture(&view, None)
+            });
+            let [reference, test] = pictures;
+            let (Some(reference), Some(test)) = (reference?, test?) else {
+                return Ok(None);
+            };
+            let middle = view.size.map(|side| f64::from(side / 2));
+            engine.frame(&from_image(&reference)?, &from_image(&test)?, middle)?;
+        }
+        Ok(Some(engine.score()?.jod))
+    }
+
+    /// A run under one policy; `paced` shows a frame when its time is over.
+    pub(crate) fn run(&self, config: PolicyConfig, paced: bool) -> anyhow::Result<Run> {
+        let about = self.file.pack().description();
+        let surface = about.grid(self.screen).surface;
+        let player = self.player(config, paced)?;
+        let eye = JumpingEye::new(surface, self.seed);
+        Ok(Run::new(player, eye, self.drawn(), about.frames))
+    }
+}
+
+/// What levels are chosen for: a headset, or a screen that shows every pixel of the content.
+fn display(surface: &Surface) -> EyeView {
+    match surface.projection {
+        Projection::Flat => EyeView::filling(surface, surface.size),
+        Projection::Cube => {
+            let size = [HEADSET_PIXELS; 2];
+            EyeView {
+                axes: Axes::FRONT,
+                field: Field::across(Radians::from_degrees(HEADSET_FIELD_DEG), size),
+                size,
+                eye: Eye::default(),
+            }
+        }
+    }
+}
