@@ -4,7 +4,7 @@
 
 use std::io::Cursor;
 
-use foveal_media::spherical_boxes::broken_boxes;
+use foveal_media::surround::spherical_boxes::broken_boxes;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {

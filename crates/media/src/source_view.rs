@@ -8,12 +8,12 @@
 
 mod chart;
 
-use crate::eye_layout::EyeLayout;
 use crate::parallel::in_parallel;
 use crate::prepare::{Plan, Surround};
-use crate::source::SourceInfo;
+use crate::read::source::SourceInfo;
 use crate::sphere::catmull_rom;
-use crate::sphere_part::SpherePart;
+use crate::surround::eye_layout::EyeLayout;
+use crate::surround::sphere_part::SpherePart;
 use chart::{Chart, Spot};
 use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::view::eye_view::EyeView;

@@ -9,7 +9,7 @@ use foveal_core::asset::sound::{SOUND_RATE, SoundTable};
 use foveal_core::asset::tile_grid::Cut;
 use foveal_core::units::counted;
 use foveal_core::view::surface::{Mapping, Projection};
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use foveal_media::sphere::{Coverage, face_size_for};
 use serde::Serialize;
 use std::fmt::Write as _;

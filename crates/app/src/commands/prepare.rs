@@ -13,12 +13,12 @@ use clap::{Args, ValueEnum};
 use foveal_core::asset::pack::Loss;
 use foveal_core::units::counted;
 use foveal_media::VideoInput;
-use foveal_media::encode::Speed;
-use foveal_media::pack_file::{PackFile, partial_path};
+use foveal_media::pack::pack_file::{PackFile, partial_path};
 use foveal_media::prepare::{
     Event, Plan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice, Witness,
     pack_identity_of, prepare_resumable, rehearse,
 };
+use foveal_media::tiles::encode::Speed;
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::{Path, PathBuf};

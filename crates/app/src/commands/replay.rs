@@ -7,7 +7,7 @@ use foveal_core::selection::content::PackContent;
 use foveal_core::selection::session::{Session, SessionFrame, sha256_hex};
 use foveal_core::selection::session_log::SessionLog;
 use foveal_core::units::counted;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

@@ -4,7 +4,7 @@ use crate::report::output;
 use anyhow::anyhow;
 use clap::Args;
 use foveal_core::units::counted;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use serde::Serialize;
 use std::path::PathBuf;
 

@@ -3,9 +3,9 @@
 use crate::report::output;
 use clap::{Args, ValueEnum};
 use foveal_core::units::counted;
-use foveal_media::decode_pool::DecodePool;
-use foveal_media::decoders::{DecoderChoice, DeviceUse};
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
+use foveal_media::tiles::decode_pool::DecodePool;
+use foveal_media::tiles::decoders::{DecoderChoice, DeviceUse};
 use serde::Serialize;
 use std::sync::Arc;
 

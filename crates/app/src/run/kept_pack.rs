@@ -2,7 +2,7 @@
 
 use crate::report::output::{self, Counting};
 use foveal_media::VideoInput;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{Plan, PrepareSettings, Progress, Remarks, pack_identity_of, prepare};
 use std::path::Path;
 

@@ -8,7 +8,7 @@ use foveal_core::units::counted;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::{Projection, Screen};
 use foveal_eval::score::ScorePicture;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{Plan, PrepareSettings, ProjectionChoice, StereoChoice};
 use foveal_media::{SourceInfo, SourceView, VideoInput};
 use std::path::{Path, PathBuf};

@@ -10,7 +10,7 @@ use foveal_core::selection::content::{Content, PackContent};
 use foveal_core::selection::policy::Selection;
 use foveal_core::selection::session::{Session, SessionFrame};
 use foveal_core::view::axes::angle_between;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::{Arc, Mutex, Weak};

@@ -1,7 +1,7 @@
 //! Does a scene look the same from everywhere it is drawn, and do numbers survive?
 
 use super::*;
-use crate::pyramid::halve;
+use crate::prepare::pyramid::halve;
 use crate::sphere::{Coverage, CubeSampler};
 use foveal_core::asset::picture::{Colour, Matrix};
 

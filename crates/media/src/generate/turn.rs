@@ -145,10 +145,10 @@ fn places(face: usize, side: u32, [width, height]: [u32; 2]) -> Places {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cube_layout::CubeLayout;
     use crate::generate::Scene;
     use crate::generate::tests::psnr;
     use crate::sphere::{Coverage, CubeSampler};
+    use crate::surround::cube_layout::CubeLayout;
 
     #[test]
     fn the_faces_are_those_that_a_sphere_would_be_resampled_to() {

@@ -1,14 +1,14 @@
 //! Which tiles does a source picture become?
 
 use super::plan::Plan;
-use super::surround::Surround;
-use crate::cube_layout::CubeLayout;
-use crate::encode::Speed;
-use crate::eye_layout::EyeLayout;
 use crate::parallel::in_parallel;
-use crate::pyramid::{halve, halve_all};
+use crate::prepare::pyramid::{halve, halve_all};
 use crate::sphere::CubeSampler;
-use crate::sphere_part::SpherePart;
+use crate::surround::cube_layout::CubeLayout;
+use crate::surround::eye_layout::EyeLayout;
+use crate::surround::found::Surround;
+use crate::surround::sphere_part::SpherePart;
+use crate::tiles::encode::Speed;
 use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
 use std::borrow::Cow;

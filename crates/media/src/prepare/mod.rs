@@ -6,29 +6,27 @@
 
 mod cutter;
 mod identity;
-mod name_words;
 mod notes;
-mod plan;
+pub(crate) mod plan;
 mod rates;
-mod remarks;
+pub(crate) mod remarks;
 mod sound;
 #[cfg(test)]
 mod speed_tests;
-mod surround;
 mod time_notes;
 
+pub use crate::surround::found::{ProjectionChoice, StereoChoice, Surround};
 pub use identity::pack_identity_of;
 pub use plan::{Plan, PrepareSettings};
 pub use rates::Quality;
 pub use remarks::Remarks;
-pub use surround::{ProjectionChoice, StereoChoice, Surround};
 
-use crate::encode::{EncodeSettings, encode_group};
 use crate::error::MediaError;
-use crate::input::{TimedPicture, VideoInput};
-use crate::pack_file::PackFileError;
-use crate::pack_writer::PackWriter;
+use crate::pack::pack_file::PackFileError;
+use crate::pack::pack_writer::PackWriter;
 use crate::parallel::in_parallel;
+use crate::read::input::{TimedPicture, VideoInput};
+use crate::tiles::encode::{EncodeSettings, encode_group};
 use cutter::Cutter;
 use foveal_core::asset::frame_times::FRAME_TIMES;
 use foveal_core::asset::order::hilbert_distance;
@@ -515,3 +513,5 @@ impl<'a> Coder<'a> {
         Ok(())
     }
 }
+pub mod pyramid;
+pub(crate) mod pyramid_light;

@@ -3,12 +3,14 @@
 use super::PrepareError;
 use super::rates::{Quality, describe, rates_of};
 use super::remarks::Remarks;
-use super::surround::{ProjectionChoice, StereoChoice, Surround, SurroundOfEyes, surround_of};
-use crate::encode::{Rate, Speed};
-use crate::eye_layout::EyeLayout;
-use crate::source::{Sound, SourceInfo};
+use crate::read::source::{Sound, SourceInfo};
 use crate::sphere::{Coverage, face_size_for};
-use crate::sphere_part::SpherePart;
+use crate::surround::eye_layout::EyeLayout;
+use crate::surround::found::{
+    ProjectionChoice, StereoChoice, Surround, SurroundOfEyes, surround_of,
+};
+use crate::surround::sphere_part::SpherePart;
+use crate::tiles::encode::{Rate, Speed};
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::{Description, Source};
 use foveal_core::asset::picture::Colour;
@@ -346,8 +348,8 @@ fn groups(levels: u8, is_still: bool, [frames, seconds]: [u32; 2]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenes::{group, write_clip};
-    use crate::source::Transparency;
+    use crate::read::source::Transparency;
+    use crate::tests::scenes::{group, write_clip};
     use crate::{ClipCodec, VideoInput};
 
     #[test]

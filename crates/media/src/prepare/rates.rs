@@ -1,7 +1,7 @@
 //! How fine, or of how many bytes, is each level coded?
 
 use super::{PrepareError, PrepareSettings};
-use crate::encode::Rate;
+use crate::tiles::encode::Rate;
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::pack::Description;
 use foveal_core::asset::rate::QualityScale;

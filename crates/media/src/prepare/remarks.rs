@@ -17,11 +17,11 @@ impl Remarks {
         all.map(String::as_str).collect()
     }
 
-    pub(super) fn warn(&mut self, text: String) {
+    pub(crate) fn warn(&mut self, text: String) {
         self.warnings.push(text);
     }
 
-    pub(super) fn note(&mut self, text: String) {
+    pub(crate) fn note(&mut self, text: String) {
         self.notes.push(text);
     }
 }

@@ -1,8 +1,8 @@
 //! How does the sound of a video become the side table `sound`?
 
 use crate::ffmpeg::{start, wants_more};
-use crate::input::VideoInput;
-use crate::sound_reader::SoundReader;
+use crate::read::input::VideoInput;
+use crate::read::sound_reader::SoundReader;
 use av::format::{Sample, sample};
 use av::{ChannelLayout, Packet, encoder, frame};
 use ffmpeg_next as av;

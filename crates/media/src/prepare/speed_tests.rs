@@ -1,9 +1,9 @@
 //! Where does the time of a preparation go?
 
 use super::*;
-use crate::encode::{Rate, Speed};
 use crate::generate::Scene;
-use crate::source::SourceInfo;
+use crate::read::source::SourceInfo;
+use crate::tiles::encode::{Rate, Speed};
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::picture::{Colour, Matrix};
 use std::time::Instant;

@@ -1,9 +1,9 @@
 //! Does a view show the source as it is, wherever it looks?
 
 use super::*;
-use crate::cube_layout::CubeLayout;
-use crate::eye_layout::Packing;
 use crate::sphere::Coverage;
+use crate::surround::cube_layout::CubeLayout;
+use crate::surround::eye_layout::Packing;
 use foveal_core::asset::picture::Matrix;
 use foveal_core::units::Radians;
 use foveal_core::view::axes::{Axes, direction_from_yaw_pitch};

@@ -2,7 +2,7 @@
 
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::picture::Picture;
-use foveal_media::pyramid::halve_all;
+use foveal_media::prepare::pyramid::halve_all;
 use foveal_media::{EncodeSettings, GroupDecoder, Rate, Speed, VideoInput, encode_group};
 use serde::Serialize;
 use std::collections::BTreeSet;

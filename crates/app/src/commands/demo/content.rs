@@ -6,7 +6,7 @@ use crate::run::kept_pack::{kept, plan_of, write_pack};
 use crate::run::scene_clip::write_scene;
 use anyhow::bail;
 use foveal_media::generate::Scene;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{Plan, PrepareSettings, Remarks};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -23,7 +23,7 @@ use foveal_core::selection::calibration::Expectation;
 use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_eval::score::{Mode, ScorePicture, Viewing};
 use foveal_media::generate::Scene;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{PrepareSettings, ProjectionChoice, prepare};
 use serde::Serialize;
 use std::path::{Path, PathBuf};

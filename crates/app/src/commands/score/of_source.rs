@@ -9,7 +9,7 @@ use crate::run::player::Player;
 use crate::run::source_frames::SourceFrames;
 use foveal_core::view::eye_view::EyeView;
 use foveal_eval::score::display::Display;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use std::path::Path;
 use std::sync::Arc;
 

@@ -15,8 +15,8 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Projection;
 use foveal_eval::score::ScorePicture;
 use foveal_eval::score::display::{Display, Photometry};
-use foveal_media::decoders::DecoderChoice;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
+use foveal_media::tiles::decoders::DecoderChoice;
 use std::path::Path;
 use std::sync::Arc;
 

@@ -8,7 +8,7 @@ use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 use foveal_core::units::counted;
 use foveal_core::view::surface::Projection;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use serde::Serialize;
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};

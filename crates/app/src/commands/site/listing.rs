@@ -5,7 +5,7 @@ use crate::commands::site::ENDING;
 use crate::commands::site::about::AboutPack;
 use crate::commands::site::poster::Poster;
 use foveal_core::view::surface::Projection;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use serde::Serialize;
 
 /// `packs.json`.

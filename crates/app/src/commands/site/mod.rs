@@ -13,7 +13,7 @@ pub(crate) use about::About;
 use crate::report::output::WrongUsage;
 use crate::web_files::web_files;
 use anyhow::{Context, bail};
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use listing::{Listed, Listing};
 use std::borrow::Cow;
 use std::collections::BTreeMap;

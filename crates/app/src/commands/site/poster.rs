@@ -13,7 +13,7 @@ use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use std::sync::Arc;
 

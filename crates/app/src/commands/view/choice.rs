@@ -13,7 +13,7 @@ use foveal_core::selection::picker::{HasTables, Picker};
 use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_core::selection::stage::Chooses;
 use foveal_core::units::Seconds;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -17,7 +17,7 @@ use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
 use foveal_eval::score::{Mode, Viewing};
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use std::sync::Arc;
 
 /// What 360° content is seen with: a headset of 22 pixels a degree.

@@ -6,7 +6,7 @@ use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::direction_at;
 use foveal_core::view::eye_view::EyeView;
-use foveal_media::decoders::DeviceUse;
+use foveal_media::tiles::decoders::DeviceUse;
 use glam::DVec3;
 use std::time::{Duration, Instant};
 

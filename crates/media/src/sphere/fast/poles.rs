@@ -16,7 +16,7 @@ use super::cubic::{
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Weights of a halving along longitude, in 32nds, as of [`crate::pyramid`].
+/// Weights of a halving along longitude, in 32nds, as of [`crate::prepare::pyramid`].
 const HALVING: [i16; 3] = [-1, 4, 13];
 
 /// Where a sample looks, and how wide its kernel is.

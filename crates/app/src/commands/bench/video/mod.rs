@@ -20,7 +20,7 @@ use foveal_core::selection::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
 use foveal_core::units::counted;
 use foveal_core::view::surface::Screen;
 use foveal_media::VideoInput;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -5,7 +5,7 @@ use foveal_core::asset::unit::UnitId;
 use foveal_eval::score::companion::{Companion, CompanionJudge};
 use foveal_eval::score::pooling::{Pool, Zones};
 use foveal_eval::score::{FrameScore, Judge, ScorePicture, Viewing};
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use serde::Serialize;
 use std::collections::HashSet;
 use std::ops::Range;

@@ -25,7 +25,7 @@ use foveal_core::selection::asked::{SLOPES, TARGETS};
 use foveal_core::units::counted;
 use foveal_eval::score::{Mode, Viewing, constants as fit};
 use foveal_media::SourceInfo;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use measure::Figures;
 use play::Stage;
 use report::{Report, Row, Shown, compared};

@@ -14,7 +14,7 @@ use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Screen;
 use foveal_eval::score::Viewing;
-use foveal_media::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFile;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;

@@ -3,8 +3,8 @@
 //! The one place that knows where sound comes from.
 
 use foveal_core::units::Seconds;
-use foveal_media::pack_file::PackFile;
-use foveal_media::sound::SoundTrack;
+use foveal_media::pack::pack_file::PackFile;
+use foveal_media::tiles::sound::SoundTrack;
 
 /// Reads interleaved samples, all channels of a frame together, from a time on; what lies beyond
 /// the end stays as it is.

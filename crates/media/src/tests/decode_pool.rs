@@ -1,0 +1,269 @@
+//! Does the decode pool give the tiles that were asked for, whatever was asked before?
+
+use foveal_core::asset::codec::Codec;
+use foveal_core::asset::pack::split_chunk;
+use foveal_core::asset::picture::Picture;
+use foveal_core::asset::tile_grid::{Cut, Tile};
+use std::collections::HashMap;
+use std::fs::OpenOptions;
+use std::io::{Seek, SeekFrom, Write};
+use std::sync::Arc;
+use std::sync::mpsc::channel;
+use std::time::{Duration, Instant};
+
+use crate::pack::pack_file::PackFile;
+use crate::prepare::{PrepareSettings, ProjectionChoice};
+use crate::tests::scenes::{Scratch, group, prepared, settings, write_clip};
+use crate::tiles::decode_pool::{DecodePool, DecodedTile};
+use crate::{ClipCodec, GroupDecoder};
+
+const FRAMES: u32 = 37;
+
+fn flat_pack(codec: Codec) -> Scratch {
+    let clip = write_clip("mkv", ClipCodec::Ffv1, &group([150, 90], FRAMES, 3));
+    prepared(&clip, &settings(ProjectionChoice::Flat, codec))
+}
+
+fn open(path: &Scratch) -> Arc<PackFile> {
+    Arc::new(PackFile::open(path).unwrap())
+}
+
+fn all_tiles(file: &PackFile) -> Vec<Tile> {
+    let grid = file.pack().grid();
+    (0..grid.levels)
+        .flat_map(|level| grid.tiles_of(level))
+        .collect()
+}
+
+/// Every picture of every tile, each group decoded from its key on by a fresh decoder.
+fn decoded_in_order(file: &PackFile) -> HashMap<(Tile, u32), Picture> {
+    let pack = file.pack();
+    let mut pictures = HashMap::new();
+    for unit in pack.units() {
+        let (tile, frames) = (pack.tile_of(unit), pack.frames_of(unit));
+        let chunk = file.read_chunk(unit).unwrap();
+        let codec = pack.description().codec;
+        let mut decoder = GroupDecoder::new(codec, pack.grid().tile_size(tile)).unwrap();
+        for (frame, unit) in frames
+            .clone()
+            .zip(split_chunk(&chunk, frames.len()).unwrap())
+        {
+            let (picture, number) = decoder.decode(unit, i64::from(frame)).unwrap();
+            assert_eq!(number, i64::from(frame));
+            pictures.insert((tile, frame), picture);
+        }
+    }
+    pictures
+}
+
+fn random(state: &mut u64, below: usize) -> usize {
+    *state = state
+        .wrapping_mul(6_364_136_223_846_793_005)
+        .wrapping_add(1);
+    (*state >> 33) as usize % below
+}
+
+fn one(pool: &mut DecodePool, tile: Tile, frame: u32) -> DecodedTile {
+    pool.request(tile, frame);
+    let done = pool.receive(None).unwrap();
+    assert_eq!((done.tile, done.frame), (tile, frame));
+    done
+}
+
+#[test]
+fn any_tile_of_any_frame_in_any_order_is_the_picture_of_decoding_in_order() {
+    for codec in [Codec::Vp9, Codec::Jpeg, Codec::Png] {
+        let path = flat_pack(codec);
+        let file = open(&path);
+        let (expected, tiles) = (decoded_in_order(&file), all_tiles(&file));
+        assert_eq!(expected.len(), tiles.len() * FRAMES as usize);
+        let mut pool = DecodePool::new(Arc::clone(&file), 3);
+        let mut state = 11;
+        for _ in 0..40 {
+            let mut asked = 0;
+            for _ in 0..10 {
+                let tile = tiles[random(&mut state, tiles.len())];
+                pool.request(tile, random(&mut state, FRAMES as usize) as u32);
+                asked += 1;
+            }
+            while let Some(done) = pool.receive(None) {
+                let (picture, number) = done.picture.unwrap();
+                assert_eq!(number, i64::from(done.frame));
+                let place = (done.tile, done.frame);
+                assert!(picture == expected[&place], "{codec:?} {place:?}");
+                asked -= 1;
+            }
+            // What was asked twice while it waited is decoded once.
+            assert!((0..10).contains(&asked), "{asked} of 10 never came");
+        }
+    }
+}
+
+#[test]
+fn asked_within_a_group_exactly_the_frames_from_its_key_are_decoded() {
+    let path = flat_pack(Codec::Vp9);
+    let file = open(&path);
+    let groups = file.pack().description().groups.clone();
+    let coarsest = file.pack().grid().coarsest();
+    for tile in all_tiles(&file) {
+        // Decoded ahead, so that how much of it was waited for is a matter of time.
+        if tile.level == coarsest {
+            continue;
+        }
+        let length = groups[usize::from(tile.level)];
+        let since_key = |frame: u32| frame % length + 1;
+        let mut pool = DecodePool::new(Arc::clone(&file), 2);
+        let mut decoded = |frame| one(&mut pool, tile, frame).decoded;
+        assert_eq!(decoded(5), 6);
+        assert_eq!(decoded(6), 1, "the frame that follows");
+        assert_eq!(decoded(7), 1);
+        assert_eq!(decoded(7), since_key(7), "the same frame again");
+        assert_eq!(decoded(3), 4, "back");
+        assert_eq!(decoded(6), 3, "ahead within the group");
+        assert_eq!(decoded(35), since_key(35), "another group");
+        assert_eq!(decoded(36), 1);
+        assert_eq!(decoded(0), 1);
+    }
+}
+
+#[test]
+fn no_picture_of_the_coarsest_level_is_decoded_twice_when_frames_follow_each_other() {
+    let path = flat_pack(Codec::Vp9);
+    let file = open(&path);
+    let tile = file.pack().grid().tile_at(file.pack().grid().coarsest(), 0);
+    let mut pool = DecodePool::new(Arc::clone(&file), 1);
+    // Two turns: the clip loops.
+    let frames = (0..2 * FRAMES).map(|frame| frame % FRAMES);
+    let decoded: u32 = frames
+        .map(|frame| one(&mut pool, tile, frame).decoded)
+        .sum();
+    assert_eq!(decoded, 2 * FRAMES);
+}
+
+#[test]
+fn decoders_are_handed_on_when_the_gaze_moves_and_pictures_stay_right() {
+    let clip = write_clip("mkv", ClipCodec::Ffv1, &group([1600, 64], 4, 3));
+    let cut = PrepareSettings {
+        cut: Some(Cut::Tile(16)),
+        ..settings(ProjectionChoice::Flat, Codec::Vp9)
+    };
+    let path = prepared(&clip, &cut);
+    let file = open(&path);
+    let expected = decoded_in_order(&file);
+    let mut pool = DecodePool::new(Arc::clone(&file), 2);
+    // Far more tiles than decoders stay open, some at a time.
+    let tiles: Vec<Tile> = file.pack().grid().tiles_of(0).collect();
+    for (at, few) in tiles.chunks(20).enumerate() {
+        let frame = at as u32 % 4;
+        few.iter().for_each(|tile| pool.request(*tile, frame));
+        while let Some(done) = pool.receive(None) {
+            let (picture, _) = done.picture.unwrap();
+            assert!(picture == expected[&(done.tile, done.frame)]);
+        }
+    }
+}
+
+#[test]
+fn still_codecs_decode_only_the_frame_that_was_asked_for() {
+    for codec in [Codec::Jpeg, Codec::Png] {
+        let path = flat_pack(codec);
+        let file = open(&path);
+        let tile = all_tiles(&file)[0];
+        let mut pool = DecodePool::new(file, 1);
+        for frame in [5, 7, 7, 3, 36] {
+            assert_eq!(one(&mut pool, tile, frame).decoded, 1);
+        }
+    }
+}
+
+#[test]
+fn cancelling_takes_back_what_was_not_begun() {
+    let path = flat_pack(Codec::Vp9);
+    let file = open(&path);
+    let tiles = all_tiles(&file);
+    let mut pool = DecodePool::new(Arc::clone(&file), 1);
+    let mut asked = 0;
+    for frame in (0..FRAMES).rev() {
+        for tile in &tiles {
+            pool.request(*tile, frame);
+            asked += 1;
+        }
+    }
+    pool.cancel();
+    let mut came = 0;
+    while let Some(done) = pool.receive(None) {
+        assert!(done.picture.is_ok());
+        came += 1;
+    }
+    assert!(came < asked, "all {asked} came");
+    assert!(pool.receive(None).is_none());
+    pool.cancel();
+    assert!(one(&mut pool, tiles[0], 9).picture.is_ok());
+    assert!(pool.receive(None).is_none());
+}
+
+#[test]
+fn what_is_not_there_by_the_deadline_comes_later() {
+    let path = flat_pack(Codec::Vp9);
+    let file = open(&path);
+    let tile = all_tiles(&file)[0];
+    let mut pool = DecodePool::new(file, 1);
+    pool.request(tile, 7);
+    let early = pool.receive(Some(Instant::now()));
+    let done = early.or_else(|| pool.receive(None)).unwrap();
+    assert_eq!((done.tile, done.frame), (tile, 7));
+    assert!(pool.receive(None).is_none());
+}
+
+#[test]
+fn a_damaged_chunk_is_an_error_for_its_tile_alone() {
+    for codec in [Codec::Vp9, Codec::Jpeg, Codec::Png] {
+        let path = flat_pack(codec);
+        let whole = open(&path);
+        let tiles = all_tiles(&whole);
+        let bad = tiles[2];
+        let entry = whole.pack().entry(whole.pack().unit(bad, 0));
+        let mut writer = OpenOptions::new().write(true).open(&*path).unwrap();
+        let middle = entry.offset + u64::from(entry.bytes) / 2;
+        writer.seek(SeekFrom::Start(middle)).unwrap();
+        writer.write_all(&[0x55; 3]).unwrap();
+        let file = open(&path);
+        let mut pool = DecodePool::new(Arc::clone(&file), 2);
+        for frame in [0, 3, 9] {
+            tiles.iter().for_each(|tile| pool.request(*tile, frame));
+            let mut came = 0;
+            while let Some(done) = pool.receive(None) {
+                came += 1;
+                let damaged = done.tile == bad && frame < 8;
+                match done.picture {
+                    Ok(_) => assert!(!damaged, "{codec:?} frame {frame}"),
+                    Err(error) => {
+                        assert!(damaged, "{:?} frame {frame}: {error}", done.tile);
+                        let text = error.to_string();
+                        assert!(text.contains("chunk of level 0"), "{text}");
+                    }
+                }
+            }
+            assert_eq!(came, tiles.len());
+        }
+    }
+}
+
+#[test]
+fn a_pool_dropped_with_work_queued_ends() {
+    let path = flat_pack(Codec::Vp9);
+    let file = open(&path);
+    let (ended, wait) = channel();
+    std::thread::spawn(move || {
+        for workers in [1, 4] {
+            let mut pool = DecodePool::new(Arc::clone(&file), workers);
+            for tile in all_tiles(&file) {
+                (0..FRAMES).for_each(|frame| pool.request(tile, frame));
+            }
+            drop(pool);
+        }
+        ended.send(()).unwrap();
+    });
+    let patience = Duration::from_secs(60);
+    assert!(wait.recv_timeout(patience).is_ok(), "still not ended");
+}

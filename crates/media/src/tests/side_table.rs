@@ -1,0 +1,211 @@
+//! Does preparing note every unit in the side tables, the same for any number of jobs?
+
+use foveal_core::asset::codec::Codec;
+use foveal_core::asset::cues::Cues;
+use foveal_core::asset::picture::{Picture, plane_size};
+use foveal_core::asset::signature::Signature;
+use foveal_core::asset::tile_grid::Cut;
+use foveal_core::perception::signature::signature_of;
+use std::path::Path;
+
+use crate::ClipCodec;
+use crate::pack::pack_file::PackFile;
+use crate::prepare::{PrepareSettings, ProjectionChoice};
+use crate::tests::scenes::{Scratch, group, prepared, settings, write_clip};
+
+/// A picture whose left part is plain and whose right part is noise; the noise of its lower half
+/// changes from frame to frame.
+fn half_busy(size: [u32; 2], plain: u32, frame: u32) -> Picture {
+    let planes = [0, 1, 2].map(|p| {
+        let [w, h] = plane_size(size[0], size[1], p);
+        let sample = move |x: u32, y: u32| {
+            if p > 0 || x < plain {
+                return 128;
+            }
+            let turn = if y < h / 2 { 0 } else { frame };
+            let mut state = u64::from(x) << 32 | u64::from(y) << 12 | u64::from(turn);
+            for _ in 0..3 {
+                state = (state ^ state >> 31).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            }
+            64 + (state >> 57) as u8
+        };
+        let row = move |y| (0..w).map(move |x| sample(x, y));
+        (0..h).flat_map(row).collect()
+    });
+    Picture {
+        width: size[0],
+        height: size[1],
+        planes,
+    }
+}
+
+fn table_bytes<'a>(file: &PackFile, pack: &'a [u8], name: &str) -> &'a [u8] {
+    let tables = &file.pack().description().tables;
+    let table = tables.iter().find(|table| table.name == name).unwrap();
+    &pack[table.offset as usize..][..table.bytes as usize]
+}
+
+/// Whether every unit has the rows that it must have, and no other.
+fn assert_every_unit_is_noted(path: &Path, what: &str) {
+    let file = PackFile::open(path).unwrap();
+    assert!(file.verify(|_, _| {}).is_empty(), "{what}");
+    let (signatures, cues) = (
+        file.signatures().unwrap().unwrap(),
+        file.cues().unwrap().unwrap(),
+    );
+    let (pack, bytes) = (file.pack(), std::fs::read(path).unwrap());
+    let coarsest = pack.grid().coarsest();
+    let (mut refining, mut finest) = (0, 0);
+    for unit in pack.units() {
+        let level = pack.tile_of(unit).level;
+        assert_eq!(
+            signatures.of(unit).is_some(),
+            level < coarsest,
+            "{what}: {unit:?}"
+        );
+        assert_eq!(cues.of(unit).is_some(), level == 0, "{what}: {unit:?}");
+        refining += usize::from(level < coarsest);
+        finest += usize::from(level == 0);
+    }
+    let lengths = ["signatures", "cues"].map(|name| table_bytes(&file, &bytes, name).len());
+    assert_eq!(
+        lengths,
+        [refining * Signature::BYTES, finest * Cues::BYTES],
+        "{what}"
+    );
+}
+
+#[test]
+fn every_unit_of_every_cut_and_codec_is_noted() {
+    // 13 frames: the last group of each level is short.
+    let flat = write_clip("mkv", ClipCodec::Ffv1, &group([101, 67], 13, 3));
+    let sphere = write_clip("mkv", ClipCodec::Ffv1, &group([128, 64], 13, 4));
+    let cuts = [
+        (Cut::Tile(32), None, 2),
+        (Cut::Tile(18), Some(1), 2),
+        (Cut::Grid([3, 2]), Some(2), 4),
+    ];
+    let codecs = [Codec::Vp9, Codec::Jpeg, Codec::Png];
+    let noted = |clip: &Path, projection, (cut, levels, ratio), codec| {
+        let settings = PrepareSettings {
+            cut: Some(cut),
+            levels,
+            ratio,
+            ..settings(projection, codec)
+        };
+        let what = format!("{projection:?} {cut:?} {codec:?}");
+        assert_every_unit_is_noted(&prepared(clip, &settings), &what);
+    };
+    for (cut, codec) in cuts.into_iter().zip(codecs) {
+        noted(&sphere, ProjectionChoice::Equirect, cut, codec);
+        for codec in codecs {
+            noted(&flat, ProjectionChoice::Flat, cut, codec);
+        }
+    }
+}
+
+#[test]
+fn the_tables_are_the_same_bytes_for_any_number_of_jobs_and_either_codec() {
+    let pictures: Vec<Picture> = (0..19).map(|f| half_busy([150, 90], 64, f)).collect();
+    let clip = write_clip("mkv", ClipCodec::Ffv1, &pictures);
+    let tables = |jobs, codec| {
+        let settings = PrepareSettings {
+            jobs,
+            ..settings(ProjectionChoice::Flat, codec)
+        };
+        let path = prepared(&clip, &settings);
+        let (file, bytes) = (
+            PackFile::open(&path).unwrap(),
+            std::fs::read(&*path).unwrap(),
+        );
+        ["signatures", "cues"].map(|name| table_bytes(&file, &bytes, name).to_vec())
+    };
+    let first = tables(1, Codec::Png);
+    for jobs in [2, 3, 7] {
+        assert_eq!(tables(jobs, Codec::Png), first, "{jobs} jobs");
+    }
+    // Units are measured before they are coded.
+    assert_eq!(tables(2, Codec::Vp9), first);
+}
+
+#[test]
+fn plain_tiles_add_nothing_and_busy_ones_do_and_only_what_moves_changes() {
+    let pictures: Vec<Picture> = (0..9).map(|f| half_busy([128, 128], 64, f)).collect();
+    let clip = write_clip("mkv", ClipCodec::Ffv1, &pictures);
+    let path = prepared(&clip, &settings(ProjectionChoice::Flat, Codec::Vp9));
+    let file = PackFile::open(&path).unwrap();
+    let (signatures, cues) = (
+        file.signatures().unwrap().unwrap(),
+        file.cues().unwrap().unwrap(),
+    );
+    let pack = file.pack();
+    for unit in pack.units().filter(|unit| pack.tile_of(*unit).level == 0) {
+        let tile = pack.tile_of(unit);
+        let (signature, cues) = (signatures.of(unit).unwrap(), cues.of(unit).unwrap());
+        let added = signature.bands[0].difference;
+        if tile.x < 2 {
+            assert_eq!((signature, cues), (Signature::default(), Cues::default()));
+            continue;
+        }
+        assert!(added > 0.1, "{tile:?}: {signature:?}");
+        assert!(
+            cues.deviation > 20.0 && cues.edges > 5.0,
+            "{tile:?}: {cues:?}"
+        );
+        let moves = tile.y >= 2 && pack.frames_of(unit).len() > 1;
+        assert_eq!(cues.change > 10.0, moves, "{tile:?}: {cues:?}");
+        // What was noted is the tile's own picture, at its place.
+        let first = pack.frames_of(unit).start as usize;
+        let shown = cut_out(&pictures[first], [u32::from(tile.x), u32::from(tile.y)]);
+        let expected = signature_of(&shown, pack.description().colour, 2);
+        assert_eq!(signature.to_bytes(), expected.to_bytes(), "{tile:?}");
+    }
+}
+
+/// A tile of 32 pixels.
+fn cut_out(picture: &Picture, tile: [u32; 2]) -> Picture {
+    let mut out = Picture::filled(32, 32, [128; 3]);
+    for y in 0..32 {
+        let from = ((tile[1] * 32 + y) * picture.width + tile[0] * 32) as usize;
+        let to = (y * 32) as usize;
+        out.planes[0][to..to + 32].copy_from_slice(&picture.planes[0][from..from + 32]);
+    }
+    out
+}
+
+#[test]
+fn a_damaged_side_table_is_named_once() {
+    let clip = write_clip("mkv", ClipCodec::Ffv1, &group([64, 48], 9, 6));
+    let path = prepared(&clip, &settings(ProjectionChoice::Flat, Codec::Png));
+    let good = std::fs::read(&*path).unwrap();
+    let tables = PackFile::open(&path)
+        .unwrap()
+        .pack()
+        .description()
+        .tables
+        .clone();
+    let names: Vec<&str> = tables.iter().map(|table| table.name.as_str()).collect();
+    assert_eq!(names, ["frame_times", "signatures", "cues"]);
+    for table in &tables {
+        for place in [0, table.bytes / 2, table.bytes - 1] {
+            let mut bad = good.clone();
+            bad[(table.offset + place) as usize] ^= 0x10;
+            let bad = Scratch::holding("foveal", &bad);
+            let file = PackFile::open(&bad).unwrap();
+            let damage: Vec<String> = file
+                .verify(|_, _| {})
+                .iter()
+                .map(|d| d.to_string())
+                .collect();
+            let [said] = &damage[..] else {
+                panic!("{}: {damage:?}", table.name);
+            };
+            assert!(
+                said.contains(&format!("side table {}", table.name)),
+                "{said}"
+            );
+            assert_eq!(file.signatures().is_err(), table.name == "signatures");
+            assert_eq!(file.cues().is_err(), table.name == "cues");
+        }
+    }
+}
