@@ -5,5 +5,5 @@
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {
-    let _ = foveal_core::gaze::stream::stream_anything(data);
+    let _ = foveal_core::gaze::read::stream::stream_anything(data);
 });

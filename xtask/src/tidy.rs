@@ -8,6 +8,7 @@ mod lexing;
 mod modules;
 mod papers;
 mod purity;
+mod rooms;
 mod sizes;
 mod tree;
 
@@ -47,6 +48,7 @@ pub(crate) fn run() -> Outcome {
     let tree = Tree::of(&repository_root())?;
     let mut findings = crates::check(&workspace_metadata()?, &tree);
     findings.extend(check_files(&tree));
+    findings.extend(rooms::check(&tree));
     findings.sort();
     findings.dedup();
     for finding in &findings {

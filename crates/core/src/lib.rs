@@ -6,5 +6,6 @@ pub mod asset;
 pub mod gaze;
 pub mod perception;
 pub mod selection;
+pub mod session;
 pub mod units;
 pub mod view;

@@ -1,10 +1,10 @@
 //! How is a finished picture blurred outside the fovea?
 
-use crate::device::Gpu;
+use crate::gpu::device::Gpu;
+use crate::gpu::screen_pass::{Reads, ScreenPass, buffer};
 use crate::params::BlurParams;
-use crate::passes::Target;
-use crate::screen_pass::{Reads, ScreenPass, buffer};
 use crate::shaders;
+use crate::tiles::passes::Target;
 use foveal_core::units::Radians;
 use foveal_core::view::eye_view::EyeView;
 use glam::DVec3;

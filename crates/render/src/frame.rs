@@ -4,17 +4,17 @@
 //! [`Renderer::tiles`], then draw. Everything else in this crate serves it.
 
 use crate::blur::{Blur, FirstHalf, RadialBlur};
+use crate::gpu::readback::ReadBack;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
 use crate::params::{Overlay, ViewParams};
-use crate::passes::{Pass, Target};
-use crate::readback::ReadBack;
-use crate::residency::TileStore;
-use crate::sparse::{Interpolation, SparseStore};
-use crate::{device::Gpu, error::RenderError, shaders};
+use crate::tiles::passes::{Pass, Target};
+use crate::tiles::sparse::{Interpolation, SparseStore};
+use crate::tiles::store::TileStore;
+use crate::{error::RenderError, gpu::device::Gpu, shaders};
 use foveal_core::asset::picture::Colour;
 use foveal_core::asset::tile_grid::TileGrid;
-use foveal_core::perception::sample_mask::SampleMask;
+use foveal_core::perception::samples::sample_mask::SampleMask;
 use foveal_core::view::eye_view::EyeView;
 
 /// Draws views of one picture's tiles; keeps its pipelines and its output texture.

@@ -6,35 +6,24 @@
 
 #![forbid(unsafe_code)]
 
-mod atlas;
-mod atlas_shape;
 mod blur;
-mod device;
 mod error;
 mod frame;
+mod gpu;
 mod image;
 pub mod importance;
-mod level_map;
 pub mod params;
-mod passes;
-#[cfg(not(target_arch = "wasm32"))]
-mod read_tile;
-mod readback;
-mod reduce;
-mod residency;
-mod screen_pass;
 pub mod shaders;
-mod sparse;
-mod textures;
+mod tiles;
 pub mod twin;
 
+pub use crate::gpu::device::Gpu;
+pub use crate::gpu::readback::ReadBack;
+pub use crate::tiles::sparse::Interpolation;
+pub use crate::tiles::store::TileStore;
+pub use crate::tiles::textures::{TextureRenderer, texture_bytes};
 pub use blur::RadialBlur;
-pub use device::Gpu;
 pub use error::RenderError;
 pub use frame::Renderer;
 pub use image::RgbaImage;
 pub use params::Overlay;
-pub use readback::ReadBack;
-pub use residency::TileStore;
-pub use sparse::Interpolation;
-pub use textures::{TextureRenderer, texture_bytes};

@@ -3,12 +3,12 @@
 //! The structs here have the layout of the WGSL structs of the same name; `tests/shaders.rs`
 //! compares them.
 
-use crate::atlas_shape::AtlasShape;
 use crate::blur::{FirstHalf, RadialBlur};
+use crate::tiles::atlas_shape::AtlasShape;
 use bytemuck::{Pod, Zeroable};
 use foveal_core::asset::picture::Colour;
 use foveal_core::asset::tile_grid::{Cut, TileGrid};
-use foveal_core::perception::sample_mask::{SPACINGS, SampleMask};
+use foveal_core::perception::samples::sample_mask::{SPACINGS, SampleMask};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Mapping;
 

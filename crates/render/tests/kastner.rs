@@ -8,7 +8,7 @@ use foveal_core::asset::gather::Gather;
 use foveal_core::asset::picture::Picture;
 use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::perception::acuity::AcuityModel;
-use foveal_core::perception::sample_mask::{MaskShape, SampleMask};
+use foveal_core::perception::samples::sample_mask::{MaskShape, SampleMask};
 use foveal_core::units::Radians;
 use foveal_core::view::axes::angle_between;
 use foveal_core::view::eye_view::EyeView;

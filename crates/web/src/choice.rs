@@ -2,13 +2,13 @@
 
 use crate::shelf::Shelf;
 use foveal_core::asset::tile_grid::Tile;
-use foveal_core::selection::aim::Aim;
 use foveal_core::selection::asked::Detail;
-use foveal_core::selection::budget::Budget;
 use foveal_core::selection::content::Content;
-use foveal_core::selection::picker::Picker;
 use foveal_core::selection::policy::{Policy, PolicyConfig};
-use foveal_core::selection::stage::Chooses;
+use foveal_core::session::aim::Aim;
+use foveal_core::session::budget::Budget;
+use foveal_core::session::picker::Picker;
+use foveal_core::session::playback::Chooses;
 use foveal_core::units::Seconds;
 use foveal_render::RenderError;
 use std::cell::RefCell;

@@ -2,7 +2,7 @@
 
 use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
-use foveal_core::selection::stage::Easel;
+use foveal_core::session::playback::Easel;
 use foveal_core::view::eye_view::EyeView;
 use foveal_render::twin::{self, TwinTiles};
 use foveal_render::{Gpu, Overlay, RenderError, Renderer, RgbaImage};

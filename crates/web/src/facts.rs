@@ -3,8 +3,8 @@
 use crate::shelf::Shelf;
 use foveal_core::asset::pack::{HEADER_BYTES, Header};
 use foveal_core::asset::sound::SOUND;
-use foveal_core::selection::picker::Picker;
 use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::session::picker::Picker;
 use foveal_core::view::surface::{Projection, Screen};
 use serde_json::json;
 

@@ -1,6 +1,6 @@
 //! How do tiles come from a page's fetches and decoders?
 
-use foveal_core::selection::stage::{Delivery, Feed, TileOfFrame};
+use foveal_core::session::playback::{Delivery, Feed, TileOfFrame};
 use foveal_render::RenderError;
 
 /// What is wanted, and what came.

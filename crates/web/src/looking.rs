@@ -2,12 +2,12 @@
 
 use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use foveal_core::gaze::pointer::Pointer;
-use foveal_core::gaze::record::GazeRecord;
+use foveal_core::gaze::read::record::GazeRecord;
+use foveal_core::gaze::read::stream::GazeStream;
 use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
-use foveal_core::gaze::stream::GazeStream;
 use foveal_core::gaze::tracker::GazeTracker;
 use foveal_core::perception::parameters::Parameters;
-use foveal_core::selection::aim::Aim;
+use foveal_core::session::aim::Aim;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::scene::{Pane, Scene};

@@ -6,10 +6,10 @@ use foveal_core::asset::pack::{HEADER_BYTES, Header, Pack, PackError, check_crc,
 use foveal_core::asset::signature::{SIGNATURES, Signature, Signatures};
 use foveal_core::asset::sound::{SOUND, SoundTable};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
-use foveal_core::asset::timeline::Timeline;
 use foveal_core::asset::unit::UnitId;
 use foveal_core::selection::content::Content;
-use foveal_core::selection::picker::HasTables;
+use foveal_core::session::picker::HasTables;
+use foveal_core::session::timeline::Timeline;
 use foveal_core::units::{Seconds, counted};
 use foveal_core::view::surface::Screen;
 use std::collections::HashSet;

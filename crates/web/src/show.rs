@@ -15,7 +15,7 @@ use foveal_core::asset::unit::UnitId;
 use foveal_core::gaze::sample::HeadPose;
 use foveal_core::selection::asked::{self, Detail};
 use foveal_core::selection::policy::Policy;
-use foveal_core::selection::stage::Delivery;
+use foveal_core::session::playback::Delivery;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::surface::Eye;
 use foveal_render::Gpu;

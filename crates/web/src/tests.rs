@@ -10,7 +10,7 @@ use foveal_core::asset::pack::{Description, HEADER_BYTES, Header, PackBuilder, S
 use foveal_core::asset::picture::{Colour, Matrix, Picture};
 use foveal_core::asset::tile_grid::{Cut, Tile};
 use foveal_core::asset::unit::UnitId;
-use foveal_core::selection::stage::Delivery;
+use foveal_core::session::playback::Delivery;
 use foveal_core::units::Seconds;
 use foveal_core::view::surface::{Projection, Screen};
 use std::collections::HashSet;

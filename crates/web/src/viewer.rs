@@ -9,12 +9,12 @@ use crate::looking::Looking;
 use crate::options::Options;
 use crate::shelf::Shelf;
 use crate::wide::{EyeRequest, head_of, union};
-use foveal_core::asset::media_clock::MediaClock;
-use foveal_core::selection::aim::Aim;
 use foveal_core::selection::asked::{Detail, next_target};
-use foveal_core::selection::figures::Figures;
 use foveal_core::selection::policy::Policy;
-use foveal_core::selection::stage::{Delivery, Now, Stage};
+use foveal_core::session::aim::Aim;
+use foveal_core::session::figures::Figures;
+use foveal_core::session::media_clock::MediaClock;
+use foveal_core::session::playback::{Delivery, Now, Stage};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::scene::{Pane, Scene, Shown};
@@ -350,7 +350,7 @@ impl Viewer {
 
     /// Whether nothing on screen is going to change by itself, or it plays.
     pub fn is_settled(&self) -> bool {
-        use foveal_core::selection::stage::Chooses;
+        use foveal_core::session::playback::Chooses;
         if self.is_moving() {
             return self.stage.shown_tick().is_some();
         }

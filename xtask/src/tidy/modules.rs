@@ -4,7 +4,15 @@ use super::Finding;
 use super::lexing::{code, is_word, line_of, places_of};
 
 const SOURCES: &str = "crates/core/src/";
-const ORDER: [&str; 6] = ["units", "view", "asset", "gaze", "perception", "selection"];
+const ORDER: [&str; 7] = [
+    "units",
+    "view",
+    "asset",
+    "gaze",
+    "perception",
+    "selection",
+    "session",
+];
 
 /// Checks `use crate::X` and `crate::X::` of one file of core, tests included.
 pub(super) fn check(path: &str, text: &str) -> Vec<Finding> {

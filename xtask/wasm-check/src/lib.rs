@@ -3,7 +3,7 @@
 //! `cargo xtask wasm` builds this library for wasm32, calls it under Node and compares the number
 //! with what the program `selection-hash` prints.
 
-use foveal_core::selection::session::{scripted_sessions, sha256_hex};
+use foveal_core::session::log::{scripted_sessions, sha256_hex};
 
 /// The first 64 bits of the SHA-256 of the scripted sessions' logs.
 #[unsafe(no_mangle)]

@@ -15,8 +15,8 @@ use foveal_core::units::counted;
 use foveal_media::VideoInput;
 use foveal_media::pack::pack_file::{PackFile, partial_path};
 use foveal_media::prepare::{
-    Event, Plan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice, Witness,
-    pack_identity_of, prepare_resumable, rehearse,
+    Event, FACE_SIZES, Plan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice,
+    Witness, pack_identity_of, prepare_resumable, rehearse,
 };
 use foveal_media::tiles::encode::Speed;
 use indicatif::ProgressBar;
@@ -234,6 +234,12 @@ impl PrepareVideoArgs {
         let cut = self
             .preset
             .map_or_else(given, |preset| preset.cut(&self.cut));
+        if let Some(size) = self.face_size
+            && !(FACE_SIZES.contains(&size) && size.is_multiple_of(16))
+        {
+            let range = format!("a multiple of 16 up to {}", FACE_SIZES.end());
+            bail!(out_of_range("--face-size", size, &range));
+        }
         Ok(PrepareSettings {
             projection: match self.projection {
                 ProjectionName::Auto => ProjectionChoice::Auto,

@@ -16,7 +16,7 @@ use clap::{Args, ValueEnum};
 use foveal_core::asset::picture::{Colour, Matrix};
 use foveal_core::selection::calibration::Expectation;
 use foveal_core::selection::policy::{Policy, PolicyConfig};
-use foveal_core::selection::session::{Session, sha256_hex};
+use foveal_core::session::log::{Session, sha256_hex};
 use foveal_core::units::counted;
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::eye_view::EyeView;

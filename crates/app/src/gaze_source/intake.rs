@@ -2,10 +2,10 @@
 
 use crate::gaze_source::choice::LiveChoice;
 use crate::report::output::say;
-use foveal_core::gaze::osc::EyeMessages;
-use foveal_core::gaze::record::{GazeRecord, MAX_RECORD_BYTES};
-use foveal_core::gaze::row::TraceRow;
-use foveal_core::gaze::stream::GazeStream;
+use foveal_core::gaze::read::osc::EyeMessages;
+use foveal_core::gaze::read::record::{GazeRecord, MAX_RECORD_BYTES};
+use foveal_core::gaze::read::row::TraceRow;
+use foveal_core::gaze::read::stream::GazeStream;
 use foveal_core::units::{Seconds, counted};
 use rosc::{OscMessage, OscPacket, OscType};
 use serde::Serialize;

@@ -8,7 +8,7 @@ use crate::gaze_source::feed::{Feed, Received};
 use crate::gaze_source::intake::{Counts, Intake};
 use crate::report::output::say;
 use anyhow::bail;
-use foveal_core::gaze::row::TraceRow;
+use foveal_core::gaze::read::row::TraceRow;
 use foveal_core::units::{Seconds, counted};
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -2,7 +2,7 @@
 
 use crate::report::output::open_file;
 use anyhow::Context;
-use foveal_core::gaze::trace::{MAX_LINE_BYTES, Trace, TraceReader};
+use foveal_core::gaze::read::trace::{MAX_LINE_BYTES, Trace, TraceReader};
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 

@@ -5,7 +5,7 @@ use anyhow::{Context, bail};
 use clap::ValueEnum;
 use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
-use foveal_core::perception::sample_mask::SampleMask;
+use foveal_core::perception::samples::sample_mask::SampleMask;
 use foveal_core::view::eye_view::EyeView;
 use foveal_render::twin::TwinSamples;
 use foveal_render::twin::{self, TwinTiles};

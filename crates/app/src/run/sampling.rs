@@ -4,7 +4,7 @@ use foveal_core::asset::gather::Gather;
 use foveal_core::asset::picture::Picture;
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use foveal_core::gaze::sample::GazeSample;
-use foveal_core::perception::sample_mask::{MaskShape, SampleMask};
+use foveal_core::perception::samples::sample_mask::{MaskShape, SampleMask};
 use foveal_core::selection::policy::PolicyConfig;
 use foveal_core::view::eye_view::EyeView;
 use std::collections::BTreeMap;

@@ -2,7 +2,7 @@
 
 use crate::live_gaze::Recording;
 use crate::support::{Folder, skipped};
-use foveal_core::gaze::row::TraceRow;
+use foveal_core::gaze::read::row::TraceRow;
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -71,7 +71,7 @@ fn places_in_the_scene_camera_become_angles_from_the_head() {
         assert_eq!(record["space"], "head");
         assert_eq!(record["valid"], true);
         let text = record.to_string();
-        assert!(foveal_core::gaze::record::GazeRecord::parse(text.as_bytes()).is_ok());
+        assert!(foveal_core::gaze::read::record::GazeRecord::parse(text.as_bytes()).is_ok());
     }
     let doubtful = converted(r#"{"norm_pos":[0,0],"confidence":0.2,"timestamp":1}"#);
     assert_eq!(doubtful["valid"], false);

@@ -2,7 +2,7 @@
 
 use crate::scenes::{waves, write_clip};
 use crate::support::{Folder, Ran, assert_refused, column, command, done, json, json_of, refused};
-use foveal_core::gaze::trace::Trace;
+use foveal_core::gaze::read::trace::Trace;
 use foveal_core::units::Seconds;
 use rosc::{OscMessage, OscPacket, OscType};
 use serde_json::Value;

@@ -8,7 +8,7 @@ use foveal_core::asset::tile_grid::Tile;
 use foveal_core::selection::chooser::Chooser;
 use foveal_core::selection::content::{Content, PackContent};
 use foveal_core::selection::policy::Selection;
-use foveal_core::selection::session::{Session, SessionFrame};
+use foveal_core::session::log::{Session, SessionFrame};
 use foveal_core::view::axes::angle_between;
 use foveal_media::pack::pack_file::PackFile;
 use serde_json::{Value, json};

@@ -4,7 +4,7 @@
 //! never far. What is shown later than about 75 ms after the last gaze lies best between them.
 
 use super::head_prediction::GazeInHead;
-use super::table::between;
+use crate::gaze::table::between;
 use crate::units::Seconds;
 
 /// Weight of the last gaze by its age in seconds: the best in steps of 0.1 on recordings of Hu et

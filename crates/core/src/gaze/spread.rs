@@ -5,7 +5,7 @@
 //! it.
 
 use super::head_prediction::saturating::FREE_VIEWING_SPREAD_DEG;
-use super::table::between;
+use crate::gaze::table::between;
 use crate::units::{Radians, Seconds};
 
 /// Who says where the eyes look.

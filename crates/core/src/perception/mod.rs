@@ -1,7 +1,6 @@
 //! What can the eye resolve, what is a finer level worth to it, and what draws it?
 
 pub mod acuity;
-pub mod blue_noise;
 pub mod csf;
 pub mod eye;
 pub mod fast;
@@ -12,11 +11,9 @@ pub mod luminance;
 pub mod parameters;
 pub mod pyramid;
 pub mod saliency;
-pub mod sample_mask;
+pub mod samples;
 pub mod sensitivity;
 pub mod sensitivity_table;
 pub mod signature;
 pub mod spread;
 pub mod visible_loss;
-
-mod nearest_sample;

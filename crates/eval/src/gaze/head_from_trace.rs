@@ -3,7 +3,7 @@
 use super::head_recording::{HeadRecording, HeadRow, RATE_HZ};
 use foveal_core::gaze::head_prediction::motion_from_poses::MotionFromPoses;
 use foveal_core::gaze::head_prediction::{GazeInHead, HeadMotion, SgazeMotion};
-use foveal_core::gaze::trace::Trace;
+use foveal_core::gaze::read::trace::Trace;
 use foveal_core::units::Seconds;
 use std::collections::VecDeque;
 

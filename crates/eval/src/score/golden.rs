@@ -3,6 +3,8 @@
 //! Inputs come from formulas alone; the scores and energies were measured with pyfvvdp 1.2.2
 //! (PyTorch 2.15, single precision) on those inputs.
 
+mod cases;
+
 use super::error::ScoreError;
 use super::picture::ScorePicture;
 use std::f64::consts::PI;
@@ -92,22 +94,20 @@ impl Golden {
     /// The case of a name.
     #[must_use]
     pub fn named(id: &str) -> Option<&'static Self> {
-        super::golden_cases::GOLDENS
-            .iter()
-            .find(|golden| golden.id == id)
+        cases::GOLDENS.iter().find(|golden| golden.id == id)
     }
 
     /// Every case whose reference comes from a formula.
     #[must_use]
     pub fn all() -> &'static [Self] {
-        &super::golden_cases::GOLDENS
+        &cases::GOLDENS
     }
 
     /// The cases whose reference is a photograph, which is no part of this project: stills, asked
     /// by [`Self::pictures_of`].
     #[must_use]
     pub fn of_photograph() -> &'static [Self] {
-        &super::golden_cases::PHOTOGRAPHED
+        &cases::PHOTOGRAPHED
     }
 
     /// Where the eye looks in a frame.

@@ -17,7 +17,6 @@ pub mod fast;
 pub mod gaze_trace;
 pub mod geometry;
 pub mod golden;
-mod golden_cases;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod named_displays;

@@ -4,7 +4,7 @@ use super::PrepareError;
 use super::plan::Plan;
 use crate::error::MediaError;
 use foveal_core::asset::pack::Identity;
-use foveal_core::selection::session::sha256_hex;
+use foveal_core::session::log::sha256_hex;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;

@@ -17,7 +17,7 @@ mod time_notes;
 
 pub use crate::surround::found::{ProjectionChoice, StereoChoice, Surround};
 pub use identity::pack_identity_of;
-pub use plan::{Plan, PrepareSettings};
+pub use plan::{FACE_SIZES, Plan, PrepareSettings};
 pub use rates::Quality;
 pub use remarks::Remarks;
 

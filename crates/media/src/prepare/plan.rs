@@ -324,7 +324,7 @@ fn cube_as_asked(
 }
 
 /// Sizes that faces may be resampled to, in pixels.
-const FACE_SIZES: core::ops::RangeInclusive<u32> = 16..=32_768;
+pub const FACE_SIZES: core::ops::RangeInclusive<u32> = 16..=32_768;
 
 fn default_levels(surface: Surface, ratio: u32) -> u8 {
     let longest = surface.size[0].max(surface.size[1]);

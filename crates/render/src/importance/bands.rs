@@ -4,7 +4,7 @@ use super::TILE;
 use super::compute::{Compute, Dispatch, filled, storage};
 use super::params::{Band, Eye};
 use super::tables::{CHORDS, EyeTables};
-use crate::{device::Gpu, error::RenderError};
+use crate::{error::RenderError, gpu::device::Gpu};
 use foveal_core::perception::parameters::Parameters;
 use foveal_core::perception::pyramid::bands_of;
 

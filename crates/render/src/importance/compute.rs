@@ -1,7 +1,7 @@
 //! How is a compute pass ordered?
 
-use crate::device::Gpu;
 use crate::error::RenderError;
+use crate::gpu::device::Gpu;
 use crate::shaders::ComputeShader;
 
 /// A compute pass, ready to be given what it reads and writes.

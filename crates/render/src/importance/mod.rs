@@ -16,8 +16,8 @@ pub use params::{Band, Eye};
 pub use pictures::{UnitIds, upload_picture};
 pub use sums::{PendingGains, UnitGains};
 
-use crate::readback::BytesBack;
-use crate::{device::Gpu, error::RenderError, shaders};
+use crate::gpu::readback::BytesBack;
+use crate::{error::RenderError, gpu::device::Gpu, shaders};
 use bands::{BandBuffers, EyeBuffers};
 use compute::{Compute, Dispatch, storage};
 use foveal_core::perception::importance::Onlooker;

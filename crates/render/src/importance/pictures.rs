@@ -1,6 +1,6 @@
 //! Which pictures are judged, and which unit has each of their pixels?
 
-use crate::{device::Gpu, error::RenderError, image::RgbaImage};
+use crate::{error::RenderError, gpu::device::Gpu, image::RgbaImage};
 
 /// Format of level pictures: sRGB codes as they are.
 const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;

@@ -2,7 +2,7 @@
 
 use super::pictures::UnitIds;
 use crate::error::RenderError;
-use crate::readback::BytesBack;
+use crate::gpu::readback::BytesBack;
 use std::future::Future;
 use std::pin::Pin;
 use std::task::{Context, Poll};
@@ -27,7 +27,7 @@ pub(super) struct SumsShape {
 }
 
 impl SumsShape {
-    pub(super) fn new(gpu: &crate::device::Gpu, steps: usize, ids: &UnitIds) -> Self {
+    pub(super) fn new(gpu: &crate::gpu::device::Gpu, steps: usize, ids: &UnitIds) -> Self {
         let alignment = u64::from(gpu.device.limits().min_storage_buffer_offset_alignment);
         let mut shape = Self {
             steps,
@@ -64,8 +64,8 @@ impl PendingGains {
     /// # Errors
     /// When the GPU returns nothing, or a pixel has the id of no unit.
     #[cfg(not(target_arch = "wasm32"))]
-    pub fn wait(self, gpu: &crate::device::Gpu) -> Result<UnitGains, RenderError> {
-        crate::readback::block_on(gpu, self)
+    pub fn wait(self, gpu: &crate::gpu::device::Gpu) -> Result<UnitGains, RenderError> {
+        crate::gpu::readback::block_on(gpu, self)
     }
 
     fn gains(&self, bytes: &[u8]) -> Result<UnitGains, RenderError> {

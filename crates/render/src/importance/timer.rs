@@ -1,6 +1,6 @@
 //! How long do the passes take on the GPU?
 
-use crate::device::Gpu;
+use crate::gpu::device::Gpu;
 
 /// Time stamps before and after a compute pass.
 pub(super) struct Timer {

@@ -1,10 +1,10 @@
 //! Which sample of a level lies at a place? Twin of `shaders/shared/tiles.wgsl`.
 
 use crate::error::RenderError;
-use crate::level_map::shown_map;
 use crate::params::TileParams;
-use crate::reduce::{Samples, pyramid};
-use crate::residency::check;
+use crate::tiles::level_map::shown_map;
+use crate::tiles::reduce::{Samples, pyramid};
+use crate::tiles::store::check;
 use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use glam::{IVec2, UVec2, Vec2};

@@ -3,7 +3,7 @@
 use super::*;
 use foveal_core::asset::signature::{BandContrast, SIGNATURES, SIGNATURES_VERSION, Signature};
 use foveal_core::selection::policy::Policy;
-use foveal_core::selection::session_log::SessionLog;
+use foveal_core::session::log_of_parts::SessionLog;
 
 const DEMO: &str = r#","paused":true,"log":true"#;
 

@@ -7,7 +7,7 @@ use crate::gaze_source::{
 use crate::report::output::{self, WrongUsage, out_of_range};
 use anyhow::{Context, bail};
 use clap::Args;
-use foveal_core::gaze::row::TraceRow;
+use foveal_core::gaze::read::row::TraceRow;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::units::{Seconds, counted};
 use foveal_core::view::surface::Surface;

@@ -8,10 +8,10 @@ use crate::run::sampling::{Sampling, mask_shape};
 use anyhow::Context;
 use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
-use foveal_core::perception::sample_mask::MaskShape;
-use foveal_core::selection::aim::Aim;
+use foveal_core::perception::samples::sample_mask::MaskShape;
 use foveal_core::selection::policy::PolicyConfig;
-use foveal_core::selection::stage;
+use foveal_core::session::aim::Aim;
+use foveal_core::session::playback;
 use foveal_core::view::eye_view::EyeView;
 use foveal_render::{Gpu, Interpolation, Overlay, RadialBlur, RgbaImage};
 use glam::DVec3;
@@ -154,7 +154,7 @@ impl Easel {
     }
 }
 
-impl stage::Easel for Easel {
+impl playback::Easel for Easel {
     type Error = anyhow::Error;
 
     fn begin_frame(&mut self, frame: u32) {

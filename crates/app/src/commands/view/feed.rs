@@ -5,7 +5,7 @@
 
 use anyhow::bail;
 use foveal_core::asset::tile_grid::Tile;
-use foveal_core::selection::stage::{Delivery, Feed, TileOfFrame};
+use foveal_core::session::playback::{Delivery, Feed, TileOfFrame};
 use foveal_media::tiles::decode_pool::{DecodePool, DecodedTile};
 use std::collections::{HashSet, VecDeque};
 use std::path::{Path, PathBuf};

@@ -5,7 +5,7 @@ use anyhow::anyhow;
 use foveal_core::gaze::pointer::{Pointer, gaze_at};
 use foveal_core::gaze::sample::{EyeEvent, HeadPose};
 use foveal_core::perception::parameters::Parameters;
-use foveal_core::selection::aim::Aim;
+use foveal_core::session::aim::Aim;
 use foveal_core::units::Seconds;
 use foveal_core::view::scene::Shown;
 use foveal_core::view::surface::Surface;

@@ -33,7 +33,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Frames on their way to the window.
-type Stage = foveal_core::selection::stage::Stage<feed::DecodeFeed, easel::Easel>;
+type Stage = foveal_core::session::playback::Stage<feed::DecodeFeed, easel::Easel>;
 
 /// Space pauses, arrows and the mouse move, the wheel zooms, H lists all keys and then figures.
 #[derive(Clone, Debug, Args)]

@@ -4,14 +4,14 @@
 //! the policy. A window and a page choose by the same picker.
 
 use crate::asset::tile_grid::{Tile, TileGrid};
-use crate::selection::aim::Aim;
 use crate::selection::calibration::Expectation;
 use crate::selection::chooser::Chooser;
 use crate::selection::content::Content;
 use crate::selection::level_map::LevelMap;
 use crate::selection::losses::LossMeter;
 use crate::selection::policy::{Moment, Policy, PolicyConfig};
-use crate::selection::session::{Given, Session, SessionFrame, SessionHead};
+use crate::session::aim::Aim;
+use crate::session::log::{Given, Session, SessionFrame, SessionHead};
 use crate::units::Radians;
 use std::sync::OnceLock;
 
@@ -206,7 +206,7 @@ mod tests {
     use crate::gaze::sample::{GazeSample, HeadPose};
     use crate::perception::parameters::EyeState;
     use crate::selection::asked::Detail;
-    use crate::selection::session_log::SessionLog;
+    use crate::session::log_of_parts::SessionLog;
     use crate::units::Seconds;
     use crate::view::axes::Axes;
     use crate::view::eye_view::{EyeView, Field};

@@ -3,11 +3,6 @@
 //! The log is lines of JSON: a head with grid, policy and view, then one line a frame with what
 //! selection was given and a hash of what it chose. Replaying needs no content and no clock.
 
-use super::chooser::Chooser;
-use super::content::Content;
-use super::level_map::{histogram, pixels};
-use super::policy::{Moment, Policy, PolicyConfig, Selection};
-use super::session_log::SessionLog;
 use crate::asset::cues::Cues;
 use crate::asset::signature::Signature;
 use crate::asset::tile_grid::{Cut, Tile, TileGrid};
@@ -15,6 +10,11 @@ use crate::asset::unit::UnitId;
 use crate::gaze::sample::{GazeSample, HeadPose};
 use crate::gaze::scan::ScanPath;
 use crate::perception::parameters::EyeState;
+use crate::selection::chooser::Chooser;
+use crate::selection::content::Content;
+use crate::selection::level_map::{histogram, pixels};
+use crate::selection::policy::{Moment, Policy, PolicyConfig, Selection};
+use crate::session::log_of_parts::SessionLog;
 use crate::units::{Radians, Seconds};
 use crate::view::eye_view::{EyeView, Field};
 use crate::view::surface::{Screen, Surface};

@@ -1,8 +1,8 @@
 //! How is a pass drawn that reads whatever it is given?
 
-use crate::device::Gpu;
-use crate::passes::FORMAT;
+use crate::gpu::device::Gpu;
 use crate::shaders::Shader;
+use crate::tiles::passes::FORMAT;
 
 /// A full-screen pass that replaces the picture, with bindings of its own.
 pub(crate) struct ScreenPass {

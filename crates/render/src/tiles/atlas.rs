@@ -3,8 +3,8 @@
 //! In one texture array of luma and one of chroma, both divided as [`AtlasShape`] says, which grow
 //! by layers. Chroma has two channels and half the size: U and V are always read together.
 
-use crate::atlas_shape::AtlasShape;
-use crate::{device::Gpu, error::RenderError, reduce::Samples};
+use crate::tiles::atlas_shape::AtlasShape;
+use crate::{error::RenderError, gpu::device::Gpu, tiles::reduce::Samples};
 use foveal_core::asset::tile_grid::Tile;
 
 /// A luma texture array and a chroma texture array of half its size.
@@ -177,7 +177,7 @@ impl Atlas {
     }
 
     /// Writes a tile and its reductions into a slot; `planes` are Y, U, V as
-    /// [`crate::reduce::pyramid`] gives them.
+    /// [`crate::tiles::reduce::pyramid`] gives them.
     pub(crate) fn write_slot(
         &self,
         gpu: &Gpu,

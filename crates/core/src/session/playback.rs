@@ -7,12 +7,12 @@
 #[cfg(test)]
 mod tests;
 
-use super::aim::Aim;
-use super::figures::{Figures, Shown};
 use crate::asset::picture::Picture;
 use crate::asset::tile_grid::{Tile, TileGrid};
-use crate::asset::timeline::Timeline;
 use crate::selection::level_map::histogram;
+use crate::session::aim::Aim;
+use crate::session::figures::{Figures, Shown};
+use crate::session::timeline::Timeline;
 use crate::units::Seconds;
 use crate::view::axes::angle_between;
 use std::collections::{HashMap, HashSet};

@@ -3,7 +3,7 @@
 //! A line of JSON, the one form in which any tracker can speak to Foveal. Normative text and test
 //! vectors: docs/formats/gaze.md.
 
-use super::row::{
+use crate::gaze::read::row::{
     HEAD_PITCH, HEAD_ROLL, HEAD_YAW, PITCH, QUANTITIES, Quantity, SPREAD, T, VALID, YAW,
 };
 use crate::units::Seconds;

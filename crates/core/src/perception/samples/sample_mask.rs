@@ -6,9 +6,9 @@
 //! its threshold in a blue-noise order over the density that acuity asks for, and the first are
 //! kept.
 
-use super::acuity::AcuityModel;
-use super::blue_noise::{SIDE, blue_noise_ranks};
-use super::nearest_sample::{nearest_samples, neighbours_of};
+use crate::perception::acuity::AcuityModel;
+use crate::perception::samples::blue_noise::{SIDE, blue_noise_ranks};
+use crate::perception::samples::nearest_sample::{nearest_samples, neighbours_of};
 use crate::units::Radians;
 
 /// Neighbours of a sample that are noted.

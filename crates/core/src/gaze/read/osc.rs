@@ -4,8 +4,8 @@
 //! with pitch down and yaw to the right, vectors with x right, y up, z forward; and the avatar
 //! parameters of VRCFaceTracking, in which 1 is 45°. All are measured from the head.
 
-use super::record::{GazeRecord, GazeSpace, RecordError, TRACKER_SPREAD_DEG, shown};
-use super::row::{degrees_of, direction_of};
+use crate::gaze::read::record::{GazeRecord, GazeSpace, RecordError, TRACKER_SPREAD_DEG, shown};
+use crate::gaze::read::row::{degrees_of, direction_of};
 use crate::units::Seconds;
 use glam::DVec3;
 

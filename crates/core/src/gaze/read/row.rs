@@ -3,7 +3,7 @@
 //! Angles stay in the degrees they were written in, so that a row that is read and written again
 //! is the same to the bit. [`TraceRow::sample`] is what the rest of the program works with.
 
-use super::sample::{GazeSample, HeadPose};
+use crate::gaze::sample::{GazeSample, HeadPose};
 use crate::units::{Radians, Seconds};
 use crate::view::axes::direction_from_yaw_pitch;
 use core::fmt::Write as _;

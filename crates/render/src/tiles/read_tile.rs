@@ -2,8 +2,8 @@
 //!
 //! Copied back texel for texel, at the tile's own level: what a picture of the atlas is made of.
 
-use crate::atlas::Planes;
-use crate::{device::Gpu, error::RenderError};
+use crate::tiles::atlas::Planes;
+use crate::{error::RenderError, gpu::device::Gpu};
 use foveal_core::asset::picture::{Picture, plane_size};
 use std::sync::mpsc::channel;
 

@@ -1,10 +1,10 @@
 //! How is a pass drawn?
 
-use crate::device::Gpu;
 use crate::error::RenderError;
+use crate::gpu::device::Gpu;
 use crate::params::{Overlay, ViewParams};
-use crate::residency::TileStore;
 use crate::shaders::Shader;
+use crate::tiles::store::TileStore;
 
 /// Format of every picture drawn.
 pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;

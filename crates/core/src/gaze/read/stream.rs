@@ -1,9 +1,9 @@
 //! How do the records of one sender become rows on one clock?
 
-use super::clock::SourceClock;
-use super::record::{GazeRecord, GazeSpace};
-use super::row::{TraceRow, degrees_of, direction_of, pose_of};
-use super::sample::HeadPose;
+use crate::gaze::read::clock::SourceClock;
+use crate::gaze::read::record::{GazeRecord, GazeSpace};
+use crate::gaze::read::row::{TraceRow, degrees_of, direction_of, pose_of};
+use crate::gaze::sample::HeadPose;
 use crate::units::Seconds;
 
 /// A sender of gazes that says nothing for this long, in seconds, has lost the eye: longer than
@@ -123,7 +123,7 @@ pub fn stream_anything(data: &[u8]) -> usize {
     }
     let mut text = TraceRow::header();
     rows.iter().for_each(|row| row.write(&mut text));
-    let read = super::trace::Trace::parse(&text);
+    let read = crate::gaze::read::trace::Trace::parse(&text);
     assert!(rows.is_empty() || read.is_ok_and(|read| read.rows() == rows));
     rows.len()
 }
@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn the_test_vectors_of_the_format_hold() {
-        let text = include_str!("../../../../docs/formats/gaze.md");
+        let text = include_str!("../../../../../docs/formats/gaze.md");
         let vectors = text.lines().filter_map(|line| line.split_once(" => "));
         let mut count = 0;
         for (sent, expected) in vectors {

@@ -3,8 +3,8 @@
 //! As several sessions, one after the other: each begins with a head, whose line tells itself apart
 //! from the lines of frames, and is selected again by itself.
 
-use super::content::Content;
-use super::session::{Session, SessionError};
+use crate::selection::content::Content;
+use crate::session::log::{Session, SessionError};
 
 /// What the line of a head begins with.
 const HEAD: &str = "{\"foveal_session\":";
@@ -20,7 +20,7 @@ impl SessionLog {
     /// Reads a log; refuses what [`Session::parse`] refuses, with the line in the whole file.
     ///
     /// ```
-    /// use foveal_core::selection::session_log::SessionLog;
+    /// use foveal_core::session::log_of_parts::SessionLog;
     /// assert!(SessionLog::parse("").is_err());
     /// ```
     pub fn parse(text: &str) -> Result<Self, SessionError> {
@@ -83,7 +83,7 @@ mod tests {
     use crate::perception::parameters::EyeState;
     use crate::selection::chooser::Chooser;
     use crate::selection::policy::{Moment, Policy, PolicyConfig};
-    use crate::selection::session::{Given, SessionFrame, SessionHead};
+    use crate::session::log::{Given, SessionFrame, SessionHead};
     use crate::units::{Radians, Seconds};
     use crate::view::axes::Axes;
     use crate::view::eye_view::{EyeView, Field};

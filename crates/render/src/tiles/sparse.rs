@@ -1,13 +1,13 @@
 //! How does the GPU hold samples round the gaze, and how are they drawn?
 
-use crate::device::Gpu;
 use crate::error::RenderError;
+use crate::gpu::device::Gpu;
+use crate::gpu::screen_pass::{Reads, ScreenPass, buffer};
 use crate::params::{SparseParams, ViewParams};
-use crate::passes::Target;
-use crate::residency::TileStore;
-use crate::screen_pass::{Reads, ScreenPass, buffer};
 use crate::shaders;
-use foveal_core::perception::sample_mask::SampleMask;
+use crate::tiles::passes::Target;
+use crate::tiles::store::TileStore;
+use foveal_core::perception::samples::sample_mask::SampleMask;
 use foveal_core::view::surface::Projection;
 
 /// How the pixels between samples are filled.

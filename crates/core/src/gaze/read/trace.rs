@@ -4,11 +4,11 @@
 //! `spread_deg`, `head_yaw_deg, head_pitch_deg, head_roll_deg`, in any order; other columns are
 //! ignored. A trace of a head alone has no `yaw_deg, pitch_deg`. Normative: docs/formats/gaze.md.
 
-use super::loss::gaze_at;
-use super::row::{
+use crate::gaze::loss::gaze_at;
+use crate::gaze::read::row::{
     HEAD_PITCH, HEAD_ROLL, HEAD_YAW, PITCH, QUANTITIES, RECEIVED, SPREAD, T, TraceRow, VALID, YAW,
 };
-use super::sample::GazeSample;
+use crate::gaze::sample::GazeSample;
 use crate::units::{Seconds, counted};
 use thiserror::Error;
 

@@ -2,7 +2,7 @@
 //!
 //! Through a buffer that the browser's event loop, or a blocking poll, maps when the GPU is done.
 
-use crate::{device::Gpu, error::RenderError, image::RgbaImage};
+use crate::{error::RenderError, gpu::device::Gpu, image::RgbaImage};
 use std::future::Future;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, PoisonError};

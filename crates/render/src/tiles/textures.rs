@@ -4,16 +4,16 @@
 //! are in use or not (Kastner 2016, section 4.2).
 
 use crate::blur::{Blur, FirstHalf, RadialBlur};
-use crate::device::Gpu;
 use crate::error::RenderError;
-use crate::level_map::shown_map;
-use crate::params::{TileParams, ViewParams};
-use crate::passes::Target;
+use crate::gpu::device::Gpu;
 #[cfg(not(target_arch = "wasm32"))]
-use crate::readback::ReadBack;
-use crate::residency::check;
-use crate::screen_pass::{Reads, ScreenPass, buffer};
+use crate::gpu::readback::ReadBack;
+use crate::gpu::screen_pass::{Reads, ScreenPass, buffer};
+use crate::params::{TileParams, ViewParams};
 use crate::shaders;
+use crate::tiles::level_map::shown_map;
+use crate::tiles::passes::Target;
+use crate::tiles::store::check;
 use foveal_core::asset::picture::{Colour, Picture, plane_size};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;

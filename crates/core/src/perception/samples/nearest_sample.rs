@@ -4,7 +4,7 @@
 //! Felzenszwalb and Huttenlocher 2012, *Distance transforms of sampled functions*, section 2, in
 //! time proportional to the pixels.
 
-use super::sample_mask::NEIGHBOURS;
+use crate::perception::samples::sample_mask::NEIGHBOURS;
 
 /// No sample in this column.
 const NONE: u32 = u32::MAX;

@@ -1,12 +1,12 @@
 //! Which tiles are on the GPU, and which of them may be shown together?
 
-use crate::atlas::{Atlas, SlotPlace};
-use crate::atlas_shape::AtlasShape;
-use crate::level_map::{LEVEL_BITS, contains, level_in, shown_map};
 use crate::params::TileParams;
+use crate::tiles::atlas::{Atlas, SlotPlace};
+use crate::tiles::atlas_shape::AtlasShape;
+use crate::tiles::level_map::{LEVEL_BITS, contains, level_in, shown_map};
 #[cfg(not(target_arch = "wasm32"))]
-use crate::read_tile::read_planes;
-use crate::{device::Gpu, error::RenderError, reduce::pyramid};
+use crate::tiles::read_tile::read_planes;
+use crate::{error::RenderError, gpu::device::Gpu, tiles::reduce::pyramid};
 use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::asset::tile_grid::{Tile, TileGrid};
 use std::collections::{HashMap, HashSet};

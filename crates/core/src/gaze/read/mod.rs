@@ -1,0 +1,8 @@
+//! What senders and files say of a gaze, and when that was.
+
+pub mod clock;
+pub mod osc;
+pub mod record;
+pub mod row;
+pub mod stream;
+pub mod trace;

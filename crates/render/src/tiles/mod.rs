@@ -1,0 +1,12 @@
+//! Tiles on the device: which are there, in which texture, how they become a picture.
+
+pub(crate) mod atlas;
+pub(crate) mod atlas_shape;
+pub(crate) mod level_map;
+pub(crate) mod passes;
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) mod read_tile;
+pub(crate) mod reduce;
+pub(crate) mod sparse;
+pub(crate) mod store;
+pub(crate) mod textures;
