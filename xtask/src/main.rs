@@ -15,6 +15,7 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 cargo xtask COMMAND
   tidy            rules of ARCHITECTURE.md and STYLE.md that a machine can check
+  tidy known      what broke them before they were checked, and is listed until it is mended
   wasm            core and render for the browser; the same selection natively and in wasm
   web             the page: wasm, scripts and pages in web/dist, with their size
   web-test        the tests of the page; its pictures beside those of the program
@@ -28,6 +29,7 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match words.as_slice() {
         ["tidy"] => tidy::run(),
+        ["tidy", "known"] => tidy::tell_known(),
         ["wasm"] => wasm::run(),
         ["web"] => web::run(),
         ["web-test"] => web::test(),

@@ -1,15 +1,17 @@
 //! Which rules of the repository does a commit of this tree break?
 
+mod circles;
 mod citation;
 mod crates;
 mod documents;
 mod foreign;
-mod lexing;
+mod known;
 mod modules;
 mod papers;
 mod purity;
 mod rooms;
 mod sizes;
+mod source;
 mod tree;
 
 use std::fmt;
@@ -17,6 +19,8 @@ use std::fmt;
 use serde_json::Value;
 
 use crate::steps::{Outcome, cargo, output_of, repository_root};
+use known::Breach;
+use source::modules::{Modules, crates_with_sources};
 use tree::Tree;
 
 /// One broken rule: where, what is wrong, and what to do.
@@ -48,7 +52,10 @@ pub(crate) fn run() -> Outcome {
     let tree = Tree::of(&repository_root())?;
     let mut findings = crates::check(&workspace_metadata()?, &tree);
     findings.extend(check_files(&tree));
-    findings.extend(rooms::check(&tree));
+    let (faults, breaches) = breaches(&tree);
+    findings.extend(faults);
+    let list = tree.text(known::LIST).unwrap_or_default();
+    findings.extend(known::unlisted(list, &breaches));
     findings.sort();
     findings.dedup();
     for finding in &findings {
@@ -62,6 +69,28 @@ pub(crate) fn run() -> Outcome {
         "tidy: {} found, each with what to do above",
         findings.len()
     ))
+}
+
+/// Prints every breach that is listed, or would have to be, under the line that lists it.
+pub(crate) fn tell_known() -> Outcome {
+    let (_, breaches) = breaches(&Tree::of(&repository_root())?);
+    for breach in breaches {
+        println!("{}", breach.told());
+    }
+    Ok(())
+}
+
+/// Files that are no Rust, and what breaks a rule that has a list of known breaches.
+fn breaches(tree: &Tree) -> (Vec<Finding>, Vec<Breach>) {
+    let mut faults = Vec::new();
+    let mut breaches = rooms::check(tree);
+    for name in crates_with_sources(tree) {
+        let modules = Modules::of_crate(tree, name);
+        faults.extend(modules.faults.iter().cloned());
+        breaches.extend(circles::check(&modules));
+    }
+    breaches.sort();
+    (faults, breaches)
 }
 
 /// What cargo knows of the workspace's own packages; asks no registry.

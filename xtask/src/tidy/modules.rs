@@ -1,7 +1,7 @@
 //! Does a module of core use only modules to its left?
 
 use super::Finding;
-use super::lexing::{code, is_word, line_of, places_of};
+use super::source::lexing::{code, is_word, line_of, places_of};
 
 const SOURCES: &str = "crates/core/src/";
 const ORDER: [&str; 7] = [

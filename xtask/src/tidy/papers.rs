@@ -1,6 +1,6 @@
 //! Does every function that the table of papers names exist?
 
-use super::lexing::is_word;
+use super::source::lexing::is_word;
 use super::{Finding, Tree};
 
 const TABLE: &str = "docs/papers.md";

@@ -1,7 +1,7 @@
 //! Does core ask anything of the world, or of the platform's mathematics?
 
 use super::Finding;
-use super::lexing::{is_word, line_of, places_of, shipped_code};
+use super::source::lexing::{is_word, line_of, places_of, shipped_code};
 
 const SOURCES: &str = "crates/core/src/";
 const WORLD: [&str; 6] = ["time", "fs", "net", "thread", "env", "process"];

@@ -1,43 +1,33 @@
 //! Does a folder hold more Rust files than a reader can keep in mind?
 
-use super::Finding;
-use super::tree::Tree;
 use std::collections::BTreeMap;
+
+use super::Finding;
+use super::known::Breach;
+use super::source::file::crate_of;
+use super::tree::Tree;
 
 /// Rust files of one folder.
 const MOST: usize = 16;
-/// Folders that had more when this was first checked, and how many they may have until then.
-const KNOWN: [(&str, usize); 2] = [
-    ("crates/core/src/selection", 17),
-    ("crates/render/src/twin", 17),
-];
 
 /// Counts the Rust files directly in each folder of a crate's sources.
-pub(super) fn check(tree: &Tree) -> Vec<Finding> {
+pub(super) fn check(tree: &Tree) -> Vec<Breach> {
     of_paths(tree.files().map(|(path, _)| path))
 }
 
-fn of_paths<'a>(paths: impl Iterator<Item = &'a str>) -> Vec<Finding> {
+fn of_paths<'a>(paths: impl Iterator<Item = &'a str>) -> Vec<Breach> {
     let mut counts = BTreeMap::<&str, usize>::new();
-    for path in paths.filter(|path| path.ends_with(".rs")) {
-        if let Some((folder, _)) = path.rsplit_once('/')
-            && folder.starts_with("crates/")
-            && folder.contains("/src")
-        {
+    for path in paths.filter(|path| crate_of(path).is_some()) {
+        if let Some((folder, _)) = path.rsplit_once('/') {
             *counts.entry(folder).or_default() += 1;
         }
     }
-    let finding = |(folder, count): (&str, usize)| {
-        let known = KNOWN.iter().find(|(known, _)| *known == folder);
-        let most = known.map_or(MOST, |(_, most)| *most);
-        let message = match known {
-            Some(_) if count <= MOST => "has room again: take it off the list in rooms.rs".into(),
-            _ if count <= most => return None,
-            _ => format!("{count} Rust files, at most {most}: give some a folder of their own"),
-        };
-        Some(Finding::new(folder, 1, message))
-    };
-    counts.into_iter().filter_map(finding).collect()
+    let full = counts.into_iter().filter(|(_, count)| *count > MOST);
+    full.map(|(folder, count)| {
+        let message = format!("{count} Rust files, at most {MOST}: give some their own folder");
+        Breach::new("rooms", folder, Finding::new(folder, 1, message)).counting(count)
+    })
+    .collect()
 }
 
 #[cfg(test)]
@@ -57,10 +47,10 @@ mod tests {
     }
 
     #[test]
-    fn a_known_folder_may_not_grow_and_leaves_the_list_once_it_has_room() {
-        let (folder, most) = KNOWN[0];
-        assert_eq!(found(folder, most + 1), 1);
-        assert_eq!(found(folder, most), 0);
-        assert_eq!(found(folder, MOST), 1);
+    fn files_of_folders_inside_do_not_count() {
+        let outer = (0..16).map(|k| format!("crates/x/src/f{k}.rs"));
+        let inner = (0..16).map(|k| format!("crates/x/src/a/f{k}.rs"));
+        let paths: Vec<String> = outer.chain(inner).collect();
+        assert!(of_paths(paths.iter().map(String::as_str)).is_empty());
     }
 }

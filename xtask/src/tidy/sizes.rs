@@ -1,7 +1,7 @@
 //! Is a file, a line or a function too long to be read in one go?
 
 use super::Finding;
-use super::lexing::{body_start, closing_brace, code, is_word};
+use super::source::lexing::{body_start, closing_brace, code, is_word};
 
 const FILE_LINES: usize = 600;
 const SHADER_LINES: usize = 300;

@@ -4,7 +4,7 @@
 //! were.
 
 /// `text` with comments, strings and character literals as spaces.
-pub(super) fn code(text: &str) -> String {
+pub(crate) fn code(text: &str) -> String {
     let chars: Vec<char> = text.chars().collect();
     let mut kept = String::with_capacity(text.len());
     let mut at = 0;
@@ -114,12 +114,12 @@ fn raw_string_end(chars: &[char], at: usize) -> Option<usize> {
     )
 }
 
-pub(super) fn is_word(c: char) -> bool {
+pub(crate) fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
 /// The code of `text` without the items under `#[cfg(test)]`.
-pub(super) fn shipped_code(text: &str) -> String {
+pub(crate) fn shipped_code(text: &str) -> String {
     let mut chars: Vec<char> = code(text).chars().collect();
     for attribute in ["#[cfg(test)]", "#[cfg(all(test", "#![cfg(test)]"] {
         let wanted: Vec<char> = attribute.chars().collect();
@@ -162,7 +162,7 @@ fn item_end(chars: &[char], start: usize) -> usize {
 }
 
 /// The first `{` or `;` from `start` on that stands in no parenthesis or bracket.
-pub(super) fn body_start(chars: &[char], start: usize) -> Option<usize> {
+pub(crate) fn body_start(chars: &[char], start: usize) -> Option<usize> {
     let mut depth = 0;
     (start..chars.len()).find(|&i| {
         match chars[i] {
@@ -175,7 +175,7 @@ pub(super) fn body_start(chars: &[char], start: usize) -> Option<usize> {
 }
 
 /// One past the brace that closes the one at `open`.
-pub(super) fn closing_brace(chars: &[char], open: usize) -> usize {
+pub(crate) fn closing_brace(chars: &[char], open: usize) -> usize {
     let mut depth = 0;
     for (i, c) in chars.iter().enumerate().skip(open) {
         match c {
@@ -191,7 +191,7 @@ pub(super) fn closing_brace(chars: &[char], open: usize) -> usize {
 }
 
 /// The line, counted from 1, on which the byte `at` of `text` stands.
-pub(super) fn line_of(text: &str, at: usize) -> usize {
+pub(crate) fn line_of(text: &str, at: usize) -> usize {
     text.as_bytes()[..at]
         .iter()
         .filter(|&&b| b == b'\n')
@@ -200,7 +200,7 @@ pub(super) fn line_of(text: &str, at: usize) -> usize {
 }
 
 /// Where `word` stands in `text` with no letter, digit or `_` before it.
-pub(super) fn places_of<'a>(text: &'a str, word: &'a str) -> impl Iterator<Item = usize> + 'a {
+pub(crate) fn places_of<'a>(text: &'a str, word: &'a str) -> impl Iterator<Item = usize> + 'a {
     text.match_indices(word)
         .map(|(at, _)| at)
         .filter(|&at| !text[..at].chars().next_back().is_some_and(is_word))
