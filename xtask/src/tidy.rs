@@ -7,6 +7,7 @@ mod documents;
 mod foreign;
 mod known;
 mod modules;
+mod names;
 mod papers;
 mod purity;
 mod rooms;
@@ -14,6 +15,7 @@ mod sizes;
 mod source;
 mod tree;
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use serde_json::Value;
@@ -82,15 +84,16 @@ pub(crate) fn tell_known() -> Outcome {
 
 /// Files that are no Rust, and what breaks a rule that has a list of known breaches.
 fn breaches(tree: &Tree) -> (Vec<Finding>, Vec<Breach>) {
-    let mut faults = Vec::new();
+    let names = crates_with_sources(tree).into_iter();
+    let crates: BTreeMap<&str, Modules> = names
+        .map(|name| (name, Modules::of_crate(tree, name)))
+        .collect();
+    let faults = crates.values().flat_map(|modules| modules.faults.clone());
     let mut breaches = rooms::check(tree);
-    for name in crates_with_sources(tree) {
-        let modules = Modules::of_crate(tree, name);
-        faults.extend(modules.faults.iter().cloned());
-        breaches.extend(circles::check(&modules));
-    }
+    breaches.extend(crates.values().flat_map(circles::check));
+    breaches.extend(names::check(&crates));
     breaches.sort();
-    (faults, breaches)
+    (faults.collect(), breaches)
 }
 
 /// What cargo knows of the workspace's own packages; asks no registry.
