@@ -1,5 +1,6 @@
 //! Which rules of the repository does a commit of this tree break?
 
+mod architecture;
 mod circles;
 mod citation;
 mod crates;
@@ -13,6 +14,7 @@ mod purity;
 mod rooms;
 mod sizes;
 mod source;
+mod tables;
 mod tree;
 
 use std::collections::BTreeMap;
@@ -92,6 +94,11 @@ fn breaches(tree: &Tree) -> (Vec<Finding>, Vec<Breach>) {
     let mut breaches = rooms::check(tree);
     breaches.extend(crates.values().flat_map(circles::check));
     breaches.extend(names::check(&crates));
+    breaches.extend(architecture::check(tree));
+    for (path, file) in tree.files() {
+        let text = file.text.as_deref().unwrap_or_default();
+        breaches.extend(tables::check(path, text));
+    }
     breaches.sort();
     (faults.collect(), breaches)
 }
