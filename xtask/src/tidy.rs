@@ -6,6 +6,7 @@ mod citation;
 mod crates;
 mod documents;
 mod foreign;
+mod kinds;
 mod known;
 mod modules;
 mod names;
@@ -94,6 +95,7 @@ fn breaches(tree: &Tree) -> (Vec<Finding>, Vec<Breach>) {
     let mut breaches = rooms::check(tree);
     breaches.extend(crates.values().flat_map(circles::check));
     breaches.extend(names::check(&crates));
+    breaches.extend(crates.get("core").map(kinds::check).unwrap_or_default());
     breaches.extend(architecture::check(tree));
     for (path, file) in tree.files() {
         let text = file.text.as_deref().unwrap_or_default();
