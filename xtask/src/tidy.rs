@@ -10,6 +10,7 @@ mod kinds;
 mod known;
 mod modules;
 mod names;
+mod one_loop;
 mod papers;
 mod purity;
 mod rooms;
@@ -96,6 +97,7 @@ fn breaches(tree: &Tree) -> (Vec<Finding>, Vec<Breach>) {
     breaches.extend(crates.values().flat_map(circles::check));
     breaches.extend(names::check(&crates));
     breaches.extend(crates.get("core").map(kinds::check).unwrap_or_default());
+    breaches.extend(one_loop::check(tree));
     breaches.extend(architecture::check(tree));
     for (path, file) in tree.files() {
         let text = file.text.as_deref().unwrap_or_default();
