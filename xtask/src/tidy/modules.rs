@@ -4,6 +4,8 @@ use super::Finding;
 use super::source::lexing::{code, is_word, line_of, places_of};
 
 const SOURCES: &str = "crates/core/src/";
+const CRATE: &str = "crate::";
+const SUPER: &str = "super::";
 /// A room that is not there yet has its place already.
 const ORDER: [&str; 9] = [
     "units",
@@ -56,17 +58,19 @@ pub(super) fn check(path: &str, text: &str) -> Vec<Finding> {
 }
 
 /// Each module of the crate's root that a path names, with its line. `depth` is how many `super`
-/// lead from this file to the root.
+/// lead from this file to the root; modules with braces need more.
 fn uses(code: &str, depth: usize) -> Vec<(usize, String)> {
+    let supers = places_of(code, SUPER).filter(|at| !code[..*at].ends_with(SUPER));
+    let ends = supers.filter_map(|at| {
+        let after = code[at..].trim_start_matches(SUPER);
+        let end = code.len() - after.len();
+        (end - at >= depth * SUPER.len()).then_some(end)
+    });
+    let crates = places_of(code, CRATE).map(|at| at + CRATE.len());
     let mut found = Vec::new();
-    let to_root = "super::".repeat(depth);
-    let prefixes = ["crate::", to_root.as_str()];
-    for prefix in prefixes {
-        for at in places_of(code, prefix) {
-            let after = &code[at + prefix.len()..];
-            for (offset, name) in first_names(after) {
-                found.push((line_of(code, at + prefix.len() + offset), name));
-            }
+    for end in crates.chain(ends) {
+        for (offset, name) in first_names(&code[end..]) {
+            found.push((line_of(code, end + offset), name));
         }
     }
     found
@@ -142,6 +146,8 @@ mod tests {
         assert_eq!(lines(asset, group), [3]);
         assert_eq!(lines(asset, "use super::super::gaze::Sample;"), [1]);
         assert!(lines(asset, "use super::gaze::Sample;").is_empty());
+        let inner = "mod inner {\n    use super::super::super::gaze::Sample;\n}";
+        assert_eq!(lines(asset, inner), [2]);
         assert_eq!(
             lines("crates/core/src/asset/mod.rs", "use super::gaze::Sample;"),
             [1]
