@@ -43,14 +43,15 @@ struct Place<'a> {
 }
 
 /// Where each type that other files can name is defined, once a module: what stands there twice
-/// is one type under two conditions.
+/// is one type under two conditions, and so is a module that stands twice in a file.
 fn types(modules: &Modules) -> BTreeMap<&str, Vec<Place<'_>>> {
     let mut types: BTreeMap<&str, Vec<Place<'_>>> = BTreeMap::new();
+    let mut met = BTreeSet::new();
     for (_, module) in modules.iter() {
-        let mut met = BTreeSet::new();
         for item in &module.scope.items {
-            if item.is_type && item.seen > Seen::Here && met.insert(&item.name) {
-                let file = &module.file;
+            let file = &module.file;
+            let place = (file, &module.scope.inside, &item.name);
+            if item.is_type && item.seen > Seen::Here && met.insert(place) {
                 types
                     .entry(&item.name)
                     .or_default()
@@ -129,6 +130,11 @@ mod tests {
     fn one_type_under_two_conditions_is_one() {
         let both = "#[cfg(unix)] pub struct S; #[cfg(windows)] pub struct S(u8);";
         assert!(keys("", both, "").is_empty());
+        let inside = "#[cfg(unix)] mod i { pub struct S; }
+                      #[cfg(windows)] mod i { pub struct S; }";
+        assert!(keys("", inside, "").is_empty());
+        let apart = "mod i { pub struct S; } mod j { pub struct S; }";
+        assert_eq!(keys("", apart, ""), ["x S"]);
     }
 
     #[test]
