@@ -15,8 +15,8 @@ use foveal_core::units::counted;
 use foveal_media::VideoInput;
 use foveal_media::pack::pack_file::{PackFile, partial_path};
 use foveal_media::prepare::{
-    Event, FACE_SIZES, Plan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice,
-    Witness, pack_identity_of, prepare_resumable, rehearse,
+    Event, Plan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice, Witness,
+    pack_identity_of, prepare_resumable, rehearse,
 };
 use foveal_media::tiles::encode::Speed;
 use indicatif::ProgressBar;
@@ -186,7 +186,9 @@ impl PrepareVideoArgs {
         let settings = self.settings()?;
         let info = VideoInput::open(&self.input)?.info().clone();
         Plan::new(&self.input, &info, &settings).map_err(|error| match error {
-            PrepareError::Grid(error) => WrongUsage(error.to_string()).into(),
+            PrepareError::Grid(_) | PrepareError::FaceSize(_) => {
+                WrongUsage(error.to_string()).into()
+            }
             error => anyhow::Error::from(error),
         })
     }
@@ -234,12 +236,6 @@ impl PrepareVideoArgs {
         let cut = self
             .preset
             .map_or_else(given, |preset| preset.cut(&self.cut));
-        if let Some(size) = self.face_size
-            && !(FACE_SIZES.contains(&size) && size.is_multiple_of(16))
-        {
-            let range = format!("a multiple of 16 up to {}", FACE_SIZES.end());
-            bail!(out_of_range("--face-size", size, &range));
-        }
         Ok(PrepareSettings {
             projection: match self.projection {
                 ProjectionName::Auto => ProjectionChoice::Auto,

@@ -122,6 +122,10 @@ fn options_that_do_not_fit_are_refused_with_their_names() {
     let with = |options: &[&'static str]| [&cube[..], options].concat();
     refused(2, &cube, &["--face-size"]);
     refused(2, &["select", "--projection", "flat"], &["--size"]);
+    let flat = ["select", "--projection", "flat", "--size", "640x360"];
+    for of_cubes in [["--mapping", "gnomonic"], ["--face-size", "64"]] {
+        refused(2, &[&flat[..], &of_cubes].concat(), &of_cubes[..1]);
+    }
     refused(
         2,
         &with(&["--face-size", "64", "--tile", "15"]),

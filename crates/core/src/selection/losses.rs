@@ -55,8 +55,8 @@ impl Losses {
         sum <= self.pixels[rank] * libm::pow(bound, SPACE_EXPONENT)
     }
 
-    /// Whether a cell lies beside the view, of which one level more is too little to be seen fading
-    /// into it.
+    /// Whether a cell is not in view: what is seen of it is how it fades into the picture, and for
+    /// that it may be one level coarser than it might be in view.
     #[must_use]
     pub fn is_beside(&self, rank: usize) -> bool {
         !self.in_view[rank]

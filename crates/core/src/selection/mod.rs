@@ -1,4 +1,4 @@
-//! What to show and fetch: levels for every cell, the tiles that follow, the log that replays.
+//! What to show and fetch: levels for every cell and the tiles that follow.
 
 pub mod asked;
 pub mod calibration;

@@ -17,7 +17,7 @@ mod time_notes;
 
 pub use crate::surround::found::{ProjectionChoice, StereoChoice, Surround};
 pub use identity::pack_identity_of;
-pub use plan::{FACE_SIZES, Plan, PrepareSettings};
+pub use plan::{Plan, PrepareSettings};
 pub use rates::Quality;
 pub use remarks::Remarks;
 
@@ -60,6 +60,13 @@ pub enum PrepareError {
     /// The tiles asked for cannot be.
     #[error(transparent)]
     Grid(#[from] GridError),
+    /// Faces cannot have this many pixels on a side.
+    #[error(
+        "--face-size {0}: expected a multiple of 16 from {from} to {to}",
+        from = plan::FACE_SIZES.start(),
+        to = plan::FACE_SIZES.end()
+    )]
+    FaceSize(u32),
     /// An option does not fit the input.
     #[error("{0}")]
     Option(String),

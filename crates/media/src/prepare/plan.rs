@@ -299,11 +299,7 @@ fn cube_as_asked(
         Surround::Equirect(_) => {
             let size = settings.face_size.unwrap_or(surface.size[0]);
             if !FACE_SIZES.contains(&size) || !size.is_multiple_of(16) {
-                return wrong(format!(
-                    "--face-size {size}: expected a multiple of 16 from {} to {}",
-                    FACE_SIZES.start(),
-                    FACE_SIZES.end()
-                ));
+                return Err(PrepareError::FaceSize(size));
             }
             return Ok(Surface {
                 size: [size; 2],
@@ -324,7 +320,7 @@ fn cube_as_asked(
 }
 
 /// Sizes that faces may be resampled to, in pixels.
-pub const FACE_SIZES: core::ops::RangeInclusive<u32> = 16..=32_768;
+pub(super) const FACE_SIZES: core::ops::RangeInclusive<u32> = 16..=32_768;
 
 fn default_levels(surface: Surface, ratio: u32) -> u8 {
     let longest = surface.size[0].max(surface.size[1]);

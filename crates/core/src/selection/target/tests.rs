@@ -298,3 +298,33 @@ fn a_view_is_as_sharp_at_its_borders_as_inside_them() {
     }
     assert_eq!(level_at(180.0, 0.0), grid.coarsest());
 }
+
+#[test]
+fn levels_follow_a_turning_head_at_once_and_the_slope_when_it_has_turned_far() {
+    // Busy on the face ahead, plain on the others: turning away from it asks for another slope.
+    let content = Texture(|_: u8, place: u32| if place >> 12 == 0 { 0.1 } else { 0.001 });
+    let grid = sphere();
+    let turned = |degrees: f64| {
+        let ahead = moment(&grid, 0.0);
+        let yaw = Radians::from_degrees(degrees);
+        let axes = Axes::from_yaw_pitch_roll(yaw, Radians(0.0), Radians(0.0));
+        let view = ahead.view.map(|view| EyeView { axes, ..view });
+        Moment { view, ..ahead }
+    };
+    let config = config(Policy::Acuity, 9.5);
+    let fresh = |degrees| {
+        let mut chooser = TargetSelector::new(&grid, &config).unwrap();
+        let chosen = chooser.select(&content, 0, &turned(degrees));
+        (chooser.before.unwrap().step, chosen.levels)
+    };
+    let mut chooser = TargetSelector::new(&grid, &config).unwrap();
+    let _ = chooser.select(&content, 0, &turned(0.0));
+    let (ahead, far) = (fresh(0.0).0, fresh(120.0).0);
+    assert_ne!(ahead, far, "the content asks for one slope everywhere");
+    let near = chooser.select(&content, 0, &turned(10.0));
+    let mut rule = Selector::new(grid, config.clone());
+    rule.set_acuity(slope_of(9.5, ahead));
+    assert_eq!(near.levels, rule.select(&turned(10.0)).levels);
+    let _ = chooser.select(&content, 0, &turned(120.0));
+    assert_eq!(chooser.before.unwrap().step, far);
+}
