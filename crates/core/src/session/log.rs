@@ -451,6 +451,13 @@ mod tests {
     }
 
     #[test]
+    fn every_policy_chooses_what_it_always_did() {
+        let logs: String = scripted_sessions().iter().map(Session::write).collect();
+        let expected = "4b83fb2cbdeb15692190b14700a2139dc04b3f44430fe1296f5596338df1bc53";
+        assert_eq!(sha256_hex(logs.as_bytes()), expected);
+    }
+
+    #[test]
     fn a_changed_gaze_changes_the_replay() {
         let mut session = flat_session(Policy::Acuity);
         session.frames[3].gaze = [1.0, 0.0, 0.0];

@@ -2,8 +2,9 @@
 
 use foveal_core::asset::codec::Codec;
 use foveal_core::asset::order::hilbert_distance;
-use foveal_core::asset::pack::HEADER_BYTES;
+use foveal_core::asset::pack::{HEADER_BYTES, Header};
 use foveal_core::asset::tile_grid::Cut;
+use foveal_core::session::log::sha256_hex;
 use std::fs::OpenOptions;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -124,6 +125,22 @@ fn every_frame_of_a_clip_of_variable_rate_keeps_its_time() {
     let times = PackFile::open(&pack).unwrap().frame_times().unwrap();
     let expected = ticks.map(|tick| tick as i64 * 20_000_000);
     assert_eq!(times, expected);
+}
+
+#[test]
+fn the_bytes_of_a_lossless_pack_are_what_they_always_were() {
+    let clip = write_clip("mkv", ClipCodec::Ffv1, &group([200, 136], 10, 6));
+    let path = prepared(&clip, &settings(ProjectionChoice::Flat, Codec::Png));
+    let bytes = bytes_of(&path);
+    let header = Header::parse(&bytes).unwrap();
+    let data = header.data_offset() as usize;
+    // What the clip was called and how large it was is its writer's affair.
+    let json = std::str::from_utf8(&bytes[HEADER_BYTES..data]).unwrap();
+    let (before, source) = json.trim_end().split_once("\"source\":{").unwrap();
+    let (_, after) = source.split_once('}').unwrap();
+    let hashed = [before.as_bytes(), after.as_bytes(), &bytes[data..]].concat();
+    let expected = "863311db2d7e8434c111cc9dd968d5bf53e0fd47cd046c658ad8dff786ccd28e";
+    assert_eq!(sha256_hex(&hashed), expected);
 }
 
 #[test]
