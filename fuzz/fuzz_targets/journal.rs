@@ -2,7 +2,7 @@
 
 #![no_main]
 
-use foveal_core::asset::pack::{JOURNAL_MAGIC, read_any_journal};
+use foveal_core::pack::{JOURNAL_MAGIC, read_any_journal};
 use libfuzzer_sys::fuzz_target;
 
 /// Blocks of the data under right lengths and checksums, which are hard to find.

@@ -4,4 +4,4 @@
 
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|data: &[u8]| foveal_core::asset::key_frame::judge_anything(data));
+fuzz_target!(|data: &[u8]| foveal_core::content::video::bytes::key_frame::judge_anything(data));

@@ -5,14 +5,15 @@
 
 #![no_main]
 
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::pack::{
-    Description, HEADER_BYTES, PackBuilder, SideTable, Source, parse_anything,
-};
-use foveal_core::asset::picture::{Colour, Matrix};
-use foveal_core::asset::rate::QualityScale;
-use foveal_core::asset::tile_grid::Cut;
-use foveal_core::view::surface::{Projection, Screen};
+use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile};
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::bytes::description::{Description, Source};
+use foveal_core::content::video::bytes::pack::parse_anything;
+use foveal_core::content::video::bytes::rate::QualityScale;
+use foveal_core::content::video::grid::tile_grid::Cut;
+use foveal_core::pack::{HEADER_BYTES, SideTable};
+use foveal_core::view::picture::{Colour, Matrix};
+use foveal_core::view::surface::{Mapping, Projection, Screen};
 use libfuzzer_sys::fuzz_target;
 use std::sync::OnceLock;
 
@@ -36,6 +37,7 @@ fn good_pack() -> Vec<u8> {
         size: [40, 24],
         eyes: 1,
         cube_faces: 6,
+        mapping: Mapping::Gnomonic,
         pixel_aspect: [1, 1],
         front_deg: 0.0,
         cut: Cut::Tile(16),
@@ -48,25 +50,44 @@ fn good_pack() -> Vec<u8> {
         groups: vec![2, 4],
         frames: 5,
         frame_rate: [25, 1],
-        colour: Colour { matrix: Matrix::Bt601, full_range: true, chroma_left: false },
-        source: Source { name: String::new(), size: [40, 24], bytes: 1, codec: String::new() },
+        colour: Colour {
+            matrix: Matrix::Bt601,
+            full_range: true,
+            chroma_left: false,
+        },
+        source: Source {
+            name: String::new(),
+            size: [40, 24],
+            bytes: 1,
+            codec: String::new(),
+        },
         identity: None,
+        loss: None,
         tables: Vec::new(),
     };
     let grid = description.grid(Screen::default());
-    let mut builder = PackBuilder::new(&description);
+    let mut builder = begin_pack(&description);
     let mut chunks = Vec::new();
     for level in 0..2 {
         let group = description.groups[usize::from(level)];
         for first in (0..description.frames).step_by(group as usize) {
             let frames = group.min(description.frames - first);
             for tile in grid.tiles_of(level) {
-                chunks.extend(builder.push(tile, first, &vec![vec![7; 3]; frames as usize]));
+                chunks.extend(push_tile(
+                    &mut builder,
+                    tile,
+                    first,
+                    &vec![vec![7; 3]; frames as usize],
+                ));
             }
         }
     }
-    let table = SideTable { name: "frame_times".to_owned(), version: 1, bytes: vec![0; 40] };
-    let parts = builder.finish(description, &[table]).expect("every unit was pushed");
+    let table = SideTable {
+        name: "frame_times".to_owned(),
+        version: 1,
+        bytes: vec![0; 40],
+    };
+    let parts = finish_pack(builder, description, &[table]).expect("every unit was pushed");
     [parts.head, chunks, parts.tail].concat()
 }
 
@@ -82,7 +103,9 @@ fn repair_checksums(pack: &mut [u8]) {
     // The index of the good pack is two pages, one a level; each is 16 bytes and 16 an entry.
     let mut at = word(pack, 24) as usize;
     for _ in 0..2 {
-        let Some(entries) = pack.get(at + 8..at + 12).map(|w| word(w, 0) as usize) else { return };
+        let Some(entries) = pack.get(at + 8..at + 12).map(|w| word(w, 0) as usize) else {
+            return;
+        };
         let Some(body) = pack.get(at + 16..at.saturating_add(16 + entries.min(4096) * 16)) else {
             return;
         };

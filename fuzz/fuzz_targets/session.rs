@@ -5,5 +5,5 @@
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {
-    let _ = foveal_core::session::log::parse_anything(data);
+    let _ = foveal_core::session::log_of_parts::parse_anything(data);
 });

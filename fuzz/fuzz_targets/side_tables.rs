@@ -16,7 +16,10 @@ fuzz_target!(|data: &[u8]| {
     // A length that is right is hard to find: what is of another is also filled up or cut.
     let read = target.choose_by_anything(data);
     let mut whole = data.to_vec();
-    whole.resize(2 + side_tables::table_bytes(&target.pack).iter().sum::<usize>(), 0);
+    whole.resize(
+        2 + side_tables::table_bytes(&target.pack).iter().sum::<usize>(),
+        0,
+    );
     whole[0] = 1;
     assert!(read || target.choose_by_anything(&whole));
 });

@@ -2,7 +2,7 @@
 
 #![no_main]
 
-use foveal_core::asset::sound::SoundTable;
+use foveal_core::content::video::bytes::sound::SoundTable;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {

@@ -5,8 +5,8 @@
 
 use std::io::Cursor;
 
-use foveal_media::surround::photo_sphere::PhotoSphere;
 use foveal_media::read::still_tags::StillTags;
+use foveal_media::surround::photo_sphere::PhotoSphere;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {

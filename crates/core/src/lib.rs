@@ -2,8 +2,9 @@
 
 #![forbid(unsafe_code)]
 
-pub mod asset;
+pub mod content;
 pub mod gaze;
+pub mod pack;
 pub mod perception;
 pub mod selection;
 pub mod session;

@@ -5,7 +5,7 @@
 
 mod side_tables;
 
-use foveal_core::gaze::scan::Random;
+use foveal_core::view::random::Random;
 use side_tables::{Target, table_bytes};
 
 #[test]

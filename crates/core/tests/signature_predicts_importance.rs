@@ -6,25 +6,26 @@
 // A test that cannot go on panics.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use foveal_core::asset::cues::Cues;
-use foveal_core::asset::picture::{Colour, Matrix, Picture};
-use foveal_core::asset::signature::Signature;
-use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
-use foveal_core::asset::unit::UnitId;
+use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::content::video::units::Content;
+use foveal_core::content::video::worth::Worth;
 use foveal_core::gaze::sample::GazeSample;
-use foveal_core::gaze::scan::Random;
+use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::eye::Gaze;
 use foveal_core::perception::gain::step_gain;
 use foveal_core::perception::importance::Onlooker;
+use foveal_core::perception::measures::contrast::Signature;
+use foveal_core::perception::measures::cues::Cues;
+use foveal_core::perception::measures::pyramid::{Pyramid, doubled, halved};
+use foveal_core::perception::measures::signature::{band_steps, signature_of};
+use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::{EyeState, Model, Parameters};
-use foveal_core::perception::pyramid::{Pyramid, doubled, halved};
-use foveal_core::perception::signature::{band_steps, signature_of};
-use foveal_core::selection::content::Content;
-use foveal_core::selection::policy::{Moment, Policy, PolicyConfig};
-use foveal_core::selection::worth::Worth;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::angle_between;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::{Colour, Matrix, Picture};
+use foveal_core::view::random::Random;
 use foveal_core::view::surface::{Screen, Surface};
 
 const SIZE: [u32; 2] = [384, 192];

@@ -6,10 +6,10 @@
 use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use foveal_core::gaze::main_sequence::{saccade_duration, saccade_way};
 use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
-use foveal_core::gaze::scan::Random;
 use foveal_core::gaze::tracker::GazeTracker;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::{angle_between, direction_between, direction_from_yaw_pitch};
+use foveal_core::view::random::Random;
 use glam::DVec3;
 
 const FIXATION_S: f64 = 0.35;

@@ -2,8 +2,8 @@
 //!
 //! The same for every machine, and for the benchmark as for the program.
 
-use foveal_core::gaze::scan::Random;
 use foveal_core::selection::greedy::{Catalog, CatalogBuilder, CatalogError, Chain, Rule, Step};
+use foveal_core::view::random::Random;
 
 /// Units of the large catalog.
 pub const UNITS: u32 = 100_000;

@@ -8,8 +8,8 @@
 use foveal_core::perception::eye::Seen;
 use foveal_core::perception::gain::Weights;
 use foveal_core::perception::importance::{NO_UNIT, Onlooker};
+use foveal_core::perception::measures::pyramid::bands_of;
 use foveal_core::perception::parameters::Parameters;
-use foveal_core::perception::pyramid::bands_of;
 use foveal_core::view::eye_view::EyeView;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};

@@ -16,7 +16,7 @@ mod world;
 mod tests;
 
 use crate::parallel::in_parallel;
-use foveal_core::asset::picture::Picture;
+use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::CUBE_FACES;
 pub use numbered::{numbered_tiles, read_number};
 pub use pan::Pan;

@@ -15,8 +15,8 @@ use crate::sphere::catmull_rom;
 use crate::surround::eye_layout::EyeLayout;
 use crate::surround::sphere_part::SpherePart;
 use chart::{Chart, Spot};
-use foveal_core::asset::picture::{Colour, Picture};
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::{Colour, Picture};
 use foveal_core::view::surface::{Eye, Screen, Surface};
 use std::borrow::Cow;
 

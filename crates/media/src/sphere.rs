@@ -19,7 +19,7 @@ mod tests;
 use crate::parallel::in_parallel;
 use cap::Cap;
 pub(crate) use fast::catmull_rom;
-use foveal_core::asset::picture::Picture;
+use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::{CUBE_FACES, Mapping};
 use kernel::Kernel;
 use plane::Plane;
@@ -64,7 +64,7 @@ pub fn face_size_for(width: u32, coverage: Coverage) -> u32 {
 /// each pole. Within the cap every sample counts by its place on the face, across the pole too.
 ///
 /// ```
-/// use foveal_core::asset::picture::Picture;
+/// use foveal_core::view::picture::Picture;
 /// use foveal_media::sphere::{Coverage, CubeSampler, face_size_for};
 /// let sphere = Picture::filled(256, 128, [90, 128, 128]);
 /// let face = face_size_for(256, Coverage::Full);

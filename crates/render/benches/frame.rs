@@ -8,7 +8,7 @@
 mod common;
 
 use common::{FULL, Scene, turned, waves, waves_around};
-use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Surface;
 use foveal_render::{Gpu, RadialBlur, RenderError, Renderer};

@@ -1,6 +1,6 @@
 //! What can go wrong between a picture and the GPU?
 
-use foveal_core::asset::tile_grid::Tile;
+use foveal_core::content::video::grid::tile_grid::Tile;
 use thiserror::Error;
 
 /// Why nothing can be drawn, in words for the person at the screen.

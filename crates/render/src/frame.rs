@@ -12,10 +12,10 @@ use crate::tiles::passes::{Pass, Target};
 use crate::tiles::sparse::{Interpolation, SparseStore};
 use crate::tiles::store::TileStore;
 use crate::{error::RenderError, gpu::device::Gpu, shaders};
-use foveal_core::asset::picture::Colour;
-use foveal_core::asset::tile_grid::TileGrid;
+use foveal_core::content::video::grid::tile_grid::TileGrid;
 use foveal_core::perception::samples::sample_mask::SampleMask;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::Colour;
 
 /// Draws views of one picture's tiles; keeps its pipelines and its output texture.
 pub struct Renderer {
@@ -162,7 +162,8 @@ impl Renderer {
     ///
     /// ```no_run
     /// # use foveal_core::{asset::*, view::{eye_view::EyeView, surface::*}};
-    /// # use foveal_core::asset::{picture::*, tile_grid::*};
+    /// # use foveal_core::view::picture::*;
+    /// # use foveal_core::content::video::grid::tile_grid::*;
     /// # use foveal_render::{Gpu, Renderer};
     /// # fn show(grid: &TileGrid, colour: Colour, tile: Tile, decoded: &Picture)
     /// # -> Result<(), foveal_render::RenderError> {

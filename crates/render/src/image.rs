@@ -1,6 +1,6 @@
 //! What is a finished picture?
 
-use foveal_core::asset::picture::{Colour, Picture};
+use foveal_core::view::picture::{Colour, Picture};
 
 /// Red, green, blue and alpha, 8 bits each, rows from the top without padding.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -6,10 +6,10 @@
 use crate::blur::{FirstHalf, RadialBlur};
 use crate::tiles::atlas_shape::AtlasShape;
 use bytemuck::{Pod, Zeroable};
-use foveal_core::asset::picture::Colour;
-use foveal_core::asset::tile_grid::{Cut, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 use foveal_core::perception::samples::sample_mask::{SPACINGS, SampleMask};
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::Colour;
 use foveal_core::view::surface::Mapping;
 
 /// What stays the same from frame to frame.

@@ -7,7 +7,7 @@
 mod common;
 
 use common::*;
-use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::{Eye, Surface};
 use foveal_render::{Gpu, Overlay};

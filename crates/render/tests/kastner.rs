@@ -4,14 +4,14 @@
 mod common;
 
 use common::*;
-use foveal_core::asset::gather::Gather;
-use foveal_core::asset::picture::Picture;
-use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::content::video::grid::gather::Gather;
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::perception::acuity::AcuityModel;
 use foveal_core::perception::samples::sample_mask::{MaskShape, SampleMask};
 use foveal_core::units::Radians;
 use foveal_core::view::axes::angle_between;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::Surface;
 use foveal_render::twin::{self, TwinSamples};
 use foveal_render::{Gpu, Interpolation, RadialBlur, Renderer, RgbaImage, TextureRenderer};

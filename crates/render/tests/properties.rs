@@ -4,9 +4,9 @@
 mod common;
 
 use common::*;
-use foveal_core::asset::picture::{Colour, Matrix, Picture};
-use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::{Colour, Matrix, Picture};
 use foveal_core::view::surface::{Eye, Mapping, Surface};
 use foveal_render::{Gpu, RgbaImage, twin};
 

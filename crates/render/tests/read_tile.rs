@@ -1,7 +1,7 @@
 //! Does a tile come back from the GPU as it went there?
 
-use foveal_core::asset::picture::{Colour, Matrix, Picture};
-use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::view::picture::{Colour, Matrix, Picture};
 use foveal_core::view::surface::{Screen, Surface};
 use foveal_render::{Gpu, RenderError, Renderer};
 

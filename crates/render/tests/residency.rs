@@ -4,9 +4,9 @@
 mod common;
 
 use common::*;
-use foveal_core::asset::picture::Picture;
-use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::Picture;
 use foveal_render::twin::TwinTiles;
 use foveal_render::{Gpu, RenderError, Renderer};
 

@@ -4,9 +4,9 @@
 mod common;
 
 use common::*;
-use foveal_core::asset::picture::Colour;
-use foveal_core::asset::tile_grid::{Cut, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::Colour;
 use foveal_core::view::surface::{Mapping, Surface};
 use foveal_render::{Gpu, Overlay, twin};
 

@@ -1,10 +1,10 @@
 //! Which tiles does a page want, and what does it remember of why?
 
 use crate::shelf::Shelf;
-use foveal_core::asset::tile_grid::Tile;
-use foveal_core::selection::asked::Detail;
-use foveal_core::selection::content::Content;
-use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::content::asked::Detail;
+use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::video::grid::tile_grid::Tile;
+use foveal_core::content::video::units::Content;
 use foveal_core::session::aim::Aim;
 use foveal_core::session::budget::Budget;
 use foveal_core::session::picker::Picker;
@@ -169,7 +169,8 @@ impl WebChoice {
         self.picker.change(config);
         let tiles = self.last.iter().flat_map(|last| &last.tiles);
         let finer = tiles.filter(|tile| tile.level < shelf.grid.coarsest());
-        let entries = finer.filter_map(|tile| shelf.pack.known_entry(shelf.unit(*tile, frame)));
+        let entries =
+            finer.filter_map(|tile| shelf.pack.index().known_entry(shelf.unit(*tile, frame)));
         entries.map(|entry| u64::from(entry.bytes)).sum()
     }
 

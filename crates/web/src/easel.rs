@@ -1,9 +1,9 @@
 //! Where are tiles shown in a page?
 
-use foveal_core::asset::picture::{Colour, Picture};
-use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
 use foveal_core::session::playback::Easel;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::{Colour, Picture};
 use foveal_render::twin::{self, TwinTiles};
 use foveal_render::{Gpu, Overlay, RenderError, Renderer, RgbaImage};
 

@@ -1,9 +1,9 @@
 //! What is a page told of a pack?
 
 use crate::shelf::Shelf;
-use foveal_core::asset::pack::{HEADER_BYTES, Header};
-use foveal_core::asset::sound::SOUND;
-use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::video::bytes::sound::SOUND;
+use foveal_core::pack::{HEADER_BYTES, Header};
 use foveal_core::session::picker::Picker;
 use foveal_core::view::surface::{Projection, Screen};
 use serde_json::json;

@@ -10,7 +10,7 @@ use foveal_core::perception::parameters::Parameters;
 use foveal_core::session::aim::Aim;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::scene::{Pane, Scene};
+use foveal_core::view::navigation::{Navigation, Pane};
 
 /// The pointer, and whoever sends gazes.
 #[derive(Default)]
@@ -58,7 +58,7 @@ impl Looking {
     pub(crate) fn aim(
         &mut self,
         now: Seconds,
-        scene: &mut Scene,
+        scene: &mut Navigation,
         pane: &Pane,
         perception: &Parameters,
     ) -> Aim {

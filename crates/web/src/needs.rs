@@ -2,9 +2,9 @@
 
 use crate::shelf::Shelf;
 use crate::viewer::Viewer;
-use foveal_core::asset::tile_grid::{Cut, Tile};
-use foveal_core::asset::unit::UnitId;
-use foveal_core::selection::content::Content;
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
+use foveal_core::content::video::units::Content;
+use foveal_core::pack::unit::UnitId;
 use std::collections::HashSet;
 
 /// Numbers of a row: kind, number, offset, bytes, frame, first frame of the unit, frames of the
@@ -43,10 +43,11 @@ impl Rows<'_> {
     }
 
     fn page(&mut self, page: u32) {
-        let Some(place) = self.shelf.pack.page_place(page) else {
+        let Some(place) = self.shelf.pack.index().page_place(page) else {
             return;
         };
-        let is_gone = self.shelf.pack.has_page(page) || self.shelf.damaged_pages.contains(&page);
+        let is_gone =
+            self.shelf.pack.index().has_page(page) || self.shelf.damaged_pages.contains(&page);
         if !is_gone && self.pages.insert(page) {
             let (offset, bytes) = (place.start as f64, (place.end - place.start) as f64);
             let kind = f64::from(Kind::Page as u8);
@@ -65,8 +66,8 @@ impl Rows<'_> {
     fn tile(&mut self, kind: Kind, tile: Tile, frame: u32) {
         let pack = &self.shelf.pack;
         let unit = pack.unit(tile, frame);
-        let Some(entry) = pack.known_entry(unit) else {
-            return self.page(pack.page_of(unit));
+        let Some(entry) = pack.index().known_entry(unit) else {
+            return self.page(pack.index().numbers().page_of(unit));
         };
         if kind == Kind::Bytes && !self.units.insert(unit) {
             return;

@@ -1,13 +1,19 @@
 //! What is there of a pack so far, beside its chunks?
 
-use foveal_core::asset::cues::{CUES, CueTable, Cues};
-use foveal_core::asset::frame_times::{FRAME_TIMES, nominal_times, parse_frame_times};
-use foveal_core::asset::pack::{HEADER_BYTES, Header, Pack, PackError, check_crc, split_chunk};
-use foveal_core::asset::signature::{SIGNATURES, Signature, Signatures};
-use foveal_core::asset::sound::{SOUND, SoundTable};
-use foveal_core::asset::tile_grid::{Tile, TileGrid};
-use foveal_core::asset::unit::UnitId;
-use foveal_core::selection::content::Content;
+use foveal_core::content::video::bytes::chunk::split_chunk;
+use foveal_core::content::video::bytes::cue_table::{CUES, CueTable};
+use foveal_core::content::video::bytes::frame_times::{
+    FRAME_TIMES, nominal_times, parse_frame_times,
+};
+use foveal_core::content::video::bytes::pack::VideoPack;
+use foveal_core::content::video::bytes::signatures::{SIGNATURES, Signatures};
+use foveal_core::content::video::bytes::sound::{SOUND, SoundTable};
+use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
+use foveal_core::content::video::units::Content;
+use foveal_core::pack::unit::UnitId;
+use foveal_core::pack::{HEADER_BYTES, Header, PackError, check_crc};
+use foveal_core::perception::measures::contrast::Signature;
+use foveal_core::perception::measures::cues::Cues;
 use foveal_core::session::picker::HasTables;
 use foveal_core::session::timeline::Timeline;
 use foveal_core::units::{Seconds, counted};
@@ -18,7 +24,7 @@ use std::ops::Range;
 /// A pack that comes in pieces.
 pub(crate) struct Shelf {
     pub(crate) header: Header,
-    pub(crate) pack: Pack,
+    pub(crate) pack: VideoPack,
     pub(crate) grid: TileGrid,
     /// Pages of the index that cannot be had.
     pub(crate) damaged_pages: HashSet<u32>,
@@ -42,7 +48,7 @@ impl Shelf {
                 expected: format!("{end}"),
             });
         };
-        let pack = Pack::begin(&header, description)?;
+        let pack = VideoPack::begin(&header, description)?;
         Ok(Self {
             header,
             grid: pack.description().grid(screen),
@@ -114,7 +120,7 @@ impl Shelf {
 
     /// Lengths of the access units of a chunk, its checksum checked.
     pub(crate) fn lengths(&self, unit: UnitId, chunk: &[u8]) -> Result<Vec<u32>, PackError> {
-        let Some(entry) = self.pack.known_entry(unit) else {
+        let Some(entry) = self.pack.index().known_entry(unit) else {
             return Ok(Vec::new());
         };
         let Tile { level, face, x, y } = self.pack.tile_of(unit);
@@ -129,12 +135,13 @@ impl Shelf {
         let first = self.pack.unit(self.grid.tile_at(level, 0), frame);
         let last = self.grid.tiles_in_level(level) - 1;
         let last = self.pack.unit(self.grid.tile_at(level, last), frame);
-        self.pack.page_of(first)..self.pack.page_of(last) + 1
+        self.pack.index().numbers().page_of(first)..self.pack.index().numbers().page_of(last) + 1
     }
 
     /// Whether nothing is ever known of where a unit's chunk lies.
     pub(crate) fn is_lost(&self, unit: UnitId) -> bool {
-        self.damaged_pages.contains(&self.pack.page_of(unit))
+        self.damaged_pages
+            .contains(&self.pack.index().numbers().page_of(unit))
     }
 
     /// Whether everything is there by which a budget is spent on a frame.
@@ -143,7 +150,7 @@ impl Shelf {
         let pages_there = |frame: u32| {
             let levels = 0..self.grid.levels;
             let mut pages = levels.flat_map(|level| self.pages_of(level, frame));
-            pages.all(|page| self.pack.has_page(page) || self.damaged_pages.contains(&page))
+            pages.all(|page| self.pack.index().has_page(page) || self.damaged_pages.contains(&page))
         };
         self.has_signatures() && frames.into_iter().flatten().all(pages_there)
     }
@@ -162,7 +169,7 @@ impl Content for Shelf {
     }
 
     fn bytes(&self, unit: UnitId) -> u32 {
-        let entry = self.pack.known_entry(unit);
+        let entry = self.pack.index().known_entry(unit);
         entry.map_or(u32::MAX, |entry| entry.bytes)
     }
 

@@ -9,14 +9,15 @@ use crate::options::Options;
 use crate::paper::Paper;
 use crate::viewer::Viewer;
 use crate::wide::EyeRequest;
-use foveal_core::asset::picture::{Picture, plane_size};
-use foveal_core::asset::sound::SoundTable;
-use foveal_core::asset::unit::UnitId;
+use foveal_core::content::asked;
+use foveal_core::content::asked::Detail;
+use foveal_core::content::policy::Policy;
+use foveal_core::content::video::bytes::sound::SoundTable;
 use foveal_core::gaze::sample::HeadPose;
-use foveal_core::selection::asked::{self, Detail};
-use foveal_core::selection::policy::Policy;
+use foveal_core::pack::unit::UnitId;
 use foveal_core::session::playback::Delivery;
 use foveal_core::units::{Radians, Seconds};
+use foveal_core::view::picture::{Picture, plane_size};
 use foveal_core::view::surface::Eye;
 use foveal_render::Gpu;
 use js_sys::{Array, Uint8Array};
@@ -142,7 +143,7 @@ impl Show {
     #[wasm_bindgen(js_name = addPage)]
     pub fn add_page(&self, page: u32, bytes: &[u8]) -> Outcome<()> {
         let mut shelf = self.viewer.shelf.borrow_mut();
-        shelf.pack.add_page(page, bytes).map_err(refused)
+        shelf.pack.index().add_page(page, bytes).map_err(refused)
     }
 
     /// A page of the index is damaged: what it tells of cannot be had.
@@ -482,7 +483,7 @@ impl Show {
 }
 
 fn stretch(sound: &SoundTable, from: f64, to: f64) -> Array {
-    let rate = f64::from(foveal_core::asset::sound::SOUND_RATE);
+    let rate = f64::from(foveal_core::content::video::bytes::sound::SOUND_RATE);
     let packet = |seconds: f64| {
         let sample = seconds.max(0.0) * rate + f64::from(sound.pre_skip);
         (sample / f64::from(sound.packet_samples)) as usize

@@ -5,13 +5,15 @@
 use crate::needs::{Kind, ROW};
 use crate::options::Options;
 use crate::viewer::{Viewer, flag};
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::pack::{Description, HEADER_BYTES, Header, PackBuilder, SideTable, Source};
-use foveal_core::asset::picture::{Colour, Matrix, Picture};
-use foveal_core::asset::tile_grid::{Cut, Tile};
-use foveal_core::asset::unit::UnitId;
+use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile};
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::bytes::description::{Description, Source};
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
+use foveal_core::pack::unit::UnitId;
+use foveal_core::pack::{HEADER_BYTES, Header, SideTable};
 use foveal_core::session::playback::Delivery;
 use foveal_core::units::Seconds;
+use foveal_core::view::picture::{Colour, Matrix, Picture};
 use foveal_core::view::surface::{Projection, Screen};
 use std::collections::HashSet;
 
@@ -71,7 +73,7 @@ impl Host {
     fn with(tables: impl FnOnce(usize) -> Vec<SideTable>) -> Self {
         let about = description();
         let grid = about.grid(Screen::default());
-        let mut builder = PackBuilder::new(&about);
+        let mut builder = begin_pack(&about);
         let mut chunks = Vec::new();
         let mut finer = 0;
         for level in (0..3).rev() {
@@ -80,11 +82,11 @@ impl Host {
                 for tile in grid.tiles_of(level) {
                     finer += usize::from(level < 2);
                     let units = vec![vec![7; 5]; group as usize];
-                    chunks.extend(builder.push(tile, first, &units));
+                    chunks.extend(push_tile(&mut builder, tile, first, &units));
                 }
             }
         }
-        let finished = builder.finish(about, &tables(finer)).unwrap();
+        let finished = finish_pack(builder, about, &tables(finer)).unwrap();
         let file = [finished.head, chunks, finished.tail].concat();
         Self { file }
     }
@@ -109,8 +111,8 @@ impl Host {
             let from = row.offset as usize;
             let bytes = &self.file[from..from + row.bytes as usize];
             if row.kind == Kind::Page as u8 {
-                let mut shelf = viewer.shelf.borrow_mut();
-                shelf.pack.add_page(row.number, bytes).unwrap();
+                let shelf = viewer.shelf.borrow_mut();
+                shelf.pack.index().add_page(row.number, bytes).unwrap();
             } else if row.kind == Kind::Picture as u8 {
                 let unit = UnitId(row.number);
                 let lengths = viewer.shelf.borrow().lengths(unit, bytes).unwrap();

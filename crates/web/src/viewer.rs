@@ -9,15 +9,15 @@ use crate::looking::Looking;
 use crate::options::Options;
 use crate::shelf::Shelf;
 use crate::wide::{EyeRequest, head_of, union};
-use foveal_core::selection::asked::{Detail, next_target};
-use foveal_core::selection::policy::Policy;
+use foveal_core::content::asked::{Detail, next_target};
+use foveal_core::content::policy::Policy;
 use foveal_core::session::aim::Aim;
 use foveal_core::session::figures::Figures;
 use foveal_core::session::media_clock::MediaClock;
 use foveal_core::session::playback::{Delivery, Now, Stage};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::scene::{Pane, Scene, Shown};
+use foveal_core::view::navigation::{Navigation, Pane, Shown};
 use foveal_core::view::surface::Screen;
 use foveal_render::{Overlay, RenderError};
 use std::cell::RefCell;
@@ -49,7 +49,7 @@ pub struct Viewer {
     pub(crate) shelf: Rc<RefCell<Shelf>>,
     pub(crate) stage: Stage<WebFeed, WebEasel>,
     pub(crate) choice: WebChoice,
-    pub(crate) scene: Scene,
+    pub(crate) scene: Navigation,
     pub(crate) looking: Looking,
     pub(crate) figures: Figures,
     clock: MediaClock,
@@ -89,7 +89,7 @@ impl Viewer {
         let mut viewer = Self {
             choice: WebChoice::new(Rc::clone(&shelf), name, detail, options.log),
             stage: Stage::new(grid, timeline, WebFeed::default(), easel),
-            scene: Scene::new(grid.surface, field).facing(front),
+            scene: Navigation::new(grid.surface, field).facing(front),
             shelf,
             looking: Looking::default(),
             figures: Figures::default(),

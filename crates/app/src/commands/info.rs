@@ -2,11 +2,11 @@
 
 use crate::report::output;
 use clap::Args;
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::pack::{Description, Loss};
-use foveal_core::asset::rate::QualityScale;
-use foveal_core::asset::sound::{SOUND_RATE, SoundTable};
-use foveal_core::asset::tile_grid::Cut;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::bytes::description::{Description, Loss};
+use foveal_core::content::video::bytes::rate::QualityScale;
+use foveal_core::content::video::bytes::sound::{SOUND_RATE, SoundTable};
+use foveal_core::content::video::grid::tile_grid::Cut;
 use foveal_core::units::counted;
 use foveal_core::view::surface::{Mapping, Projection};
 use foveal_media::pack::pack_file::PackFile;
@@ -152,7 +152,7 @@ impl PackInfo {
             quality_scale: about.quality_scale,
             bit_rates: about.bit_rates.clone(),
             bytes: file.bytes(),
-            bytes_per_level: pack.bytes_per_level(),
+            bytes_per_level: pack.index().bytes_per_level(),
             loss: about.loss,
             source: about.source.name.clone(),
             source_bytes: about.source.bytes,

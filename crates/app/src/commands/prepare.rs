@@ -10,7 +10,7 @@ use crate::run::loss::loss_of;
 use crate::run::pack_place::pack_at;
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
-use foveal_core::asset::pack::Loss;
+use foveal_core::content::video::bytes::description::Loss;
 use foveal_core::units::counted;
 use foveal_media::VideoInput;
 use foveal_media::pack::pack_file::{PackFile, partial_path};

@@ -3,7 +3,7 @@
 use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
-use foveal_core::selection::content::PackContent;
+use foveal_core::content::video::units::PackContent;
 use foveal_core::session::log::{Session, SessionFrame, sha256_hex};
 use foveal_core::session::log_of_parts::SessionLog;
 use foveal_core::units::counted;

@@ -9,14 +9,16 @@ use crate::report::output::{self, WrongUsage, out_of_range};
 use crate::run::sampling::sample_count;
 use anyhow::bail;
 use clap::{Args, ValueEnum};
-use foveal_core::asset::tile_grid::TileGrid;
+use foveal_core::content::policy::Policy;
+use foveal_core::content::video::grid::level_map::{histogram, pixels};
+use foveal_core::content::video::grid::tile_grid::TileGrid;
+use foveal_core::content::video::rules::Rules;
 use foveal_core::gaze::sample::GazeSample;
-use foveal_core::gaze::scan::Random;
+use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::EyeState;
-use foveal_core::selection::level_map::{histogram, pixels};
-use foveal_core::selection::policy::{Moment, Policy, Selector};
 use foveal_core::units::{Radians, Seconds, counted};
 use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::random::Random;
 use foveal_core::view::surface::{Projection, Surface};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -122,7 +124,7 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
         Policy::Sampled => Some(sample_count(&config, &args.view.eye_view(&surface)?)),
         _ => None,
     };
-    let selector = Selector::new(grid, config);
+    let selector = Rules::new(grid, config);
     let faces = args.faces(&surface)?;
     let source = f64::from(faces) * f64::from(surface.size[0]) * f64::from(surface.size[1]);
     let view = args.eye_view(&surface)?;

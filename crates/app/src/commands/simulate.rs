@@ -13,13 +13,12 @@ use crate::run::canvas::{Drawing, RendererName, Showing};
 use crate::run::player::{FrameReport, Player, PlayerOptions};
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
-use foveal_core::asset::picture::{Colour, Matrix};
-use foveal_core::selection::calibration::Expectation;
-use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::session::log::{Session, sha256_hex};
 use foveal_core::units::counted;
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::{Colour, Matrix};
 use foveal_core::view::surface::Projection;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::write::picture_from_rgba::picture_from_rgba;
@@ -387,7 +386,7 @@ pub(crate) fn summarise(
         gaze_error_deg_mean: reports.iter().map(|r| r.gaze_error_deg).sum::<f64>() / count,
         detail_share_mean: detail.map(|sum| sum / count),
         target: player.config().target,
-        expected_jod: loss.map(|sum| Expectation::of(player.config().policy).jod(sum / count)),
+        expected_jod: loss.map(|sum| player.config().policy.expectation().jod(sum / count)),
         gpu_bytes: player.canvas.gpu_bytes(),
         decoded_on: DeviceReport::new(player.device_use()),
         log_sha256: sha256_hex(session.as_bytes()),

@@ -14,7 +14,7 @@ use crate::run::canvas::{Drawing, Showing};
 use crate::run::player::{FrameReport, Player, PlayerOptions};
 use anyhow::bail;
 use clap::Args;
-use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Screen;
 use foveal_eval::score::Viewing;

@@ -193,7 +193,7 @@ mod tests {
             content: vec![inner, message(3), packet("/x", &[])],
         });
         let good = rosc::encoder::encode(&outer).unwrap();
-        let mut random = foveal_core::gaze::scan::Random::new(2);
+        let mut random = foveal_core::view::random::Random::new(2);
         let (mut intake, mut rows) = (intake(LiveChoice::Osc), 0);
         for n in 0..20_000 {
             let mut bad = good.clone();

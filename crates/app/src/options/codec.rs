@@ -4,7 +4,7 @@ use crate::options::link::parse_rate;
 use crate::report::output::{WrongUsage, out_of_range};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use foveal_core::asset::codec::Codec;
+use foveal_core::content::video::bytes::codec::Codec;
 use foveal_media::prepare::Quality;
 
 /// Bits per second that a tile may be coded for.

@@ -4,12 +4,12 @@ use crate::options::perception::PerceptionOptions;
 use crate::report::output::{WrongUsage, out_of_range};
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
-use foveal_core::asset::tile_grid::{Cut, TileGrid};
-use foveal_core::perception::acuity::AcuityModel;
-use foveal_core::selection::asked::{SLOPES, TARGETS};
-use foveal_core::selection::policy::{
+use foveal_core::content::asked::{SLOPES, TARGETS};
+use foveal_core::content::policy::{
     DEFAULT_TARGET, EdgeRule, MASK_SIDE, MaskConfig, Policy, PolicyConfig, STEADINESS,
 };
+use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
+use foveal_core::perception::acuity::AcuityModel;
 use foveal_core::units::{Radians, counted};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};

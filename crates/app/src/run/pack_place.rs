@@ -3,7 +3,7 @@
 use crate::commands::info::PackInfo;
 use crate::report::output::WrongUsage;
 use anyhow::bail;
-use foveal_core::asset::pack::{Difference, Identity, MAGIC};
+use foveal_core::pack::{Difference, Identity, MAGIC};
 use foveal_media::pack::pack_file::PackFile;
 use std::fs::File;
 use std::io::Read;

@@ -9,24 +9,26 @@ use crate::report::output;
 use crate::run::canvas::{Canvas, Drawing, Showing};
 use crate::run::sampling::Sampling;
 use anyhow::{Context, bail};
-use foveal_core::asset::cues::CueTable;
-use foveal_core::asset::picture::Picture;
-use foveal_core::asset::signature::Signatures;
-use foveal_core::asset::tile_grid::{Tile, TileGrid};
-use foveal_core::asset::unit::UnitId;
+use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::video::bytes::cue_table::CueTable;
+use foveal_core::content::video::bytes::signatures::Signatures;
+use foveal_core::content::video::grid::level_map::{LevelMap, histogram};
+use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
+use foveal_core::content::video::losses::LossMeter;
+use foveal_core::content::video::rules::Selection;
+use foveal_core::content::video::units::{Content, PackContent};
+use foveal_core::content::video::worth::Worth;
 use foveal_core::gaze::sample::{GazeSample, HeadPose};
+use foveal_core::pack::unit::UnitId;
+use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::{EyeState, Parameters};
 use foveal_core::selection::chooser::Chooser;
-use foveal_core::selection::content::{Content, PackContent};
-use foveal_core::selection::level_map::{LevelMap, histogram};
-use foveal_core::selection::losses::LossMeter;
-use foveal_core::selection::policy::{Moment, Policy, PolicyConfig, Selection};
-use foveal_core::selection::worth::Worth;
 use foveal_core::session::budget::Budget;
 use foveal_core::session::log::{Given, SessionFrame, SessionHead};
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::angle_between;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::{Projection, Screen};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::tiles::decode_pool::{DecodePool, DecodedTile, TileError};
@@ -118,7 +120,7 @@ pub(crate) struct FrameReport {
     /// tell what its units add, or nobody asked.
     pub(crate) detail_share: Option<f64>,
     /// Quality difference to every finest tile that is expected of what was shown, as
-    /// [`expected_jod`](foveal_core::selection::calibration::expected_jod) takes it.
+    /// [`expected_jod`](foveal_core::content::calibration::expected_jod) takes it.
     pub(crate) expected_loss: Option<f64>,
     pub(crate) view: EyeView,
     /// Tiles decoded and shown, coarsest first.

@@ -1,12 +1,12 @@
 //! Which samples of a frame are shown round the gaze?
 
-use foveal_core::asset::gather::Gather;
-use foveal_core::asset::picture::Picture;
-use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use foveal_core::content::policy::PolicyConfig;
+use foveal_core::content::video::grid::gather::Gather;
+use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::samples::sample_mask::{MaskShape, SampleMask};
-use foveal_core::selection::policy::PolicyConfig;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::Picture;
 use std::collections::BTreeMap;
 
 /// The mask that a policy asks for in a view: pixels count by the angles that they fill at the eye.

@@ -2,10 +2,10 @@
 
 use crate::report::output::{self, WrongUsage};
 use anyhow::bail;
-use foveal_core::asset::pack::Description;
-use foveal_core::asset::picture::Picture;
+use foveal_core::content::video::bytes::description::Description;
 use foveal_core::units::counted;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::{Projection, Screen};
 use foveal_eval::score::ScorePicture;
 use foveal_media::pack::pack_file::PackFile;

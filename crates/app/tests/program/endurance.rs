@@ -2,7 +2,7 @@
 
 use crate::scenes::{noisy_clip, picture, write_clip};
 use crate::support::{Folder, assert_refused, done, finish, json, refused, skipped};
-use foveal_core::asset::picture::Picture;
+use foveal_core::view::picture::Picture;
 use serde_json::json;
 use std::process::Command;
 

@@ -2,7 +2,7 @@
 
 use crate::scenes::{noise, picture, write_clip};
 use crate::support::{Folder, Rgb, done, frame_picture};
-use foveal_core::asset::picture::{Colour, Picture};
+use foveal_core::view::picture::{Colour, Picture};
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter, VideoInput};
 use std::path::Path;
 

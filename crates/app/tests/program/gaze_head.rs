@@ -3,7 +3,7 @@
 use crate::support::{Folder, done, json, refused};
 use foveal_core::gaze::head_prediction::HeadMotion;
 use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
-use foveal_core::gaze::scan::Random;
+use foveal_core::view::random::Random;
 use std::fmt::Write as _;
 
 const HEADER: &str = "gaze_x,gaze_y,head_vel_x,head_vel_y,head_acc_x,head_acc_mean_x,\

@@ -2,7 +2,7 @@
 
 use crate::scenes::{noisy_clip, waves, write_clip};
 use crate::support::{Folder, done, frame_picture, json, refused};
-use foveal_core::asset::picture::Picture;
+use foveal_core::view::picture::Picture;
 use serde_json::json;
 
 const WIDE: [&str; 7] = [

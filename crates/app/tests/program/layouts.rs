@@ -2,7 +2,7 @@
 
 use crate::scenes::{noise, write_clip};
 use crate::support::{Folder, Rgb, done, frame_picture, json, refused};
-use foveal_core::asset::picture::Picture;
+use foveal_core::view::picture::Picture;
 use serde_json::json;
 
 const FRAMES: u32 = 2;

@@ -2,7 +2,7 @@
 
 use crate::scenes::{noisy_clip, waves, write_clip, write_clip_at};
 use crate::support::{Folder, done, json, refused};
-use foveal_core::asset::picture::Picture;
+use foveal_core::view::picture::Picture;
 use serde_json::Value;
 
 fn prepared(folder: &Folder, clip: &str, name: &str, how: &[&str]) -> (String, Value) {

@@ -4,10 +4,10 @@
 
 use crate::scenes::{CELL, numbered_sphere, read_numbers, turned, write_clip_at};
 use crate::support::{Folder, column, done, frame_picture, json, refused};
-use foveal_core::asset::picture::Picture;
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::{Projection, Screen, Surface};
 use foveal_media::generate::numbered_tiles;
 use serde_json::Value;

@@ -2,14 +2,16 @@
 
 use crate::scenes::{picture, write_clip};
 use crate::support::{Folder, column, done, json, refused};
-use foveal_core::asset::pack::{PackBuilder, SideTable, split_chunk};
-use foveal_core::asset::picture::Picture;
-use foveal_core::asset::tile_grid::Tile;
+use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile};
+use foveal_core::content::video::bytes::chunk::split_chunk;
+use foveal_core::content::video::grid::tile_grid::Tile;
+use foveal_core::content::video::rules::Selection;
+use foveal_core::content::video::units::{Content, PackContent};
+use foveal_core::pack::SideTable;
 use foveal_core::selection::chooser::Chooser;
-use foveal_core::selection::content::{Content, PackContent};
-use foveal_core::selection::policy::Selection;
 use foveal_core::session::log::{Session, SessionFrame};
 use foveal_core::view::axes::angle_between;
+use foveal_core::view::picture::Picture;
 use foveal_media::pack::pack_file::PackFile;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -358,15 +360,20 @@ fn with_tables(pack: &str, tables: &[SideTable]) -> Vec<u8> {
     let pack = file.pack();
     let mut units: Vec<_> = pack.units().collect();
     units.sort_by_key(|unit| pack.entry(*unit).offset);
-    let mut builder = PackBuilder::new(pack.description());
+    let mut builder = begin_pack(pack.description());
     let mut chunks = Vec::new();
     for unit in units {
         let (chunk, frames) = (file.read_chunk(unit).unwrap(), pack.frames_of(unit));
         let parts = split_chunk(&chunk, frames.len()).unwrap();
         let parts: Vec<Vec<u8>> = parts.into_iter().map(<[u8]>::to_vec).collect();
-        chunks.extend(builder.push(pack.tile_of(unit), frames.start, &parts));
+        chunks.extend(push_tile(
+            &mut builder,
+            pack.tile_of(unit),
+            frames.start,
+            &parts,
+        ));
     }
-    let parts = builder.finish(pack.description().clone(), tables).unwrap();
+    let parts = finish_pack(builder, pack.description().clone(), tables).unwrap();
     [parts.head, chunks, parts.tail].concat()
 }
 

@@ -2,7 +2,7 @@
 
 use crate::scenes::{VIDEO, noisy_clip, waves, write_clip};
 use crate::support::{Folder, Ran, done, frame_picture, json, refused};
-use foveal_core::asset::picture::Colour;
+use foveal_core::view::picture::Colour;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use std::path::Path;
 

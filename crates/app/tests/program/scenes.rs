@@ -1,10 +1,10 @@
 //! Which clips do the tests show, and what must be seen of them?
 
 use crate::support::{Folder, Rgb};
-use foveal_core::asset::picture::{Colour, Matrix, Picture, plane_size};
 use foveal_core::gaze::sample::HeadPose;
 use foveal_core::units::Radians;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::{Colour, Matrix, Picture, plane_size};
 use foveal_core::view::surface::Surface;
 use foveal_media::generate::{numbered_tiles, read_number};
 use foveal_media::sphere::equirect_from_cube;

@@ -2,7 +2,7 @@
 
 use crate::scenes::{noise, write_clip};
 use crate::support::{Folder, Rgb, assert_keys, done, json, refused, skipped};
-use foveal_core::asset::picture::Picture;
+use foveal_core::view::picture::Picture;
 use serde_json::Value;
 
 /// The inputs of goldens, as the program writes them, and the command that it says.

@@ -3,7 +3,7 @@
 use crate::results::agrees;
 use crate::scenes::write_clip;
 use crate::support::{Folder, Ran, Rgb, command, done, finish, frame_picture, refused, skipped};
-use foveal_core::asset::picture::Picture;
+use foveal_core::view::picture::Picture;
 use foveal_media::generate::numbered_tiles;
 use serde_json::Value;
 use std::io::{BufRead, BufReader};

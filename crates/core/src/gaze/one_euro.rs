@@ -144,9 +144,9 @@ impl GazeFilter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gaze::scan::Random;
     use crate::units::Radians;
     use crate::view::axes::{angle_between, direction_from_yaw_pitch};
+    use crate::view::random::Random;
 
     /// Algorithm 1 as it stands in the paper, of one number.
     #[derive(Default)]

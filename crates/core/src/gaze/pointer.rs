@@ -7,7 +7,7 @@ use crate::gaze::loss::HOLD;
 use crate::gaze::sample::GazeSample;
 use crate::gaze::spread::GazeEvidence;
 use crate::units::{Radians, Seconds};
-use crate::view::scene::Shown;
+use crate::view::navigation::Shown;
 
 /// The pointer over a window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -71,13 +71,13 @@ pub fn gaze_at(place: Option<[f64; 2]>, now: Seconds, shown: &Shown) -> GazeSamp
 mod tests {
     use super::*;
     use crate::view::axes::angle_between;
-    use crate::view::scene::{Pane, Scene};
+    use crate::view::navigation::{Navigation, Pane};
     use crate::view::surface::{Screen, Surface};
 
     fn shown() -> Shown {
         let surface = Surface::flat([1600, 900], Screen::default());
         let pane = Pane::new([1600, 900], [1920, 1080], Screen::default());
-        Scene::new(surface, Radians(1.0)).shown(&pane)
+        Navigation::new(surface, Radians(1.0)).shown(&pane)
     }
 
     fn look(pointer: &Pointer, now: f64) -> GazeSample {

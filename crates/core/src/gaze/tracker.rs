@@ -249,8 +249,8 @@ impl GazeTracker {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gaze::scan::Random;
     use crate::view::axes::direction_from_yaw_pitch;
+    use crate::view::random::Random;
 
     const RATE_HZ: f64 = 120.0;
 

@@ -4,8 +4,8 @@
 
 use super::eye::{Gaze, Seen};
 use super::gain::{BandStep, Weights, band_gain};
+use super::measures::pyramid::{Band, Pyramid, band_frequency, doubled};
 use super::parameters::{EyeState, Parameters};
-use super::pyramid::{Band, Pyramid, band_frequency, doubled};
 use crate::units::{Cpd, Ppd, Radians};
 use crate::view::eye_view::EyeView;
 use glam::DVec3;

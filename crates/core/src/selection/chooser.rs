@@ -1,11 +1,13 @@
 //! Who chooses the levels of a frame: a rule, or what a budget buys?
 
-use super::content::Content;
-use super::policy::{Moment, PolicyConfig, Selection};
-use super::refine::Refiner;
-use super::steady::SteadySelector;
-use super::target::TargetSelector;
-use crate::asset::tile_grid::TileGrid;
+use crate::content::policy::PolicyConfig;
+use crate::content::video::grid::tile_grid::TileGrid;
+use crate::content::video::rules::Selection;
+use crate::content::video::rules::steady::SteadySelector;
+use crate::content::video::rules::target::TargetSelector;
+use crate::content::video::units::Content;
+use crate::perception::moment::Moment;
+use crate::selection::refine::Refiner;
 
 /// Chooses frame after frame under one policy, whichever it is.
 #[derive(Clone, Debug)]

@@ -6,15 +6,18 @@
 //! for as long as it will be shown. What is bought and not shown in the end (four children hide
 //! their parent) is not bought.
 
-use super::calibration::Expectation;
-use super::content::Content;
-use super::greedy::{Catalog, CatalogBuilder, Chain, Choice, Misfit, Rule, Stage, Step};
-use super::level_map::LevelMap;
-use super::losses::{LossMeter, Losses};
-use super::policy::{Moment, Policy, PolicyConfig, Selection};
-use super::worth::{Gains, Worth};
-use crate::asset::tile_grid::{Tile, TileGrid};
-use crate::asset::unit::UnitId;
+use crate::content::calibration::Expectation;
+use crate::content::policy::{Policy, PolicyConfig};
+use crate::content::video::grid::level_map::LevelMap;
+use crate::content::video::grid::tile_grid::{Tile, TileGrid};
+use crate::content::video::losses::{LossMeter, Losses};
+use crate::content::video::rules::Selection;
+use crate::content::video::units::Content;
+use crate::content::video::worth::{Gains, Worth};
+use crate::pack::unit::UnitId;
+use crate::perception::moment::Moment;
+use crate::perception::parameters::Model;
+use crate::selection::greedy::{Catalog, CatalogBuilder, Chain, Choice, Misfit, Rule, Rung, Step};
 use std::collections::BTreeSet;
 
 /// Rounds in which what was saved is spent again.
@@ -157,7 +160,7 @@ impl Refiner {
                 horizon.shown = self.shown(content, horizon.frame, &horizon.gains);
             }
         }
-        let expectation = Expectation::of(self.config.policy);
+        let expectation = self.config.policy.expectation();
         self.reached = self.config.target.is_some_and(|target| {
             let mut goals = horizons.iter().filter_map(Goal::new);
             goals.all(|goal| goal.is_reached(expectation, target))
@@ -285,7 +288,7 @@ impl Refiner {
     fn chosen(&mut self, worth_it: &[bool], horizons: &[Horizon], budget: u64) -> Vec<usize> {
         let mut goals: Vec<Option<Goal<'_>>> = horizons.iter().map(Goal::new).collect();
         let (grid, tiles, target) = (self.grid, &self.tiles, self.config.target);
-        let expectation = Expectation::of(self.config.policy);
+        let expectation = self.config.policy.expectation();
         // What a horizon reaches its score without is left out.
         let mut is_missed = |choice: &Choice| {
             let entry = choice.unit as usize;
@@ -337,20 +340,31 @@ fn catalog_of(grid: &TileGrid, tiles: &[Tile], first: &[u32], config: &PolicyCon
         let above = tile.level + 1;
         if let (Ok(unit), true) = (unit, above < grid.coarsest()) {
             let parent = grid.tile_over(*tile, above);
-            let needed = Stage {
+            let needed = Rung {
                 unit: 2 * (first[usize::from(above)] + grid.rank(parent)) + which,
                 level: 0,
             };
-            builder.require(Stage { unit, level: 0 }, &[needed]);
+            builder.require(Rung { unit, level: 0 }, &[needed]);
         }
     }
     let rule = Rule {
-        misfit: config.misfit(),
+        misfit: misfit_of(config),
         ..Rule::default()
     };
     match builder.build(rule) {
         Ok(catalog) => catalog,
         Err(error) => panic!("a pyramid is a catalog: {error}"),
+    }
+}
+
+/// What happens when the best step does not fit into what a frame may spend: the corrected greedy
+/// stops and saves up for it, as what is left counts for the next frame; the published one (Chen et
+/// al. 2022) goes on with the next and so spends what it would need
+/// (docs/decisions/0004-what-does-not-fit-is-skipped.md).
+fn misfit_of(config: &PolicyConfig) -> Misfit {
+    match config.perception.model {
+        Model::Paper => Misfit::Skip,
+        Model::Default => Misfit::Stop,
     }
 }
 

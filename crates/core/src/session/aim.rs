@@ -1,8 +1,8 @@
 //! What is selection given of a viewer at one moment?
 
+use crate::content::policy::Policy;
 use crate::gaze::sample::{GazeSample, HeadPose};
 use crate::perception::parameters::EyeState;
-use crate::selection::policy::Policy;
 use crate::units::Seconds;
 use crate::view::axes::angle_between;
 use crate::view::eye_view::EyeView;

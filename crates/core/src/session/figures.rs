@@ -1,7 +1,7 @@
 //! What did a window or a page do so far, in numbers?
 
-use crate::asset::picture::Picture;
 use crate::units::Seconds;
+use crate::view::picture::Picture;
 use std::collections::VecDeque;
 
 /// How much of the past counts for rates, in seconds.

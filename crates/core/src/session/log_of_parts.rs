@@ -3,7 +3,7 @@
 //! As several sessions, one after the other: each begins with a head, whose line tells itself apart
 //! from the lines of frames, and is selected again by itself.
 
-use crate::selection::content::Content;
+use crate::content::video::units::Content;
 use crate::session::log::{Session, SessionError};
 
 /// What the line of a head begins with.
@@ -75,14 +75,25 @@ fn moved(error: SessionError, before: usize) -> SessionError {
     }
 }
 
+/// Takes any bytes for a session log: the body of the fuzz target. Returns whether they were one.
+#[must_use]
+pub fn parse_anything(data: &[u8]) -> bool {
+    let Ok(text) = core::str::from_utf8(data) else {
+        return false;
+    };
+    SessionLog::parse(text).is_ok_and(|log| SessionLog::parse(&log.write()).is_ok())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::asset::tile_grid::{Cut, TileGrid};
+    use crate::content::policy::{Policy, PolicyConfig};
+    use crate::content::video::grid::tile_grid::{Cut, TileGrid};
     use crate::gaze::sample::{GazeSample, HeadPose};
+    use crate::perception::moment::Moment;
     use crate::perception::parameters::EyeState;
     use crate::selection::chooser::Chooser;
-    use crate::selection::policy::{Moment, Policy, PolicyConfig};
+    use crate::session::log::scripted_sessions;
     use crate::session::log::{Given, SessionFrame, SessionHead};
     use crate::units::{Radians, Seconds};
     use crate::view::axes::Axes;
@@ -165,6 +176,24 @@ mod tests {
                 "{:?}",
                 zoomed.frames[0].tiles
             );
+        }
+    }
+
+    #[test]
+    fn a_generated_corpus_of_damaged_logs_never_panics() {
+        let good = scripted_sessions()[1].write();
+        let good = &good[..good.len().min(4000)];
+        let mut state = 3u64;
+        for _ in 0..3000 {
+            let mut bad = good.as_bytes().to_vec();
+            for _ in 0..3 {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                let place = (state >> 33) as usize % bad.len().min(700);
+                bad[place] = b"0123456789.,-+e\"{}[]:\xff"[(state >> 20) as usize % 22];
+            }
+            let _ = parse_anything(&bad);
         }
     }
 }

@@ -3,13 +3,13 @@
 //! One session follows the other whenever what it stands for changes: the view's size, the zoom,
 //! the policy. A window and a page choose by the same picker.
 
-use crate::asset::tile_grid::{Tile, TileGrid};
-use crate::selection::calibration::Expectation;
+use crate::content::policy::{Policy, PolicyConfig};
+use crate::content::video::grid::level_map::LevelMap;
+use crate::content::video::grid::tile_grid::{Tile, TileGrid};
+use crate::content::video::losses::LossMeter;
+use crate::content::video::units::Content;
+use crate::perception::moment::Moment;
 use crate::selection::chooser::Chooser;
-use crate::selection::content::Content;
-use crate::selection::level_map::LevelMap;
-use crate::selection::losses::LossMeter;
-use crate::selection::policy::{Moment, Policy, PolicyConfig};
 use crate::session::aim::Aim;
 use crate::session::log::{Given, Session, SessionFrame, SessionHead};
 use crate::units::Radians;
@@ -125,7 +125,10 @@ impl Picker {
         let jod = || {
             let meter = self.meter.get_or_init(meter);
             let losses = meter.losses(&self.grid, content, last.frame, &last.moment);
-            Expectation::of(self.config.policy).jod(losses.pooled(&last.levels))
+            self.config
+                .policy
+                .expectation()
+                .jod(losses.pooled(&last.levels))
         };
         Some(*last.jod.get_or_init(jod))
     }
@@ -199,13 +202,13 @@ impl Picker {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::asset::cues::Cues;
-    use crate::asset::signature::{BandContrast, Signature};
-    use crate::asset::tile_grid::Cut;
-    use crate::asset::unit::UnitId;
+    use crate::content::asked::Detail;
+    use crate::content::video::grid::tile_grid::Cut;
     use crate::gaze::sample::{GazeSample, HeadPose};
+    use crate::pack::unit::UnitId;
+    use crate::perception::measures::contrast::{BandContrast, Signature};
+    use crate::perception::measures::cues::Cues;
     use crate::perception::parameters::EyeState;
-    use crate::selection::asked::Detail;
     use crate::session::log_of_parts::SessionLog;
     use crate::units::Seconds;
     use crate::view::axes::Axes;

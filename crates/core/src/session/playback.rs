@@ -7,14 +7,14 @@
 #[cfg(test)]
 mod tests;
 
-use crate::asset::picture::Picture;
-use crate::asset::tile_grid::{Tile, TileGrid};
-use crate::selection::level_map::histogram;
+use crate::content::video::grid::level_map::histogram;
+use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::session::aim::Aim;
 use crate::session::figures::{Figures, Shown};
 use crate::session::timeline::Timeline;
 use crate::units::Seconds;
 use crate::view::axes::angle_between;
+use crate::view::picture::Picture;
 use std::collections::{HashMap, HashSet};
 
 /// How long a paused picture may stay as it is before the next one is shown unfinished.

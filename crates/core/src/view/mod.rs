@@ -2,7 +2,10 @@
 
 pub mod axes;
 pub mod eye_view;
+pub mod frustum;
 pub mod head_pose;
 pub mod keys;
-pub mod scene;
+pub mod navigation;
+pub mod picture;
+pub mod random;
 pub mod surface;

@@ -2,25 +2,29 @@
 
 #![allow(clippy::unwrap_used)]
 
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::cues::{CUES_VERSION, CueTable, Cues};
-use foveal_core::asset::pack::{
-    Description, HEADER_BYTES, Header, Pack, PackBuilder, SideTable, Source,
-};
-use foveal_core::asset::picture::{Colour, Matrix};
-use foveal_core::asset::rate::QualityScale;
-use foveal_core::asset::signature::{SIGNATURES_VERSION, Signature, Signatures};
-use foveal_core::asset::tile_grid::Cut;
+use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile};
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::bytes::cue_table::{CUES_VERSION, CueTable};
+use foveal_core::content::video::bytes::description::{Description, Source};
+use foveal_core::content::video::bytes::pack::VideoPack;
+use foveal_core::content::video::bytes::rate::QualityScale;
+use foveal_core::content::video::bytes::signatures::{SIGNATURES_VERSION, Signatures};
+use foveal_core::content::video::grid::tile_grid::Cut;
+use foveal_core::content::video::units::PackContent;
 use foveal_core::gaze::sample::GazeSample;
+use foveal_core::pack::{HEADER_BYTES, Header, SideTable};
+use foveal_core::perception::measures::contrast::Signature;
+use foveal_core::perception::measures::cues::Cues;
+use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::{EyeState, Model, Parameters};
-use foveal_core::selection::content::PackContent;
-use foveal_core::selection::policy::{Moment, Policy, PolicyConfig};
 use foveal_core::selection::refine::Refiner;
 use foveal_core::units::{Radians, Seconds};
+use foveal_core::view::picture::{Colour, Matrix};
 use foveal_core::view::surface::{Projection, Screen};
 
 /// A pack of three levels and a short last group, without side tables.
-fn small_pack() -> Pack {
+fn small_pack() -> VideoPack {
     let description = Description {
         generator: String::new(),
         projection: Projection::Flat,
@@ -56,23 +60,28 @@ fn small_pack() -> Pack {
         tables: Vec::new(),
     };
     let grid = description.grid(Screen::default());
-    let mut builder = PackBuilder::new(&description);
+    let mut builder = begin_pack(&description);
     for level in 0..3 {
         let group = description.groups[usize::from(level)];
         for first in (0..description.frames).step_by(group as usize) {
             for tile in grid.tiles_of(level) {
-                builder.push(tile, first, &[vec![7; 20 + usize::from(tile.x) * 9]]);
+                push_tile(
+                    &mut builder,
+                    tile,
+                    first,
+                    &[vec![7; 20 + usize::from(tile.x) * 9]],
+                );
             }
         }
     }
     let none: [SideTable; 0] = [];
-    let parts = builder.finish(description, &none).unwrap();
+    let parts = finish_pack(builder, description, &none).unwrap();
     let header = Header::parse(&parts.head).unwrap();
-    Pack::parse(&header, &parts.head[HEADER_BYTES..], &parts.tail).unwrap()
+    VideoPack::parse(&header, &parts.head[HEADER_BYTES..], &parts.tail).unwrap()
 }
 
 /// Bytes of the two side tables of a pack.
-pub(crate) fn table_bytes(pack: &Pack) -> [usize; 2] {
+pub(crate) fn table_bytes(pack: &VideoPack) -> [usize; 2] {
     let refining = pack.units().len() - pack.first_refining_unit().0 as usize;
     let finest = pack.units().filter(|unit| pack.tile_of(*unit).level == 0);
     [refining * Signature::BYTES, finest.count() * Cues::BYTES]
@@ -80,7 +89,7 @@ pub(crate) fn table_bytes(pack: &Pack) -> [usize; 2] {
 
 /// A pack, and what chooses from it under either model, with and without saliency.
 pub(crate) struct Target {
-    pub(crate) pack: Pack,
+    pub(crate) pack: VideoPack,
     refiners: Vec<Refiner>,
 }
 
@@ -137,7 +146,7 @@ impl Target {
 /// Chooses for frames within budgets.
 fn choose<const N: usize>(
     refiner: &mut Refiner,
-    pack: &Pack,
+    pack: &VideoPack,
     signatures: &Signatures,
     cues: Option<&CueTable>,
     frames: [(u32, Option<u64>); N],

@@ -6,9 +6,9 @@ use core::ops::Range;
 use foveal_core::gaze::one_euro::{GazeFilter, OneEuro, OneEuroConfig};
 use foveal_core::gaze::saccade::Detection;
 use foveal_core::gaze::sample::GazeSample;
-use foveal_core::gaze::scan::Random;
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::angle_between;
+use foveal_core::view::random::Random;
 use glam::DVec3;
 use serde::Serialize;
 

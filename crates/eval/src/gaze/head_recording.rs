@@ -315,7 +315,7 @@ mod tests {
     #[test]
     fn a_generated_corpus_of_damaged_recordings_never_panics() {
         let good = format!("{HEADER}{}", "1.5,-2,3,4,5,6,7,8,9\n".repeat(2));
-        let mut random = foveal_core::gaze::scan::Random::new(7);
+        let mut random = foveal_core::view::random::Random::new(7);
         let mut refused = 0;
         assert!(parse_anything(good.as_bytes()));
         for _ in 0..5000 {

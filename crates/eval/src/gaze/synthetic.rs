@@ -7,8 +7,8 @@
 use super::recording::{Label, Recording, Trial};
 use foveal_core::gaze::main_sequence::{saccade_duration, saccade_way};
 use foveal_core::gaze::sample::GazeSample;
-use foveal_core::gaze::scan::Random;
 use foveal_core::units::{Radians, Seconds};
+use foveal_core::view::random::Random;
 
 /// What is made.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,8 +3,8 @@
 use super::head_recording::{HeadRecording, HeadRow, RATE_HZ};
 use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use foveal_core::gaze::head_prediction::{GazeInHead, HeadMotion, SgazeMotion};
-use foveal_core::gaze::scan::Random;
 use foveal_core::units::Seconds;
+use foveal_core::view::random::Random;
 
 /// Half a minute of a head that pauses and turns, and of eyes that follow `law`, jumping every
 /// 300 ms to another place of some degrees round it; few jumps go much farther than most.

@@ -33,5 +33,5 @@ pub use error::ScoreError;
 pub use fast::Judge;
 pub use picture::ScorePicture;
 pub use pooling::{FrameScore, Score, Zone};
-pub use rules::{Mode, Rules};
+pub use rules::{Mode, ScoreRules};
 pub use viewing::Viewing;

@@ -9,24 +9,24 @@ pub enum Mode {
     /// As the published package pyfvvdp 1.2.2 computes: comparable with published scores.
     #[default]
     Compat,
-    /// Right where that one slips: see [`Rules::STRICT`].
+    /// Right where that one slips: see [`ScoreRules::STRICT`].
     Strict,
 }
 
 impl Mode {
     /// What it stands for.
     #[must_use]
-    pub fn rules(self) -> Rules {
+    pub fn rules(self) -> ScoreRules {
         match self {
-            Self::Compat => Rules::COMPAT,
-            Self::Strict => Rules::STRICT,
+            Self::Compat => ScoreRules::COMPAT,
+            Self::Strict => ScoreRules::STRICT,
         }
     }
 }
 
 /// The four choices, each of which can be made alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rules {
+pub struct ScoreRules {
     /// At the right border of a level.
     pub border: Border,
     /// Where sensitivity comes from.
@@ -76,7 +76,7 @@ pub enum SamplingRule {
     Frames,
 }
 
-impl Rules {
+impl ScoreRules {
     /// All as published.
     pub const COMPAT: Self = Self {
         border: Border::ByRows,

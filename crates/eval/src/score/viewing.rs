@@ -4,7 +4,7 @@ use super::constants::{BAND_CENTRES, LOWEST_BAND_CPD};
 use super::display::Display;
 use super::error::ScoreError;
 use super::pyramid::half_size;
-use super::rules::{Mode, Rules};
+use super::rules::{Mode, ScoreRules};
 use super::temporal::taps;
 
 /// Shortest and longest side of a picture that is scored, pixels.
@@ -26,7 +26,7 @@ pub struct Viewing {
     /// Whether an eye looks at a place, or at everything at once.
     pub foveated: bool,
     /// Which rules are followed.
-    pub rules: Rules,
+    pub rules: ScoreRules,
 }
 
 impl Viewing {

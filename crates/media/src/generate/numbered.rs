@@ -4,7 +4,7 @@
 //! and four that check them. A block is a quarter of the tile, so it survives compression and
 //! reduction as long as a block keeps two pixels.
 
-use foveal_core::asset::picture::{Picture, plane_size};
+use foveal_core::view::picture::{Picture, plane_size};
 
 /// Luma of a dark block, of a light one, of the middle between their light, and the least
 /// difference from it that counts.

@@ -5,7 +5,7 @@
 //! wider picture.
 
 use crate::parallel::in_parallel;
-use foveal_core::asset::picture::{Picture, plane_size};
+use foveal_core::view::picture::{Picture, plane_size};
 
 /// Luma pixels that the camera moves on in a frame.
 pub(super) const STEP: f64 = 2.5;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::prepare::pyramid::halve;
 use crate::sphere::{Coverage, CubeSampler};
-use foveal_core::asset::picture::{Colour, Matrix};
+use foveal_core::view::picture::{Colour, Matrix};
 
 const COLOUR: Colour = Colour {
     matrix: Matrix::Bt709,

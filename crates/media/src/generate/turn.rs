@@ -6,7 +6,7 @@
 
 use super::pan::STEP;
 use crate::parallel::in_parallel;
-use foveal_core::asset::picture::Picture;
+use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::CUBE_FACES;
 use std::f64::consts::{PI, TAU};
 
@@ -36,7 +36,7 @@ impl Turn {
     /// pixel of one face.
     ///
     /// ```
-    /// use foveal_core::asset::picture::Picture;
+    /// use foveal_core::view::picture::Picture;
     /// use foveal_media::generate::Turn;
     /// let turn = Turn::new(Picture::filled(64, 32, [90, 128, 128]), 16);
     /// assert_eq!(turn.frame(3), Picture::filled(48, 32, [90, 128, 128]));

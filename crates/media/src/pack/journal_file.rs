@@ -1,15 +1,18 @@
 //! How does a preparation that was stopped go on where it was?
 //!
-//! Beside a pack that grows lies a journal ([`foveal_core::asset::pack::Journal`]) that tells how
+//! Beside a pack that grows lies a journal ([`foveal_core::pack::Journal`]) that tells how
 //! far the pack is good. It is made at the first step and goes away when the pack is whole, so
 //! there is
 //! at most one for each name of a pack.
 
-use foveal_core::asset::pack::{
-    Description, Difference, Identity, JOURNAL_MAGIC, Journal, PackBuilder, PlacedChunk, Step,
-    check_crc,
+use foveal_core::content::video::bytes::build::begin_pack;
+use foveal_core::content::video::bytes::chunk::named_chunk;
+use foveal_core::content::video::bytes::description::Description;
+use foveal_core::content::video::grid::tile_grid::TileGrid;
+use foveal_core::pack::PackBuilder;
+use foveal_core::pack::{
+    Difference, Identity, JOURNAL_MAGIC, Journal, JournalStep, PlacedChunk, check_crc,
 };
-use foveal_core::asset::tile_grid::TileGrid;
 use foveal_core::view::surface::Screen;
 use std::fs::File;
 use std::io::{BufReader, Error, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -29,7 +32,7 @@ pub(crate) struct JournalFile {
 
 /// What is good of a pack that was begun before.
 pub(crate) struct Unfinished {
-    pub(crate) steps: Vec<Step>,
+    pub(crate) steps: Vec<JournalStep>,
     pub(crate) builder: PackBuilder,
 }
 
@@ -107,7 +110,7 @@ impl JournalFile {
     }
 
     /// Appends a step and makes it durable.
-    pub(crate) fn append(&mut self, step: &Step) -> Result<(), Error> {
+    pub(crate) fn append(&mut self, step: &JournalStep) -> Result<(), Error> {
         let mut file = match self.file.take() {
             Some(file) => file,
             None => {
@@ -159,7 +162,7 @@ fn read_journal(path: &Path) -> Result<Vec<u8>, String> {
 
 /// The steps up to the first whose frames, tiles or bytes in the pack are not as they should be.
 fn good_part(journal: Journal, file: &File, draft: &Description) -> Unfinished {
-    let mut builder = PackBuilder::new(draft);
+    let mut builder = begin_pack(draft);
     let grid = draft.grid(Screen::default());
     let mut reader = BufReader::with_capacity(1 << 20, file);
     let mut frames = 0;
@@ -179,21 +182,21 @@ fn good_part(journal: Journal, file: &File, draft: &Description) -> Unfinished {
 }
 
 /// Whether a step tells of the frames that follow `frames`, in tiles of the grid.
-fn continues(step: &Step, frames: u32, grid: &TileGrid) -> bool {
+fn continues(step: &JournalStep, frames: u32, grid: &TileGrid) -> bool {
     let new = step.frames.checked_sub(frames).map(|new| new as usize);
     let exists = |chunk: &PlacedChunk| {
-        let tile = chunk.tile;
+        let (tile, first_frame) = named_chunk(chunk.name);
         tile.level < grid.levels
             && u32::from(tile.face) < grid.surface.faces()
             && u32::from(tile.x) < grid.tiles(tile.level)[0]
             && u32::from(tile.y) < grid.tiles(tile.level)[1]
-            && (frames..step.frames).contains(&chunk.first_frame)
+            && (frames..step.frames).contains(&first_frame)
     };
     new.is_some_and(|new| new > 0 && new == step.times.len()) && step.chunks.iter().all(exists)
 }
 
 /// Whether the chunks of a step lie in the pack undamaged.
-fn is_in_pack(step: &Step, reader: &mut BufReader<&File>) -> bool {
+fn is_in_pack(step: &JournalStep, reader: &mut BufReader<&File>) -> bool {
     let mut chunk = Vec::new();
     step.chunks.iter().all(|placed| {
         chunk.clear();

@@ -1,13 +1,15 @@
 //! How is a pack read from a file?
 
-use foveal_core::asset::cues::{CUES, CueTable};
-use foveal_core::asset::frame_times::{FRAME_TIMES, nominal_times, parse_frame_times};
-use foveal_core::asset::pack::{
-    HEADER_BYTES, Header, Pack, PackError, TableEntry, check_crc, split_chunk,
+use foveal_core::content::video::bytes::chunk::split_chunk;
+use foveal_core::content::video::bytes::cue_table::{CUES, CueTable};
+use foveal_core::content::video::bytes::frame_times::{
+    FRAME_TIMES, nominal_times, parse_frame_times,
 };
-use foveal_core::asset::signature::{SIGNATURES, Signatures};
-use foveal_core::asset::sound::{SOUND, SoundTable};
-use foveal_core::asset::unit::UnitId;
+use foveal_core::content::video::bytes::pack::VideoPack;
+use foveal_core::content::video::bytes::signatures::{SIGNATURES, Signatures};
+use foveal_core::content::video::bytes::sound::{SOUND, SoundTable};
+use foveal_core::pack::unit::UnitId;
+use foveal_core::pack::{HEADER_BYTES, Header, PackError, TableEntry, check_crc};
 use foveal_core::units::counted;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
@@ -75,7 +77,7 @@ pub struct PackFile {
     // One cursor is shared by all readers: a read is a seek and a copy, far cheaper than decoding.
     file: Mutex<File>,
     header: Header,
-    pack: Pack,
+    pack: VideoPack,
 }
 
 impl PackFile {
@@ -119,7 +121,7 @@ impl PackFile {
         let mut part = |offset, bytes| read_at(&mut file, offset, bytes);
         let description = part(HEADER_BYTES as u64, u64::from(header.description_bytes))
             .map_err(|e| io("description cannot be read", e))?;
-        let expected = Pack::expected_index_bytes(&description).map_err(format)?;
+        let expected = VideoPack::expected_index_bytes(&description).map_err(format)?;
         if header.index_bytes != expected {
             return Err(format(PackError {
                 field: "index_bytes".to_owned(),
@@ -129,7 +131,7 @@ impl PackFile {
         }
         let index = part(header.index_offset, header.index_bytes)
             .map_err(|e| io("index cannot be read", e))?;
-        let pack = Pack::parse(&header, &description, &index).map_err(format)?;
+        let pack = VideoPack::parse(&header, &description, &index).map_err(format)?;
         Ok(Self {
             path: path.to_owned(),
             file: Mutex::new(file),
@@ -146,7 +148,7 @@ impl PackFile {
 
     /// Its description and index.
     #[must_use]
-    pub fn pack(&self) -> &Pack {
+    pub fn pack(&self) -> &VideoPack {
         &self.pack
     }
 

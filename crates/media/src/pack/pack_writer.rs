@@ -2,8 +2,11 @@
 
 use crate::pack::journal_file::JournalFile;
 use crate::pack::pack_file::{PackFileError, partial_path};
-use foveal_core::asset::pack::{Description, Identity, Loss, MAGIC, PackBuilder, SideTable, Step};
-use foveal_core::asset::tile_grid::Tile;
+use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile, with_loss};
+use foveal_core::content::video::bytes::description::{Description, Loss};
+use foveal_core::content::video::grid::tile_grid::Tile;
+use foveal_core::pack::PackBuilder;
+use foveal_core::pack::{Identity, JournalStep, MAGIC, SideTable};
 use foveal_core::units::counted;
 use std::fs::File;
 use std::io::{BufWriter, Error, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -30,7 +33,7 @@ pub(crate) struct PackWriter {
 /// A writer, what was good of a pack that was begun before, and what a person should know of it.
 pub(crate) struct Begun {
     pub(crate) writer: PackWriter,
-    pub(crate) steps: Vec<Step>,
+    pub(crate) steps: Vec<JournalStep>,
     pub(crate) note: Option<String>,
 }
 
@@ -38,7 +41,7 @@ impl PackWriter {
     /// Begins a pack of about this description: the number of frames and the side tables may
     /// still change.
     pub(crate) fn create(path: &Path, draft: &Description) -> Result<Self, PackFileError> {
-        let (partial, builder) = (partial_path(path), PackBuilder::new(draft));
+        let (partial, builder) = (partial_path(path), begin_pack(draft));
         let begin = || {
             refuse_anything_but_a_file(path)?;
             remove_rest(&partial)?;
@@ -85,7 +88,7 @@ impl PackWriter {
             }
             std::fs::remove_file(&partial).map_err(refused)?;
         }
-        let builder = PackBuilder::new(draft);
+        let builder = begin_pack(draft);
         let journal = JournalFile::begin(&partial, identity).map_err(refused)?;
         let file = create_partial(&partial, builder.data_offset()).map_err(refused)?;
         Ok(Begun {
@@ -115,17 +118,17 @@ impl PackWriter {
         first_frame: u32,
         access_units: &[Vec<u8>],
     ) -> Result<(), PackFileError> {
-        let chunk = self.builder.push(tile, first_frame, access_units);
+        let chunk = push_tile(&mut self.builder, tile, first_frame, access_units);
         let written = self.file.write_all(&chunk);
         written.map_err(|source| self.refused(source))
     }
 
     /// Makes durable what was pushed so far and notes that it is good.
-    pub(crate) fn commit(&mut self, step: Step) -> Result<(), PackFileError> {
+    pub(crate) fn commit(&mut self, step: JournalStep) -> Result<(), PackFileError> {
         let Some(journal) = &mut self.journal else {
             return Ok(());
         };
-        let step = Step {
+        let step = JournalStep {
             chunks: self.builder.chunks_after(self.journalled),
             ..step
         };
@@ -149,20 +152,19 @@ impl PackWriter {
         loss_of: &mut dyn FnMut(&Path) -> Option<Loss>,
     ) -> Result<(Description, u64), PackFileError> {
         let chunk_bytes = self.builder.end();
-        let builder = std::mem::replace(&mut self.builder, PackBuilder::new(&description));
+        let builder = std::mem::replace(&mut self.builder, begin_pack(&description));
         let format = |path: &Path| {
             let path = path.to_owned();
             move |source| PackFileError::Format { path, source }
         };
-        let mut parts = builder
-            .finish(description.clone(), tables)
-            .map_err(format(&self.path))?;
+        let mut parts =
+            finish_pack(builder, description.clone(), tables).map_err(format(&self.path))?;
         let whole = self.file.write_all(&parts.tail);
         let whole = whole.and_then(|()| self.write_head(&parts.head));
         whole.map_err(|source| self.refused(source))?;
         let loss = loss_of(&self.partial);
         if let Some(loss) = loss {
-            parts = parts.with_loss(loss).map_err(format(&self.path))?;
+            parts = with_loss(parts, loss).map_err(format(&self.path))?;
         }
         let mut end = || {
             self.write_head(&parts.head)?;

@@ -9,8 +9,8 @@ use crate::surround::eye_layout::EyeLayout;
 use crate::surround::found::Surround;
 use crate::surround::sphere_part::SpherePart;
 use crate::tiles::encode::Speed;
-use foveal_core::asset::picture::{Colour, Picture};
-use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::view::picture::{Colour, Picture};
 use std::borrow::Cow;
 
 /// How one eye's picture becomes faces.

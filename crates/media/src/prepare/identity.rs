@@ -3,7 +3,7 @@
 use super::PrepareError;
 use super::plan::Plan;
 use crate::error::MediaError;
-use foveal_core::asset::pack::Identity;
+use foveal_core::pack::Identity;
 use foveal_core::session::log::sha256_hex;
 use std::fs::File;
 use std::io::Read;

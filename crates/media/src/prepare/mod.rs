@@ -28,12 +28,14 @@ use crate::parallel::in_parallel;
 use crate::read::input::{TimedPicture, VideoInput};
 use crate::tiles::encode::{EncodeSettings, encode_group};
 use cutter::Cutter;
-use foveal_core::asset::frame_times::FRAME_TIMES;
-use foveal_core::asset::order::hilbert_distance;
-use foveal_core::asset::pack::{Description, Loss, MAX_FRAMES, SideTable, Step};
-use foveal_core::asset::picture::Picture;
-use foveal_core::asset::sound::SOUND;
-use foveal_core::asset::tile_grid::{GridError, Tile};
+use foveal_core::content::video::bytes::description::MAX_FRAMES;
+use foveal_core::content::video::bytes::description::{Description, Loss};
+use foveal_core::content::video::bytes::frame_times::FRAME_TIMES;
+use foveal_core::content::video::bytes::sound::SOUND;
+use foveal_core::content::video::grid::tile_grid::{GridError, Tile};
+use foveal_core::pack::order::hilbert_distance;
+use foveal_core::pack::{JournalStep, SideTable};
+use foveal_core::view::picture::Picture;
 use identity::{Stamp, identity_of};
 use notes::Notes;
 use std::path::Path;
@@ -94,7 +96,7 @@ trait Sink {
     fn push(&mut self, coded: &CodedGroup) -> Result<(), PackFileError>;
 
     /// All groups up to a frame were pushed.
-    fn commit(&mut self, step: Step) -> Result<(), PackFileError>;
+    fn commit(&mut self, step: JournalStep) -> Result<(), PackFileError>;
 }
 
 impl Sink for PackWriter {
@@ -102,7 +104,7 @@ impl Sink for PackWriter {
         Self::push(self, coded.tile, coded.first_frame, &coded.access_units)
     }
 
-    fn commit(&mut self, step: Step) -> Result<(), PackFileError> {
+    fn commit(&mut self, step: JournalStep) -> Result<(), PackFileError> {
         Self::commit(self, step)
     }
 }
@@ -115,7 +117,7 @@ impl Sink for Nowhere {
         Ok(())
     }
 
-    fn commit(&mut self, _: Step) -> Result<(), PackFileError> {
+    fn commit(&mut self, _: JournalStep) -> Result<(), PackFileError> {
         Ok(())
     }
 }
@@ -220,7 +222,7 @@ fn write_pack(
     input: &Path,
     plan: &Plan,
     mut description: Description,
-    (mut writer, steps): (PackWriter, &[Step]),
+    (mut writer, steps): (PackWriter, &[JournalStep]),
     witness: &mut dyn Witness,
 ) -> Result<Prepared, PrepareError> {
     let mut coder = Coder::new(plan);
@@ -394,7 +396,7 @@ impl<'a> Coder<'a> {
     }
 
     /// Takes up what an earlier run coded.
-    fn take_up(&mut self, step: &Step) {
+    fn take_up(&mut self, step: &JournalStep) {
         self.frames = step.frames;
         self.times.extend(&step.times);
         self.told = self.times.len();
@@ -407,10 +409,10 @@ impl<'a> Coder<'a> {
     }
 
     /// What came since the last call, but for the chunks.
-    fn step(&mut self) -> Step {
+    fn step(&mut self) -> JournalStep {
         let times = self.times[self.told..].to_vec();
         self.told = self.times.len();
-        Step {
+        JournalStep {
             frames: self.frames,
             times,
             rows: self.notes.new_rows(),

@@ -1,12 +1,12 @@
 //! What is noted of every unit while it is coded, so that it can be valued without decoding?
 
-use foveal_core::asset::cues::{CUES, CUES_VERSION};
-use foveal_core::asset::pack::SideTable;
-use foveal_core::asset::picture::{Colour, Picture};
-use foveal_core::asset::signature::{SIGNATURES, SIGNATURES_VERSION};
-use foveal_core::asset::tile_grid::TileGrid;
-use foveal_core::perception::saliency::cues_of;
-use foveal_core::perception::signature::signature_of;
+use foveal_core::content::video::bytes::cue_table::{CUES, CUES_VERSION};
+use foveal_core::content::video::bytes::signatures::{SIGNATURES, SIGNATURES_VERSION};
+use foveal_core::content::video::grid::tile_grid::TileGrid;
+use foveal_core::pack::SideTable;
+use foveal_core::perception::measures::saliency::cues_of;
+use foveal_core::perception::measures::signature::signature_of;
+use foveal_core::view::picture::{Colour, Picture};
 
 /// Rows of the side tables `signatures` and `cues` that are known so far.
 pub(super) struct Notes {

@@ -11,11 +11,11 @@ use crate::surround::found::{
 };
 use crate::surround::sphere_part::SpherePart;
 use crate::tiles::encode::{Rate, Speed};
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::pack::{Description, Source};
-use foveal_core::asset::picture::Colour;
-use foveal_core::asset::rate::QualityScale;
-use foveal_core::asset::tile_grid::{Cut, TileGrid};
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::bytes::description::{Description, Source};
+use foveal_core::content::video::bytes::rate::QualityScale;
+use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
+use foveal_core::view::picture::Colour;
 use foveal_core::view::surface::{Mapping, Screen, Surface};
 use std::path::Path;
 

@@ -6,8 +6,8 @@
 
 use crate::parallel::in_parallel;
 use crate::prepare::pyramid_light;
-use foveal_core::asset::picture::{Colour, Picture};
-use foveal_core::perception::luma_light::LumaLight;
+use foveal_core::perception::measures::luma_light::LumaLight;
+use foveal_core::view::picture::{Colour, Picture};
 use std::ops::Range;
 
 /// Weights of the six fine texels around a coarse one, in 32nds.
@@ -30,7 +30,7 @@ const STRIP: usize = 32;
 /// halving again, each time rounded to 8 bits. Costs about 2.3 ns a luma pixel of one core.
 ///
 /// ```
-/// use foveal_core::asset::picture::{Colour, Matrix, Picture};
+/// use foveal_core::view::picture::{Colour, Matrix, Picture};
 /// let colour = Colour { matrix: Matrix::Bt709, full_range: false, chroma_left: false };
 /// let grey = Picture::filled(5, 3, [80, 90, 100]);
 /// let coarse = foveal_media::prepare::pyramid::halve(&grey, 2, colour);
@@ -162,7 +162,7 @@ fn sum_columns(even: &[i16], odd: &[i16], out: &mut [u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foveal_core::asset::picture::Matrix;
+    use foveal_core::view::picture::Matrix;
     use proptest::prelude::*;
 
     const FULL: Colour = Colour {

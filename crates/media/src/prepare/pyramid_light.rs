@@ -3,7 +3,7 @@
 //! Luma is averaged as light ([`LumaLight`]).
 
 use crate::prepare::pyramid::{REACH, TAPS};
-use foveal_core::perception::luma_light::LumaLight;
+use foveal_core::perception::measures::luma_light::LumaLight;
 use std::ops::Range;
 
 /// Binary digits of the sum of [`TAPS`].
@@ -70,7 +70,7 @@ fn blend_rows(rows: [&[i32]; 6], out: &mut [i32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foveal_core::asset::picture::{Colour, Matrix};
+    use foveal_core::view::picture::{Colour, Matrix};
     use proptest::prelude::*;
 
     const FULL: Colour = Colour {

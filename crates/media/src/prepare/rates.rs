@@ -2,9 +2,9 @@
 
 use super::{PrepareError, PrepareSettings};
 use crate::tiles::encode::Rate;
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::pack::Description;
-use foveal_core::asset::rate::QualityScale;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::bytes::description::Description;
+use foveal_core::content::video::bytes::rate::QualityScale;
 use foveal_core::units::counted;
 
 /// What the caller asks for: one value for all levels, or one a level, finest first.

@@ -6,7 +6,7 @@ use crate::read::sound_reader::SoundReader;
 use av::format::{Sample, sample};
 use av::{ChannelLayout, Packet, encoder, frame};
 use ffmpeg_next as av;
-use foveal_core::asset::sound::{SOUND_RATE, SoundTable};
+use foveal_core::content::video::bytes::sound::{SOUND_RATE, SoundTable};
 use foveal_core::units::counted;
 use std::path::Path;
 

@@ -4,8 +4,8 @@ use super::*;
 use crate::generate::Scene;
 use crate::read::source::SourceInfo;
 use crate::tiles::encode::{Rate, Speed};
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::picture::{Colour, Matrix};
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::view::picture::{Colour, Matrix};
 use std::time::Instant;
 
 fn info([width, height]: [u32; 2]) -> SourceInfo {

@@ -6,8 +6,8 @@ use av::ffi;
 use av::format::Pixel;
 use av::frame::Video;
 use ffmpeg_next as av;
-use foveal_core::asset::picture::Matrix;
 use foveal_core::units::counted;
+use foveal_core::view::picture::Matrix;
 
 use crate::read::frame::new_frame;
 

@@ -5,7 +5,7 @@ use av::frame::Video;
 use av::util::chroma::Location;
 use av::{color, ffi};
 use ffmpeg_next as av;
-use foveal_core::asset::picture::{Colour, Matrix, Picture};
+use foveal_core::view::picture::{Colour, Matrix, Picture};
 
 use crate::read::convert::{Converter, Layout};
 use crate::read::frame::{is_420, new_frame, picture_from_frame, rows_run_down};

@@ -3,7 +3,7 @@
 use av::format::Pixel;
 use av::frame::Video;
 use ffmpeg_next as av;
-use foveal_core::asset::picture::{Picture, plane_size};
+use foveal_core::view::picture::{Picture, plane_size};
 
 /// A new frame with memory for its samples.
 #[allow(unsafe_code)] // `is_empty` is marked unsafe; `Video::new` does not report a failure.

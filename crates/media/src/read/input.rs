@@ -7,7 +7,7 @@ use av::color::TransferCharacteristic;
 use av::format::stream::Stream;
 use av::frame::Video;
 use ffmpeg_next as av;
-use foveal_core::asset::picture::Picture;
+use foveal_core::view::picture::Picture;
 
 use crate::error::MediaError;
 use crate::read::deliver::{Delivery, has_alpha};

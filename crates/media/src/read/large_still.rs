@@ -7,8 +7,8 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use foveal_core::asset::picture::{Colour, Matrix, Picture};
 use foveal_core::units::counted;
+use foveal_core::view::picture::{Colour, Matrix, Picture};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;

@@ -1,6 +1,6 @@
 //! Which way up does a file want its pictures shown?
 
-use foveal_core::asset::picture::Picture;
+use foveal_core::view::picture::Picture;
 
 /// The elements of a display matrix below this are taken as zero; 16.16 fixed point, so 0.01.
 const NEARLY_ZERO: i32 = 655;

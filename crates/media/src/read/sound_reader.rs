@@ -7,7 +7,7 @@ use av::format::{Sample, sample};
 use av::software::resampling;
 use av::{ChannelLayout, Packet, decoder, frame, media};
 use ffmpeg_next as av;
-use foveal_core::asset::sound::SOUND_RATE;
+use foveal_core::content::video::bytes::sound::SOUND_RATE;
 
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
 

@@ -4,7 +4,7 @@ use av::format::context::Input;
 use av::format::stream::{Disposition, Stream};
 use av::media::Type;
 use ffmpeg_next as av;
-use foveal_core::asset::picture::Colour;
+use foveal_core::view::picture::Colour;
 
 use crate::read::still_tags::StillTags;
 use crate::surround::spherical::{Spherical, Stereo};

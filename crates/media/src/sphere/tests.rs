@@ -1,9 +1,9 @@
 //! Does the sphere survive the way to the cube and back?
 
 use super::*;
-use foveal_core::asset::picture::plane_size;
 use foveal_core::units::Radians;
 use foveal_core::view::axes::direction_from_yaw_pitch;
+use foveal_core::view::picture::plane_size;
 use foveal_core::view::surface::Surface;
 use glam::DVec3;
 use std::f64::consts::PI;

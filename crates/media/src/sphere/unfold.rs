@@ -3,9 +3,9 @@
 use super::kernel::{Kernel, Taps};
 use super::padding::PaddedCube;
 use crate::parallel::in_parallel;
-use foveal_core::asset::picture::{Picture, plane_size};
 use foveal_core::units::Radians;
 use foveal_core::view::axes::direction_from_yaw_pitch;
+use foveal_core::view::picture::{Picture, plane_size};
 use foveal_core::view::surface::Surface;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};

@@ -1,7 +1,7 @@
 //! Where in a picture does each face of a cube lie?
 
-use foveal_core::asset::picture::Picture;
 use foveal_core::units::counted;
+use foveal_core::view::picture::Picture;
 
 /// Faces of a cube in columns and rows of one picture.
 ///

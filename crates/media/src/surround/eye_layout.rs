@@ -1,6 +1,6 @@
 //! Where in a frame does each eye's picture lie?
 
-use foveal_core::asset::picture::Picture;
+use foveal_core::view::picture::Picture;
 use std::borrow::Cow;
 
 /// How the pictures of the eyes share a frame.

@@ -1,6 +1,6 @@
 //! Where on a whole sphere does a picture of a part of it lie?
 
-use foveal_core::asset::picture::{Picture, plane_size};
+use foveal_core::view::picture::{Picture, plane_size};
 
 /// A picture's place on the equirectangular picture of the whole sphere that it was cut from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use av::format::Pixel;
 use ffmpeg_next as av;
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::picture::Picture;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::view::picture::Picture;
 
 use crate::pack::pack_file::PackFile;
 use crate::prepare::ProjectionChoice;

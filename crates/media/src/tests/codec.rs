@@ -1,7 +1,7 @@
 //! Does what was encoded come back?
 
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::picture::Picture;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::view::picture::Picture;
 use proptest::prelude::*;
 
 use crate::tests::scenes::{group, psnr, scene};

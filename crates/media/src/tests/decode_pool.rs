@@ -1,9 +1,9 @@
 //! Does the decode pool give the tiles that were asked for, whatever was asked before?
 
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::pack::split_chunk;
-use foveal_core::asset::picture::Picture;
-use foveal_core::asset::tile_grid::{Cut, Tile};
+use foveal_core::content::video::bytes::chunk::split_chunk;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
+use foveal_core::view::picture::Picture;
 use std::collections::HashMap;
 use std::fs::OpenOptions;
 use std::io::{Seek, SeekFrom, Write};

@@ -2,7 +2,7 @@
 
 use av::format::Pixel;
 use ffmpeg_next as av;
-use foveal_core::asset::picture::{Colour, Matrix, Picture};
+use foveal_core::view::picture::{Colour, Matrix, Picture};
 
 use crate::read::source::Transparency;
 use crate::tests::scenes::{Scratch, VIDEO, raw, read, read_one, write_raw};

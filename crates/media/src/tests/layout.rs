@@ -5,8 +5,8 @@ use std::io::Cursor;
 use av::ffi::AVPacketSideDataType as SideData;
 use av::format::Pixel;
 use ffmpeg_next as av;
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::picture::Picture;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::Projection;
 
 use crate::pack::pack_file::PackFile;

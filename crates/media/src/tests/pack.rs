@@ -1,9 +1,9 @@
 //! Is a pack what its plan says: the same bytes each time, in order, whole, or not there at all?
 
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::order::hilbert_distance;
-use foveal_core::asset::pack::{HEADER_BYTES, Header};
-use foveal_core::asset::tile_grid::Cut;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::grid::tile_grid::Cut;
+use foveal_core::pack::order::hilbert_distance;
+use foveal_core::pack::{HEADER_BYTES, Header};
 use foveal_core::session::log::sha256_hex;
 use std::fs::OpenOptions;
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -270,7 +270,11 @@ fn a_rehearsal_costs_as_many_bytes_as_the_pack_holds() {
     let (frames, bytes) = rehearse(&clip, &plan, 100).unwrap();
     assert_eq!(frames, 37);
     let path = prepared(&clip, &settings(ProjectionChoice::Flat, Codec::Vp9));
-    let levels = PackFile::open(&path).unwrap().pack().bytes_per_level();
+    let levels = PackFile::open(&path)
+        .unwrap()
+        .pack()
+        .index()
+        .bytes_per_level();
     assert_eq!(bytes, levels.iter().sum::<u64>());
     assert_eq!(rehearse(&clip, &plan, 8).unwrap().0, 8);
 }

@@ -7,8 +7,8 @@ use crate::prepare::{
     Event, PrepareError, PrepareSettings, ProjectionChoice, Witness, prepare_resumable,
 };
 use crate::tests::scenes::{Scratch, group, plan_of, prepared, settings, write_clip};
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::pack::Loss;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::bytes::description::Loss;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 

@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use av::format::Pixel;
 use ffmpeg_next as av;
-use foveal_core::asset::picture::{Colour, Matrix, Picture, plane_size};
+use foveal_core::view::picture::{Colour, Matrix, Picture, plane_size};
 
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::tile_grid::Cut;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::grid::tile_grid::Cut;
 
 use crate::pack::journal_file::journal_path;
 use crate::pack::pack_file::partial_path;

@@ -1,11 +1,11 @@
 //! Does preparing note every unit in the side tables, the same for any number of jobs?
 
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::cues::Cues;
-use foveal_core::asset::picture::{Picture, plane_size};
-use foveal_core::asset::signature::Signature;
-use foveal_core::asset::tile_grid::Cut;
-use foveal_core::perception::signature::signature_of;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::grid::tile_grid::Cut;
+use foveal_core::perception::measures::contrast::Signature;
+use foveal_core::perception::measures::cues::Cues;
+use foveal_core::perception::measures::signature::signature_of;
+use foveal_core::view::picture::{Picture, plane_size};
 use std::path::Path;
 
 use crate::ClipCodec;

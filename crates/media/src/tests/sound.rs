@@ -6,7 +6,7 @@ use av::codec::{Context, encoder};
 use av::format::{Pixel, Sample, sample};
 use av::{ChannelLayout, Packet, Rational, format, frame};
 use ffmpeg_next as av;
-use foveal_core::asset::codec::Codec;
+use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::units::Seconds;
 
 use crate::pack::pack_file::PackFile;
@@ -318,8 +318,8 @@ fn without_sound_or_wish_for_it_a_pack_is_silent_and_that_is_said() {
         "mkv",
         crate::ClipCodec::Ffv1,
         &[
-            foveal_core::asset::picture::Picture::filled(64, 48, [90, 128, 128]),
-            foveal_core::asset::picture::Picture::filled(64, 48, [91, 128, 128]),
+            foveal_core::view::picture::Picture::filled(64, 48, [90, 128, 128]),
+            foveal_core::view::picture::Picture::filled(64, 48, [91, 128, 128]),
         ],
     );
     let plan = plan_of(&mute, &settings(ProjectionChoice::Flat, Codec::Jpeg)).unwrap();

@@ -4,9 +4,9 @@ use av::format::Pixel;
 use av::frame::Video;
 use av::{Packet, codec, color, decoder};
 use ffmpeg_next as av;
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::key_frame::is_key_frame;
-use foveal_core::asset::picture::Picture;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::bytes::key_frame::is_key_frame;
+use foveal_core::view::picture::Picture;
 
 use crate::error::MediaError;
 use crate::ffmpeg::{start, wants_more};

@@ -5,8 +5,8 @@
 //! one is cheap, filling its memory for the first time is not.
 
 use crate::tiles::decode::GroupDecoder;
-use foveal_core::asset::tile_grid::Tile;
-use foveal_core::asset::unit::UnitId;
+use foveal_core::content::video::grid::tile_grid::Tile;
+use foveal_core::pack::unit::UnitId;
 use std::collections::HashMap;
 
 /// Decoders that are kept open, at least.

@@ -7,7 +7,7 @@
 use crate::error::MediaError;
 use crate::tiles::decode::GroupDecoder;
 use crate::tiles::hardware::HardwareDevice;
-use foveal_core::asset::codec::Codec;
+use foveal_core::content::video::bytes::codec::Codec;
 use std::sync::Arc;
 
 /// Who decodes.

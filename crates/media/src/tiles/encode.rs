@@ -6,9 +6,9 @@
 use av::encoder::video::Encoder;
 use av::{Packet, picture};
 use ffmpeg_next as av;
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::key_frame::{is_key_frame, nal_units};
-use foveal_core::asset::picture::Picture;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::bytes::key_frame::{is_key_frame, nal_units};
+use foveal_core::view::picture::Picture;
 use std::borrow::Cow;
 
 use crate::error::MediaError;
@@ -93,7 +93,8 @@ pub struct EncodeSettings {
 /// Costs 2–4 ms for a VP9 encoder, then about 30 MPix/s at [`Speed::Default`].
 ///
 /// ```
-/// use foveal_core::asset::{codec::Codec, picture::Picture};
+/// use foveal_core::content::video::bytes::codec::Codec;
+/// use foveal_core::view::picture::Picture;
 /// use foveal_media::{EncodeSettings, Rate, Speed, encode_group};
 ///
 /// let grey = Picture::filled(64, 48, [128, 128, 128]);

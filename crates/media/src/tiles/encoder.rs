@@ -4,7 +4,7 @@ use av::encoder::video::{Encoder, Video};
 use av::format::Pixel;
 use av::{codec, encoder};
 use ffmpeg_next as av;
-use foveal_core::asset::codec::Codec;
+use foveal_core::content::video::bytes::codec::Codec;
 
 use crate::ffmpeg::open_encoder;
 use crate::tiles::encode::{EncodeSettings, Speed};

@@ -9,7 +9,7 @@ use av::ffi::AVHWDeviceType as Kind;
 use av::frame::Video;
 use av::{codec, decoder, ffi};
 use ffmpeg_next as av;
-use foveal_core::asset::codec::Codec;
+use foveal_core::content::video::bytes::codec::Codec;
 use std::ffi::{CStr, c_int, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::Arc;

@@ -4,7 +4,7 @@
 //! Independent JPEG Group does. FFmpeg's encoder cannot: it has one quantiser, and fixes that of
 //! the mean.
 
-use foveal_core::asset::picture::Picture;
+use foveal_core::view::picture::Picture;
 use jpeg_encoder::{Encoder, EncodingError, ImageBuffer, JpegColorType, SamplingFactor};
 
 /// The picture as a baseline JPEG of 4:2:0; `optimised` codes it twice to fit the Huffman tables,

@@ -7,7 +7,7 @@ use av::format::Sample;
 use av::format::sample::Type;
 use av::{Packet, Rational, decoder, frame};
 use ffmpeg_next as av;
-use foveal_core::asset::sound::{SOUND_RATE, SoundTable};
+use foveal_core::content::video::bytes::sound::{SOUND_RATE, SoundTable};
 use foveal_core::units::Seconds;
 use thiserror::Error;
 

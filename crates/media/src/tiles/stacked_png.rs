@@ -6,7 +6,7 @@
 
 use std::io::Cursor;
 
-use foveal_core::asset::picture::{Picture, plane_size};
+use foveal_core::view::picture::{Picture, plane_size};
 
 /// Bytes that a PNG reader may use beyond the picture itself, for its tables and text.
 const READER_ALLOWANCE: usize = 1 << 20;

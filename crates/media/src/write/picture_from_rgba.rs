@@ -1,6 +1,6 @@
 //! How does a drawn picture become planes that a video file takes?
 
-use foveal_core::asset::picture::{Colour, Picture, plane_size};
+use foveal_core::view::picture::{Colour, Picture, plane_size};
 
 /// 4:2:0 planes of an RGBA picture (four bytes a pixel, rows from the top); chroma is the mean of
 /// its two by two pixels, so centre-sited. ITU-R BT.601, BT.709 and BT.2020 by `colour`.
@@ -142,7 +142,7 @@ fn added(a: [i32; 3], b: [i32; 3]) -> [i32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foveal_core::asset::picture::Matrix;
+    use foveal_core::view::picture::Matrix;
 
     #[test]
     fn primary_colours_have_their_code_values() {

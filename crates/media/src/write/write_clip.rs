@@ -5,8 +5,8 @@ use std::path::Path;
 use av::color;
 use av::format::Pixel;
 use ffmpeg_next as av;
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::picture::{Colour, Matrix, Picture};
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::view::picture::{Colour, Matrix, Picture};
 
 use crate::error::MediaError;
 use crate::ffmpeg::start;

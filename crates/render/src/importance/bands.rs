@@ -5,8 +5,8 @@ use super::compute::{Compute, Dispatch, filled, storage};
 use super::params::{Band, Eye};
 use super::tables::{CHORDS, EyeTables};
 use crate::{error::RenderError, gpu::device::Gpu};
+use foveal_core::perception::measures::pyramid::bands_of;
 use foveal_core::perception::parameters::Parameters;
-use foveal_core::perception::pyramid::bands_of;
 
 const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM;
 const STORAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE;

@@ -5,7 +5,7 @@
 
 use crate::tiles::atlas_shape::AtlasShape;
 use crate::{error::RenderError, gpu::device::Gpu, tiles::reduce::Samples};
-use foveal_core::asset::tile_grid::Tile;
+use foveal_core::content::video::grid::tile_grid::Tile;
 
 /// A luma texture array and a chroma texture array of half its size.
 pub(crate) struct Planes {

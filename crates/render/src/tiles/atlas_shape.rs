@@ -3,7 +3,7 @@
 //! Into layers. The first hold the coarsest level of every face, always resident; the slots that
 //! these leave free, and all slots of later layers, hold tiles of the other levels.
 
-use foveal_core::asset::tile_grid::{Cut, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 
 /// Pixels that a layer has on a side, at least, when there are tiles to fill it.
 const LAYER_SIDE: u32 = 1024;

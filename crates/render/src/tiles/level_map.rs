@@ -1,6 +1,6 @@
 //! What is shown over every cell?
 
-use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
 
 /// Bits of an entry that hold the level; the rest is the caller's.
 pub(crate) const LEVEL_BITS: u32 = 4;

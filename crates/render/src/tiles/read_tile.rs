@@ -4,7 +4,7 @@
 
 use crate::tiles::atlas::Planes;
 use crate::{error::RenderError, gpu::device::Gpu};
-use foveal_core::asset::picture::{Picture, plane_size};
+use foveal_core::view::picture::{Picture, plane_size};
 use std::sync::mpsc::channel;
 
 /// A rectangle of one layer of a texture.

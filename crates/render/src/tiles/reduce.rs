@@ -4,9 +4,9 @@
 //! spacing. The box average is made once, when the tile arrives, for every later frame to read: of
 //! luma as light, as the coarser levels themselves were made.
 
-use foveal_core::asset::picture::{Colour, Picture, plane_size};
-use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
-use foveal_core::perception::luma_light::LumaLight;
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::perception::measures::luma_light::LumaLight;
+use foveal_core::view::picture::{Colour, Picture, plane_size};
 
 /// One plane of a tile at some spacing.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn a_fine_tile_seen_from_afar_is_as_bright_as_its_texture() {
-        use foveal_core::asset::picture::Matrix;
+        use foveal_core::view::picture::Matrix;
         use foveal_core::view::surface::Surface;
         let grid = TileGrid::new(Surface::cube(64), Cut::Tile(16), 3, 2).unwrap();
         let colour = Colour {

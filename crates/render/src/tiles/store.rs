@@ -7,8 +7,8 @@ use crate::tiles::level_map::{LEVEL_BITS, contains, level_in, shown_map};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::tiles::read_tile::read_planes;
 use crate::{error::RenderError, gpu::device::Gpu, tiles::reduce::pyramid};
-use foveal_core::asset::picture::{Colour, Picture};
-use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
+use foveal_core::view::picture::{Colour, Picture};
 use std::collections::{HashMap, HashSet};
 
 /// The GPU's copy of the resident tiles.

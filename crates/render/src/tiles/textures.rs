@@ -14,9 +14,9 @@ use crate::shaders;
 use crate::tiles::level_map::shown_map;
 use crate::tiles::passes::Target;
 use crate::tiles::store::check;
-use foveal_core::asset::picture::{Colour, Picture, plane_size};
-use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::{Colour, Picture, plane_size};
 use std::collections::BTreeMap;
 
 /// Most levels: two textures each, and browsers bind sixteen.
@@ -303,7 +303,7 @@ fn bind(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foveal_core::asset::tile_grid::Cut;
+    use foveal_core::content::video::grid::tile_grid::Cut;
     use foveal_core::view::surface::Surface;
 
     #[test]

@@ -251,8 +251,8 @@ pub(super) fn corner_sample(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foveal_core::asset::picture::{Colour, Matrix};
-    use foveal_core::asset::tile_grid::{Cut, TileGrid};
+    use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
+    use foveal_core::view::picture::{Colour, Matrix};
     use foveal_core::view::surface::Surface;
 
     #[test]

@@ -8,7 +8,8 @@ use super::tiles::TwinTiles;
 use super::{cube, mix, plane};
 use crate::params::SparseParams;
 use crate::tiles::sparse::Interpolation;
-use foveal_core::perception::samples::sample_mask::{NEIGHBOURS, SampleMask};
+use foveal_core::perception::samples::nearest_sample::NEIGHBOURS;
+use foveal_core::perception::samples::sample_mask::SampleMask;
 use foveal_core::view::surface::Projection;
 use glam::{IVec2, UVec3, Vec2, Vec3, Vec4};
 

@@ -41,8 +41,8 @@ pub(super) fn tangent_on_face(tiles: &TwinTiles, place: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foveal_core::asset::picture::{Colour, Matrix};
-    use foveal_core::asset::tile_grid::{Cut, TileGrid};
+    use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
+    use foveal_core::view::picture::{Colour, Matrix};
     use foveal_core::view::surface::{Mapping, Surface};
 
     #[test]

@@ -5,8 +5,8 @@ use crate::params::TileParams;
 use crate::tiles::level_map::shown_map;
 use crate::tiles::reduce::{Samples, pyramid};
 use crate::tiles::store::check;
-use foveal_core::asset::picture::{Colour, Picture};
-use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
+use foveal_core::view::picture::{Colour, Picture};
 use glam::{IVec2, UVec2, Vec2};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -2,7 +2,7 @@
 
 use super::Seeded;
 use foveal_core::perception::importance::NO_UNIT;
-use foveal_core::perception::pyramid::{doubled, half_size, halved};
+use foveal_core::perception::measures::pyramid::{doubled, half_size, halved};
 use foveal_render::RgbaImage;
 
 /// How pictures are filled.

@@ -3,11 +3,11 @@
 
 pub mod levels;
 
-use foveal_core::asset::picture::{Colour, Matrix, Picture, plane_size};
-use foveal_core::asset::tile_grid::{Cut, Tile, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::picture::{Colour, Matrix, Picture, plane_size};
 use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
 use foveal_render::twin::TwinTiles;
 use foveal_render::{Gpu, Renderer, RgbaImage};

@@ -1,8 +1,9 @@
 //! Is there a sharp picture before a side table is there, and does the log still replay?
 
 use super::*;
-use foveal_core::asset::signature::{BandContrast, SIGNATURES, SIGNATURES_VERSION, Signature};
-use foveal_core::selection::policy::Policy;
+use foveal_core::content::policy::Policy;
+use foveal_core::content::video::bytes::signatures::{SIGNATURES, SIGNATURES_VERSION};
+use foveal_core::perception::measures::contrast::{BandContrast, Signature};
 use foveal_core::session::log_of_parts::SessionLog;
 
 const DEMO: &str = r#","paused":true,"log":true"#;

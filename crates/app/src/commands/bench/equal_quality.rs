@@ -1,7 +1,7 @@
 //! How many more bytes than a slow encoder's does each speed take for the same quality?
 
-use foveal_core::asset::codec::Codec;
-use foveal_core::asset::picture::Picture;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::view::picture::Picture;
 use foveal_media::prepare::pyramid::halve_all;
 use foveal_media::{EncodeSettings, GroupDecoder, Rate, Speed, VideoInput, encode_group};
 use serde::Serialize;

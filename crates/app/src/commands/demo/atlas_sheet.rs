@@ -6,7 +6,7 @@
 use crate::commands::demo::colours::of_level;
 use crate::run::player::Player;
 use anyhow::Context;
-use foveal_core::asset::tile_grid::Tile;
+use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_render::RgbaImage;
 
 /// Pixels of the frame round a tile.

@@ -4,7 +4,7 @@ use crate::commands::demo::FRAMES;
 use crate::commands::demo::figures::frames;
 use crate::commands::demo::run::Played;
 use crate::report::html::escape;
-use foveal_core::asset::tile_grid::Cut;
+use foveal_core::content::video::grid::tile_grid::Cut;
 use foveal_core::units::counted;
 use foveal_core::view::surface::Projection;
 

@@ -6,7 +6,7 @@ use crate::commands::simulate::marks;
 use crate::report::picture_file::png_bytes;
 use crate::run::player::{FrameReport, Player};
 use anyhow::{Context, bail};
-use foveal_core::selection::policy::Policy;
+use foveal_core::content::policy::Policy;
 use foveal_core::view::eye_view::EyeView;
 use foveal_render::RgbaImage;
 

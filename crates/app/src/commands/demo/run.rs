@@ -14,7 +14,7 @@ use crate::run::canvas::Drawing;
 use crate::run::canvas::Showing;
 use crate::run::player::{FrameReport, Player, PlayerOptions};
 use anyhow::Context;
-use foveal_core::selection::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
+use foveal_core::content::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
 use foveal_eval::score::{Mode, ScorePicture, Viewing};
 use std::path::Path;
 use std::sync::Arc;

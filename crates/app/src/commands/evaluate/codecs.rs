@@ -8,7 +8,7 @@ use crate::options::policy::CutOptions;
 use crate::report::output;
 use anyhow::{Context, anyhow};
 use clap::Args;
-use foveal_core::asset::codec::Codec;
+use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::units::counted;
 use foveal_media::prepare::{PrepareSettings, Quality};
 use serde::Serialize;

@@ -7,7 +7,7 @@ use crate::commands::evaluate::trial::{Trial, TrialOptions};
 use crate::report::output::{self, out_of_range};
 use anyhow::bail;
 use clap::Args;
-use foveal_core::asset::tile_grid::{Cut, MAX_LEVELS};
+use foveal_core::content::video::grid::tile_grid::{Cut, MAX_LEVELS};
 use foveal_core::units::counted;
 use foveal_media::prepare::{PrepareError, PrepareSettings};
 use serde::Serialize;

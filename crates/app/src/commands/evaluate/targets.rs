@@ -15,12 +15,11 @@ use crate::run::player::{Player, PlayerOptions};
 use crate::run::scene_clip::write_scene;
 use anyhow::{Context, bail};
 use clap::Args;
-use foveal_core::asset::tile_grid::Cut;
+use foveal_core::content::asked::{SLOPES, TARGETS};
+use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::video::grid::tile_grid::Cut;
 use foveal_core::perception::acuity::AcuityModel;
 use foveal_core::perception::visible_loss::{BEST_JOD, quality_of_jod};
-use foveal_core::selection::asked::{SLOPES, TARGETS};
-use foveal_core::selection::calibration::Expectation;
-use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_eval::score::{Mode, ScorePicture, Viewing};
 use foveal_media::generate::Scene;
 use foveal_media::pack::pack_file::PackFile;
@@ -355,7 +354,7 @@ impl Trial {
             target: self.config.target,
             slope,
             told: self.loss / frames,
-            expected_jod: Expectation::of(self.config.policy).jod(self.loss / frames),
+            expected_jod: self.config.policy.expectation().jod(self.loss / frames),
             jod: score.jod,
             jod_zone_min: zones.fold(BEST_JOD, f64::min),
             pixels_share_mean: self.share / frames,

@@ -7,7 +7,7 @@ use crate::run::kept_pack::plan_of;
 use crate::run::timed::{Conditions, Run};
 use anyhow::{Context, bail};
 use clap::Args;
-use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::view::surface::Screen;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{PrepareSettings, prepare};

@@ -8,7 +8,7 @@ use crate::options::decoding::Decoding;
 use crate::run::canvas::{Drawing, RendererName, Showing};
 use crate::run::player::{Player, PlayerOptions};
 use anyhow::Context;
-use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};

@@ -2,8 +2,8 @@
 
 use crate::commands::view::Stage;
 use crate::commands::view::viewer::Viewer;
-use foveal_core::selection::asked::next_target;
-use foveal_core::selection::policy::Policy;
+use foveal_core::content::asked::next_target;
+use foveal_core::content::policy::Policy;
 use foveal_core::units::Seconds;
 
 /// The policies that a key goes through.

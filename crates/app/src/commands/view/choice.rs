@@ -2,12 +2,12 @@
 
 use crate::options::link::Link;
 use anyhow::{Context, bail};
-use foveal_core::asset::cues::CueTable;
-use foveal_core::asset::signature::Signatures;
-use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::video::bytes::cue_table::CueTable;
+use foveal_core::content::video::bytes::signatures::Signatures;
+use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
+use foveal_core::content::video::units::{Content, PackContent};
 use foveal_core::perception::parameters::Parameters;
-use foveal_core::selection::content::{Content, PackContent};
-use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_core::session::aim::Aim;
 use foveal_core::session::budget::Budget;
 use foveal_core::session::picker::{HasTables, Picker};

@@ -6,13 +6,13 @@
 use crate::run::canvas::{Canvas, Drawing, Showing};
 use crate::run::sampling::{Sampling, mask_shape};
 use anyhow::Context;
-use foveal_core::asset::picture::{Colour, Picture};
-use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use foveal_core::content::policy::PolicyConfig;
+use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
 use foveal_core::perception::samples::sample_mask::MaskShape;
-use foveal_core::selection::policy::PolicyConfig;
 use foveal_core::session::aim::Aim;
 use foveal_core::session::playback;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::picture::{Colour, Picture};
 use foveal_render::{Gpu, Interpolation, Overlay, RadialBlur, RgbaImage};
 use glam::DVec3;
 

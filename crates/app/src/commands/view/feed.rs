@@ -4,7 +4,7 @@
 //! moment: only what has begun is finished in vain.
 
 use anyhow::bail;
-use foveal_core::asset::tile_grid::Tile;
+use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_core::session::playback::{Delivery, Feed, TileOfFrame};
 use foveal_media::tiles::decode_pool::{DecodePool, DecodedTile};
 use std::collections::{HashSet, VecDeque};

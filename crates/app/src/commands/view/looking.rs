@@ -7,7 +7,7 @@ use foveal_core::gaze::sample::{EyeEvent, HeadPose};
 use foveal_core::perception::parameters::Parameters;
 use foveal_core::session::aim::Aim;
 use foveal_core::units::Seconds;
-use foveal_core::view::scene::Shown;
+use foveal_core::view::navigation::Shown;
 use foveal_core::view::surface::Surface;
 
 /// Length of a simulated scan path.

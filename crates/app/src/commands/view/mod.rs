@@ -24,7 +24,7 @@ use crate::options::showing::{EyeName, ShowingOptions};
 use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, bail};
 use clap::Args;
-use foveal_core::selection::policy::Policy;
+use foveal_core::content::policy::Policy;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::tiles::decode_pool::DecodePool;
 use looking::{WindowGaze, parse_window_gaze};

@@ -4,7 +4,7 @@ use crate::commands::view::Stage;
 use crate::commands::view::screen::overlay::{Key, Line};
 use crate::commands::view::viewer::Viewer;
 use crate::run::canvas::Showing;
-use foveal_core::selection::asked::score_told;
+use foveal_core::content::asked::score_told;
 use foveal_core::units::{Seconds, counted};
 use foveal_core::view::keys::{KEYS, Needs, Row};
 use foveal_render::Interpolation;

@@ -23,7 +23,7 @@ use foveal_core::session::playback::Now;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::keys::Action;
-use foveal_core::view::scene::{Pane, Scene, Shown};
+use foveal_core::view::navigation::{Navigation, Pane, Shown};
 use foveal_core::view::surface::Eye;
 use foveal_render::{Interpolation, Overlay};
 use std::time::Duration;
@@ -38,7 +38,7 @@ const LOOK_S: f64 = 1.0 / 60.0;
 /// What a viewer begins with.
 pub(crate) struct Begin {
     pub(crate) policy: PolicyOptions,
-    pub(crate) scene: Scene,
+    pub(crate) scene: Navigation,
     pub(crate) choice: Choice,
     pub(crate) looking: Looking,
     pub(crate) sound: Option<Sound>,
@@ -54,7 +54,7 @@ pub(crate) struct Begin {
 /// A viewer's session.
 pub(crate) struct Viewer {
     pub(super) policy: PolicyOptions,
-    pub(crate) scene: Scene,
+    pub(crate) scene: Navigation,
     pub(super) clock: MediaClock,
     pub(super) choice: Choice,
     looking: Looking,

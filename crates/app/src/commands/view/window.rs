@@ -18,13 +18,13 @@ use crate::commands::view::viewer::{Begin, Viewer, Wish};
 use crate::options::showing::InterpolationName;
 use crate::report::output::say;
 use anyhow::{Context, anyhow, bail};
-use foveal_core::asset::tile_grid::TileGrid;
-use foveal_core::selection::policy::Policy;
+use foveal_core::content::policy::Policy;
+use foveal_core::content::video::grid::tile_grid::TileGrid;
 use foveal_core::session::timeline::Timeline;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::keys::{Action, ZOOM};
-use foveal_core::view::scene::{Pane, Scene};
+use foveal_core::view::navigation::{Navigation, Pane};
 use foveal_render::RgbaImage;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -211,7 +211,7 @@ impl Open {
         let log = args.log.as_deref();
         let begin = Begin {
             policy: args.policy.clone(),
-            scene: Scene::new(grid.surface, args.view.fov()?)
+            scene: Navigation::new(grid.surface, args.view.fov()?)
                 .facing(Radians::from_degrees(about.front_deg)),
             choice: Choice::new(Arc::clone(&file), grid, config, args.link, log)?,
             looking,

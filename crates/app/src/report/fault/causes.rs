@@ -1,6 +1,6 @@
 //! What is to be done about a cause that tells only what it is?
 
-use foveal_core::asset::pack::PackError;
+use foveal_core::pack::PackError;
 use foveal_render::RenderError;
 use std::io::ErrorKind;
 

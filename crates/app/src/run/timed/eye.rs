@@ -6,9 +6,9 @@
 use crate::gaze_source::Look;
 use foveal_core::gaze::head::FollowingHead;
 use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
-use foveal_core::gaze::scan::Random;
 use foveal_core::gaze::tracker::Prediction;
 use foveal_core::units::{Radians, Seconds};
+use foveal_core::view::random::Random;
 use foveal_core::view::surface::{Projection, Surface};
 use glam::DVec3;
 

@@ -11,7 +11,7 @@ use crate::options::decoding::Decoding;
 use crate::run::canvas::{Drawing, Showing};
 use crate::run::player::{Player, PlayerOptions};
 use eye::JumpingEye;
-use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};

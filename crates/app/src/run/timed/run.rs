@@ -2,7 +2,7 @@
 
 use crate::run::player::{FrameReport, Player};
 use crate::run::timed::eye::{DWELL, JumpingEye};
-use foveal_core::asset::tile_grid::{Tile, TileGrid};
+use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::direction_at;
 use foveal_core::view::eye_view::EyeView;
@@ -173,7 +173,7 @@ fn meets_fovea(grid: &TileGrid, tiles: &[Tile], gaze: DVec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foveal_core::asset::tile_grid::Cut;
+    use foveal_core::content::video::grid::tile_grid::Cut;
     use foveal_core::view::surface::Surface;
 
     #[test]

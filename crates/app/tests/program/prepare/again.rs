@@ -2,7 +2,7 @@
 
 use crate::scenes::{noisy_clip, waves, write_clip};
 use crate::support::{Folder, done, json, refused};
-use foveal_core::asset::pack::{HEADER_BYTES, Header};
+use foveal_core::pack::{HEADER_BYTES, Header};
 use serde_json::{Value, json};
 
 fn prepare<'a>(input: &'a str, out: &'a str) -> [&'a str; 7] {

@@ -165,7 +165,7 @@ fn slope(curve: &AxisCurve, drive: f64) -> DVec4 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gaze::scan::Random;
+    use crate::view::random::Random;
 
     /// Heads that turn to and fro at changing speeds, and eyes that follow `law` with noise.
     fn viewer(law: &HeadGazePreset, rate_hz: u32, seconds: u32) -> Vec<(HeadMotion, GazeInHead)> {

@@ -114,7 +114,7 @@ impl State {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gaze::scan::Random;
+    use crate::view::random::Random;
 
     fn stamp(clock: &mut SourceClock, source: f64, arrived: f64) -> Option<[f64; 2]> {
         let stamp = clock.stamp(Seconds(source), Seconds(arrived))?;

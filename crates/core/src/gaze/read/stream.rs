@@ -131,7 +131,7 @@ pub fn stream_anything(data: &[u8]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gaze::scan::Random;
+    use crate::view::random::Random;
 
     fn take(stream: &mut GazeStream, line: &str, arrived: f64) -> Option<TraceRow> {
         stream.take(

@@ -402,7 +402,7 @@ mod tests {
 
     #[test]
     fn a_trace_that_is_written_and_read_again_is_the_same_to_the_bit() {
-        let mut random = crate::gaze::scan::Random::new(5);
+        let mut random = crate::view::random::Random::new(5);
         let mut text = "t_s,yaw_deg,pitch_deg,valid,spread_deg,head_yaw_deg,head_pitch_deg,\
                         head_roll_deg,received_s\n"
             .to_owned();

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::gaze::main_sequence::{saccade_duration, saccade_peak_deg_per_s, saccade_way};
-use crate::gaze::scan::Random;
 use crate::view::axes::direction_from_yaw_pitch;
+use crate::view::random::Random;
 
 fn toward(yaw_deg: f64, pitch_deg: f64) -> DVec3 {
     direction_from_yaw_pitch(

@@ -6,8 +6,8 @@
 use crate::perception::acuity::{AcuityModel, Meridian, watson_spacing};
 use crate::perception::gain::Weights;
 use crate::perception::importance::Onlooker;
+use crate::perception::measures::pyramid::band_gain;
 use crate::perception::parameters::{EyeState, Parameters};
-use crate::perception::pyramid::band_gain;
 use crate::perception::sensitivity_table::SensitivityTable;
 use crate::perception::spread::effective_eccentricity;
 use crate::units::Radians;

@@ -12,8 +12,8 @@ mod units;
 
 use super::gain::Weights;
 use super::importance::Onlooker;
+use super::measures::pyramid::{bands_of, half_size};
 use super::parameters::Parameters;
-use super::pyramid::{bands_of, half_size};
 use crate::view::eye_view::EyeView;
 use field::{EyeField, SPACING};
 use instructions::Instructions;

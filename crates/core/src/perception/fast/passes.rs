@@ -7,7 +7,7 @@
 use super::field::{SPACING, band_stride, texels_per_node};
 use super::rows::{self, PAD, SeenRow};
 use super::{DECODED, FastImportance, Scratch};
-use crate::perception::pyramid::four_around;
+use crate::perception::measures::pyramid::four_around;
 use core::ops::Range;
 
 /// A part of what pixels of a row are worth: parts add up.

@@ -3,8 +3,8 @@
 use super::*;
 use crate::perception::eye::Gaze;
 use crate::perception::importance::NO_UNIT;
+use crate::perception::measures::pyramid::{Pyramid, doubled, halved};
 use crate::perception::parameters::{EyeState, Model};
-use crate::perception::pyramid::{Pyramid, doubled, halved};
 use crate::units::Radians;
 use crate::view::axes::{Axes, direction_from_yaw_pitch};
 use crate::view::eye_view::Field;

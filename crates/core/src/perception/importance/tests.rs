@@ -38,7 +38,8 @@ fn level(octaves: u32) -> Pyramid {
         .collect();
     let mut chain = vec![SIZE];
     for _ in 0..octaves {
-        let (coarse, size) = crate::perception::pyramid::halved(&luminance, chain[chain.len() - 1]);
+        let (coarse, size) =
+            crate::perception::measures::pyramid::halved(&luminance, chain[chain.len() - 1]);
         luminance = coarse;
         chain.push(size);
     }

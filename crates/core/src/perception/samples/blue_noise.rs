@@ -5,7 +5,7 @@
 //! largest void where it is lowest beside one. Below a tenth of the places Ulichney's Gaussian no
 //! longer reaches from point to point, so it widens here with their spacing.
 
-use crate::gaze::scan::Random;
+use crate::view::random::Random;
 
 /// Places on a side of the square, which repeats in both directions.
 pub const SIDE: usize = 128;

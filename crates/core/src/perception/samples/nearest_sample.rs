@@ -4,8 +4,8 @@
 //! Felzenszwalb and Huttenlocher 2012, *Distance transforms of sampled functions*, section 2, in
 //! time proportional to the pixels.
 
-use crate::perception::samples::sample_mask::NEIGHBOURS;
-
+/// Neighbours of a sample that are noted.
+pub const NEIGHBOURS: usize = 8;
 /// No sample in this column.
 const NONE: u32 = u32::MAX;
 
@@ -151,7 +151,7 @@ pub(super) fn neighbours_of(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gaze::scan::Random;
+    use crate::view::random::Random;
 
     fn some_places(side: u32, count: usize, seed: u64) -> Vec<[u16; 2]> {
         let mut random = Random::new(seed);

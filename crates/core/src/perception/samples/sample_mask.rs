@@ -8,11 +8,9 @@
 
 use crate::perception::acuity::AcuityModel;
 use crate::perception::samples::blue_noise::{SIDE, blue_noise_ranks};
-use crate::perception::samples::nearest_sample::{nearest_samples, neighbours_of};
+use crate::perception::samples::nearest_sample::{NEIGHBOURS, nearest_samples, neighbours_of};
 use crate::units::Radians;
 
-/// Neighbours of a sample that are noted.
-pub const NEIGHBOURS: usize = 8;
 /// Steps of a pixel in which a radius is told apart.
 const STEPS: f64 = 4.0;
 /// Seed of the blue-noise order of masks.

@@ -1,7 +1,7 @@
 //! Which catalogs are sound?
 
-use super::catalog::{Catalog, Chain, Stage, Step, counted};
-use super::rule::Rule;
+use super::catalog::{Catalog, Rung, Step, counted};
+use super::rule::{Chain, Rule};
 use thiserror::Error;
 
 /// Steps that a unit may have: levels are counted in a byte.
@@ -36,7 +36,7 @@ pub enum CatalogError {
         /// Its level that has the prerequisite.
         level: u8,
         /// What it is said to need.
-        needed: Stage,
+        needed: Rung,
         /// Which of the two does not exist.
         what: &'static str,
     },
@@ -70,7 +70,7 @@ pub struct CatalogBuilder {
     count: Vec<u8>,
     steps: Vec<Step>,
     /// What needs what, in the order of being told.
-    needs: Vec<(Stage, Stage)>,
+    needs: Vec<(Rung, Rung)>,
 }
 
 impl CatalogBuilder {
@@ -97,7 +97,7 @@ impl CatalogBuilder {
     /// Says what a unit's step to a level needs besides the coarser levels of the same unit; four
     /// stages at most, of units that may be added later. What a whole unit needs, its coarsest step
     /// needs. Whether it makes sense, [`Self::build`] checks.
-    pub fn require(&mut self, stage: Stage, needed: &[Stage]) {
+    pub fn require(&mut self, stage: Rung, needed: &[Rung]) {
         self.needs
             .extend(needed.iter().map(|needed| (stage, *needed)));
     }
@@ -142,7 +142,7 @@ impl CatalogBuilder {
 
     fn check_stages(&self) -> Result<(), CatalogError> {
         for of_step in self.needs.chunk_by(|a, b| a.0 == b.0) {
-            let Stage { unit, level } = of_step[0].0;
+            let Rung { unit, level } = of_step[0].0;
             let needed = of_step[0].1;
             let fault = |needed, what| CatalogError::NoSuchStage {
                 unit,
@@ -175,7 +175,7 @@ impl CatalogBuilder {
     }
 
     /// Prerequisites by step: where those of each begin, and all of them.
-    fn needed(&self, first: &[u32]) -> (Vec<u32>, Vec<Stage>) {
+    fn needed(&self, first: &[u32]) -> (Vec<u32>, Vec<Rung>) {
         if self.needs.is_empty() {
             return Default::default();
         }
@@ -209,21 +209,21 @@ fn check_cycles(catalog: &Catalog) -> Result<(), CatalogError> {
     let mut seen = vec![Seen::Never; catalog.bytes.len()];
     for unit in 0..catalog.units() {
         for level in (0..catalog.coarsest(unit)).rev() {
-            follow(catalog, Stage { unit, level }, &mut seen)?;
+            follow(catalog, Rung { unit, level }, &mut seen)?;
         }
     }
     Ok(())
 }
 
-fn follow(catalog: &Catalog, start: Stage, seen: &mut [Seen]) -> Result<(), CatalogError> {
-    let place = |stage: Stage| catalog.steps(stage.unit).start + usize::from(stage.level);
+fn follow(catalog: &Catalog, start: Rung, seen: &mut [Seen]) -> Result<(), CatalogError> {
+    let place = |stage: Rung| catalog.steps(stage.unit).start + usize::from(stage.level);
     let mut way = vec![(start, 0)];
     while let Some((stage, next)) = way.pop() {
         if next == 0 && seen[place(stage)] == Seen::Done {
             continue;
         }
         if next == 0 && seen[place(stage)] == Seen::OnTheWay {
-            let Stage { unit, level } = stage;
+            let Rung { unit, level } = stage;
             return Err(CatalogError::Cycle { unit, level });
         }
         seen[place(stage)] = Seen::OnTheWay;
@@ -241,10 +241,10 @@ fn follow(catalog: &Catalog, start: Stage, seen: &mut [Seen]) -> Result<(), Cata
 }
 
 /// What a step needs, counted from 0: first the next coarser level of its unit.
-fn requirement(catalog: &Catalog, stage: Stage, number: usize) -> Option<Stage> {
+fn requirement(catalog: &Catalog, stage: Rung, number: usize) -> Option<Rung> {
     if number == 0 {
         let level = stage.level + 1;
-        return Some(Stage { level, ..stage });
+        return Some(Rung { level, ..stage });
     }
     catalog.prerequisites(stage).get(number - 1).copied()
 }
@@ -253,12 +253,12 @@ fn requirement(catalog: &Catalog, stage: Stage, number: usize) -> Option<Stage> 
 mod tests {
     use super::*;
 
-    fn stage(unit: u32, level: u8) -> Stage {
-        Stage { unit, level }
+    fn stage(unit: u32, level: u8) -> Rung {
+        Rung { unit, level }
     }
 
     /// Three units of two steps, and what they need of each other.
-    fn built(needs: &[(Stage, Stage)]) -> Result<Catalog, CatalogError> {
+    fn built(needs: &[(Rung, Rung)]) -> Result<Catalog, CatalogError> {
         let mut builder = CatalogBuilder::default();
         for _ in 0..3 {
             let step = Step {

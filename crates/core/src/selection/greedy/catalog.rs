@@ -1,22 +1,9 @@
 //! What can be raised, and at what cost?
 
-use super::choices::Choices;
-use super::hull::Curve;
-use super::plan::Plan;
-use super::rule::{Misfit, Rule};
-use super::uniform::Uniform;
+use super::rule::{Chain, Rule};
 
 /// Largest absolute value of a step: sums over any chain stay finite.
 const LARGEST_VALUE: f64 = 1e300;
-
-/// How the levels of a unit relate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Chain {
-    /// A level adds to the coarser ones: going several levels costs the bytes of all of them.
-    Refining,
-    /// A level replaces the coarser ones: going to it costs its own bytes, whatever is held.
-    Replacing,
-}
 
 /// One step of a unit, from the next coarser level to the level that it is listed for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +17,7 @@ pub struct Step {
 
 /// A unit at a level or finer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Stage {
+pub struct Rung {
     /// Number of the unit in the catalog.
     pub unit: u32,
     /// The coarsest level that will do.
@@ -51,7 +38,7 @@ pub struct Catalog {
     pub(super) value: Vec<f64>,
     /// First prerequisite of each step, and their number at the end; empty where nothing has any.
     pub(super) first_needed: Vec<u32>,
-    pub(super) needed: Vec<Stage>,
+    pub(super) needed: Vec<Rung>,
     /// Fewest bytes of any step.
     pub(super) least_bytes: u32,
     /// Value per byte of each unit's first offer, 0 where there is none: the cached hulls.
@@ -132,69 +119,14 @@ impl Catalog {
         }
     }
 
-    /// Rebuilds what is cached for the units that changed and returns how many those were; without
-    /// it the next selection does. About 5 ns a step.
-    pub fn refresh(&mut self) -> usize {
-        let stale = core::mem::take(&mut self.stale);
-        for unit in &stale {
-            let steepest = self
-                .curve(*unit)
-                .steepest(self.level(*unit), self.rule.reach);
-            self.density[*unit as usize] = steepest;
-            self.is_stale[*unit as usize] = false;
-        }
-        let count = stale.len();
-        // Keep the allocation for the next change.
-        self.stale = stale;
-        self.stale.clear();
-        count
-    }
-
-    /// The steps to take with `budget` bytes, best value per byte first, worked out one by one: to
-    /// cancel, stop asking.
-    ///
-    /// Equal densities go to fewer bytes, then to more value, then to the lower unit number. So
-    /// numbering the units otherwise changes at most which of two equal steps comes first.
-    pub fn choices(&mut self, budget: u64) -> Choices<'_> {
-        self.refresh();
-        Choices::new(self, budget)
-    }
-
-    /// All the steps to take with `budget` bytes.
-    pub fn select(&mut self, budget: u64) -> Plan {
-        self.choices(budget).collect()
-    }
-
-    /// The uniform baseline (UNI): the units that `is_visible` are raised evenly, one level at a
-    /// time, whatever a step is worth.
-    pub fn uniform<F: Fn(u32) -> bool>(
-        &self,
-        budget: u64,
-        misfit: Misfit,
-        is_visible: F,
-    ) -> Uniform<'_, F> {
-        Uniform::new(self, budget, misfit, is_visible)
-    }
-
     /// Places of a unit's steps in the arrays of steps.
     pub(super) fn steps(&self, unit: u32) -> core::ops::Range<usize> {
         let at = unit as usize;
         self.first[at] as usize..self.first[at + 1] as usize
     }
 
-    /// The bytes and values of a unit.
-    pub(super) fn curve(&self, unit: u32) -> Curve<'_> {
-        let steps = self.steps(unit);
-        Curve {
-            chain: self.chain[unit as usize],
-            held: self.level(unit),
-            bytes: &self.bytes[steps.clone()],
-            value: &self.value[steps],
-        }
-    }
-
     /// What a step needs besides the coarser levels of its own unit.
-    pub(super) fn prerequisites(&self, stage: Stage) -> &[Stage] {
+    pub(super) fn prerequisites(&self, stage: Rung) -> &[Rung] {
         if self.needed.is_empty() {
             return &[];
         }

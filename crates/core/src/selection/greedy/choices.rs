@@ -1,14 +1,31 @@
 //! In which order are steps taken?
 
-use super::catalog::{Catalog, Stage};
+use super::catalog::{Catalog, Rung};
 use super::closure::closure;
 use super::frontier::Frontier;
 use super::hull::density;
-use super::plan::Choice;
+use super::plan::{Choice, Plan};
 use super::progress::Progress;
 use super::rule::Misfit;
 use core::cmp::Ordering;
 use std::collections::{BTreeSet, BinaryHeap, VecDeque};
+
+impl Catalog {
+    /// The steps to take with `budget` bytes, best value per byte first, worked out one by one: to
+    /// cancel, stop asking.
+    ///
+    /// Equal densities go to fewer bytes, then to more value, then to the lower unit number. So
+    /// numbering the units otherwise changes at most which of two equal steps comes first.
+    pub fn choices(&mut self, budget: u64) -> Choices<'_> {
+        self.refresh();
+        Choices::new(self, budget)
+    }
+
+    /// All the steps to take with `budget` bytes.
+    pub fn select(&mut self, budget: u64) -> Plan {
+        self.choices(budget).collect()
+    }
+}
 
 /// A step that may come next.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +33,7 @@ struct Offer {
     density: f64,
     bytes: u64,
     value: f64,
-    stage: Stage,
+    stage: Rung,
     /// Which offer of its unit this is; only the newest counts.
     version: u32,
     /// Whether bytes and value are those of everything that is missing for it, too.
@@ -133,7 +150,7 @@ impl<'a> Choices<'a> {
                 .extend(closure(&self.progress, offer.stage).steps);
             self.settle();
         } else {
-            let Stage { unit, level } = offer.stage;
+            let Rung { unit, level } = offer.stage;
             let (bytes, value) = (offer.bytes, offer.value);
             let from = self.progress.level(unit);
             self.taken.push_back(Choice {
@@ -200,7 +217,7 @@ impl<'a> Choices<'a> {
             .curve(unit)
             .segments(self.progress.level(unit), catalog.rule.reach)
         {
-            let stage = Stage {
+            let stage = Rung {
                 unit,
                 level: segment.to,
             };
@@ -239,7 +256,7 @@ fn own_offer(progress: &Progress<'_>, unit: u32, version: u32) -> Option<Offer> 
         density: density(segment.value, segment.bytes),
         bytes: segment.bytes,
         value: segment.value,
-        stage: Stage {
+        stage: Rung {
             unit,
             level: segment.to,
         },

@@ -1,6 +1,6 @@
 //! What must come together with a step?
 
-use super::catalog::Stage;
+use super::catalog::Rung;
 use super::plan::Choice;
 use super::progress::Progress;
 use std::collections::{BTreeMap, BTreeSet};
@@ -31,14 +31,14 @@ impl Closure {
 }
 
 /// Everything that is missing to reach a stage. Costs some 100 ns a step.
-pub(super) fn closure(progress: &Progress<'_>, goal: Stage) -> Closure {
+pub(super) fn closure(progress: &Progress<'_>, goal: Rung) -> Closure {
     let mut closure = Closure::default();
     let mut planned: BTreeMap<u32, u8> = BTreeMap::new();
     let mut looked_at = 0;
     // Depth first: a stage stays below what it needs until all of that is planned.
     let mut open = vec![(goal, false)];
     while let Some((stage, is_ready)) = open.pop() {
-        let Stage { unit, level } = stage;
+        let Rung { unit, level } = stage;
         let from = planned.get(&unit).copied().unwrap_or(progress.level(unit));
         if from <= level {
             continue;
@@ -57,7 +57,7 @@ pub(super) fn closure(progress: &Progress<'_>, goal: Stage) -> Closure {
         let needed = progress.catalog.prerequisites(stage);
         open.extend(needed.iter().map(|needed| (*needed, false)));
         open.push((
-            Stage {
+            Rung {
                 unit,
                 level: level + 1,
             },
@@ -69,8 +69,8 @@ pub(super) fn closure(progress: &Progress<'_>, goal: Stage) -> Closure {
 }
 
 /// Adds the step from a level to a stage; one with the step before where that is the same unit's.
-fn append(steps: &mut Vec<Choice>, progress: &Progress<'_>, stage: Stage, from: u8) {
-    let Stage { unit, level } = stage;
+fn append(steps: &mut Vec<Choice>, progress: &Progress<'_>, stage: Rung, from: u8) {
+    let Rung { unit, level } = stage;
     let joined = steps.pop_if(|last| last.unit == unit);
     let from = joined.map_or(from, |last| last.from);
     let curve = progress.catalog.curve(unit);
@@ -90,8 +90,8 @@ mod tests {
     use super::super::{CatalogBuilder, Chain, Rule, Step};
     use super::*;
 
-    fn stage(unit: u32, level: u8) -> Stage {
-        Stage { unit, level }
+    fn stage(unit: u32, level: u8) -> Rung {
+        Rung { unit, level }
     }
 
     #[test]

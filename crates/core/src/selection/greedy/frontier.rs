@@ -73,7 +73,7 @@ fn floor_of_band(density: &[f64], ceiling: u64, size: usize) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gaze::scan::Random;
+    use crate::view::random::Random;
 
     fn bands(density: &[f64]) -> Vec<Vec<u32>> {
         let mut frontier = Frontier::new();

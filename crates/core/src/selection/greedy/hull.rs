@@ -1,7 +1,7 @@
 //! How far should a unit go to get the most value per byte?
 
-use super::catalog::Chain;
-use super::rule::Reach;
+use super::catalog::Catalog;
+use super::rule::{Chain, Reach};
 
 /// The bytes and values of one unit's steps, finest first.
 #[derive(Clone, Copy, Debug)]
@@ -106,6 +106,37 @@ impl Curve<'_> {
             return 0;
         }
         u64::from(self.bytes[chosen])
+    }
+}
+
+impl Catalog {
+    /// Rebuilds what is cached for the units that changed and returns how many those were; without
+    /// it the next selection does. About 5 ns a step.
+    pub fn refresh(&mut self) -> usize {
+        let stale = core::mem::take(&mut self.stale);
+        for unit in &stale {
+            let steepest = self
+                .curve(*unit)
+                .steepest(self.level(*unit), self.rule.reach);
+            self.density[*unit as usize] = steepest;
+            self.is_stale[*unit as usize] = false;
+        }
+        let count = stale.len();
+        // Keep the allocation for the next change.
+        self.stale = stale;
+        self.stale.clear();
+        count
+    }
+
+    /// The bytes and values of a unit.
+    pub(super) fn curve(&self, unit: u32) -> Curve<'_> {
+        let steps = self.steps(unit);
+        Curve {
+            chain: self.chain[unit as usize],
+            held: self.level(unit),
+            bytes: &self.bytes[steps.clone()],
+            value: &self.value[steps],
+        }
     }
 }
 

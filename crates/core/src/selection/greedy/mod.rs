@@ -11,14 +11,14 @@
 //! its own, [`Catalog::uniform`].
 //!
 //! ```
-//! use foveal_core::selection::greedy::{CatalogBuilder, Chain, Rule, Stage, Step};
+//! use foveal_core::selection::greedy::{CatalogBuilder, Chain, Rule, Rung, Step};
 //!
 //! let mut builder = CatalogBuilder::default();
 //! let step = |bytes, value| Step { bytes, value };
 //! // Level 0 is the finest; the last step leads away from the coarsest level, always held.
 //! let tile = builder.add(Chain::Refining, &[step(900, 2.0), step(300, 6.0)])?;
 //! let page = builder.add(Chain::Replacing, &[step(500, 8.0)])?;
-//! builder.require(Stage { unit: page, level: 0 }, &[Stage { unit: tile, level: 1 }]);
+//! builder.require(Rung { unit: page, level: 0 }, &[Rung { unit: tile, level: 1 }]);
 //! let mut catalog = builder.build(Rule::default())?;
 //!
 //! catalog.set_values(tile, &[2.5, 7.0]);
@@ -44,8 +44,8 @@ mod uniform;
 mod tests;
 
 pub use build::{CatalogBuilder, CatalogError};
-pub use catalog::{Catalog, Chain, Stage, Step};
+pub use catalog::{Catalog, Rung, Step};
 pub use choices::Choices;
 pub use plan::{Choice, Plan};
-pub use rule::{Misfit, Reach, Rule};
+pub use rule::{Chain, Misfit, Reach, Rule};
 pub use uniform::Uniform;

@@ -1,6 +1,6 @@
 //! What has been chosen so far, and what is left to spend?
 
-use super::catalog::{Catalog, Stage};
+use super::catalog::{Catalog, Rung};
 use super::plan::Choice;
 
 /// A selection on its way.
@@ -29,16 +29,16 @@ impl<'a> Progress<'a> {
     }
 
     /// Whether a stage is held or chosen.
-    pub(super) fn has(&self, stage: Stage) -> bool {
+    pub(super) fn has(&self, stage: Rung) -> bool {
         self.level(stage.unit) <= stage.level
     }
 
     /// Whether going to a stage needs more than the levels of its own unit.
-    pub(super) fn is_blocked(&self, stage: Stage) -> bool {
-        let Stage { unit, level } = stage;
+    pub(super) fn is_blocked(&self, stage: Rung) -> bool {
+        let Rung { unit, level } = stage;
         !self.catalog.needed.is_empty()
             && (level..self.level(unit)).any(|level| {
-                let needed = self.catalog.prerequisites(Stage { unit, level });
+                let needed = self.catalog.prerequisites(Rung { unit, level });
                 needed.iter().any(|needed| !self.has(*needed))
             })
     }

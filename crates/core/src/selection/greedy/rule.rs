@@ -1,4 +1,13 @@
-//! By which rule are steps offered and misfits met?
+//! By which rules do levels cost, are steps offered and misfits met?
+
+/// How the levels of a unit relate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Chain {
+    /// A level adds to the coarser ones: going several levels costs the bytes of all of them.
+    Refining,
+    /// A level replaces the coarser ones: going to it costs its own bytes, whatever is held.
+    Replacing,
+}
 
 /// What happens when the best step does not fit into what is left of the budget.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,11 +1,24 @@
 //! What would be fetched by raising everything in view evenly?
 
-use super::catalog::{Catalog, Stage};
+use super::catalog::{Catalog, Rung};
 use super::closure::closure;
 use super::plan::Choice;
 use super::progress::Progress;
 use super::rule::Misfit;
 use std::collections::VecDeque;
+
+impl Catalog {
+    /// The uniform baseline (UNI): the units that `is_visible` are raised evenly, one level at a
+    /// time, whatever a step is worth.
+    pub fn uniform<F: Fn(u32) -> bool>(
+        &self,
+        budget: u64,
+        misfit: Misfit,
+        is_visible: F,
+    ) -> Uniform<'_, F> {
+        Uniform::new(self, budget, misfit, is_visible)
+    }
+}
 
 /// The uniform baseline (UNI of Chen et al. 2022): of the visible units those at the coarsest level
 /// are raised first, by one level, in the order of their numbers; what a step needs comes with it.
@@ -54,7 +67,7 @@ impl<'a, F: Fn(u32) -> bool> Uniform<'a, F> {
 
     fn raise(&mut self, unit: u32) {
         let level = self.level - 1;
-        let whole = closure(&self.progress, Stage { unit, level });
+        let whole = closure(&self.progress, Rung { unit, level });
         if !whole.is_whole {
             return;
         }

@@ -1,12 +1,12 @@
 //! Is a budget spent on what is worth it, and never passed?
 
 use super::*;
-use crate::asset::cues::Cues;
-use crate::asset::signature::{BandContrast, Signature};
-use crate::asset::tile_grid::Cut;
+use crate::content::video::grid::level_map::pixels;
+use crate::content::video::grid::tile_grid::Cut;
 use crate::gaze::sample::GazeSample;
+use crate::perception::measures::contrast::{BandContrast, Signature};
+use crate::perception::measures::cues::Cues;
 use crate::perception::parameters::{EyeState, Model, Parameters};
-use crate::selection::level_map::pixels;
 use crate::units::{Radians, Seconds};
 use crate::view::axes::{Axes, angle_between};
 use crate::view::eye_view::{EyeView, Field};
@@ -96,6 +96,28 @@ fn a_budget_is_never_passed_and_what_is_shown_was_paid() {
             assert!(refiner.spent() <= budget, "{policy:?} {budget}");
             assert!(shown <= refiner.spent(), "{policy:?} {budget}");
         }
+    }
+}
+
+#[test]
+fn within_a_budget_buying_stops_at_the_target() {
+    for policy in BUDGETED {
+        let bought = |target| {
+            let config = PolicyConfig {
+                target,
+                ..config(policy)
+            };
+            let mut refiner = Refiner::new(grid(), config);
+            let selection = refiner.refine(&Busy, 0, &moment(0.0), Some(10_000_000));
+            (refiner.spent(), selection.levels)
+        };
+        let (all, _) = bought(None);
+        let (some, levels) = bought(Some(9.0));
+        assert!(some < all, "{policy:?}: {some} of {all}");
+        let meter = LossMeter::new(&grid(), &config(policy).perception);
+        let losses = meter.losses(&grid(), &Busy, 0, &moment(0.0));
+        let jod = policy.expectation().jod(losses.pooled(&levels));
+        assert!(jod >= 9.0, "{policy:?}: {jod}");
     }
 }
 

@@ -1,7 +1,7 @@
 //! Does the right frame come on screen, however slow or broken its tiles are?
 
 use super::*;
-use crate::asset::tile_grid::Cut;
+use crate::content::video::grid::tile_grid::Cut;
 use crate::gaze::sample::{GazeSample, HeadPose};
 use crate::perception::parameters::EyeState;
 use crate::units::Radians;

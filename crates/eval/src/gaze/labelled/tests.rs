@@ -147,7 +147,7 @@ fn an_endless_line_is_refused_before_it_is_held() {
 fn a_generated_corpus_of_damaged_files_never_panics() {
     let good = "trial,fs_hz,i,x_px,y_px,coder_A\na,500,0,3,3,1\na,500,1,4,3,2\nb,200,0,4,3,5\n";
     assert!(parse_anything(good.as_bytes()));
-    let mut random = foveal_core::gaze::scan::Random::new(7);
+    let mut random = foveal_core::view::random::Random::new(7);
     let mut refused = 0;
     for _ in 0..5000 {
         let mut bad = good.as_bytes().to_vec();

@@ -4,7 +4,7 @@ use super::*;
 use crate::score::clear::ClearJudge;
 use crate::score::display::Display;
 use crate::score::golden::{Foveation, Golden, scene};
-use crate::score::rules::{Border, Mode, Rules, SensitivityRule};
+use crate::score::rules::{Border, Mode, ScoreRules, SensitivityRule};
 use proptest::prelude::*;
 use sha2::{Digest, Sha256};
 
@@ -13,7 +13,7 @@ const TOLERANCE: f64 = 0.0005;
 /// How far an energy may be off, as a share.
 const ENERGY_TOLERANCE: f64 = 0.001;
 
-fn viewing(golden: &Golden, rules: Rules) -> Viewing {
+fn viewing(golden: &Golden, rules: ScoreRules) -> Viewing {
     let display = Display::named(golden.display).unwrap();
     let foveated = golden.gaze_at(0).is_some();
     Viewing {
@@ -22,7 +22,7 @@ fn viewing(golden: &Golden, rules: Rules) -> Viewing {
     }
 }
 
-fn score(golden: &Golden, rules: Rules, threads: usize) -> Score {
+fn score(golden: &Golden, rules: ScoreRules, threads: usize) -> Score {
     let mut judge = Judge::new(&viewing(golden, rules), threads).unwrap();
     for frame in 0..golden.frames {
         let [reference, test] = golden.pictures(frame).unwrap();
@@ -62,7 +62,7 @@ fn golden_inputs_have_their_published_hashes() {
 #[test]
 fn every_golden_has_its_published_score_and_energies() {
     for golden in Golden::all() {
-        let found = score(golden, Rules::COMPAT, 2);
+        let found = score(golden, ScoreRules::COMPAT, 2);
         assert_near(golden.id, "JOD", found.jod, golden.jod, TOLERANCE);
         let published = golden.sustained.iter().chain(golden.transient);
         let bands = found.bands.iter();
@@ -82,9 +82,9 @@ fn every_golden_has_its_published_score_and_energies() {
 
 #[test]
 fn with_the_right_border_every_golden_has_its_published_score() {
-    let rules = Rules {
+    let rules = ScoreRules {
         border: Border::ByColumns,
-        ..Rules::COMPAT
+        ..ScoreRules::COMPAT
     };
     for golden in Golden::all() {
         let found = score(golden, rules, 2).jod;
@@ -100,9 +100,9 @@ fn with_the_right_border_every_golden_has_its_published_score() {
 
 #[test]
 fn with_the_formula_in_place_of_its_table_every_golden_has_its_published_score() {
-    let rules = Rules {
+    let rules = ScoreRules {
         sensitivity: SensitivityRule::Fine,
-        ..Rules::COMPAT
+        ..ScoreRules::COMPAT
     };
     for golden in Golden::all() {
         let found = score(golden, rules, 2).jod;
@@ -117,7 +117,7 @@ fn with_the_formula_in_place_of_its_table_every_golden_has_its_published_score()
 }
 
 /// The clear score and the mean of its heat map over the frames.
-fn clear(golden: &Golden, rules: Rules) -> (Score, Vec<f64>) {
+fn clear(golden: &Golden, rules: ScoreRules) -> (Score, Vec<f64>) {
     let viewing = viewing(golden, rules);
     let (mut judge, mut pool) = (ClearJudge::new(&viewing), Pool::default());
     let mut heat = vec![0.0; golden.size[0] as usize * golden.size[1] as usize];
@@ -137,7 +137,7 @@ fn clear(golden: &Golden, rules: Rules) -> (Score, Vec<f64>) {
 fn the_fast_path_is_the_clear_one_in_both_modes() {
     for id in ["G1", "G2", "G4", "G9", "G13"] {
         let golden = Golden::named(id).unwrap();
-        for rules in [Rules::COMPAT, Rules::STRICT] {
+        for rules in [ScoreRules::COMPAT, ScoreRules::STRICT] {
             let (wanted, _) = clear(golden, rules);
             let found = score(golden, rules, 1);
             assert_near(id, "JOD", found.jod, wanted.jod, 2e-5);
@@ -182,7 +182,7 @@ fn the_fast_path_is_the_clear_one_for_a_gaze_outside() {
 fn the_clear_text_has_the_published_scores() {
     for id in ["G3", "G4", "G9", "G10", "G11", "G12", "G13", "G15"] {
         let golden = Golden::named(id).unwrap();
-        let (found, _) = clear(golden, Rules::COMPAT);
+        let (found, _) = clear(golden, ScoreRules::COMPAT);
         assert_near(id, "JOD", found.jod, golden.jod, TOLERANCE);
     }
 }
@@ -191,8 +191,8 @@ fn the_clear_text_has_the_published_scores() {
 fn the_heat_map_is_the_clear_one() {
     for id in ["G4", "G9"] {
         let golden = Golden::named(id).unwrap();
-        let (_, wanted) = clear(golden, Rules::COMPAT);
-        let mut judge = Judge::new(&viewing(golden, Rules::COMPAT), 2).unwrap();
+        let (_, wanted) = clear(golden, ScoreRules::COMPAT);
+        let mut judge = Judge::new(&viewing(golden, ScoreRules::COMPAT), 2).unwrap();
         judge.keep_heat();
         for frame in 0..golden.frames {
             let [reference, test] = golden.pictures(frame).unwrap();
@@ -211,7 +211,7 @@ fn the_heat_map_is_the_clear_one() {
 #[test]
 fn the_score_does_not_depend_on_the_number_of_threads_or_on_the_instructions() {
     let golden = Golden::named("G10").unwrap();
-    for rules in [Rules::COMPAT, Rules::STRICT] {
+    for rules in [ScoreRules::COMPAT, ScoreRules::STRICT] {
         let one = score(golden, rules, 1);
         assert_eq!(one, score(golden, rules, 2));
         assert_eq!(one, score(golden, rules, 7));
@@ -229,7 +229,7 @@ fn the_score_does_not_depend_on_the_number_of_threads_or_on_the_instructions() {
 #[test]
 fn foveation_that_is_late_costs_half_a_jod_that_psnr_does_not_see() {
     let [right, late] = ["G9", "G10"].map(|id| Golden::named(id).unwrap());
-    let [a, b] = [right, late].map(|golden| score(golden, Rules::COMPAT, 2).jod);
+    let [a, b] = [right, late].map(|golden| score(golden, ScoreRules::COMPAT, 2).jod);
     assert!((right.psnr_db - late.psnr_db).abs() < 0.1);
     assert!(a - b > 0.5, "{a} {b}");
 }

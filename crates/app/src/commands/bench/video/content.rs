@@ -7,7 +7,7 @@ use crate::report::output::{self, Counting};
 use crate::run::kept_pack::{kept, plan_of, write_pack};
 use anyhow::{Context, bail};
 use clap::ValueEnum;
-use foveal_core::asset::picture::{Colour, Matrix, Picture};
+use foveal_core::view::picture::{Colour, Matrix, Picture};
 use foveal_core::view::surface::Screen;
 use foveal_media::generate::{FRAMES_PER_SECOND, Pan, Scene, Turn};
 use foveal_media::prepare::{PrepareSettings, ProjectionChoice};

@@ -1,7 +1,7 @@
 //! Which policies are compared, and what makes each of them cheaper?
 
+use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::perception::acuity::AcuityModel;
-use foveal_core::selection::policy::{Policy, PolicyConfig};
 use foveal_core::view::surface::Projection;
 
 /// A policy as it is played: a point of a curve.

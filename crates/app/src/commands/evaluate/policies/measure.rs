@@ -1,7 +1,7 @@
 //! What did a policy take over a span of frames, and how good was it?
 
 use crate::run::player::FrameReport;
-use foveal_core::asset::unit::UnitId;
+use foveal_core::pack::unit::UnitId;
 use foveal_eval::score::companion::{Companion, CompanionJudge};
 use foveal_eval::score::pooling::{Pool, Zones};
 use foveal_eval::score::{FrameScore, Judge, ScorePicture, Viewing};

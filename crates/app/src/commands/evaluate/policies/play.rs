@@ -10,7 +10,7 @@ use crate::run::canvas::{Drawing, Showing};
 use crate::run::player::{FrameReport, Player, PlayerOptions};
 use crate::run::source_frames::SourceFrames;
 use anyhow::Context;
-use foveal_core::selection::policy::{Policy, PolicyConfig};
+use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Screen;
 use foveal_eval::score::Viewing;

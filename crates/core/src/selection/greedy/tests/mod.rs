@@ -4,15 +4,15 @@ mod optimum;
 mod paper;
 mod promises;
 
-use super::{Catalog, CatalogBuilder, Chain, Choice, Rule, Stage, Step};
-use crate::gaze::scan::Random;
+use super::{Catalog, CatalogBuilder, Chain, Choice, Rule, Rung, Step};
+use crate::view::random::Random;
 
 /// A unit of a test: its chain, its steps finest first, and what each needs.
 #[derive(Clone, Debug)]
 struct Made {
     chain: Chain,
     steps: Vec<Step>,
-    needed: Vec<Vec<Stage>>,
+    needed: Vec<Vec<Rung>>,
 }
 
 fn build(units: &[Made], rule: Rule) -> Catalog {
@@ -22,7 +22,7 @@ fn build(units: &[Made], rule: Rule) -> Catalog {
     }
     for (number, unit) in (0..).zip(units) {
         for (level, needed) in (0..).zip(&unit.needed) {
-            let stage = Stage {
+            let stage = Rung {
                 unit: number,
                 level,
             };
@@ -59,7 +59,7 @@ fn add_prerequisites(random: &mut Random, units: &mut [Made], share: f64) {
             while random.unit() < share && units[number].needed[level].len() < 4 {
                 let unit = whole(random, number as u32);
                 let other = units[unit as usize].steps.len() as u32;
-                let needed = Stage {
+                let needed = Rung {
                     unit,
                     level: whole(random, other) as u8,
                 };
@@ -80,7 +80,7 @@ fn follow(catalog: &Catalog, choices: &[Choice], budget: u64) -> Vec<u8> {
         assert_eq!(reached[unit as usize], choice.from);
         assert!(choice.level < choice.from);
         for level in choice.level..choice.from {
-            let needed = catalog.prerequisites(Stage { unit, level });
+            let needed = catalog.prerequisites(Rung { unit, level });
             assert!(
                 needed
                     .iter()

@@ -213,12 +213,12 @@ fn small_graphs_of_prerequisites_come_within_five_percent_of_brute_force_on_aver
 
 #[test]
 fn a_worthless_prerequisite_is_paid_for_by_what_needs_it() {
-    let unit = |bytes, value, needed: &[Stage]| Made {
+    let unit = |bytes, value, needed: &[Rung]| Made {
         chain: Chain::Refining,
         steps: vec![Step { bytes, value }],
         needed: vec![needed.to_vec()],
     };
-    let root = Stage { unit: 0, level: 0 };
+    let root = Rung { unit: 0, level: 0 };
     // 12 for 4 bytes together beats 2 a byte, and loses against 4 a byte.
     for (rival, order) in [(2.0, [0, 1, 2]), (4.0, [2, 0, 1])] {
         let units = [

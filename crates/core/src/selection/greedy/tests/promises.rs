@@ -224,7 +224,7 @@ fn uniform_raises_what_is_visible_evenly_whatever_it_is_worth() {
         needed: vec![Vec::new(); levels],
     };
     let mut units = vec![unit(3), unit(3), unit(2), unit(3)];
-    units[3].needed[2].push(Stage { unit: 1, level: 1 });
+    units[3].needed[2].push(Rung { unit: 1, level: 1 });
     let catalog = build(&units, Rule::default());
     let plan: Plan = catalog
         .uniform(65, Misfit::Stop, |unit| unit != 1)

@@ -1,0 +1,8 @@
+//! How pictures are cut into tiles, where cells lie, and which level each is shown at.
+
+pub(crate) mod cells;
+pub mod gather;
+pub mod level_map;
+pub(crate) mod neighbours;
+pub(crate) mod places;
+pub mod tile_grid;

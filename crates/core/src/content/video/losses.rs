@@ -1,0 +1,251 @@
+//! How visible is what each cell loses at each level, and what does a whole picture lose?
+//!
+//! From signatures alone: contrast that the finer steps would add, seen by the eye at that place,
+//! pooled as the judge pools ([`visible_loss`](crate::perception::visible_loss)).
+
+use crate::content::video::grid::level_map::LevelMap;
+use crate::content::video::grid::places::{APART_DEG, CellPlaces, Place, Sighted};
+use crate::content::video::grid::tile_grid::TileGrid;
+use crate::content::video::units::Content;
+use crate::perception::eye::share_of_octave;
+use crate::perception::measures::contrast::{SIGNATURE_BANDS, Signature};
+use crate::perception::moment::Moment;
+use crate::perception::parameters::{EyeState, Model, Parameters};
+use crate::perception::sensitivity_table::SensitivityTable;
+use crate::perception::spread::SpreadTable;
+use crate::perception::visible_loss::{LostOctave, SPACE_EXPONENT, Sensed, SensedTable};
+use crate::units::Radians;
+
+/// Octaves that are looked at, from the finest downwards: to below the judge's lowest band for any
+/// content of up to 700 pixels per degree.
+const MOST_OCTAVES: usize = 10;
+/// Share of the contrast that a step adds in its finest octave that lower ones change by, beyond
+/// those that signatures tell of: what texture leaves behind when it is coded and interpolated.
+/// Fitted by `foveal evaluate targets`.
+const LEAK: f64 = 0.03;
+/// The judge has no band below about this octave: log2 of 0.18 cycles per degree.
+const LOWEST_OCTAVE: f64 = -2.5;
+/// The judge counts the finest octave of the display half, and as an octave finer than it is
+/// (Mantiuk et al. 2021: gains and centre frequencies of the pyramid's bands); these two keep half
+/// an octave more of it, as the fit asks for.
+const FINEST_SHARE: f64 = 0.7;
+const FINEST_OCTAVES_UP: f64 = 0.7;
+
+/// What every cell loses at every level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Losses {
+    cells: usize,
+    /// Sums over the places of a cell of pixels x loss^beta, by level, then by rank of the left
+    /// eye's cell; nothing is lost at level 0.
+    sums: Vec<f64>,
+    /// Pixels of the display that show a cell, by rank; of cells beside the view, that would.
+    pixels: Vec<f64>,
+    /// Whether a cell is in view, by rank. One beside it counts nothing in the whole, but is seen
+    /// fading into the picture if it is too coarse.
+    in_view: Vec<bool>,
+    /// All pixels that show a cell in view.
+    shown: f64,
+}
+
+impl Losses {
+    /// Whether a cell may be shown at `level` where no cell may lose more than `bound`.
+    #[must_use]
+    pub fn is_within(&self, rank: usize, level: u8, bound: f64) -> bool {
+        let sum = self.sums[usize::from(level) * self.cells + rank];
+        sum <= self.pixels[rank] * libm::pow(bound, SPACE_EXPONENT)
+    }
+
+    /// Whether a cell is not in view: what is seen of it is how it fades into the picture, and for
+    /// that it may be one level coarser than it might be in view.
+    #[must_use]
+    pub fn is_beside(&self, rank: usize) -> bool {
+        !self.in_view[rank]
+    }
+
+    /// The quality difference of a picture whose cells are shown at these levels, to the finest.
+    #[must_use]
+    pub fn pooled(&self, shown: &LevelMap) -> f64 {
+        let at = |(rank, level): (usize, &u8)| self.sum(rank, *level);
+        self.quality(shown.levels().iter().enumerate().map(at).sum())
+    }
+
+    /// The quality difference of a sum over all cells.
+    #[must_use]
+    pub(crate) fn quality(&self, sum: f64) -> f64 {
+        if self.shown <= 0.0 {
+            return 0.0;
+        }
+        libm::pow(sum.max(0.0) / self.shown, 1.0 / SPACE_EXPONENT)
+    }
+
+    /// What a cell adds to the sum at a level.
+    #[must_use]
+    pub(crate) fn sum(&self, rank: usize, level: u8) -> f64 {
+        if self.in_view[rank] {
+            self.sums[usize::from(level) * self.cells + rank]
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Finds losses on one grid.
+#[derive(Clone, Debug)]
+pub struct LossMeter {
+    cells: Vec<CellPlaces>,
+    table: SensedTable,
+    parameters: Parameters,
+}
+
+impl LossMeter {
+    /// For an eye of these parameters; the published model of the eye has no losses, so the
+    /// corrected one stands in. Costs some milliseconds and nine directions a cell, once.
+    #[must_use]
+    pub fn new(grid: &TileGrid, parameters: &Parameters) -> Self {
+        let parameters = match parameters.model {
+            Model::Default => *parameters,
+            Model::Paper => Parameters::default(),
+        };
+        let cells = grid.tiles_of(0).map(|cell| CellPlaces::dense(grid, cell));
+        Self {
+            cells: cells.collect(),
+            table: SensedTable::new(&SensitivityTable::new(&parameters, EyeState::Steady)),
+            parameters,
+        }
+    }
+
+    /// The losses of one moment. Costs a few µs a cell in view.
+    #[must_use]
+    pub fn losses(
+        &self,
+        grid: &TileGrid,
+        content: &dyn Content,
+        frame: u32,
+        moment: &Moment,
+    ) -> Losses {
+        let cells = grid.tiles_of_left_eye(0).count();
+        let mut losses = Losses {
+            cells,
+            sums: vec![0.0; cells * usize::from(grid.levels)],
+            pixels: vec![0.0; cells],
+            in_view: vec![false; cells],
+            shown: 0.0,
+        };
+        let spread = SpreadTable::new(moment.gaze.spread);
+        let sighted = Sighted::new(moment);
+        let near = Sighted::up_to(moment, beside(grid));
+        for cell in &self.cells {
+            let mut places: Vec<&Place> = sighted.places(cell).collect();
+            let in_view = !places.is_empty();
+            if !in_view {
+                places.extend(near.places(cell));
+            }
+            if places.is_empty() {
+                continue;
+            }
+            let rank = grid.rank(grid.for_left_eye(cell.cell)) as usize;
+            losses.in_view[rank] |= in_view;
+            let signatures = (0..grid.coarsest()).map(|level| {
+                let unit = content.unit(grid.tile_over(cell.cell, level), frame);
+                content.signature(unit).unwrap_or_default()
+            });
+            let signatures: Vec<Signature> = signatures.collect();
+            let octaves_a_step = grid.ratio.trailing_zeros() as usize;
+            let footprints = places.iter().map(|place| sighted.footprint(place));
+            let footprint = footprints.fold(f64::INFINITY, f64::min);
+            let octaves = lost_octaves(&signatures, octaves_a_step, |step| {
+                drawn_share(step, footprint, octaves_a_step)
+            });
+            for place in places {
+                let pixels = sighted.pixels(place);
+                losses.pixels[rank] += pixels;
+                losses.shown += if in_view { pixels } else { 0.0 };
+                let sensed = self.sensed(&sighted, &spread, moment, place);
+                for (level, octaves) in (1..).zip(&octaves) {
+                    let seen = sensed.iter().zip(octaves).map(|(s, o)| s.difference(o));
+                    let seen: f64 = seen.sum();
+                    if seen > 0.0 {
+                        let loss = libm::pow(seen, SPACE_EXPONENT);
+                        losses.sums[level * cells + rank] += pixels * loss;
+                    }
+                }
+            }
+        }
+        losses
+    }
+
+    /// Sensitivity at a place to every octave, from the finest of level 0 downwards.
+    fn sensed(
+        &self,
+        sighted: &Sighted<'_>,
+        spread: &SpreadTable,
+        moment: &Moment,
+        place: &Place,
+    ) -> [Sensed; MOST_OCTAVES] {
+        let eccentricity = spread.effective(moment.eccentricity(place.direction));
+        let raised = self.parameters.octaves_raised(eccentricity);
+        let display = sighted.display_limit(place);
+        let most = self.parameters.display_limit();
+        let limit = if most < display { most } else { display };
+        let finest = libm::log2(sighted.seen(place).ppd.0 / 4.0);
+        let limit = libm::log2(limit.0);
+        core::array::from_fn(|octave| {
+            let frequency = finest - octave as f64;
+            let share = share_of_octave(limit - frequency);
+            if share == 0.0 || frequency < LOWEST_OCTAVE {
+                return Sensed::default();
+            }
+            // The octave below the limit is the finest.
+            if limit - frequency < 1.5 {
+                let up = frequency + raised + FINEST_OCTAVES_UP;
+                return self.table.at(up, share * FINEST_SHARE);
+            }
+            self.table.at(frequency + raised, share)
+        })
+    }
+}
+
+/// How far beside the view a cell is seen fading into it, or lies in view between its places.
+fn beside(grid: &TileGrid) -> Radians {
+    Radians(grid.fade().0 + Radians::from_degrees(APART_DEG / 2.0).0)
+}
+
+/// How much is drawn of what a step adds, 0 to 1, where a pixel of the display covers `footprint`
+/// level-0 pixels on a side: a view that shows content smaller than it is blends the two levels
+/// about its footprint, and nothing finer.
+fn drawn_share(step: usize, footprint: f64, octaves_a_step: usize) -> f64 {
+    (step as f64 + 1.0 - libm::log2(footprint) / octaves_a_step as f64).clamp(0.0, 1.0)
+}
+
+/// What each level but the finest loses of each octave, from the signatures of its steps, finest
+/// first, and from how much of a step is drawn; a step is `octaves_a_step` octaves.
+fn lost_octaves(
+    signatures: &[Signature],
+    octaves_a_step: usize,
+    drawn: impl Fn(usize) -> f64,
+) -> Vec<[LostOctave; MOST_OCTAVES]> {
+    let mut lost = [0.0; MOST_OCTAVES];
+    let mut whole = [0.0; MOST_OCTAVES];
+    let level = |(step, signature): (usize, &Signature)| {
+        let mut kept = [0.0; MOST_OCTAVES];
+        let first = step * octaves_a_step;
+        let drawn = drawn(step);
+        for (band, octave) in signature.bands.iter().zip(first..MOST_OCTAVES) {
+            // Errors of single steps are of the same detail at different places.
+            lost[octave] = libm::hypot(lost[octave], drawn * band.norm);
+            if step == 0 || octave + octaves_a_step >= first + SIGNATURE_BANDS {
+                whole[octave] = band.after;
+            }
+            kept[octave] = band.before.min(whole[octave]);
+        }
+        let leak = LEAK * drawn * signature.bands[0].norm;
+        for lost in lost.iter_mut().skip(first + SIGNATURE_BANDS) {
+            *lost = libm::hypot(*lost, leak);
+        }
+        core::array::from_fn(|octave| match lost[octave] {
+            0.0 => LostOctave::default(),
+            lost => LostOctave::new(lost, kept[octave]),
+        })
+    };
+    signatures.iter().enumerate().map(level).collect()
+}

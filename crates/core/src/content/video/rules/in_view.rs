@@ -1,0 +1,124 @@
+//! How coarse may a cell be for what a picture shows of it?
+//!
+//! The answer is that of all its probes. Most cells need not be probed: they are out of sight, or
+//! one probe needs the finest level that any place of the cell could.
+
+use crate::content::video::grid::cells::{CellBounds, Probe, corners, level_of_footprint, probes};
+use crate::content::video::grid::level_map::LevelMap;
+use crate::content::video::rules::Rules;
+use crate::perception::moment::Moment;
+use crate::units::{Ppd, Radians};
+use crate::view::axes::angle_between;
+use crate::view::eye_view::EyeView;
+use crate::view::frustum::Frustum;
+
+impl Rules {
+    /// What is in view at the density of the display.
+    pub(super) fn viewport(&self, moment: &Moment) -> LevelMap {
+        let Some(view) = &moment.view else {
+            panic!("the viewport policy chooses by what is in view");
+        };
+        let sight = self.sight(view);
+        let mut cells = self.cells.iter();
+        let mut levels = LevelMap::from_cells(&self.grid, |_| {
+            let level = |bounds| self.shown_level(bounds, view, &sight);
+            cells.next().map_or(self.grid.coarsest(), level)
+        });
+        self.refine_under(view, &mut levels, |probe| self.level_shown(view, probe));
+        levels
+    }
+
+    /// What is in view or so near that a coarse cell there would be seen fading into it.
+    pub(super) fn sight(&self, view: &EyeView) -> Frustum {
+        Frustum::new(view, Radians(self.config.margin.0.max(self.grid.fade().0)))
+    }
+
+    fn level_shown(&self, view: &EyeView, probe: &Probe) -> u8 {
+        level_of_footprint(&self.grid, view.footprint(probe.ppd, probe.direction))
+    }
+
+    /// The level at which the display shows no more of a cell.
+    pub(super) fn shown_level(&self, bounds: &CellBounds, view: &EyeView, sight: &Frustum) -> u8 {
+        if bounds.is_beyond(sight) {
+            return self.grid.coarsest();
+        }
+        let corners = corners(&self.grid, bounds.cell);
+        let floor = level_of_footprint(&self.grid, least_footprint(view, &corners));
+        let finest = |probes: &mut dyn Iterator<Item = Probe>| {
+            let seen = probes.filter(|probe| sight.reaches(probe.direction));
+            seen.map(|probe| self.level_shown(view, &probe)).min()
+        };
+        match finest(&mut corners.into_iter()) {
+            Some(level) if level == floor => level,
+            _ => finest(&mut probes(&self.grid, bounds.cell)).unwrap_or(self.grid.coarsest()),
+        }
+    }
+
+    /// The level of a cell in a window: bounds on the sphere say nothing of angles at the eye, but
+    /// what is not in view, or nearly, is not seen at all.
+    pub(super) fn magnified_level(&self, bounds: &CellBounds, moment: &Moment) -> u8 {
+        let Some(view) = &moment.view else {
+            return self.grid.coarsest();
+        };
+        let sight = self.sight(view);
+        if bounds.is_beyond(&sight) {
+            return self.grid.coarsest();
+        }
+        let floor = self.magnified_floor(bounds, view, moment);
+        if floor == self.grid.coarsest() {
+            return floor;
+        }
+        let nearest = bounds.nearest_probe(&self.grid, moment.gaze.gaze_in_content);
+        if sight.reaches(nearest.direction) && self.allowed_level(moment, &nearest) == floor {
+            return floor;
+        }
+        probes(&self.grid, bounds.cell)
+            .filter(|probe| sight.reaches(probe.direction))
+            .map(|probe| self.allowed_level(moment, &probe))
+            .min()
+            .unwrap_or(self.grid.coarsest())
+    }
+
+    /// No place of a cell is allowed a finer level than this in a window.
+    ///
+    /// On planes, as faces and pictures are, a cell lies within its corners, and so do the angles
+    /// at which it appears.
+    fn magnified_floor(&self, bounds: &CellBounds, view: &EyeView, moment: &Moment) -> u8 {
+        let corners = corners(&self.grid, bounds.cell);
+        let Some(gaze) = view.seen_direction(moment.gaze.gaze_in_content) else {
+            return self.grid.coarsest();
+        };
+        let Some(centre) = view.seen_direction(bounds.centre()) else {
+            return 0;
+        };
+        let mut radius = Radians(0.0);
+        for corner in &corners {
+            match view.seen_direction(corner.direction) {
+                Some(seen) => radius = Radians(radius.0.max(angle_between(centre, seen).0)),
+                None => return 0,
+            }
+        }
+        let nearest = Radians((angle_between(gaze, centre).0 - radius.0 - ROUNDING).max(0.0));
+        let shown = least_footprint(view, &corners);
+        let ppd = shown * view.as_seen().least_ppd().0;
+        let beyond = self.beyond_disc(nearest, &moment.gaze);
+        let footprint = shown.max(ppd / (2.0 * self.config.acuity.best_acuity(beyond).0));
+        let disc = self.disc_footprint(nearest, Ppd(ppd));
+        level_of_footprint(&self.grid, footprint.min(disc) * (1.0 - ROUNDING))
+    }
+}
+
+/// What bounds and probes of the same place may differ by.
+const ROUNDING: f64 = 1e-7;
+
+/// No place between these has fewer level-0 pixels under a pixel of the display.
+///
+/// Densities of a face and of a picture are those of two planes, whose ratio is linear along the
+/// face: least at a corner. Beside the picture its density counts as at its border, and is less.
+fn least_footprint(view: &EyeView, corners: &[Probe; 4]) -> f64 {
+    let on_plane = |probe: &Probe| {
+        let depth = probe.direction.dot(view.axes.forward);
+        probe.ppd.0 * depth / view.least_ppd().0
+    };
+    corners.iter().map(on_plane).fold(f64::MAX, f64::min)
+}

@@ -1,0 +1,368 @@
+//! Which level does each policy give each part of the picture?
+
+use crate::content::policy::{EdgeRule, Policy, PolicyConfig};
+use crate::content::video::grid::cells::{
+    CellBounds, Probe, level_of_footprint, probes, probes_under,
+};
+use crate::content::video::grid::level_map::LevelMap;
+use crate::content::video::grid::neighbours::neighbours;
+use crate::content::video::grid::tile_grid::{Tile, TileGrid};
+use crate::content::video::rules::distance::{acuity_thresholds, angle_to_cell, distance_levels};
+use crate::content::video::units::Content;
+use crate::gaze::sample::GazeSample;
+use crate::perception::acuity::AcuityModel;
+use crate::perception::moment::Moment;
+use crate::units::{Ppd, Radians};
+use crate::view::axes::{angle_between, direction_between};
+use crate::view::eye_view::EyeView;
+use crate::view::frustum::Frustum;
+use crate::view::surface::Projection;
+use glam::DVec3;
+
+pub mod distance;
+pub mod steady;
+pub mod target;
+
+/// What was chosen for one frame: the same for both eyes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Selection {
+    /// The level at which each cell is shown.
+    pub levels: LevelMap,
+    /// The tiles that takes, coarsest first.
+    pub tiles: Vec<Tile>,
+}
+
+/// Chooses levels on one grid by one policy.
+#[derive(Clone, Debug)]
+pub struct Rules {
+    grid: TileGrid,
+    config: PolicyConfig,
+    cells: Vec<CellBounds>,
+    thresholds: Vec<Radians>,
+}
+
+impl Rules {
+    /// A selector; costs 81 directions a cell, once.
+    #[must_use]
+    pub fn new(grid: TileGrid, config: PolicyConfig) -> Self {
+        let cells = grid
+            .tiles_of_left_eye(0)
+            .map(|cell| CellBounds::new(&grid, cell))
+            .collect();
+        let thresholds = if config.thresholds.is_empty() {
+            acuity_thresholds(&grid, &config.acuity)
+        } else {
+            config.thresholds.clone()
+        };
+        Self {
+            grid,
+            config,
+            cells,
+            thresholds,
+        }
+    }
+
+    /// From now on chooses for another eye, as far as `acuity` does.
+    pub(crate) fn set_acuity(&mut self, acuity: AcuityModel) {
+        self.config.acuity = acuity;
+    }
+
+    /// The grid it chooses on.
+    #[must_use]
+    pub fn grid(&self) -> &TileGrid {
+        &self.grid
+    }
+
+    /// The choice for one moment, without content. A pure function; about 1 ms for a 16K cube under
+    /// `acuity`.
+    ///
+    /// # Panics
+    /// `viewport` needs a view, and a noise threshold content: see [`Self::select_of`].
+    #[must_use]
+    pub fn select(&self, moment: &Moment) -> Selection {
+        self.select_of(None, 0, moment)
+    }
+
+    /// [`Self::select`] for a frame of content, whose cues tell which cells are noisy.
+    ///
+    /// # Panics
+    /// `viewport` needs a view, and a noise threshold content with cues.
+    #[must_use]
+    pub fn select_of(
+        &self,
+        content: Option<&dyn Content>,
+        frame: u32,
+        moment: &Moment,
+    ) -> Selection {
+        let mut levels = self.levels_of(content, frame, moment, |_| true);
+        let tiles = levels.cover(&self.grid);
+        Selection { levels, tiles }
+    }
+
+    /// The level that each cell needs; the tiles that show it may be finer. Cells whose rank is not
+    /// `asked` for may get any level.
+    pub(crate) fn levels_of(
+        &self,
+        content: Option<&dyn Content>,
+        frame: u32,
+        moment: &Moment,
+        asked: impl Fn(usize) -> bool,
+    ) -> LevelMap {
+        match self.config.policy {
+            Policy::Full => LevelMap::filled(&self.grid, 0),
+            Policy::Coarsest => LevelMap::filled(&self.grid, self.grid.coarsest()),
+            Policy::Viewport => self.viewport(moment),
+            Policy::Grid => self.kastner_grid(content, frame, &moment.gaze),
+            Policy::Distance | Policy::Sampled => self.by_distance(moment),
+            Policy::Acuity => self.acuity(moment, asked),
+            Policy::Uniform | Policy::Eccentricity | Policy::Perceptual => {
+                panic!(
+                    "{:?} spends a budget: a Refiner chooses",
+                    self.config.policy
+                )
+            }
+        }
+    }
+
+    /// The selector of a viewer who may look up to `slack` beside where the gaze is: its levels are
+    /// as fine or finer. What `acuity` makes of it, it takes from the moment's spread.
+    pub(crate) fn loosened(&self, slack: Radians) -> Self {
+        let wider = |angle: Radians| Radians(angle.0 + slack.0);
+        let mut loose = self.clone();
+        loose.thresholds = self.thresholds.iter().copied().map(wider).collect();
+        loose.config.margin = wider(self.config.margin);
+        // A single cell under the gaze becomes all that the gaze is near.
+        loose.config.edge_margin = wider(match self.config.edge_rule {
+            EdgeRule::Conservative => self.config.edge_margin,
+            EdgeRule::Single => Radians(0.0),
+        });
+        loose.config.edge_rule = EdgeRule::Conservative;
+        loose
+    }
+
+    /// Refines the cells that a window looks at, which may show less than the space between two
+    /// probes of a cell.
+    fn refine_under(&self, view: &EyeView, levels: &mut LevelMap, level_at: impl Fn(&Probe) -> u8) {
+        if view.field.at_eye.is_none() {
+            return;
+        }
+        for (cell, probe) in probes_under(&self.grid, view) {
+            levels.refine(&self.grid, cell, level_at(&probe));
+        }
+    }
+
+    /// An acuity matrix by neighbourhood (Kastner 2016, framework 2, section 4.2).
+    fn kastner_grid(
+        &self,
+        content: Option<&dyn Content>,
+        frame: u32,
+        gaze: &GazeSample,
+    ) -> LevelMap {
+        let grid = &self.grid;
+        let mut levels = LevelMap::filled(grid, grid.coarsest());
+        let middle = grid.levels / 2;
+        let finest = self.cells_at_gaze(gaze.gaze_in_content);
+        for cell in &finest {
+            levels.refine(grid, *cell, 0);
+            neighbours(grid, *cell)
+                .into_iter()
+                .for_each(|next| levels.refine(grid, next, middle));
+        }
+        let lowest = |cell: &Tile| levels.level(grid, *cell) == grid.coarsest();
+        let counted = grid.tiles_of_left_eye(0).filter(lowest);
+        let mut noisy: Vec<Tile> = counted.take(self.config.noisy_cells as usize).collect();
+        if let Some(threshold) = self.config.noise_threshold {
+            let above = |cell: &Tile| rgb_variance(content, *cell, frame) > threshold;
+            noisy.extend(grid.tiles_of(0).filter(above));
+        }
+        noisy
+            .into_iter()
+            .for_each(|cell| levels.refine(grid, cell, middle));
+        levels
+    }
+
+    /// Framework 1 of Kastner 2016, section 4.1.3.
+    fn by_distance(&self, moment: &Moment) -> LevelMap {
+        let gaze = moment.gaze.gaze_in_content;
+        let view = moment.view.as_ref();
+        distance_levels(&self.grid, &self.cells, &self.thresholds, gaze, view)
+    }
+
+    fn cells_at_gaze(&self, gaze: DVec3) -> Vec<Tile> {
+        let surface = &self.grid.surface;
+        let under = surface.locate(gaze);
+        let under = under.map(|(face, place)| self.grid.cell_at(face, place));
+        if under.is_none() && surface.projection == Projection::Flat {
+            return Vec::new();
+        }
+        match self.config.edge_rule {
+            EdgeRule::Single => under.into_iter().collect(),
+            EdgeRule::Conservative => {
+                let margin = self.config.edge_margin.0 + 1e-9;
+                let near = |cell: &Tile| angle_to_cell(&self.grid, *cell, gaze).0 <= margin;
+                let cells = self.grid.tiles_of_left_eye(0);
+                let mut cells: Vec<Tile> = cells.filter(near).collect();
+                if cells.is_empty() {
+                    cells.extend(under);
+                }
+                cells
+            }
+        }
+    }
+
+    fn acuity(&self, moment: &Moment, asked: impl Fn(usize) -> bool) -> LevelMap {
+        let mut cells = self.cells.iter().enumerate();
+        let sight = moment.view.as_ref().map(|view| (view, self.sight(view)));
+        let mut levels = LevelMap::from_cells(&self.grid, |_| match cells.next() {
+            Some((rank, bounds)) if asked(rank) => {
+                let level = self.acuity_level(bounds, moment);
+                match &sight {
+                    Some(sight) if !moment.is_magnified() => {
+                        level.max(self.most_shown(bounds, moment, sight))
+                    }
+                    _ => level,
+                }
+            }
+            _ => self.grid.coarsest(),
+        });
+        if let Some(view) = &moment.view {
+            self.refine_under(view, &mut levels, |probe| self.allowed_level(moment, probe));
+        }
+        levels
+    }
+
+    /// The finest level of a cell that `viewport` would show; the safety disc is exempt.
+    fn most_shown(
+        &self,
+        bounds: &CellBounds,
+        moment: &Moment,
+        (view, sight): &(&EyeView, Frustum),
+    ) -> u8 {
+        let nearest = bounds.least_eccentricity(moment.gaze.gaze_in_content);
+        let disc = self.disc_footprint(nearest, bounds.least_ppd());
+        let shown = self.shown_level(bounds, view, sight);
+        shown.min(level_of_footprint(&self.grid, disc))
+    }
+
+    fn acuity_level(&self, bounds: &CellBounds, moment: &Moment) -> u8 {
+        let gaze = &moment.gaze;
+        if moment.is_magnified() {
+            return self.magnified_level(bounds, moment);
+        }
+        let floor = |nearest| self.floor_level(bounds, nearest, moment);
+        if floor(bounds.least_eccentricity(gaze.gaze_in_content)) == self.grid.coarsest() {
+            return self.grid.coarsest();
+        }
+        let nearest = bounds.nearest_probe(&self.grid, gaze.gaze_in_content);
+        let found = self.allowed_level(moment, &nearest);
+        let eccentricity = moment.eccentricity(nearest.direction).0 - CellBounds::NEAREST_WITHIN.0;
+        if floor(Radians(eccentricity.max(0.0))) == found {
+            return found;
+        }
+        probes(&self.grid, bounds.cell)
+            .map(|probe| self.allowed_level(moment, &probe))
+            .min()
+            .unwrap_or(0)
+    }
+
+    /// No place of a cell at `nearest` or farther from the gaze is allowed a finer level than this.
+    fn floor_level(&self, bounds: &CellBounds, nearest: Radians, moment: &Moment) -> u8 {
+        let ppd = bounds.least_ppd();
+        let best = self
+            .config
+            .acuity
+            .best_acuity(self.beyond_disc(nearest, &moment.gaze));
+        let display = moment.view.filter(|_| self.turns(moment));
+        let limit = display.map_or(0.0, |view| ppd.0 / view.most_ppd().0);
+        let footprint = (ppd.0 / (2.0 * best.0)).max(limit);
+        level_of_footprint(&self.grid, footprint.min(self.disc_footprint(nearest, ppd)))
+    }
+
+    fn allowed_level(&self, moment: &Moment, probe: &Probe) -> u8 {
+        let footprint = self.acuity_footprint(moment, probe);
+        level_of_footprint(&self.grid, footprint.max(self.display_limit(moment, probe)))
+    }
+
+    /// Level-0 pixels that a texel may span at a place before this eye could tell: the density of
+    /// the content over twice the highest frequency that is resolved there.
+    ///
+    /// Eccentricity counts from the edge of the safety disc and the gaze's spread: whoever is off
+    /// by that much still sees no coarser texel than the model allows.
+    fn acuity_footprint(&self, moment: &Moment, probe: &Probe) -> f64 {
+        let Some([gaze, direction]) = moment.seen([moment.gaze.gaze_in_content, probe.direction])
+        else {
+            return f64::MAX;
+        };
+        let ppd = seen_ppd(moment, probe);
+        let eccentricity = angle_between(gaze, direction);
+        let beyond = self.beyond_disc(eccentricity, &moment.gaze);
+        let disc = self.disc_footprint(eccentricity, ppd);
+        // The nearest direction to the gaze that an eye off by the disc's radius could look along.
+        let toward = toward(gaze, direction, eccentricity, beyond);
+        let acuity = self.config.acuity.acuity(toward, direction);
+        (ppd.0 / (2.0 * acuity.0)).min(disc)
+    }
+
+    fn beyond_disc(&self, eccentricity: Radians, gaze: &GazeSample) -> Radians {
+        Radians((eccentricity.0 - self.config.safety_disc.0 - gaze.spread.0).max(0.0))
+    }
+
+    /// The footprint that keeps the safety disc at the finest level: 1 inside, and outside no more
+    /// than the reconstruction can fade from before it reaches the disc.
+    fn disc_footprint(&self, eccentricity: Radians, ppd: Ppd) -> f64 {
+        let disc = self.config.safety_disc;
+        if disc.0 <= 0.0 {
+            return f64::MAX;
+        }
+        let outside = Radians((eccentricity.0 - disc.0).max(0.0)).to_degrees();
+        1.0 + outside * ppd.0 / self.grid.blend_pixels()
+    }
+
+    /// Whether the picture turns with a head inside the content.
+    fn turns(&self, moment: &Moment) -> bool {
+        self.grid.surface.projection == Projection::Cube && !moment.is_magnified()
+    }
+
+    /// The footprint under which the display shows no difference; the safety disc is exempt. On a
+    /// sphere that of the display's densest corner, so that a head that nods under a steady eye
+    /// changes nothing.
+    fn display_limit(&self, moment: &Moment, probe: &Probe) -> f64 {
+        let eccentricity = moment.eccentricity(probe.direction);
+        let limit = moment.view.map_or(0.0, |view| match self.turns(moment) {
+            true => probe.ppd.0 / view.most_ppd().0,
+            false => view.footprint(probe.ppd, probe.direction),
+        });
+        limit.min(self.disc_footprint(eccentricity, seen_ppd(moment, probe)))
+    }
+}
+
+/// Mean variance of red, green and blue of a cell over the group of a frame, in squared code
+/// values: the variance determinant of Kastner 2016, section 4.2.1. Cues tell its root.
+fn rgb_variance(content: Option<&dyn Content>, cell: Tile, frame: u32) -> f64 {
+    let cues = content.and_then(|content| content.cues(content.unit(cell, frame)));
+    assert!(cues.is_some(), "a noise threshold was given no cues");
+    cues.map_or(0.0, |cues| cues.deviation * cues.deviation)
+}
+
+/// The direction on the way from `gaze` to `direction` that is `left` from the latter.
+fn toward(gaze: DVec3, direction: DVec3, eccentricity: Radians, left: Radians) -> DVec3 {
+    if left >= eccentricity {
+        return gaze;
+    }
+    if left.0 <= 0.0 {
+        return direction;
+    }
+    direction_between(gaze, direction, 1.0 - left.0 / eccentricity.0)
+}
+
+/// Density of the content at the eye, in the direction of a probe.
+fn seen_ppd(moment: &Moment, probe: &Probe) -> Ppd {
+    let view = moment.view.as_ref();
+    view.map_or(probe.ppd, |view| view.seen_ppd(probe.ppd, probe.direction))
+}
+
+mod in_view;
+#[cfg(test)]
+mod in_view_tests;
+#[cfg(test)]
+mod tests;

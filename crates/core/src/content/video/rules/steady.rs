@@ -1,0 +1,215 @@
+//! When does a level that is shown give way to a coarser one?
+//!
+//! A gaze that stays is never still: it trembles and drifts, and a tracker adds its noise. Levels
+//! that followed it would flicker wherever it rests near a border. So a cell becomes finer as soon
+//! as it must, and coarser only when it need not be that fine for a gaze anywhere within a small
+//! angle of where it is (a Schmitt trigger in space).
+
+use crate::content::policy::PolicyConfig;
+use crate::content::video::grid::level_map::LevelMap;
+use crate::content::video::grid::tile_grid::TileGrid;
+use crate::content::video::rules::{Rules, Selection};
+use crate::content::video::units::Content;
+use crate::perception::acuity::AcuityModel;
+use crate::perception::moment::Moment;
+use crate::units::Radians;
+
+/// A rule that remembers what it showed.
+#[derive(Clone, Debug)]
+pub struct SteadySelector {
+    exact: Rules,
+    loose: Rules,
+    slack: Radians,
+    before: Option<LevelMap>,
+}
+
+impl SteadySelector {
+    /// The rule of a policy, as steady as it asks for.
+    #[must_use]
+    pub fn new(grid: TileGrid, config: PolicyConfig) -> Self {
+        let slack = config.steadiness;
+        let exact = Rules::new(grid, config);
+        Self {
+            loose: exact.loosened(slack),
+            exact,
+            slack,
+            before: None,
+        }
+    }
+
+    /// The rule without its memory.
+    #[must_use]
+    pub(crate) fn exact(&self) -> &Rules {
+        &self.exact
+    }
+
+    /// From now on chooses for another eye.
+    pub(crate) fn set_acuity(&mut self, acuity: AcuityModel) {
+        self.exact.set_acuity(acuity);
+        self.loose.set_acuity(acuity);
+    }
+
+    /// The choice for one moment, after those before. Costs at most twice a
+    /// [`Rules::select_of`].
+    ///
+    /// # Panics
+    /// As [`Rules::select_of`].
+    pub fn select(
+        &mut self,
+        content: Option<&dyn Content>,
+        frame: u32,
+        moment: &Moment,
+    ) -> Selection {
+        let grid = *self.exact.grid();
+        let mut levels = self.exact.levels_of(content, frame, moment, |_| true);
+        if self.slack.0 > 0.0 {
+            if let Some(before) = &self.before {
+                let mut stray = *moment;
+                stray.gaze.spread = Radians(stray.gaze.spread.0 + self.slack.0);
+                let [was, is] = [before, &levels].map(LevelMap::levels);
+                let coarser: Vec<bool> = was.iter().zip(is).map(|(was, is)| was < is).collect();
+                let enough = self
+                    .loose
+                    .levels_of(content, frame, &stray, |rank| coarser[rank]);
+                for (rank, _) in (0..).zip(&coarser).filter(|(_, coarser)| **coarser) {
+                    let cell = grid.tile_at(0, rank);
+                    let kept = before.level(&grid, cell).max(enough.level(&grid, cell));
+                    levels.refine(&grid, cell, kept);
+                }
+            }
+            self.before = Some(levels.clone());
+        }
+        let tiles = levels.cover(&grid);
+        Selection { levels, tiles }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::content::policy::Policy;
+    use crate::content::video::grid::tile_grid::{Cut, Tile};
+    use crate::gaze::sample::{GazeSample, HeadPose};
+    use crate::perception::parameters::EyeState;
+    use crate::units::Seconds;
+    use crate::view::axes::angle_between;
+    use crate::view::eye_view::{EyeView, Field};
+    use crate::view::random::Random;
+    use crate::view::surface::{Eye, Surface};
+
+    const RULES: [Policy; 5] = [
+        Policy::Viewport,
+        Policy::Grid,
+        Policy::Distance,
+        Policy::Sampled,
+        Policy::Acuity,
+    ];
+
+    fn sphere() -> TileGrid {
+        TileGrid::new(Surface::cube(1024), Cut::Tile(64), 5, 2).unwrap()
+    }
+
+    /// A gaze and a head, each at a yaw and a pitch in degrees.
+    fn moment(gaze: [f64; 2], head: [f64; 2]) -> Moment {
+        let [yaw, pitch] = gaze.map(Radians::from_degrees);
+        let [head_yaw, head_pitch] = head.map(Radians::from_degrees);
+        let head = HeadPose {
+            yaw: head_yaw,
+            pitch: head_pitch,
+            roll: Radians(0.0),
+        };
+        let size = [1600, 1000];
+        Moment {
+            gaze: GazeSample::at(Seconds(0.0), yaw, pitch),
+            view: Some(EyeView {
+                axes: head.axes(),
+                field: Field::across(Radians::from_degrees(100.0), size),
+                size,
+                eye: Eye::Left,
+            }),
+            state: EyeState::Steady,
+        }
+    }
+
+    #[test]
+    fn a_gaze_that_trembles_at_a_corner_of_tiles_settles() {
+        for policy in RULES {
+            let mut steady = SteadySelector::new(sphere(), PolicyConfig::new(policy));
+            let mut random = Random::new(5);
+            let mut tremble = || [0, 1].map(|_| 0.6 * (random.unit() - 0.5));
+            let mut shown = Vec::new();
+            for _ in 0..400 {
+                let chosen = steady.select(None, 0, &moment(tremble(), [0.0; 2]));
+                shown.push(chosen.levels);
+            }
+            let last = &shown[399];
+            assert!(
+                shown[200..].iter().all(|levels| levels == last),
+                "{policy:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn without_steadiness_that_gaze_flickers() {
+        let config = PolicyConfig {
+            steadiness: Radians(0.0),
+            ..PolicyConfig::new(Policy::Grid)
+        };
+        let mut rule = SteadySelector::new(sphere(), config);
+        let [left, right] = [-0.3, 0.3].map(|yaw| moment([yaw, 0.1], [0.0; 2]));
+        let first = rule.select(None, 0, &left);
+        assert_ne!(rule.select(None, 0, &right), first);
+        assert_eq!(rule.select(None, 0, &left), first);
+    }
+
+    #[test]
+    fn a_nodding_head_under_a_steady_eye_changes_no_level() {
+        for policy in [Policy::Grid, Policy::Acuity] {
+            let mut steady = SteadySelector::new(sphere(), PolicyConfig::new(policy));
+            let grid = sphere();
+            let gaze = moment([12.0, -7.0], [0.0; 2]).gaze.gaze_in_content;
+            // What leaves the view becomes coarse under acuity.
+            let near = |cell: &Tile| {
+                let apart = angle_between(grid.centre(*cell), gaze).to_degrees();
+                policy == Policy::Grid || apart < 15.0
+            };
+            let near: Vec<Tile> = grid.tiles_of_left_eye(0).filter(near).collect();
+            let mut at = |pitch: f64| {
+                let head = [0.3 * pitch, pitch];
+                let levels = steady.select(None, 0, &moment([12.0, -7.0], head)).levels;
+                let level = |cell: &Tile| levels.level(&grid, *cell);
+                near.iter().map(level).collect::<Vec<u8>>()
+            };
+            let first = at(0.0);
+            for step in 0..60 {
+                let pitch = 15.0 * libm::sin(f64::from(step) * 0.4);
+                assert_eq!(at(pitch), first, "{policy:?} at {pitch}");
+            }
+        }
+    }
+
+    #[test]
+    fn levels_are_never_coarser_than_the_rule_and_a_jump_leaves_nothing_behind() {
+        for policy in RULES {
+            let config = PolicyConfig::new(policy);
+            let rule = Rules::new(sphere(), config.clone());
+            let mut steady = SteadySelector::new(sphere(), config);
+            let grid = sphere();
+            let _ = steady.select(None, 0, &moment([0.0; 2], [0.0; 2]));
+            let far = moment([150.0, 10.0], [150.0, 10.0]);
+            let needed = rule.levels_of(None, 0, &far, |_| true);
+            let jumped = steady.select(None, 0, &far);
+            for cell in grid.tiles_of(0) {
+                assert!(jumped.levels.level(&grid, cell) <= needed.level(&grid, cell));
+            }
+            // Nothing near the old gaze stays finer than a gaze that strays would have it.
+            let front = grid.cell_at(0, [512.0, 512.0]);
+            assert_eq!(
+                jumped.levels.level(&grid, front),
+                grid.coarsest(),
+                "{policy:?}"
+            );
+        }
+    }
+}

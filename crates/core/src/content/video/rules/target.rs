@@ -1,0 +1,234 @@
+//! Which levels keep a score?
+//!
+//! A rule has one free number: the visible loss that no cell may pass (`perceptual`), or the slope
+//! by which acuity falls off (`acuity`). It is the largest at which the picture in view is expected
+//! to keep the score, by the signatures of what is in view.
+
+use crate::content::calibration::{Expectation, slope_for};
+use crate::content::policy::{Policy, PolicyConfig};
+use crate::content::video::grid::level_map::LevelMap;
+use crate::content::video::grid::tile_grid::TileGrid;
+use crate::content::video::losses::{LossMeter, Losses};
+use crate::content::video::rules::Selection;
+use crate::content::video::rules::steady::SteadySelector;
+use crate::content::video::units::Content;
+use crate::pack::unit::UnitId;
+use crate::perception::acuity::AcuityModel;
+use crate::perception::moment::Moment;
+use crate::perception::visible_loss::BEST_JOD;
+use crate::units::Radians;
+use crate::view::axes::angle_between;
+use crate::view::eye_view::EyeView;
+use glam::DVec3;
+
+/// Steps of the bound for each doubling.
+const BOUND_STEPS: f64 = 4.0;
+/// Steps of the slope for each doubling: each costs a choice of every cell's level, and tiles are
+/// too large to follow finer ones.
+const SLOPE_STEPS: f64 = 2.0;
+/// Share of what the target allows to lose that must be lost before another number is looked for:
+/// what is good enough stays as it is.
+const LEAST_LOST: f64 = 0.5;
+/// A cell becomes coarser when it would lose less than this share of what it may lose.
+const COARSER_BELOW: f64 = 0.7;
+/// How far the gaze may go before levels are chosen anew, over the steadiness that is asked for.
+const ANEW: f64 = 0.5;
+/// How far gaze and spread may go before a slope is looked for anew, in degrees: the fovea's
+/// radius. Levels follow the eye at every moment; only the slope waits.
+const SLOPE_ANEW_DEG: f64 = 2.5;
+/// How far the head may turn until then: a seventh of a view that is 100° wide is another.
+const SLOPE_ANEW_HEAD_DEG: f64 = 15.0;
+/// The least slope that is tried, over the one by which content of unknown texture keeps the score:
+/// signatures know one content from another, and less of how the judge takes one.
+const LEAST_SLOPE: f64 = 0.7;
+/// Slopes that are tried.
+const SLOPES: u32 = 8;
+/// Bounds that are tried: this many steps below and above the loss of the target.
+const BOUNDS: u32 = 40;
+
+/// Chooses levels for a score, frame after frame.
+#[derive(Clone, Debug)]
+pub struct TargetSelector {
+    grid: TileGrid,
+    config: PolicyConfig,
+    target: f64,
+    meter: LossMeter,
+    /// Under `acuity`: the rule, whose slope follows.
+    rule: Option<SteadySelector>,
+    before: Option<Chosen>,
+}
+
+/// What was chosen last, and for what.
+#[derive(Clone, Debug)]
+struct Chosen {
+    moment: Moment,
+    /// A unit of the group that it was chosen for.
+    group: UnitId,
+    step: u32,
+    selection: Selection,
+}
+
+impl TargetSelector {
+    /// For a policy with a target; `None` where the policy has none, or no use for it.
+    #[must_use]
+    pub fn new(grid: &TileGrid, config: &PolicyConfig) -> Option<Self> {
+        let target = config.target?;
+        let rule = match config.policy {
+            Policy::Perceptual => None,
+            Policy::Acuity => Some(SteadySelector::new(*grid, config.clone())),
+            _ => return None,
+        };
+        Some(Self {
+            grid: *grid,
+            target,
+            meter: LossMeter::new(grid, &config.perception),
+            rule,
+            config: config.clone(),
+            before: None,
+        })
+    }
+
+    /// The choice for one moment, after those before.
+    pub fn select(&mut self, content: &dyn Content, frame: u32, moment: &Moment) -> Selection {
+        let group = content.unit(self.grid.tile_at(0, 0), frame);
+        let of_group = self.before.as_ref().filter(|before| before.group == group);
+        let still = self.before.as_ref();
+        let still = still.filter(|before| self.is_still(&before.moment, moment));
+        if let Some(before) = of_group {
+            match &mut self.rule {
+                Some(rule) if keeps_slope(&before.moment, moment) => {
+                    return rule.select(Some(content), frame, moment);
+                }
+                None if still.is_some() => return before.selection.clone(),
+                _ => {}
+            }
+        }
+        // An eye that trembles is taken to look where it did before.
+        let looked = still.map_or(*moment, |before| before.moment);
+        let losses = self.meter.losses(&self.grid, content, frame, &looked);
+        let (step, selection) = match self.rule.take() {
+            Some(mut rule) => {
+                let step = self.slope(&rule, &losses, &looked);
+                rule.set_acuity(slope_of(self.target, step));
+                let selection = rule.select(Some(content), frame, moment);
+                self.rule = Some(rule);
+                (step, selection)
+            }
+            None => self.by_bound(&losses),
+        };
+        self.before = Some(Chosen {
+            moment: looked,
+            group,
+            step,
+            selection: selection.clone(),
+        });
+        selection
+    }
+
+    /// Whether what was chosen still serves.
+    fn is_still(&self, before: &Moment, moment: &Moment) -> bool {
+        let [was, is] = [before, moment].map(|moment| moment.gaze.gaze_in_content);
+        let still = Radians(self.config.steadiness.0 * ANEW);
+        before.view == moment.view
+            && before.gaze.spread == moment.gaze.spread
+            && angle_between(was, is) <= still
+    }
+
+    /// The slope by which acuity falls off.
+    fn slope(&self, rule: &SteadySelector, losses: &Losses, moment: &Moment) -> u32 {
+        let mut exact = rule.exact().clone();
+        self.largest(SLOPES, |step| {
+            exact.set_acuity(slope_of(self.target, step));
+            Expectation::Elsewise.jod(losses.pooled(&exact.select(moment).levels))
+        })
+    }
+
+    /// Every cell takes the coarsest level whose loss stays within a bound.
+    fn by_bound(&self, losses: &Losses) -> (u32, Selection) {
+        let step = self.largest(2 * BOUNDS, |step| {
+            let mut levels = self.bounded(losses, bound_of(self.target, step), None);
+            let _ = levels.cover(&self.grid);
+            Expectation::ByLoss.jod(losses.pooled(&levels))
+        });
+        let before = self.before.as_ref().map(|before| &before.selection.levels);
+        let mut levels = self.bounded(losses, bound_of(self.target, step), before);
+        let tiles = levels.cover(&self.grid);
+        (step, Selection { levels, tiles })
+    }
+
+    /// Levels within a bound; a cell that was finer becomes coarser only when that is clearly
+    /// enough.
+    fn bounded(&self, losses: &Losses, bound: f64, before: Option<&LevelMap>) -> LevelMap {
+        let coarsest = self.grid.coarsest();
+        let allowed = |rank: usize, bound: f64| {
+            let mut levels = (1..=coarsest).rev();
+            let within = levels.find(|level| losses.is_within(rank, *level, bound));
+            let more = u8::from(losses.is_beside(rank));
+            coarsest.min(within.unwrap_or(0) + more)
+        };
+        LevelMap::from_cells(&self.grid, |cell| {
+            let rank = self.grid.rank(cell) as usize;
+            let level = allowed(rank, bound);
+            match before.map(|before| before.level(&self.grid, cell)) {
+                Some(was) if was < level => was.max(allowed(rank, bound * COARSER_BELOW)),
+                _ => level,
+            }
+        })
+    }
+
+    /// The largest of `count` steps at which the score is expected to be kept; that of before as
+    /// long as it is good enough.
+    fn largest(&self, count: u32, mut expected: impl FnMut(u32) -> f64) -> u32 {
+        if let Some(before) = &self.before {
+            let still = expected(before.step);
+            let most = BEST_JOD - LEAST_LOST * (BEST_JOD - self.target);
+            if (self.target..=most).contains(&still) {
+                return before.step;
+            }
+        }
+        let (mut enough, mut too_far) = (0, count);
+        while too_far - enough > 1 {
+            let middle = enough.midpoint(too_far);
+            if expected(middle) >= self.target {
+                enough = middle;
+            } else {
+                too_far = middle;
+            }
+        }
+        enough
+    }
+}
+
+/// Whether eye and head are still so near to where a slope was found that it serves.
+fn keeps_slope(before: &Moment, moment: &Moment) -> bool {
+    let within = |a: DVec3, b: DVec3, degrees| angle_between(a, b).to_degrees() <= degrees;
+    let [was, is] = [before, moment].map(|moment| &moment.gaze);
+    let views_agree = match (&before.view, &moment.view) {
+        (Some(was), Some(is)) => {
+            let turned = EyeView {
+                axes: is.axes,
+                ..*was
+            };
+            turned == *is
+                && within(was.axes.forward, is.axes.forward, SLOPE_ANEW_HEAD_DEG)
+                && within(was.axes.right, is.axes.right, SLOPE_ANEW_HEAD_DEG)
+        }
+        (was, is) => was == is,
+    };
+    views_agree
+        && within(was.gaze_in_content, is.gaze_in_content, SLOPE_ANEW_DEG)
+        && Radians((was.spread.0 - is.spread.0).abs()).to_degrees() <= SLOPE_ANEW_DEG
+}
+
+fn slope_of(target: f64, step: u32) -> AcuityModel {
+    let times = LEAST_SLOPE * libm::exp2(f64::from(step) / SLOPE_STEPS);
+    AcuityModel::linear(slope_for(target) * times)
+}
+
+fn bound_of(target: f64, step: u32) -> f64 {
+    let steps = f64::from(step) - f64::from(BOUNDS);
+    Expectation::ByLoss.told(target) * libm::exp2(steps / BOUND_STEPS)
+}
+
+#[cfg(test)]
+mod tests;

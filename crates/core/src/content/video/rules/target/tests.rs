@@ -1,0 +1,307 @@
+//! Do levels keep the score that they are chosen for, no finer than that and no less steady?
+
+use super::*;
+use crate::content::video::grid::tile_grid::{Cut, Tile};
+use crate::content::video::rules::Rules;
+use crate::gaze::sample::GazeSample;
+use crate::perception::measures::contrast::{BandContrast, Signature};
+use crate::perception::measures::cues::Cues;
+use crate::perception::parameters::EyeState;
+use crate::units::Seconds;
+use crate::view::axes::Axes;
+use crate::view::eye_view::{EyeView, Field};
+use crate::view::surface::{Screen, Surface};
+
+/// Content whose steps add what a function says, the same everywhere.
+struct Texture<F>(F);
+
+impl<F: Fn(u8, u32) -> f64> Content for Texture<F> {
+    fn unit(&self, tile: Tile, frame: u32) -> UnitId {
+        let place = u32::from(tile.face) << 12 | u32::from(tile.y) << 6 | u32::from(tile.x);
+        UnitId(place | u32::from(tile.level) << 16 | (frame / 8) << 20)
+    }
+
+    fn next_group(&self, frame: u32) -> Option<u32> {
+        Some((frame / 8 + 1) * 8)
+    }
+
+    fn bytes(&self, unit: UnitId) -> u32 {
+        1000 + unit.0 % 300
+    }
+
+    fn signature(&self, unit: UnitId) -> Option<Signature> {
+        let contrast = self.0((unit.0 >> 16 & 15) as u8, unit.0 & 0xffff);
+        let band = BandContrast {
+            before: 0.0,
+            after: contrast,
+            difference: contrast,
+            norm: 2.0 * contrast,
+        };
+        Some(Signature {
+            bands: [band, BandContrast::default(), BandContrast::default()],
+        })
+    }
+
+    fn cues(&self, _: UnitId) -> Option<Cues> {
+        None
+    }
+}
+
+/// As busy in every octave everywhere.
+fn busy(_: u8, _: u32) -> f64 {
+    0.1
+}
+
+fn screen() -> TileGrid {
+    let surface = Surface::flat([1920, 1080], Screen::default());
+    TileGrid::new(surface, Cut::Tile(64), 5, 2).unwrap()
+}
+
+fn sphere() -> TileGrid {
+    TileGrid::new(Surface::cube(1024), Cut::Tile(128), 5, 2).unwrap()
+}
+
+fn config(policy: Policy, target: f64) -> PolicyConfig {
+    PolicyConfig {
+        target: Some(target),
+        ..PolicyConfig::new(policy)
+    }
+}
+
+fn moment(grid: &TileGrid, yaw_deg: f64) -> Moment {
+    let size = [1280, 720];
+    let view = match grid.faces() {
+        1 => EyeView::filling(&grid.surface, [1920, 1080]),
+        _ => EyeView {
+            axes: Axes::FRONT,
+            field: Field::across(Radians::from_degrees(90.0), size),
+            size,
+            eye: Default::default(),
+        },
+    };
+    Moment {
+        gaze: GazeSample::at(Seconds(0.0), Radians::from_degrees(yaw_deg), Radians(0.0)),
+        view: Some(view),
+        state: EyeState::Steady,
+    }
+}
+
+fn chosen(grid: TileGrid, config: &PolicyConfig, content: &dyn Content) -> LevelMap {
+    let moment = moment(&grid, 0.0);
+    match TargetSelector::new(&grid, config) {
+        Some(mut selector) => selector.select(content, 0, &moment).levels,
+        None => Rules::new(grid, config.clone()).select(&moment).levels,
+    }
+}
+
+fn expected(grid: &TileGrid, policy: Policy, content: &dyn Content, levels: &LevelMap) -> f64 {
+    let meter = LossMeter::new(grid, &PolicyConfig::new(policy).perception);
+    let losses = meter.losses(grid, content, 0, &moment(grid, 0.0));
+    policy.expectation().jod(losses.pooled(levels))
+}
+
+#[test]
+fn the_target_is_expected_or_the_least_slope_taken_and_a_higher_one_never_expects_less() {
+    let content = Texture(busy);
+    for grid in [screen(), sphere()] {
+        for policy in [Policy::Perceptual, Policy::Acuity] {
+            let mut before = 0.0;
+            for target in [7.5, 8.5, 9.0, 9.25, 9.5, 9.75, 9.9] {
+                let levels = chosen(grid, &config(policy, target), &content);
+                let jod = expected(&grid, policy, &content, &levels);
+                let is_least = policy == Policy::Acuity && {
+                    let least = PolicyConfig {
+                        acuity: AcuityModel::linear(LEAST_SLOPE * slope_for(target)),
+                        target: None,
+                        ..config(policy, target)
+                    };
+                    levels == chosen(grid, &least, &content)
+                };
+                assert!(jod >= target || is_least, "{policy:?} {target}: {jod}");
+                assert!(jod >= before - 1e-9, "{policy:?} {target}: {jod} {before}");
+                before = jod;
+            }
+        }
+    }
+}
+
+#[test]
+fn no_more_than_the_target_is_shown_where_cells_are_small() {
+    let content = Texture(busy);
+    for target in [8.0, 9.0, 9.5] {
+        let levels = chosen(screen(), &config(Policy::Perceptual, target), &content);
+        let jod = expected(&screen(), Policy::Perceptual, &content, &levels);
+        assert!(jod < target + 0.3, "{target}: {jod}");
+    }
+}
+
+#[test]
+fn what_is_plain_stays_coarse_under_perceptual_alone() {
+    // Busy to the left of column 15, plain to the right.
+    let half = |level: u8, place: u32| match (place & 63) << level < 15 {
+        true => 0.1,
+        false => 0.0,
+    };
+    let grid = screen();
+    let level = |policy, x| {
+        let levels = chosen(grid, &config(policy, 9.5), &Texture(half));
+        levels.level(
+            &grid,
+            Tile {
+                level: 0,
+                face: 0,
+                x,
+                y: 8,
+            },
+        )
+    };
+    // Two columns as far to both sides of the gaze.
+    let [left, right] = [13, 16].map(|x| level(Policy::Perceptual, x));
+    assert!(left < right && right == grid.coarsest(), "{left} {right}");
+    let [left, right] = [13, 16].map(|x| level(Policy::Acuity, x));
+    assert_eq!(left, right);
+}
+
+/// A grating in one octave of the finest level: lost by every level coarser than that octave's.
+fn grating(octave: u8) -> Texture<impl Fn(u8, u32) -> f64> {
+    Texture(move |level, _| if level == octave { 0.1 } else { 0.0 })
+}
+
+#[test]
+fn a_grating_that_is_seen_is_kept_and_one_that_is_too_fine_to_be_seen_is_not() {
+    let grid = screen();
+    // 40 pixels a degree: octaves round 10, 5, 2.5 and 1.25 cycles per degree.
+    let finest_kept = |x| {
+        let is_kept = |octave: u8| {
+            let levels = chosen(grid, &config(Policy::Perceptual, 9.5), &grating(octave));
+            let cell = Tile {
+                level: 0,
+                face: 0,
+                x,
+                y: 8,
+            };
+            levels.level(&grid, cell) <= octave
+        };
+        let kept: Vec<bool> = (0..4).map(is_kept).collect();
+        let finest = kept.iter().position(|kept| *kept).unwrap();
+        assert!(
+            kept[finest..].iter().all(|kept| *kept),
+            "column {x}: {kept:?}"
+        );
+        finest
+    };
+    // At the gaze, 10° and 20° beside it.
+    let [fovea, near, far] = [15, 21, 28].map(finest_kept);
+    assert!(
+        fovea <= near && near <= far && fovea < far,
+        "{fovea} {near} {far}"
+    );
+}
+
+#[test]
+fn acuity_is_nowhere_finer_than_viewport() {
+    for grid in [screen(), sphere()] {
+        for yaw in [0.0, 20.0, 100.0] {
+            let moment = moment(&grid, yaw);
+            let levels = |policy| {
+                let config = PolicyConfig {
+                    acuity: AcuityModel::linear(0.0),
+                    ..PolicyConfig::new(policy)
+                };
+                Rules::new(grid, config).select(&moment).levels
+            };
+            let [acuity, viewport] = [Policy::Acuity, Policy::Viewport].map(levels);
+            for (acuity, viewport) in acuity.levels().iter().zip(viewport.levels()) {
+                assert!(acuity >= viewport, "{yaw}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_still_eye_changes_no_level_from_frame_to_frame() {
+    for policy in [Policy::Perceptual, Policy::Acuity] {
+        for grid in [screen(), sphere()] {
+            // What a group adds trembles by a tenth from group to group.
+            let mut selector = TargetSelector::new(&grid, &config(policy, 9.5)).unwrap();
+            let mut at = |frame: u32| {
+                let contrast = if (frame / 8).is_multiple_of(2) {
+                    0.1
+                } else {
+                    0.108
+                };
+                let content = Texture(move |_, _| contrast);
+                let gaze = 0.1 * f64::from(frame % 3);
+                selector
+                    .select(&content, frame, &moment(&grid, gaze))
+                    .levels
+            };
+            let settled = (0..24).map(&mut at).last().unwrap();
+            for frame in 24..80 {
+                assert_eq!(at(frame), settled, "{policy:?} frame {frame}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_view_is_as_sharp_at_its_borders_as_inside_them() {
+    let content = Texture(busy);
+    let grid = sphere();
+    let moment = |degrees| {
+        let wide = moment(&grid, 0.0);
+        let field = Field::across(Radians::from_degrees(degrees), [1000; 2]);
+        let view = wide.view.map(|view| EyeView {
+            field,
+            size: [1000; 2],
+            ..view
+        });
+        Moment { view, ..wide }
+    };
+    let config = config(Policy::Perceptual, 9.5);
+    let mut selector = TargetSelector::new(&grid, &config).unwrap();
+    let levels = selector.select(&content, 0, &moment(42.0)).levels;
+    let level_at = |yaw: f64, pitch: f64| {
+        let [yaw, pitch] = [yaw, pitch].map(Radians::from_degrees);
+        let direction = crate::view::axes::direction_from_yaw_pitch(yaw, pitch);
+        let (face, place) = grid.surface.locate(direction).unwrap();
+        levels.level(&grid, grid.cell_at(face, place))
+    };
+    for along in [-18.0, -8.0, 3.0, 14.0] {
+        for [inside, beside] in [[20.0, 24.0], [-20.0, -24.0]] {
+            assert!(level_at(beside, along) <= level_at(inside, along) + 1);
+            assert!(level_at(along, beside) <= level_at(along, inside) + 1);
+        }
+    }
+    assert_eq!(level_at(180.0, 0.0), grid.coarsest());
+}
+
+#[test]
+fn levels_follow_a_turning_head_at_once_and_the_slope_when_it_has_turned_far() {
+    // Busy on the face ahead, plain on the others: turning away from it asks for another slope.
+    let content = Texture(|_: u8, place: u32| if place >> 12 == 0 { 0.1 } else { 0.001 });
+    let grid = sphere();
+    let turned = |degrees: f64| {
+        let ahead = moment(&grid, 0.0);
+        let yaw = Radians::from_degrees(degrees);
+        let axes = Axes::from_yaw_pitch_roll(yaw, Radians(0.0), Radians(0.0));
+        let view = ahead.view.map(|view| EyeView { axes, ..view });
+        Moment { view, ..ahead }
+    };
+    let config = config(Policy::Acuity, 9.5);
+    let fresh = |degrees| {
+        let mut chooser = TargetSelector::new(&grid, &config).unwrap();
+        let chosen = chooser.select(&content, 0, &turned(degrees));
+        (chooser.before.unwrap().step, chosen.levels)
+    };
+    let mut chooser = TargetSelector::new(&grid, &config).unwrap();
+    let _ = chooser.select(&content, 0, &turned(0.0));
+    let (ahead, far) = (fresh(0.0).0, fresh(120.0).0);
+    assert_ne!(ahead, far, "the content asks for one slope everywhere");
+    let near = chooser.select(&content, 0, &turned(10.0));
+    let mut rule = Rules::new(grid, config.clone());
+    rule.set_acuity(slope_of(9.5, ahead));
+    assert_eq!(near.levels, rule.select(&turned(10.0)).levels);
+    let _ = chooser.select(&content, 0, &turned(120.0));
+    assert_eq!(chooser.before.unwrap().step, far);
+}

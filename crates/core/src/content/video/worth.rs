@@ -1,0 +1,327 @@
+//! What is each step of prepared video worth to an eye, without drawing anything?
+//!
+//! Signature x sensitivity x footprint: what the step adds in each octave, how well the eye sees
+//! that octave at this place, and how many square degrees of it there are.
+
+use crate::content::policy::{Policy, PolicyConfig};
+use crate::content::video::grid::level_map::LevelMap;
+use crate::content::video::grid::places::{CellPlaces, Place, Sighted};
+use crate::content::video::grid::tile_grid::{Tile, TileGrid};
+use crate::content::video::losses::Losses;
+use crate::content::video::units::Content;
+use crate::perception::eye::{Seen, share_of_octave_below};
+use crate::perception::gain::band_gain;
+use crate::perception::measures::contrast::Signature;
+use crate::perception::measures::saliency::saliency;
+use crate::perception::measures::signature::band_steps;
+use crate::perception::moment::Moment;
+use crate::perception::parameters::{EyeState, Parameters};
+use crate::perception::sensitivity_table::SensitivityTable;
+use crate::perception::spread::SpreadTable;
+use crate::units::{Cpd, Ppd, Radians};
+use crate::view::axes::angle_between;
+use std::sync::OnceLock;
+
+/// Gain of every step over every cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gains {
+    cells: usize,
+    /// By level (of the step's end), then by rank of the cell.
+    steps: Vec<f64>,
+}
+
+impl Gains {
+    fn zero(grid: &TileGrid) -> Self {
+        let cells = grid.tiles_in_level(0) as usize;
+        Self {
+            cells,
+            steps: vec![0.0; cells * usize::from(grid.coarsest())],
+        }
+    }
+
+    /// Makes steps that are worth nothing by themselves worth next to nothing where they remove
+    /// visible loss: for a score they are bought too, after all others.
+    pub(crate) fn rise_where_lost(&mut self, grid: &TileGrid, losses: &Losses) {
+        const NEXT_TO_NOTHING: f64 = 1e-9;
+        for cell in grid.tiles_of(0) {
+            let rank = grid.rank(grid.for_left_eye(cell)) as usize;
+            for level in 0..grid.coarsest() {
+                let removed = losses.sum(rank, level + 1) - losses.sum(rank, level);
+                let at = usize::from(level) * self.cells + grid.rank(cell) as usize;
+                if self.steps[at] <= 0.0 && removed > 0.0 {
+                    self.steps[at] = NEXT_TO_NOTHING * removed;
+                }
+            }
+        }
+    }
+
+    /// Gain of the step to `level` over a cell.
+    #[must_use]
+    pub fn step(&self, grid: &TileGrid, cell: Tile, level: u8) -> f64 {
+        self.steps[usize::from(level) * self.cells + grid.rank(cell) as usize]
+    }
+
+    /// Gain of the step to a tile over all its cells.
+    #[must_use]
+    pub fn of(&self, grid: &TileGrid, tile: Tile) -> f64 {
+        grid.cells_under(tile)
+            .map(|cell| self.step(grid, cell, tile.level))
+            .sum()
+    }
+
+    /// Gain of the step to a tile over those of its cells that are shown coarser.
+    #[must_use]
+    pub fn over(&self, grid: &TileGrid, tile: Tile, shown: &LevelMap) -> f64 {
+        grid.cells_under(tile)
+            .filter(|cell| shown.level(grid, *cell) > tile.level)
+            .map(|cell| self.step(grid, cell, tile.level))
+            .sum()
+    }
+
+    /// Share of all that could be gained that is gained where cells are shown at these levels.
+    #[must_use]
+    pub fn share(&self, grid: &TileGrid, shown: &LevelMap) -> f64 {
+        let (mut gained, mut all) = (0.0, 0.0);
+        for cell in grid.tiles_of(0) {
+            for level in 0..grid.coarsest() {
+                let gain = self.step(grid, cell, level).max(0.0);
+                all += gain;
+                gained += if shown.level(grid, cell) <= level {
+                    gain
+                } else {
+                    0.0
+                };
+            }
+        }
+        if all > 0.0 { gained / all } else { 1.0 }
+    }
+}
+
+/// Chance that the next saccade lands outside what the gaze predicts while a group is shown.
+const WANDER: f64 = 0.3;
+/// Saccades fall off with amplitude as exp(-e / this), in degrees (Bahill et al. 1975: 86 % are of
+/// 15° or less).
+const AMPLITUDE_DEG: f64 = 7.6;
+
+/// Values steps under one policy.
+#[derive(Clone, Debug)]
+pub struct Worth {
+    config: PolicyConfig,
+    cells: Vec<CellPlaces>,
+    /// What a steady or landed eye sees, and what a jumping one does; made when first asked for.
+    seen: [OnceLock<SensitivityTable>; 2],
+}
+
+/// A part of a cell, as an eye sees it.
+#[derive(Clone, Copy)]
+struct Looked {
+    ppd: Ppd,
+    area_deg2: f64,
+    /// By how many octaves eccentricity raises frequency at the cortex.
+    octaves_raised: f64,
+    /// Highest frequency that the eye resolves there.
+    acuity: Cpd,
+    /// Highest frequency that the display shows there.
+    display: Cpd,
+}
+
+impl Worth {
+    /// The worth of steps under a policy that spends a budget.
+    #[must_use]
+    pub fn new(grid: &TileGrid, config: &PolicyConfig) -> Self {
+        let cells = grid.tiles_of(0).map(|cell| CellPlaces::new(grid, cell));
+        Self {
+            config: config.clone(),
+            cells: cells.collect(),
+            seen: Default::default(),
+        }
+    }
+
+    /// The worth of steps to an eye alone: visible error removed, whatever it takes to show it.
+    /// For judging what was shown; the share of [`Gains`] is independent of lambda and budget.
+    #[must_use]
+    pub fn judge(grid: &TileGrid) -> Self {
+        let perception = Parameters {
+            lambda: 0.0,
+            ..Parameters::default()
+        };
+        let config = PolicyConfig {
+            perception,
+            ..PolicyConfig::new(Policy::Perceptual)
+        };
+        Self::new(grid, &config)
+    }
+
+    /// Gain of every step for one moment.
+    #[must_use]
+    pub fn gains(
+        &self,
+        grid: &TileGrid,
+        content: &dyn Content,
+        frame: u32,
+        moment: &Moment,
+    ) -> Gains {
+        let mut gains = Gains::zero(grid);
+        let spread = SpreadTable::new(moment.gaze.spread);
+        let sighted = Sighted::new(moment);
+        let prior = self.prior(grid, content, frame, moment);
+        for (rank, cell) in self.cells.iter().enumerate() {
+            let looked = self.looked(cell, moment, &sighted, &spread);
+            let prior = prior.get(rank).copied().unwrap_or_default();
+            if looked.is_empty() && prior == 0.0 {
+                continue;
+            }
+            for level in 0..grid.coarsest() {
+                let unit = content.unit(grid.tile_over(cell.cell, level), frame);
+                let signature = content.signature(unit).unwrap_or_default();
+                let step = Step {
+                    scale: f64::from(grid.scale(level)),
+                    ratio: f64::from(grid.ratio),
+                    signature: &signature,
+                };
+                let at = |looked: &Looked| self.gain(&step, looked, moment.state);
+                let seen: f64 = looked.iter().map(at).sum();
+                let ahead = if prior > 0.0 {
+                    prior * self.gain_if_looked_at(&step, cell)
+                } else {
+                    0.0
+                };
+                gains.steps[usize::from(level) * gains.cells + rank] = seen + ahead;
+            }
+        }
+        gains
+    }
+
+    /// The parts of a cell that are in view.
+    fn looked(
+        &self,
+        cell: &CellPlaces,
+        moment: &Moment,
+        sighted: &Sighted<'_>,
+        spread: &SpreadTable,
+    ) -> Vec<Looked> {
+        let looked = |place: &Place| {
+            let apart = moment.eccentricity(place.direction);
+            let display = sighted.display_limit(place);
+            self.looked_at(&sighted.seen(place), spread.effective(apart), display)
+        };
+        sighted.places(cell).map(looked).collect()
+    }
+
+    fn looked_at(&self, place: &Place, eccentricity: Radians, display: Cpd) -> Looked {
+        let parameters = &self.config.perception;
+        let most = parameters.display_limit();
+        Looked {
+            ppd: place.ppd,
+            area_deg2: place.area_deg2,
+            octaves_raised: parameters.octaves_raised(eccentricity),
+            acuity: parameters.acuity_model().best_acuity(eccentricity),
+            display: if most < display { most } else { display },
+        }
+    }
+
+    /// Gain of a step over a part of a cell.
+    fn gain(&self, step: &Step<'_>, looked: &Looked, state: EyeState) -> f64 {
+        let parameters = &self.config.perception;
+        match self.config.policy {
+            Policy::Perceptual => self.content_gain(step, looked, state),
+            // Without content a step counts in full as long as the display shows any of it.
+            _ if looked.ppd.0 / step.scale / step.ratio >= 2.0 * looked.display.0 => 0.0,
+            Policy::Eccentricity => (looked.acuity.0 + parameters.pedestal) * looked.area_deg2,
+            _ => looked.area_deg2,
+        }
+    }
+
+    /// Gain of a step from what it adds.
+    fn content_gain(&self, step: &Step<'_>, looked: &Looked, state: EyeState) -> f64 {
+        let parameters = &self.config.perception;
+        let weights = parameters.weights(state);
+        let mut gain = weights.acuity * looked.acuity.0 + weights.constant;
+        for band in band_steps(step.signature, Ppd(looked.ppd.0 / step.scale)) {
+            if band.difference > 0.0 {
+                let seen = self.seen(band.cpd, looked, state);
+                gain += band_gain(&weights, seen, parameters.omega, &band);
+            }
+        }
+        if weights.by_area {
+            return gain * looked.area_deg2;
+        }
+        // As printed, per pixel of the display; without one, per pixel of the content.
+        let ppd = looked.ppd.0.min(2.0 * looked.display.0);
+        gain * looked.area_deg2 * ppd * ppd
+    }
+
+    fn seen(&self, frequency: Cpd, looked: &Looked, state: EyeState) -> Seen {
+        let octave = libm::log2(frequency.0);
+        let table = |k: usize, state| {
+            self.seen[k].get_or_init(|| SensitivityTable::new(&self.config.perception, state))
+        };
+        let (table, octave, limit) = if state == EyeState::Jumping {
+            (table(1, EyeState::Jumping), octave, looked.display)
+        } else {
+            let limit = if looked.acuity < looked.display {
+                looked.acuity
+            } else {
+                looked.display
+            };
+            (
+                table(0, EyeState::Steady),
+                octave + looked.octaves_raised,
+                limit,
+            )
+        };
+        let share = share_of_octave_below(frequency, limit);
+        let [sustained, transient] = table.at(octave as f32).map(|s| f64::from(s) * share);
+        Seen {
+            sustained,
+            transient,
+        }
+    }
+
+    /// Gain of a step over a whole cell, should the next fixation be on it.
+    fn gain_if_looked_at(&self, step: &Step<'_>, cell: &CellPlaces) -> f64 {
+        let gain = |place: &Place| {
+            let looked = self.looked_at(place, Radians(0.0), Cpd(f64::INFINITY));
+            self.gain(step, &looked, EyeState::Landed)
+        };
+        cell.places.iter().map(gain).sum::<f64>().max(0.0)
+    }
+
+    /// Chance of each cell to hold the next fixation, by saliency; nothing where that is not asked
+    /// for or not known.
+    fn prior(
+        &self,
+        grid: &TileGrid,
+        content: &dyn Content,
+        frame: u32,
+        moment: &Moment,
+    ) -> Vec<f64> {
+        if !self.config.saliency || self.config.policy != Policy::Perceptual {
+            return Vec::new();
+        }
+        let surface = &grid.surface;
+        let drawn = self.cells.iter().map(|cell| {
+            let centre = grid.centre(cell.cell);
+            let cues = content.cues(content.unit(cell.cell, frame));
+            let apart = angle_between(moment.gaze.gaze_in_content, centre).to_degrees();
+            let salient = cues.map_or(0.0, |cues| {
+                saliency(&cues, surface.projection, surface.tangents, centre)
+            });
+            let area: f64 = cell.places.iter().map(|place| place.area_deg2).sum();
+            area * salient * libm::exp(-apart / AMPLITUDE_DEG)
+        });
+        let drawn: Vec<f64> = drawn.collect();
+        let all: f64 = drawn.iter().sum();
+        let share = if all > 0.0 { WANDER / all } else { 0.0 };
+        drawn.iter().map(|drawn| drawn * share).collect()
+    }
+}
+
+/// A step to a level.
+struct Step<'a> {
+    /// Level-0 pixels under one of its pixels, on a side.
+    scale: f64,
+    /// By how much it is finer than the level before, on a side.
+    ratio: f64,
+    signature: &'a Signature,
+}

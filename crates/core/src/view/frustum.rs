@@ -1,0 +1,126 @@
+//! Is a place in view, or nearly?
+
+use crate::units::Radians;
+use crate::view::axes::Axes;
+use crate::view::eye_view::EyeView;
+use core::f64::consts::{FRAC_PI_2, PI};
+use glam::DVec3;
+
+/// Sines of what is called missed are this far beyond the border.
+const ROUNDING: f64 = 1e-9;
+
+/// A view and what lies beside it up to a margin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frustum {
+    axes: Axes,
+    /// Angles from ahead to the left, right, upper and lower border, in radians.
+    borders: [f64; 4],
+    /// The normals, outward, of the planes through the eye and these borders.
+    planes: [DVec3; 4],
+    margin: f64,
+    /// Angle from ahead to what is a margin beyond the farthest corner.
+    farthest: f64,
+}
+
+impl Frustum {
+    pub(crate) fn new(view: &EyeView, margin: Radians) -> Self {
+        let field = view.field;
+        let across = field.left.abs().max(field.right.abs());
+        let down = field.up.abs().max(field.down.abs());
+        let borders = [field.left, field.right, field.up, field.down].map(libm::atan);
+        Self {
+            axes: view.axes,
+            borders,
+            planes: outward(&view.axes, borders),
+            margin: margin.0,
+            farthest: libm::atan(libm::hypot(across, down)) + margin.0,
+        }
+    }
+
+    /// Whether nothing within `radius` of a direction is reached; false where that is not sure.
+    pub(crate) fn is_missed_by(&self, centre: DVec3, radius: Radians) -> bool {
+        if self.is_wide() {
+            let away = self.margin + radius.0;
+            return away < FRAC_PI_2 && self.beyond_borders(centre) > libm::sin(away) + ROUNDING;
+        }
+        let within = libm::sin(radius.0.min(FRAC_PI_2)) + ROUNDING;
+        // What is reached lies before all planes through borders that are moved by the margin.
+        let moved = self.borders.map(|border| border + self.margin);
+        let [left, right, up, low] = outward(&self.axes, moved).map(|plane| plane.dot(centre));
+        let across = moved[0] + moved[1] < PI && left.max(right) > within;
+        let down = moved[2] + moved[3] < PI && up.max(low) > within;
+        across || down
+    }
+
+    /// Whether a direction is in view or at most a margin beside it.
+    ///
+    /// The margin counts along the circles round the axes to the right and down. Where the view is
+    /// wide, they become small or lie behind the eye: there what is no farther than the margin from
+    /// the planes of all borders is reached as well.
+    pub(crate) fn reaches(&self, direction: DVec3) -> bool {
+        let depth = direction.dot(self.axes.forward);
+        let across = libm::atan2(direction.dot(self.axes.right), depth);
+        let down = libm::atan2(direction.dot(self.axes.down), depth);
+        let [left, right, up, low] = self.borders.map(|border| border + self.margin);
+        (-left..=right).contains(&across) && (-up..=low).contains(&down)
+            || self.is_wide()
+                && depth >= libm::cos(self.farthest.min(PI))
+                && self.beyond_borders(direction) <= libm::sin(self.margin.min(FRAC_PI_2))
+    }
+
+    /// Whether something beside or behind the eye is reached.
+    fn is_wide(&self) -> bool {
+        self.farthest >= FRAC_PI_2
+    }
+
+    /// Sine of the angle by which a direction is beyond the plane of the border that it is most
+    /// beyond; negative within all.
+    fn beyond_borders(&self, direction: DVec3) -> f64 {
+        let beyond = self.planes.map(|plane| plane.dot(direction));
+        beyond.into_iter().fold(f64::MIN, f64::max)
+    }
+}
+
+/// The normals, outward, of planes through the eye at these angles from ahead, to the left, right,
+/// up and down.
+fn outward(axes: &Axes, angles: [f64; 4]) -> [DVec3; 4] {
+    let towards = [-axes.right, axes.right, -axes.down, axes.down];
+    core::array::from_fn(|k| {
+        let (sin, cos) = libm::sincos(angles[k]);
+        towards[k] * cos - axes.forward * sin
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::axes::direction_at;
+    use crate::view::eye_view::Field;
+    use crate::view::random::Random;
+    use crate::view::surface::Eye;
+
+    #[test]
+    fn a_wide_view_reaches_everything_within_its_margin_and_nothing_far_beyond() {
+        let mut random = Random::new(3);
+        for (field, margin_deg) in [([7.6, 6.1], 10.0), ([1.2, 6.1], 15.0), ([1.0, 0.6], 43.0)] {
+            let view = EyeView {
+                axes: Axes::FRONT,
+                field: Field::symmetric(field),
+                size: [1000, 800],
+                eye: Eye::Left,
+            };
+            let margin = Radians::from_degrees(margin_deg);
+            let sight = Frustum::new(&view, margin);
+            assert!(sight.is_wide());
+            for _ in 0..4000 {
+                let place = view.size.map(|side| random.unit() * f64::from(side));
+                let shown = view.ray(place).normalize();
+                let bearing = Radians(random.unit() * 2.0 * PI);
+                let beside = direction_at(shown, bearing, Radians(random.unit() * margin.0));
+                assert!(sight.reaches(beside), "{field:?} {place:?} {beside:?}");
+                assert!(!sight.is_missed_by(beside, Radians(0.0)));
+            }
+            assert!(!sight.reaches(-Axes::FRONT.forward));
+        }
+    }
+}
