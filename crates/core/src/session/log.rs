@@ -1,7 +1,8 @@
 //! What was selected in a viewer's run, so that it can be selected again?
 //!
 //! The log is lines of JSON: a head with grid, policy and view, then one line a frame with what
-//! selection was given and a hash of what it chose. Replaying needs no content and no clock.
+//! selection was given and a hash of what it chose. Replaying needs no clock, and content only
+//! where the policy weighed it. Normative: docs/formats/session.md.
 
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::video::grid::level_map::{histogram, pixels};
