@@ -81,7 +81,9 @@ fn main() -> ExitCode {
     quiet_without_display();
     #[cfg(target_os = "linux")]
     keep_freed_memory();
-    let matches = with_negative_numbers(Cli::command()).try_get_matches();
+    let program = with_negative_numbers(Cli::command());
+    report::called::read_command_line(&program);
+    let matches = program.try_get_matches();
     let matches = matches.unwrap_or_else(|error| report::output::fail_usage(&error));
     let cli =
         Cli::from_arg_matches(&matches).unwrap_or_else(|error| report::output::fail_usage(&error));

@@ -1,12 +1,14 @@
 //! Which moving pictures need no file?
 //!
-//! A [`Scene`] is full of fine detail in every direction, for trials and for measuring; a numbered
-//! clip carries its frame number in every tile, for proving that the right frame is shown. Both are
-//! the same on every machine, 8-bit BT.709 of limited range, chroma between luma samples.
+//! A [`GeneratedScene`] is full of fine detail in every direction, for trials and for measuring; a
+//! numbered clip carries its frame number in every tile, for proving that the right frame is shown.
+//! Both are the same on every machine, 8-bit BT.709 of limited range, chroma between luma samples.
 
+mod colour;
 mod numbered;
 mod objects;
 mod pan;
+mod ray;
 mod text;
 mod texture;
 mod turn;
@@ -16,13 +18,15 @@ mod world;
 mod tests;
 
 use crate::parallel::in_parallel;
+use colour::Rgb;
 use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::CUBE_FACES;
 pub use numbered::{numbered_tiles, read_number};
 pub use pan::Pan;
+use ray::Ray;
 use std::f32::consts::{PI, TAU};
 pub use turn::Turn;
-use world::{Ray, Rgb, World};
+use world::World;
 
 /// Frames a second that scenes are drawn for.
 pub const FRAMES_PER_SECOND: f32 = 30.0;
@@ -42,17 +46,17 @@ const SEGMENT: usize = 64;
 
 /// A generated clip of one size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Scene {
+pub struct GeneratedScene {
     size: [u32; 2],
     whole_sphere: bool,
     seed: u32,
 }
 
-impl Scene {
+impl GeneratedScene {
     /// A whole sphere in equirectangular pictures of `size` pixels.
     ///
     /// ```
-    /// let frame = foveal_media::generate::Scene::panorama([64, 32]).frame(7);
+    /// let frame = foveal_media::generate::GeneratedScene::panorama([64, 32]).frame(7);
     /// assert_eq!((frame.width, frame.height), (64, 32));
     /// ```
     #[must_use]

@@ -18,9 +18,10 @@ mod tests;
 
 pub use crate::read::input::{TimedPicture, VideoInput};
 pub use crate::read::source::SourceInfo;
-pub use crate::surround::spherical::{Projection, Spherical, Stereo, StereoLayout};
+pub use crate::surround::spherical::{Spherical, SphericalProjection, Stereo, StereoLayout};
 pub use crate::tiles::decode::GroupDecoder;
-pub use crate::tiles::encode::{EncodeSettings, Rate, Speed, encode_group};
+pub use crate::tiles::encode::encode_group;
+pub use crate::tiles::encode_settings::{EncodeSettings, Rate, Speed};
 pub use crate::write::write_clip::{ClipCodec, ClipFormat, ClipWriter};
 pub use error::MediaError;
 pub use source_view::{SourcePicture, SourceView};

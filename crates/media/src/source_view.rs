@@ -9,7 +9,7 @@
 mod chart;
 
 use crate::parallel::in_parallel;
-use crate::prepare::{Plan, Surround};
+use crate::prepare::{PreparationPlan, Surround};
 use crate::read::source::SourceInfo;
 use crate::sphere::catmull_rom;
 use crate::surround::eye_layout::EyeLayout;
@@ -57,7 +57,7 @@ const CHROMA: Kernel = Kernel {
 impl SourceView {
     /// Of a source that would be prepared as planned; flat content fills `screen`.
     #[must_use]
-    pub fn new(plan: &Plan, info: &SourceInfo, screen: Screen) -> Self {
+    pub fn new(plan: &PreparationPlan, info: &SourceInfo, screen: Screen) -> Self {
         let mut surface = plan.description.grid(screen).surface;
         surface.eyes = 1;
         Self {

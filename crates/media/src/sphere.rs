@@ -4,7 +4,9 @@
 //! sphere is yaw `(u - 0.5) * 2 pi`, row `v` is pitch `(0.5 - v) * pi`, and samples lie at half
 //! integers.
 
+mod block;
 mod cap;
+mod coverage;
 mod fast;
 mod kernel;
 mod padding;
@@ -17,7 +19,9 @@ mod unfold;
 mod tests;
 
 use crate::parallel::in_parallel;
+use block::{Block, STRIP};
 use cap::Cap;
+pub use coverage::{Coverage, face_size_for};
 pub(crate) use fast::catmull_rom;
 use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::{CUBE_FACES, Mapping};
@@ -25,36 +29,6 @@ use kernel::Kernel;
 use plane::Plane;
 use std::sync::{Mutex, PoisonError};
 pub use unfold::equirect_from_cube;
-
-/// How much of the sphere an equirectangular picture shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Coverage {
-    /// All of it.
-    Full,
-    /// Yaw and pitch within 90° of forward, as in VR180; the rest is black.
-    FrontHalf,
-}
-
-/// Face size that keeps the pixels of a turn: the next multiple of 16 that is not below a quarter
-/// of a full sphere's width.
-///
-/// An equi-angular face spans 90° in `n` pixels evenly: the density of the source round the
-/// horizon. A gnomonic one has `n / 2` pixels a radian at its centre and `n` at the middle of an
-/// edge, where the source has `2 n / pi`: 0.79 of it in the middle.
-///
-/// ```
-/// use foveal_media::sphere::{Coverage, face_size_for};
-/// assert_eq!(face_size_for(4096, Coverage::Full), 1024);
-/// assert_eq!(face_size_for(2900, Coverage::FrontHalf), 1456);
-/// ```
-#[must_use]
-pub fn face_size_for(width: u32, coverage: Coverage) -> u32 {
-    let quarter_turn = match coverage {
-        Coverage::Full => width.div_ceil(4),
-        Coverage::FrontHalf => width.div_ceil(2),
-    };
-    quarter_turn.max(1).next_multiple_of(16)
-}
 
 /// Resamples equirectangular pictures of one size onto cubes of one size.
 ///
@@ -81,23 +55,6 @@ pub struct CubeSampler {
     kernel: Kernel,
     /// For the fast way where it can be gone.
     fast: Option<Box<fast::Fast>>,
-}
-
-/// Columns of half an upright face, or rows of a quarter of the top face, in one part of the work.
-const STRIP: usize = 16;
-
-/// Index of the top face.
-const TOP: usize = 4;
-
-/// Index of the bottom face.
-const BOTTOM: usize = 5;
-
-/// A finished rectangle of a plane of one face.
-struct Block {
-    face: usize,
-    at: [usize; 2],
-    width: usize,
-    samples: Vec<u8>,
 }
 
 /// Which samples one part of the work makes: those like columns `start..` of the front face, or
@@ -243,15 +200,6 @@ impl CubeSampler {
             }
         }
         parts
-    }
-}
-
-impl Block {
-    fn write_to(&self, plane: &mut [u8], face_size: usize) {
-        let [x, y] = self.at;
-        for (row, samples) in self.samples.chunks_exact(self.width).enumerate() {
-            plane[(y + row) * face_size + x..][..self.width].copy_from_slice(samples);
-        }
     }
 }
 

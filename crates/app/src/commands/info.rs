@@ -27,7 +27,7 @@ pub(crate) struct InfoArgs {
 /// What `info` and `prepare` say of a pack.
 #[derive(Debug, Serialize)]
 pub(crate) struct PackInfo {
-    content: Content,
+    content: MediaKind,
     projection: Projection,
     pub(crate) frames: u32,
     /// Null for a picture.
@@ -75,12 +75,12 @@ pub(crate) struct PackInfo {
 /// What a pack shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum Content {
+pub(crate) enum MediaKind {
     Picture,
     Video,
 }
 
-impl Content {
+impl MediaKind {
     pub(crate) fn of(about: &Description) -> Self {
         if about.is_still() {
             Self::Picture
@@ -126,7 +126,7 @@ impl PackInfo {
         let pack = file.pack();
         let about: &Description = pack.description();
         Ok(Self {
-            content: Content::of(about),
+            content: MediaKind::of(about),
             projection: about.projection,
             frames: about.frames,
             fps: (!about.is_still()).then_some(about.fps()),
@@ -210,8 +210,8 @@ impl PackInfo {
                 output::size(*bytes),
                 self.quality_of(level),
                 match self.content {
-                    Content::Picture => String::new(),
-                    Content::Video => format!(", groups of {}", self.groups[level]),
+                    MediaKind::Picture => String::new(),
+                    MediaKind::Video => format!(", groups of {}", self.groups[level]),
                 }
             );
         }

@@ -15,10 +15,10 @@ use foveal_core::units::counted;
 use foveal_media::VideoInput;
 use foveal_media::pack::pack_file::{PackFile, partial_path};
 use foveal_media::prepare::{
-    Event, Plan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice, Witness,
+    Event, PreparationPlan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice, Witness,
     pack_identity_of, prepare_resumable, rehearse,
 };
-use foveal_media::tiles::encode::Speed;
+use foveal_media::tiles::encode_settings::Speed;
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -182,10 +182,10 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
 }
 
 impl PrepareVideoArgs {
-    fn plan(&self) -> anyhow::Result<Plan> {
+    fn plan(&self) -> anyhow::Result<PreparationPlan> {
         let settings = self.settings()?;
         let info = VideoInput::open(&self.input)?.info().clone();
-        Plan::new(&self.input, &info, &settings).map_err(|error| match error {
+        PreparationPlan::new(&self.input, &info, &settings).map_err(|error| match error {
             PrepareError::Grid(_) | PrepareError::FaceSize(_) => {
                 WrongUsage(error.to_string()).into()
             }
@@ -194,7 +194,7 @@ impl PrepareVideoArgs {
     }
 
     /// Makes the pack with a progress bar, and says what no plan could tell.
-    fn prepare(&self, out: &Path, plan: &Plan) -> anyhow::Result<()> {
+    fn prepare(&self, out: &Path, plan: &PreparationPlan) -> anyhow::Result<()> {
         let mut guide = Guide {
             args: self,
             plan,
@@ -272,7 +272,7 @@ impl PrepareVideoArgs {
         })
     }
 
-    fn estimate(&self, plan: &Plan) -> anyhow::Result<()> {
+    fn estimate(&self, plan: &PreparationPlan) -> anyhow::Result<()> {
         let begun = Instant::now();
         let (rehearsed, bytes) = rehearse(&self.input, plan, REHEARSED)?;
         let seconds_per_frame = begun.elapsed().as_secs_f64() / f64::from(rehearsed);
@@ -317,7 +317,7 @@ impl PrepareVideoArgs {
 /// What a preparation turns to.
 struct Guide<'a> {
     args: &'a PrepareVideoArgs,
-    plan: &'a Plan,
+    plan: &'a PreparationPlan,
     out: &'a Path,
     bar: ProgressBar,
     jobs: usize,

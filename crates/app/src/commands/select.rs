@@ -1,6 +1,6 @@
 //! What would be chosen, without content?
 
-use crate::gaze_source::{GazeChoice, GazeSource, Viewer, parse_gaze};
+use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel, parse_gaze};
 use crate::options::policy::{
     CutOptions, MappingName, PolicyName, PolicyOptions, ViewOptions, check_thresholds, parse_size,
 };
@@ -158,8 +158,8 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
         }
         None => {
             let start = Seconds(0.0);
-            let mut source =
-                GazeSource::new(&args.gaze, &surface, args.seed, start, &Viewer::default())?;
+            let viewer = ViewerModel::default();
+            let mut source = GazeSource::new(&args.gaze, &surface, args.seed, start, &viewer)?;
             let one = choose(source.look(start).gaze);
             output::result(args.json, &one, &one.text())
         }

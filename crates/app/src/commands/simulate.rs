@@ -1,6 +1,6 @@
 //! What does an eye get from a pack, and what did that take?
 
-use crate::commands::score::Report;
+use crate::commands::score::ScoreReport;
 use crate::commands::simulate_score::{Baseline, RunScoring, ScoringOptions};
 use crate::gaze_source::{GazeChoice, GazeSource, interrupted, parse_gaze};
 use crate::options::decoding::{DecodingOptions, DeviceReport};
@@ -136,7 +136,7 @@ pub(crate) struct RunSummary {
     pub(crate) log_sha256: String,
     /// How good it looked beside the full picture, where somebody asked.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) score: Option<Report>,
+    pub(crate) score: Option<ScoreReport>,
 }
 
 /// Most frames between two pictures.
@@ -421,7 +421,7 @@ impl RunSummary {
                     self.gaze_error_deg_mean
                 )),
             self.decoded_on.text(),
-            self.score.as_ref().map_or(String::new(), Report::text),
+            self.score.as_ref().map_or(String::new(), ScoreReport::text),
             out.display(),
         )
     }

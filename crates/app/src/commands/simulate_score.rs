@@ -4,8 +4,8 @@
 //! whatever the system was told.
 
 use crate::commands::score::{
-    Companions, DeviceName, Engine, LastGaze, ModeName, Report, display_named, display_of_view,
-    picture_of,
+    Companions, DeviceName, Engine, LastGaze, ModeName, ScoreReport, display_named,
+    display_of_view, picture_of,
 };
 use crate::gaze_source::Look;
 use crate::options::decoding::Decoding;
@@ -114,10 +114,10 @@ impl RunScoring {
     }
 
     /// The score of the run, by a `gaze` of that name.
-    pub(crate) fn report(&self, gaze: String) -> anyhow::Result<Report> {
+    pub(crate) fn report(&self, gaze: String) -> anyhow::Result<ScoreReport> {
         self.last_gaze.tell_unseen();
         let score = self.engine.score()?;
-        let report = Report::judged(&self.viewing, self.mode.mode(), Some(gaze), score);
+        let report = ScoreReport::judged(&self.viewing, self.mode.mode(), Some(gaze), score);
         Ok(report.with(self.companions.totals(), self.engine.name(), None))
     }
 }

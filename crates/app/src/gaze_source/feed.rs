@@ -20,7 +20,7 @@ const ANSWER: Duration = Duration::from_secs(3);
 const AGAIN: Duration = Duration::from_secs(1);
 
 /// Where messages come from.
-pub(super) enum Feed {
+pub(super) enum GazeFeed {
     Datagrams(UdpSocket),
     WebSocket(Box<WebSocketFeed>),
 }
@@ -35,7 +35,7 @@ pub(super) enum Received {
     Lost(String),
 }
 
-impl Feed {
+impl GazeFeed {
     /// Listens at the port of a choice, or connects to its server. Says where it listens: port 0
     /// is any that is free.
     pub(super) fn open(choice: &LiveChoice) -> anyhow::Result<Self> {

@@ -4,7 +4,7 @@
 //! who does not take in time loses the oldest rows, and they are counted.
 
 use crate::gaze_source::choice::LiveChoice;
-use crate::gaze_source::feed::{Feed, Received};
+use crate::gaze_source::feed::{GazeFeed, Received};
 use crate::gaze_source::intake::{Counts, Intake};
 use crate::report::output::say;
 use anyhow::bail;
@@ -40,7 +40,7 @@ struct Inner {
 impl Live {
     /// Starts to receive.
     pub(crate) fn open(choice: &LiveChoice) -> anyhow::Result<Self> {
-        let feed = Feed::open(choice)?;
+        let feed = GazeFeed::open(choice)?;
         let shared = Arc::new(Shared {
             begun: Instant::now(),
             stop: AtomicBool::new(false),
@@ -165,7 +165,7 @@ impl Inner {
     }
 }
 
-fn receive(name: &str, mut feed: Feed, shared: &Shared) {
+fn receive(name: &str, mut feed: GazeFeed, shared: &Shared) {
     let mut buffer = Vec::new();
     while !shared.stop.load(Ordering::Relaxed) {
         let received = feed.receive(&mut buffer);

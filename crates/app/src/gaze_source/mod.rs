@@ -13,4 +13,4 @@ pub(crate) use intake::Counts;
 pub(crate) use live::{Live, interrupted};
 pub(crate) use source::{FIRST_SAMPLE, GazeSource, Look};
 pub(crate) use trace_file::read_trace;
-pub(crate) use viewer::{Viewer, preset_of};
+pub(crate) use viewer::{ViewerModel, preset_of};

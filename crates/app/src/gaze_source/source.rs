@@ -3,7 +3,7 @@
 use crate::gaze_source::choice::GazeChoice;
 use crate::gaze_source::live::Live;
 use crate::gaze_source::trace_file::read_trace;
-use crate::gaze_source::viewer::Viewer;
+use crate::gaze_source::viewer::ViewerModel;
 use anyhow::bail;
 use foveal_core::gaze::head::FollowingHead;
 use foveal_core::gaze::read::row::TraceRow;
@@ -66,7 +66,7 @@ impl GazeSource {
         surface: &Surface,
         seed: u64,
         length: Seconds,
-        viewer: &Viewer,
+        viewer: &ViewerModel,
     ) -> anyhow::Result<Self> {
         let path = match choice {
             GazeChoice::At([yaw, pitch]) => {

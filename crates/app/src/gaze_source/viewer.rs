@@ -8,14 +8,14 @@ use std::path::Path;
 
 /// How a viewer is watched.
 #[derive(Clone, Debug)]
-pub(crate) struct Viewer {
+pub(crate) struct ViewerModel {
     /// How their gaze follows their head.
     pub(crate) preset: HeadGazePreset,
     /// How long before a picture is shown its gaze must be known.
     pub(crate) late: Seconds,
 }
 
-impl Default for Viewer {
+impl Default for ViewerModel {
     /// Somebody who looks around freely, watched without delay.
     fn default() -> Self {
         Self {

@@ -73,7 +73,7 @@ pub(crate) struct PolicyOptions {
     /// worth anything (default: 9.5 for acuity and perceptual, else none).
     #[arg(long, value_name = "JOD|none", value_parser = parse_target)]
     #[arg(allow_hyphen_values = true)]
-    target: Option<Target>,
+    target: Option<TargetChoice>,
     /// The eye of the acuity policy (default: linear).
     #[arg(long, value_enum)]
     acuity: Option<AcuityName>,
@@ -149,7 +149,7 @@ pub(crate) struct PolicyOptions {
 
 /// The value of `--target`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Target {
+pub(crate) enum TargetChoice {
     Jod(f64),
     None,
 }
@@ -173,13 +173,13 @@ impl MappingName {
 }
 
 /// Reads the value of `--target`.
-pub(crate) fn parse_target(text: &str) -> anyhow::Result<Target> {
+pub(crate) fn parse_target(text: &str) -> anyhow::Result<TargetChoice> {
     if text == "none" {
-        return Ok(Target::None);
+        return Ok(TargetChoice::None);
     }
     let jod: f64 = text.trim().parse().map_err(|_| expected_target())?;
     match TARGETS.contains(&jod) {
-        true => Ok(Target::Jod(jod)),
+        true => Ok(TargetChoice::Jod(jod)),
         false => Err(expected_target()),
     }
 }
@@ -221,7 +221,7 @@ impl PolicyOptions {
     /// The same for a score, in the place of the acuity that was asked for.
     pub(crate) fn for_score(&self, target: Option<f64>) -> Self {
         Self {
-            target: Some(target.map_or(Target::None, Target::Jod)),
+            target: Some(target.map_or(TargetChoice::None, TargetChoice::Jod)),
             acuity: None,
             slope: None,
             ..self.clone()
@@ -276,10 +276,10 @@ impl PolicyOptions {
             _ => None,
         };
         match (self.target, other) {
-            (Some(Target::Jod(_)), Some(other)) => bail!(WrongUsage(format!(
+            (Some(TargetChoice::Jod(_)), Some(other)) => bail!(WrongUsage(format!(
                 "--target chooses what {other} does; give one of them"
             ))),
-            (Some(Target::Jod(jod)), None) if policy.has_target() => Ok(Some(jod)),
+            (Some(TargetChoice::Jod(jod)), None) if policy.has_target() => Ok(Some(jod)),
             (None, None) if matches!(policy, Policy::Acuity | Policy::Perceptual) => {
                 Ok(Some(DEFAULT_TARGET))
             }

@@ -1,6 +1,6 @@
 //! What is known of the viewer, and what can arrive in time?
 
-use crate::gaze_source::{Viewer, preset_of};
+use crate::gaze_source::{ViewerModel, preset_of};
 use crate::options::link::{Link, parse_delay, parse_link};
 use crate::options::preset::SystemPreset;
 use crate::report::output::WrongUsage;
@@ -33,7 +33,7 @@ impl Watching {
     }
 
     /// The viewer, for whom gaze is expected.
-    pub(crate) fn viewer(&self) -> anyhow::Result<Viewer> {
+    pub(crate) fn viewer(&self) -> anyhow::Result<ViewerModel> {
         let is_of_viewer = |name: &&String| SystemPreset::named(name).is_none();
         let mut of_viewer = self.preset.iter().filter(is_of_viewer);
         let preset = of_viewer.next().map_or("free-viewing", String::as_str);
@@ -42,7 +42,7 @@ impl Watching {
                 "--preset: gaze follows the head as in {preset} or as in {second}, not both"
             )));
         }
-        Ok(Viewer {
+        Ok(ViewerModel {
             preset: preset_of(preset)?,
             late: Seconds(self.late.0 + self.link().delay.0),
         })

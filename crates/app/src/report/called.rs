@@ -1,6 +1,5 @@
 //! With which words was the program called?
 
-use clap::CommandFactory;
 use std::ffi::OsString;
 use std::sync::OnceLock;
 
@@ -15,20 +14,26 @@ pub(crate) struct Called {
     pub(crate) json: bool,
 }
 
-/// The command line of this process.
+static CALLED: OnceLock<Called> = OnceLock::new();
+
+/// Reads the command line of this process; `program` tells which commands there are. To be called
+/// once, before anything is told.
+pub(crate) fn read_command_line(program: &clap::Command) {
+    CALLED.get_or_init(|| Called::with(program, std::env::args_os().skip(1)));
+}
+
+/// The command line of this process; where nothing has read it, as in a test, no words.
 pub(crate) fn called() -> &'static Called {
-    static CALLED: OnceLock<Called> = OnceLock::new();
-    CALLED.get_or_init(|| Called::with(std::env::args_os().skip(1)))
+    CALLED.get_or_init(|| Called::with(&clap::Command::new("foveal"), std::iter::empty()))
 }
 
 impl Called {
-    fn with(words: impl Iterator<Item = OsString>) -> Self {
+    fn with(program: &clap::Command, words: impl Iterator<Item = OsString>) -> Self {
         let words: Vec<String> = words
             .map(|word| word.to_string_lossy().into_owned())
             .collect();
         let mut command = "foveal".to_owned();
-        let program = crate::Cli::command();
-        let mut at = &program;
+        let mut at = program;
         for word in words.iter().filter(|word| !word.starts_with('-')) {
             let Some(next) = at.find_subcommand(word) else {
                 break;

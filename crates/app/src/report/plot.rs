@@ -25,7 +25,7 @@ const SHORTEST: f64 = 0.04;
 
 /// What all plots of one run share.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Run<'a> {
+pub(crate) struct PlottedRun<'a> {
     /// Time of every figure, from 0 on: display time of a frame, or a delay.
     pub(crate) times: &'a [f64],
     /// Its unit.
@@ -37,7 +37,7 @@ pub(crate) struct Run<'a> {
 }
 
 /// One line; `class` is its colour in the style sheet.
-pub(crate) struct Line<'a> {
+pub(crate) struct PlotLine<'a> {
     pub(crate) class: &'a str,
     pub(crate) values: Vec<f64>,
 }
@@ -49,7 +49,7 @@ pub(crate) struct Layer {
 }
 
 /// Lines over time, each labelled at its end with its class; `title` is for those who cannot see.
-pub(crate) fn lines(title: &str, run: &Run<'_>, lines: &[Line<'_>]) -> String {
+pub(crate) fn lines(title: &str, run: &PlottedRun<'_>, lines: &[PlotLine<'_>]) -> String {
     let highest = lines.iter().flat_map(|line| &line.values);
     let plane = Plane::new(run, highest.copied().fold(0.0, f64::max), 0.0);
     let mut svg = plane.begin(title, run);
@@ -73,7 +73,7 @@ pub(crate) fn lines(title: &str, run: &Run<'_>, lines: &[Line<'_>]) -> String {
 }
 
 /// Areas of counts on top of each other over time, the first at the bottom.
-pub(crate) fn stack(title: &str, run: &Run<'_>, layers: &[Layer]) -> String {
+pub(crate) fn stack(title: &str, run: &PlottedRun<'_>, layers: &[Layer]) -> String {
     let frames = run.times.len();
     let mut sums = vec![vec![0.0; frames]];
     for layer in layers {
@@ -106,7 +106,7 @@ const FILE_STYLE: &str = "text{font:11.5px system-ui,sans-serif;fill:#4a5058}\
 const FILE_COLOURS: [&str; 3] = ["#b86e00", "#7d848d", "#0a63b0"];
 
 /// Lines as an SVG file, at most three, with `title` above them; their classes are letters only.
-pub(crate) fn file(title: &str, run: &Run<'_>, all: &[Line<'_>]) -> String {
+pub(crate) fn file(title: &str, run: &PlottedRun<'_>, all: &[PlotLine<'_>]) -> String {
     let mut style = FILE_STYLE.to_owned();
     for (line, colour) in all.iter().zip(FILE_COLOURS) {
         let class = line.class;
@@ -138,7 +138,7 @@ struct Plane {
 
 impl Plane {
     /// A plane up to `highest` or a little more, its numbers at least `least_step` apart.
-    fn new(run: &Run<'_>, highest: f64, least_step: f64) -> Self {
+    fn new(run: &PlottedRun<'_>, highest: f64, least_step: f64) -> Self {
         let last = run.times.last().copied().unwrap_or(0.0);
         let longest = last.max(SHORTEST);
         let mut times = run.times.to_vec();
@@ -174,7 +174,7 @@ impl Plane {
     }
 
     /// Saccades, grid, numbers, and the mark of the pictured frame.
-    fn begin(&self, title: &str, run: &Run<'_>) -> String {
+    fn begin(&self, title: &str, run: &PlottedRun<'_>) -> String {
         let [width, height] = SIZE;
         let mut svg =
             format!(r#"<svg viewBox="0 0 {width} {height}" role="img" aria-label="{title}">"#);
@@ -295,7 +295,7 @@ mod tests {
 
     #[test]
     fn a_run_of_one_frame_is_a_level_line() {
-        let run = Run {
+        let run = PlottedRun {
             times: &[0.0],
             unit: "seconds",
             moving: &[false],
@@ -305,7 +305,7 @@ mod tests {
         let svg = lines(
             "one",
             &run,
-            &[Line {
+            &[PlotLine {
                 class: "full",
                 values,
             }],
@@ -315,13 +315,13 @@ mod tests {
 
     #[test]
     fn a_file_holds_its_lines_its_unit_and_its_own_style() {
-        let run = Run {
+        let run = PlottedRun {
             times: &[0.0, 50.0, 100.0],
             unit: "ms",
             moving: &[],
             pictured: None,
         };
-        let line = |class, slope: f64| Line {
+        let line = |class, slope: f64| PlotLine {
             class,
             values: vec![0.0, slope, 2.0 * slope],
         };

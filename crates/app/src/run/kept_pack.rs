@@ -3,7 +3,9 @@
 use crate::report::output::{self, Counting};
 use foveal_media::VideoInput;
 use foveal_media::pack::pack_file::PackFile;
-use foveal_media::prepare::{Plan, PrepareSettings, Progress, Remarks, pack_identity_of, prepare};
+use foveal_media::prepare::{
+    PreparationPlan as Plan, PrepareSettings, Progress, Remarks, pack_identity_of, prepare,
+};
 use std::path::Path;
 
 /// How `source` would be prepared.

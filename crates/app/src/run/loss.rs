@@ -21,7 +21,7 @@ use foveal_eval::score::companion::{Companion, CompanionJudge};
 use foveal_eval::score::pooling::Pool;
 use foveal_eval::score::{Judge, Mode, ScorePicture, Viewing};
 use foveal_media::pack::pack_file::PackFile;
-use foveal_media::prepare::{Plan, Surround};
+use foveal_media::prepare::{PreparationPlan as Plan, Surround};
 use foveal_media::sphere::Coverage;
 use foveal_media::tiles::decoders::DecoderChoice;
 use std::f64::consts::TAU;

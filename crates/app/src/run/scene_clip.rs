@@ -3,7 +3,7 @@
 use crate::report::output::{self, Counting};
 use anyhow::Context;
 use foveal_core::view::picture::{Colour, Matrix};
-use foveal_media::generate::{FRAMES_PER_SECOND, Scene};
+use foveal_media::generate::{FRAMES_PER_SECOND, GeneratedScene as Scene};
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use std::path::Path;
 

@@ -9,7 +9,9 @@ use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::{Projection, Screen};
 use foveal_eval::score::ScorePicture;
 use foveal_media::pack::pack_file::PackFile;
-use foveal_media::prepare::{Plan, PrepareSettings, ProjectionChoice, StereoChoice};
+use foveal_media::prepare::{
+    PreparationPlan as Plan, PrepareSettings, ProjectionChoice, StereoChoice,
+};
 use foveal_media::{SourceInfo, SourceView, VideoInput};
 use std::path::{Path, PathBuf};
 

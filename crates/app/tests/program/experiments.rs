@@ -3,14 +3,14 @@
 use crate::results::agrees;
 use crate::scenes::write_clip;
 use crate::support::{Folder, assert_keys, command, done, json, refused};
-use foveal_media::generate::Scene;
+use foveal_media::generate::GeneratedScene;
 use serde_json::Value;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
 /// A generated clip.
 fn wide_clip(folder: &Folder, size: [u32; 2], frames: u64) -> String {
-    let scene = Scene::wide(size);
+    let scene = GeneratedScene::wide(size);
     let pictures: Vec<_> = (0..frames).map(|number| scene.frame(number)).collect();
     write_clip(folder, "clip.mkv", &pictures)
 }

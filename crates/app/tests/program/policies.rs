@@ -3,11 +3,11 @@
 use crate::results::agrees;
 use crate::scenes::write_clip_at;
 use crate::support::{Folder, done, json, refused};
-use foveal_media::generate::Scene;
+use foveal_media::generate::GeneratedScene;
 use serde_json::Value;
 
 /// A clip of five frames a second.
-fn clip(folder: &Folder, name: &str, scene: &Scene, frames: u64) -> String {
+fn clip(folder: &Folder, name: &str, scene: &GeneratedScene, frames: u64) -> String {
     let pictures: Vec<_> = (0..frames).map(|number| scene.frame(number)).collect();
     let ticks: Vec<u64> = (0..frames).collect();
     write_clip_at(folder, name, &pictures, [5, 1], &ticks)
@@ -91,7 +91,7 @@ fn more_takes_more(report: &Value) {
 #[test]
 fn every_policy_is_told_with_its_score_and_what_it_takes() {
     let folder = Folder::new();
-    let clip = clip(&folder, "clip.mkv", &Scene::wide([480, 270]), 8);
+    let clip = clip(&folder, "clip.mkv", &GeneratedScene::wide([480, 270]), 8);
     let pack = pack(&folder, "clip.foveal", &clip, &["--projection", "flat"]);
     let out = folder.name("out");
     let report = json(&[
@@ -144,7 +144,12 @@ fn every_policy_is_told_with_its_score_and_what_it_takes() {
 #[test]
 fn a_sphere_is_compared_with_the_grid_and_with_a_source_that_says_not_what_it_is() {
     let folder = Folder::new();
-    let clip = clip(&folder, "clip.mkv", &Scene::panorama([256, 128]), 4);
+    let clip = clip(
+        &folder,
+        "clip.mkv",
+        &GeneratedScene::panorama([256, 128]),
+        4,
+    );
     let whole = ["--projection", "equirect"];
     let pack = pack(
         &folder,
@@ -200,7 +205,7 @@ fn what_cannot_be_compared_is_refused() {
         ([96, 48], "b.mkv", 3),
         ([64, 48], "long.mkv", 9),
     ]
-    .map(|(size, name, frames)| clip(&folder, name, &Scene::wide(size), frames));
+    .map(|(size, name, frames)| clip(&folder, name, &GeneratedScene::wide(size), frames));
     let pack = pack(&folder, "a.foveal", &a, &[]);
     let out = folder.name("out");
     let compare = ["evaluate", "policies", &pack, "--out", &out];

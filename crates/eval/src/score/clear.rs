@@ -12,7 +12,7 @@ use super::geometry::Geometry;
 use super::picture::ScorePicture;
 use super::pooling::{BandSums, FrameScore, ZONE_BORDERS_DEG, jod_lost};
 use super::pyramid::{Plane, expanded, reduced};
-use super::sensitivity::SensitivityTable;
+use super::sensitivity::LogSensitivityTable;
 use super::viewing::Viewing;
 use std::collections::VecDeque;
 
@@ -20,7 +20,7 @@ use std::collections::VecDeque;
 pub struct ClearJudge {
     viewing: Viewing,
     geometry: Geometry,
-    table: SensitivityTable,
+    table: LogSensitivityTable,
     taps: Vec<[f64; 2]>,
     /// Luminance of reference and test, newest first; as many as there are taps.
     frames: VecDeque<[Plane; 2]>,
@@ -45,7 +45,7 @@ impl ClearJudge {
         Self {
             viewing: viewing.clone(),
             geometry: Geometry::new(viewing),
-            table: SensitivityTable::of(viewing.rules.sensitivity),
+            table: LogSensitivityTable::of(viewing.rules.sensitivity),
             taps: viewing.taps(),
             frames: VecDeque::new(),
         }

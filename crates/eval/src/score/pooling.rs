@@ -127,7 +127,7 @@ pub struct Score {
     /// Frames that it is the score of.
     pub frames: usize,
     /// Mean energies, finest band first.
-    pub bands: Vec<Band>,
+    pub bands: Vec<BandEnergies>,
     /// By eccentricity; `None` where nobody looked at a place.
     pub zones: Option<Zones>,
     /// Just-objectionable differences of every frame.
@@ -136,7 +136,7 @@ pub struct Score {
 
 /// Mean energies of one band.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Band {
+pub struct BandEnergies {
     /// Its centre, cycles per degree in the middle of the panel.
     pub cpd: f64,
     /// Of what stays.
@@ -220,7 +220,7 @@ impl Pool {
             jod: jod(self.quality / count),
             frames,
             bands: bands
-                .map(|(cpd, sums)| Band {
+                .map(|(cpd, sums)| BandEnergies {
                     cpd: *cpd,
                     sustained: sums[0] / count,
                     transient: sums[1] / count,

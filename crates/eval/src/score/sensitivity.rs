@@ -38,7 +38,7 @@ impl Axis {
 
 /// Log2 of the sensitivities of both channels, interpolated linearly.
 #[derive(Clone, Debug)]
-pub struct SensitivityTable {
+pub struct LogSensitivityTable {
     /// Over log2 of cd/m².
     pub luminance: Axis,
     /// Over log2 of cycles per degree: in the picture, or where eccentricity has no axis at the
@@ -81,7 +81,7 @@ const FINE: [Axis; 3] = [
     },
 ];
 
-impl SensitivityTable {
+impl LogSensitivityTable {
     /// The table of a rule; made once, in about a tenth of a second.
     #[must_use]
     pub fn of(rule: SensitivityRule) -> Self {
@@ -179,7 +179,7 @@ mod tests {
     #[test]
     fn the_fine_table_is_the_formula_and_the_coarse_one_is_near_it() {
         let [fine, coarse] =
-            [SensitivityRule::Fine, SensitivityRule::Coarse].map(SensitivityTable::of);
+            [SensitivityRule::Fine, SensitivityRule::Coarse].map(LogSensitivityTable::of);
         for frequency in [0.3, 1.0, 3.7, 7.9, 19.0] {
             for luminance in [0.11, 2.0, 33.0, 180.0] {
                 for degrees in [0.0, 1.0, 7.0, 31.0, 60.0] {
@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn what_lies_beyond_a_table_has_the_value_at_its_edge() {
-        let table = SensitivityTable::of(SensitivityRule::Coarse);
+        let table = LogSensitivityTable::of(SensitivityRule::Coarse);
         assert_eq!(table.at(200.0, 1e6, 150.0), table.at(64.0, 1e4, 120.0));
         assert_eq!(table.at(1e-3, 1e-6, 0.0), table.at(1.0 / 16.0, 1e-3, 0.0));
     }

@@ -1,10 +1,9 @@
 //! What floats in the generated world?
 
+use super::colour::{Rgb, mix};
+use super::ray::{DEGREE, Ray, toward, wave_left};
 use super::texture::{bars, step};
-use super::world::{Ray, Rgb, mix, toward, wave_left};
-use std::f32::consts::{PI, TAU};
-
-const DEGREE: f32 = PI / 180.0;
+use std::f32::consts::TAU;
 
 /// A disc with rings that grow finer outward: every spatial frequency up to the pixel's in one
 /// look.

@@ -57,7 +57,10 @@ fn what_carries_no_number_is_not_read() {
 
 #[test]
 fn a_frame_is_the_same_every_time_and_another_one_next() {
-    for scene in [Scene::panorama([258, 129]), Scene::wide([250, 141])] {
+    for scene in [
+        GeneratedScene::panorama([258, 129]),
+        GeneratedScene::wide([250, 141]),
+    ] {
         let frame = scene.frame(12);
         assert!(frame.is_consistent());
         assert_eq!(frame, scene.frame(12));
@@ -67,7 +70,7 @@ fn a_frame_is_the_same_every_time_and_another_one_next() {
 
 #[test]
 fn a_panorama_closes_at_the_seam_and_the_poles() {
-    let frame = Scene::panorama([1024, 512]).frame(40);
+    let frame = GeneratedScene::panorama([1024, 512]).frame(40);
     let luma = |x: usize, y: usize| f64::from(frame.planes[0][y * 1024 + x]);
     let step = |x: usize| {
         (0..512)
@@ -85,7 +88,7 @@ fn a_panorama_closes_at_the_seam_and_the_poles() {
 
 #[test]
 fn a_face_drawn_at_once_agrees_with_the_resampled_panorama() {
-    let scene = Scene::panorama([2048, 1024]);
+    let scene = GeneratedScene::panorama([2048, 1024]);
     let sampler = CubeSampler::new([2048, 1024], 512, Coverage::Full, false);
     let cube = sampler.cube_from_equirect(&scene.frame(5), 2);
     // Half the detail of both, as they are filtered differently near the limit.
@@ -99,7 +102,7 @@ fn a_face_drawn_at_once_agrees_with_the_resampled_panorama() {
 
 #[test]
 fn a_scene_is_full_of_detail() {
-    let frame = Scene::panorama([2048, 1024]).frame(0);
+    let frame = GeneratedScene::panorama([2048, 1024]).frame(0);
     let coarse = halve(&halve(&frame, 2, COLOUR), 2, COLOUR);
     let mut plain = 0;
     for (tile_y, tile_x) in (0..16).flat_map(|y| (0..32).map(move |x| (y, x))) {
@@ -144,7 +147,7 @@ fn write_png(name: &str, picture: &Picture) {
 #[test]
 #[ignore = "writes pictures into the temporary folder"]
 fn pictures_to_look_at() {
-    let scene = Scene::panorama([4096, 2048]);
+    let scene = GeneratedScene::panorama([4096, 2048]);
     let frame = scene.frame(100);
     write_png("foveal-panorama.png", &halve(&frame, 2, COLOUR));
     write_png(
@@ -153,7 +156,7 @@ fn pictures_to_look_at() {
     );
     write_png("foveal-top.png", &scene.cube_face(100, 4, 1024));
     write_png("foveal-bottom.png", &scene.cube_face(100, 5, 1024));
-    let wide = Scene::wide([3840, 2160]).frame(100);
+    let wide = GeneratedScene::wide([3840, 2160]).frame(100);
     write_png("foveal-wide.png", &halve(&wide, 2, COLOUR));
     write_png(
         "foveal-numbered.png",
@@ -166,8 +169,8 @@ fn pictures_to_look_at() {
 #[ignore = "a measurement"]
 fn drawing_speed() {
     for (name, scene) in [
-        ("panorama", Scene::panorama([4096, 2048])),
-        ("wide", Scene::wide([4096, 2048])),
+        ("panorama", GeneratedScene::panorama([4096, 2048])),
+        ("wide", GeneratedScene::wide([4096, 2048])),
     ] {
         let start = std::time::Instant::now();
         for number in 0..3 {

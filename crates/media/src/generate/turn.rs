@@ -145,14 +145,14 @@ fn places(face: usize, side: u32, [width, height]: [u32; 2]) -> Places {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::generate::Scene;
+    use crate::generate::GeneratedScene;
     use crate::generate::tests::psnr;
     use crate::sphere::{Coverage, CubeSampler};
     use crate::surround::cube_layout::CubeLayout;
 
     #[test]
     fn the_faces_are_those_that_a_sphere_would_be_resampled_to() {
-        let sphere = Scene::panorama([512, 256]).frame(0);
+        let sphere = GeneratedScene::panorama([512, 256]).frame(0);
         let sampler = CubeSampler::new([512, 256], 128, Coverage::Full, false);
         let expected = sampler.cube_from_equirect(&sphere, 2);
         let turn = Turn::new(sphere, 128);
@@ -168,7 +168,7 @@ mod tests {
 
     #[test]
     fn a_quarter_turn_brings_the_right_face_to_the_front() {
-        let turn = Turn::new(Scene::panorama([320, 160]).frame(0), 80);
+        let turn = Turn::new(GeneratedScene::panorama([320, 160]).frame(0), 80);
         let layout = CubeLayout::of_size(turn.size()).unwrap();
         // 32 frames of 2.5 pixels are a quarter of 320.
         let [before, after] = [0, 32].map(|number| layout.split(&turn.frame(number), false));

@@ -5,26 +5,12 @@
 //! world has no seam; everything fades where it is finer than a pixel. Colours are gamma-coded RGB
 //! in 0..1.
 
+use super::colour::{Rgb, mix, scaled};
 use super::objects::{Balloon, ZonePlate, balloons, zone_plates};
+use super::ray::{DEGREE, Ray};
 use super::text::{self, ADVANCE, LINE};
 use super::texture::{bars, byte_at, floor, fractal, noise, step, visible};
-use std::f32::consts::{FRAC_PI_2, PI, TAU};
-
-/// Gamma-coded red, green and blue in 0..=1.
-pub(super) type Rgb = [f32; 3];
-
-/// A pixel's line of sight.
-#[derive(Clone, Copy)]
-pub(super) struct Ray {
-    /// Unit direction.
-    pub(super) direction: [f32; 3],
-    /// Radians to the right of forward.
-    pub(super) yaw: f32,
-    /// Radians above the horizon.
-    pub(super) pitch: f32,
-    /// Width of the pixel in radians.
-    pub(super) pixel: f32,
-}
+use std::f32::consts::TAU;
 
 /// The world at one moment.
 pub(super) struct World {
@@ -78,8 +64,6 @@ struct Line {
     around: f32,
     text: &'static [u8],
 }
-
-const DEGREE: f32 = PI / 180.0;
 
 /// By what worlds of neighbouring numbers differ: seconds, tiles of the floor, and the angle of the
 /// sine that doubles or halves roughness.
@@ -145,17 +129,6 @@ const BANDS: [[f32; 2]; 2] = [
     [37.6 * DEGREE, 30.6 * DEGREE],
     [-8.6 * DEGREE, -15.6 * DEGREE],
 ];
-
-/// Between two colours, `t` of the second.
-#[inline]
-pub(super) fn mix([r, g, b]: Rgb, [red, green, blue]: Rgb, t: f32) -> Rgb {
-    [r + (red - r) * t, g + (green - g) * t, b + (blue - b) * t]
-}
-
-#[inline]
-fn scaled([r, g, b]: Rgb, by: f32) -> Rgb {
-    [r * by, g * by, b * by]
-}
 
 impl World {
     /// The world `seconds` after its beginning, with zone plates as fine as `pixel` radians allow;
@@ -380,20 +353,4 @@ fn ridge(seed: f32, highest: f32, lowest: f32) -> Vec<f32> {
         (lowest + (highest - lowest) * form.clamp(0.0, 1.3)) * DEGREE
     };
     (0..RIDGE).map(height).collect()
-}
-
-/// The direction of a yaw and a pitch in degrees.
-pub(super) fn toward(yaw: f32, pitch: f32) -> [f32; 3] {
-    let (yaw, pitch) = (yaw * DEGREE, (pitch * DEGREE).clamp(-FRAC_PI_2, FRAC_PI_2));
-    let level = libm::cosf(pitch);
-    [
-        libm::sinf(yaw) * level,
-        libm::sinf(pitch),
-        -libm::cosf(yaw) * level,
-    ]
-}
-
-/// What is left of a wave of `frequency` cycles a radian.
-pub(super) fn wave_left(frequency: f32, ray: &Ray) -> f32 {
-    visible(frequency, ray.pixel)
 }

@@ -1,6 +1,6 @@
 //! Which tiles does a source picture become?
 
-use super::plan::Plan;
+use super::plan::PreparationPlan;
 use crate::parallel::in_parallel;
 use crate::prepare::pyramid::{halve, halve_all};
 use crate::sphere::CubeSampler;
@@ -8,7 +8,7 @@ use crate::surround::cube_layout::CubeLayout;
 use crate::surround::eye_layout::EyeLayout;
 use crate::surround::found::Surround;
 use crate::surround::sphere_part::SpherePart;
-use crate::tiles::encode::Speed;
+use crate::tiles::encode_settings::Speed;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::picture::{Colour, Picture};
 use std::borrow::Cow;
@@ -36,7 +36,7 @@ pub(super) struct Cutter {
 }
 
 impl Cutter {
-    pub(super) fn new(plan: &Plan) -> Self {
+    pub(super) fn new(plan: &PreparationPlan) -> Self {
         let face = plan.grid.surface.size[0];
         let left = plan.source_chroma_left;
         let turn = match plan.surround {

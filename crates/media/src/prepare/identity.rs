@@ -1,10 +1,11 @@
 //! Is this the same input, made into the same pack by the same program, as before?
 
-use super::PrepareError;
-use super::plan::Plan;
+use super::error::PrepareError;
+use super::plan::PreparationPlan;
 use crate::error::MediaError;
 use foveal_core::pack::Identity;
 use foveal_core::session::log::sha256_hex;
+use std::fmt;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -14,13 +15,24 @@ use std::time::SystemTime;
 const FIRST_BYTES: u64 = 1 << 20;
 
 /// What changes when a file is written to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Stamp {
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct FileStamp {
     bytes: u64,
     modified: Option<SystemTime>,
 }
 
-impl Stamp {
+impl fmt::Debug for FileStamp {
+    /// The text is a part of what packs are known by, so it stays as it was first written, also
+    /// where the type has another name.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.debug_struct("Stamp")
+            .field("bytes", &self.bytes)
+            .field("modified", &self.modified)
+            .finish()
+    }
+}
+
+impl FileStamp {
     /// The stamp of a file; `None` where there is none under that name.
     pub(super) fn of(input: &Path) -> Option<Self> {
         let there = std::fs::metadata(input).ok()?;
@@ -39,7 +51,7 @@ const DIGITS: usize = 32;
 ///
 /// # Errors
 /// The input cannot be read.
-pub fn pack_identity_of(input: &Path, plan: &Plan) -> Result<Identity, PrepareError> {
+pub fn pack_identity_of(input: &Path, plan: &PreparationPlan) -> Result<Identity, PrepareError> {
     let Identity {
         program,
         input: stamp,
@@ -56,7 +68,7 @@ pub fn pack_identity_of(input: &Path, plan: &Plan) -> Result<Identity, PrepareEr
 }
 
 /// What a pack that was begun must agree in to be gone on with.
-pub(super) fn identity_of(input: &Path, plan: &Plan) -> Result<Identity, PrepareError> {
+pub(super) fn identity_of(input: &Path, plan: &PreparationPlan) -> Result<Identity, PrepareError> {
     let unreadable = |e: std::io::Error| MediaError::Open {
         path: input.to_owned(),
         reason: e.to_string(),
@@ -76,9 +88,23 @@ pub(super) fn identity_of(input: &Path, plan: &Plan) -> Result<Identity, Prepare
         input: format!(
             "{}, {:?}, {:08x}",
             plan.description.source.name,
-            Stamp::of(input),
+            FileStamp::of(input),
             crc32c::crc32c(&first)
         ),
         settings: plan.what_decides_the_bytes(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_text_of_a_stamp_stays_as_packs_have_it() {
+        let stamp = FileStamp {
+            bytes: 7,
+            modified: None,
+        };
+        assert_eq!(format!("{stamp:?}"), "Stamp { bytes: 7, modified: None }");
+    }
 }

@@ -5,80 +5,54 @@
 //! threads as asked for. A pack is the same bytes for any number of them.
 
 mod cutter;
+pub(crate) mod error;
 mod identity;
 mod notes;
-pub(crate) mod plan;
+mod plan;
+pub mod pyramid;
+pub(crate) mod pyramid_light;
+mod pyramid_taps;
 mod rates;
 pub(crate) mod remarks;
+pub(crate) mod settings;
 mod sound;
 #[cfg(test)]
 mod speed_tests;
 mod time_notes;
 
-pub use crate::surround::found::{ProjectionChoice, StereoChoice, Surround};
+pub use crate::surround::found::Surround;
+pub use error::PrepareError;
 pub use identity::pack_identity_of;
-pub use plan::{Plan, PrepareSettings};
-pub use rates::Quality;
+pub use plan::PreparationPlan;
 pub use remarks::Remarks;
+pub use settings::{PrepareSettings, ProjectionChoice, Quality, StereoChoice};
 
-use crate::error::MediaError;
 use crate::pack::pack_file::PackFileError;
 use crate::pack::pack_writer::PackWriter;
 use crate::parallel::in_parallel;
 use crate::read::input::{TimedPicture, VideoInput};
-use crate::tiles::encode::{EncodeSettings, encode_group};
+use crate::tiles::encode::encode_group;
+use crate::tiles::encode_settings::EncodeSettings;
 use cutter::Cutter;
 use foveal_core::content::video::bytes::description::MAX_FRAMES;
 use foveal_core::content::video::bytes::description::{Description, Loss};
 use foveal_core::content::video::bytes::frame_times::FRAME_TIMES;
 use foveal_core::content::video::bytes::sound::SOUND;
-use foveal_core::content::video::grid::tile_grid::{GridError, Tile};
+use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_core::pack::order::hilbert_distance;
 use foveal_core::pack::{JournalStep, SideTable};
 use foveal_core::view::picture::Picture;
-use identity::{Stamp, identity_of};
+use identity::{FileStamp, identity_of};
 use notes::Notes;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use thiserror::Error;
-use time_notes::time_notes;
+use time_notes::{length_of, time_notes};
 
 /// Frames that are read ahead while others are coded: a group of the finest level, so that reading
 /// the next one never leaves a core idle, where that many fit into memory for it.
 const READ_AHEAD: u64 = 8;
 const READ_AHEAD_BYTES: u64 = 512 << 20;
 const LEAST_READ_AHEAD: u64 = 2;
-
-/// Why a pack could not be prepared.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum PrepareError {
-    /// The input cannot be read, or a tile not coded.
-    #[error(transparent)]
-    Media(#[from] MediaError),
-    /// The pack cannot be written.
-    #[error(transparent)]
-    Pack(#[from] PackFileError),
-    /// The tiles asked for cannot be.
-    #[error(transparent)]
-    Grid(#[from] GridError),
-    /// Faces cannot have this many pixels on a side.
-    #[error(
-        "--face-size {0}: expected a multiple of 16 from {from} to {to}",
-        from = plan::FACE_SIZES.start(),
-        to = plan::FACE_SIZES.end()
-    )]
-    FaceSize(u32),
-    /// An option does not fit the input.
-    #[error("{0}")]
-    Option(String),
-    /// It is not what it was when its preparation began.
-    #[error("{0} changed while it was read; wait until it is finished, then prepare it again")]
-    Changed(String),
-    /// There is nothing in it.
-    #[error("{0} has no frames; give a file with at least one picture")]
-    NoFrames(String),
-}
 
 /// How far a preparation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,7 +120,7 @@ pub struct Prepared {
 pub fn prepare(
     input: &Path,
     out: &Path,
-    plan: &Plan,
+    plan: &PreparationPlan,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Prepared, PrepareError> {
     let description = described(input, plan)?;
@@ -195,7 +169,7 @@ impl<F: FnMut(Event)> Witness for F {
 pub fn prepare_resumable(
     input: &Path,
     out: &Path,
-    plan: &Plan,
+    plan: &PreparationPlan,
     go_on: bool,
     witness: &mut dyn Witness,
 ) -> Result<Prepared, PrepareError> {
@@ -210,7 +184,7 @@ pub fn prepare_resumable(
 }
 
 /// The plan's description, and how the pack is made.
-fn described(input: &Path, plan: &Plan) -> Result<Description, PrepareError> {
+fn described(input: &Path, plan: &PreparationPlan) -> Result<Description, PrepareError> {
     Ok(Description {
         identity: Some(pack_identity_of(input, plan)?),
         ..plan.description.clone()
@@ -220,7 +194,7 @@ fn described(input: &Path, plan: &Plan) -> Result<Description, PrepareError> {
 /// Codes what follows the steps that the writer took up, and finishes the pack.
 fn write_pack(
     input: &Path,
-    plan: &Plan,
+    plan: &PreparationPlan,
     mut description: Description,
     (mut writer, steps): (PackWriter, &[JournalStep]),
     witness: &mut dyn Witness,
@@ -229,7 +203,7 @@ fn write_pack(
     for step in steps {
         coder.take_up(step);
     }
-    let before = Stamp::of(input);
+    let before = FileStamp::of(input);
     let mut progress = |progress| witness.tell(Event::Progress(progress));
     let coded = code(input, &mut coder, None, &mut writer, &mut progress);
     let Coder { times, notes, .. } = coder;
@@ -238,7 +212,7 @@ fn write_pack(
         true => sound::sound_of(input, length_of(&times, fps)),
         false => (None, Vec::new()),
     };
-    if Stamp::of(input) != before {
+    if FileStamp::of(input) != before {
         return Err(PrepareError::Changed(input.display().to_string()));
     }
     let most = u64::from(plan.most_frames.unwrap_or(MAX_FRAMES));
@@ -265,14 +239,13 @@ fn write_pack(
     })
 }
 
-/// Seconds until the last frame has been shown.
-fn length_of(times: &[i64], fps: f64) -> f64 {
-    times.last().map_or(0.0, |&last| last as f64 / 1e9) + 1.0 / fps
-}
-
 /// Codes the first `frames` frames of `input` and keeps nothing: what [`prepare`] would cost.
 /// Returns how many frames there were and the bytes of their tiles.
-pub fn rehearse(input: &Path, plan: &Plan, frames: u32) -> Result<(u32, u64), PrepareError> {
+pub fn rehearse(
+    input: &Path,
+    plan: &PreparationPlan,
+    frames: u32,
+) -> Result<(u32, u64), PrepareError> {
     let mut bytes = 0;
     let mut note = |progress: Progress| bytes = progress.bytes;
     let mut coder = Coder::new(plan);
@@ -365,7 +338,7 @@ fn code_frames(
 
 /// Collects frames into groups and codes the groups.
 struct Coder<'a> {
-    plan: &'a Plan,
+    plan: &'a PreparationPlan,
     cutter: Cutter,
     /// Of each level, by rank of the tile, the pictures of the group that is being filled.
     waiting: Vec<Vec<Vec<Picture>>>,
@@ -379,7 +352,7 @@ struct Coder<'a> {
 }
 
 impl<'a> Coder<'a> {
-    fn new(plan: &'a Plan) -> Self {
+    fn new(plan: &'a PreparationPlan) -> Self {
         let grid = plan.grid;
         let empty = |level| vec![Vec::new(); grid.tiles_in_level(level) as usize];
         Self {
@@ -522,5 +495,3 @@ impl<'a> Coder<'a> {
         Ok(())
     }
 }
-pub mod pyramid;
-pub(crate) mod pyramid_light;

@@ -1,16 +1,15 @@
 //! What will a pack of this input look like?
 
-use super::PrepareError;
-use super::rates::{Quality, describe, rates_of};
+use super::error::PrepareError;
+use super::rates::{describe, rates_of};
 use super::remarks::Remarks;
+use super::settings::{FACE_SIZES, PrepareSettings};
 use crate::read::source::{Sound, SourceInfo};
 use crate::sphere::{Coverage, face_size_for};
 use crate::surround::eye_layout::EyeLayout;
-use crate::surround::found::{
-    ProjectionChoice, StereoChoice, Surround, SurroundOfEyes, surround_of,
-};
+use crate::surround::found::{Surround, SurroundOfEyes, surround_of};
 use crate::surround::sphere_part::SpherePart;
-use crate::tiles::encode::{Rate, Speed};
+use crate::tiles::encode_settings::{Rate, Speed};
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::bytes::description::{Description, Source};
 use foveal_core::content::video::bytes::rate::QualityScale;
@@ -19,61 +18,9 @@ use foveal_core::view::picture::Colour;
 use foveal_core::view::surface::{Mapping, Screen, Surface};
 use std::path::Path;
 
-/// What the caller asks for.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PrepareSettings {
-    /// Projection of the input.
-    pub projection: ProjectionChoice,
-    /// Where in a frame the pictures of the eyes lie.
-    pub stereo: StereoChoice,
-    /// Whether its sound comes along.
-    pub sound: bool,
-    /// How pixels lie over the faces of a cube that is resampled; equi-angular if `None`.
-    pub mapping: Option<Mapping>,
-    /// Pixels on a side of such a face; by size of the source if `None`.
-    pub face_size: Option<u32>,
-    /// How pictures are cut; by size of the source if `None`.
-    pub cut: Option<Cut>,
-    /// Number of levels; five, fewer for tiny pictures, if `None`.
-    pub levels: Option<u8>,
-    /// Linear ratio between levels.
-    pub ratio: u32,
-    /// Codec of the tiles.
-    pub codec: Codec,
-    /// Quality or bit rate of the levels; the codec's default quantiser if `None`.
-    pub quality: Option<Quality>,
-    /// Time against size.
-    pub speed: Speed,
-    /// Threads.
-    pub jobs: usize,
-    /// Stop after this many frames.
-    pub most_frames: Option<u32>,
-}
-
-impl Default for PrepareSettings {
-    /// What `foveal prepare video` does without options, on one thread.
-    fn default() -> Self {
-        Self {
-            projection: ProjectionChoice::Auto,
-            stereo: StereoChoice::Auto,
-            sound: true,
-            mapping: None,
-            face_size: None,
-            cut: None,
-            levels: None,
-            ratio: 2,
-            codec: Codec::Vp9,
-            quality: None,
-            speed: Speed::Default,
-            jobs: 1,
-            most_frames: None,
-        }
-    }
-}
-
 /// What will be made of an input.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct PreparationPlan {
     /// The pack's description; frames and side tables are not final.
     pub description: Description,
     /// Its tiles.
@@ -110,7 +57,7 @@ const LEAST_COARSEST: u32 = 16;
 /// Frame rate above which groups are twice as long.
 const FAST_FPS: f64 = 40.0;
 
-impl Plan {
+impl PreparationPlan {
     /// Plans the preparation of `input`; refuses options that do not fit it.
     pub fn new(
         input: &Path,
@@ -184,7 +131,7 @@ impl Plan {
     }
 }
 
-impl Plan {
+impl PreparationPlan {
     /// Everything but the input and the program that the bytes of the pack depend on, as text.
     pub(super) fn what_decides_the_bytes(&self) -> String {
         let about = &self.description;
@@ -318,9 +265,6 @@ fn cube_as_asked(
     }
     Ok(surface)
 }
-
-/// Sizes that faces may be resampled to, in pixels.
-pub(super) const FACE_SIZES: core::ops::RangeInclusive<u32> = 16..=32_768;
 
 fn default_levels(surface: Surface, ratio: u32) -> u8 {
     let longest = surface.size[0].max(surface.size[1]);

@@ -2,7 +2,7 @@
 //!
 //! Luma is averaged as light ([`LumaLight`]).
 
-use crate::prepare::pyramid::{REACH, TAPS};
+use crate::prepare::pyramid_taps::{REACH, TAPS};
 use foveal_core::perception::measures::luma_light::LumaLight;
 use std::ops::Range;
 

@@ -1,22 +1,12 @@
 //! How fine, or of how many bytes, is each level coded?
 
-use super::{PrepareError, PrepareSettings};
-use crate::tiles::encode::Rate;
+use super::error::PrepareError;
+use super::settings::{PrepareSettings, Quality};
+use crate::tiles::encode_settings::Rate;
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::bytes::description::Description;
 use foveal_core::content::video::bytes::rate::QualityScale;
 use foveal_core::units::counted;
-
-/// What the caller asks for: one value for all levels, or one a level, finest first.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Quality {
-    /// Fixed quantisers, lower is finer.
-    Quantiser(Vec<u8>),
-    /// JPEG qualities on the scale of the Independent JPEG Group, 1 to 100, higher is finer.
-    Ijg(Vec<u8>),
-    /// Bits per second of each tile.
-    BitRate(Vec<u32>),
-}
 
 /// The rate of each level, finest first; the codec's default for a still or for film where nothing
 /// is asked for.

@@ -1,9 +1,9 @@
 //! Where does the time of a preparation go?
 
 use super::*;
-use crate::generate::Scene;
+use crate::generate::GeneratedScene;
 use crate::read::source::SourceInfo;
-use crate::tiles::encode::{Rate, Speed};
+use crate::tiles::encode_settings::{Rate, Speed};
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::view::picture::{Colour, Matrix};
 use std::time::Instant;
@@ -41,14 +41,18 @@ fn info([width, height]: [u32; 2]) -> SourceInfo {
 fn speed_of_preparing() {
     let size = [4096, 2048];
     for (name, scene, projection) in [
-        ("wide", Scene::wide(size), ProjectionChoice::Flat),
-        ("sphere", Scene::panorama(size), ProjectionChoice::Equirect),
+        ("wide", GeneratedScene::wide(size), ProjectionChoice::Flat),
+        (
+            "sphere",
+            GeneratedScene::panorama(size),
+            ProjectionChoice::Equirect,
+        ),
     ] {
         let settings = PrepareSettings {
             projection,
             ..PrepareSettings::default()
         };
-        let plan = Plan::new(Path::new("none"), &info(size), &settings).unwrap();
+        let plan = PreparationPlan::new(Path::new("none"), &info(size), &settings).unwrap();
         let pixels = f64::from(size[0] * size[1]) * 8.0 / 1e6;
         let say = |what: &str, begun: Instant| {
             let seconds = begun.elapsed().as_secs_f64();

@@ -11,6 +11,11 @@ const MANY: f64 = 10.0;
 const MOST_MISSING: f64 = 0.05;
 const MOST_FRAMES_MISSING: f64 = 2.0;
 
+/// Seconds until the last frame has been shown.
+pub(super) fn length_of(times: &[i64], fps: f64) -> f64 {
+    times.last().map_or(0.0, |&last| last as f64 / 1e9) + 1.0 / fps
+}
+
 /// What a person should know of the times of frames in nanoseconds, nominally `fps` a second,
 /// `repaired` of which came from stamps that did not rise; the container told of `of` frames.
 pub(super) fn time_notes(times: &[i64], fps: f64, repaired: u64, of: Option<u64>) -> Vec<String> {
@@ -48,7 +53,7 @@ pub(super) fn time_notes(times: &[i64], fps: f64, repaired: u64, of: Option<u64>
 /// Whether it ends well before `of` frames, in number and in time.
 fn end_note(times: &[i64], fps: f64, of: f64) -> Option<String> {
     let frames = times.len() as f64;
-    let seconds = super::length_of(times, fps);
+    let seconds = length_of(times, fps);
     let most = (of - MOST_FRAMES_MISSING).min(of * (1.0 - MOST_MISSING));
     (frames < most && seconds * fps < most).then(|| {
         format!(

@@ -16,7 +16,7 @@ use crate::read::orientation::Orientation;
 const STANDARD_DEFINITION: [u32; 2] = [1279, 576];
 
 /// Turns frames of one stream into upright pictures of one size and one colour.
-pub(crate) struct Delivery {
+pub(crate) struct FrameConversion {
     orientation: Orientation,
     is_jpeg: bool,
     colour: Colour,
@@ -27,7 +27,7 @@ pub(crate) struct Delivery {
 /// Conversions before and after the turn.
 type Steps = (Vec<Converter>, Vec<Converter>);
 
-impl Delivery {
+impl FrameConversion {
     /// Decides on the colour of the pictures from the stream's first frame; the error is the name
     /// of a colour matrix that a picture cannot hold.
     pub(crate) fn new(

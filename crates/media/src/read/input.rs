@@ -10,13 +10,13 @@ use ffmpeg_next as av;
 use foveal_core::view::picture::Picture;
 
 use crate::error::MediaError;
-use crate::read::deliver::{Delivery, has_alpha};
+use crate::read::deliver::{FrameConversion, has_alpha};
 use crate::read::frame_reader::FrameReader;
 use crate::read::large_still::LargeStill;
 use crate::read::orientation::Orientation;
 use crate::read::source::{self, SourceInfo, Transparency};
 use crate::read::still_tags::StillTags;
-use crate::read::timeline::Timeline;
+use crate::read::timeline::FileTimeline;
 use crate::surround::spherical::{side_data_of, spherical_of, stereo_of};
 use crate::surround::spherical_boxes::{Ffmpeg, broken_boxes_of};
 
@@ -112,8 +112,8 @@ struct StreamInput {
     path: PathBuf,
     info: SourceInfo,
     reader: FrameReader,
-    delivery: Delivery,
-    timeline: Timeline,
+    conversion: FrameConversion,
+    timeline: FileTimeline,
     coded_size: [u32; 2],
     first_stamp_ns: i64,
     /// Decoded to learn the colours, and not yet delivered.
@@ -139,7 +139,7 @@ impl StreamInput {
         };
         let orientation = orientation_of(path, &stream)?.unwrap_or(tags.orientation);
         let is_jpeg = reader.decoder().id() == av::codec::Id::MJPEG;
-        let delivery = Delivery::new(&first, orientation, is_jpeg).map_err(|found| {
+        let conversion = FrameConversion::new(&first, orientation, is_jpeg).map_err(|found| {
             let (path, field) = (path.to_owned(), "the colour matrix");
             let next = "convert it with `ffmpeg -i FILE -vf scale=out_color_matrix=bt709 OUT`";
             MediaError::Unsupported {
@@ -152,9 +152,9 @@ impl StreamInput {
         let coded_size = [first.width(), first.height()];
         let info = SourceInfo {
             tags,
-            ..describe(&reader, &stream, &first, &delivery, bytes)
+            ..describe(&reader, &stream, &first, &conversion, bytes)
         };
-        let timeline = Timeline::new(stream.time_base(), info.frame_rate);
+        let timeline = FileTimeline::new(stream.time_base(), info.frame_rate);
         let first_stamp_ns = timeline.stamp_ns(first.timestamp());
         let path = path.to_owned();
         let first = Some(first);
@@ -162,7 +162,7 @@ impl StreamInput {
             path,
             info,
             reader,
-            delivery,
+            conversion,
             timeline,
             coded_size,
             first_stamp_ns,
@@ -190,7 +190,7 @@ impl StreamInput {
             });
         }
         let picture = self
-            .delivery
+            .conversion
             .picture(&frame)
             .map_err(|reason| self.broken(reason))?;
         let time_ns = self.timeline.time_ns(frame.timestamp());
@@ -213,10 +213,10 @@ fn describe(
     reader: &FrameReader,
     stream: &Stream,
     first: &Video,
-    delivery: &Delivery,
+    conversion: &FrameConversion,
     bytes: u64,
 ) -> SourceInfo {
-    let [width, height] = delivery
+    let [width, height] = conversion
         .orientation()
         .turned_size([first.width(), first.height()]);
     let is_image = source::is_image_format(reader.input());
@@ -238,7 +238,7 @@ fn describe(
         frame_rate,
         frames: source::frames_of(stream, seconds, frame_rate).or(is_image.then_some(1)),
         seconds,
-        colour: delivery.colour(),
+        colour: conversion.colour(),
         spherical: spherical_of(stream).filter(|_| !is_misread),
         stereo: stereo_of(stream),
         tags: StillTags::default(),

@@ -7,7 +7,7 @@ const DISCONTINUITY_NS: i128 = 1_000_000_000;
 const NS_PER_SECOND: i128 = 1_000_000_000;
 
 /// Turns time stamps into strictly rising times since the first frame.
-pub(crate) struct Timeline {
+pub(crate) struct FileTimeline {
     tick: Rational,
     frame_ns: i64,
     /// Stamp, in nanoseconds, of time 0.
@@ -17,7 +17,7 @@ pub(crate) struct Timeline {
     repaired: u64,
 }
 
-impl Timeline {
+impl FileTimeline {
     /// `tick` is the unit of the stamps in seconds, `frame_rate` frames a second; neither is
     /// trusted to be positive.
     pub(crate) fn new(tick: Rational, frame_rate: [i32; 2]) -> Self {
@@ -93,7 +93,7 @@ mod tests {
     const MS: i64 = 1_000_000;
 
     fn times(stamps: &[Option<i64>]) -> Vec<i64> {
-        let mut timeline = Timeline::new(Rational(1, 1000), [25, 1]);
+        let mut timeline = FileTimeline::new(Rational(1, 1000), [25, 1]);
         stamps
             .iter()
             .map(|&stamp| timeline.time_ns(stamp))
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn stamps_that_do_not_rise_are_counted_and_missing_ones_are_not() {
-        let mut timeline = Timeline::new(Rational(1, 1000), [25, 1]);
+        let mut timeline = FileTimeline::new(Rational(1, 1000), [25, 1]);
         for stamp in [Some(0), Some(40), Some(10), None, Some(160), Some(160)] {
             timeline.time_ns(stamp);
         }

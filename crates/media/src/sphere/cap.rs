@@ -4,12 +4,11 @@
 //! then every sample counts by its place on the face and the area it stands for. So a row beyond
 //! the pole counts where it lies, on the other side.
 
-mod table;
+pub(super) mod table;
 
 use super::kernel::{Kernel, REACH};
 use super::plane::Plane;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-pub(super) use table::CapTable;
 
 /// Spacing of samples along a circle, in face samples.
 const SPACING: f64 = 0.6;

@@ -8,7 +8,7 @@ mod cubic;
 mod poles;
 mod sides;
 
-use super::Block;
+use super::block::Block;
 use super::kernel::Kernel;
 use super::plane::Plane;
 use crate::parallel::in_parallel;

@@ -1,6 +1,6 @@
 //! How is one plane of an equirectangular picture read across its borders?
 
-use super::Coverage;
+use super::coverage::Coverage;
 use super::kernel::{Kernel, LANES, REACH};
 use foveal_core::view::surface::Mapping;
 use std::f64::consts::{PI, TAU};

@@ -6,10 +6,10 @@
 //! on the face. Both faces are mirror images of each other, and a quarter turn of a face is a
 //! quarter of a row: eight samples share their weights.
 
+use super::block::{BOTTOM, Block, TOP};
 use super::cap::Cap;
 use super::kernel::{Kernel, Taps, code_value, dot, keep_six_bits};
 use super::plane::Plane;
-use super::{BOTTOM, Block, TOP};
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 

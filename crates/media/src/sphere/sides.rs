@@ -5,7 +5,7 @@
 //! the same on all four faces and in the column mirrored left to right: eight samples share their
 //! weights.
 
-use super::Block;
+use super::block::Block;
 use super::kernel::{Kernel, LANES, REACH, Taps, code_value, dot, keep_six_bits};
 use super::plane::Plane;
 use std::f64::consts::FRAC_PI_2;

@@ -2,9 +2,9 @@
 //!
 //! By what the caller says, else by metadata, else by name and size; whatever is assumed is said.
 
-use crate::prepare::PrepareError;
-use crate::prepare::plan::PrepareSettings;
+use crate::prepare::error::PrepareError;
 use crate::prepare::remarks::Remarks;
+use crate::prepare::settings::{PrepareSettings, ProjectionChoice, StereoChoice};
 use crate::read::source::SourceInfo;
 use crate::sphere::Coverage;
 use crate::surround::cube_layout::CubeLayout;
@@ -12,39 +12,9 @@ use crate::surround::eye_layout::{EyeLayout, Packing};
 use crate::surround::name_words::NameWords;
 use crate::surround::photo_sphere::{PhotoSphere, Placed};
 use crate::surround::sphere_part::SpherePart;
-use crate::surround::spherical::{Projection as SourceProjection, Spherical, StereoLayout};
+use crate::surround::spherical::{Spherical, SphericalProjection, StereoLayout};
 use crate::surround::spherical_boxes::BrokenBox;
 use std::path::Path;
-
-/// What the caller says about the projection of the input.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ProjectionChoice {
-    /// Find it from metadata, name and size.
-    #[default]
-    Auto,
-    /// A flat picture.
-    Flat,
-    /// The whole sphere, longitude across and latitude down.
-    Equirect,
-    /// The front half of the sphere (VR180).
-    HalfEquirect,
-    /// Faces of a cube, laid out as their metadata or their shape tells.
-    Cube,
-}
-
-/// What the caller says about the two eyes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum StereoChoice {
-    /// Find it from metadata and name.
-    #[default]
-    Auto,
-    /// One picture for both eyes.
-    Mono,
-    /// Next to each other.
-    SideBySide,
-    /// One above the other.
-    TopBottom,
-}
 
 /// How each eye's picture is turned into faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -240,7 +210,7 @@ struct Found<'a> {
 impl Found<'_> {
     fn cube(&self, remarks: &mut Remarks) -> Result<CubeLayout, String> {
         let layout = match self.info.spherical.map(|spherical| spherical.projection) {
-            Some(SourceProjection::Cube { padding }) => {
+            Some(SphericalProjection::Cube { padding }) => {
                 CubeLayout::of_metadata(self.eye_size, padding)?
             }
             _ => CubeLayout::of_size(self.eye_size)?,
@@ -312,16 +282,16 @@ impl Found<'_> {
         remarks: &mut Remarks,
     ) -> Result<Surround, String> {
         match spherical.projection {
-            SourceProjection::Equirect => {
+            SphericalProjection::Equirect => {
                 remarks.note("360° by its spherical metadata".to_owned());
                 Ok(Surround::Equirect(Coverage::Full))
             }
-            SourceProjection::EquirectPart { .. } if spherical.is_half() => {
+            SphericalProjection::EquirectPart { .. } if spherical.is_half() => {
                 remarks.note("180° by its spherical metadata".to_owned());
                 Ok(Surround::Equirect(Coverage::FrontHalf))
             }
-            SourceProjection::Cube { .. } => Ok(Surround::Cube(self.cube(remarks)?)),
-            SourceProjection::EquirectPart { .. } => Err(
+            SphericalProjection::Cube { .. } => Ok(Surround::Cube(self.cube(remarks)?)),
+            SphericalProjection::EquirectPart { .. } => Err(
                 "shows a part of a sphere by its metadata, which cannot be prepared; make it whole \
                  with FFmpeg's filter pad, or give --projection flat"
                     .to_owned(),

@@ -9,7 +9,7 @@ const HALF_TOLERANCE: f64 = 0.01;
 
 /// How the flat picture lies on the sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Projection {
+pub enum SphericalProjection {
     /// The whole sphere, longitude across and latitude down.
     Equirect,
     /// A part of an equirectangular picture.
@@ -28,7 +28,7 @@ pub enum Projection {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spherical {
     /// Where the picture lies on the sphere.
-    pub projection: Projection,
+    pub projection: SphericalProjection,
     /// Turn of the sphere about the up axis in degrees, the front moving to the right.
     pub yaw_deg: f64,
     /// Then about the right axis in degrees, the front moving up.
@@ -41,7 +41,7 @@ impl Spherical {
     /// Whether the picture shows the front half of the sphere (180-degree video).
     #[must_use]
     pub fn is_half(&self) -> bool {
-        let Projection::EquirectPart {
+        let SphericalProjection::EquirectPart {
             cut: [left, top, right, bottom],
         } = self.projection
         else {
@@ -59,9 +59,9 @@ impl Spherical {
         let angle = |i: usize| Some(f64::from(word(i)?.cast_signed()) / 65536.0);
         let part = |i: usize| Some(f64::from(word(i)?) / 4_294_967_296.0);
         let projection = match word(0)? {
-            0 => Projection::Equirect,
-            1 => Projection::Cube { padding: word(8)? },
-            2 => Projection::EquirectPart {
+            0 => SphericalProjection::Equirect,
+            1 => SphericalProjection::Cube { padding: word(8)? },
+            2 => SphericalProjection::EquirectPart {
                 cut: [part(4)?, part(5)?, part(6)?, part(7)?],
             },
             _ => return None,

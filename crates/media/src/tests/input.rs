@@ -7,7 +7,7 @@ use ffmpeg_next as av;
 use crate::tests::scenes::{
     RawFile, Scratch, VIDEO, group, psnr, raw, read, read_one, write_clip, write_raw,
 };
-use crate::{ClipCodec, ClipFormat, ClipWriter, Projection, StereoLayout, VideoInput};
+use crate::{ClipCodec, ClipFormat, ClipWriter, SphericalProjection, StereoLayout, VideoInput};
 
 const FRAME_NS: i64 = 40_000_000;
 
@@ -196,14 +196,20 @@ fn projection_and_stereo_are_read() {
             .collect::<Vec<u8>>()
     };
     let cases = [
-        ([0, 90 << 16, 0, 0, 0, 0, 0, 0, 0], Projection::Equirect),
+        (
+            [0, 90 << 16, 0, 0, 0, 0, 0, 0, 0],
+            SphericalProjection::Equirect,
+        ),
         (
             [2, 0, 0, 0, quarter, 0, quarter, 0, 0],
-            Projection::EquirectPart {
+            SphericalProjection::EquirectPart {
                 cut: [0.25, 0.0, 0.25, 0.0],
             },
         ),
-        ([1, 0, 0, 0, 0, 0, 0, 0, 4], Projection::Cube { padding: 4 }),
+        (
+            [1, 0, 0, 0, 0, 0, 0, 0, 4],
+            SphericalProjection::Cube { padding: 4 },
+        ),
     ];
     for (mapping, projection) in cases {
         let side_data = [
@@ -222,7 +228,10 @@ fn projection_and_stereo_are_read() {
         let (input, _) = read_one(&path);
         let spherical = input.info().spherical.unwrap();
         match (spherical.projection, projection) {
-            (Projection::EquirectPart { cut: a }, Projection::EquirectPart { cut: b }) => {
+            (
+                SphericalProjection::EquirectPart { cut: a },
+                SphericalProjection::EquirectPart { cut: b },
+            ) => {
                 assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6), "{a:?}");
                 assert!(spherical.is_half());
             }

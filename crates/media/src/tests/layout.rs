@@ -398,7 +398,7 @@ fn names_and_sizes_say_what_is_taken_for_what() {
             height: size[1],
             ..plain.clone()
         };
-        let plan = crate::prepare::Plan::new(name.as_ref(), &info, &auto).unwrap();
+        let plan = crate::prepare::PreparationPlan::new(name.as_ref(), &info, &auto).unwrap();
         let surface = plan.grid.surface;
         let found = (surface.eyes, surface.size, surface.faces_of_an_eye());
         assert_eq!(
@@ -420,6 +420,7 @@ fn names_and_sizes_say_what_is_taken_for_what() {
         height: 2048,
         ..plain
     };
-    let error = crate::prepare::Plan::new("room_eac.webm".as_ref(), &info, &auto).unwrap_err();
+    let error =
+        crate::prepare::PreparationPlan::new("room_eac.webm".as_ref(), &info, &auto).unwrap_err();
     assert!(error.to_string().contains("v360=eac:c3x2"), "{error}");
 }

@@ -12,7 +12,7 @@ use std::path::Path;
 use crate::pack::pack_file::{PackFile, partial_path};
 use crate::prepare::{PrepareError, PrepareSettings, ProjectionChoice, rehearse};
 use crate::tests::scenes::{Scratch, VIDEO, group, plan_of, prepared, settings, write_clip};
-use crate::tiles::encode::Speed;
+use crate::tiles::encode_settings::Speed;
 use crate::{ClipCodec, ClipFormat, ClipWriter};
 
 fn bytes_of(path: &Path) -> Vec<u8> {

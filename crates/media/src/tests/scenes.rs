@@ -12,7 +12,7 @@ use foveal_core::content::video::grid::tile_grid::Cut;
 
 use crate::pack::journal_file::journal_path;
 use crate::pack::pack_file::partial_path;
-use crate::prepare::{Plan, PrepareError, PrepareSettings, ProjectionChoice, prepare};
+use crate::prepare::{PreparationPlan, PrepareError, PrepareSettings, ProjectionChoice, prepare};
 use crate::read::frame::new_frame;
 use crate::tiles::encoder::new_encoder;
 use crate::write::frame_file::{FrameFile, ReadyEncoder};
@@ -212,9 +212,12 @@ pub(crate) fn settings(projection: ProjectionChoice, codec: Codec) -> PrepareSet
 }
 
 /// What would be made of a file.
-pub(crate) fn plan_of(input: &Path, settings: &PrepareSettings) -> Result<Plan, PrepareError> {
+pub(crate) fn plan_of(
+    input: &Path,
+    settings: &PrepareSettings,
+) -> Result<PreparationPlan, PrepareError> {
     let info = VideoInput::open(input)?.info().clone();
-    Plan::new(input, &info, settings)
+    PreparationPlan::new(input, &info, settings)
 }
 
 /// The pack of a file.

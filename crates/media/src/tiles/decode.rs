@@ -11,7 +11,7 @@ use foveal_core::view::picture::Picture;
 use crate::error::MediaError;
 use crate::ffmpeg::{start, wants_more};
 use crate::read::frame::{picture_from_frame, picture_from_nv12};
-use crate::tiles::hardware::{Session, decoder_name};
+use crate::tiles::hardware::{DecoderSlot, decoder_name};
 use crate::tiles::stacked_png::picture_from_png;
 
 /// What FFmpeg adds to the sides of a picture at most when it checks `max_pixels`.
@@ -27,7 +27,7 @@ pub struct GroupDecoder {
     /// None for PNG, which has no state.
     decoder: Option<decoder::Video>,
     /// Where a graphics device decodes.
-    session: Option<Session>,
+    slot: Option<DecoderSlot>,
     /// False from a restart to the next key frame.
     started: bool,
 }
@@ -50,7 +50,7 @@ impl GroupDecoder {
             codec,
             size,
             decoder: open_software(codec, size)?,
-            session: None,
+            slot: None,
             started: false,
         })
     }
@@ -60,22 +60,22 @@ impl GroupDecoder {
     pub(crate) fn on_device(
         codec: Codec,
         size: [u32; 2],
-        session: Session,
+        slot: DecoderSlot,
     ) -> Result<Self, MediaError> {
         let coded_size = codec.coded_size(size);
         let opened = decoder_name(codec)
             .ok_or_else(|| "no device decodes it".to_owned())
-            .and_then(|name| open_decoder(name, coded_size, Some(&session)));
+            .and_then(|name| open_decoder(name, coded_size, Some(&slot)));
         match opened {
             Ok(decoder) => Ok(Self {
                 codec,
                 size,
                 decoder: Some(decoder),
-                session: Some(session),
+                slot: Some(slot),
                 started: false,
             }),
             Err(_) => {
-                session.fail();
+                slot.fail();
                 Self::new(codec, size)
             }
         }
@@ -154,10 +154,10 @@ impl GroupDecoder {
 
     /// Goes on without the device that failed; false where there was none.
     fn leave_device(&mut self) -> Result<bool, String> {
-        let Some(session) = self.session.take() else {
+        let Some(slot) = self.slot.take() else {
             return Ok(false);
         };
-        session.fail();
+        slot.fail();
         self.decoder = open_software(self.codec, self.size).map_err(|e| e.to_string())?;
         self.started = false;
         Ok(true)
@@ -185,8 +185,8 @@ impl GroupDecoder {
         {
             return Err("more than one picture".to_owned());
         }
-        if let Some(session) = &self.session {
-            frame = session.download(&frame)?;
+        if let Some(slot) = &self.slot {
+            frame = slot.download(&frame)?;
         }
         check_frame(&frame, self.codec, self.codec.coded_size(self.size))?;
         let out = frame.pts().ok_or("the picture lost its frame number")?;
@@ -225,15 +225,15 @@ fn open_software(codec: Codec, size: [u32; 2]) -> Result<Option<decoder::Video>,
 fn open_decoder(
     name: &str,
     size: [u32; 2],
-    session: Option<&Session>,
+    slot: Option<&DecoderSlot>,
 ) -> Result<decoder::Video, String> {
     let codec = decoder::find_by_name(name).ok_or_else(|| format!("no {name}"))?;
     let mut context = codec::Context::new_with_codec(codec);
     context.set_threading(codec::threading::Config::count(1));
     // dav1d and others then hold nothing back.
     context.set_flags(codec::Flags::LOW_DELAY);
-    if let Some(session) = session {
-        session.attach(&mut context)?;
+    if let Some(slot) = slot {
+        slot.attach(&mut context)?;
     }
     let mut decoder = context.decoder();
     // Damage is reported, not concealed.

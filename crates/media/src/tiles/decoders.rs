@@ -83,8 +83,8 @@ impl Decoders {
     pub(crate) fn open(&self, size: [u32; 2]) -> Result<GroupDecoder, MediaError> {
         let [w, h] = size.map(u64::from);
         let device = self.device.as_ref().filter(|_| w * h >= self.least_pixels);
-        match device.and_then(HardwareDevice::session) {
-            Some(session) => GroupDecoder::on_device(self.codec, size, session),
+        match device.and_then(HardwareDevice::slot) {
+            Some(slot) => GroupDecoder::on_device(self.codec, size, slot),
             None => GroupDecoder::new(self.codec, size),
         }
     }
@@ -108,7 +108,7 @@ impl Decoders {
 mod tests {
     use super::*;
     use crate::tests::scenes::group;
-    use crate::tiles::hardware::MOST_SESSIONS;
+    use crate::tiles::hardware::MOST_SLOTS;
     use crate::{EncodeSettings, Rate, Speed, encode_group};
     use ffmpeg_next::ffi::AVPixelFormat;
 
@@ -134,11 +134,11 @@ mod tests {
     fn decoders_beyond_those_that_a_device_takes_are_the_processor_s() {
         let decoders = pretended(AVPixelFormat::AV_PIX_FMT_VAAPI);
         let open = || decoders.open([256, 256]).unwrap();
-        let all: Vec<_> = (0..MOST_SESSIONS + 3).map(|_| open()).collect();
-        assert_eq!(decoders.device_use().decoders, MOST_SESSIONS);
+        let all: Vec<_> = (0..MOST_SLOTS + 3).map(|_| open()).collect();
+        assert_eq!(decoders.device_use().decoders, MOST_SLOTS);
         drop(all);
         drop(open());
-        assert_eq!(decoders.device_use().decoders, MOST_SESSIONS + 1);
+        assert_eq!(decoders.device_use().decoders, MOST_SLOTS + 1);
         assert_eq!(decoders.device_use().failed, 0);
     }
 

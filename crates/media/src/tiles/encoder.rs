@@ -7,7 +7,7 @@ use ffmpeg_next as av;
 use foveal_core::content::video::bytes::codec::Codec;
 
 use crate::ffmpeg::open_encoder;
-use crate::tiles::encode::{EncodeSettings, Speed};
+use crate::tiles::encode_settings::{EncodeSettings, Speed};
 
 /// Longer than any group: the only key frame is the one that is asked for.
 const NO_OWN_KEYS: u32 = 9999;

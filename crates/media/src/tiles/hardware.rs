@@ -26,7 +26,7 @@ const KINDS: [Kind; 5] = [
 
 /// Decoders that are open on a device at once, at most: each takes memory of the device for its
 /// reference pictures, and drivers refuse more than a few dozen.
-pub(crate) const MOST_SESSIONS: usize = 16;
+pub(crate) const MOST_SLOTS: usize = 16;
 
 /// A device that decodes.
 #[derive(Debug)]
@@ -119,12 +119,12 @@ impl HardwareDevice {
     }
 
     /// Room for one more decoder; `None` where as many are open as may be.
-    pub(crate) fn session(self: &Arc<Self>) -> Option<Session> {
-        let one_more = |open: usize| (open < MOST_SESSIONS).then_some(open + 1);
+    pub(crate) fn slot(self: &Arc<Self>) -> Option<DecoderSlot> {
+        let one_more = |open: usize| (open < MOST_SLOTS).then_some(open + 1);
         let order = Ordering::Relaxed;
         self.open.fetch_update(order, order, one_more).ok()?;
         self.opened.fetch_add(1, order);
-        Some(Session(Arc::clone(self)))
+        Some(DecoderSlot(Arc::clone(self)))
     }
 }
 
@@ -138,16 +138,16 @@ impl Drop for HardwareDevice {
 
 /// The right to one decoder on a device.
 #[derive(Debug)]
-pub(crate) struct Session(Arc<HardwareDevice>);
+pub(crate) struct DecoderSlot(Arc<HardwareDevice>);
 
-impl Drop for Session {
+impl Drop for DecoderSlot {
     fn drop(&mut self) {
         self.0.open.fetch_sub(1, Ordering::Relaxed);
     }
 }
 
-impl Session {
-    /// Gives the session up because the device failed, and counts that.
+impl DecoderSlot {
+    /// Gives the slot up because the device failed, and counts that.
     pub(crate) fn fail(self) {
         self.0.failed.fetch_add(1, Ordering::Relaxed);
     }

@@ -5,6 +5,7 @@ pub mod decode_pool;
 pub(crate) mod decode_streams;
 pub mod decoders;
 pub mod encode;
+pub mod encode_settings;
 pub(crate) mod encoder;
 pub(crate) mod hardware;
 pub(crate) mod ijg_jpeg;

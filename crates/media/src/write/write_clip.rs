@@ -11,7 +11,7 @@ use foveal_core::view::picture::{Colour, Matrix, Picture};
 use crate::error::MediaError;
 use crate::ffmpeg::start;
 use crate::read::frame::frame_from_picture;
-use crate::tiles::encode::Speed;
+use crate::tiles::encode_settings::Speed;
 use crate::tiles::encoder::{fixed_quantiser, new_encoder, set_fixed_quality, vp9_options};
 use crate::write::frame_file::{FrameFile, ReadyEncoder, not_written};
 

@@ -8,12 +8,12 @@ mod processor_time;
 mod score;
 mod video;
 
-use clap::{Args, Subcommand};
+use clap::Subcommand;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Bench {
     /// Weighing the steps of a decision: 1920x1080, five levels, against Fourier transforms.
-    Perception(BenchArgs),
+    Perception(perception::PerceptionBenchArgs),
     /// Playing a pack foveated, against `viewport`, `full` and the original file.
     Video(video::VideoArgs),
     /// Preparing video at every speed: source pixels a second, and bytes at equal quality.
@@ -21,16 +21,6 @@ pub(crate) enum Bench {
     /// Scoring foveated video of 1920x1080 at 30 frames a second, against the clear text of the
     /// same equations.
     Score(score::ScoreBenchArgs),
-}
-
-#[derive(Clone, Debug, Args)]
-pub(crate) struct BenchArgs {
-    /// Runs of each way, besides one to warm up; 1 to 1000.
-    #[arg(long, value_name = "N", default_value_t = 7)]
-    runs: usize,
-    /// Print one JSON object.
-    #[arg(long)]
-    json: bool,
 }
 
 pub(crate) fn run(command: &Bench) -> anyhow::Result<()> {

@@ -1,10 +1,10 @@
 //! What does a decision cost: a gaze, the values of steps, a choice?
 
-use crate::commands::bench::BenchArgs;
 use crate::commands::bench::gpu::time_on_gpu;
 use crate::commands::demo::machine::Machine;
 use crate::report::output::{self, out_of_range};
 use anyhow::bail;
+use clap::Args;
 use foveal_core::units::counted;
 use foveal_eval::importance_bench::{Decision, ImportanceTimes, time_importance};
 use foveal_eval::path_bench::{time_gaze_path, time_selection};
@@ -14,6 +14,16 @@ use serde::Serialize;
 use std::fmt::Write;
 
 const SIZE: [u32; 2] = [1920, 1080];
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct PerceptionBenchArgs {
+    /// Runs of each way, besides one to warm up; 1 to 1000.
+    #[arg(long, value_name = "N", default_value_t = 7)]
+    runs: usize,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
 
 #[derive(Debug, Serialize)]
 struct Report {
@@ -25,7 +35,7 @@ struct Report {
     selection: Vec<TimedRow>,
 }
 
-pub(super) fn run(args: &BenchArgs) -> anyhow::Result<()> {
+pub(super) fn run(args: &PerceptionBenchArgs) -> anyhow::Result<()> {
     if !(1..=1000).contains(&args.runs) {
         bail!(out_of_range("--runs", args.runs, "1 to 1000"));
     }

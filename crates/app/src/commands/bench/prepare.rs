@@ -9,9 +9,9 @@ use clap::{Args, ValueEnum};
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::units::counted;
 use foveal_core::view::picture::{Colour, Matrix};
-use foveal_media::generate::{FRAMES_PER_SECOND, Scene};
-use foveal_media::prepare::{Plan, PrepareSettings, ProjectionChoice, prepare};
-use foveal_media::tiles::encode::Speed;
+use foveal_media::generate::{FRAMES_PER_SECOND, GeneratedScene};
+use foveal_media::prepare::{PreparationPlan, PrepareSettings, ProjectionChoice, prepare};
+use foveal_media::tiles::encode_settings::Speed;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter, VideoInput};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -156,7 +156,7 @@ fn time_one(
     folder: &Path,
 ) -> anyhow::Result<SpeedRow> {
     let info = VideoInput::open(clip)?.info().clone();
-    let plan = Plan::new(clip, &info, settings)?;
+    let plan = PreparationPlan::new(clip, &info, settings)?;
     let out = folder.join("bench.foveal");
     let (begun, cpu_before) = (Instant::now(), cpu_seconds());
     let prepared = prepare(clip, &out, &plan, &mut |_| {})?;
@@ -192,9 +192,9 @@ fn write_clip(
         Generated::Panorama2k => ([2048, 1024], false),
     };
     let (scene, projection) = if is_flat {
-        (Scene::wide(size), ProjectionChoice::Flat)
+        (GeneratedScene::wide(size), ProjectionChoice::Flat)
     } else {
-        (Scene::panorama(size), ProjectionChoice::Equirect)
+        (GeneratedScene::panorama(size), ProjectionChoice::Equirect)
     };
     let name = generated
         .to_possible_value()

@@ -1,5 +1,7 @@
 //! Which colour stands for a level?
 
+use foveal_core::content::video::bytes::description::Description;
+
 /// Red (finest), orange, yellow, sky, blue (coarsest): the ramp of `shaders/overlay.wgsl`.
 const RAMP: [[f32; 3]; 5] = [
     [0.843, 0.098, 0.110],
@@ -24,6 +26,22 @@ pub(super) fn of_level(level: u8, coarsest: u8) -> [u8; 3] {
 pub(super) fn css_of_level(level: u8, coarsest: u8) -> String {
     let [r, g, b] = of_level(level, coarsest);
     format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// Which colour is which level of a pack, as HTML.
+pub(super) fn level_key(about: &Description) -> String {
+    let coarsest = about.levels - 1;
+    let item = |level: u8| {
+        let scale = u64::from(about.ratio).pow(u32::from(level));
+        let density = match scale {
+            1 => "full density".to_owned(),
+            scale => format!("1/{scale}"),
+        };
+        let colour = css_of_level(level, coarsest);
+        format!("<li><i style=\"background:{colour}\"></i>level {level}, {density}</li>")
+    };
+    let items: String = (0..about.levels).map(item).collect();
+    format!("<ul class=\"key\">{items}</ul>\n")
 }
 
 #[cfg(test)]

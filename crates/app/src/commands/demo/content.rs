@@ -1,17 +1,18 @@
 //! What does the demo play, and what of it is left from an earlier run?
 
-use crate::commands::demo::FRAMES;
 use crate::report::output;
 use crate::run::kept_pack::{kept, plan_of, write_pack};
 use crate::run::scene_clip::write_scene;
 use anyhow::bail;
-use foveal_media::generate::Scene;
+use foveal_media::generate::GeneratedScene;
 use foveal_media::pack::pack_file::PackFile;
-use foveal_media::prepare::{Plan, PrepareSettings, Remarks};
+use foveal_media::prepare::{PreparationPlan, PrepareSettings, Remarks};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+/// Most frames that are prepared and played of every content.
+pub(super) const FRAMES: u32 = 64;
 /// Pixels of the generated 360° scene, equirectangular.
 const SPHERE_SIZE: [u32; 2] = [4096, 2048];
 /// Pixels of the generated flat scene.
@@ -23,13 +24,13 @@ const SAMPLE_LICENCE: &str = "Big Buck Bunny, (c) Blender Foundation, CC BY 3.0"
 
 /// One thing to play.
 #[derive(Clone, Debug)]
-pub(super) struct Content {
+pub(super) struct DemoContent {
     /// Name of its pack and folders, without ending; no two share one.
     pub(super) name: String,
     /// The video file.
     source: PathBuf,
     /// What draws the video file, when it is not the user's.
-    scene: Option<([u32; 2], Scene)>,
+    scene: Option<([u32; 2], GeneratedScene)>,
 }
 
 /// Content as a pack, and how it became one.
@@ -49,17 +50,22 @@ pub(super) struct Prepared {
 }
 
 /// The inputs, or a generated flat clip without any, then the generated 360° scene.
-pub(super) fn contents(inputs: &[PathBuf], out: &Path) -> anyhow::Result<Vec<Content>> {
-    let sphere = Content::generated(
+pub(super) fn contents(inputs: &[PathBuf], out: &Path) -> anyhow::Result<Vec<DemoContent>> {
+    let sphere = DemoContent::generated(
         "generated-360",
         SPHERE_SIZE,
-        Scene::panorama(SPHERE_SIZE),
+        GeneratedScene::panorama(SPHERE_SIZE),
         out,
     );
     let mut all = Vec::new();
     if inputs.is_empty() {
-        let scene = Scene::wide(WIDE_SIZE);
-        all.push(Content::generated("generated-wide", WIDE_SIZE, scene, out));
+        let scene = GeneratedScene::wide(WIDE_SIZE);
+        all.push(DemoContent::generated(
+            "generated-wide",
+            WIDE_SIZE,
+            scene,
+            out,
+        ));
     }
     let mut names = vec![sphere.name.clone()];
     for input in inputs {
@@ -71,7 +77,7 @@ pub(super) fn contents(inputs: &[PathBuf], out: &Path) -> anyhow::Result<Vec<Con
         }
         let name = unused_name(input, &names);
         names.push(name.clone());
-        all.push(Content {
+        all.push(DemoContent {
             name,
             source: input.clone(),
             scene: None,
@@ -95,9 +101,9 @@ fn unused_name(input: &Path, taken: &[String]) -> String {
         .unwrap_or_default()
 }
 
-impl Content {
+impl DemoContent {
     /// A scene that is drawn into a video under `out`.
-    pub(super) fn generated(name: &str, size: [u32; 2], scene: Scene, out: &Path) -> Self {
+    pub(super) fn generated(name: &str, size: [u32; 2], scene: GeneratedScene, out: &Path) -> Self {
         Self {
             name: name.to_owned(),
             source: out.join(format!("{name}.mkv")),
@@ -149,7 +155,7 @@ impl Content {
         })
     }
 
-    fn plan(&self) -> anyhow::Result<Plan> {
+    fn plan(&self) -> anyhow::Result<PreparationPlan> {
         plan_of(&self.source, &settings()?)
     }
 }

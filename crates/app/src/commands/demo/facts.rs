@@ -1,6 +1,6 @@
 //! What is known of a content before it is played?
 
-use crate::commands::demo::FRAMES;
+use crate::commands::demo::content::FRAMES;
 use crate::commands::demo::figures::frames;
 use crate::commands::demo::run::Played;
 use crate::report::html::escape;

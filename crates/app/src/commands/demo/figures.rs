@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 /// Figures of one policy: what it took, and that over what the baselines took.
 #[derive(Debug, Serialize)]
-pub(super) struct Figures<'a> {
+pub(super) struct PolicyFigures<'a> {
     #[serde(flatten)]
     summary: &'a RunSummary,
     pixels_of_full: f64,
@@ -20,7 +20,7 @@ pub(super) struct Figures<'a> {
 }
 
 /// One row of the table: what, in which unit, and a cell a policy.
-pub(super) struct Row {
+pub(super) struct FigureRow {
     pub(super) what: &'static str,
     pub(super) unit: &'static str,
     pub(super) cells: Vec<String>,
@@ -57,9 +57,9 @@ pub(super) fn ratio(runs: &[PolicyRun], of: Cost, index: usize, baseline: usize)
 }
 
 /// The figures of run `index`.
-pub(super) fn figures(runs: &[PolicyRun], index: usize) -> Figures<'_> {
+pub(super) fn figures(runs: &[PolicyRun], index: usize) -> PolicyFigures<'_> {
     let over = |of, baseline| ratio(runs, of, index, baseline);
-    Figures {
+    PolicyFigures {
         summary: &runs[index].summary,
         pixels_of_full: over(Cost::Pixels, FULL),
         pixels_of_viewport: over(Cost::Pixels, VIEWPORT),
@@ -71,14 +71,14 @@ pub(super) fn figures(runs: &[PolicyRun], index: usize) -> Figures<'_> {
 }
 
 /// The rows of the table.
-pub(super) fn rows(runs: &[PolicyRun]) -> Vec<Row> {
-    let row = |what, unit, cell: &dyn Fn(&RunSummary) -> String| Row {
+pub(super) fn rows(runs: &[PolicyRun]) -> Vec<FigureRow> {
+    let row = |what, unit, cell: &dyn Fn(&RunSummary) -> String| FigureRow {
         what,
         unit,
         cells: runs.iter().map(|run| cell(&run.summary)).collect(),
         opens_group: false,
     };
-    let over = |what, of, baseline| Row {
+    let over = |what, of, baseline| FigureRow {
         what,
         unit: "%",
         cells: (0..runs.len())
@@ -89,7 +89,7 @@ pub(super) fn rows(runs: &[PolicyRun]) -> Vec<Row> {
     let amount = |what, unit, value: &dyn Fn(&RunSummary) -> f64| {
         let values: Vec<f64> = runs.iter().map(|run| value(&run.summary)).collect();
         let decimals = decimals(&values);
-        Row {
+        FigureRow {
             what,
             unit,
             cells: values.iter().map(|v| format!("{v:.decimals$}")).collect(),

@@ -14,21 +14,21 @@ mod pictures;
 mod plots;
 mod report;
 mod run;
+mod setup;
 
 use crate::options::policy::ViewOptions;
 use crate::report::output;
 use crate::run::canvas::{Drawing, RendererName};
 use anyhow::{Context, bail};
 use clap::Args;
-use figures::Figures;
+use figures::PolicyFigures;
 use machine::Machine;
-use run::{Conditions, Played, play};
+use run::{Played, play};
 use serde::Serialize;
+use setup::DemoConditions;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Most frames that are prepared and played of every content.
-const FRAMES: u32 = 64;
 /// Bytes that the pictures of a report may have together, before they are written as text.
 const PICTURE_BYTES: usize = 8_400_000;
 
@@ -60,7 +60,7 @@ struct Summary<'a> {
     /// The command that serves the packs to a browser.
     serve: &'a str,
     machine: &'a Machine,
-    contents: BTreeMap<&'a str, BTreeMap<&'a str, Figures<'a>>>,
+    contents: BTreeMap<&'a str, BTreeMap<&'a str, PolicyFigures<'a>>>,
 }
 
 pub(crate) fn run(args: &DemoArgs) -> anyhow::Result<()> {
@@ -68,11 +68,11 @@ pub(crate) fn run(args: &DemoArgs) -> anyhow::Result<()> {
         bail!("--renderer none draws no pictures for the report; give gpu or cpu");
     }
     let contents = content::contents(&args.input, &args.out)?;
-    contents.iter().try_for_each(content::Content::check)?;
+    contents.iter().try_for_each(content::DemoContent::check)?;
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("--out {}: the folder cannot be made", args.out.display()))?;
     let drawing = Drawing::open(args.renderer)?;
-    let conditions = Conditions {
+    let conditions = DemoConditions {
         view: &args.view,
         drawing: &drawing,
         seed: args.seed,
@@ -101,7 +101,7 @@ pub(crate) fn run(args: &DemoArgs) -> anyhow::Result<()> {
     output::result(args.json, &summary, &text)
 }
 
-fn by_policy(played: &Played) -> (&str, BTreeMap<&str, Figures<'_>>) {
+fn by_policy(played: &Played) -> (&str, BTreeMap<&str, PolicyFigures<'_>>) {
     let runs = &played.runs;
     let figures = |index: usize| {
         let policy = runs[index].summary.policy.as_str();

@@ -12,7 +12,7 @@ const SHARE_OF_RUN: f64 = 0.6;
 
 /// A frame a little after a saccade, and when the eye moved.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Moment {
+pub(super) struct PicturedMoment {
     /// Frame of the content.
     pub(super) frame: u32,
     /// Whether the eye landed there a moment before.
@@ -21,7 +21,7 @@ pub(super) struct Moment {
     pub(super) moving: Vec<bool>,
 }
 
-impl Moment {
+impl PicturedMoment {
     /// The moment of a run: the second frame of a fixation whose surroundings are all in view, the
     /// last frame where there is none.
     pub(super) fn choose(reports: &[FrameReport]) -> Self {

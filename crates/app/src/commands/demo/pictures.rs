@@ -1,7 +1,7 @@
 //! What does one moment look like: full, foveated, by level, in the atlas, and their difference?
 
 use crate::commands::demo::atlas_sheet;
-use crate::commands::demo::run::Stage;
+use crate::commands::demo::setup::PlaySetup;
 use crate::commands::simulate::marks;
 use crate::report::picture_file::png_bytes;
 use crate::run::player::{FrameReport, Player};
@@ -35,7 +35,7 @@ pub(super) struct Pictures {
 }
 
 /// A player that shows one frame.
-pub(super) struct Shown {
+pub(super) struct ShownFrame {
     player: Player,
     pub(super) report: FrameReport,
 }
@@ -44,15 +44,15 @@ impl Pictures {
     /// Plays to the frame of `timed` again and draws it, outside what is timed; the PNG files
     /// together take about `budget` bytes at most.
     pub(super) fn take(
-        stage: &Stage<'_>,
+        setup: &PlaySetup<'_>,
         timed: &FrameReport,
         budget: usize,
     ) -> anyhow::Result<Self> {
-        let mut foveated = Shown::at(stage, Policy::Perceptual, timed.session.frame)?;
+        let mut foveated = ShownFrame::at(setup, Policy::Perceptual, timed.session.frame)?;
         if foveated.report.session != timed.session {
             bail!("a second run over the same gaze chose other tiles; please report this");
         }
-        let mut full = Shown::at(stage, Policy::Full, timed.session.frame)?;
+        let mut full = ShownFrame::at(setup, Policy::Full, timed.session.frame)?;
         let mut smallest = None;
         for width in WIDTHS {
             let pictures = Self::draw(&mut full, &mut foveated, width)?;
@@ -65,7 +65,7 @@ impl Pictures {
         smallest.context("no width to draw at")
     }
 
-    fn draw(full: &mut Shown, foveated: &mut Shown, width: u32) -> anyhow::Result<Self> {
+    fn draw(full: &mut ShownFrame, foveated: &mut ShownFrame, width: u32) -> anyhow::Result<Self> {
         let view = narrowed(&foveated.report.view, width);
         let report = FrameReport {
             view,
@@ -102,9 +102,9 @@ impl Pictures {
     }
 }
 
-impl Shown {
-    pub(super) fn at(stage: &Stage<'_>, policy: Policy, frame: u32) -> anyhow::Result<Self> {
-        let (mut player, mut gaze) = stage.player(policy)?;
+impl ShownFrame {
+    pub(super) fn at(setup: &PlaySetup<'_>, policy: Policy, frame: u32) -> anyhow::Result<Self> {
+        let (mut player, mut gaze) = setup.player(policy)?;
         // The head follows the gaze and levels stay while that trembles: both need all of the way.
         for before in 0..frame {
             let look = gaze.look(player.time(before));

@@ -1,9 +1,8 @@
 //! Which figures are plotted over time?
 
 use crate::commands::demo::colours;
-use crate::commands::demo::report::level_key;
 use crate::commands::demo::run::{FOVEATED, Played};
-use crate::report::plot::{Layer, Line, Run, lines, stack};
+use crate::report::plot::{Layer, PlotLine, PlottedRun, lines, stack};
 use crate::run::player::FrameReport;
 
 /// All plots of one content.
@@ -38,13 +37,13 @@ pub(super) fn all(played: &Played) -> String {
         figure(
             "Tiles on the GPU",
             "under perceptual, finest level at the bottom",
-            levels(played) + &level_key(played)
+            levels(played) + &colours::level_key(played.content.file.pack().description())
         ),
     )
 }
 
-fn run(played: &Played) -> Run<'_> {
-    Run {
+fn run(played: &Played) -> PlottedRun<'_> {
+    PlottedRun {
         times: &played.times,
         unit: "seconds",
         moving: &played.moment.moving,
@@ -53,11 +52,11 @@ fn run(played: &Played) -> Run<'_> {
 }
 
 fn of_all(played: &Played, title: &str, values: fn(&[FrameReport]) -> Vec<f64>) -> String {
-    let line = |index: usize| Line {
+    let line = |index: usize| PlotLine {
         class: &played.runs[index].summary.policy,
         values: values(&played.runs[index].reports),
     };
-    let all: Vec<Line<'_>> = (0..played.runs.len()).map(line).collect();
+    let all: Vec<PlotLine<'_>> = (0..played.runs.len()).map(line).collect();
     lines(title, &run(played), &all)
 }
 

@@ -117,7 +117,7 @@ fn pictures(played: &Played) -> String {
         "<h3>Frame {frame}{landed}</h3>\n\
          <div class=\"pictures\">\n{}</div>\n{}",
         figures.concat(),
-        level_key(played)
+        colours::level_key(played.content.file.pack().description())
     )
 }
 
@@ -136,23 +136,6 @@ fn picture(class: &str, png: &Png, title: &str, text: &str) -> String {
          <figcaption><b>{title}.</b> {text}</figcaption></figure>\n",
         STANDARD.encode(&png.bytes)
     )
-}
-
-/// Which colour is which level.
-pub(super) fn level_key(played: &Played) -> String {
-    let about = played.content.file.pack().description();
-    let coarsest = about.levels - 1;
-    let item = |level: u8| {
-        let scale = u64::from(about.ratio).pow(u32::from(level));
-        let density = match scale {
-            1 => "full density".to_owned(),
-            scale => format!("1/{scale}"),
-        };
-        let colour = colours::css_of_level(level, coarsest);
-        format!("<li><i style=\"background:{colour}\"></i>level {level}, {density}</li>")
-    };
-    let items: String = (0..about.levels).map(item).collect();
-    format!("<ul class=\"key\">{items}</ul>\n")
 }
 
 fn table(played: &Played) -> String {

@@ -1,23 +1,19 @@
 //! How does one content play under each policy?
 
-use crate::commands::demo::FRAMES;
 use crate::commands::demo::content::Prepared;
-use crate::commands::demo::moment::Moment;
+use crate::commands::demo::moment::PicturedMoment;
 use crate::commands::demo::pictures::Pictures;
-use crate::commands::score::{DeviceName, Engine, Report, display_of_view, from_image};
+use crate::commands::demo::setup::{DemoConditions, PlaySetup};
+use crate::commands::score::{DeviceName, Engine, ScoreReport, display_of_view, from_image};
 use crate::commands::simulate::{RunSummary, csv, session, summarise};
-use crate::gaze_source::{GazeChoice, GazeSource, Viewer};
-use crate::options::decoding::Decoding;
-use crate::options::policy::ViewOptions;
+use crate::gaze_source::{GazeChoice, GazeSource};
 use crate::report::output::{self, Counting};
 use crate::run::canvas::Drawing;
-use crate::run::canvas::Showing;
-use crate::run::player::{FrameReport, Player, PlayerOptions};
+use crate::run::player::{FrameReport, Player};
 use anyhow::Context;
-use foveal_core::content::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
+use foveal_core::content::policy::Policy;
 use foveal_eval::score::{Mode, ScorePicture, Viewing};
 use std::path::Path;
-use std::sync::Arc;
 
 /// What is compared, baselines first.
 pub(super) const POLICIES: [Policy; 3] = [Policy::Full, Policy::Viewport, Policy::Perceptual];
@@ -30,13 +26,6 @@ pub(super) const FOVEATED: usize = 2;
 
 /// Frames that are scored: drawing them all would take a software driver minutes.
 pub(super) const SCORED: u32 = 16;
-
-/// How all content is played.
-pub(super) struct Conditions<'a> {
-    pub(super) view: &'a ViewOptions,
-    pub(super) drawing: &'a Drawing,
-    pub(super) seed: u64,
-}
 
 /// One run under one policy.
 pub(super) struct PolicyRun {
@@ -51,38 +40,38 @@ pub(super) struct Played {
     pub(super) runs: Vec<PolicyRun>,
     /// Display time of every frame in seconds.
     pub(super) times: Vec<f64>,
-    pub(super) moment: Moment,
+    pub(super) moment: PicturedMoment,
     pub(super) pictures: Pictures,
 }
 
 /// Plays content under every policy in this one run, then makes the pictures.
 pub(super) fn play(
     content: Prepared,
-    conditions: &Conditions<'_>,
+    conditions: &DemoConditions<'_>,
     out: &Path,
     budget: usize,
 ) -> anyhow::Result<Played> {
-    let stage = Stage::new(content, conditions);
-    let name = &stage.content.name;
+    let setup = PlaySetup::new(content, conditions);
+    let name = &setup.content.name;
     let mut runs = Vec::new();
-    for run in stage.play()? {
+    for run in play_all(&setup)? {
         let folder = out.join(format!("{name}-{}", run.policy.name()));
         runs.push(run.finish(&folder)?);
     }
     let times = runs[FOVEATED].reports.iter();
     let times = times.map(|report| report.session.time_s.0).collect();
-    let moment = Moment::choose(&runs[FOVEATED].reports);
+    let moment = PicturedMoment::choose(&runs[FOVEATED].reports);
     output::say(&format!(
         "{name}: the pictures of frame {} are made",
         moment.frame
     ));
     let pictures = Pictures::take(
-        &stage,
+        &setup,
         &runs[FOVEATED].reports[moment.frame as usize],
         budget,
     )?;
     Ok(Played {
-        content: stage.content,
+        content: setup.content,
         runs,
         times,
         moment,
@@ -90,106 +79,52 @@ pub(super) fn play(
     })
 }
 
-/// What every run of one content shares.
-pub(super) struct Stage<'a> {
-    content: Prepared,
-    conditions: &'a Conditions<'a>,
-    frames: u32,
+/// The judge of one run.
+fn engine(setup: &PlaySetup<'_>, player: &Player) -> anyhow::Result<Option<(Engine, Viewing)>> {
+    if matches!(setup.conditions.drawing, Drawing::None) {
+        return Ok(None);
+    }
+    let view = player.view();
+    let display = display_of_view(&view, player.grid().surface.projection);
+    let fps = setup.content.file.pack().description().fps();
+    // A view that no display shows (a pixel a degree or fewer) has no score.
+    let Ok(viewing) = Viewing::new(display, view.size, Some(fps), true, Mode::Compat) else {
+        return Ok(None);
+    };
+    let engine = Engine::open(DeviceName::Cpu, &viewing, output::jobs(None)?)?;
+    Ok(Some((engine, viewing)))
 }
 
-impl<'a> Stage<'a> {
-    fn new(content: Prepared, conditions: &'a Conditions<'a>) -> Self {
-        let frames = content.file.pack().description().frames.min(FRAMES);
-        Self {
-            content,
-            conditions,
-            frames,
+/// All policies take turns, frame by frame and each first as often, so that other work on the
+/// machine touches all alike.
+fn play_all(setup: &PlaySetup<'_>) -> anyhow::Result<Vec<Run>> {
+    let start = |policy| {
+        let (player, gaze) = setup.player(policy)?;
+        Ok(Run {
+            policy,
+            engine: engine(setup, &player)?,
+            player,
+            gaze,
+            reports: Vec::new(),
+        })
+    };
+    let runs = POLICIES.into_iter().map(start);
+    let mut runs = runs.collect::<anyhow::Result<Vec<Run>>>()?;
+    let words = POLICIES.map(Policy::name).join(", ");
+    output::say(&format!("{}: plays under {words}", setup.content.name));
+    let bar = output::bar(Some(u64::from(setup.frames)), Counting::Frames);
+    for frame in 0..setup.frames {
+        for turn in 0..runs.len() {
+            let run = &mut runs[(frame as usize + turn) % POLICIES.len()];
+            run.reports.push(run.player.play(frame, &mut run.gaze)?);
         }
-    }
-
-    /// A player at the first frame, and the gaze that all runs follow.
-    pub(super) fn player(&self, policy: Policy) -> anyhow::Result<(Player, GazeSource)> {
-        let view = self.conditions.view;
-        let surface = self
-            .content
-            .file
-            .pack()
-            .description()
-            .grid(view.screen)
-            .surface;
-        let options = PlayerOptions {
-            config: PolicyConfig {
-                target: (policy == Policy::Perceptual).then_some(DEFAULT_TARGET),
-                ..PolicyConfig::new(policy)
-            },
-            view: view.eye_view(&surface)?,
-            screen: view.screen,
-            drawing: self.conditions.drawing.clone(),
-            showing: Showing::default(),
-            paced: false,
-            judged: false,
-            bytes_per_s: f64::INFINITY,
-            decoding: Decoding::software()?,
-        };
-        let player = Player::new(Arc::clone(&self.content.file), options)?;
-        let length = player.time(self.frames - 1);
-        let gaze = GazeSource::new(
-            &GazeChoice::Scan,
-            &surface,
-            self.conditions.seed,
-            length,
-            &Viewer::default(),
-        )?;
-        Ok((player, gaze))
-    }
-
-    /// The judge of one run.
-    fn engine(&self, player: &Player) -> anyhow::Result<Option<(Engine, Viewing)>> {
-        if matches!(self.conditions.drawing, Drawing::None) {
-            return Ok(None);
+        if frame < SCORED {
+            score(&mut runs)?;
         }
-        let view = player.view();
-        let display = display_of_view(&view, player.grid().surface.projection);
-        let fps = self.content.file.pack().description().fps();
-        // A view that no display shows (a pixel a degree or fewer) has no score.
-        let Ok(viewing) = Viewing::new(display, view.size, Some(fps), true, Mode::Compat) else {
-            return Ok(None);
-        };
-        let engine = Engine::open(DeviceName::Cpu, &viewing, output::jobs(None)?)?;
-        Ok(Some((engine, viewing)))
+        bar.inc(1);
     }
-
-    /// All policies take turns, frame by frame and each first as often, so that other work on the
-    /// machine touches all alike.
-    fn play(&self) -> anyhow::Result<Vec<Run>> {
-        let start = |policy| {
-            let (player, gaze) = self.player(policy)?;
-            Ok(Run {
-                policy,
-                engine: self.engine(&player)?,
-                player,
-                gaze,
-                reports: Vec::new(),
-            })
-        };
-        let runs = POLICIES.into_iter().map(start);
-        let mut runs = runs.collect::<anyhow::Result<Vec<Run>>>()?;
-        let words = POLICIES.map(Policy::name).join(", ");
-        output::say(&format!("{}: plays under {words}", self.content.name));
-        let bar = output::bar(Some(u64::from(self.frames)), Counting::Frames);
-        for frame in 0..self.frames {
-            for turn in 0..runs.len() {
-                let run = &mut runs[(frame as usize + turn) % POLICIES.len()];
-                run.reports.push(run.player.play(frame, &mut run.gaze)?);
-            }
-            if frame < SCORED {
-                score(&mut runs)?;
-            }
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
-        Ok(runs)
-    }
+    bar.finish_and_clear();
+    Ok(runs)
 }
 
 /// Scores what was shown last of every run against the first, which shows every finest tile.
@@ -245,7 +180,7 @@ impl Run {
         let name = self.policy.name().to_owned();
         let score = self.engine.map(|(engine, viewing)| {
             let gaze = Some(GazeChoice::Scan.as_judged());
-            anyhow::Ok(Report::judged(
+            anyhow::Ok(ScoreReport::judged(
                 &viewing,
                 Mode::Compat,
                 gaze,
@@ -262,11 +197,12 @@ impl Run {
 
 #[cfg(test)]
 mod tests {
-    use super::super::content::Content;
-    use super::super::pictures::Shown;
+    use super::super::content::DemoContent;
+    use super::super::pictures::ShownFrame;
     use super::*;
+    use crate::options::policy::ViewOptions;
     use clap::Parser;
-    use foveal_media::generate::Scene;
+    use foveal_media::generate::GeneratedScene;
 
     #[derive(Debug, Parser)]
     struct Options {
@@ -279,16 +215,18 @@ mod tests {
         let out = std::env::temp_dir().join(format!("foveal-again-{}", std::process::id()));
         std::fs::create_dir_all(&out)?;
         let size = [640, 360];
-        let content = Content::generated("wide", size, Scene::wide(size), &out);
-        let conditions = Conditions {
+        let content = DemoContent::generated("wide", size, GeneratedScene::wide(size), &out);
+        let conditions = DemoConditions {
             view: &Options::parse_from([""]).view,
             drawing: &Drawing::None,
             seed: 4,
         };
-        let stage = Stage::new(content.prepare(&out)?, &conditions);
-        let runs = stage.play()?;
-        for frame in (0..stage.frames).step_by(3) {
-            let again = Shown::at(&stage, Policy::Perceptual, frame)?.report.session;
+        let setup = PlaySetup::new(content.prepare(&out)?, &conditions);
+        let runs = play_all(&setup)?;
+        for frame in (0..setup.frames).step_by(3) {
+            let again = ShownFrame::at(&setup, Policy::Perceptual, frame)?
+                .report
+                .session;
             let first = &runs[FOVEATED].reports[frame as usize].session;
             assert_eq!(again, *first, "frame {frame}");
         }

@@ -5,7 +5,7 @@
 
 use crate::commands::evaluate::trial::Scratch;
 use crate::commands::score::{DeviceName, Engine, display_of_view, from_image};
-use crate::gaze_source::{GazeChoice, GazeSource, Viewer};
+use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
 use crate::options::decoding::Decoding;
 use crate::options::policy::ViewOptions;
 use crate::report::output::{self, Counting, out_of_range};
@@ -21,7 +21,7 @@ use foveal_core::content::video::grid::tile_grid::Cut;
 use foveal_core::perception::acuity::AcuityModel;
 use foveal_core::perception::visible_loss::{BEST_JOD, quality_of_jod};
 use foveal_eval::score::{Mode, ScorePicture, Viewing};
-use foveal_media::generate::Scene;
+use foveal_media::generate::GeneratedScene;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{PrepareSettings, ProjectionChoice, prepare};
 use serde::Serialize;
@@ -107,14 +107,14 @@ pub(super) fn run(args: &TargetsArgs) -> anyhow::Result<()> {
             (
                 "wide",
                 WIDE,
-                Scene::wide(WIDE),
+                GeneratedScene::wide(WIDE),
                 ProjectionChoice::Flat,
                 None,
             ),
             (
                 "sphere",
                 SPHERE,
-                Scene::panorama(SPHERE),
+                GeneratedScene::panorama(SPHERE),
                 ProjectionChoice::Equirect,
                 Some(Cut::Tile(SPHERE_TILE)),
             ),
@@ -300,7 +300,7 @@ impl Content<'_> {
             &surface,
             1,
             full.time(about.frames - 1),
-            &Viewer::default(),
+            &ViewerModel::default(),
         )?;
         let bar = output::bar(Some(u64::from(about.frames)), Counting::Frames);
         for frame in 0..about.frames {

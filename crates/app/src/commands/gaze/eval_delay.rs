@@ -2,7 +2,7 @@
 
 use crate::commands::gaze::recordings::{PresetOptions, Recordings};
 use crate::report::output::{self, out_of_range, write_whole};
-use crate::report::plot::{self, Line, Run};
+use crate::report::plot::{self, PlotLine, PlottedRun};
 use anyhow::Context;
 use clap::Args;
 use foveal_eval::gaze::delay_protocol::{DELAYS_MS, DelayErrors, evaluate_delay};
@@ -56,13 +56,13 @@ impl DelayEvaluation {
             sorted.iter().map(|found| value(found)).collect()
         };
         let times = of(|found| found.delay_ms);
-        let run = Run {
+        let run = PlottedRun {
             times: &times,
             unit: "ms",
             moving: &[],
             pictured: None,
         };
-        let line = |class, value| Line {
+        let line = |class, value| PlotLine {
             class,
             values: of(value),
         };

@@ -1,7 +1,7 @@
 //! What did a source deliver?
 
 use crate::gaze_source::{
-    Counts, FIRST_SAMPLE, GazeChoice, GazeSource, Live, LiveChoice, Viewer, interrupted,
+    Counts, FIRST_SAMPLE, GazeChoice, GazeSource, Live, LiveChoice, ViewerModel, interrupted,
     parse_gaze, read_trace,
 };
 use crate::report::output::{self, WrongUsage, out_of_range};
@@ -92,7 +92,7 @@ pub(crate) fn run(args: &RecordArgs) -> anyhow::Result<()> {
                 &surface,
                 args.seed,
                 Seconds(seconds),
-                &Viewer::default(),
+                &ViewerModel::default(),
             )?;
             let steps = 0..(seconds * RATE_HZ).ceil() as u32;
             let times = steps.map(|step| Seconds(f64::from(step) / RATE_HZ));

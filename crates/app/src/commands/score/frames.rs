@@ -1,9 +1,8 @@
 //! Which frames does a file, a folder or a pack hold?
 
 use crate::commands::score::folder::numbered_pictures;
-use crate::commands::score::pack_frames::PackFrames;
+use crate::commands::score::pack_frames::{Opening, PackFrames};
 use crate::commands::score::picture::{check_source, from_image, is_png, read_picture};
-use crate::options::policy::{PolicyOptions, ViewOptions};
 use crate::report::output;
 use anyhow::bail;
 use foveal_eval::score::{Display, ScorePicture};
@@ -37,15 +36,6 @@ enum Source {
     Folder(std::vec::IntoIter<PathBuf>),
     Video(Box<VideoInput>),
     Pack(Box<PackFrames>),
-}
-
-/// How packs are played.
-pub(super) struct Opening {
-    pub(super) policy: PolicyOptions,
-    pub(super) view: ViewOptions,
-    pub(super) jobs: Option<usize>,
-    /// Whether no gaze was given.
-    pub(super) needs_gaze: bool,
 }
 
 /// Whether a file is a pack, by its name.

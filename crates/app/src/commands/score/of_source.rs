@@ -2,9 +2,10 @@
 
 use crate::commands::score::conditions::GazeWords;
 use crate::commands::score::engine::Frame;
-use crate::commands::score::frames::Opening;
-use crate::commands::score::pack_frames::{LastGaze, display_of_view, picture_of, player_for};
-use crate::gaze_source::{GazeSource, Viewer};
+use crate::commands::score::pack_frames::{
+    LastGaze, Opening, display_of_view, picture_of, player_for,
+};
+use crate::gaze_source::{GazeSource, ViewerModel};
 use crate::run::player::Player;
 use crate::run::source_frames::SourceFrames;
 use foveal_core::view::eye_view::EyeView;
@@ -45,7 +46,7 @@ impl PackOfSource {
         let player = player_for(file, opening, view)?;
         let length = player.time(frames - 1);
         Ok(Self {
-            gaze: GazeSource::new(&choice, &surface, seed, length, &Viewer::default())?,
+            gaze: GazeSource::new(&choice, &surface, seed, length, &ViewerModel::default())?,
             source,
             view,
             frames,

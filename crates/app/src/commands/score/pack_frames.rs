@@ -1,9 +1,9 @@
 //! What does an eye get from a pack under a policy, frame by frame?
 
-use crate::commands::score::frames::Opening;
 use crate::commands::score::picture::from_image;
 use crate::gaze_source::Look;
 use crate::options::decoding::Decoding;
+use crate::options::policy::{PolicyOptions, ViewOptions};
 use crate::report::output;
 use crate::run::canvas::{Drawing, RendererName, Showing};
 use crate::run::player::{FrameReport, Player, PlayerOptions};
@@ -19,6 +19,15 @@ use foveal_media::pack::pack_file::PackFile;
 use foveal_media::tiles::decoders::DecoderChoice;
 use std::path::Path;
 use std::sync::Arc;
+
+/// How packs are played.
+pub(super) struct Opening {
+    pub(super) policy: PolicyOptions,
+    pub(super) view: ViewOptions,
+    pub(super) jobs: Option<usize>,
+    /// Whether no gaze was given.
+    pub(super) needs_gaze: bool,
+}
 
 /// A pack that is played for an eye that looks at a place of its view; the head keeps still.
 pub(super) struct PackFrames {

@@ -2,7 +2,7 @@
 //!
 //! One row of CSV a pair; what is wrong with a pair is told in its row, and the others are scored.
 
-use crate::commands::score::ScoreArgs;
+use crate::commands::score::args::ScoreArgs;
 use crate::commands::score::conditions::{GazeWords, display_of};
 use crate::report::output::{self, out_of_range, told};
 use anyhow::{Context, bail};

@@ -6,7 +6,7 @@ use foveal_eval::score::companion::Companion;
 use foveal_eval::score::constants as fit;
 use foveal_eval::score::display::Transfer;
 use foveal_eval::score::named_displays::NamedDisplay;
-use foveal_eval::score::pooling::{Band, Zones};
+use foveal_eval::score::pooling::{BandEnergies, Zones};
 use foveal_eval::score::{Mode, Score, Viewing, Zone};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 /// Under which conditions a number was found; every result carries them.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Conditions {
+pub(crate) struct ScoreConditions {
     display: String,
     ppd: f64,
     peak_cd_m2: f64,
@@ -28,7 +28,7 @@ pub(crate) struct Conditions {
     fps: Option<f64>,
 }
 
-impl Conditions {
+impl ScoreConditions {
     pub(crate) fn new(viewing: &Viewing, gaze: Option<String>) -> Self {
         let display = &viewing.display;
         Self {
@@ -63,16 +63,16 @@ impl Conditions {
 
 /// The result of the foveated metric.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Report {
+pub(crate) struct ScoreReport {
     pub(crate) jod: f64,
     metric: &'static str,
     version: &'static str,
     mode: Mode,
     #[serde(flatten)]
-    conditions: Conditions,
+    conditions: ScoreConditions,
     frames: usize,
     device: String,
-    bands: Vec<Band>,
+    bands: Vec<BandEnergies>,
     /// Null without a gaze.
     zones: Option<Zones>,
     companions: CompanionValues,
@@ -80,7 +80,7 @@ pub(crate) struct Report {
     per_frame: Vec<f64>,
 }
 
-impl Report {
+impl ScoreReport {
     /// Of a gaze by the name of its source.
     pub(crate) fn judged(
         viewing: &Viewing,
@@ -93,7 +93,7 @@ impl Report {
             metric: fit::METRIC,
             version: fit::VERSION,
             mode,
-            conditions: Conditions::new(viewing, gaze),
+            conditions: ScoreConditions::new(viewing, gaze),
             frames: score.frames,
             device: "cpu".to_owned(),
             bands: score.bands,
@@ -193,7 +193,7 @@ pub(super) struct Single {
     value: Option<f64>,
     unit: &'static str,
     #[serde(flatten)]
-    conditions: Conditions,
+    conditions: ScoreConditions,
     frames: usize,
     per_frame: Vec<f64>,
 }
@@ -213,7 +213,7 @@ impl Single {
             mode,
             value: value.is_finite().then_some(value),
             unit: if is_similarity { "" } else { "dB" },
-            conditions: Conditions::new(viewing, gaze),
+            conditions: ScoreConditions::new(viewing, gaze),
             frames: per_frame.len(),
             per_frame,
         }

@@ -1,7 +1,7 @@
 //! What does the server answer to a request?
 
 use crate::commands::serve::body::{AnswerBody, FilePart};
-use crate::commands::serve::place::{Found, FoundContent, FoundFile, Place};
+use crate::commands::serve::place::{Found, FoundContent, FoundFile, ServedPlace};
 use crate::commands::serve::range::{Part, part_of};
 use http_body_util::{Either, Full};
 use hyper::body::Bytes;
@@ -13,7 +13,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// Everything that an answer depends on beside the request.
 pub(super) struct Server {
-    pub(super) place: Place,
+    pub(super) place: ServedPlace,
     /// Whether only this machine can reach the server.
     pub(super) local: bool,
     /// Pages of which origin may read what is served: none but its own without this.

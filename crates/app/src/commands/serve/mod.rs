@@ -18,7 +18,7 @@ use hyper::header::HeaderValue;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
-use place::Place;
+use place::ServedPlace;
 use serde::Serialize;
 use std::convert::Infallible;
 use std::net::SocketAddr;
@@ -85,15 +85,15 @@ fn parse_origin(text: &str) -> anyhow::Result<HeaderValue> {
 }
 
 /// A folder, or a site of packs.
-fn place(what: &[PathBuf]) -> anyhow::Result<Place> {
+fn place(what: &[PathBuf]) -> anyhow::Result<ServedPlace> {
     let folder = what.iter().find(|path| path.is_dir());
     match (folder, what) {
-        (Some(folder), [_]) => Ok(Place::Folder(checked(folder)?)),
+        (Some(folder), [_]) => Ok(ServedPlace::Folder(checked(folder)?)),
         (Some(folder), _) => bail!(WrongUsage(format!(
             "{}: is a folder; give one folder, or packs",
             folder.display()
         ))),
-        (None, packs) => Ok(Place::Site(
+        (None, packs) => Ok(ServedPlace::Site(
             Box::new(Site::of(packs, &About::default())?),
             SystemTime::now(),
         )),
@@ -110,7 +110,7 @@ fn checked(folder: &Path) -> anyhow::Result<PathBuf> {
     Ok(whole)
 }
 
-async fn serve(args: &ServeArgs, place: Place) -> anyhow::Result<()> {
+async fn serve(args: &ServeArgs, place: ServedPlace) -> anyhow::Result<()> {
     let listen = &args.listen;
     let listener = TcpListener::bind(listen).await.with_context(|| {
         format!("--listen {listen}: cannot be listened on; give another, as 127.0.0.1:0")

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// What is served.
-pub(super) enum Place {
+pub(super) enum ServedPlace {
     /// A folder.
     Folder(PathBuf),
     /// A site that nobody wrote, and when it was made.
@@ -48,7 +48,7 @@ const PAGE: &str = "index.html";
 /// The page of a site for addresses where nothing lies.
 const NOTHING: &str = "404.html";
 
-impl Place {
+impl ServedPlace {
     /// What lies at the path of a URL, as it was sent.
     pub(super) fn find(&self, path: &str) -> Found {
         let Some(mut names) = names_of(path) else {

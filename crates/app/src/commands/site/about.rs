@@ -1,7 +1,6 @@
 //! What does a user say of a site and its packs?
 
-use crate::commands::site::ENDING;
-use crate::commands::site::listing::Listed;
+use crate::commands::site::pack_names::bare;
 use crate::report::html::escape;
 use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, anyhow, bail};
@@ -126,10 +125,10 @@ impl About {
         self.packs.get(name).cloned().unwrap_or_default()
     }
 
-    /// Puts packs into the order that was asked for.
-    pub(super) fn sort(&self, packs: &mut [Listed]) {
-        let place = |pack: &Listed| self.order.iter().position(|name| *name == pack.name);
-        packs.sort_by_key(|pack| place(pack).unwrap_or(usize::MAX));
+    /// Where a pack stands in the order that was asked for; one that is not named comes last.
+    pub(super) fn place(&self, pack: &str) -> usize {
+        let place = self.order.iter().position(|name| name == pack);
+        place.unwrap_or(usize::MAX)
     }
 
     /// The list page with its heading.
@@ -145,10 +144,4 @@ impl About {
         };
         headed(headed(page, "title"), "h1").into_bytes()
     }
-}
-
-/// A pack's name without its ending.
-fn bare(name: &str) -> String {
-    let name = name.trim();
-    name.strip_suffix(ENDING).unwrap_or(name).to_owned()
 }

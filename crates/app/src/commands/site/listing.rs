@@ -1,8 +1,8 @@
 //! What does a list of packs say of each?
 
-use crate::commands::info::{Content, seconds_of};
-use crate::commands::site::ENDING;
+use crate::commands::info::{MediaKind, seconds_of};
 use crate::commands::site::about::AboutPack;
+use crate::commands::site::pack_names::ENDING;
 use crate::commands::site::poster::Poster;
 use foveal_core::view::surface::Projection;
 use foveal_media::pack::pack_file::PackFile;
@@ -43,7 +43,7 @@ pub(crate) struct Listed {
     pub(crate) file: String,
     pub(crate) poster: ListedPoster,
     bytes: u64,
-    content: Content,
+    content: MediaKind,
     projection: Projection,
     eyes: u8,
     /// Pixels of the source.
@@ -84,7 +84,7 @@ impl Listed {
                 height: poster.size[1],
             },
             bytes: file.bytes(),
-            content: Content::of(about),
+            content: MediaKind::of(about),
             projection: about.projection,
             eyes: about.eyes,
             width,

@@ -3,7 +3,7 @@
 //! What a viewer sees who has just opened it, drawn by the path that plays it: flat content whole,
 //! a sphere towards its front.
 
-use crate::gaze_source::{GazeChoice, GazeSource, Viewer};
+use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
 use crate::options::decoding::Decoding;
 use crate::run::canvas::{Drawing, RendererName, Showing};
 use crate::run::player::{Player, PlayerOptions};
@@ -58,7 +58,7 @@ pub(super) fn poster(file: Arc<PackFile>, drawing: &Drawing) -> anyhow::Result<P
     let mut player = Player::new(file, options)?;
     let ahead = GazeChoice::At([0.0, 0.0]);
     let until = player.time(frame);
-    let mut gaze = GazeSource::new(&ahead, &surface, 0, until, &Viewer::default())?;
+    let mut gaze = GazeSource::new(&ahead, &surface, 0, until, &ViewerModel::default())?;
     player.play(frame, &mut gaze)?;
     let picture = player.canvas.picture(&view, None)?;
     let picture = picture.context("nothing draws")?;

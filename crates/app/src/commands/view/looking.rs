@@ -1,6 +1,6 @@
 //! Where does whoever sits before the window look?
 
-use crate::gaze_source::{GazeChoice, GazeSource, Viewer, parse_gaze};
+use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel as Viewer, parse_gaze};
 use anyhow::anyhow;
 use foveal_core::gaze::pointer::{Pointer, gaze_at};
 use foveal_core::gaze::sample::{EyeEvent, HeadPose};

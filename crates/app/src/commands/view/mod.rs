@@ -16,7 +16,7 @@ mod viewer;
 mod window;
 
 use crate::commands::view::sound::samples::Samples;
-use crate::gaze_source::{Viewer as Watching, preset_of};
+use crate::gaze_source::{ViewerModel as Watching, preset_of};
 use crate::options::decoding::{Decoding, DecodingOptions};
 use crate::options::link::{Link, parse_link};
 use crate::options::policy::{PolicyOptions, ViewOptions, check_thresholds};

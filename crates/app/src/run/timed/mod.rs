@@ -6,7 +6,7 @@ mod run;
 pub(crate) use run::Run;
 
 use crate::commands::score::{DeviceName, Engine, display_of_view, from_image};
-use crate::gaze_source::{GazeChoice, GazeSource, Viewer};
+use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel as Viewer};
 use crate::options::decoding::Decoding;
 use crate::run::canvas::{Drawing, Showing};
 use crate::run::player::{Player, PlayerOptions};

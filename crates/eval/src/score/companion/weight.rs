@@ -4,7 +4,7 @@
 //! multiresolution system for low-bandwidth video communication*, resolves there: neither
 //! contrast nor luminance nor motion comes in.
 
-use super::pixel_error;
+use super::errors::pixel_error;
 use crate::score::geometry::{Geometry, Tangents};
 use crate::score::picture::ScorePicture;
 

@@ -4,11 +4,11 @@
 //! logarithms. Strips of rows are summed up by themselves and added in their order, so the result
 //! does not depend on the number of threads.
 
-use super::ROWS;
 use super::eye::{BandEye, Looking, Table};
 use super::instructions::Instructions;
 use super::levels::Levels;
 use super::math::{exp2, log2, split};
+use super::strip::ROWS;
 use crate::score::constants::{
     CHANNEL_WEIGHTS, COARSE_BAND_GAIN, DIFFERENCE_EXPONENT, LEAST_ADAPTATION, MASKING,
     MASKING_EXPONENTS, MOST_CONTRAST, MOST_DIFFERENCE, SENSITIVITY_FACTOR, SPACE_EXPONENT,

@@ -3,7 +3,7 @@
 use super::math::{atan, split};
 use crate::score::geometry::{Geometry, Tangents};
 use crate::score::rules::GeometryRule;
-use crate::score::sensitivity::SensitivityTable;
+use crate::score::sensitivity::LogSensitivityTable;
 use crate::score::viewing::Viewing;
 use rayon::prelude::*;
 use std::f32::consts::FRAC_PI_2;
@@ -32,7 +32,7 @@ pub(in crate::score) struct Table {
 }
 
 impl Table {
-    pub(in crate::score) fn new(table: &SensitivityTable) -> Self {
+    pub(in crate::score) fn new(table: &LogSensitivityTable) -> Self {
         let scale = |axis: &crate::score::sensitivity::Axis| {
             (axis.entries - 1) as f64 / (axis.range[1] - axis.range[0])
         };
@@ -104,7 +104,7 @@ impl BandEye {
     pub(in crate::score) fn new(
         viewing: &Viewing,
         geometry: &Geometry,
-        table: &SensitivityTable,
+        table: &LogSensitivityTable,
         cpd: f64,
         size: [usize; 2],
     ) -> Self {

@@ -2,8 +2,8 @@
 //!
 //! The statements of [`crate::score::pyramid`] in single precision, a row at a time.
 
-use super::ROWS;
 use super::instructions::Instructions;
+use super::strip::ROWS;
 use crate::score::pyramid::{KERNEL, half_size, mirrored, samples_beyond};
 use crate::score::rules::Border;
 use rayon::prelude::*;

@@ -9,12 +9,13 @@ mod instructions;
 mod levels;
 mod light;
 mod math;
+mod strip;
 
 use super::error::ScoreError;
 use super::geometry::Geometry;
 use super::picture::ScorePicture;
 use super::pooling::{FrameScore, Pool, Score, jod_lost};
-use super::sensitivity::SensitivityTable;
+use super::sensitivity::LogSensitivityTable;
 use super::viewing::Viewing;
 use band::BandPass;
 #[cfg(feature = "gpu")]
@@ -26,8 +27,6 @@ use light::{Light, Ring};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-/// Rows that one thread works on at a time.
-const ROWS: usize = 16;
 /// Most threads.
 const MOST_THREADS: usize = 256;
 
@@ -151,7 +150,7 @@ impl Work {
     fn new(viewing: &Viewing) -> Self {
         let (sizes, centres, taps) = (viewing.levels(), viewing.bands(), viewing.taps());
         let geometry = Geometry::new(viewing);
-        let table = SensitivityTable::of(viewing.rules.sensitivity);
+        let table = LogSensitivityTable::of(viewing.rules.sensitivity);
         let eye = |(cpd, size): (&f64, &[usize; 2])| {
             BandEye::new(viewing, &geometry, &table, *cpd, *size)
         };

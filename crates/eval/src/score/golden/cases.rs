@@ -1,6 +1,6 @@
 //! Which goldens are there, and what was measured for each?
 
-use crate::score::golden::{Golden, GoldenGaze, TestPicture};
+use crate::score::golden::case::{Golden, GoldenGaze, TestPicture};
 
 /// A path across a small video.
 const PATH: GoldenGaze = GoldenGaze::Along([60.0, 60.0], [260.0, 180.0]);

@@ -37,7 +37,7 @@ pub(super) struct Tap {
 /// An eye that looks.
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub(super) struct Eye {
+pub(super) struct EyeUniform {
     place: [f32; 2],
     length: f32,
     foveated: u32,
@@ -52,7 +52,7 @@ pub(super) struct Eye {
     spare: u32,
 }
 
-impl Eye {
+impl EyeUniform {
     pub(super) fn new(
         viewing: &Viewing,
         table: &Table,

@@ -15,9 +15,8 @@ use super::error::ScoreError;
 use super::fast::HeatMap;
 use super::geometry::Geometry;
 use super::picture::{Samples, ScorePicture};
-use super::pooling::{BandSums, FrameScore, Pool, Score};
+use super::pooling::{FrameScore, Pool, Score};
 use super::viewing::Viewing;
-use buffers::SUMS_A_GROUP;
 use passes::Passes;
 pub use shaders::{ScoreShader, score_shaders};
 use std::time::Duration;
@@ -118,19 +117,6 @@ impl GpuJudge {
     pub fn gpu_time(&self) -> Option<Duration> {
         self.gpu_time
     }
-}
-
-/// The sums of one band from those of its workgroups.
-fn band_sums(groups: &[f32]) -> BandSums {
-    let mut sums = BandSums::default();
-    for group in groups.chunks_exact(SUMS_A_GROUP) {
-        for zone in 0..3 {
-            sums.sums[zone][0] += f64::from(group[zone * 2]);
-            sums.sums[zone][1] += f64::from(group[zone * 2 + 1]);
-            sums.pixels[zone] += f64::from(group[6 + zone]);
-        }
-    }
-    sums
 }
 
 #[cfg(test)]

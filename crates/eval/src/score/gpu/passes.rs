@@ -1,6 +1,6 @@
 //! In which order do the passes of a frame run, and over what?
 
-use super::buffers::{Eye, Level, Maker, SUMS_A_GROUP, Tap, groups, light_of_codes};
+use super::buffers::{EyeUniform, Level, Maker, SUMS_A_GROUP, Tap, groups, light_of_codes};
 use super::pipeline::{Dispatch, Pipeline};
 use super::shaders::score_shaders;
 use super::stamps::Stamps;
@@ -8,7 +8,7 @@ use crate::score::error::ScoreError;
 use crate::score::fast::{BandEye, Table};
 use crate::score::geometry::{Geometry, Tangents};
 use crate::score::pooling::BandSums;
-use crate::score::sensitivity::SensitivityTable;
+use crate::score::sensitivity::LogSensitivityTable;
 use crate::score::viewing::Viewing;
 use std::sync::mpsc;
 use std::time::Duration;
@@ -83,7 +83,7 @@ impl Passes {
         let make = Maker { device, queue };
         let (geometry, table) = (
             Geometry::new(viewing),
-            SensitivityTable::of(viewing.rules.sensitivity),
+            LogSensitivityTable::of(viewing.rules.sensitivity),
         );
         let (sizes, centres) = (viewing.levels(), viewing.bands());
         let eyes: Vec<BandEye> = centres
@@ -120,7 +120,7 @@ impl Passes {
             device: device.clone(),
             queue: queue.clone(),
             level_uniforms: level_uniforms.collect(),
-            eye: make.uniform("eye", &Eye::new(viewing, &table, &looking, false)),
+            eye: make.uniform("eye", &EyeUniform::new(viewing, &table, &looking, false)),
             taps: taps.iter().enumerate().map(tap).collect(),
             light: make.numbers("light of codes", &light_of_codes(&viewing.display))?,
             bytes: [picture("bytes", 3)?, picture("bytes", 3)?],
@@ -273,7 +273,7 @@ impl Passes {
         gaze: Tangents,
     ) -> Result<(Vec<BandSums>, Option<Duration>), ScoreError> {
         let looking = self.eyes[0].looking(gaze);
-        let eye = Eye::new(&self.viewing, &self.table, &looking, self.heat.is_some());
+        let eye = EyeUniform::new(&self.viewing, &self.table, &looking, self.heat.is_some());
         self.queue
             .write_buffer(&self.eye, 0, bytemuck::bytes_of(&eye));
         let light = self.light_passes();
@@ -339,10 +339,23 @@ impl Passes {
         let of_band = |level: &Level| {
             let first = level.first_sum as usize * SUMS_A_GROUP;
             let count = groups(level.fine).into_iter().product::<u32>() as usize * SUMS_A_GROUP;
-            super::band_sums(&sums[first..first + count])
+            band_sums(&sums[first..first + count])
         };
         Ok((self.levels.iter().map(of_band).collect(), time))
     }
+}
+
+/// The sums of one band from those of its workgroups.
+fn band_sums(groups: &[f32]) -> BandSums {
+    let mut sums = BandSums::default();
+    for group in groups.chunks_exact(SUMS_A_GROUP) {
+        for zone in 0..3 {
+            sums.sums[zone][0] += f64::from(group[zone * 2]);
+            sums.sums[zone][1] += f64::from(group[zone * 2 + 1]);
+            sums.pixels[zone] += f64::from(group[6 + zone]);
+        }
+    }
+    sums
 }
 
 fn read_back_buffer(device: &wgpu::Device, bytes: u64) -> wgpu::Buffer {

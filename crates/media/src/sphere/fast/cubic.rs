@@ -24,10 +24,10 @@ const ONE: i32 = 1 << 14;
 /// What cutting off the products' lower halves loses on average over [`INNER`] samples.
 const LOST: i16 = INNER as i16 / 2;
 
-pub(super) type Weights = i16x8;
+pub(super) type CubicWeights = i16x8;
 
 /// Cubic kernels by widening, then by phase.
-pub(super) struct Cubic(Vec<Weights>);
+pub(super) struct Cubic(Vec<CubicWeights>);
 
 impl Cubic {
     pub(super) fn new() -> Self {
@@ -45,7 +45,7 @@ impl Cubic {
 
     /// The kernel of an [`entry`].
     #[inline]
-    pub(super) fn at(&self, entry: usize) -> &Weights {
+    pub(super) fn at(&self, entry: usize) -> &CubicWeights {
         &self.0[entry]
     }
 }
@@ -83,7 +83,7 @@ pub(crate) fn catmull_rom(x: f64) -> f64 {
 }
 
 /// Fixed point whose sum is exactly [`ONE`].
-fn normalised(weights: [f64; TAPS]) -> Weights {
+fn normalised(weights: [f64; TAPS]) -> CubicWeights {
     let sum: f64 = weights.iter().sum();
     let mut fixed = weights.map(|w| (w / sum * f64::from(ONE)).round() as i32);
     let largest = (0..TAPS).max_by_key(|tap| fixed[*tap]).unwrap_or_default();
@@ -105,7 +105,7 @@ fn upper(a: i16, b: i16) -> i16 {
 
 /// Sums over the first axis: of the inner rows, each by its weight, place by place.
 #[inline]
-pub(super) fn sum_inner(rows: [&[i16]; INNER], weights: &Weights, out: &mut [i16]) {
+pub(super) fn sum_inner(rows: [&[i16]; INNER], weights: &CubicWeights, out: &mut [i16]) {
     let n = out.len();
     let [r0, r1, r2, r3, r4, r5] = rows.map(|row| &row[..n]);
     let [_, w0, w1, w2, w3, w4, w5, _] = weights.to_array();
@@ -118,7 +118,7 @@ pub(super) fn sum_inner(rows: [&[i16]; INNER], weights: &Weights, out: &mut [i16
 
 /// The same of rows of code values that are one kernel wide.
 #[inline]
-pub(super) fn sum_inner_codes(rows: [&[u8; TAPS]; INNER], weights: &Weights) -> i16x8 {
+pub(super) fn sum_inner_codes(rows: [&[u8; TAPS]; INNER], weights: &CubicWeights) -> i16x8 {
     let weights = weights.as_array();
     let weighed = |k: usize| {
         let mut codes = [0; 16];
@@ -132,7 +132,7 @@ pub(super) fn sum_inner_codes(rows: [&[u8; TAPS]; INNER], weights: &Weights) -> 
 
 /// Code value of the sum over the second axis.
 #[inline]
-pub(super) fn code_value(sums: i16x8, weights: &Weights) -> u8 {
+pub(super) fn code_value(sums: i16x8, weights: &CubicWeights) -> u8 {
     let sum = sums.dot(*weights).reduce_add();
     ((sum + (1 << 18)) >> 19).clamp(0, 255) as u8
 }

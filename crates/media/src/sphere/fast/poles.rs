@@ -5,10 +5,10 @@
 //! faces share their places. The cap at the pole is that of [`super::super::cap`], with its weights
 //! computed once.
 
-use super::super::cap::CapTable;
+use super::super::block::{BOTTOM, Block, STRIP, TOP};
+use super::super::cap::table::CapTable;
 use super::super::kernel::Kernel;
 use super::super::plane::Plane;
-use super::super::{BOTTOM, Block, STRIP, TOP};
 use super::cubic::{
     BEFORE, Cubic, INNER, PHASE_BITS, PHASES, TAPS, code_value, entry, steps, sum_inner_codes,
     width_index,

@@ -4,8 +4,8 @@
 //! for all rows and all four faces; then every sample of a column has a kernel of its own. The
 //! source is transposed strip by strip, so that both steps read samples that lie side by side.
 
+use super::super::block::{Block, STRIP};
 use super::super::plane::Plane;
-use super::super::{Block, STRIP};
 use super::cubic::{
     BEFORE, Cubic, ENTRY_BITS, INNER, PHASE_BITS, PHASES, TAPS, code_value, entry, sample_of,
     steps, sum_inner, width_index,

@@ -9,7 +9,7 @@ use anyhow::{Context, bail};
 use clap::ValueEnum;
 use foveal_core::view::picture::{Colour, Matrix, Picture};
 use foveal_core::view::surface::Screen;
-use foveal_media::generate::{FRAMES_PER_SECOND, Pan, Scene, Turn};
+use foveal_media::generate::{FRAMES_PER_SECOND, GeneratedScene, Pan, Turn};
 use foveal_media::prepare::{PrepareSettings, ProjectionChoice};
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use std::path::{Path, PathBuf};
@@ -48,14 +48,14 @@ pub(super) const WALL: Screen = Screen {
 };
 
 /// A pack and what it was made from.
-pub(super) struct Content {
+pub(super) struct PackAndOriginal {
     pub(super) pack: PathBuf,
     pub(super) original: Option<PathBuf>,
 }
 
 impl Generated {
     /// The clip and its pack under `cache`, made where they are not there.
-    pub(super) fn prepare(self, cache: &Path) -> anyhow::Result<Content> {
+    pub(super) fn prepare(self, cache: &Path) -> anyhow::Result<PackAndOriginal> {
         std::fs::create_dir_all(cache)
             .with_context(|| format!("{}: the folder cannot be made", cache.display()))?;
         let name = self.to_possible_value();
@@ -72,7 +72,7 @@ impl Generated {
             write_pack(&original, &pack, &plan, Some(u64::from(FRAMES)))?;
         }
         let original = Some(original);
-        Ok(Content { pack, original })
+        Ok(PackAndOriginal { pack, original })
     }
 
     fn settings(self) -> anyhow::Result<PrepareSettings> {
@@ -90,12 +90,15 @@ impl Generated {
     fn draw(self, path: &Path) -> anyhow::Result<()> {
         let flat = |width: u32, height: u32| {
             let margin = Pan::margin(FRAMES);
-            let pan = Pan::over(Scene::wide([width + margin, height]).frame(0), width);
+            let pan = Pan::over(
+                GeneratedScene::wide([width + margin, height]).frame(0),
+                width,
+            );
             write_clip(path, [width, height], |number| pan.frame(number))
         };
         match self {
             Self::Panorama16k => {
-                let turn = Turn::new(Scene::panorama([16384, 8192]).frame(0), 4096);
+                let turn = Turn::new(GeneratedScene::panorama([16384, 8192]).frame(0), 4096);
                 write_clip(path, turn.size(), |number| turn.frame(number))
             }
             Self::Wide8k => flat(7680, 4320),

@@ -7,13 +7,13 @@ mod content;
 
 use crate::commands::demo::machine::Machine;
 use crate::options::decoding::{DecodingOptions, DeviceReport};
-use crate::options::policy::{PolicyName, Target, parse_target};
+use crate::options::policy::{PolicyName, TargetChoice, parse_target};
 use crate::report::output::{self, WrongUsage, out_of_range};
 use crate::run::canvas::{Drawing, RendererName};
 use crate::run::timed::{Conditions, Run};
 use anyhow::bail;
 use clap::Args;
-use content::{Content, Generated, WALL, cache};
+use content::{Generated, PackAndOriginal, WALL, cache};
 use foveal_core::content::asked::SLOPES;
 use foveal_core::content::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
 use foveal_core::perception::acuity::AcuityModel;
@@ -46,7 +46,7 @@ pub(crate) struct VideoArgs {
     /// The score in JOD that they are chosen for, 1 to 9.99, or none (default: 9.5).
     #[arg(long, value_name = "JOD|none", value_parser = parse_target)]
     #[arg(allow_hyphen_values = true, conflicts_with = "slope")]
-    target: Option<Target>,
+    target: Option<TargetChoice>,
     /// acuity: degrees a degree by which the smallest pixel grows, in place of a target.
     #[arg(long, value_name = "SLOPE", allow_negative_numbers = true)]
     slope: Option<f64>,
@@ -190,8 +190,8 @@ impl VideoArgs {
             bail!(out_of_range("--slope", slope, "0 to 1 degree a degree"));
         }
         let target = match (self.target, self.slope) {
-            (Some(Target::Jod(jod)), _) => Some(jod),
-            (Some(Target::None), _) | (None, Some(_)) => None,
+            (Some(TargetChoice::Jod(jod)), _) => Some(jod),
+            (Some(TargetChoice::None), _) | (None, Some(_)) => None,
             (None, None) => Some(DEFAULT_TARGET),
         };
         Ok(PolicyConfig {
@@ -201,9 +201,9 @@ impl VideoArgs {
         })
     }
 
-    fn content(&self) -> anyhow::Result<Content> {
+    fn content(&self) -> anyhow::Result<PackAndOriginal> {
         match (&self.pack, self.generate) {
-            (Some(pack), _) => Ok(Content {
+            (Some(pack), _) => Ok(PackAndOriginal {
                 pack: pack.clone(),
                 original: self.original.clone(),
             }),

@@ -3,7 +3,7 @@
 //! Cost runs to the right by its logarithm, as policies differ by factors; the score runs up. A
 //! colour and a mark are a policy, a dashed line is its ladder of targets.
 
-use crate::commands::evaluate::policies::report::{Report, Row, by_curve};
+use crate::commands::evaluate::policies::report::{PoliciesReport, PolicyRow, by_curve};
 use crate::report::html::escape;
 use std::fmt::Write as _;
 
@@ -45,7 +45,7 @@ const COLOURS: [(&str, &str); 8] = [
 struct Cost {
     title: &'static str,
     axis: &'static str,
-    of: fn(&Row) -> f64,
+    of: fn(&PolicyRow) -> f64,
 }
 
 const BYTES: Cost = Cost {
@@ -60,11 +60,11 @@ const PIXELS: Cost = Cost {
 };
 
 /// The score over bytes, and over pixels, as SVG files.
-pub(super) fn charts(report: &Report) -> [String; 2] {
+pub(super) fn charts(report: &PoliciesReport) -> [String; 2] {
     [BYTES, PIXELS].map(|cost| chart(&report.rows, &cost))
 }
 
-fn chart(rows: &[Row], cost: &Cost) -> String {
+fn chart(rows: &[PolicyRow], cost: &Cost) -> String {
     let plane = Plane::over(rows, cost);
     let [width, height] = SIZE;
     let mut svg = format!(
@@ -102,7 +102,7 @@ struct Plane {
 }
 
 impl Plane {
-    fn over(rows: &[Row], cost: &Cost) -> Self {
+    fn over(rows: &[PolicyRow], cost: &Cost) -> Self {
         let costs = rows.iter().map(cost.of).filter(|cost| *cost > 0.0);
         let least = costs.clone().fold(f64::INFINITY, f64::min);
         let most = costs.fold(0.0, f64::max);
@@ -132,7 +132,7 @@ impl Plane {
         SIZE[1] - BOTTOM - share * (SIZE[1] - TOP - BOTTOM)
     }
 
-    fn place(&self, row: &Row, cost: &Cost) -> [f64; 2] {
+    fn place(&self, row: &PolicyRow, cost: &Cost) -> [f64; 2] {
         [self.x((cost.of)(row)), self.y(row.point().jod)]
     }
 

@@ -12,7 +12,7 @@ use std::ops::Range;
 
 /// What a span of frames came to.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Figures {
+pub(super) struct SpanFigures {
     pub(super) pixels_share_mean: f64,
     pub(super) bytes: u64,
     pub(super) decode_ms_mean: f64,
@@ -135,17 +135,17 @@ impl Measure {
     }
 
     /// What every span came to.
-    pub(super) fn figures(&self) -> Option<Vec<Figures>> {
+    pub(super) fn figures(&self) -> Option<Vec<SpanFigures>> {
         self.spans.iter().map(Span::figures).collect()
     }
 }
 
 impl Span {
     /// `None` of no frame.
-    fn figures(&self) -> Option<Figures> {
+    fn figures(&self) -> Option<SpanFigures> {
         let score = self.score.score(&[])?;
         let frames = score.frames as f64;
-        Some(Figures {
+        Some(SpanFigures {
             pixels_share_mean: self.shares / frames,
             bytes: self.bytes.round() as u64,
             decode_ms_mean: self.decode_ms / frames,

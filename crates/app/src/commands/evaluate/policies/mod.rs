@@ -12,7 +12,7 @@ mod report;
 mod tables;
 
 use crate::commands::demo::machine::Machine;
-use crate::commands::score::{Conditions, display_named, display_of_view};
+use crate::commands::score::{ScoreConditions, display_named, display_of_view};
 use crate::gaze_source::{GazeChoice, parse_gaze};
 use crate::options::policy::ViewOptions;
 use crate::report::output::{self, WrongUsage, out_of_range};
@@ -26,9 +26,9 @@ use foveal_core::units::counted;
 use foveal_eval::score::{Mode, Viewing, constants as fit};
 use foveal_media::SourceInfo;
 use foveal_media::pack::pack_file::PackFile;
-use measure::Figures;
-use play::Stage;
-use report::{Report, Row, Shown, compared};
+use measure::SpanFigures;
+use play::Comparison;
+use report::{PoliciesReport, PolicyRow, RowContext, compared};
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -121,7 +121,7 @@ pub(super) fn run(args: &PoliciesArgs) -> anyhow::Result<()> {
     });
     let original = original.transpose()?;
     let drawing = Drawing::open(RendererName::Gpu).or_else(|_| Drawing::open(RendererName::Cpu));
-    let stage = Stage {
+    let comparison = Comparison {
         source: args.source.as_deref(),
         view,
         screen: args.view.screen,
@@ -140,8 +140,8 @@ pub(super) fn run(args: &PoliciesArgs) -> anyhow::Result<()> {
     let contenders = contenders(ladders, surface.projection);
     let policies = counted(contenders.len(), "way");
     output::say(&format!("{}: played in {policies}", args.pack.display()));
-    let figures = stage.play(&contenders)?;
-    let report = args.report(&stage, original.as_ref(), &contenders, &figures);
+    let figures = comparison.play(&contenders)?;
+    let report = args.report(&comparison, original.as_ref(), &contenders, &figures);
     args.write(&report)?;
     output::result(args.json, &report, &report.text())
 }
@@ -181,39 +181,39 @@ impl PoliciesArgs {
 
     fn report(
         &self,
-        stage: &Stage<'_>,
+        comparison: &Comparison<'_>,
         original: Option<&SourceInfo>,
         contenders: &[Contender],
-        figures: &[Vec<Figures>],
-    ) -> Report {
-        let about = stage.file.pack().description();
-        let [start, rest] = [0, 1].map(|span| stage.spans[span].len() as u32);
+        figures: &[Vec<SpanFigures>],
+    ) -> PoliciesReport {
+        let about = comparison.file.pack().description();
+        let [start, rest] = [0, 1].map(|span| comparison.spans[span].len() as u32);
         let original_bytes = original.map_or(about.source.bytes, |original| original.bytes);
         let of = original.and_then(|original| original.frames);
         let of = of.unwrap_or_else(|| u64::from(about.frames)).max(1);
-        let shown = Shown {
+        let shown = RowContext {
             content: &about.source.name,
             display: match self.display == DESK {
                 true => DESK,
-                false => &stage.viewing.display.name,
+                false => &comparison.viewing.display.name,
             },
             original_bytes: original_bytes as f64 * f64::from(rest) / of as f64,
         };
         let rows = contenders.iter().zip(figures);
-        let rows = rows.map(|(contender, of)| Row::new(contender, shown, &of[0], &of[1]));
-        let rows: Vec<Row> = rows.collect();
-        Report {
-            machine: Machine::here(stage.drawing.name().to_owned()),
+        let rows = rows.map(|(contender, of)| PolicyRow::new(contender, shown, &of[0], &of[1]));
+        let rows: Vec<PolicyRow> = rows.collect();
+        PoliciesReport {
+            machine: Machine::here(comparison.drawing.name().to_owned()),
             pack: self.pack.clone(),
             source: self.source.clone(),
             original_bytes,
             metric: fit::METRIC,
             version: fit::VERSION,
             mode: Mode::Compat,
-            conditions: Conditions::new(&stage.viewing, Some(self.gaze.as_judged())),
+            conditions: ScoreConditions::new(&comparison.viewing, Some(self.gaze.as_judged())),
             start_frames: start,
             frames: rest,
-            played_frames: stage.spans[1].end,
+            played_frames: comparison.spans[1].end,
             at_equal_score: compared(&rows, &self.scores()),
             rows,
         }
@@ -228,7 +228,7 @@ impl PoliciesArgs {
     }
 
     /// Writes the tables and the plots.
-    fn write(&self, report: &Report) -> anyhow::Result<()> {
+    fn write(&self, report: &PoliciesReport) -> anyhow::Result<()> {
         let out = &self.out;
         std::fs::create_dir_all(out)
             .with_context(|| format!("--out {}: the folder cannot be made", out.display()))?;

@@ -1,9 +1,9 @@
 //! How are many policies played over one gaze, and judged against one full picture?
 
 use crate::commands::evaluate::policies::contenders::Contender;
-use crate::commands::evaluate::policies::measure::{Figures, Measure, Reference};
+use crate::commands::evaluate::policies::measure::{Measure, Reference, SpanFigures};
 use crate::commands::score::{LastGaze, picture_of};
-use crate::gaze_source::{GazeChoice, GazeSource, Viewer};
+use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
 use crate::options::decoding::Decoding;
 use crate::report::output::{self, Counting};
 use crate::run::canvas::{Drawing, Showing};
@@ -23,7 +23,7 @@ use std::sync::Arc;
 const AT_ONCE: usize = 8;
 
 /// What all policies share.
-pub(super) struct Stage<'a> {
+pub(super) struct Comparison<'a> {
     pub(super) file: Arc<PackFile>,
     /// What it was made from.
     pub(super) source: Option<&'a Path>,
@@ -43,9 +43,9 @@ struct Run {
     measure: Measure,
 }
 
-impl Stage<'_> {
+impl Comparison<'_> {
     /// The figures of every span of every contender.
-    pub(super) fn play(&self, contenders: &[Contender]) -> anyhow::Result<Vec<Vec<Figures>>> {
+    pub(super) fn play(&self, contenders: &[Contender]) -> anyhow::Result<Vec<Vec<SpanFigures>>> {
         let frames = self.spans.iter().map(|span| span.end).max().unwrap_or(0);
         let turns = contenders.len().div_ceil(AT_ONCE) as u64;
         let bar = output::bar(Some(u64::from(frames) * turns), Counting::Frames);
@@ -64,7 +64,7 @@ impl Stage<'_> {
         contenders: &[Contender],
         frames: u32,
         played: &mut dyn FnMut(),
-    ) -> anyhow::Result<Vec<Vec<Figures>>> {
+    ) -> anyhow::Result<Vec<Vec<SpanFigures>>> {
         let mut full = self.player(PolicyConfig::new(Policy::Full), f64::INFINITY)?;
         let open = |source| SourceFrames::open(source, &self.file, self.screen);
         let mut source = self.source.map(open).transpose()?;
@@ -75,7 +75,7 @@ impl Stage<'_> {
             &full.grid().surface,
             self.seed,
             full.time(frames - 1),
-            &Viewer::default(),
+            &ViewerModel::default(),
         )?;
         let mut last_gaze = LastGaze::new(&self.view);
         for frame in 0..frames {

@@ -3,15 +3,15 @@
 use crate::commands::demo::machine::Machine;
 use crate::commands::evaluate::policies::contenders::{ACUITY, Contender, VIEWPORT};
 use crate::commands::evaluate::policies::equal_score::{AtScore, Curve, Point, at_equal_score};
-use crate::commands::evaluate::policies::measure::Figures;
-use crate::commands::score::Conditions;
+use crate::commands::evaluate::policies::measure::SpanFigures;
+use crate::commands::score::ScoreConditions;
 use foveal_eval::score::Mode;
 use foveal_eval::score::pooling::Zones;
 use serde::Serialize;
 use std::path::PathBuf;
 
 #[derive(Debug, Serialize)]
-pub(super) struct Report {
+pub(super) struct PoliciesReport {
     pub(super) machine: Machine,
     pub(super) pack: PathBuf,
     pub(super) source: Option<PathBuf>,
@@ -21,18 +21,18 @@ pub(super) struct Report {
     pub(super) version: &'static str,
     pub(super) mode: Mode,
     #[serde(flatten)]
-    pub(super) conditions: Conditions,
+    pub(super) conditions: ScoreConditions,
     /// Of the first second, those that the figures beside are of, and all.
     pub(super) start_frames: u32,
     pub(super) frames: u32,
     pub(super) played_frames: u32,
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<PolicyRow>,
     pub(super) at_equal_score: Vec<AtScore>,
 }
 
 /// One policy.
 #[derive(Debug, Serialize)]
-pub(super) struct Row {
+pub(super) struct PolicyRow {
     pub(super) content: String,
     pub(super) display: String,
     pub(super) policy: &'static str,
@@ -64,20 +64,20 @@ pub(super) struct Start {
 
 /// What stands in every row.
 #[derive(Clone, Copy)]
-pub(super) struct Shown<'a> {
+pub(super) struct RowContext<'a> {
     pub(super) content: &'a str,
     pub(super) display: &'a str,
     /// Bytes of the original for as many frames as figures are of.
     pub(super) original_bytes: f64,
 }
 
-impl Row {
+impl PolicyRow {
     /// Of the figures of the first second, and of those that stand for the policy.
     pub(super) fn new(
         contender: &Contender,
-        shown: Shown<'_>,
-        start: &Figures,
-        figures: &Figures,
+        shown: RowContext<'_>,
+        start: &SpanFigures,
+        figures: &SpanFigures,
     ) -> Self {
         Self {
             content: shown.content.to_owned(),
@@ -107,8 +107,8 @@ impl Row {
 }
 
 /// Rows by curve, in the order of their first rows.
-pub(super) fn by_curve(rows: &[Row]) -> Vec<(&str, Vec<&Row>)> {
-    let mut curves: Vec<(&str, Vec<&Row>)> = Vec::new();
+pub(super) fn by_curve(rows: &[PolicyRow]) -> Vec<(&str, Vec<&PolicyRow>)> {
+    let mut curves: Vec<(&str, Vec<&PolicyRow>)> = Vec::new();
     for row in rows {
         match curves.iter_mut().find(|(name, _)| *name == row.curve) {
             Some((_, rows)) => rows.push(row),
@@ -119,16 +119,16 @@ pub(super) fn by_curve(rows: &[Row]) -> Vec<(&str, Vec<&Row>)> {
 }
 
 /// Every curve at these scores.
-pub(super) fn compared(rows: &[Row], scores: &[f64]) -> Vec<AtScore> {
-    let curve = |(name, rows): (&str, Vec<&Row>)| Curve {
+pub(super) fn compared(rows: &[PolicyRow], scores: &[f64]) -> Vec<AtScore> {
+    let curve = |(name, rows): (&str, Vec<&PolicyRow>)| Curve {
         name: name.to_owned(),
-        points: rows.into_iter().map(Row::point).collect(),
+        points: rows.into_iter().map(PolicyRow::point).collect(),
     };
     let curves: Vec<Curve> = by_curve(rows).into_iter().map(curve).collect();
     at_equal_score(&curves, scores, [ACUITY, VIEWPORT])
 }
 
-impl Row {
+impl PolicyRow {
     pub(super) fn point(&self) -> Point {
         Point {
             jod: self.jod,

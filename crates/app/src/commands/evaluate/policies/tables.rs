@@ -1,12 +1,12 @@
 //! How do policies that were compared read as tables?
 
-use crate::commands::evaluate::policies::report::{Report, Row};
+use crate::commands::evaluate::policies::report::{PoliciesReport, PolicyRow};
 use foveal_core::units::counted;
 use foveal_eval::score::Zone;
 use foveal_eval::score::pooling::Zones;
 use std::fmt::Write as _;
 
-impl Row {
+impl PolicyRow {
     fn csv(&self) -> String {
         let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
         let zones = self.jod_zones;
@@ -46,13 +46,13 @@ fn quoted(text: &str) -> String {
     }
 }
 
-/// The head of the table that [`Report::csv`] writes.
+/// The head of the table that [`PoliciesReport::csv`] writes.
 const COLUMNS: &str = "content,display,policy,curve,target,slope,rate_mbit,pixels_share_mean,\
                        bytes,bytes_over_original,decode_ms_mean,decode_over_full,jod,jod_source,\
                        jod_under_5_deg,jod_from_5_to_20_deg,jod_over_20_deg,fw_psnr,\
                        start_pixels_share_mean,start_bytes,start_jod\n";
 
-impl Report {
+impl PoliciesReport {
     /// One line a row.
     pub(super) fn csv(&self) -> String {
         let mut text = COLUMNS.to_owned();

@@ -1,0 +1,102 @@
+//! What can be asked of a preparation?
+
+use crate::tiles::encode_settings::Speed;
+use foveal_core::content::video::bytes::codec::Codec;
+use foveal_core::content::video::grid::tile_grid::Cut;
+use foveal_core::view::surface::Mapping;
+
+/// Sizes that faces may be resampled to, in pixels.
+pub(super) const FACE_SIZES: core::ops::RangeInclusive<u32> = 16..=32_768;
+
+/// What the caller asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PrepareSettings {
+    /// Projection of the input.
+    pub projection: ProjectionChoice,
+    /// Where in a frame the pictures of the eyes lie.
+    pub stereo: StereoChoice,
+    /// Whether its sound comes along.
+    pub sound: bool,
+    /// How pixels lie over the faces of a cube that is resampled; equi-angular if `None`.
+    pub mapping: Option<Mapping>,
+    /// Pixels on a side of such a face; by size of the source if `None`.
+    pub face_size: Option<u32>,
+    /// How pictures are cut; by size of the source if `None`.
+    pub cut: Option<Cut>,
+    /// Number of levels; five, fewer for tiny pictures, if `None`.
+    pub levels: Option<u8>,
+    /// Linear ratio between levels.
+    pub ratio: u32,
+    /// Codec of the tiles.
+    pub codec: Codec,
+    /// Quality or bit rate of the levels; the codec's default quantiser if `None`.
+    pub quality: Option<Quality>,
+    /// Time against size.
+    pub speed: Speed,
+    /// Threads.
+    pub jobs: usize,
+    /// Stop after this many frames.
+    pub most_frames: Option<u32>,
+}
+
+impl Default for PrepareSettings {
+    /// What `foveal prepare video` does without options, on one thread.
+    fn default() -> Self {
+        Self {
+            projection: ProjectionChoice::Auto,
+            stereo: StereoChoice::Auto,
+            sound: true,
+            mapping: None,
+            face_size: None,
+            cut: None,
+            levels: None,
+            ratio: 2,
+            codec: Codec::Vp9,
+            quality: None,
+            speed: Speed::Default,
+            jobs: 1,
+            most_frames: None,
+        }
+    }
+}
+
+/// What the caller says about the projection of the input.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ProjectionChoice {
+    /// Find it from metadata, name and size.
+    #[default]
+    Auto,
+    /// A flat picture.
+    Flat,
+    /// The whole sphere, longitude across and latitude down.
+    Equirect,
+    /// The front half of the sphere (VR180).
+    HalfEquirect,
+    /// Faces of a cube, laid out as their metadata or their shape tells.
+    Cube,
+}
+
+/// What the caller says about the two eyes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StereoChoice {
+    /// Find it from metadata and name.
+    #[default]
+    Auto,
+    /// One picture for both eyes.
+    Mono,
+    /// Next to each other.
+    SideBySide,
+    /// One above the other.
+    TopBottom,
+}
+
+/// What the caller asks for: one value for all levels, or one a level, finest first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Quality {
+    /// Fixed quantisers, lower is finer.
+    Quantiser(Vec<u8>),
+    /// JPEG qualities on the scale of the Independent JPEG Group, 1 to 100, higher is finer.
+    Ijg(Vec<u8>),
+    /// Bits per second of each tile.
+    BitRate(Vec<u32>),
+}
