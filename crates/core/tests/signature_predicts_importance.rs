@@ -8,7 +8,7 @@
 
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
-use foveal_core::content::video::units::Content;
+use foveal_core::content::video::units::VideoUnits;
 use foveal_core::content::video::worth::Worth;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
@@ -106,6 +106,7 @@ fn smooth() -> Picture {
 }
 
 /// A picture of two levels, cut into tiles.
+#[derive(Debug)]
 struct Tiled {
     grid: TileGrid,
     signatures: Vec<Signature>,
@@ -125,7 +126,11 @@ impl Tiled {
     }
 }
 
-impl Content for Tiled {
+impl VideoUnits for Tiled {
+    fn has_signatures(&self) -> bool {
+        true
+    }
+
     fn unit(&self, tile: Tile, _: u32) -> UnitId {
         UnitId(u32::from(tile.level) << 16 | self.grid.rank(tile))
     }

@@ -30,6 +30,9 @@ pub enum RenderError {
         /// The device's limit in pixels.
         most: u32,
     },
+    /// Marks over tiles that lie in a texture for every level.
+    #[error("--heat-map marks the tiles of the atlas: leave --reconstruction textures")]
+    NoMarks,
     /// A tile that the grid does not have.
     #[error("{0:?} is no tile of this picture")]
     NoSuchTile(Tile),

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod blur;
+mod drawer;
 mod error;
 mod frame;
 mod gpu;
@@ -19,10 +20,12 @@ pub mod twin;
 
 pub use crate::gpu::device::Gpu;
 pub use crate::gpu::readback::ReadBack;
+pub use crate::tiles::sampling::{mask_shape, sample_count};
 pub use crate::tiles::sparse::Interpolation;
 pub use crate::tiles::store::TileStore;
 pub use crate::tiles::textures::{TextureRenderer, texture_bytes};
 pub use blur::RadialBlur;
+pub use drawer::{DrawDevice, Drawer, DrawnPicture, TileStyle};
 pub use error::RenderError;
 pub use frame::Renderer;
 pub use image::RgbaImage;

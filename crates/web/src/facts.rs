@@ -1,10 +1,10 @@
 //! What is a page told of a pack?
 
-use crate::shelf::Shelf;
+use crate::pack_in_parts::PackInParts;
+use foveal_core::content::demand::Content;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::bytes::sound::SOUND;
 use foveal_core::pack::{HEADER_BYTES, Header};
-use foveal_core::session::picker::Picker;
 use foveal_core::view::surface::{Projection, Screen};
 use serde_json::json;
 
@@ -30,11 +30,11 @@ pub fn head_bytes(beginning: &[u8]) -> Result<u64, String> {
 /// The `PackFacts` of `web/src/engine/api.ts`, as JSON, of a pack that begins with these bytes;
 /// refuses what is no pack.
 pub fn about(head: &[u8]) -> Result<String, String> {
-    let shelf = Shelf::new(head, Screen::default()).map_err(|error| error.to_string())?;
-    let about = shelf.pack.description();
-    let surface = shelf.grid.surface;
-    let picker = Picker::new("", shelf.grid, PolicyConfig::new(Policy::Viewport));
-    let can = |policy: &&Policy| picker.can(**policy, shelf.has());
+    let pack = PackInParts::open(head, "", Screen::default()).map_err(|error| error.to_string())?;
+    let video = &pack.video;
+    let about = video.pack().description();
+    let surface = video.grid().surface;
+    let can = |policy: &&Policy| PolicyConfig::new(**policy).is_met_by(video.has());
     let policies: Vec<&Policy> = POLICIES.iter().filter(can).collect();
     let facts = json!({
         "projection": match about.projection {
@@ -47,9 +47,9 @@ pub fn about(head: &[u8]) -> Result<String, String> {
         "levels": about.levels,
         "codec": about.codec.name(),
         "frames": about.frames,
-        "seconds": shelf.timeline().length().0,
-        "hasSound": shelf.table_place(SOUND).is_some(),
-        "bytes": shelf.header.file_bytes,
+        "seconds": video.timeline().length().0,
+        "hasSound": pack.table_place(SOUND).is_some(),
+        "bytes": pack.header.file_bytes,
         "name": about.source.name,
         "policies": policies,
         "fullRange": about.colour.full_range,

@@ -11,14 +11,11 @@
     )
 )]
 
-mod choice;
-mod easel;
 mod facts;
-mod feed;
 mod looking;
 mod needs;
 mod options;
-mod shelf;
+mod pack_in_parts;
 mod telling;
 #[cfg(test)]
 mod tests;
@@ -32,7 +29,6 @@ mod paper;
 #[cfg(target_arch = "wasm32")]
 mod show;
 
-pub use easel::{GpuEasel, WebEasel};
 pub use facts::{about, head_bytes};
 pub use needs::{Kind, ROW};
 pub use options::Options;

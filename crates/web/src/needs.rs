@@ -1,10 +1,11 @@
 //! Which bytes of the file are needed, in which order?
 
-use crate::shelf::Shelf;
 use crate::viewer::Viewer;
+use foveal_core::content::video::Video;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
-use foveal_core::content::video::units::Content;
+use foveal_core::content::video::units::VideoUnits;
 use foveal_core::pack::unit::UnitId;
+use foveal_core::session::unit_states::Piece;
 use std::collections::HashSet;
 
 /// Numbers of a row: kind, number, offset, bytes, frame, first frame of the unit, frames of the
@@ -29,7 +30,7 @@ pub enum Kind {
 
 /// Collects rows, each unit and page once.
 struct Rows<'a> {
-    shelf: &'a Shelf,
+    video: &'a Video,
     rows: Vec<f64>,
     pages: HashSet<u32>,
     units: HashSet<UnitId>,
@@ -43,11 +44,10 @@ impl Rows<'_> {
     }
 
     fn page(&mut self, page: u32) {
-        let Some(place) = self.shelf.pack.index().page_place(page) else {
+        let Some(place) = self.video.pack().index().page_place(page) else {
             return;
         };
-        let is_gone =
-            self.shelf.pack.index().has_page(page) || self.shelf.damaged_pages.contains(&page);
+        let is_gone = self.video.is_settled(page);
         if !is_gone && self.pages.insert(page) {
             let (offset, bytes) = (place.start as f64, (place.end - place.start) as f64);
             let kind = f64::from(Kind::Page as u8);
@@ -58,13 +58,13 @@ impl Rows<'_> {
 
     /// All pages of a level in the group of a frame.
     fn pages_of(&mut self, level: u8, frame: u32) {
-        for page in self.shelf.pages_of(level, frame) {
+        for page in self.video.pages_of(level, frame) {
             self.page(page);
         }
     }
 
     fn tile(&mut self, kind: Kind, tile: Tile, frame: u32) {
-        let pack = &self.shelf.pack;
+        let pack = self.video.pack();
         let unit = pack.unit(tile, frame);
         let Some(entry) = pack.index().known_entry(unit) else {
             return self.page(pack.index().numbers().page_of(unit));
@@ -74,7 +74,7 @@ impl Rows<'_> {
         }
         self.units.insert(unit);
         let frames = pack.frames_of(unit);
-        let [width, height] = self.shelf.grid.tile_size(tile);
+        let [width, height] = self.video.grid().tile_size(tile);
         self.push([
             f64::from(kind as u8),
             f64::from(unit.0),
@@ -92,8 +92,8 @@ impl Rows<'_> {
     /// The 3 x 3 tiles that a tile is one of, whichever of them it is: what a host sees is the
     /// block.
     fn block(&mut self, tile: Tile, frame: u32) {
-        let [columns, rows] = match self.shelf.grid.cut {
-            Cut::Tile(_) => self.shelf.grid.tiles(tile.level),
+        let [columns, rows] = match self.video.grid().cut {
+            Cut::Tile(_) => self.video.grid().tiles(tile.level),
             Cut::Grid(cells) => cells,
         };
         let [x, y] = [tile.x, tile.y].map(|place| place - place % 3);
@@ -108,17 +108,18 @@ impl Rows<'_> {
 impl Viewer {
     /// What is to be fetched and decoded now, first what matters most: [`ROW`] numbers each.
     pub fn needs(&self) -> Vec<f64> {
-        let shelf = self.shelf.borrow();
+        let video = &*self.pack.video;
         let mut rows = Rows {
-            shelf: &shelf,
+            video,
             rows: Vec::new(),
             pages: HashSet::new(),
             units: HashSet::new(),
         };
-        let coarsest = shelf.grid.coarsest();
-        let wanted = self.stage.feed.wanted();
-        let tick = self.stage.wanted().map_or(0, |(tick, _)| tick);
-        let frame = self.stage.timeline().frame_of(tick);
+        let coarsest = video.grid().coarsest();
+        let tile_of = |piece: &Piece| (video.pack().tile_of(piece.unit.unit), piece.frame);
+        let wanted: Vec<(Tile, u32)> = self.session.requested().iter().map(tile_of).collect();
+        let tick = self.session.wanted().map_or(0, |(tick, _)| tick);
+        let frame = self.session.timeline().frame_of(tick);
         rows.pages_of(coarsest, frame);
         let is_base = |tile: &Tile| tile.level == coarsest;
         for (tile, frame) in wanted.iter().filter(|(tile, _)| is_base(tile)) {
@@ -128,8 +129,8 @@ impl Viewer {
         (0..coarsest)
             .rev()
             .for_each(|level| rows.pages_of(level, frame));
-        if let Some(next) = shelf.next_group(frame)
-            && self.choice.policy().spends_a_budget()
+        if let Some(next) = video.next_group(frame)
+            && self.session.policy().policy.spends_a_budget()
         {
             // What is bought for this frame is weighed against the next group.
             (0..=coarsest).for_each(|level| rows.pages_of(level, next));
@@ -148,11 +149,13 @@ impl Viewer {
 
     /// What the same tiles need in the next groups, soonest first.
     fn look_ahead(&self, rows: &mut Rows<'_>, tick: u64) {
-        let Some((_, tiles)) = self.stage.wanted() else {
+        let Some((_, pieces)) = self.session.wanted() else {
             return;
         };
-        let timeline = self.stage.timeline();
-        let groups = &rows.shelf.pack.description().groups;
+        let pack = rows.video.pack();
+        let tiles: Vec<Tile> = pieces.iter().map(|it| pack.tile_of(it.unit.unit)).collect();
+        let timeline = self.session.timeline();
+        let groups = &rows.video.pack().description().groups;
         let shortest = u64::from(groups.first().copied().unwrap_or(1));
         let until = timeline.time_of(tick).0 + AHEAD_S;
         let round = timeline.frames();
@@ -170,11 +173,11 @@ impl Viewer {
                 return;
             }
             let frame = timeline.frame_of(next);
-            for level in (0..rows.shelf.grid.levels).rev() {
+            for level in (0..rows.video.grid().levels).rev() {
                 rows.pages_of(level, frame);
             }
-            for tile in tiles {
-                if self.coarse && tile.level < rows.shelf.grid.coarsest() {
+            for tile in &tiles {
+                if self.coarse && tile.level < rows.video.grid().coarsest() {
                     rows.block(*tile, frame);
                 }
                 rows.tile(Kind::Bytes, *tile, frame);

@@ -4,7 +4,6 @@
 //! page's clock, places are in device pixels of the canvas.
 
 use crate::canvas::Canvas;
-use crate::easel::{WebEasel, twin_picture};
 use crate::options::Options;
 use crate::paper::Paper;
 use crate::viewer::Viewer;
@@ -15,11 +14,10 @@ use foveal_core::content::policy::Policy;
 use foveal_core::content::video::bytes::sound::SoundTable;
 use foveal_core::gaze::sample::HeadPose;
 use foveal_core::pack::unit::UnitId;
-use foveal_core::session::playback::Delivery;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::picture::{Picture, plane_size};
 use foveal_core::view::surface::Eye;
-use foveal_render::Gpu;
+use foveal_render::{DrawnPicture, Gpu};
 use js_sys::{Array, Uint8Array};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -108,19 +106,14 @@ impl Show {
     /// Gives the device back, as if it were lost.
     #[wasm_bindgen(js_name = loseDevice)]
     pub fn lose_device(&self) {
-        if let WebEasel::Gpu(easel) = &self.viewer.stage.easel {
-            easel.gpu.device.destroy();
+        if let Some(gpu) = self.viewer.gpu() {
+            gpu.device.destroy();
         }
     }
 
     /// Begins anew on this device; [`Device::open`] opens it.
     pub fn restart(&mut self, device: Device) -> Outcome<()> {
-        let shelf = self.viewer.shelf.borrow();
-        let colour = shelf.pack.description().colour;
-        let easel = WebEasel::new(Some(device.gpu), &shelf.grid, colour).map_err(refused)?;
-        drop(shelf);
-        self.viewer.stage.restart(easel);
-        self.viewer.figures.lost_devices += 1;
+        self.viewer.recover(device.gpu).map_err(refused)?;
         self.lost = device.lost;
         if let Target::Device(canvas) = &mut self.target {
             canvas.forget_device();
@@ -142,20 +135,20 @@ impl Show {
     /// Takes a page of the index.
     #[wasm_bindgen(js_name = addPage)]
     pub fn add_page(&self, page: u32, bytes: &[u8]) -> Outcome<()> {
-        let mut shelf = self.viewer.shelf.borrow_mut();
-        shelf.pack.index().add_page(page, bytes).map_err(refused)
+        let index = self.viewer.pack.video.pack().index();
+        index.add_page(page, bytes).map_err(refused)
     }
 
     /// A page of the index is damaged: what it tells of cannot be had.
     #[wasm_bindgen(js_name = failPage)]
     pub fn fail_page(&self, page: u32) {
-        self.viewer.shelf.borrow_mut().damaged_pages.insert(page);
+        self.viewer.pack.video.fail_page(page);
     }
 
     /// First byte and length of a side table; nothing where there is none.
     #[wasm_bindgen(js_name = tablePlace)]
     pub fn table_place(&self, name: &str) -> Vec<f64> {
-        let place = self.viewer.shelf.borrow().table_place(name);
+        let place = self.viewer.pack.table_place(name);
         place.map_or(Vec::new(), |place| {
             vec![place.start as f64, (place.end - place.start) as f64]
         })
@@ -170,23 +163,19 @@ impl Show {
     /// A side table cannot be had.
     #[wasm_bindgen(js_name = failTable)]
     pub fn fail_table(&self, name: &str) {
-        let mut shelf = self.viewer.shelf.borrow_mut();
-        shelf.damaged_tables.insert(name.to_owned());
+        self.viewer.pack.video.fail_table(name);
     }
 
     /// Lengths of the access units at the end of a chunk; refuses a damaged one.
     pub fn lengths(&self, unit: u32, chunk: &[u8]) -> Outcome<Vec<u32>> {
-        let shelf = self.viewer.shelf.borrow();
-        shelf.lengths(UnitId(unit), chunk).map_err(refused)
+        let lengths = self.viewer.pack.video.lengths(UnitId(unit), chunk);
+        lengths.map_err(refused)
     }
 
     /// Takes the planes of a frame of a unit, one after the other without gaps.
     pub fn deliver(&mut self, unit: u32, frame: u32, decoded: u32, planes: &[u8]) -> Outcome<()> {
-        let (tile, [width, height]) = {
-            let shelf = self.viewer.shelf.borrow();
-            let tile = shelf.pack.tile_of(UnitId(unit));
-            (tile, shelf.grid.tile_size(tile))
-        };
+        let video = &self.viewer.pack.video;
+        let [width, height] = video.grid().tile_size(video.pack().tile_of(UnitId(unit)));
         let sizes = [0, 1, 2].map(|plane| {
             let [w, h] = plane_size(width, height, plane);
             w as usize * h as usize
@@ -204,40 +193,35 @@ impl Show {
             height,
             planes: [y, u, v].map(<[u8]>::to_vec),
         };
-        self.viewer.stage.feed.deliver(Delivery {
-            tile,
-            frame,
-            decoded,
-            picture: Some(picture),
-        });
+        self.viewer.deliver(unit, frame, decoded, Some(picture));
         Ok(())
     }
 
     /// A frame of a unit cannot be had.
     pub fn fail(&mut self, unit: u32, frame: u32) {
-        let tile = self.viewer.shelf.borrow().pack.tile_of(UnitId(unit));
-        self.viewer.stage.feed.deliver(Delivery {
-            tile,
-            frame,
-            decoded: 0,
-            picture: None,
-        });
+        self.viewer.deliver(unit, frame, 0, None);
     }
 
     /// Draws the picture onto the canvas.
     pub fn draw(&mut self) -> Outcome<()> {
         let (shown, marks) = (self.viewer.shown(), self.viewer.marks());
         let size = self.viewer.pane().size;
-        match (&mut self.viewer.stage.easel, &mut self.target) {
-            (WebEasel::Gpu(easel), Target::Device(canvas)) => {
-                let picture = easel.renderer.draw(&shown.view, marks.as_ref());
-                let picture = picture.map_err(refused)?;
-                canvas.show(&easel.gpu, picture, shown.origin, size);
+        match (self.viewer.gpu(), &mut self.target) {
+            (Some(gpu), Target::Device(canvas)) => {
+                let picture = self.viewer.drawer.draw(&shown.view, marks.as_ref());
+                if let Some(picture) = picture.map_err(refused)? {
+                    canvas.show(&gpu, picture, shown.origin, size);
+                }
                 Ok(())
             }
-            (WebEasel::Twin(tiles), Target::Paper(paper)) => {
-                let picture = twin_picture(tiles, &shown.view, marks.as_ref());
-                paper.show(&picture, shown.origin, size).map_err(refused)
+            (None, Target::Paper(paper)) => {
+                let read = self.viewer.drawer.read(&shown.view, marks.as_ref());
+                match read.map_err(refused)? {
+                    Some(DrawnPicture::Here(picture)) => {
+                        paper.show(&picture, shown.origin, size).map_err(refused)
+                    }
+                    _ => Ok(()),
+                }
             }
             _ => Ok(()),
         }
@@ -245,10 +229,7 @@ impl Show {
 
     /// A promise that is kept once all that was drawn so far is on the canvas.
     pub fn seen(&self) -> js_sys::Promise {
-        let done = match &self.viewer.stage.easel {
-            WebEasel::Gpu(easel) => Some(easel.gpu.done()),
-            WebEasel::Twin(_) => None,
-        };
+        let done = self.viewer.gpu().map(|gpu| gpu.done());
         wasm_bindgen_futures::future_to_promise(async move {
             if let Some(done) = done {
                 done.await;
@@ -270,18 +251,11 @@ impl Show {
     /// The picture as it is drawn: a promise of [width, height, RGBA bytes].
     pub fn pixels(&mut self) -> Outcome<js_sys::Promise> {
         let (shown, marks) = (self.viewer.shown(), self.viewer.marks());
-        let read = match &mut self.viewer.stage.easel {
-            WebEasel::Gpu(easel) => {
-                let read = easel.renderer.read(&shown.view, marks.as_ref());
-                Ok(read.map_err(refused)?)
-            }
-            WebEasel::Twin(tiles) => Err(twin_picture(tiles, &shown.view, marks.as_ref())),
-        };
+        let read = self.viewer.drawer.read(&shown.view, marks.as_ref());
+        let read = read.map_err(refused)?;
+        let read = read.ok_or_else(|| refused("nothing draws"))?;
         Ok(wasm_bindgen_futures::future_to_promise(async move {
-            let image = match read {
-                Ok(read) => read.await.map_err(refused)?,
-                Err(image) => image,
-            };
+            let image = read.image().await.map_err(refused)?;
             let [width, height] = image.size.map(JsValue::from);
             let bytes = Uint8Array::from(image.pixels.as_slice());
             Ok(Array::of3(&width, &height, &bytes).into())
@@ -310,18 +284,18 @@ impl Show {
         };
         let view = self.viewer.eye_view(&request, Seconds(now));
         let view = view.ok_or_else(|| refused("these numbers are none of an eye"))?;
-        if self.viewer.stage.shown_tick().is_none() {
+        if self.viewer.session.shown_tick().is_none() {
             return Ok(false);
         }
         if self.headset.is_none() {
             self.headset = Some(Canvas::new(canvas.clone()).map_err(refused)?);
         }
-        let WebEasel::Gpu(easel) = &mut self.viewer.stage.easel else {
+        let Some(gpu) = self.viewer.gpu() else {
             return Ok(false);
         };
-        let picture = easel.renderer.draw(&view, None).map_err(refused)?;
-        if let Some(headset) = &mut self.headset {
-            headset.show(&easel.gpu, picture, [0, 0], view.size);
+        let picture = self.viewer.drawer.draw(&view, None).map_err(refused)?;
+        if let (Some(headset), Some(picture)) = (&mut self.headset, picture) {
+            headset.show(&gpu, picture, [0, 0], view.size);
         }
         Ok(true)
     }
@@ -457,7 +431,7 @@ impl Show {
     /// What the host brings, in bytes per second.
     #[wasm_bindgen(js_name = setRate)]
     pub fn set_rate(&mut self, bytes_per_s: f64) {
-        self.viewer.choice.set_rate(bytes_per_s);
+        self.viewer.set_rate(bytes_per_s);
     }
 
     /// Figures, as JSON.
@@ -467,18 +441,15 @@ impl Show {
 
     /// Lines of the session log so far.
     pub fn log(&self) -> String {
-        self.viewer.choice.log().to_owned()
+        self.viewer.log().to_owned()
     }
 
     /// Channels, samples before sample 0, samples of a packet, packets, then number of the first
     /// packet of a stretch of time and the packets; nothing where there is no sound yet.
     #[wasm_bindgen(js_name = soundPackets)]
     pub fn sound_packets(&self, from: f64, to: f64) -> Array {
-        let shelf = self.viewer.shelf.borrow();
-        shelf
-            .sound
-            .as_ref()
-            .map_or_else(Array::new, |sound| stretch(sound, from, to))
+        let sound = self.viewer.pack.video.sound();
+        sound.map_or_else(Array::new, |sound| stretch(sound, from, to))
     }
 }
 

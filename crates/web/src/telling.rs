@@ -8,10 +8,13 @@ use serde_json::json;
 impl Viewer {
     /// The part of the `Stats` of `web/src/engine/api.ts` that is known here, as JSON.
     pub fn stats(&self, now: Seconds) -> String {
-        let figures = &self.figures;
+        let figures = &self.session.figures;
         let head = self.scene.head();
-        let timeline = self.stage.timeline();
-        let frame = self.stage.shown_tick().map(|tick| timeline.frame_of(tick));
+        let timeline = self.session.timeline();
+        let frame = self
+            .session
+            .shown_tick()
+            .map(|tick| timeline.frame_of(tick));
         let shown = self.shown();
         let gaze = self.aim().map(|aim| aim.gaze.gaze_in_content);
         let gaze_deg = gaze.map(|gaze| {
@@ -22,9 +25,9 @@ impl Viewer {
         let place = place.map(|place| [0, 1].map(|k| place[k] + f64::from(shown.origin[k])));
         let [fps, upload] = figures.rates(now);
         json!({
-            "policy": self.choice.policy(),
-            "target": self.choice.config().target,
-            "expectedScore": self.choice.expected_jod(),
+            "policy": self.session.policy().policy,
+            "target": self.session.policy().target,
+            "expectedScore": self.session.expected_jod(),
             "playing": self.is_playing(),
             "time": self.time(now).0,
             "frame": frame,
@@ -48,7 +51,7 @@ impl Viewer {
             "scale": self.scene.scale(&self.pane()),
             "gazeDeg": gaze_deg,
             "gazePlace": place,
-            "drawing": self.stage.easel.name(),
+            "drawing": self.device_name(),
         })
         .to_string()
     }

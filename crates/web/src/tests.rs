@@ -11,7 +11,6 @@ use foveal_core::content::video::bytes::description::{Description, Source};
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::pack::{HEADER_BYTES, Header, SideTable};
-use foveal_core::session::playback::Delivery;
 use foveal_core::units::Seconds;
 use foveal_core::view::picture::{Colour, Matrix, Picture};
 use foveal_core::view::surface::{Projection, Screen};
@@ -111,11 +110,11 @@ impl Host {
             let from = row.offset as usize;
             let bytes = &self.file[from..from + row.bytes as usize];
             if row.kind == Kind::Page as u8 {
-                let shelf = viewer.shelf.borrow_mut();
-                shelf.pack.index().add_page(row.number, bytes).unwrap();
+                let pack = viewer.pack.video.pack();
+                pack.index().add_page(row.number, bytes).unwrap();
             } else if row.kind == Kind::Picture as u8 {
                 let unit = UnitId(row.number);
-                let lengths = viewer.shelf.borrow().lengths(unit, bytes).unwrap();
+                let lengths = viewer.pack.video.lengths(unit, bytes).unwrap();
                 assert!(!lengths.is_empty() && lengths.iter().all(|length| *length == 5));
                 deliver(viewer, unit, row.frame);
             }
@@ -124,18 +123,10 @@ impl Host {
 }
 
 fn deliver(viewer: &mut Viewer, unit: UnitId, frame: u32) {
-    let (tile, [w, h]) = {
-        let shelf = viewer.shelf.borrow();
-        let tile = shelf.pack.tile_of(unit);
-        (tile, shelf.grid.tile_size(tile))
-    };
-    let picture = Some(Picture::filled(w, h, [100, 128, 128]));
-    viewer.stage.feed.deliver(Delivery {
-        tile,
-        frame,
-        decoded: 1,
-        picture,
-    });
+    let video = &viewer.pack.video;
+    let [w, h] = video.grid().tile_size(video.pack().tile_of(unit));
+    let picture = Picture::filled(w, h, [100, 128, 128]);
+    viewer.deliver(unit.0, frame, 1, Some(picture));
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -199,11 +190,11 @@ fn a_still_view_settles_in_two_answers_and_a_zoomed_one_asks_only_for_what_is_ne
     let mut viewer = host.viewer(r#","paused":true,"log":true"#);
     assert!(settle(&host, &mut viewer, 0.0) <= 4);
     assert!(rows(&viewer).is_empty());
-    assert_eq!(viewer.figures.histogram[0], 160);
+    assert_eq!(viewer.session.figures.histogram[0], 160);
     viewer.step_frames(1, Seconds(1.0));
     settle(&host, &mut viewer, 1.0);
-    assert_eq!(viewer.figures.frames, 2);
-    assert!(viewer.choice.log().lines().count() >= 3);
+    assert_eq!(viewer.session.figures.frames, 2);
+    assert!(viewer.log().lines().count() >= 3);
 }
 
 #[test]
@@ -212,10 +203,10 @@ fn a_damaged_page_leaves_the_coarser_picture_and_settles() {
     let mut viewer = host.viewer(r#","paused":true"#);
     viewer.step(Seconds(0.0)).unwrap();
     let finest = rows(&viewer).iter().map(|row| row.number).max().unwrap();
-    viewer.shelf.borrow_mut().damaged_pages.insert(finest);
+    viewer.pack.video.fail_page(finest);
     settle(&host, &mut viewer, 0.0);
-    assert_eq!(viewer.figures.histogram[0], 0);
-    assert!(viewer.figures.damaged_tiles > 0);
+    assert_eq!(viewer.session.figures.histogram[0], 0);
+    assert!(viewer.session.figures.damaged_tiles > 0);
 }
 
 #[test]
@@ -226,16 +217,16 @@ fn with_coarse_privacy_a_host_sees_blocks_and_never_which_tile_of_one() {
     viewer.scene.zoom_by(6.0, [100.0, 60.0], &pane);
     viewer.step(Seconds(0.0)).unwrap();
     host.answer(&mut viewer);
-    let shelf = viewer.shelf.borrow();
+    let shelf = &viewer.pack.video;
     let asked: Vec<Tile> = rows(&viewer)
         .iter()
         .filter(|row| row.level < 2)
-        .map(|row| shelf.pack.tile_of(UnitId(row.number)))
+        .map(|row| shelf.pack().tile_of(UnitId(row.number)))
         .collect();
     let set: HashSet<Tile> = asked.iter().copied().collect();
     assert!(!set.is_empty());
     for tile in &set {
-        let [columns, rows] = shelf.grid.tiles(tile.level);
+        let [columns, rows] = shelf.grid().tiles(tile.level);
         let block = |place: u16, most: u32| {
             let from = place - place % 3;
             from..(u32::from(from) + 3).min(most) as u16
@@ -262,10 +253,10 @@ fn while_it_plays_the_next_groups_are_asked_for_ahead() {
         .into_iter()
         .filter(|row| row.kind == Kind::Bytes as u8)
         .collect();
-    let shelf = viewer.shelf.borrow();
+    let shelf = &viewer.pack.video;
     let groups: HashSet<u32> = ahead
         .iter()
-        .map(|row| shelf.pack.frames_of(UnitId(row.number)).start)
+        .map(|row| shelf.pack().frames_of(UnitId(row.number)).start)
         .collect();
     assert!(groups.contains(&4) && groups.contains(&8), "{groups:?}");
     let frames: Vec<u32> = ahead.iter().map(|row| row.frame).collect();
@@ -282,7 +273,7 @@ fn time_begins_with_the_first_picture_however_long_that_takes() {
     }
     assert!(viewer.is_playing() && !viewer.is_moving());
     assert_eq!(viewer.time(Seconds(9.0)), Seconds(0.0));
-    assert_eq!(viewer.stage.shown_tick(), Some(0));
+    assert_eq!(viewer.session.shown_tick(), Some(0));
     viewer.begin(Seconds(9.0));
     assert!((viewer.time(Seconds(9.1)).0 - 0.1).abs() < 1e-9);
     // Whoever pauses before there is a picture finds it paused.

@@ -2,27 +2,33 @@
 //!
 //! As a window's session: time comes in as an argument, in seconds of the page's clock.
 
-use crate::choice::WebChoice;
-use crate::easel::WebEasel;
-use crate::feed::WebFeed;
 use crate::looking::Looking;
 use crate::options::Options;
-use crate::shelf::Shelf;
+use crate::pack_in_parts::PackInParts;
 use crate::wide::{EyeRequest, head_of, union};
 use foveal_core::content::asked::{Detail, next_target};
-use foveal_core::content::policy::Policy;
+use foveal_core::content::demand::Content;
+use foveal_core::content::payload::Payload;
+use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::unit::{AssetId, UnitRef};
+use foveal_core::pack::unit::UnitId;
+use foveal_core::session::actions::{Cache, Now, Pace, SessionAction, SessionEvent};
 use foveal_core::session::aim::Aim;
-use foveal_core::session::figures::Figures;
 use foveal_core::session::media_clock::MediaClock;
-use foveal_core::session::playback::{Delivery, Now, Stage};
+use foveal_core::session::session::{Session, SessionSettings};
+use foveal_core::session::unit_states::Piece;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::navigation::{Navigation, Pane, Shown};
+use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::Screen;
-use foveal_render::{Overlay, RenderError};
-use std::cell::RefCell;
-use std::rc::Rc;
+use foveal_render::{DrawDevice, Drawer, Gpu, Overlay, RenderError, TileStyle};
+use std::sync::Arc;
 
+/// A log grows no longer than this, in bytes.
+const MOST_LOG: usize = 64 << 20;
+/// What a host is thought to bring before anything came from it, in bytes per second.
+const FIRST_GUESS: f64 = 1e6;
 /// Radius of the ring round the gaze, in degrees: the fovea.
 const FOVEA_DEG: f64 = 2.5;
 /// How often a headset's eyes must ask for the levels to follow them, in seconds.
@@ -46,12 +52,15 @@ pub mod flag {
 
 /// A viewer's session.
 pub struct Viewer {
-    pub(crate) shelf: Rc<RefCell<Shelf>>,
-    pub(crate) stage: Stage<WebFeed, WebEasel>,
-    pub(crate) choice: WebChoice,
+    pub(crate) pack: PackInParts,
+    pub(crate) session: Session,
+    cache: Cache<Payload>,
+    pub(crate) drawer: Drawer,
+    detail: Detail,
+    log: Option<String>,
+    bytes_per_s: f64,
     pub(crate) scene: Navigation,
     pub(crate) looking: Looking,
-    pub(crate) figures: Figures,
     clock: MediaClock,
     /// Whether it plays once the first picture is on the canvas: time begins with that. `None`
     /// from then on.
@@ -65,7 +74,6 @@ pub struct Viewer {
     pub(crate) levels_shown: bool,
     /// What the last step was made for.
     last: Option<(Aim, Shown)>,
-    version: u32,
     /// What the eyes of a headset asked for last, and when.
     eyes: [Option<EyeView>; 2],
     asked: f64,
@@ -73,26 +81,35 @@ pub struct Viewer {
 
 impl Viewer {
     /// A session with a pack of which `head` is there; without a device the CPU twin draws.
-    pub fn new(
-        head: &[u8],
-        options: &Options,
-        gpu: Option<foveal_render::Gpu>,
-    ) -> Result<Self, String> {
-        let shelf = Shelf::new(head, options.screen).map_err(|error| error.to_string())?;
-        let (grid, timeline) = (shelf.grid, shelf.timeline());
-        let about = shelf.pack.description();
-        let (colour, front) = (about.colour, Radians::from_degrees(about.front_deg));
-        let easel = WebEasel::new(gpu, &grid, colour).map_err(|error| error.to_string())?;
+    pub fn new(head: &[u8], options: &Options, gpu: Option<Gpu>) -> Result<Self, String> {
+        let pack = PackInParts::open(head, &options.name, options.screen);
+        let pack = pack.map_err(|error| error.to_string())?;
+        let (grid, about) = (*pack.video.grid(), pack.video.pack().description());
+        let front = Radians::from_degrees(about.front_deg);
+        let device = gpu.map_or(DrawDevice::Twin, DrawDevice::Gpu);
+        let drawer = Drawer::new(&device, &pack.video, TileStyle::default());
         let field = Radians::from_degrees(options.field_deg);
-        let shelf = Rc::new(RefCell::new(shelf));
-        let (name, detail) = (&options.name, options.detail()?);
-        let mut viewer = Self {
-            choice: WebChoice::new(Rc::clone(&shelf), name, detail, options.log),
-            stage: Stage::new(grid, timeline, WebFeed::default(), easel),
+        let detail = options.detail()?;
+        let settings = SessionSettings {
+            policy: detail.of(options.policy),
+            bytes_per_s: Some(FIRST_GUESS),
+            since: None,
+            zooms: true,
+        };
+        let session = Session::new(vec![Arc::clone(&pack.video) as Arc<dyn Content>], settings);
+        if !session.can(session.policy()) {
+            return Err("the pack has no tables for this policy; prepare it again".to_owned());
+        }
+        Ok(Self {
+            session,
+            cache: Cache::default(),
+            drawer: drawer.map_err(|error| error.to_string())?,
+            detail,
+            log: options.log.then(String::new),
+            bytes_per_s: FIRST_GUESS,
             scene: Navigation::new(grid.surface, field).facing(front),
-            shelf,
+            pack,
             looking: Looking::default(),
-            figures: Figures::default(),
             clock: MediaClock::default(),
             waits: Some(!options.paused),
             size: options.size,
@@ -103,14 +120,9 @@ impl Viewer {
             coarse: options.coarse,
             levels_shown: false,
             last: None,
-            version: 0,
             eyes: [None; 2],
             asked: f64::NEG_INFINITY,
-        };
-        if !viewer.choice.change(options.policy) {
-            return Err("the pack has no tables for this policy; prepare it again".to_owned());
-        }
-        Ok(viewer)
+        })
     }
 
     /// The canvas, and where it is.
@@ -148,16 +160,16 @@ impl Viewer {
             *plays = false;
             return;
         }
-        let timeline = self.stage.timeline();
+        let timeline = self.session.timeline();
         let due = timeline.tick_at(self.clock.time(now));
-        let tick = self.stage.shown_tick().unwrap_or(due);
+        let tick = self.session.shown_tick().unwrap_or(due);
         self.clock.pause(timeline.time_of(tick));
     }
 
     /// Goes on from another time of the content.
     pub fn seek(&mut self, to: Seconds, now: Seconds) {
         self.clock.seek(to, now);
-        self.stage.jump();
+        self.session.jump();
     }
 
     /// Pauses, and goes this many frames on or back.
@@ -165,7 +177,7 @@ impl Viewer {
         if self.is_playing() {
             self.pause(now);
         }
-        let timeline = self.stage.timeline();
+        let timeline = self.session.timeline();
         let tick = timeline.tick_at(self.clock.time(now));
         // Before the first frame comes the last.
         let around = if frames < 0 && tick < frames.unsigned_abs() {
@@ -181,7 +193,7 @@ impl Viewer {
     pub fn heard(&mut self, heard: Seconds, now: Seconds) {
         if self.is_moving() {
             // Sound counts from the beginning of a round, the clock goes on through all.
-            let timeline = self.stage.timeline();
+            let timeline = self.session.timeline();
             let time = self.clock.time(now);
             let begin = time.0 - timeline.within(time).0;
             let length = timeline.length().0;
@@ -194,35 +206,94 @@ impl Viewer {
 
     /// Chooses by another policy; `false` where the pack lacks what it needs.
     pub fn set_policy(&mut self, policy: Policy) -> bool {
-        let can = self.choice.change(policy);
+        let config = self.detail.of(policy);
+        let can = self.session.can(&config);
         if can {
-            self.stage.forget_choice();
+            self.session.change_policy(config);
         }
         can
     }
 
     /// Chooses at another detail.
     pub fn set_detail(&mut self, detail: Detail) {
-        self.choice.set_detail(detail);
-        self.stage.forget_choice();
+        self.detail = detail;
+        let config = detail.of(self.session.policy().policy);
+        self.session.change_policy(config);
     }
 
     /// Goes so many target scores on, or back; what is chosen for then, or nothing where the policy
     /// has no target.
     pub fn next_target(&mut self, by: i32) -> Option<Detail> {
-        let config = self.choice.config();
-        let has = config.policy.has_target();
-        let next = has.then(|| Detail::Target(next_target(config.target, by)))?;
+        let PolicyConfig { policy, target, .. } = self.session.policy();
+        let has = policy.has_target();
+        let next = has.then(|| Detail::Target(next_target(*target, by)))?;
         self.set_detail(next);
         Some(next)
     }
 
+    /// What the host brings, measured.
+    pub fn set_rate(&mut self, bytes_per_s: f64) {
+        let other = (bytes_per_s / self.bytes_per_s - 1.0).abs() > 0.05;
+        if bytes_per_s.is_finite() && bytes_per_s > 0.0 && other {
+            self.bytes_per_s = bytes_per_s;
+            self.session.set_bytes_per_s(bytes_per_s);
+        }
+    }
+
+    /// The session log so far.
+    #[must_use]
+    pub fn log(&self) -> &str {
+        self.log.as_deref().unwrap_or_default()
+    }
+
+    /// What draws, for people.
+    #[must_use]
+    pub fn device_name(&self) -> &str {
+        match self.drawer.device() {
+            DrawDevice::Gpu(gpu) => gpu.adapter_name(),
+            DrawDevice::Twin | DrawDevice::Nothing => "the processor",
+        }
+    }
+
+    /// The graphics device, where one draws.
+    pub(crate) fn gpu(&self) -> Option<Gpu> {
+        match self.drawer.device() {
+            DrawDevice::Gpu(gpu) => Some(gpu.clone()),
+            DrawDevice::Twin | DrawDevice::Nothing => None,
+        }
+    }
+
+    /// Begins anew on another device.
+    pub fn recover(&mut self, gpu: Gpu) -> Result<(), RenderError> {
+        let (device, style) = (DrawDevice::Gpu(gpu), TileStyle::default());
+        self.drawer = Drawer::new(&device, &self.pack.video, style)?;
+        self.session.take(SessionEvent::DeviceLost);
+        Ok(())
+    }
+
+    /// Takes the decoded picture of a frame of a unit, for which so many frames were decoded;
+    /// `None` where it is damaged.
+    pub fn deliver(&mut self, unit: u32, frame: u32, frames: u32, picture: Option<Picture>) {
+        let unit = UnitRef {
+            asset: AssetId(0),
+            unit: UnitId(unit),
+        };
+        let piece = Piece { unit, frame };
+        let event = match picture {
+            Some(picture) => {
+                self.cache.insert(piece, Payload::Picture(picture));
+                SessionEvent::Decoded { piece, frames }
+            }
+            None => SessionEvent::Damaged { piece, frames },
+        };
+        self.session.take(event);
+    }
+
     /// Takes a side table; the frames' times count from now on.
     pub fn add_table(&mut self, name: &str, bytes: Vec<u8>) -> Result<(), String> {
-        let added = self.shelf.borrow_mut().add_table(name, bytes);
+        let added = self.pack.video.add_table(name, bytes);
         added.map_err(|error| error.to_string())?;
-        let timeline = self.shelf.borrow().timeline();
-        self.stage.retime(timeline);
+        self.session.retime();
         Ok(())
     }
 
@@ -233,12 +304,12 @@ impl Viewer {
 
     /// Whether the content moves.
     pub fn is_moving(&self) -> bool {
-        self.clock.is_playing() && !self.stage.timeline().is_still()
+        self.clock.is_playing() && !self.session.timeline().is_still()
     }
 
     /// Time of the content, within a round.
     pub fn time(&self, now: Seconds) -> Seconds {
-        self.stage.timeline().within(self.clock.time(now))
+        self.session.timeline().within(self.clock.time(now))
     }
 
     /// What the last step was made for.
@@ -254,33 +325,34 @@ impl Viewer {
             0
         };
         let pane = self.pane();
-        self.give_up_lost();
         let aim = self.look(now, &pane);
         let media = self.due(now);
         let step = Now {
             wall: now,
             media,
-            playing: self.is_moving(),
-            drawing: self.figures.slow_draw(self.stage.period()),
+            pace: match self.is_moving() {
+                true => Pace::Playing,
+                false => Pace::Standing,
+            },
+            drawing: self.session.figures.slow_draw(self.session.period()),
+            until: aim.gaze.time,
             aim,
         };
-        let mut changed = self
-            .stage
-            .step(&step, &mut self.choice, &mut self.figures)?;
+        let actions = self.session.step(&step);
+        let (mut changed, wants) = self.obey(actions)?;
         let shown = self.scene.shown(&pane);
         if let Some((before, shown_before)) = &self.last {
             let moved = before.gaze.gaze_in_content != aim.gaze.gaze_in_content;
             changed |= *shown_before != shown || self.levels_shown && moved;
         }
         self.last = Some((aim, shown));
-        if changed && self.stage.shown_tick().is_some() {
+        if changed && self.session.shown_tick().is_some() {
             told |= flag::DRAW;
         }
-        if self.version != self.stage.feed.version {
-            self.version = self.stage.feed.version;
+        if wants {
             told |= flag::WANTS;
         }
-        if self.stage.is_hopeless(&self.figures) {
+        if self.session.is_hopeless() {
             told |= flag::HOPELESS;
         }
         let settled = self.is_settled();
@@ -295,27 +367,50 @@ impl Viewer {
         Ok(told)
     }
 
-    /// Tiles that the index does not tell of, because their page is damaged, do not come.
-    fn give_up_lost(&mut self) {
-        let shelf = self.shelf.borrow();
-        if shelf.damaged_pages.is_empty() {
-            return;
+    /// Does what the session asks for; tells whether the picture changed, and whether other units
+    /// are wanted.
+    fn obey(&mut self, actions: Vec<SessionAction>) -> Result<(bool, bool), RenderError> {
+        let (mut changed, mut wants) = (false, false);
+        for action in actions {
+            match action {
+                SessionAction::Want(_) => wants = true,
+                SessionAction::BeginFrame(frame) => {
+                    self.drawer.begin_frame(frame);
+                    changed = true;
+                }
+                SessionAction::Upload(piece) => {
+                    if let Some(payload) = self.cache.take(piece) {
+                        self.drawer.upload(piece, payload)?;
+                        changed = true;
+                    }
+                }
+                SessionAction::Keep(units) => {
+                    self.drawer.keep(&units);
+                    changed = true;
+                }
+                SessionAction::Drop(piece) => drop(self.cache.take(piece)),
+                SessionAction::Log(lines) => self.write(&lines),
+                SessionAction::Count => {
+                    let wrong = self.drawer.wrong_frame_units() as u64;
+                    self.session.figures.wrong_frame_tiles += wrong;
+                    self.session.figures.gpu_bytes = self.drawer.gpu_bytes();
+                }
+                SessionAction::Chosen(_) => {}
+            }
         }
-        let wanted = self.stage.feed.wanted().iter().copied();
-        let lost = |(tile, frame): &(_, u32)| shelf.is_lost(shelf.pack.unit(*tile, *frame));
-        let lost: Vec<_> = wanted.filter(lost).collect();
-        for (tile, frame) in lost {
-            self.stage.feed.deliver(Delivery {
-                tile,
-                frame,
-                decoded: 0,
-                picture: None,
-            });
+        Ok((changed, wants))
+    }
+
+    fn write(&mut self, lines: &str) {
+        if let Some(log) = &mut self.log
+            && log.len() + lines.len() <= MOST_LOG
+        {
+            log.push_str(lines);
         }
     }
 
     fn look(&mut self, now: Seconds, pane: &Pane) -> Aim {
-        let perception = &self.choice.config().perception;
+        let perception = &self.session.policy().perception;
         match self.eyes {
             [Some(left), right] if now.0 - self.asked < HEADSET_HOLDS_S => {
                 let view = union(&left, &right.unwrap_or(left));
@@ -329,7 +424,7 @@ impl Viewer {
     /// The moment of the content to show: the one that it is when it has been drawn.
     fn due(&self, now: Seconds) -> Seconds {
         let drawing = if self.is_moving() {
-            self.figures.draw_s
+            self.session.figures.draw_s
         } else {
             0.0
         };
@@ -337,7 +432,7 @@ impl Viewer {
     }
 
     fn stays_at_the_end(&mut self, now: Seconds) -> bool {
-        let timeline = self.stage.timeline();
+        let timeline = self.session.timeline();
         let over = self.clock.time(now).0 >= timeline.length().0;
         if self.once && over && self.clock.is_playing() {
             let last = timeline.time_of(timeline.frames() - 1);
@@ -350,14 +445,15 @@ impl Viewer {
 
     /// Whether nothing on screen is going to change by itself, or it plays.
     pub fn is_settled(&self) -> bool {
-        use foveal_core::session::playback::Chooses;
         if self.is_moving() {
-            return self.stage.shown_tick().is_some();
+            return self.session.shown_tick().is_some();
         }
         let behind = |(aim, _): &(Aim, Shown)| {
-            self.choice.differs(aim, aim) || self.stage.is_behind(aim, &self.choice)
+            self.session.goes_on_choosing(aim) || self.session.is_behind(aim)
         };
-        self.stage.is_settled() && !self.choice.waits() && !self.last.as_ref().is_none_or(behind)
+        self.session.is_settled()
+            && !self.session.waits_for_tables()
+            && !self.last.as_ref().is_none_or(behind)
     }
 
     /// What of the canvas is picture, and what it shows.
@@ -392,7 +488,8 @@ impl Viewer {
     /// What is to be shown was drawn in this many seconds.
     pub fn drawn(&mut self, seconds: f64) {
         if self.is_moving() {
-            self.figures.drawn(seconds, self.stage.period());
+            let period = self.session.period();
+            self.session.figures.drawn(seconds, period);
         }
     }
 }

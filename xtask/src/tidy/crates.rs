@@ -7,6 +7,9 @@ use super::{Finding, Tree};
 const CORE: &str = "foveal-core";
 /// Where the others meet; the browser's bindings are such a place too.
 const ENDS: [&str; 2] = ["foveal", "foveal-web"];
+/// What plays a pack, and what it may use besides core.
+const PLAY: &str = "foveal-play";
+const PLAYED_BY: [&str; 2] = ["foveal-media", "foveal-render"];
 
 /// Checks the packages of `cargo metadata --no-deps`, whatever the kind of dependency.
 pub(super) fn check(metadata: &Value, tree: &Tree) -> Vec<Finding> {
@@ -38,6 +41,9 @@ fn list(value: &Value) -> impl Iterator<Item = &Value> {
 fn objection(name: &str, used: &str) -> Option<String> {
     let ours = |name: &str| name == "foveal" || name.starts_with("foveal-");
     if !ours(used) || ENDS.contains(&name) || (used == CORE && name != CORE) {
+        return None;
+    }
+    if name == PLAY && PLAYED_BY.contains(&used) {
         return None;
     }
     let allowed = if name == CORE {
@@ -90,6 +96,8 @@ mod tests {
     fn core_sees_none_of_ours() {
         assert!(found("foveal-core", &["libm"]).is_empty());
         assert_eq!(found("foveal-core", &["foveal-media"]).len(), 1);
+        assert!(found("foveal-play", &["foveal-media", "foveal-render"]).is_empty());
+        assert_eq!(found("foveal-play", &["foveal-eval"]).len(), 1);
     }
 
     #[test]

@@ -3,7 +3,8 @@
 //! `cargo xtask wasm` builds this library for wasm32, calls it under Node and compares the number
 //! with what the program `selection-hash` prints.
 
-use foveal_core::session::log::{scripted_sessions, sha256_hex};
+use foveal_core::session::log::sha256_hex;
+use foveal_core::session::scripted::scripted_sessions;
 
 /// The first 64 bits of the SHA-256 of the scripted sessions' logs.
 #[unsafe(no_mangle)]

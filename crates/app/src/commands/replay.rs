@@ -3,13 +3,16 @@
 use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
-use foveal_core::content::video::units::PackContent;
-use foveal_core::session::log::{Session, SessionFrame, sha256_hex};
+use foveal_core::content::demand::Content;
+use foveal_core::content::head::ContentHead;
+use foveal_core::session::log::{SessionFrame, SessionLogPart, sha256_hex};
 use foveal_core::session::log_of_parts::SessionLog;
 use foveal_core::units::counted;
+use foveal_core::view::surface::Screen;
 use foveal_media::pack::pack_file::PackFile;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ReplayArgs {
@@ -37,7 +40,7 @@ struct Replayed {
 /// The run selected again, on its pack where that is needed.
 fn replay(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::Result<SessionLog> {
     let Some(weighed) = log.parts.iter().find(|part| part.needs_content()) else {
-        return Ok(log.replay(None));
+        return Ok(log.replay(&ContentHead::demand));
     };
     let found = || pack_beside(path, &weighed.head.pack);
     let Some(pack) = pack.map(Path::to_owned).or_else(found) else {
@@ -48,23 +51,19 @@ fn replay(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::Result<
     };
     let file = PackFile::open(&pack)?;
     let name = pack.display();
-    let cues = file.cues()?;
-    let signatures = file
-        .signatures()?
-        .with_context(|| format!("{name}: has no signatures; prepare it again"))?;
-    let needs_cues = |part: &Session| part.head.policy.needs_cues();
-    if log.parts.iter().any(needs_cues) && cues.is_none() {
+    let video = file.video(Screen::default())?;
+    let has = video.has();
+    if !has.signatures {
+        bail!("{name}: has no signatures; prepare it again");
+    }
+    let needs_cues = |part: &SessionLogPart| part.head.policy.needs_cues();
+    if log.parts.iter().any(needs_cues) && !has.cues {
         bail!("{name}: has no cues, by which the log chose; prepare it again");
     }
-    let content = PackContent {
-        pack: file.pack(),
-        signatures: &signatures,
-        cues: cues.as_ref(),
-    };
     log.parts
         .iter()
         .try_for_each(|part| check_belongs(part, &file))?;
-    Ok(log.replay(Some(&content)))
+    Ok(log.replay(&|head, config| Arc::clone(&video).demand(head, config)))
 }
 
 /// The pack that a log names: beside it, a folder above, or where the program was started.
@@ -79,13 +78,13 @@ fn pack_beside(log: &Path, name: &str) -> Option<PathBuf> {
 }
 
 /// Refuses a session of another pack.
-fn check_belongs(session: &Session, file: &PackFile) -> anyhow::Result<()> {
+fn check_belongs(session: &SessionLogPart, file: &PackFile) -> anyhow::Result<()> {
     let name = file.path().display();
     let about = file.pack().description();
     let mut grid = *file.pack().grid();
     // Flat content may have filled another screen.
-    grid.surface.tangents = session.head.grid.surface.tangents;
-    if session.head.grid != grid {
+    grid.surface.tangents = session.head.content.video().surface.tangents;
+    if *session.head.content.video() != grid {
         bail!(
             "{name}: has other tiles than the pack of the log, {}",
             session.head.pack

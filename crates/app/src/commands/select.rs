@@ -6,7 +6,6 @@ use crate::options::policy::{
 };
 use crate::options::preset::SystemPreset;
 use crate::report::output::{self, WrongUsage, out_of_range};
-use crate::run::sampling::sample_count;
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use foveal_core::content::policy::Policy;
@@ -20,6 +19,7 @@ use foveal_core::units::{Radians, Seconds, counted};
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::random::Random;
 use foveal_core::view::surface::{Projection, Surface};
+use foveal_render::sample_count;
 use serde::Serialize;
 use std::fmt::Write as _;
 

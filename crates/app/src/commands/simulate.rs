@@ -5,16 +5,16 @@ use crate::commands::simulate_score::{Baseline, RunScoring, ScoringOptions};
 use crate::gaze_source::{GazeChoice, GazeSource, interrupted, parse_gaze};
 use crate::options::decoding::{DecodingOptions, DeviceReport};
 use crate::options::policy::{PolicyOptions, Switch, ViewOptions};
+use crate::options::renderer::{RendererName, open_device};
 use crate::options::showing::{EyeName, InterpolationName, ShowingOptions};
 use crate::options::watching::Watching;
 use crate::report::output::{self, WrongUsage, out_of_range};
 use crate::report::picture_file::write_png;
-use crate::run::canvas::{Drawing, RendererName, Showing};
-use crate::run::player::{FrameReport, Player, PlayerOptions};
+use crate::run::open_player::open_player;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::content::policy::{Policy, PolicyConfig};
-use foveal_core::session::log::{Session, sha256_hex};
+use foveal_core::session::log::{SessionLogPart, sha256_hex};
 use foveal_core::units::counted;
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::eye_view::EyeView;
@@ -23,6 +23,8 @@ use foveal_core::view::surface::Projection;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::write::picture_from_rgba::picture_from_rgba;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
+use foveal_play::{FrameReport, Player, PlayerOptions};
+use foveal_render::TileStyle;
 use foveal_render::{Overlay, RgbaImage};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -159,7 +161,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             args.eye.name()
         ));
     }
-    let (view, drawing) = (args.view.eye_view(&surface)?, Drawing::open(args.renderer)?);
+    let (view, drawing) = (args.view.eye_view(&surface)?, open_device(args.renderer)?);
     let mut scoring = args.scoring.open(&Baseline {
         file: &file,
         view,
@@ -168,17 +170,18 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         decoding: args.decoding.decoding()?,
         frames: frames.len(),
     })?;
-    let mut player = Player::new(
+    let mut player = open_player(
         Arc::clone(&file),
         PlayerOptions {
             config,
             view,
             screen: args.view.screen,
             drawing,
-            showing,
+            style: showing,
             paced: args.paced,
             judged: true,
             bytes_per_s: args.watching.link().bytes_per_s,
+            tell: output::say,
             decoding: args.decoding.decoding()?,
         },
     )?;
@@ -241,7 +244,7 @@ impl SimulateArgs {
         with
     }
 
-    fn showing(&self, policy: Policy) -> anyhow::Result<Showing> {
+    fn showing(&self, policy: Policy) -> anyhow::Result<TileStyle> {
         let has_textures = self.showing.has_textures();
         if has_textures && policy == Policy::Sampled {
             bail!(WrongUsage(
@@ -343,8 +346,8 @@ fn sleep_until(due: Instant) {
 }
 
 /// The log of a run.
-pub(crate) fn session(player: &Player, reports: &[FrameReport]) -> Session {
-    Session {
+pub(crate) fn session(player: &Player, reports: &[FrameReport]) -> SessionLogPart {
+    SessionLogPart {
         head: player.session_head(),
         frames: reports
             .iter()
@@ -387,7 +390,7 @@ pub(crate) fn summarise(
         detail_share_mean: detail.map(|sum| sum / count),
         target: player.config().target,
         expected_jod: loss.map(|sum| player.config().policy.expectation().jod(sum / count)),
-        gpu_bytes: player.canvas.gpu_bytes(),
+        gpu_bytes: player.drawer().gpu_bytes(),
         decoded_on: DeviceReport::new(player.device_use()),
         log_sha256: sha256_hex(session.as_bytes()),
         score: None,
@@ -518,7 +521,7 @@ impl<'a> PictureSink<'a> {
                 eye: *eye,
                 ..report.view
             };
-            let drawn = player.canvas.picture(&view, marks.as_ref())?;
+            let drawn = player.drawer().picture(&view, marks.as_ref())?;
             picture = match (picture, drawn) {
                 (Some(left), Some(right)) => Some(left.beside(&right)),
                 (None, drawn) => drawn,

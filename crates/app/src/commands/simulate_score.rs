@@ -7,11 +7,8 @@ use crate::commands::score::{
     Companions, DeviceName, Engine, LastGaze, ModeName, ScoreReport, display_named,
     display_of_view, picture_of,
 };
-use crate::gaze_source::Look;
-use crate::options::decoding::Decoding;
 use crate::report::output;
-use crate::run::canvas::{Drawing, Showing};
-use crate::run::player::{FrameReport, Player, PlayerOptions};
+use crate::run::open_player::open_player;
 use anyhow::bail;
 use clap::Args;
 use foveal_core::content::policy::{Policy, PolicyConfig};
@@ -19,6 +16,10 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Screen;
 use foveal_eval::score::Viewing;
 use foveal_media::pack::pack_file::PackFile;
+use foveal_play::Decoding;
+use foveal_play::Look;
+use foveal_play::{FrameReport, Player, PlayerOptions};
+use foveal_render::{DrawDevice, TileStyle};
 use std::sync::Arc;
 
 /// Whether and how a run is scored.
@@ -40,7 +41,7 @@ pub(crate) struct Baseline<'a> {
     pub(crate) file: &'a Arc<PackFile>,
     pub(crate) view: EyeView,
     pub(crate) screen: Screen,
-    pub(crate) drawing: &'a Drawing,
+    pub(crate) drawing: &'a DrawDevice,
     pub(crate) decoding: Decoding,
     /// Frames that will be played.
     pub(crate) frames: usize,
@@ -62,7 +63,7 @@ impl ScoringOptions {
         if !self.score {
             return Ok(None);
         }
-        if matches!(beside.drawing, Drawing::None) {
+        if matches!(beside.drawing, DrawDevice::Nothing) {
             bail!(output::WrongUsage(
                 "--score compares pictures; give --renderer gpu or cpu".to_owned()
             ));
@@ -72,13 +73,14 @@ impl ScoringOptions {
             view: beside.view,
             screen: beside.screen,
             drawing: beside.drawing.clone(),
-            showing: Showing::default(),
+            style: TileStyle::default(),
             bytes_per_s: f64::INFINITY,
             paced: false,
             judged: false,
+            tell: output::say,
             decoding: beside.decoding,
         };
-        let full = Player::new(Arc::clone(beside.file), options)?;
+        let full = open_player(Arc::clone(beside.file), options)?;
         let display = match &self.score_display {
             Some(choice) => display_named("--score-display", choice)?,
             None => display_of_view(&beside.view, full.grid().surface.projection),

@@ -11,6 +11,6 @@ mod viewer;
 pub(crate) use choice::{GazeChoice, LiveChoice, parse_gaze};
 pub(crate) use intake::Counts;
 pub(crate) use live::{Live, interrupted};
-pub(crate) use source::{FIRST_SAMPLE, GazeSource, Look};
+pub(crate) use source::{FIRST_SAMPLE, GazeSource};
 pub(crate) use trace_file::read_trace;
 pub(crate) use viewer::{ViewerModel, preset_of};

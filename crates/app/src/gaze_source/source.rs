@@ -13,6 +13,7 @@ use foveal_core::gaze::scan::ScanPath;
 use foveal_core::gaze::tracker::{GazeTracker, Prediction};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::surface::{Projection, Surface};
+use foveal_play::Look;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -35,19 +36,6 @@ pub(crate) struct GazeSource {
     /// The same head, at the times of the samples.
     head_of_samples: FollowingHead,
     head_moves: bool,
-}
-
-/// How a viewer is when a picture is shown, and what was known of that in time.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Look {
-    /// Where the eye does look; for a live source what was expected.
-    pub(crate) gaze: GazeSample,
-    /// Where the head does point.
-    pub(crate) head: HeadPose,
-    /// What was expected of the eye.
-    pub(crate) expected: Prediction,
-    /// Where the head was expected.
-    pub(crate) head_expected: HeadPose,
 }
 
 enum GazePath {

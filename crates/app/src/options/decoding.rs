@@ -3,11 +3,9 @@
 use crate::report::output;
 use clap::{Args, ValueEnum};
 use foveal_core::units::counted;
-use foveal_media::pack::pack_file::PackFile;
-use foveal_media::tiles::decode_pool::DecodePool;
 use foveal_media::tiles::decoders::{DecoderChoice, DeviceUse};
+use foveal_play::Decoding;
 use serde::Serialize;
-use std::sync::Arc;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum DecoderName {
@@ -41,28 +39,6 @@ impl DecodingOptions {
                 DecoderName::Hardware => DecoderChoice::Hardware,
             },
         })
-    }
-}
-
-/// How a pack is decoded.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Decoding {
-    pub(crate) jobs: usize,
-    pub(crate) choice: DecoderChoice,
-}
-
-impl Decoding {
-    /// By the processor, on all cores.
-    pub(crate) fn software() -> anyhow::Result<Self> {
-        Ok(Self {
-            jobs: output::jobs(None)?,
-            choice: DecoderChoice::Software,
-        })
-    }
-
-    /// The decoders of a pack.
-    pub(crate) fn pool(self, file: Arc<PackFile>) -> anyhow::Result<DecodePool> {
-        Ok(DecodePool::choosing(file, self.jobs, self.choice)?)
     }
 }
 

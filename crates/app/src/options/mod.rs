@@ -6,6 +6,7 @@ pub(crate) mod link;
 pub(crate) mod perception;
 pub(crate) mod policy;
 pub(crate) mod preset;
+pub(crate) mod renderer;
 pub(crate) mod showing;
 pub(crate) mod unused;
 pub(crate) mod watching;

@@ -1,10 +1,10 @@
 //! Which options say how resident tiles become a picture, and whose?
 
 use crate::options::policy::Switch;
-use crate::run::canvas::Showing;
 use clap::{Args, ValueEnum};
 use foveal_core::view::surface::Eye;
 use foveal_render::Interpolation;
+use foveal_render::TileStyle;
 
 /// Whose picture is shown, of content for two eyes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -81,14 +81,15 @@ impl ShowingOptions {
     }
 
     /// What was asked for; `interpolation` where nobody said.
-    pub(crate) fn showing(&self, interpolation: InterpolationName) -> Showing {
-        Showing {
+    pub(crate) fn showing(&self, interpolation: InterpolationName) -> TileStyle {
+        TileStyle {
             has_textures: self.has_textures(),
             interpolation: match self.interpolation.unwrap_or(interpolation) {
                 InterpolationName::Nearest => Interpolation::Nearest,
                 InterpolationName::Blended => Interpolation::Blended,
             },
             blurs: self.blur == Switch::On,
+            samples: false,
         }
     }
 }

@@ -5,10 +5,7 @@
 //! machine and threads.
 
 use crate::commands::score::{display_of_view, picture_of};
-use crate::gaze_source::Look;
-use crate::options::decoding::Decoding;
-use crate::run::canvas::{Drawing, Showing};
-use crate::run::player::{Player, PlayerOptions};
+use crate::run::open_player::open_player;
 use crate::run::source_frames::SourceFrames;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::bytes::description::{Description, Loss};
@@ -24,6 +21,10 @@ use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{PreparationPlan as Plan, Surround};
 use foveal_media::sphere::Coverage;
 use foveal_media::tiles::decoders::DecoderChoice;
+use foveal_play::Decoding;
+use foveal_play::Look;
+use foveal_play::PlayerOptions;
+use foveal_render::{DrawDevice, TileStyle};
 use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
@@ -200,17 +201,18 @@ fn draw(file: &Arc<PackFile>, scene: &Scene, frames: &[u32]) -> anyhow::Result<V
         config: PolicyConfig::new(Policy::Viewport),
         view: scene.view,
         screen: Screen::default(),
-        drawing: Drawing::Cpu,
-        showing: Showing::default(),
+        drawing: DrawDevice::Twin,
+        style: TileStyle::default(),
         bytes_per_s: f64::INFINITY,
         paced: false,
         judged: false,
+        tell: crate::report::output::say,
         decoding: Decoding {
             jobs: 1,
             choice: DecoderChoice::Software,
         },
     };
-    let mut player = Player::new(Arc::clone(file), options)?;
+    let mut player = open_player(Arc::clone(file), options)?;
     let look = |time: Seconds| {
         let gaze = GazeSample {
             time,

@@ -1,11 +1,9 @@
-//! What plays a pack without a window, and the packs and sources that it is given.
+//! The packs and sources that are played, and how they are opened.
 
-pub(crate) mod canvas;
 pub(crate) mod kept_pack;
 pub(crate) mod loss;
+pub(crate) mod open_player;
 pub(crate) mod pack_place;
-pub(crate) mod player;
-pub(crate) mod sampling;
 pub(crate) mod scene_clip;
 pub(crate) mod source_frames;
 pub(crate) mod timed;

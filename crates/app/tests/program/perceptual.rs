@@ -2,16 +2,16 @@
 
 use crate::scenes::{picture, write_clip};
 use crate::support::{Folder, column, done, json, refused};
+use foveal_core::content::demand::Content;
 use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile};
 use foveal_core::content::video::bytes::chunk::split_chunk;
 use foveal_core::content::video::grid::tile_grid::Tile;
-use foveal_core::content::video::rules::Selection;
-use foveal_core::content::video::units::{Content, PackContent};
 use foveal_core::pack::SideTable;
-use foveal_core::selection::chooser::Chooser;
-use foveal_core::session::log::{Session, SessionFrame};
+use foveal_core::selection::scheduler::Scheduler;
+use foveal_core::session::log::{SessionFrame, SessionLogPart};
 use foveal_core::view::axes::angle_between;
 use foveal_core::view::picture::Picture;
+use foveal_core::view::surface::Screen;
 use foveal_media::pack::pack_file::PackFile;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -85,25 +85,24 @@ impl World {
     }
 }
 
-fn session_of(folder: &str) -> Session {
+fn session_of(folder: &str) -> SessionLogPart {
     let log = std::fs::read_to_string(format!("{folder}/session.jsonl")).unwrap();
-    Session::parse(&log).unwrap()
+    SessionLogPart::parse(&log).unwrap()
 }
 
 /// What a run chose and paid, frame by frame, chosen again from its log.
-fn chosen(file: &PackFile, session: &Session) -> Vec<(SessionFrame, Selection, u64)> {
-    let (signatures, cues) = (file.signatures().unwrap().unwrap(), file.cues().unwrap());
-    let content = PackContent {
-        pack: file.pack(),
-        signatures: &signatures,
-        cues: cues.as_ref(),
-    };
-    let mut chooser = Chooser::new(session.head.grid, session.head.policy.clone());
+fn chosen(file: &PackFile, session: &SessionLogPart) -> Vec<(SessionFrame, Vec<Tile>, u64)> {
+    let video = file.video(Screen::default()).unwrap();
+    let (head, policy) = (&session.head.content, &session.head.policy);
+    let mut scheduler = Scheduler::new(policy, vec![video.demand(head, policy)]);
     let again = |frame: &SessionFrame| {
         let moment = frame.moment(&session.head);
-        let content: Option<&dyn Content> = Some(&content);
-        let selection = chooser.choose(content, frame.frame, &moment, frame.budget);
-        (frame.clone(), selection, chooser.spent())
+        let chosen = scheduler.choose(&[frame.frame], &moment, frame.budget);
+        let tiles = chosen[0]
+            .units
+            .iter()
+            .map(|unit| file.pack().tile_of(*unit));
+        (frame.clone(), tiles.collect(), scheduler.spent())
     };
     session.frames.iter().map(again).collect()
 }
@@ -339,13 +338,10 @@ fn saliency_fetches_what_lies_beside_the_view() {
         ];
         let (out, figures) = world.play(&format!("saliency-{saliency}"), &how);
         let session = session_of(&out);
-        let (frame, selection, _) = chosen(&file, &session).swap_remove(9);
+        let (frame, tiles, _) = chosen(&file, &session).swap_remove(9);
         let forward = frame.head.axes().forward;
         let apart = |tile: &Tile| angle_between(forward, grid.centre(*tile)).to_degrees();
-        let finer = selection
-            .tiles
-            .iter()
-            .filter(|tile| tile.level < grid.coarsest());
+        let finer = tiles.iter().filter(|tile| tile.level < grid.coarsest());
         let count = finer.filter(|tile| apart(tile) > 110.0).count();
         (count, figures["bytes"].as_u64().unwrap())
     };

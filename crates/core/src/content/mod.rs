@@ -2,5 +2,10 @@
 
 pub mod asked;
 pub mod calibration;
+pub mod demand;
+pub mod head;
+pub mod payload;
 pub mod policy;
+pub mod scripted;
+pub mod unit;
 pub mod video;

@@ -176,6 +176,15 @@ pub struct PolicyConfig {
 /// could tell from the finest when asked to guess.
 pub const DEFAULT_TARGET: f64 = 9.5;
 
+/// The side tables that a pack has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HasTables {
+    /// What each unit adds.
+    pub signatures: bool,
+    /// What might draw the eye.
+    pub cues: bool,
+}
+
 impl PolicyConfig {
     /// A policy with its default parameters.
     #[must_use]
@@ -223,6 +232,13 @@ impl PolicyConfig {
     #[must_use]
     pub fn needs_signatures(&self) -> bool {
         self.policy.spends_a_budget() || self.target.is_some()
+    }
+
+    /// Whether content with these tables has what this policy chooses by.
+    #[must_use]
+    pub fn is_met_by(&self, has: HasTables) -> bool {
+        (!self.policy.spends_a_budget() || has.signatures)
+            && (!self.needs_cues() || has.signatures && has.cues)
     }
 
     /// Whether this policy looks at cues of the content.

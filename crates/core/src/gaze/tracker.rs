@@ -36,6 +36,18 @@ pub struct Prediction {
     pub since_saccade: Option<Seconds>,
 }
 
+impl Prediction {
+    /// An eye that looks there and stays.
+    #[must_use]
+    pub fn steady(gaze: GazeSample) -> Self {
+        Self {
+            gaze,
+            event: EyeEvent::Fixation,
+            since_saccade: None,
+        }
+    }
+}
+
 /// Follows one viewer. Bounded memory, no allocation, some microseconds a sample.
 #[derive(Clone, Debug)]
 pub struct GazeTracker {

@@ -1,5 +1,4 @@
 //! Which units are worth their bytes?
 
-pub mod chooser;
 pub mod greedy;
-pub mod refine;
+pub mod scheduler;

@@ -2,6 +2,7 @@
 
 use crate::content::policy::Policy;
 use crate::gaze::sample::{GazeSample, HeadPose};
+use crate::perception::moment::Moment;
 use crate::perception::parameters::EyeState;
 use crate::units::Seconds;
 use crate::view::axes::angle_between;
@@ -26,6 +27,16 @@ pub struct Aim {
 }
 
 impl Aim {
+    /// The same, as far as it is chosen by.
+    #[must_use]
+    pub fn moment(&self) -> Moment {
+        Moment {
+            gaze: self.gaze,
+            view: Some(self.view),
+            state: self.state,
+        }
+    }
+
     /// Whether a policy that spends no budget could choose otherwise than for `before`.
     #[must_use]
     pub fn differs(&self, before: &Self, policy: Policy) -> bool {

@@ -1,7 +1,6 @@
 //! What did a window or a page do so far, in numbers?
 
 use crate::units::Seconds;
-use crate::view::picture::Picture;
 use std::collections::VecDeque;
 
 /// How much of the past counts for rates, in seconds.
@@ -17,7 +16,7 @@ const MOST: usize = 1024;
 
 /// How a frame came on screen.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Shown {
+pub struct FrameOutcome {
     /// Frames before it that never came, because it was due.
     pub left_out: u64,
     /// It came after its time.
@@ -77,10 +76,9 @@ impl Figures {
         self.decoded_pixels += pixels;
     }
 
-    /// A picture went to the GPU.
-    pub fn uploaded(&mut self, picture: &Picture) {
-        let [w, h] = [picture.width, picture.height].map(u64::from);
-        self.uploaded_bytes += w * h + 2 * w.div_ceil(2) * h.div_ceil(2);
+    /// So many bytes went to the GPU.
+    pub fn uploaded(&mut self, bytes: u64) {
+        self.uploaded_bytes += bytes;
     }
 
     /// All tiles of a frame were there after `seconds`.
@@ -117,7 +115,7 @@ impl Figures {
     }
 
     /// A frame of the content came on screen.
-    pub fn shown(&mut self, now: Seconds, how: Shown) {
+    pub fn shown(&mut self, now: Seconds, how: FrameOutcome) {
         self.frames += 1;
         self.left_out_frames += how.left_out;
         self.late_frames += u64::from(how.late);
@@ -187,7 +185,7 @@ mod tests {
     fn rates_are_of_the_last_two_seconds() {
         let mut figures = Figures::default();
         for k in 0..300 {
-            figures.shown(Seconds(f64::from(k) / 30.0), Shown::default());
+            figures.shown(Seconds(f64::from(k) / 30.0), FrameOutcome::default());
         }
         let [fps, _] = figures.rates(Seconds(299.0 / 30.0));
         assert!((fps - 30.0).abs() < 0.6, "{fps}");

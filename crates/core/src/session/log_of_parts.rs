@@ -3,8 +3,10 @@
 //! As several sessions, one after the other: each begins with a head, whose line tells itself apart
 //! from the lines of frames, and is selected again by itself.
 
-use crate::content::video::units::Content;
-use crate::session::log::{Session, SessionError};
+use crate::content::demand::Demand;
+use crate::content::head::ContentHead;
+use crate::content::policy::PolicyConfig;
+use crate::session::log::{SessionError, SessionLogPart};
 
 /// What the line of a head begins with.
 const HEAD: &str = "{\"foveal_session\":";
@@ -13,11 +15,11 @@ const HEAD: &str = "{\"foveal_session\":";
 #[derive(Clone, Debug, PartialEq)]
 pub struct SessionLog {
     /// Each under one view and one policy.
-    pub parts: Vec<Session>,
+    pub parts: Vec<SessionLogPart>,
 }
 
 impl SessionLog {
-    /// Reads a log; refuses what [`Session::parse`] refuses, with the line in the whole file.
+    /// Reads a log; refuses what [`SessionLogPart::parse`] refuses, with the line in the file.
     ///
     /// ```
     /// use foveal_core::session::log_of_parts::SessionLog;
@@ -30,7 +32,7 @@ impl SessionLog {
             let mut heads = rest.match_indices(HEAD).map(|(at, _)| at);
             let next = heads.find(|&at| at > 0 && rest.as_bytes()[at - 1] == b'\n');
             let (part, after) = rest.split_at(next.unwrap_or(rest.len()));
-            parts.push(Session::parse(part).map_err(|error| moved(error, before))?);
+            parts.push(SessionLogPart::parse(part).map_err(|error| moved(error, before))?);
             before += part.lines().count();
             if after.is_empty() {
                 return Ok(Self { parts });
@@ -42,22 +44,22 @@ impl SessionLog {
     /// The log as text.
     #[must_use]
     pub fn write(&self) -> String {
-        self.parts.iter().map(Session::write).collect()
+        self.parts.iter().map(SessionLogPart::write).collect()
     }
 
     /// Whether replaying takes the content.
     #[must_use]
     pub fn needs_content(&self) -> bool {
-        self.parts.iter().any(Session::needs_content)
+        self.parts.iter().any(SessionLogPart::needs_content)
     }
 
-    /// The same run selected again from what was given.
-    ///
-    /// # Panics
-    /// When the content is needed and not given; see [`Self::needs_content`].
+    /// The same run selected again from what was given; see [`SessionLogPart::replay`].
     #[must_use]
-    pub fn replay(&self, content: Option<&dyn Content>) -> Self {
-        let parts = self.parts.iter().map(|part| part.replay(content));
+    pub fn replay(
+        &self,
+        demand_of: &dyn Fn(&ContentHead, &PolicyConfig) -> Box<dyn Demand>,
+    ) -> Self {
+        let parts = self.parts.iter().map(|part| part.replay(demand_of));
         Self {
             parts: parts.collect(),
         }
@@ -87,22 +89,22 @@ pub fn parse_anything(data: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::content::policy::{Policy, PolicyConfig};
-    use crate::content::video::grid::tile_grid::{Cut, TileGrid};
+    use crate::content::policy::Policy;
+    use crate::content::scripted::scripted_head;
     use crate::gaze::sample::{GazeSample, HeadPose};
     use crate::perception::moment::Moment;
     use crate::perception::parameters::EyeState;
-    use crate::selection::chooser::Chooser;
-    use crate::session::log::scripted_sessions;
+    use crate::selection::scheduler::Scheduler;
     use crate::session::log::{Given, SessionFrame, SessionHead};
+    use crate::session::scripted::scripted_sessions;
     use crate::units::{Radians, Seconds};
     use crate::view::axes::Axes;
     use crate::view::eye_view::{EyeView, Field};
     use crate::view::surface::Surface;
 
     /// Frames under one policy in a window whose picture shows `tangent` to each side.
-    fn part(policy: Policy, tangent: f64) -> Session {
-        let grid = TileGrid::new(Surface::cube(1024), Cut::Tile(128), 4, 2).unwrap();
+    fn part(policy: Policy, tangent: f64) -> SessionLogPart {
+        let head = scripted_head(Surface::cube(2048));
         let config = PolicyConfig::new(policy);
         let field = Field {
             at_eye: Some([0.4; 4]),
@@ -114,7 +116,7 @@ mod tests {
             size: [800, 800],
             eye: Default::default(),
         };
-        let mut chooser = Chooser::new(grid, config.clone());
+        let mut scheduler = Scheduler::new(&config, vec![head.demand(&config)]);
         let frames = (0..5).map(|frame| {
             let yaw = Radians::from_degrees(f64::from(frame) * 3.0);
             let given = Given {
@@ -128,15 +130,15 @@ mod tests {
                 view: Some(view),
                 state: given.state,
             };
-            let selection = chooser.choose(None, frame, &moment, None);
+            let chosen = scheduler.choose(&[frame], &moment, None);
             SessionFrame {
                 behind_sound_s: Some(Seconds(0.004)),
-                ..SessionFrame::new(frame, &given, &grid, &selection)
+                ..SessionFrame::new(frame, &given, &chosen[0].record)
             }
         });
-        Session {
+        SessionLogPart {
             frames: frames.collect(),
-            head: SessionHead::new("made", &grid, config, &view),
+            head: SessionHead::new("made", head, config, &view),
         }
     }
 
@@ -152,7 +154,7 @@ mod tests {
         let text = log.write();
         let read = SessionLog::parse(&text).unwrap();
         assert_eq!(read, log);
-        assert_eq!(read.replay(None).write(), text);
+        assert_eq!(read.replay(&ContentHead::demand).write(), text);
     }
 
     #[test]
@@ -172,9 +174,9 @@ mod tests {
         for policy in [Policy::Viewport, Policy::Acuity] {
             let zoomed = part(policy, 1e-3);
             assert!(
-                zoomed.frames[0].tiles[0] > 0,
+                zoomed.frames[0].per_level[0] > 0,
                 "{:?}",
-                zoomed.frames[0].tiles
+                zoomed.frames[0].per_level
             );
         }
     }

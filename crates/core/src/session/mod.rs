@@ -1,11 +1,17 @@
 //! What one viewer is shown as time goes on, and the log that replays it.
 
+pub mod actions;
 pub mod aim;
 pub mod budget;
 pub mod figures;
 pub mod log;
 pub mod log_of_parts;
 pub mod media_clock;
-pub mod picker;
-pub mod playback;
-pub mod timeline;
+mod policy_run;
+pub mod scripted;
+#[allow(
+    clippy::module_inception,
+    reason = "the room of sessions holds one type of that name"
+)]
+pub mod session;
+pub mod unit_states;

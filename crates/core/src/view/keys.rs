@@ -65,7 +65,7 @@ pub enum Needs {
     Frames,
     /// Sound that is heard.
     Heard,
-    /// Content for two eyes.
+    /// VideoUnits for two eyes.
     TwoEyes,
     /// A policy that shows samples.
     Samples,

@@ -9,3 +9,4 @@ pub mod navigation;
 pub mod picture;
 pub mod random;
 pub mod surface;
+pub mod timeline;

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+use foveal_core::content::demand::Demand;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile};
 use foveal_core::content::video::bytes::codec::Codec;
@@ -10,18 +11,21 @@ use foveal_core::content::video::bytes::description::{Description, Source};
 use foveal_core::content::video::bytes::pack::VideoPack;
 use foveal_core::content::video::bytes::rate::QualityScale;
 use foveal_core::content::video::bytes::signatures::{SIGNATURES_VERSION, Signatures};
-use foveal_core::content::video::grid::tile_grid::Cut;
-use foveal_core::content::video::units::PackContent;
+use foveal_core::content::video::demand::VideoDemand;
+use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
+use foveal_core::content::video::units::VideoUnits;
 use foveal_core::gaze::sample::GazeSample;
+use foveal_core::pack::unit::UnitId;
 use foveal_core::pack::{HEADER_BYTES, Header, SideTable};
 use foveal_core::perception::measures::contrast::Signature;
 use foveal_core::perception::measures::cues::Cues;
 use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::{EyeState, Model, Parameters};
-use foveal_core::selection::refine::Refiner;
+use foveal_core::selection::scheduler::Scheduler;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::picture::{Colour, Matrix};
 use foveal_core::view::surface::{Projection, Screen};
+use std::sync::Arc;
 
 /// A pack of three levels and a short last group, without side tables.
 fn small_pack() -> VideoPack {
@@ -87,38 +91,73 @@ pub(crate) fn table_bytes(pack: &VideoPack) -> [usize; 2] {
     [refining * Signature::BYTES, finest.count() * Cues::BYTES]
 }
 
+/// Units with what tables tell of them.
+#[derive(Debug)]
+struct Told {
+    pack: Arc<VideoPack>,
+    signatures: Signatures,
+    cues: Option<CueTable>,
+}
+
+impl VideoUnits for Told {
+    fn unit(&self, tile: Tile, frame: u32) -> UnitId {
+        self.pack.unit(tile, frame)
+    }
+
+    fn next_group(&self, frame: u32) -> Option<u32> {
+        let about = self.pack.description();
+        let next = (frame / about.groups[0] + 1) * about.groups[0];
+        (next < about.frames).then_some(next)
+    }
+
+    fn bytes(&self, unit: UnitId) -> u32 {
+        self.pack.entry(unit).bytes
+    }
+
+    fn has_signatures(&self) -> bool {
+        true
+    }
+
+    fn signature(&self, unit: UnitId) -> Option<Signature> {
+        self.signatures.of(unit)
+    }
+
+    fn cues(&self, unit: UnitId) -> Option<Cues> {
+        self.cues.as_ref()?.of(unit)
+    }
+}
+
 /// A pack, and what chooses from it under either model, with and without saliency.
 pub(crate) struct Target {
-    pub(crate) pack: VideoPack,
-    refiners: Vec<Refiner>,
+    pub(crate) pack: Arc<VideoPack>,
+    wishes: Vec<(PolicyConfig, VideoDemand)>,
 }
 
 impl Target {
     pub(crate) fn new() -> Self {
-        let pack = small_pack();
+        let pack = Arc::new(small_pack());
         let [signatures, _] = table_bytes(&pack);
         let busy = Signatures::parse(&pack, SIGNATURES_VERSION, vec![200; signatures]);
+        let busy: Arc<dyn VideoUnits> = Arc::new(Told {
+            pack: Arc::clone(&pack),
+            signatures: busy.unwrap(),
+            cues: None,
+        });
         let models = [Model::Default, Model::Paper];
         let configs = models.map(|model| [false, true].map(|saliency| (model, saliency)));
-        let refiner = |(model, saliency): &(Model, bool)| {
+        let wish = |(model, saliency): &(Model, bool)| {
             let config = PolicyConfig {
                 perception: Parameters::of(*model),
                 saliency: *saliency,
                 ..PolicyConfig::new(Policy::Perceptual)
             };
-            let mut refiner = Refiner::new(*pack.grid(), config);
+            let mut demand = VideoDemand::new(Arc::clone(&busy), *pack.grid(), config.clone());
             // Buys nothing, but makes the tables that are made when first asked for.
-            choose(
-                &mut refiner,
-                &pack,
-                busy.as_ref().unwrap(),
-                None,
-                [(0, Some(0))],
-            );
-            refiner
+            demand.begin(0, &moment(), Some(0));
+            (config, demand)
         };
-        let refiners = configs.as_flattened().iter().map(refiner).collect();
-        Self { pack, refiners }
+        let wishes = configs.as_flattened().iter().map(wish).collect();
+        Self { pack, wishes }
     }
 
     /// Reads `data` as version and rows of both tables, and lets units be valued by them: within
@@ -136,34 +175,27 @@ impl Target {
             return false;
         };
         assert!((1..=SIGNATURES_VERSION).contains(&version));
-        let mut refiner = self.refiners[usize::from(*which) % self.refiners.len()].clone();
-        let frames = [(0, Some(900)), (3, Some(0)), (4, None)];
-        choose(&mut refiner, &self.pack, &signatures, cues.as_ref(), frames);
+        let content = Arc::new(Told {
+            pack: Arc::clone(&self.pack),
+            signatures,
+            cues,
+        });
+        let (config, demand) = &self.wishes[usize::from(*which) % self.wishes.len()];
+        let demand = demand.of_content(content);
+        let mut scheduler = Scheduler::new(config, vec![Box::new(demand)]);
+        for (frame, budget) in [(0, Some(900)), (3, Some(0)), (4, None)] {
+            let chosen = scheduler.choose(&[frame], &moment(), budget).remove(0);
+            assert!(scheduler.spent() <= budget.unwrap_or(u64::MAX));
+            assert!(chosen.units.len() >= self.pack.grid().tiles_in_level(2) as usize);
+        }
         true
     }
 }
 
-/// Chooses for frames within budgets.
-fn choose<const N: usize>(
-    refiner: &mut Refiner,
-    pack: &VideoPack,
-    signatures: &Signatures,
-    cues: Option<&CueTable>,
-    frames: [(u32, Option<u64>); N],
-) {
-    let content = PackContent {
-        pack,
-        signatures,
-        cues,
-    };
-    for (frame, budget) in frames {
-        let moment = Moment {
-            gaze: GazeSample::at(Seconds(0.0), Radians(0.1), Radians(0.0)),
-            view: None,
-            state: EyeState::Steady,
-        };
-        let chosen = refiner.refine(&content, frame, &moment, budget);
-        assert!(refiner.spent() <= budget.unwrap_or(u64::MAX));
-        assert!(chosen.tiles.len() >= pack.grid().tiles_in_level(2) as usize);
+fn moment() -> Moment {
+    Moment {
+        gaze: GazeSample::at(Seconds(0.0), Radians(0.1), Radians(0.0)),
+        view: None,
+        state: EyeState::Steady,
     }
 }

@@ -1,5 +1,6 @@
 //! How is a pack read from a file?
 
+use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::chunk::split_chunk;
 use foveal_core::content::video::bytes::cue_table::{CUES, CueTable};
 use foveal_core::content::video::bytes::frame_times::{
@@ -11,10 +12,11 @@ use foveal_core::content::video::bytes::sound::{SOUND, SoundTable};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::pack::{HEADER_BYTES, Header, PackError, TableEntry, check_crc};
 use foveal_core::units::counted;
+use foveal_core::view::surface::Screen;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use thiserror::Error;
 
 /// What failed, why, and then what to do, which `what` tells behind a semicolon.
@@ -77,7 +79,7 @@ pub struct PackFile {
     // One cursor is shared by all readers: a read is a seek and a copy, far cheaper than decoding.
     file: Mutex<File>,
     header: Header,
-    pack: VideoPack,
+    pack: Arc<VideoPack>,
 }
 
 impl PackFile {
@@ -136,7 +138,7 @@ impl PackFile {
             path: path.to_owned(),
             file: Mutex::new(file),
             header,
-            pack,
+            pack: Arc::new(pack),
         })
     }
 
@@ -150,6 +152,22 @@ impl PackFile {
     #[must_use]
     pub fn pack(&self) -> &VideoPack {
         &self.pack
+    }
+
+    /// The video with the side tables by which units are chosen, flat content filling `screen`.
+    ///
+    /// # Errors
+    /// A table is damaged.
+    pub fn video(&self, screen: Screen) -> Result<Arc<Video>, PackFileError> {
+        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
+        let video = Video::new(&name, Arc::clone(&self.pack), screen);
+        for name in [FRAME_TIMES, SIGNATURES, CUES] {
+            if let Some(table) = video.table(name) {
+                let added = video.add_table(name, self.read_table(table)?);
+                added.map_err(|source| self.format(source))?;
+            }
+        }
+        Ok(Arc::new(video))
     }
 
     /// Bytes of the file.

@@ -63,10 +63,14 @@ fn random(state: &mut u64, below: usize) -> usize {
     (*state >> 33) as usize % below
 }
 
-fn one(pool: &mut DecodePool, tile: Tile, frame: u32) -> DecodedTile {
-    pool.request(tile, frame);
+fn ask(pool: &mut DecodePool, file: &PackFile, tile: Tile, frame: u32) {
+    pool.request(file.pack().unit(tile, frame), frame);
+}
+
+fn one(pool: &mut DecodePool, file: &PackFile, tile: Tile, frame: u32) -> DecodedTile {
+    ask(pool, file, tile, frame);
     let done = pool.receive(None).unwrap();
-    assert_eq!((done.tile, done.frame), (tile, frame));
+    assert_eq!((file.pack().tile_of(done.unit), done.frame), (tile, frame));
     done
 }
 
@@ -83,13 +87,18 @@ fn any_tile_of_any_frame_in_any_order_is_the_picture_of_decoding_in_order() {
             let mut asked = 0;
             for _ in 0..10 {
                 let tile = tiles[random(&mut state, tiles.len())];
-                pool.request(tile, random(&mut state, FRAMES as usize) as u32);
+                ask(
+                    &mut pool,
+                    &file,
+                    tile,
+                    random(&mut state, FRAMES as usize) as u32,
+                );
                 asked += 1;
             }
             while let Some(done) = pool.receive(None) {
                 let (picture, number) = done.picture.unwrap();
                 assert_eq!(number, i64::from(done.frame));
-                let place = (done.tile, done.frame);
+                let place = (file.pack().tile_of(done.unit), done.frame);
                 assert!(picture == expected[&place], "{codec:?} {place:?}");
                 asked -= 1;
             }
@@ -113,7 +122,7 @@ fn asked_within_a_group_exactly_the_frames_from_its_key_are_decoded() {
         let length = groups[usize::from(tile.level)];
         let since_key = |frame: u32| frame % length + 1;
         let mut pool = DecodePool::new(Arc::clone(&file), 2);
-        let mut decoded = |frame| one(&mut pool, tile, frame).decoded;
+        let mut decoded = |frame| one(&mut pool, &file, tile, frame).decoded;
         assert_eq!(decoded(5), 6);
         assert_eq!(decoded(6), 1, "the frame that follows");
         assert_eq!(decoded(7), 1);
@@ -135,7 +144,7 @@ fn no_picture_of_the_coarsest_level_is_decoded_twice_when_frames_follow_each_oth
     // Two turns: the clip loops.
     let frames = (0..2 * FRAMES).map(|frame| frame % FRAMES);
     let decoded: u32 = frames
-        .map(|frame| one(&mut pool, tile, frame).decoded)
+        .map(|frame| one(&mut pool, &file, tile, frame).decoded)
         .sum();
     assert_eq!(decoded, 2 * FRAMES);
 }
@@ -155,10 +164,11 @@ fn decoders_are_handed_on_when_the_gaze_moves_and_pictures_stay_right() {
     let tiles: Vec<Tile> = file.pack().grid().tiles_of(0).collect();
     for (at, few) in tiles.chunks(20).enumerate() {
         let frame = at as u32 % 4;
-        few.iter().for_each(|tile| pool.request(*tile, frame));
+        few.iter()
+            .for_each(|tile| ask(&mut pool, &file, *tile, frame));
         while let Some(done) = pool.receive(None) {
             let (picture, _) = done.picture.unwrap();
-            assert!(picture == expected[&(done.tile, done.frame)]);
+            assert!(picture == expected[&(file.pack().tile_of(done.unit), done.frame)]);
         }
     }
 }
@@ -169,9 +179,9 @@ fn still_codecs_decode_only_the_frame_that_was_asked_for() {
         let path = flat_pack(codec);
         let file = open(&path);
         let tile = all_tiles(&file)[0];
-        let mut pool = DecodePool::new(file, 1);
+        let mut pool = DecodePool::new(Arc::clone(&file), 1);
         for frame in [5, 7, 7, 3, 36] {
-            assert_eq!(one(&mut pool, tile, frame).decoded, 1);
+            assert_eq!(one(&mut pool, &file, tile, frame).decoded, 1);
         }
     }
 }
@@ -185,7 +195,7 @@ fn cancelling_takes_back_what_was_not_begun() {
     let mut asked = 0;
     for frame in (0..FRAMES).rev() {
         for tile in &tiles {
-            pool.request(*tile, frame);
+            ask(&mut pool, &file, *tile, frame);
             asked += 1;
         }
     }
@@ -198,7 +208,7 @@ fn cancelling_takes_back_what_was_not_begun() {
     assert!(came < asked, "all {asked} came");
     assert!(pool.receive(None).is_none());
     pool.cancel();
-    assert!(one(&mut pool, tiles[0], 9).picture.is_ok());
+    assert!(one(&mut pool, &file, tiles[0], 9).picture.is_ok());
     assert!(pool.receive(None).is_none());
 }
 
@@ -207,11 +217,11 @@ fn what_is_not_there_by_the_deadline_comes_later() {
     let path = flat_pack(Codec::Vp9);
     let file = open(&path);
     let tile = all_tiles(&file)[0];
-    let mut pool = DecodePool::new(file, 1);
-    pool.request(tile, 7);
+    let mut pool = DecodePool::new(Arc::clone(&file), 1);
+    ask(&mut pool, &file, tile, 7);
     let early = pool.receive(Some(Instant::now()));
     let done = early.or_else(|| pool.receive(None)).unwrap();
-    assert_eq!((done.tile, done.frame), (tile, 7));
+    assert_eq!((file.pack().tile_of(done.unit), done.frame), (tile, 7));
     assert!(pool.receive(None).is_none());
 }
 
@@ -230,15 +240,21 @@ fn a_damaged_chunk_is_an_error_for_its_tile_alone() {
         let file = open(&path);
         let mut pool = DecodePool::new(Arc::clone(&file), 2);
         for frame in [0, 3, 9] {
-            tiles.iter().for_each(|tile| pool.request(*tile, frame));
+            tiles
+                .iter()
+                .for_each(|tile| ask(&mut pool, &file, *tile, frame));
             let mut came = 0;
             while let Some(done) = pool.receive(None) {
                 came += 1;
-                let damaged = done.tile == bad && frame < 8;
+                let damaged = file.pack().tile_of(done.unit) == bad && frame < 8;
                 match done.picture {
                     Ok(_) => assert!(!damaged, "{codec:?} frame {frame}"),
                     Err(error) => {
-                        assert!(damaged, "{:?} frame {frame}: {error}", done.tile);
+                        assert!(
+                            damaged,
+                            "{:?} frame {frame}: {error}",
+                            file.pack().tile_of(done.unit)
+                        );
                         let text = error.to_string();
                         assert!(text.contains("chunk of level 0"), "{text}");
                     }
@@ -258,7 +274,7 @@ fn a_pool_dropped_with_work_queued_ends() {
         for workers in [1, 4] {
             let mut pool = DecodePool::new(Arc::clone(&file), workers);
             for tile in all_tiles(&file) {
-                (0..FRAMES).for_each(|frame| pool.request(tile, frame));
+                (0..FRAMES).for_each(|frame| ask(&mut pool, &file, tile, frame));
             }
             drop(pool);
         }

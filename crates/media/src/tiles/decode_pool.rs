@@ -14,6 +14,7 @@ use crate::tiles::decode_streams::{Stream, Streams};
 use crate::tiles::decoders::{DecoderChoice, Decoders, DeviceUse};
 use foveal_core::content::video::bytes::chunk::split_chunk;
 use foveal_core::content::video::grid::tile_grid::Tile;
+use foveal_core::pack::unit::UnitId;
 use foveal_core::view::picture::Picture;
 use std::collections::{HashMap, VecDeque};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -43,8 +44,8 @@ pub enum TileError {
 /// A tile of one frame, decoded.
 #[derive(Debug)]
 pub struct DecodedTile {
-    /// The tile.
-    pub tile: Tile,
+    /// The unit that shows it.
+    pub unit: UnitId,
     /// The frame that was asked for.
     pub frame: u32,
     /// The picture, and the frame number that came out of the decoder with it.
@@ -178,9 +179,10 @@ impl DecodePool {
         }
     }
 
-    /// Asks for a tile at a frame, after all that was asked for before.
-    pub fn request(&mut self, tile: Tile, frame: u32) {
+    /// Asks for a frame of a unit, after all that was asked for before.
+    pub fn request(&mut self, unit: UnitId, frame: u32) {
         let pack = self.shared.pack.pack();
+        let tile = pack.tile_of(unit);
         let is_coarsest = tile.level == pack.grid().coarsest();
         let mut state = self.shared.lock();
         state.streams.asked(frame);
@@ -309,7 +311,7 @@ impl Shared {
         }));
         let picture = answer.unwrap_or(Err(TileError::Panicked));
         DecodedTile {
-            tile,
+            unit: self.pack.pack().unit(tile, frame),
             frame,
             picture,
             decoded,

@@ -7,6 +7,7 @@ pub(crate) mod passes;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod read_tile;
 pub(crate) mod reduce;
+pub(crate) mod sampling;
 pub(crate) mod sparse;
 pub(crate) mod store;
 pub(crate) mod textures;

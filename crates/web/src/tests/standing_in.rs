@@ -1,10 +1,13 @@
 //! Is there a sharp picture before a side table is there, and does the log still replay?
 
 use super::*;
+use foveal_core::content::demand::Content;
 use foveal_core::content::policy::Policy;
 use foveal_core::content::video::bytes::signatures::{SIGNATURES, SIGNATURES_VERSION};
 use foveal_core::perception::measures::contrast::{BandContrast, Signature};
 use foveal_core::session::log_of_parts::SessionLog;
+use foveal_core::session::unit_states::Piece;
+use std::sync::Arc;
 
 const DEMO: &str = r#","paused":true,"log":true"#;
 
@@ -33,7 +36,7 @@ fn host() -> Host {
 }
 
 fn table(viewer: &Viewer, host: &Host) -> Vec<u8> {
-    let place = viewer.shelf.borrow().table_place(SIGNATURES).unwrap();
+    let place = viewer.pack.table_place(SIGNATURES).unwrap();
     host.file[place.start as usize..place.end as usize].to_vec()
 }
 
@@ -57,9 +60,11 @@ fn stats(viewer: &Viewer) -> serde_json::Value {
 
 /// The policies of a log's parts, which must replay.
 fn logged(viewer: &Viewer) -> Vec<Policy> {
-    let text = viewer.choice.log();
+    let text = viewer.log();
     let log = SessionLog::parse(text).unwrap();
-    assert_eq!(log.replay(Some(&*viewer.shelf.borrow())).write(), text);
+    let video = &viewer.pack.video;
+    let again = log.replay(&|head, config| Arc::clone(video).demand(head, config));
+    assert_eq!(again.write(), text);
     log.parts
         .iter()
         .map(|part| part.head.policy.policy)
@@ -71,7 +76,7 @@ fn acuity_stands_in_until_the_signatures_are_there_and_the_log_replays() {
     let host = host();
     let mut viewer = demo(&host, "perceptual", "");
     let now = look(&host, &mut viewer, 0.0);
-    assert!(viewer.figures.histogram[..2].iter().sum::<u32>() > 0);
+    assert!(viewer.session.figures.histogram[..2].iter().sum::<u32>() > 0);
     let before = stats(&viewer);
     assert_eq!(before["policy"], "perceptual");
     assert_eq!(before["target"], 9.5);
@@ -83,15 +88,10 @@ fn acuity_stands_in_until_the_signatures_are_there_and_the_log_replays() {
     viewer.add_table(SIGNATURES, bytes).unwrap();
     // What was shown is paid: there is no step back to the coarsest level.
     viewer.step(Seconds(now)).unwrap();
-    assert!(
-        viewer
-            .stage
-            .wanted()
-            .unwrap()
-            .1
-            .iter()
-            .any(|tile| tile.level < 2)
-    );
+    let pack = viewer.pack.video.pack();
+    let wanted = viewer.session.wanted().unwrap().1;
+    let level = |piece: &Piece| pack.tile_of(piece.unit.unit).level;
+    assert!(wanted.iter().any(|piece| level(piece) < 2));
     settle(&host, &mut viewer, now + 0.1);
     assert_eq!(logged(&viewer), [Policy::Acuity, Policy::Perceptual]);
     let expected = stats(&viewer)["expectedScore"].as_f64().unwrap();
@@ -124,9 +124,9 @@ fn a_damaged_table_leaves_what_stands_in_and_it_settles() {
     let mut viewer = demo(&host, "perceptual", "");
     look(&host, &mut viewer, 0.0);
     let name = SIGNATURES.to_owned();
-    viewer.shelf.borrow_mut().damaged_tables.insert(name);
+    viewer.pack.video.fail_table(&name);
     settle(&host, &mut viewer, 9.0);
-    assert!(viewer.figures.histogram[..2].iter().sum::<u32>() > 0);
+    assert!(viewer.session.figures.histogram[..2].iter().sum::<u32>() > 0);
 }
 
 #[test]

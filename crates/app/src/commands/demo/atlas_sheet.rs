@@ -4,9 +4,9 @@
 //! that its level has in the heat map.
 
 use crate::commands::demo::colours::of_level;
-use crate::run::player::Player;
 use anyhow::Context;
 use foveal_core::content::video::grid::tile_grid::Tile;
+use foveal_play::Player;
 use foveal_render::RgbaImage;
 
 /// Pixels of the frame round a tile.

@@ -17,8 +17,8 @@ mod run;
 mod setup;
 
 use crate::options::policy::ViewOptions;
+use crate::options::renderer::{RendererName, open_device};
 use crate::report::output;
-use crate::run::canvas::{Drawing, RendererName};
 use anyhow::{Context, bail};
 use clap::Args;
 use figures::PolicyFigures;
@@ -71,7 +71,7 @@ pub(crate) fn run(args: &DemoArgs) -> anyhow::Result<()> {
     contents.iter().try_for_each(content::DemoContent::check)?;
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("--out {}: the folder cannot be made", args.out.display()))?;
-    let drawing = Drawing::open(args.renderer)?;
+    let drawing = open_device(args.renderer)?;
     let conditions = DemoConditions {
         view: &args.view,
         drawing: &drawing,

@@ -1,7 +1,7 @@
 //! Which moment of a run do the pictures show?
 
-use crate::run::player::FrameReport;
 use foveal_core::view::axes::angle_between;
+use foveal_play::FrameReport;
 
 /// From this turn of the gaze on, from one frame to the next, the eye is in a saccade; degrees.
 const SACCADE_DEG: f64 = 1.0;

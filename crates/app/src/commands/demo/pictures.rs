@@ -4,10 +4,10 @@ use crate::commands::demo::atlas_sheet;
 use crate::commands::demo::setup::PlaySetup;
 use crate::commands::simulate::marks;
 use crate::report::picture_file::png_bytes;
-use crate::run::player::{FrameReport, Player};
 use anyhow::{Context, bail};
 use foveal_core::content::policy::Policy;
 use foveal_core::view::eye_view::EyeView;
+use foveal_play::{FrameReport, Player};
 use foveal_render::RgbaImage;
 
 /// Widths that are tried until the pictures of one content fit into the report; pixels.
@@ -73,10 +73,14 @@ impl Pictures {
         };
         let marks = marks(&report);
         let nothing = "nothing draws";
-        let canvas = &mut foveated.player.canvas;
+        let canvas = &mut foveated.player.drawer();
         let seen = canvas.picture(&view, None)?.context(nothing)?;
         let heat_map = canvas.picture(&view, Some(&marks))?.context(nothing)?;
-        let whole = full.player.canvas.picture(&view, None)?.context(nothing)?;
+        let whole = full
+            .player
+            .drawer()
+            .picture(&view, None)?
+            .context(nothing)?;
         let sheet = atlas_sheet::of(&mut foveated.player, &report.tiles, width)?;
         let ring = [marks.gaze[0], marks.gaze[1], marks.gaze_radius];
         Ok(Self {
@@ -110,7 +114,10 @@ impl ShownFrame {
             let look = gaze.look(player.time(before));
             player.pass(before, &look);
         }
-        let report = player.play(frame, &mut gaze)?;
+        let report = {
+            let look = gaze.look(player.time(frame));
+            player.show(frame, &look)?
+        };
         Ok(Self { player, report })
     }
 }

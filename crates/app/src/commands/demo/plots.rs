@@ -3,7 +3,7 @@
 use crate::commands::demo::colours;
 use crate::commands::demo::run::{FOVEATED, Played};
 use crate::report::plot::{Layer, PlotLine, PlottedRun, lines, stack};
-use crate::run::player::FrameReport;
+use foveal_play::FrameReport;
 
 /// All plots of one content.
 pub(super) fn all(played: &Played) -> String {

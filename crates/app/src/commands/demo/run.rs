@@ -8,11 +8,11 @@ use crate::commands::score::{DeviceName, Engine, ScoreReport, display_of_view, f
 use crate::commands::simulate::{RunSummary, csv, session, summarise};
 use crate::gaze_source::{GazeChoice, GazeSource};
 use crate::report::output::{self, Counting};
-use crate::run::canvas::Drawing;
-use crate::run::player::{FrameReport, Player};
 use anyhow::Context;
 use foveal_core::content::policy::Policy;
 use foveal_eval::score::{Mode, ScorePicture, Viewing};
+use foveal_play::{FrameReport, Player};
+use foveal_render::DrawDevice;
 use std::path::Path;
 
 /// What is compared, baselines first.
@@ -81,7 +81,7 @@ pub(super) fn play(
 
 /// The judge of one run.
 fn engine(setup: &PlaySetup<'_>, player: &Player) -> anyhow::Result<Option<(Engine, Viewing)>> {
-    if matches!(setup.conditions.drawing, Drawing::None) {
+    if matches!(setup.conditions.drawing, DrawDevice::Nothing) {
         return Ok(None);
     }
     let view = player.view();
@@ -116,7 +116,10 @@ fn play_all(setup: &PlaySetup<'_>) -> anyhow::Result<Vec<Run>> {
     for frame in 0..setup.frames {
         for turn in 0..runs.len() {
             let run = &mut runs[(frame as usize + turn) % POLICIES.len()];
-            run.reports.push(run.player.play(frame, &mut run.gaze)?);
+            run.reports.push({
+                let look = run.gaze.look(run.player.time(frame));
+                run.player.show(frame, &look)?
+            });
         }
         if frame < SCORED {
             score(&mut runs)?;
@@ -165,7 +168,7 @@ impl Run {
         let Some(report) = self.reports.last() else {
             return Ok(None);
         };
-        let picture = self.player.canvas.picture(&report.view, None)?;
+        let picture = self.player.drawer().picture(&report.view, None)?;
         picture.as_ref().map(from_image).transpose()
     }
 
@@ -218,7 +221,7 @@ mod tests {
         let content = DemoContent::generated("wide", size, GeneratedScene::wide(size), &out);
         let conditions = DemoConditions {
             view: &Options::parse_from([""]).view,
-            drawing: &Drawing::None,
+            drawing: &DrawDevice::Nothing,
             seed: 4,
         };
         let setup = PlaySetup::new(content.prepare(&out)?, &conditions);

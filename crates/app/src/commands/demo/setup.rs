@@ -2,17 +2,18 @@
 
 use crate::commands::demo::content::{FRAMES, Prepared};
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
-use crate::options::decoding::Decoding;
 use crate::options::policy::ViewOptions;
-use crate::run::canvas::{Drawing, Showing};
-use crate::run::player::{Player, PlayerOptions};
+use crate::run::open_player::open_player;
 use foveal_core::content::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
+use foveal_play::Decoding;
+use foveal_play::{Player, PlayerOptions};
+use foveal_render::{DrawDevice, TileStyle};
 use std::sync::Arc;
 
 /// How all content is played.
 pub(super) struct DemoConditions<'a> {
     pub(super) view: &'a ViewOptions,
-    pub(super) drawing: &'a Drawing,
+    pub(super) drawing: &'a DrawDevice,
     pub(super) seed: u64,
 }
 
@@ -52,13 +53,14 @@ impl<'a> PlaySetup<'a> {
             view: view.eye_view(&surface)?,
             screen: view.screen,
             drawing: self.conditions.drawing.clone(),
-            showing: Showing::default(),
+            style: TileStyle::default(),
+            tell: crate::report::output::say,
             paced: false,
             judged: false,
             bytes_per_s: f64::INFINITY,
-            decoding: Decoding::software()?,
+            decoding: Decoding::software(),
         };
-        let player = Player::new(Arc::clone(&self.content.file), options)?;
+        let player = open_player(Arc::clone(&self.content.file), options)?;
         let length = player.time(self.frames - 1);
         let gaze = GazeSource::new(
             &GazeChoice::Scan,

@@ -6,12 +6,11 @@
 use crate::commands::evaluate::trial::Scratch;
 use crate::commands::score::{DeviceName, Engine, display_of_view, from_image};
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
-use crate::options::decoding::Decoding;
 use crate::options::policy::ViewOptions;
+use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, Counting, out_of_range};
-use crate::run::canvas::{Drawing, RendererName, Showing};
 use crate::run::kept_pack::plan_of;
-use crate::run::player::{Player, PlayerOptions};
+use crate::run::open_player::open_player;
 use crate::run::scene_clip::write_scene;
 use anyhow::{Context, bail};
 use clap::Args;
@@ -24,6 +23,9 @@ use foveal_eval::score::{Mode, ScorePicture, Viewing};
 use foveal_media::generate::GeneratedScene;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{PrepareSettings, ProjectionChoice, prepare};
+use foveal_play::Decoding;
+use foveal_play::{Player, PlayerOptions};
+use foveal_render::{DrawDevice, TileStyle};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -99,7 +101,7 @@ struct Report {
 pub(super) fn run(args: &TargetsArgs) -> anyhow::Result<()> {
     args.check()?;
     let scratch = Scratch::new(args.scratch.as_deref())?;
-    let drawing = Drawing::open(RendererName::Gpu)?;
+    let drawing = open_device(RendererName::Gpu)?;
     let mut rows = Vec::new();
     for seed in 1..=args.seeds {
         let clip = scratch.0.join("scene.mkv");
@@ -204,7 +206,7 @@ impl TargetsArgs {
         file: PackFile,
         name: String,
         fitted: bool,
-        drawing: &'a Drawing,
+        drawing: &'a DrawDevice,
     ) -> Content<'a> {
         Content {
             file: Arc::new(file),
@@ -237,7 +239,7 @@ struct Content<'a> {
     name: String,
     fitted: bool,
     view: &'a ViewOptions,
-    drawing: &'a Drawing,
+    drawing: &'a DrawDevice,
 }
 
 /// One policy that is judged.
@@ -263,13 +265,14 @@ impl Content<'_> {
             view: self.view.eye_view(&surface)?,
             screen: self.view.screen,
             drawing: self.drawing.clone(),
-            showing: Showing::default(),
+            style: TileStyle::default(),
             bytes_per_s: f64::INFINITY,
             paced: false,
             judged: true,
-            decoding: Decoding::software()?,
+            tell: output::say,
+            decoding: Decoding::software(),
         };
-        Player::new(Arc::clone(&self.file), options)
+        open_player(Arc::clone(&self.file), options)
     }
 
     /// All policies frame by frame, beside every finest tile; the gaze rests ahead.
@@ -329,7 +332,7 @@ impl Content<'_> {
 
 fn picture(player: &mut Player) -> anyhow::Result<ScorePicture> {
     let view = player.view();
-    match player.canvas.picture(&view, None)? {
+    match player.drawer().picture(&view, None)? {
         Some(image) => from_image(&image),
         None => bail!("nothing draws the pictures to score"),
     }

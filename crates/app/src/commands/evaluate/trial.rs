@@ -1,8 +1,6 @@
 //! What does a video take, prepared and played in one way?
 
-use crate::options::decoding::Decoding;
 use crate::report::output::{self, Counting, out_of_range};
-use crate::run::canvas::Drawing;
 use crate::run::kept_pack::plan_of;
 use crate::run::timed::{Conditions, Run};
 use anyhow::{Context, bail};
@@ -12,6 +10,8 @@ use foveal_core::view::surface::Screen;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{PrepareSettings, prepare};
 use foveal_media::tiles::decoders::DecoderChoice;
+use foveal_play::Decoding;
+use foveal_render::DrawDevice;
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
@@ -162,7 +162,7 @@ impl TrialOptions {
     fn play(&self, pack: &Path) -> anyhow::Result<Trial> {
         let conditions = Conditions {
             file: Arc::new(PackFile::open(pack)?),
-            drawing: &Drawing::None,
+            drawing: &DrawDevice::Nothing,
             screen: Screen::default(),
             decoding: Decoding {
                 jobs: self.jobs()?,

@@ -6,11 +6,11 @@ use crate::commands::score::pack_frames::{
     LastGaze, Opening, display_of_view, picture_of, player_for,
 };
 use crate::gaze_source::{GazeSource, ViewerModel};
-use crate::run::player::Player;
 use crate::run::source_frames::SourceFrames;
 use foveal_core::view::eye_view::EyeView;
 use foveal_eval::score::display::Display;
 use foveal_media::pack::pack_file::PackFile;
+use foveal_play::Player;
 use std::path::Path;
 use std::sync::Arc;
 

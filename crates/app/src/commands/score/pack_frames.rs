@@ -1,12 +1,10 @@
 //! What does an eye get from a pack under a policy, frame by frame?
 
 use crate::commands::score::picture::from_image;
-use crate::gaze_source::Look;
-use crate::options::decoding::Decoding;
 use crate::options::policy::{PolicyOptions, ViewOptions};
+use crate::options::renderer::{RendererName, open_device};
 use crate::report::output;
-use crate::run::canvas::{Drawing, RendererName, Showing};
-use crate::run::player::{FrameReport, Player, PlayerOptions};
+use crate::run::open_player::open_player;
 use anyhow::{Context, bail};
 use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
 use foveal_core::gaze::tracker::Prediction;
@@ -17,6 +15,10 @@ use foveal_eval::score::ScorePicture;
 use foveal_eval::score::display::{Display, Photometry};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::tiles::decoders::DecoderChoice;
+use foveal_play::Decoding;
+use foveal_play::Look;
+use foveal_play::{FrameReport, Player, PlayerOptions};
+use foveal_render::{DrawDevice, TileStyle};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -116,21 +118,22 @@ pub(super) fn player_for(
         view,
         screen: opening.view.screen,
         drawing: drawing()?,
-        showing: Showing::default(),
+        style: TileStyle::default(),
         paced: false,
         judged: false,
         bytes_per_s: f64::INFINITY,
+        tell: output::say,
         decoding: Decoding {
             jobs: output::jobs(opening.jobs)?,
             choice: DecoderChoice::Software,
         },
     };
-    Player::new(file, options)
+    open_player(file, options)
 }
 
 /// What a player shows in a view.
 pub(crate) fn picture_of(player: &mut Player, view: &EyeView) -> anyhow::Result<ScorePicture> {
-    match player.canvas.picture(view, None)? {
+    match player.drawer().picture(view, None)? {
         Some(image) => from_image(&image),
         None => bail!("nothing draws the pictures to score; give --renderer gpu or cpu"),
     }
@@ -175,9 +178,9 @@ impl LastGaze {
 }
 
 /// The GPU, or the CPU twin where there is none.
-fn drawing() -> anyhow::Result<Drawing> {
-    Drawing::open(RendererName::Gpu)
-        .or_else(|_| Drawing::open(RendererName::Cpu))
+fn drawing() -> anyhow::Result<DrawDevice> {
+    open_device(RendererName::Gpu)
+        .or_else(|_| open_device(RendererName::Cpu))
         .context("pictures of a pack cannot be drawn")
 }
 

@@ -4,9 +4,8 @@
 //! a sphere towards its front.
 
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
-use crate::options::decoding::Decoding;
-use crate::run::canvas::{Drawing, RendererName, Showing};
-use crate::run::player::{Player, PlayerOptions};
+use crate::options::renderer::{RendererName, open_device};
+use crate::run::open_player::open_player;
 use anyhow::Context;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::units::Radians;
@@ -14,6 +13,9 @@ use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
 use foveal_media::pack::pack_file::PackFile;
+use foveal_play::Decoding;
+use foveal_play::PlayerOptions;
+use foveal_render::{DrawDevice, TileStyle};
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use std::sync::Arc;
 
@@ -35,12 +37,12 @@ pub(super) struct Poster {
 }
 
 /// What draws posters: the GPU, or the CPU twin where there is no driver.
-pub(super) fn drawing() -> Drawing {
-    Drawing::open(RendererName::Gpu).unwrap_or(Drawing::Cpu)
+pub(super) fn drawing() -> DrawDevice {
+    open_device(RendererName::Gpu).unwrap_or(DrawDevice::Twin)
 }
 
 /// Draws the poster of a pack.
-pub(super) fn poster(file: Arc<PackFile>, drawing: &Drawing) -> anyhow::Result<Poster> {
+pub(super) fn poster(file: Arc<PackFile>, drawing: &DrawDevice) -> anyhow::Result<Poster> {
     let about = file.pack().description();
     let (surface, frame) = (about.grid(Screen::default()).surface, about.frames / LATER);
     let view = view(&surface, Radians::from_degrees(about.front_deg));
@@ -49,18 +51,22 @@ pub(super) fn poster(file: Arc<PackFile>, drawing: &Drawing) -> anyhow::Result<P
         view,
         screen: Screen::default(),
         drawing: drawing.clone(),
-        showing: Showing::default(),
+        style: TileStyle::default(),
         bytes_per_s: f64::INFINITY,
         paced: false,
         judged: false,
-        decoding: Decoding::software()?,
+        tell: crate::report::output::say,
+        decoding: Decoding::software(),
     };
-    let mut player = Player::new(file, options)?;
+    let mut player = open_player(file, options)?;
     let ahead = GazeChoice::At([0.0, 0.0]);
     let until = player.time(frame);
     let mut gaze = GazeSource::new(&ahead, &surface, 0, until, &ViewerModel::default())?;
-    player.play(frame, &mut gaze)?;
-    let picture = player.canvas.picture(&view, None)?;
+    {
+        let look = gaze.look(player.time(frame));
+        player.show(frame, &look)?
+    };
+    let picture = player.drawer().picture(&view, None)?;
     let picture = picture.context("nothing draws")?;
     let mut jpeg = Vec::new();
     let mut encoder = Encoder::new(&mut jpeg, QUALITY);

@@ -1,10 +1,8 @@
 //! `foveal view`: what is in the window?
 
 mod asking;
-mod choice;
-mod easel;
-mod feed;
 mod keys;
+mod log_file;
 mod looking;
 mod opening;
 mod screen;
@@ -17,7 +15,7 @@ mod window;
 
 use crate::commands::view::sound::samples::Samples;
 use crate::gaze_source::{ViewerModel as Watching, preset_of};
-use crate::options::decoding::{Decoding, DecodingOptions};
+use crate::options::decoding::DecodingOptions;
 use crate::options::link::{Link, parse_link};
 use crate::options::policy::{PolicyOptions, ViewOptions, check_thresholds};
 use crate::options::showing::{EyeName, ShowingOptions};
@@ -25,15 +23,14 @@ use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, bail};
 use clap::Args;
 use foveal_core::content::policy::Policy;
+use foveal_core::session::session::SessionSettings;
 use foveal_media::pack::pack_file::PackFile;
-use foveal_media::tiles::decode_pool::DecodePool;
+use foveal_play::Decoding;
+use foveal_play::LiveOptions;
 use looking::{WindowGaze, parse_window_gaze};
 use script::Script;
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// Frames on their way to the window.
-type Stage = foveal_core::session::playback::Stage<feed::DecodeFeed, easel::Easel>;
 
 /// Space pauses, arrows and the mouse move, the wheel zooms, H lists all keys and then figures.
 #[derive(Clone, Debug, Args)]
@@ -112,8 +109,6 @@ struct Ready {
     script: Script,
     samples: Option<Samples>,
     decoding: Decoding,
-    /// Until the window is there.
-    pool: Option<DecodePool>,
 }
 
 impl Ready {
@@ -160,10 +155,18 @@ impl Ready {
             script: script.transpose()?.unwrap_or_default(),
             samples: if args.mute { None } else { sound_of(&file) },
             args: args.clone(),
-            pool: Some(decoding.pool(Arc::clone(&file))?),
             file,
             decoding,
         })
+    }
+
+    /// How the pack is played for a session with these settings.
+    fn live_options(&self, session: SessionSettings) -> LiveOptions {
+        LiveOptions {
+            session,
+            decoding: self.decoding,
+            tell: output::say,
+        }
     }
 }
 

@@ -1,7 +1,17 @@
 //! How large does the window begin?
 
 use crate::commands::view::Ready;
+use crate::commands::view::sound::Sound;
+use crate::commands::view::sound::samples::Samples;
+use crate::options::link::Link;
+use crate::report::output::say;
 use anyhow::anyhow;
+use anyhow::bail;
+use foveal_core::content::demand::Content;
+use foveal_core::content::policy::PolicyConfig;
+use foveal_core::content::video::Video;
+use foveal_core::units::Seconds;
+use foveal_media::pack::pack_file::PackFile;
 use std::sync::Arc;
 use winit::dpi::PhysicalSize;
 use winit::event_loop::ActiveEventLoop;
@@ -35,4 +45,32 @@ pub(super) fn open_window(
     Ok(Arc::new(window.map_err(|reason| {
         anyhow!("no window can be opened: {reason}; is there a display?")
     })?))
+}
+
+/// The policy, or what stands in for it where a pack does not tell what its units add; for what is
+/// to spend a link nothing can.
+pub(super) fn usable(
+    file: &PackFile,
+    video: &Video,
+    config: PolicyConfig,
+    link: Option<Link>,
+) -> anyhow::Result<PolicyConfig> {
+    let has = video.has();
+    let usable = match has.signatures || link.is_some() && config.policy.spends_a_budget() {
+        true => config.clone(),
+        false => config.without_signatures(),
+    };
+    if usable.is_met_by(has) {
+        return Ok(config);
+    }
+    bail!(
+        "{}: has no signatures or cues, by which this policy chooses; prepare it again",
+        file.path().display(),
+    )
+}
+
+/// The device that plays these samples; one that cannot be had is told of.
+pub(super) fn open_sound(samples: Samples, length: Seconds) -> Option<Sound> {
+    let quiet = |error: anyhow::Error| say(&format!("foveal: {error}; no sound"));
+    Sound::open(samples, length).map_err(quiet).ok()
 }

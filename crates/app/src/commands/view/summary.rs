@@ -1,6 +1,7 @@
 //! What is said when a window was closed?
 
 use crate::commands::view::viewer::Viewer;
+use foveal_core::session::figures::Figures;
 use foveal_core::units::counted;
 use serde::Serialize;
 
@@ -31,8 +32,7 @@ pub(crate) struct Summary {
 }
 
 impl Summary {
-    pub(crate) fn new(viewer: &Viewer) -> Self {
-        let figures = &viewer.figures;
+    pub(crate) fn new(viewer: &Viewer, figures: &Figures) -> Self {
         let drift = viewer.drift.worst_and_p95_ms();
         Self {
             frames: figures.frames,

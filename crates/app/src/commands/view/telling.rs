@@ -1,13 +1,12 @@
 //! How do a viewer's figures and settings read?
 
-use crate::commands::view::Stage;
 use crate::commands::view::screen::overlay::{Key, Line};
 use crate::commands::view::viewer::Viewer;
-use crate::run::canvas::Showing;
 use foveal_core::content::asked::score_told;
 use foveal_core::units::{Seconds, counted};
 use foveal_core::view::keys::{KEYS, Needs, Row};
-use foveal_render::Interpolation;
+use foveal_play::LivePlayer;
+use foveal_render::{Interpolation, TileStyle};
 
 /// What fills the pixels between samples.
 pub(super) fn interpolation(interpolation: Interpolation) -> &'static str {
@@ -18,7 +17,7 @@ pub(super) fn interpolation(interpolation: Interpolation) -> &'static str {
 }
 
 /// What tiles lie in.
-pub(super) fn reconstruction(showing: &Showing) -> &'static str {
+pub(super) fn reconstruction(showing: TileStyle) -> &'static str {
     if showing.has_textures {
         "textures"
     } else {
@@ -28,44 +27,50 @@ pub(super) fn reconstruction(showing: &Showing) -> &'static str {
 
 impl Viewer {
     /// The keys that do something now.
-    pub(super) fn keys(&self, stage: &Stage) -> Vec<Key> {
-        let style = stage.easel.style();
+    pub(super) fn keys(&self, stage: &LivePlayer) -> Vec<Key> {
+        let style = stage.style();
         let does = |needs| match needs {
             Needs::Nothing => true,
-            Needs::Frames => !stage.timeline().is_still(),
+            Needs::Frames => !stage.session().timeline().is_still(),
             Needs::Heard => self.sound.is_some(),
             Needs::TwoEyes => self.two_eyes,
             Needs::Samples => style.samples,
             Needs::Tiles => !style.samples,
-            Needs::Atlas => !style.samples && !style.showing.has_textures,
+            Needs::Atlas => !style.samples && !style.has_textures,
         };
         let here = KEYS.iter().filter(|row| does(row.needs));
         here.map(|Row { shown, says, .. }| (*shown, *says))
             .collect()
     }
 
-    fn style_told(&self, stage: &Stage) -> String {
-        let style = stage.easel.style();
+    fn style_told(&self, stage: &LivePlayer) -> String {
+        let style = stage.style();
         let what = if style.samples {
-            interpolation(style.showing.interpolation)
+            interpolation(style.interpolation)
         } else {
-            reconstruction(&style.showing)
+            reconstruction(style)
         };
-        let blur = if style.showing.blurs { ", blurred" } else { "" };
+        let blur = if style.blurs { ", blurred" } else { "" };
         format!("{what}{blur}")
     }
 
     /// The figures, for people.
-    pub(super) fn lines(&self, stage: &Stage, now: Seconds) -> Vec<Line> {
-        let [fps, upload] = self.figures.rates(now);
-        let figures = &self.figures;
+    pub(super) fn lines(&self, stage: &LivePlayer, now: Seconds) -> Vec<Line> {
+        let [fps, upload] = stage.session().figures.rates(now);
+        let figures = &stage.session().figures;
         let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
         let line = |what: &str, value: String| (what.to_owned(), value);
         let mut lines = vec![
-            line("policy", self.choice.policy().name().to_owned()),
+            line(
+                "policy",
+                stage.session().policy_in_use().policy.name().to_owned(),
+            ),
             line(
                 "score",
-                score_told(self.choice.target(), self.choice.expected_jod()),
+                score_told(
+                    stage.session().policy().target,
+                    stage.session().expected_jod(),
+                ),
             ),
             line("picture", self.style_told(stage)),
             line("zoom", format!("{:.2}", self.scene.zoom())),
@@ -91,7 +96,7 @@ impl Viewer {
                 format!("{:.1} MB", figures.gpu_bytes as f64 / 1e6),
             ),
         ]);
-        lines.extend(self.carried_on());
+        lines.extend(self.carried_on(stage));
         if self.two_eyes {
             lines.push(line("eye", self.eye.name().to_owned()));
         }
@@ -109,13 +114,16 @@ impl Viewer {
     }
 
     /// Where in time it is, and how fast that goes; nothing of a picture, which has none.
-    fn time(&self, stage: &Stage, now: Seconds, fps: f64) -> Vec<Line> {
-        let timeline = stage.timeline();
+    fn time(&self, stage: &LivePlayer, now: Seconds, fps: f64) -> Vec<Line> {
+        let timeline = stage.session().timeline();
         if timeline.is_still() {
             return Vec::new();
         }
         let media = self.clock.time(now);
-        let frame = stage.shown_tick().map_or(0, |tick| timeline.frame_of(tick));
+        let frame = stage
+            .session()
+            .shown_tick()
+            .map_or(0, |tick| timeline.frame_of(tick));
         let (within, length) = (timeline.within(media).0, timeline.length().0);
         let shown = match self.is_moving(stage) {
             true => format!("{fps:.1} frames/s"),
@@ -131,8 +139,8 @@ impl Viewer {
     }
 
     /// What went wrong and was carried on from.
-    fn carried_on(&self) -> [Line; 4] {
-        let figures = &self.figures;
+    fn carried_on(&self, stage: &LivePlayer) -> [Line; 4] {
+        let figures = &stage.session().figures;
         let line = |what: &str, value: String| (what.to_owned(), value);
         [
             line(

@@ -2,9 +2,7 @@
 //!
 //! Everything of a window but the window: time comes in as an argument, wishes as actions.
 
-use crate::commands::view::Stage;
-use crate::commands::view::choice::Choice;
-use crate::commands::view::easel::Style;
+use crate::commands::view::log_file::LogFile;
 use crate::commands::view::looking::{Looking, Watched};
 use crate::commands::view::screen::overlay::Told;
 use crate::commands::view::screen::words::{Page, Words};
@@ -16,16 +14,17 @@ use crate::options::showing::EyeName;
 use anyhow::bail;
 use foveal_core::gaze::pointer::Pointer;
 use foveal_core::gaze::sample::GazeSample;
+use foveal_core::session::actions::{Now, Pace};
 use foveal_core::session::aim::Aim;
-use foveal_core::session::figures::{Figures, MOST_DRAW_S};
+use foveal_core::session::figures::MOST_DRAW_S;
 use foveal_core::session::media_clock::MediaClock;
-use foveal_core::session::playback::Now;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::keys::Action;
 use foveal_core::view::navigation::{Navigation, Pane, Shown};
 use foveal_core::view::surface::Eye;
-use foveal_render::{Interpolation, Overlay};
+use foveal_play::{LivePlayer, Stepped};
+use foveal_render::{Interpolation, Overlay, TileStyle};
 use std::time::Duration;
 
 /// Radius of the ring round the gaze, in degrees: the fovea.
@@ -39,7 +38,7 @@ const LOOK_S: f64 = 1.0 / 60.0;
 pub(crate) struct Begin {
     pub(crate) policy: PolicyOptions,
     pub(crate) scene: Navigation,
-    pub(crate) choice: Choice,
+    pub(crate) log: Option<LogFile>,
     pub(crate) looking: Looking,
     pub(crate) sound: Option<Sound>,
     /// Stay at the end instead of beginning anew.
@@ -56,7 +55,7 @@ pub(crate) struct Viewer {
     pub(super) policy: PolicyOptions,
     pub(crate) scene: Navigation,
     pub(super) clock: MediaClock,
-    pub(super) choice: Choice,
+    log: Option<LogFile>,
     looking: Looking,
     pub(crate) pointer: Pointer,
     pub(super) sound: Option<Sound>,
@@ -65,7 +64,6 @@ pub(crate) struct Viewer {
     /// While the picture waits for sound: how long until it is heard, infinite where nobody knows.
     sound_in: Option<f64>,
     once: bool,
-    pub(crate) figures: Figures,
     words: Words,
     levels: bool,
     borders: bool,
@@ -95,14 +93,13 @@ impl Viewer {
             policy: begin.policy,
             scene: begin.scene,
             clock: MediaClock::default(),
-            choice: begin.choice,
+            log: begin.log,
             looking: begin.looking,
             pointer: Pointer::default(),
             sound: begin.sound,
             preroll: None,
             sound_in: None,
             once: begin.once,
-            figures: Figures::default(),
             words: Words::default(),
             levels: false,
             borders: false,
@@ -136,7 +133,7 @@ impl Viewer {
     pub(crate) fn act(
         &mut self,
         action: Action,
-        stage: &mut Stage,
+        stage: &mut LivePlayer,
         pane: &Pane,
         now: Seconds,
     ) -> Wish {
@@ -146,7 +143,7 @@ impl Viewer {
             Action::Skip(seconds) => self.skip(stage, seconds, now),
             Action::Step(frames) => self.step_frames(stage, frames, now),
             Action::First => self.seek_in_round(stage, 0, now),
-            Action::Last => self.seek_in_round(stage, stage.timeline().frames() - 1, now),
+            Action::Last => self.seek_in_round(stage, stage.session().timeline().frames() - 1, now),
             Action::Move([x, y]) => {
                 let width = f64::from(pane.size[0]);
                 self.scene.drag([x * width, y * width], pane);
@@ -175,42 +172,42 @@ impl Viewer {
     }
 
     /// Stays at the frame that is on screen.
-    fn pause(&mut self, stage: &Stage, now: Seconds) {
-        let timeline = stage.timeline();
+    fn pause(&mut self, stage: &LivePlayer, now: Seconds) {
+        let timeline = stage.session().timeline();
         let due = timeline.tick_at(self.clock.time(now));
-        let tick = stage.shown_tick().unwrap_or(due);
+        let tick = stage.session().shown_tick().unwrap_or(due);
         self.clock.pause(timeline.time_of(tick));
         self.set_sound(now);
     }
 
-    fn seek(&mut self, stage: &mut Stage, to: Seconds, now: Seconds) {
+    fn seek(&mut self, stage: &mut LivePlayer, to: Seconds, now: Seconds) {
         self.clock.seek(to, now);
         self.set_sound(now);
-        stage.jump();
+        stage.session_mut().jump();
     }
 
     /// Forward or back, not beyond the ends of the round that is under way.
-    fn skip(&mut self, stage: &mut Stage, seconds: f64, now: Seconds) {
-        let timeline = stage.timeline();
+    fn skip(&mut self, stage: &mut LivePlayer, seconds: f64, now: Seconds) {
+        let timeline = stage.session().timeline();
         let at = self.clock.time(now);
         let begin = timeline.tick_at(at) / timeline.frames() * timeline.frames();
         let [first, last] = [begin, begin + timeline.frames() - 1].map(|t| timeline.time_of(t).0);
         self.seek(stage, Seconds((at.0 + seconds).clamp(first, last)), now);
     }
 
-    fn seek_in_round(&mut self, stage: &mut Stage, frame: u64, now: Seconds) {
-        let timeline = stage.timeline();
+    fn seek_in_round(&mut self, stage: &mut LivePlayer, frame: u64, now: Seconds) {
+        let timeline = stage.session().timeline();
         let tick = timeline.tick_at(self.clock.time(now));
         let begin = tick - tick % timeline.frames();
         let to = timeline.time_of(begin + frame);
         self.seek(stage, to, now);
     }
 
-    fn step_frames(&mut self, stage: &mut Stage, frames: i64, now: Seconds) {
+    fn step_frames(&mut self, stage: &mut LivePlayer, frames: i64, now: Seconds) {
         if self.clock.is_playing() {
             self.pause(stage, now);
         }
-        let timeline = stage.timeline();
+        let timeline = stage.session().timeline();
         let tick = timeline.tick_at(self.clock.time(now));
         // Before the first frame comes the last.
         let around = if frames < 0 && tick < frames.unsigned_abs() {
@@ -223,28 +220,27 @@ impl Viewer {
     }
 
     /// Shows tiles in another way.
-    fn restyle(&mut self, action: Action, stage: &mut Stage, now: Seconds) {
-        let mut style = stage.easel.style();
-        let showing = &mut style.showing;
+    fn restyle(&mut self, action: Action, stage: &mut LivePlayer, now: Seconds) {
+        let mut style = stage.style();
         let said = match action {
             Action::Interpolation if !style.samples => {
                 "policy sampled has pixels to fill between samples, this one has not"
             }
             Action::Textures if style.samples => "policy sampled shows no tiles",
             Action::Interpolation => {
-                showing.interpolation = match showing.interpolation {
+                style.interpolation = match style.interpolation {
                     Interpolation::Nearest => Interpolation::Blended,
                     Interpolation::Blended => Interpolation::Nearest,
                 };
-                telling::interpolation(showing.interpolation)
+                telling::interpolation(style.interpolation)
             }
             Action::Textures => {
-                showing.has_textures = !showing.has_textures;
-                telling::reconstruction(showing)
+                style.has_textures = !style.has_textures;
+                telling::reconstruction(style)
             }
             _ => {
-                showing.blurs = !showing.blurs;
-                if showing.blurs { "blur on" } else { "blur off" }
+                style.blurs = !style.blurs;
+                if style.blurs { "blur on" } else { "blur off" }
             }
         };
         self.take_style(style, stage, said.to_owned(), now);
@@ -252,15 +248,15 @@ impl Viewer {
 
     pub(super) fn take_style(
         &mut self,
-        style: Style,
-        stage: &mut Stage,
+        style: TileStyle,
+        stage: &mut LivePlayer,
         said: String,
         now: Seconds,
     ) {
-        match stage.easel.restyle(style) {
-            Ok(true) => stage.fetch_anew(),
+        match stage.drawer().restyle(style) {
+            Ok(true) => stage.session_mut().fetch_anew(),
             Ok(false) => {}
-            Err(error) => return self.say(format!("{error:#}"), now),
+            Err(error) => return self.say(error.to_string(), now),
         }
         self.say(said, now);
     }
@@ -299,34 +295,42 @@ impl Viewer {
     /// Looks where the viewer looks and moves the stage on. Returns whether to paint anew.
     pub(crate) fn step(
         &mut self,
-        stage: &mut Stage,
+        stage: &mut LivePlayer,
         pane: &Pane,
         now: Seconds,
     ) -> anyhow::Result<bool> {
         self.follow_sound(stage, now);
         self.stay_at_the_end(stage, now);
-        let aim = self.aim(pane, now);
-        if stage.easel.prepare(self.choice.config(), &aim.view)? {
-            stage.fetch_anew();
+        let aim = self.aim(stage, pane, now);
+        let config = stage.session().policy_in_use().clone();
+        if stage.drawer().prepare(&config, &aim.view)? {
+            stage.session_mut().fetch_anew();
         }
         let step = Now {
             wall: now,
             media: self.due(stage, now),
-            playing: self.is_moving(stage),
+            pace: match self.is_moving(stage) {
+                true => Pace::Playing,
+                false => Pace::Standing,
+            },
             drawing: self.slow_draw(stage),
+            until: aim.gaze.time,
             aim,
         };
-        let mut changed = stage.step(&step, &mut self.choice, &mut self.figures)?;
-        if stage.is_hopeless(&self.figures) {
+        let Stepped { mut changed, log } = stage.step(&step)?;
+        if let Some(file) = self.log.as_mut().filter(|_| !log.is_empty()) {
+            file.write(&log)?;
+        }
+        if stage.session().is_hopeless() {
             bail!(
                 "{}: no frame has a whole coarsest level; `foveal verify` lists all damage",
-                stage.feed.path().display()
+                stage.path().display()
             );
         }
         let shown = self.scene.shown(pane);
         if let Some((before, shown_before)) = &self.last {
-            let style = stage.easel.style();
-            let follows = self.levels || style.samples || style.showing.blurs;
+            let style = stage.style();
+            let follows = self.levels || style.samples || style.blurs;
             let moved = before.gaze.gaze_in_content != aim.gaze.gaze_in_content;
             changed |= *shown_before != shown || follows && moved;
         }
@@ -335,18 +339,18 @@ impl Viewer {
     }
 
     /// Whether the content moves.
-    pub(super) fn is_moving(&self, stage: &Stage) -> bool {
-        self.clock.is_playing() && !stage.timeline().is_still()
+    pub(super) fn is_moving(&self, stage: &LivePlayer) -> bool {
+        self.clock.is_playing() && !stage.session().timeline().is_still()
     }
 
     /// The moment of the content to show: the one that it is when it has been drawn.
-    fn due(&self, stage: &Stage, now: Seconds) -> Seconds {
+    fn due(&self, stage: &LivePlayer, now: Seconds) -> Seconds {
         let slow = self.slow_draw(stage).0;
         let drawing = if slow > 0.0 {
             // Most pictures are drawn by then, and wait.
             slow
         } else if self.is_moving(stage) {
-            self.figures.draw_s
+            stage.session().figures.draw_s
         } else {
             0.0
         };
@@ -355,30 +359,31 @@ impl Viewer {
     }
 
     /// How long pictures are drawn where some frames are left out because of it, and else 0.
-    fn slow_draw(&self, stage: &Stage) -> Seconds {
+    fn slow_draw(&self, stage: &LivePlayer) -> Seconds {
         let moving = self.is_moving(stage);
-        let slow = moving.then(|| self.figures.slow_draw(stage.period()));
+        let slow = moving.then(|| stage.session().figures.slow_draw(stage.session().period()));
         slow.unwrap_or_default()
     }
 
     /// Whether a frame that was not on screen before waits for its time once it is drawn.
-    pub(crate) fn waits(&self, stage: &Stage) -> bool {
-        self.slow_draw(stage).0 > 0.0 && stage.shown_tick() != self.drawn_tick
+    pub(crate) fn waits(&self, stage: &LivePlayer) -> bool {
+        self.slow_draw(stage).0 > 0.0 && stage.session().shown_tick() != self.drawn_tick
     }
 
     /// How long it is at `now` until the time of what is to be shown: it was chosen for a drawing
     /// as long as the longest of late, and is not earlier than that.
-    pub(crate) fn early_by(&self, stage: &Stage, now: Seconds) -> Duration {
+    pub(crate) fn early_by(&self, stage: &LivePlayer, now: Seconds) -> Duration {
         let begin = stage
+            .session()
             .shown_tick()
-            .map(|tick| stage.timeline().time_of(tick));
+            .map(|tick| stage.session().timeline().time_of(tick));
         let early = begin.map_or(0.0, |begin| begin.0 - self.clock.time(now).0);
         let waits = self.sound_in.filter(|_| early > 0.0).unwrap_or(0.0);
         let early = early + waits;
         Duration::from_secs_f64(early.clamp(0.0, self.slow_draw(stage).0))
     }
 
-    fn follow_sound(&mut self, stage: &Stage, now: Seconds) {
+    fn follow_sound(&mut self, stage: &LivePlayer, now: Seconds) {
         if self.sound.as_ref().is_some_and(Sound::waits) {
             self.set_sound(now);
         }
@@ -391,7 +396,7 @@ impl Viewer {
             self.sound_in = Some(f64::INFINITY);
             // One that is ahead was chosen for when it would have been drawn.
             let [first, last] =
-                [0.0, MOST_DRAW_S].map(|s| stage.timeline().tick_at(Seconds(at.0 + s)));
+                [0.0, MOST_DRAW_S].map(|s| stage.session().timeline().tick_at(Seconds(at.0 + s)));
             let is_there = self.drawn_tick.is_some_and(|t| (first..=last).contains(&t));
             if is_there || now.0 - since.0 > MOST_PREROLL_S {
                 self.preroll = None;
@@ -410,8 +415,8 @@ impl Viewer {
         }
     }
 
-    fn stay_at_the_end(&mut self, stage: &Stage, now: Seconds) {
-        let timeline = stage.timeline();
+    fn stay_at_the_end(&mut self, stage: &LivePlayer, now: Seconds) {
+        let timeline = stage.session().timeline();
         let last = timeline.frames() - 1;
         let over = self.clock.time(now).0 >= timeline.length().0;
         if self.once && over && self.clock.is_playing() {
@@ -421,11 +426,11 @@ impl Viewer {
     }
 
     /// What selection is given, with the head turned to where it points.
-    fn aim(&mut self, pane: &Pane, now: Seconds) -> Aim {
+    fn aim(&mut self, stage: &LivePlayer, pane: &Pane, now: Seconds) -> Aim {
         let watched = Watched {
             now,
             pointer: &self.pointer,
-            perception: self.choice.perception(),
+            perception: &stage.session().policy_in_use().perception,
         };
         let scene = &mut self.scene;
         let aim = self.looking.aim(&watched, |head| {
@@ -447,38 +452,47 @@ impl Viewer {
 
     /// What is to be shown was drawn and then on screen at these times; `begun` is when it was
     /// chosen, if it was not there before.
-    pub(crate) fn drawn(&mut self, stage: &Stage, begun: Option<Seconds>, at: [Seconds; 2]) {
+    pub(crate) fn drawn(
+        &mut self,
+        stage: &mut LivePlayer,
+        begun: Option<Seconds>,
+        at: [Seconds; 2],
+    ) {
         // What is drawn again while another frame is awaited tells nothing.
-        if self.drawn_tick == stage.shown_tick() {
+        if self.drawn_tick == stage.session().shown_tick() {
             return;
         }
-        self.drawn_tick = stage.shown_tick();
+        self.drawn_tick = stage.session().shown_tick();
         if let Some(begun) = begun.filter(|_| self.is_moving(stage)) {
-            self.figures.drawn(at[0].0 - begun.0, stage.period());
+            let period = stage.session().period();
+            let figures = &mut stage.session_mut().figures;
+            figures.drawn(at[0].0 - begun.0, period);
         }
         let heard = self.sound.as_ref().and_then(Sound::heard);
-        let behind = heard.zip(stage.shown_tick()).map(|(heard, tick)| {
-            let span = [tick, tick + 1].map(|tick| stage.timeline().time_of(tick));
-            Drift::of_frame(heard, span)
-        });
+        let behind = heard
+            .zip(stage.session().shown_tick())
+            .map(|(heard, tick)| {
+                let span = [tick, tick + 1].map(|tick| stage.session().timeline().time_of(tick));
+                Drift::of_frame(heard, span)
+            });
         self.drift.note(behind, self.is_moving(stage));
     }
 
     /// Whether nothing on screen is going to change by itself, or it plays.
-    pub(crate) fn is_settled(&self, stage: &Stage) -> bool {
-        let behind = |(aim, _): &(Aim, Shown)| stage.is_behind(aim, &self.choice);
+    pub(crate) fn is_settled(&self, stage: &LivePlayer) -> bool {
+        let behind = |(aim, _): &(Aim, Shown)| stage.session().is_behind(aim);
         if self.is_moving(stage) {
-            return stage.shown_tick().is_some();
+            return stage.session().shown_tick().is_some();
         }
-        stage.is_settled() && !self.last.as_ref().is_none_or(behind)
+        stage.session().is_settled() && !self.last.as_ref().is_none_or(behind)
     }
 
     /// When to step again though nothing happens, by the window's clock.
-    pub(crate) fn next_step(&self, stage: &Stage, now: Seconds) -> Option<Seconds> {
+    pub(crate) fn next_step(&self, stage: &LivePlayer, now: Seconds) -> Option<Seconds> {
         let mut times = Vec::new();
         if self.is_moving(stage) {
             let media = self.due(stage, now).0;
-            let due = stage.next_due().map_or(media, |due| due.0);
+            let due = stage.session().next_due().map_or(media, |due| due.0);
             // What is overdue comes with the tiles that are waited for.
             times.push(now.0 + if due > media { due - media } else { 0.02 });
         } else if !self.is_settled(stage) {
@@ -513,11 +527,11 @@ impl Viewer {
     }
 
     /// What is drawn over the picture.
-    pub(crate) fn marks(&self, stage: &Stage) -> Option<Overlay> {
+    pub(crate) fn marks(&self, stage: &LivePlayer) -> Option<Overlay> {
         let (aim, shown) = self.last.as_ref()?;
-        let style = stage.easel.style();
+        let style = stage.style();
         let marks = self.levels || self.borders;
-        if !marks || style.samples || style.showing.has_textures {
+        if !marks || style.samples || style.has_textures {
             return None;
         }
         let direction = aim.gaze.gaze_in_content;
@@ -539,7 +553,11 @@ impl Viewer {
     }
 
     /// What is written over the picture: the page of the overlay that is open, and a message.
-    pub(crate) fn words(&mut self, stage: &Stage, now: Seconds) -> (Option<Told>, Option<String>) {
+    pub(crate) fn words(
+        &mut self,
+        stage: &LivePlayer,
+        now: Seconds,
+    ) -> (Option<Told>, Option<String>) {
         let (page, message) = self.words.paint(now);
         let told = match page {
             Page::Nothing => None,

@@ -1,31 +1,28 @@
 //! What does the system's window tell, and what is done about it?
 
 use crate::commands::view::Ready;
-use crate::commands::view::Stage;
-use crate::commands::view::choice::Choice;
-use crate::commands::view::easel::{Easel, Style};
-use crate::commands::view::feed::DecodeFeed;
 use crate::commands::view::keys::action_of;
+use crate::commands::view::log_file::LogFile;
 use crate::commands::view::looking::Looking;
-use crate::commands::view::opening::{USUAL_SCREEN, open_window};
+use crate::commands::view::opening::{USUAL_SCREEN, open_sound, open_window, usable};
 use crate::commands::view::screen::overlay;
 use crate::commands::view::screen::screenshot;
 use crate::commands::view::screen::{self, Placed, Screen, Showing};
 use crate::commands::view::script::{Deed, PictureIs};
-use crate::commands::view::sound::Sound;
 use crate::commands::view::summary::Summary;
 use crate::commands::view::viewer::{Begin, Viewer, Wish};
 use crate::options::showing::InterpolationName;
-use crate::report::output::say;
 use anyhow::{Context, anyhow, bail};
+use foveal_core::content::demand::Content;
 use foveal_core::content::policy::Policy;
-use foveal_core::content::video::grid::tile_grid::TileGrid;
-use foveal_core::session::timeline::Timeline;
+use foveal_core::content::video::Video;
+use foveal_core::session::session::SessionSettings;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::keys::{Action, ZOOM};
 use foveal_core::view::navigation::{Navigation, Pane};
-use foveal_render::RgbaImage;
+use foveal_play::LivePlayer;
+use foveal_render::{DrawDevice, Drawer, RgbaImage, TileStyle};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
@@ -94,9 +91,9 @@ struct App {
 struct Open {
     window: Arc<Window>,
     screen: Screen,
-    stage: Stage,
+    stage: LivePlayer,
+    video: Arc<Video>,
     viewer: Viewer,
-    grid: TileGrid,
     ready: Ready,
     size: [u32; 2],
     hidden: bool,
@@ -168,7 +165,8 @@ impl App {
 
     fn finish(&mut self, event_loop: &ActiveEventLoop) {
         let result = self.open.as_ref();
-        let result = result.map(|open| Ok(Summary::new(&open.viewer)));
+        let result =
+            result.map(|open| Ok(Summary::new(&open.viewer, &open.stage.session().figures)));
         let missing = || Err(anyhow!("there is no window"));
         self.end(event_loop, result.unwrap_or_else(missing));
     }
@@ -194,13 +192,20 @@ impl Open {
         let window = open_window(&ready, view.size, event_loop)?;
         let screen = Screen::open(instance, &window, waker(proxy))?;
         let config = args.policy.config()?;
-        let style = Style {
-            showing: args.showing.showing(InterpolationName::Blended),
+        let style = TileStyle {
             samples: config.policy == Policy::Sampled,
+            ..args.showing.showing(InterpolationName::Blended)
         };
-        let easel = Easel::new(screen.gpu(), grid, about.colour, style)?;
-        let timeline = Timeline::new(&file.frame_times()?, Seconds(1.0 / about.fps()));
-        let length = timeline.length();
+        let device = DrawDevice::Gpu(screen.gpu().clone());
+        let video = file.video(args.view.screen)?;
+        let drawer = Drawer::new(&device, &video, style)?;
+        let settings = SessionSettings {
+            policy: usable(&file, &video, config, args.link)?,
+            bytes_per_s: args.link.map(|link| link.bytes_per_s),
+            since: Some(Seconds(0.0)),
+            zooms: true,
+        };
+        let length = video.timeline().length();
         let looking = Looking::open(
             &args.gaze,
             &grid.surface,
@@ -208,35 +213,26 @@ impl Open {
             length,
             &ready.watching,
         )?;
-        let log = args.log.as_deref();
         let begin = Begin {
             policy: args.policy.clone(),
             scene: Navigation::new(grid.surface, args.view.fov()?)
                 .facing(Radians::from_degrees(about.front_deg)),
-            choice: Choice::new(Arc::clone(&file), grid, config, args.link, log)?,
+            log: args.log.as_deref().map(LogFile::create).transpose()?,
             looking,
-            sound: ready.samples.take().and_then(|samples| {
-                let opened = Sound::open(samples, length);
-                let quiet = |error: anyhow::Error| say(&format!("foveal: {error}; no sound"));
-                opened.map_err(quiet).ok()
-            }),
+            sound: ready.samples.take().and_then(|it| open_sound(it, length)),
             once: args.once,
             paused: args.paused,
             eye: args.eye,
             two_eyes: grid.surface.eyes > 1,
         };
-        let pool = match ready.pool.take() {
-            Some(pool) => pool,
-            None => ready.decoding.pool(Arc::clone(&file))?,
-        };
-        let (path, jobs) = (file.path().to_owned(), ready.decoding.jobs);
-        let feed = DecodeFeed::new(path, pool, jobs, waker(proxy))?;
+        let options = ready.live_options(settings);
+        let stage = LivePlayer::new(file, &video, options, drawer, waker(proxy))?;
         let size = window.inner_size();
         Ok(Self {
             screen,
-            stage: Stage::new(grid, timeline, feed, easel),
+            stage,
+            video,
             viewer: Viewer::new(begin, Seconds(begun.elapsed().as_secs_f64())),
-            grid,
             ready,
             size: [size.width, size.height],
             hidden: false,
@@ -356,8 +352,8 @@ impl Open {
             }
             Wish::Screenshot => {
                 let folder = self.ready.args.screenshots.as_deref();
-                let frame = self.stage.shown_tick().unwrap_or(0);
-                let frame = self.stage.timeline().frame_of(frame);
+                let frame = self.stage.session().shown_tick().unwrap_or(0);
+                let frame = self.stage.session().timeline().frame_of(frame);
                 let path = screenshot::free_path(self.ready.file.path(), folder, frame);
                 let said = match self.screenshot(&pane, &path) {
                     Ok(()) => path.display().to_string(),
@@ -372,7 +368,7 @@ impl Open {
 
     /// The picture as it is shown, without words.
     fn screenshot(&mut self, pane: &Pane, path: &std::path::Path) -> anyhow::Result<()> {
-        if self.stage.shown_tick().is_none() {
+        if self.stage.session().shown_tick().is_none() {
             bail!("nothing is there to be seen yet");
         }
         let shown = self.viewer.shown(pane);
@@ -384,7 +380,8 @@ impl Open {
                 ..shown.view
             };
             self.follow(&view)?;
-            let image = self.stage.easel.read(&view, marks.as_ref())?;
+            let image = self.stage.drawer().picture(&view, marks.as_ref())?;
+            let image = image.context("a window's pictures are drawn by a GPU")?;
             whole = Some(whole.map_or(image.clone(), |left| left.beside(&image)));
         }
         let whole = whole.context("a picture of no eye")?;
@@ -394,7 +391,7 @@ impl Open {
     /// Moves what follows the gaze in an eye's view.
     fn follow(&mut self, view: &EyeView) -> anyhow::Result<()> {
         match self.viewer.aim_in(view) {
-            Some(aim) => self.stage.easel.follow(&aim),
+            Some(aim) => Ok(self.stage.drawer().follow(&aim.gaze, view)?),
             None => Ok(()),
         }
     }
@@ -410,7 +407,7 @@ impl Open {
         if self.screen.is_lost() {
             self.recover(instance, proxy)?;
         }
-        self.viewer.figures.gpu_errors += self.screen.take_errors();
+        self.stage.session_mut().figures.gpu_errors += self.screen.take_errors();
         loop {
             if let Some(pane) = self.pane().filter(|_| !self.hidden)
                 && self.viewer.step(&mut self.stage, &pane, now)?
@@ -463,7 +460,7 @@ impl Open {
         let nothing_to_show = self.pane().is_none();
         if (nothing_to_show || self.viewer.is_settled(&self.stage)) && !resizing {
             PictureIs::Settled
-        } else if nothing_to_show || self.stage.shown_tick().is_some() {
+        } else if nothing_to_show || self.stage.session().shown_tick().is_some() {
             PictureIs::There
         } else {
             PictureIs::Missing
@@ -492,19 +489,18 @@ impl Open {
         instance: &wgpu::Instance,
         proxy: &EventLoopProxy<Wake>,
     ) -> anyhow::Result<()> {
-        self.viewer.figures.lost_devices += 1;
-        let colour = self.ready.file.pack().description().colour;
-        let style = self.stage.easel.style();
+        let style = self.stage.style();
         let mut tries = 0;
         loop {
             tries += 1;
             let opened = Screen::open(instance, &self.window, waker(proxy)).and_then(|screen| {
-                let easel = Easel::new(screen.gpu(), self.grid, colour, style)?;
-                Ok((screen, easel))
+                let device = DrawDevice::Gpu(screen.gpu().clone());
+                let drawer = Drawer::new(&device, &self.video, style)?;
+                Ok((screen, drawer))
             });
             match opened {
-                Ok((screen, easel)) => {
-                    self.stage.restart(easel);
+                Ok((screen, drawer)) => {
+                    self.stage.recover(drawer);
                     self.screen = screen;
                     self.stale = true;
                     return Ok(());
@@ -521,7 +517,7 @@ impl Open {
         let Some(pane) = self.pane() else {
             return Ok(());
         };
-        if self.hidden || self.screen.is_lost() || self.stage.shown_tick().is_none() {
+        if self.hidden || self.screen.is_lost() || self.stage.session().shown_tick().is_none() {
             return Ok(());
         }
         let shown = self.viewer.shown(&pane);
@@ -534,7 +530,9 @@ impl Open {
                 ..shown.view
             };
             self.follow(&view)?;
-            let mut picture = self.stage.easel.draw(&view, marks.as_ref())?.clone();
+            let picture = self.stage.drawer().draw(&view, marks.as_ref())?;
+            let picture = picture.context("a window's pictures are drawn by a GPU")?;
+            let mut picture = picture.clone();
             if part + 1 < eyes.len() as u32 {
                 picture = self.screen.keep(&picture);
             }
@@ -557,7 +555,7 @@ impl Open {
         if showing == Showing::Shown {
             let (at, begun) = (since(), self.stepped.take());
             let times = [drawn.unwrap_or(at), at];
-            self.viewer.drawn(&self.stage, begun, times);
+            self.viewer.drawn(&mut self.stage, begun, times);
         }
         self.stale = showing == Showing::Again;
         self.again = self.stale.then_some(now.0 + AGAIN_S);

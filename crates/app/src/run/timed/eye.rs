@@ -3,13 +3,13 @@
 //! It jumps every ninth frame to anywhere on the content: harder than any viewer, as every jump
 //! leaves all that was decoded near the gaze.
 
-use crate::gaze_source::Look;
 use foveal_core::gaze::head::FollowingHead;
 use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
 use foveal_core::gaze::tracker::Prediction;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::random::Random;
 use foveal_core::view::surface::{Projection, Surface};
+use foveal_play::Look;
 use glam::DVec3;
 
 /// Frames from one saccade to the next: 300 ms of media of 30 frames a second.

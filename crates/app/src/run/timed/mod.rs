@@ -7,9 +7,7 @@ pub(crate) use run::Run;
 
 use crate::commands::score::{DeviceName, Engine, display_of_view, from_image};
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel as Viewer};
-use crate::options::decoding::Decoding;
-use crate::run::canvas::{Drawing, Showing};
-use crate::run::player::{Player, PlayerOptions};
+use crate::run::open_player::open_player;
 use eye::JumpingEye;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::units::Radians;
@@ -18,6 +16,9 @@ use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
 use foveal_eval::score::{Mode, Viewing};
 use foveal_media::pack::pack_file::PackFile;
+use foveal_play::Decoding;
+use foveal_play::{Player, PlayerOptions};
+use foveal_render::{DrawDevice, TileStyle};
 use std::sync::Arc;
 
 /// What 360° content is seen with: a headset of 22 pixels a degree.
@@ -29,7 +30,7 @@ const DRAWN_WIDTH: u32 = 1920;
 /// What all runs of a comparison share.
 pub(crate) struct Conditions<'a> {
     pub(crate) file: Arc<PackFile>,
-    pub(crate) drawing: &'a Drawing,
+    pub(crate) drawing: &'a DrawDevice,
     /// What flat content fills.
     pub(crate) screen: Screen,
     pub(crate) decoding: Decoding,
@@ -47,13 +48,14 @@ impl Conditions<'_> {
             view: display(&surface),
             screen: self.screen,
             drawing: self.drawing.clone(),
-            showing: Showing::default(),
+            style: TileStyle::default(),
             bytes_per_s: f64::INFINITY,
             paced,
             judged: false,
+            tell: crate::report::output::say,
             decoding: self.decoding,
         };
-        Player::new(Arc::clone(&self.file), options)
+        open_player(Arc::clone(&self.file), options)
     }
 
     /// The picture that is drawn, which may be smaller than what levels are chosen for.
@@ -85,7 +87,8 @@ impl Conditions<'_> {
             let look = gaze.look(full.time(frame));
             let pictures = [&mut full, &mut shown].map(|player| {
                 player.show(frame, &look)?;
-                player.canvas.picture(&view, None)
+                let picture = player.drawer().picture(&view, None)?;
+                anyhow::Ok(picture)
             });
             let [reference, test] = pictures;
             let (Some(reference), Some(test)) = (reference?, test?) else {

@@ -1,12 +1,12 @@
 //! How fast is a pack played under one policy, and is it in time?
 
-use crate::run::player::{FrameReport, Player};
 use crate::run::timed::eye::{DWELL, JumpingEye};
 use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::direction_at;
 use foveal_core::view::eye_view::EyeView;
 use foveal_media::tiles::decoders::DeviceUse;
+use foveal_play::{FrameReport, Player};
 use glam::DVec3;
 use std::time::{Duration, Instant};
 
@@ -99,7 +99,7 @@ impl Run {
             axes: report.view.axes,
             ..self.drawn
         };
-        self.player.canvas.picture(&view, None)?;
+        self.player.drawer().picture(&view, None)?;
         Ok(begun.elapsed())
     }
 
@@ -110,7 +110,7 @@ impl Run {
         let nominal = length / f64::from((self.frames_of_pack - 1).max(1));
         let time = Seconds(f64::from(self.next) * nominal);
         self.next += 1;
-        self.player.show(frame, &self.eye.next(time))
+        Ok(self.player.show(frame, &self.eye.next(time))?)
     }
 
     fn note(&mut self, report: &FrameReport) {
@@ -146,7 +146,7 @@ impl Run {
     }
 
     pub(crate) fn gpu_bytes(&mut self) -> u64 {
-        self.player.canvas.gpu_bytes()
+        self.player.drawer().gpu_bytes()
     }
 }
 

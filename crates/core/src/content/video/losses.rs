@@ -6,7 +6,7 @@
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::places::{APART_DEG, CellPlaces, Place, Sighted};
 use crate::content::video::grid::tile_grid::TileGrid;
-use crate::content::video::units::Content;
+use crate::content::video::units::VideoUnits;
 use crate::perception::eye::share_of_octave;
 use crate::perception::measures::contrast::{SIGNATURE_BANDS, Signature};
 use crate::perception::moment::Moment;
@@ -119,7 +119,7 @@ impl LossMeter {
     pub fn losses(
         &self,
         grid: &TileGrid,
-        content: &dyn Content,
+        content: &dyn VideoUnits,
         frame: u32,
         moment: &Moment,
     ) -> Losses {

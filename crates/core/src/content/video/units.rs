@@ -1,59 +1,62 @@
-//! What does selection know of prepared content, beside how it is cut?
+//! What do choices know of prepared video, beside how it is cut?
 
-use crate::content::video::bytes::cue_table::CueTable;
-use crate::content::video::bytes::pack::VideoPack;
-use crate::content::video::bytes::signatures::Signatures;
-use crate::content::video::grid::tile_grid::Tile;
+use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::pack::unit::UnitId;
 use crate::perception::measures::contrast::Signature;
 use crate::perception::measures::cues::Cues;
 
-/// Sizes and measures of units. A unit shows a tile over a group of frames.
-pub trait Content {
+/// Numbers, sizes and measures of the units of a video. A unit shows a tile over a group of frames.
+pub trait VideoUnits: core::fmt::Debug + Send + Sync {
     /// The unit that shows a frame of a tile.
     fn unit(&self, tile: Tile, frame: u32) -> UnitId;
     /// The frame at which the next group of the finest level begins; `None` in the last.
     fn next_group(&self, frame: u32) -> Option<u32>;
-    /// Bytes of a unit.
+    /// Bytes of a unit; as many as can be told where they are not known yet.
     fn bytes(&self, unit: UnitId) -> u32;
+    /// Whether it is known what units add.
+    fn has_signatures(&self) -> bool;
     /// What a unit adds to the next coarser level; `None` for the coarsest.
     fn signature(&self, unit: UnitId) -> Option<Signature>;
     /// What in it might draw the eye; `None` where that is not known.
     fn cues(&self, unit: UnitId) -> Option<Cues>;
 }
 
-/// A pack with the side tables that value its units.
+/// The units of a video of which no more is known than how it is cut.
 #[derive(Clone, Copy, Debug)]
-pub struct PackContent<'a> {
-    /// Its description and index.
-    pub pack: &'a VideoPack,
-    /// What each unit adds.
-    pub signatures: &'a Signatures,
-    /// What might draw the eye, where that was noted.
-    pub cues: Option<&'a CueTable>,
+pub struct UnknownUnits(TileGrid);
+
+impl UnknownUnits {
+    /// Units of this grid.
+    #[must_use]
+    pub fn new(grid: TileGrid) -> Self {
+        Self(grid)
+    }
 }
 
-impl Content for PackContent<'_> {
-    fn unit(&self, tile: Tile, frame: u32) -> UnitId {
-        self.pack.unit(tile, frame)
+impl VideoUnits for UnknownUnits {
+    fn unit(&self, tile: Tile, _: u32) -> UnitId {
+        let coarser = tile.level + 1..self.0.levels;
+        let before: u32 = coarser.map(|level| self.0.tiles_in_level(level)).sum();
+        UnitId(before + self.0.rank(tile))
     }
 
-    fn next_group(&self, frame: u32) -> Option<u32> {
-        let about = self.pack.description();
-        let length = about.groups.first()?;
-        let next = (frame / length + 1) * length;
-        (next < about.frames).then_some(next)
+    fn next_group(&self, _: u32) -> Option<u32> {
+        None
     }
 
-    fn bytes(&self, unit: UnitId) -> u32 {
-        self.pack.entry(unit).bytes
+    fn bytes(&self, _: UnitId) -> u32 {
+        u32::MAX
     }
 
-    fn signature(&self, unit: UnitId) -> Option<Signature> {
-        self.signatures.of(unit)
+    fn has_signatures(&self) -> bool {
+        false
     }
 
-    fn cues(&self, unit: UnitId) -> Option<Cues> {
-        self.cues?.of(unit)
+    fn signature(&self, _: UnitId) -> Option<Signature> {
+        None
+    }
+
+    fn cues(&self, _: UnitId) -> Option<Cues> {
+        None
     }
 }

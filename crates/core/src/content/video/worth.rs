@@ -8,7 +8,7 @@ use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::places::{CellPlaces, Place, Sighted};
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::content::video::losses::Losses;
-use crate::content::video::units::Content;
+use crate::content::video::units::VideoUnits;
 use crate::perception::eye::{Seen, share_of_octave_below};
 use crate::perception::gain::band_gain;
 use crate::perception::measures::contrast::Signature;
@@ -157,7 +157,7 @@ impl Worth {
     pub fn gains(
         &self,
         grid: &TileGrid,
-        content: &dyn Content,
+        content: &dyn VideoUnits,
         frame: u32,
         moment: &Moment,
     ) -> Gains {
@@ -292,7 +292,7 @@ impl Worth {
     fn prior(
         &self,
         grid: &TileGrid,
-        content: &dyn Content,
+        content: &dyn VideoUnits,
         frame: u32,
         moment: &Moment,
     ) -> Vec<f64> {

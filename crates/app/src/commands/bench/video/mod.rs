@@ -8,8 +8,8 @@ mod content;
 use crate::commands::demo::machine::Machine;
 use crate::options::decoding::{DecodingOptions, DeviceReport};
 use crate::options::policy::{PolicyName, TargetChoice, parse_target};
+use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage, out_of_range};
-use crate::run::canvas::{Drawing, RendererName};
 use crate::run::timed::{Conditions, Run};
 use anyhow::bail;
 use clap::Args;
@@ -152,7 +152,7 @@ pub(super) fn run(args: &VideoArgs) -> anyhow::Result<()> {
         bail!(out_of_range("--frames", args.frames, "10 to 100000"));
     }
     let config = args.config()?;
-    let drawing = Drawing::open(args.renderer)?;
+    let drawing = open_device(args.renderer)?;
     let content = args.content()?;
     let bench = Bench {
         config,

@@ -1,11 +1,11 @@
 //! What did a policy take over a span of frames, and how good was it?
 
-use crate::run::player::FrameReport;
 use foveal_core::pack::unit::UnitId;
 use foveal_eval::score::companion::{Companion, CompanionJudge};
 use foveal_eval::score::pooling::{Pool, Zones};
 use foveal_eval::score::{FrameScore, Judge, ScorePicture, Viewing};
 use foveal_media::pack::pack_file::PackFile;
+use foveal_play::FrameReport;
 use serde::Serialize;
 use std::collections::HashSet;
 use std::ops::Range;

@@ -15,8 +15,8 @@ use crate::commands::demo::machine::Machine;
 use crate::commands::score::{ScoreConditions, display_named, display_of_view};
 use crate::gaze_source::{GazeChoice, parse_gaze};
 use crate::options::policy::ViewOptions;
+use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage, out_of_range};
-use crate::run::canvas::{Drawing, RendererName};
 use crate::run::source_frames::SourceFrames;
 use anyhow::{Context, bail};
 use clap::Args;
@@ -120,7 +120,7 @@ pub(super) fn run(args: &PoliciesArgs) -> anyhow::Result<()> {
             .context("--source")
     });
     let original = original.transpose()?;
-    let drawing = Drawing::open(RendererName::Gpu).or_else(|_| Drawing::open(RendererName::Cpu));
+    let drawing = open_device(RendererName::Gpu).or_else(|_| open_device(RendererName::Cpu));
     let comparison = Comparison {
         source: args.source.as_deref(),
         view,

@@ -4,10 +4,8 @@ use crate::commands::evaluate::policies::contenders::Contender;
 use crate::commands::evaluate::policies::measure::{Measure, Reference, SpanFigures};
 use crate::commands::score::{LastGaze, picture_of};
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
-use crate::options::decoding::Decoding;
 use crate::report::output::{self, Counting};
-use crate::run::canvas::{Drawing, Showing};
-use crate::run::player::{FrameReport, Player, PlayerOptions};
+use crate::run::open_player::open_player;
 use crate::run::source_frames::SourceFrames;
 use anyhow::Context;
 use foveal_core::content::policy::{Policy, PolicyConfig};
@@ -15,6 +13,9 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Screen;
 use foveal_eval::score::Viewing;
 use foveal_media::pack::pack_file::PackFile;
+use foveal_play::Decoding;
+use foveal_play::{FrameReport, Player, PlayerOptions};
+use foveal_render::{DrawDevice, TileStyle};
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -29,7 +30,7 @@ pub(super) struct Comparison<'a> {
     pub(super) source: Option<&'a Path>,
     pub(super) view: EyeView,
     pub(super) screen: Screen,
-    pub(super) drawing: Drawing,
+    pub(super) drawing: DrawDevice,
     pub(super) viewing: Viewing,
     pub(super) gaze: &'a GazeChoice,
     pub(super) seed: u64,
@@ -119,12 +120,13 @@ impl Comparison<'_> {
             view: self.view,
             screen: self.screen,
             drawing: self.drawing.clone(),
-            showing: Showing::default(),
+            style: TileStyle::default(),
             bytes_per_s,
             paced: false,
             judged: false,
-            decoding: Decoding::software()?,
+            tell: output::say,
+            decoding: Decoding::software(),
         };
-        Player::new(Arc::clone(&self.file), options)
+        open_player(Arc::clone(&self.file), options)
     }
 }

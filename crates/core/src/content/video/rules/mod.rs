@@ -8,7 +8,7 @@ use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::neighbours::neighbours;
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::content::video::rules::distance::{acuity_thresholds, angle_to_cell, distance_levels};
-use crate::content::video::units::Content;
+use crate::content::video::units::VideoUnits;
 use crate::gaze::sample::GazeSample;
 use crate::perception::acuity::AcuityModel;
 use crate::perception::moment::Moment;
@@ -18,6 +18,7 @@ use crate::view::eye_view::EyeView;
 use crate::view::frustum::Frustum;
 use crate::view::surface::Projection;
 use glam::DVec3;
+use sha2::{Digest, Sha256};
 
 pub mod distance;
 pub mod steady;
@@ -30,6 +31,19 @@ pub struct Selection {
     pub levels: LevelMap,
     /// The tiles that takes, coarsest first.
     pub tiles: Vec<Tile>,
+}
+
+/// SHA-256 of the places of tiles, in hexadecimal: what a log keeps of them.
+#[must_use]
+pub fn places_hash(tiles: &[Tile]) -> String {
+    let mut hash = Sha256::new();
+    for tile in tiles {
+        hash.update([tile.level, tile.face]);
+        hash.update(tile.x.to_le_bytes());
+        hash.update(tile.y.to_le_bytes());
+    }
+    let bytes = hash.finalize();
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Chooses levels on one grid by one policy.
@@ -90,7 +104,7 @@ impl Rules {
     #[must_use]
     pub fn select_of(
         &self,
-        content: Option<&dyn Content>,
+        content: Option<&dyn VideoUnits>,
         frame: u32,
         moment: &Moment,
     ) -> Selection {
@@ -103,7 +117,7 @@ impl Rules {
     /// `asked` for may get any level.
     pub(crate) fn levels_of(
         &self,
-        content: Option<&dyn Content>,
+        content: Option<&dyn VideoUnits>,
         frame: u32,
         moment: &Moment,
         asked: impl Fn(usize) -> bool,
@@ -154,7 +168,7 @@ impl Rules {
     /// An acuity matrix by neighbourhood (Kastner 2016, framework 2, section 4.2).
     fn kastner_grid(
         &self,
-        content: Option<&dyn Content>,
+        content: Option<&dyn VideoUnits>,
         frame: u32,
         gaze: &GazeSample,
     ) -> LevelMap {
@@ -338,7 +352,7 @@ impl Rules {
 
 /// Mean variance of red, green and blue of a cell over the group of a frame, in squared code
 /// values: the variance determinant of Kastner 2016, section 4.2.1. Cues tell its root.
-fn rgb_variance(content: Option<&dyn Content>, cell: Tile, frame: u32) -> f64 {
+fn rgb_variance(content: Option<&dyn VideoUnits>, cell: Tile, frame: u32) -> f64 {
     let cues = content.and_then(|content| content.cues(content.unit(cell, frame)));
     assert!(cues.is_some(), "a noise threshold was given no cues");
     cues.map_or(0.0, |cues| cues.deviation * cues.deviation)

@@ -9,7 +9,7 @@ use crate::content::policy::PolicyConfig;
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::rules::{Rules, Selection};
-use crate::content::video::units::Content;
+use crate::content::video::units::VideoUnits;
 use crate::perception::acuity::AcuityModel;
 use crate::perception::moment::Moment;
 use crate::units::Radians;
@@ -56,7 +56,7 @@ impl SteadySelector {
     /// As [`Rules::select_of`].
     pub fn select(
         &mut self,
-        content: Option<&dyn Content>,
+        content: Option<&dyn VideoUnits>,
         frame: u32,
         moment: &Moment,
     ) -> Selection {

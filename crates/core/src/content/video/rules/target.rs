@@ -11,7 +11,7 @@ use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::losses::{LossMeter, Losses};
 use crate::content::video::rules::Selection;
 use crate::content::video::rules::steady::SteadySelector;
-use crate::content::video::units::Content;
+use crate::content::video::units::VideoUnits;
 use crate::pack::unit::UnitId;
 use crate::perception::acuity::AcuityModel;
 use crate::perception::moment::Moment;
@@ -89,7 +89,7 @@ impl TargetSelector {
     }
 
     /// The choice for one moment, after those before.
-    pub fn select(&mut self, content: &dyn Content, frame: u32, moment: &Moment) -> Selection {
+    pub fn select(&mut self, content: &dyn VideoUnits, frame: u32, moment: &Moment) -> Selection {
         let group = content.unit(self.grid.tile_at(0, 0), frame);
         let of_group = self.before.as_ref().filter(|before| before.group == group);
         let still = self.before.as_ref();

@@ -334,9 +334,14 @@ proptest! {
 }
 
 /// Content whose every third cell is noisy.
+#[derive(Debug)]
 struct EveryThird;
 
-impl Content for EveryThird {
+impl VideoUnits for EveryThird {
+    fn has_signatures(&self) -> bool {
+        false
+    }
+
     fn unit(&self, tile: Tile, _frame: u32) -> UnitId {
         UnitId(u32::from(tile.face) * 16 + u32::from(tile.y) * 4 + u32::from(tile.x))
     }

@@ -15,7 +15,17 @@ use crate::view::surface::{Screen, Surface};
 /// Content whose steps add what a function says, the same everywhere.
 struct Texture<F>(F);
 
-impl<F: Fn(u8, u32) -> f64> Content for Texture<F> {
+impl<F> core::fmt::Debug for Texture<F> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("Texture")
+    }
+}
+
+impl<F: Fn(u8, u32) -> f64 + Send + Sync> VideoUnits for Texture<F> {
+    fn has_signatures(&self) -> bool {
+        true
+    }
+
     fn unit(&self, tile: Tile, frame: u32) -> UnitId {
         let place = u32::from(tile.face) << 12 | u32::from(tile.y) << 6 | u32::from(tile.x);
         UnitId(place | u32::from(tile.level) << 16 | (frame / 8) << 20)
@@ -86,7 +96,7 @@ fn moment(grid: &TileGrid, yaw_deg: f64) -> Moment {
     }
 }
 
-fn chosen(grid: TileGrid, config: &PolicyConfig, content: &dyn Content) -> LevelMap {
+fn chosen(grid: TileGrid, config: &PolicyConfig, content: &dyn VideoUnits) -> LevelMap {
     let moment = moment(&grid, 0.0);
     match TargetSelector::new(&grid, config) {
         Some(mut selector) => selector.select(content, 0, &moment).levels,
@@ -94,7 +104,7 @@ fn chosen(grid: TileGrid, config: &PolicyConfig, content: &dyn Content) -> Level
     }
 }
 
-fn expected(grid: &TileGrid, policy: Policy, content: &dyn Content, levels: &LevelMap) -> f64 {
+fn expected(grid: &TileGrid, policy: Policy, content: &dyn VideoUnits, levels: &LevelMap) -> f64 {
     let meter = LossMeter::new(grid, &PolicyConfig::new(policy).perception);
     let losses = meter.losses(grid, content, 0, &moment(grid, 0.0));
     policy.expectation().jod(losses.pooled(levels))

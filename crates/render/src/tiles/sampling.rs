@@ -11,7 +11,8 @@ use std::collections::BTreeMap;
 
 /// The mask that a policy asks for in a view: pixels count by the angles that they fill at the eye.
 /// From a gaze at one border of the view, a mask of twice its width reaches the other.
-pub(crate) fn mask_shape(config: &PolicyConfig, view: &EyeView) -> MaskShape {
+#[must_use]
+pub fn mask_shape(config: &PolicyConfig, view: &EyeView) -> MaskShape {
     let field = view.as_seen().field;
     MaskShape {
         side: config.mask.side.min(2 * view.size[0].max(view.size[1])),
@@ -21,7 +22,8 @@ pub(crate) fn mask_shape(config: &PolicyConfig, view: &EyeView) -> MaskShape {
 }
 
 /// How many samples that is.
-pub(crate) fn sample_count(config: &PolicyConfig, view: &EyeView) -> u32 {
+#[must_use]
+pub fn sample_count(config: &PolicyConfig, view: &EyeView) -> u32 {
     let wanted = || mask_shape(config, view).wanted_samples();
     config.mask.samples.unwrap_or_else(wanted)
 }
@@ -37,7 +39,7 @@ pub(crate) struct Sampling {
 }
 
 /// Y, U and V of every sample, and the pixel of the view that the mask's top left lies on.
-pub(crate) struct Samples {
+pub(crate) struct GatheredSamples {
     pub(crate) corner: [i32; 2],
     pub(crate) codes: Vec<u32>,
 }
@@ -64,7 +66,12 @@ impl Sampling {
     }
 
     /// The samples round a gaze that the tiles kept show.
-    pub(crate) fn gather(&self, grid: &TileGrid, view: &EyeView, gaze: &GazeSample) -> Samples {
+    pub(crate) fn gather(
+        &self,
+        grid: &TileGrid,
+        view: &EyeView,
+        gaze: &GazeSample,
+    ) -> GatheredSamples {
         let half = (self.mask.side / 2) as i32;
         let gaze = gaze.gaze_in_content;
         let middle = view.place(gaze).unwrap_or([0.0; 2]);
@@ -73,7 +80,7 @@ impl Sampling {
             view.footprint(grid.surface.ppd(place), gaze)
         });
         let gather = Gather::new(grid, &self.tiles, footprint, self.averages);
-        Samples {
+        GatheredSamples {
             corner,
             codes: gather.codes(view, corner, &self.mask.places, |place| {
                 if self.averages {

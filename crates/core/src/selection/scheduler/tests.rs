@@ -1,9 +1,17 @@
 //! Is a budget spent on what is worth it, and never passed?
 
 use super::*;
+use crate::content::video::demand::VideoDemand;
+use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::level_map::pixels;
 use crate::content::video::grid::tile_grid::Cut;
+use crate::content::video::grid::tile_grid::{Tile, TileGrid};
+use crate::content::video::losses::LossMeter;
+use crate::content::video::rules::Selection;
+use crate::content::video::units::VideoUnits;
+use crate::content::video::worth::Worth;
 use crate::gaze::sample::GazeSample;
+use crate::pack::unit::UnitId;
 use crate::perception::measures::contrast::{BandContrast, Signature};
 use crate::perception::measures::cues::Cues;
 use crate::perception::parameters::{EyeState, Model, Parameters};
@@ -11,13 +19,15 @@ use crate::units::{Radians, Seconds};
 use crate::view::axes::{Axes, angle_between};
 use crate::view::eye_view::{EyeView, Field};
 use crate::view::surface::Surface;
+use std::sync::Arc;
 
 const FRAMES_IN_GROUP: u32 = 8;
 
 /// Busy everywhere; only one tile moves.
+#[derive(Clone, Copy, Debug)]
 struct Busy;
 
-impl Content for Busy {
+impl VideoUnits for Busy {
     fn unit(&self, tile: Tile, frame: u32) -> UnitId {
         let place = u32::from(tile.face) << 12 | u32::from(tile.y) << 6 | u32::from(tile.x);
         UnitId(place | u32::from(tile.level) << 16 | (frame / FRAMES_IN_GROUP) << 20)
@@ -30,6 +40,10 @@ impl Content for Busy {
 
     fn bytes(&self, unit: UnitId) -> u32 {
         1000 + unit.0.wrapping_mul(2_654_435_761) % 500
+    }
+
+    fn has_signatures(&self) -> bool {
+        true
     }
 
     fn signature(&self, _: UnitId) -> Option<Signature> {
@@ -51,6 +65,50 @@ impl Content for Busy {
             change,
             ..Cues::default()
         })
+    }
+}
+
+/// The tile of a unit of [`Busy`].
+fn tile_of(UnitId(unit): UnitId) -> Tile {
+    Tile {
+        level: (unit >> 16 & 0xf) as u8,
+        face: (unit >> 12 & 0xf) as u8,
+        x: (unit & 0x3f) as u16,
+        y: (unit >> 6 & 0x3f) as u16,
+    }
+}
+
+/// A scheduler of one video, and what it worths steps by.
+struct Refiner {
+    scheduler: Scheduler,
+    grid: TileGrid,
+    worth: Worth,
+}
+
+impl Refiner {
+    fn new(grid: TileGrid, config: PolicyConfig) -> Self {
+        let demand = VideoDemand::new(Arc::new(Busy), grid, config.clone());
+        Self {
+            worth: Worth::new(&grid, &config),
+            scheduler: Scheduler::new(&config, vec![Box::new(demand)]),
+            grid,
+        }
+    }
+
+    fn spent(&self) -> u64 {
+        self.scheduler.spent()
+    }
+
+    fn refine(&mut self, _: &Busy, frame: u32, moment: &Moment, budget: Option<u64>) -> Selection {
+        let chosen = self.scheduler.choose(&[frame], moment, budget).remove(0);
+        let tiles: Vec<Tile> = chosen.units.into_iter().map(tile_of).collect();
+        let mut levels = LevelMap::filled(&self.grid, self.grid.coarsest());
+        for tile in &tiles {
+            for cell in self.grid.cells_under(*tile) {
+                levels.refine(&self.grid, cell, tile.level);
+            }
+        }
+        Selection { levels, tiles }
     }
 }
 

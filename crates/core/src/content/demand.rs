@@ -1,0 +1,130 @@
+//! What does a viewer want of one asset, whatever kind it is of?
+
+use crate::content::head::ContentHead;
+use crate::content::policy::{HasTables, PolicyConfig};
+use crate::content::unit::Unit;
+use crate::pack::unit::UnitId;
+use crate::perception::moment::Moment;
+use crate::view::timeline::Timeline;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// What is shown of one asset.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chosen {
+    /// The units to show, coarsest first: without hole and crack once all of them are there.
+    pub units: Vec<UnitId>,
+    /// The same, as a log tells it.
+    pub record: Record,
+}
+
+/// What a log tells of units that were chosen.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Record {
+    /// Number of units of each level, finest first.
+    pub per_level: Vec<u32>,
+    /// What they show, in samples.
+    pub samples: u64,
+    /// SHA-256 of their places, in hexadecimal.
+    pub sha256: String,
+}
+
+/// A step that a budget can be spent on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Offer {
+    /// Whether it was bought before.
+    pub is_held: bool,
+    /// What it takes, in bytes.
+    pub bytes: u32,
+    /// What it is worth to the viewer at the moment; what is not positive is not bought.
+    pub value: f64,
+}
+
+/// What one viewer wants of one asset. It remembers what its rule needs to be steady, and what it
+/// bought.
+///
+/// The steps of an asset are numbered from 0 and stay the same; what they cost and what they are
+/// worth changes with every moment. Buying goes like this: [`Self::begin`] once for a moment, then
+/// in each round [`Self::offers`], [`Self::is_missed`] for the steps that would be bought next, and
+/// [`Self::buy`].
+pub trait Demand: core::fmt::Debug + Send {
+    /// The units to show of a frame where bytes are not limited, or the policy is a rule.
+    fn needed(&mut self, frame: u32, moment: &Moment) -> Chosen;
+
+    /// Whether choosing within `budget` bytes, or without limit, is buying steps.
+    fn buys(&self, budget: Option<u64>) -> bool;
+
+    /// For every step those of the same asset that it needs first; empty where nothing is bought.
+    fn steps(&self) -> Vec<Vec<u32>>;
+
+    /// Looks at a frame and a moment, for buying.
+    fn begin(&mut self, frame: u32, moment: &Moment, budget: Option<u64>);
+
+    /// What every step costs and is worth, after what was bought so far.
+    fn offers(&mut self) -> Vec<Offer>;
+
+    /// Whether the next step is still of use after those that were asked for before it in this
+    /// round: buying for a score ends where the score is reached.
+    fn is_missed(&mut self, step: u32) -> bool;
+
+    /// Buys those of the steps that will be seen, and returns what they take in bytes.
+    fn buy(&mut self, steps: &[u32]) -> u64;
+
+    /// The units to show of what was bought.
+    fn bought(&mut self) -> Chosen;
+
+    /// Whether what was bought last reaches the score that is asked for, so that more bytes would
+    /// buy nothing.
+    fn has_reached(&self) -> bool;
+
+    /// The score that what was chosen last is expected to have against every finest unit, in JOD,
+    /// once all of it is shown; `None` before any choice and where nothing tells.
+    fn expected_jod(&self) -> Option<f64>;
+}
+
+/// One asset of a scene, the same for all its viewers: what selection and sessions learn of it,
+/// whatever kind it is of.
+pub trait Content: core::fmt::Debug + Send + Sync {
+    /// Its name, for people and logs.
+    fn name(&self) -> &str;
+
+    /// The frames in time; of content without time there is one.
+    fn timeline(&self) -> Timeline;
+
+    /// What is known of a unit.
+    fn unit(&self, unit: UnitId) -> Unit;
+
+    /// Whether a unit will never come, because what tells of it is damaged.
+    fn is_lost(&self, unit: UnitId) -> bool;
+
+    /// The units of the coarsest level at a frame: while one of them is missing, there is nothing
+    /// to show.
+    fn base(&self, frame: u32) -> Vec<UnitId>;
+
+    /// The coarsest level.
+    fn coarsest(&self) -> u8;
+
+    /// The unit that shows the place of `unit` at another frame.
+    fn at_frame(&self, unit: UnitId, frame: u32) -> UnitId;
+
+    /// Direction in which a unit is seen, for what comes first.
+    fn direction(&self, unit: UnitId) -> DVec3;
+
+    /// Samples of everything at the finest level.
+    fn finest_samples(&self) -> u64;
+
+    /// What it can tell of its units.
+    fn has(&self) -> HasTables;
+
+    /// Whether everything has been loaded by which a policy chooses for a frame.
+    fn is_ready(&self, config: &PolicyConfig, frame: u32) -> bool;
+
+    /// Whether what is not loaded yet may still come.
+    fn may_become_ready(&self) -> bool;
+
+    /// What one viewer wants of it under a policy, cut as `head` says: as it is, or as a log was.
+    fn demand(self: Arc<Self>, head: &ContentHead, config: &PolicyConfig) -> Box<dyn Demand>;
+
+    /// How it is cut, as the head of a log tells it.
+    fn head(&self) -> ContentHead;
+}

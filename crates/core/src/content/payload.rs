@@ -1,0 +1,10 @@
+//! What does a decoder make of a unit?
+
+use crate::view::picture::Picture;
+
+/// A decoded frame of a unit, of any kind of content.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Payload {
+    /// A tile of video.
+    Picture(Picture),
+}

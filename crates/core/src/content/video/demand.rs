@@ -1,0 +1,191 @@
+//! Which tiles of a video does one viewer want?
+//!
+//! By a rule, by a score, or step by step within a budget; whichever the policy says.
+
+use super::grid::level_map::{LevelMap, histogram, pixels};
+use super::grid::tile_grid::TileGrid;
+use super::losses::LossMeter;
+use super::purchases::Purchases;
+use super::rules::steady::SteadySelector;
+use super::rules::target::TargetSelector;
+use super::rules::{Selection, places_hash};
+use super::units::VideoUnits;
+use crate::content::demand::{Chosen, Demand, Offer, Record};
+use crate::content::policy::{Policy, PolicyConfig};
+use crate::perception::moment::Moment;
+use std::sync::{Arc, OnceLock};
+
+/// What one viewer wants of a video under one policy.
+#[derive(Clone, Debug)]
+pub struct VideoDemand {
+    content: Arc<dyn VideoUnits>,
+    grid: TileGrid,
+    config: PolicyConfig,
+    /// What chooses where bytes are not limited; `None` where that, too, is buying.
+    rule: Option<Rule>,
+    /// Under a policy that spends a budget.
+    purchases: Option<Box<Purchases>>,
+    /// Tells what is lost; made when first asked for.
+    meter: OnceLock<LossMeter>,
+    last: Option<Last>,
+    /// What is being bought for.
+    begun: Option<(u32, Moment)>,
+}
+
+#[derive(Clone, Debug)]
+enum Rule {
+    /// A frame depends on its moment, and on what was shown as far as it keeps levels steady.
+    Steady(Box<SteadySelector>),
+    /// For a score.
+    Target(Box<TargetSelector>),
+}
+
+/// What was chosen last, for what.
+#[derive(Clone, Debug)]
+struct Last {
+    frame: u32,
+    moment: Moment,
+    levels: LevelMap,
+    /// The score that is expected of it; told when first asked for.
+    jod: OnceLock<f64>,
+}
+
+impl VideoDemand {
+    /// What is wanted of the tiles of `grid` under a policy. `content` must know its signatures
+    /// where [`PolicyConfig::needs_signatures`] says so, and its cues where
+    /// [`PolicyConfig::needs_cues`] does.
+    #[must_use]
+    pub fn new(content: Arc<dyn VideoUnits>, grid: TileGrid, config: PolicyConfig) -> Self {
+        let spends = config.policy.spends_a_budget();
+        let target = TargetSelector::new(&grid, &config);
+        let rule = match target {
+            Some(target) => Some(Rule::Target(Box::new(target))),
+            None if spends => None,
+            None => Some(Rule::Steady(Box::new(SteadySelector::new(
+                grid,
+                config.clone(),
+            )))),
+        };
+        Self {
+            content,
+            grid,
+            purchases: spends.then(|| Box::new(Purchases::new(grid, config.clone()))),
+            config,
+            rule,
+            meter: OnceLock::new(),
+            last: None,
+            begun: None,
+        }
+    }
+
+    /// The same wish, with what was made for it, for other content of the same grid.
+    #[must_use]
+    pub fn of_content(&self, content: Arc<dyn VideoUnits>) -> Self {
+        Self {
+            content,
+            ..self.clone()
+        }
+    }
+
+    /// The level of every cell that was chosen last; `None` before any choice.
+    #[must_use]
+    pub fn levels(&self) -> Option<&LevelMap> {
+        self.last.as_ref().map(|last| &last.levels)
+    }
+
+    /// Notes what was chosen, and says which units show it: the whole coarsest level, which is
+    /// always resident, and the finer tiles.
+    fn chosen(&mut self, frame: u32, moment: &Moment, selection: Selection) -> Chosen {
+        let (grid, coarsest) = (&self.grid, self.grid.coarsest());
+        let finer = selection.tiles.iter().filter(|tile| tile.level != coarsest);
+        let tiles = grid.tiles_of(coarsest).chain(finer.copied());
+        let units = tiles.map(|tile| self.content.unit(tile, frame)).collect();
+        let record = Record {
+            per_level: histogram(grid, &selection.tiles),
+            samples: pixels(grid, &selection.tiles),
+            sha256: places_hash(&selection.tiles),
+        };
+        self.last = Some(Last {
+            frame,
+            moment: *moment,
+            levels: selection.levels,
+            jod: OnceLock::new(),
+        });
+        Chosen { units, record }
+    }
+}
+
+impl Demand for VideoDemand {
+    fn needed(&mut self, frame: u32, moment: &Moment) -> Chosen {
+        let content = &*self.content;
+        let selection = match &mut self.rule {
+            Some(Rule::Steady(selector)) => selector.select(Some(content), frame, moment),
+            Some(Rule::Target(selector)) => selector.select(content, frame, moment),
+            None => panic!("{:?} spends a budget", self.config.policy),
+        };
+        self.chosen(frame, moment, selection)
+    }
+
+    fn buys(&self, budget: Option<u64>) -> bool {
+        let is_limited = budget.is_some_and(|bytes| bytes < u64::MAX);
+        self.purchases.is_some() && (is_limited || self.rule.is_none())
+    }
+
+    fn steps(&self) -> Vec<Vec<u32>> {
+        let purchases = self.purchases.as_ref();
+        purchases.map_or(Vec::new(), |purchases| purchases.steps())
+    }
+
+    fn begin(&mut self, frame: u32, moment: &Moment, budget: Option<u64>) {
+        if let Some(purchases) = &mut self.purchases {
+            purchases.begin(&*self.content, frame, moment, budget);
+        }
+        self.begun = Some((frame, *moment));
+    }
+
+    fn offers(&mut self) -> Vec<Offer> {
+        let purchases = self.purchases.as_ref();
+        purchases.map_or(Vec::new(), |purchases| purchases.offers(&*self.content))
+    }
+
+    fn is_missed(&mut self, step: u32) -> bool {
+        let purchases = self.purchases.as_mut();
+        purchases.is_some_and(|purchases| purchases.is_missed(step))
+    }
+
+    fn buy(&mut self, steps: &[u32]) -> u64 {
+        let purchases = self.purchases.as_mut();
+        purchases.map_or(0, |purchases| purchases.buy(&*self.content, steps))
+    }
+
+    fn bought(&mut self) -> Chosen {
+        let selection = self.purchases.as_ref().map(|it| it.selection());
+        match (self.begun.take(), selection) {
+            (Some((frame, moment)), Some(selection)) => self.chosen(frame, &moment, selection),
+            _ => Chosen::default(),
+        }
+    }
+
+    fn has_reached(&self) -> bool {
+        let purchases = self.purchases.as_ref();
+        purchases.is_some_and(|purchases| purchases.has_reached())
+    }
+
+    fn expected_jod(&self) -> Option<f64> {
+        let last = self.last.as_ref()?;
+        // Samples are not shown by tiles.
+        if self.config.policy == Policy::Sampled || !self.content.has_signatures() {
+            return None;
+        }
+        let meter = || LossMeter::new(&self.grid, &self.config.perception);
+        let jod = || {
+            let meter = self.meter.get_or_init(meter);
+            let losses = meter.losses(&self.grid, &*self.content, last.frame, &last.moment);
+            self.config
+                .policy
+                .expectation()
+                .jod(losses.pooled(&last.levels))
+        };
+        Some(*last.jod.get_or_init(jod))
+    }
+}

@@ -1,0 +1,123 @@
+//! What goes into a session, and what comes out of it?
+
+use crate::content::unit::UnitRef;
+use crate::session::aim::Aim;
+use crate::session::log::SessionFrame;
+use crate::session::unit_states::Piece;
+use crate::units::Seconds;
+use std::collections::HashMap;
+
+/// The moment that a step is made for.
+#[derive(Clone, Copy, Debug)]
+pub struct Now {
+    /// By the clock of whoever shows.
+    pub wall: Seconds,
+    /// In the content, counted on.
+    pub media: Seconds,
+    /// What the content's time does.
+    pub pace: Pace,
+    /// How long a picture is drawn while none can be shown: by
+    /// [`Figures::slow_draw`](crate::session::figures::Figures::slow_draw).
+    pub drawing: Seconds,
+    /// Until when what is brought can be spent on what is chosen now, by the clock of gazes.
+    pub until: Seconds,
+    /// Where the viewer looks.
+    pub aim: Aim,
+}
+
+/// What the content's time does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// It runs: frames are shown as they fall due.
+    Playing,
+    /// It stands: the picture is refined until nothing is missing.
+    Standing,
+    /// Frames come one by one, as fast as they can be made, each begun by
+    /// [`Session::begin_frame`](crate::session::session::Session::begin_frame): it is chosen for
+    /// once, and shown when it is whole.
+    FrameByFrame,
+    /// As before, and the time of the frame is over: it is shown with what is there.
+    FrameIsOver,
+}
+
+/// What happened outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SessionEvent {
+    /// A piece was decoded, and frames of its unit with it; whoever decoded it keeps it until it is
+    /// to be uploaded or dropped.
+    Decoded {
+        /// What came.
+        piece: Piece,
+        /// Frames that were decoded for it, those to catch up included.
+        frames: u32,
+    },
+    /// A piece cannot be decoded.
+    Damaged {
+        /// What does not come.
+        piece: Piece,
+        /// Frames that were decoded in vain.
+        frames: u32,
+    },
+    /// The device that drew is gone, and what was on it.
+    DeviceLost,
+}
+
+/// What is to be done outside, in this order.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SessionAction {
+    /// From now on these are to be fetched and decoded, first what matters most, and nothing else.
+    Want(Vec<Piece>),
+    /// From now on this frame is shown.
+    BeginFrame(u32),
+    /// This piece, which was decoded, goes to where it is drawn from.
+    Upload(Piece),
+    /// All but these and the coarsest level are to be evicted.
+    Keep(Vec<UnitRef>),
+    /// This piece, which was decoded, is not needed.
+    Drop(Piece),
+    /// Lines of the session log.
+    Log(String),
+    /// What was chosen, as the log tells it.
+    Chosen(SessionFrame),
+    /// Something was shown, evicted or refined: how much memory is in use, and whether pieces of
+    /// other frames are on screen, is to be told.
+    Count,
+}
+
+/// What was decoded and waits to be uploaded.
+#[derive(Debug)]
+pub struct Cache<P> {
+    payloads: HashMap<Piece, P>,
+}
+
+impl<P> Default for Cache<P> {
+    fn default() -> Self {
+        Self {
+            payloads: HashMap::new(),
+        }
+    }
+}
+
+impl<P> Cache<P> {
+    /// Keeps what was decoded.
+    pub fn insert(&mut self, piece: Piece, payload: P) {
+        self.payloads.insert(piece, payload);
+    }
+
+    /// Gives what was kept away, to be uploaded or dropped.
+    pub fn take(&mut self, piece: Piece) -> Option<P> {
+        self.payloads.remove(&piece)
+    }
+
+    /// Number of pieces.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.payloads.len()
+    }
+
+    /// Whether nothing is kept.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.payloads.is_empty()
+    }
+}

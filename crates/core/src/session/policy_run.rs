@@ -1,0 +1,293 @@
+//! Which units does the policy want for a viewer who goes on looking, and how is that written down?
+//!
+//! Where something is still missing by which the policy chooses, what was chosen stays for a while,
+//! and then another policy stands in. One part of the log follows the other whenever what it stands
+//! for changes: the view's size, the zoom, the policy.
+
+use crate::content::demand::{Chosen, Content};
+use crate::content::policy::PolicyConfig;
+use crate::content::unit::{AssetId, UnitRef};
+use crate::selection::scheduler::Scheduler;
+use crate::session::aim::Aim;
+use crate::session::budget::Budget;
+use crate::session::log::{Given, SessionFrame, SessionHead, SessionLogPart};
+use crate::units::{Radians, Seconds};
+use std::sync::Arc;
+
+/// What is kept fine beside the view, at most in shares of its width: a window that is zoomed to a
+/// corner of the content does not fetch the rest.
+const MARGIN_SHARE: f64 = 0.25;
+/// How long what was chosen stays where something is awaited, before something else stands in and
+/// what was bought is forgotten, in seconds.
+const PATIENCE_S: f64 = 0.5;
+
+/// Chooses under one policy at a time, and writes it down.
+#[derive(Debug)]
+pub(super) struct PolicyRun {
+    scene: Vec<Arc<dyn Content>>,
+    /// What is asked for.
+    asked: PolicyConfig,
+    /// What chooses: what is asked for, or what stands in for it.
+    using: PolicyConfig,
+    running: Option<(Scheduler, SessionHead)>,
+    /// What the link brings; `None` where bytes are not limited.
+    budget: Option<Budget>,
+    /// When the budget was last asked.
+    until: Option<f64>,
+    /// Whether the margin round the view is cut to its width: where a view can be zoomed.
+    zooms: bool,
+    /// Something is missing by which a frame is chosen for as it was asked.
+    awaited: Option<Vec<u32>>,
+    last: Option<Last>,
+}
+
+/// What was chosen last.
+#[derive(Debug)]
+struct Last {
+    /// When, by the clock of gazes.
+    at: f64,
+    units: Vec<UnitRef>,
+}
+
+/// What was chosen.
+#[derive(Debug, Default)]
+pub(super) struct Picked {
+    /// The units to show, of each asset the whole coarsest level first.
+    pub(super) units: Vec<UnitRef>,
+    /// Lines of the session log.
+    pub(super) log: String,
+    /// The line of this choice; `None` where nothing was chosen anew.
+    pub(super) line: Option<SessionFrame>,
+}
+
+impl PolicyRun {
+    pub(super) fn new(
+        scene: Vec<Arc<dyn Content>>,
+        asked: PolicyConfig,
+        budget: Option<Budget>,
+        begins: Option<Seconds>,
+        zooms: bool,
+    ) -> Self {
+        Self {
+            scene,
+            using: asked.clone(),
+            asked,
+            running: None,
+            budget,
+            until: begins.map(|begins| begins.0),
+            zooms,
+            awaited: None,
+            last: None,
+        }
+    }
+
+    /// What is asked for.
+    pub(super) fn asked(&self) -> &PolicyConfig {
+        &self.asked
+    }
+
+    /// What chooses: what is asked for, or what stands in for it.
+    pub(super) fn using(&self) -> &PolicyConfig {
+        &self.using
+    }
+
+    /// Chooses by another policy from now on.
+    pub(super) fn change(&mut self, config: PolicyConfig) {
+        self.asked = config;
+        self.awaited = None;
+    }
+
+    /// The link brings so many bytes a second from now on.
+    pub(super) fn set_budget(&mut self, budget: Budget) {
+        self.budget = Some(budget);
+    }
+
+    /// What is spent counts from here.
+    pub(super) fn begin_at(&mut self, time: Seconds) {
+        self.until = Some(time.0);
+    }
+
+    /// The score that what was chosen last is expected to have.
+    pub(super) fn expected_jod(&self) -> Option<f64> {
+        self.running.as_ref()?.0.expected_jod()
+    }
+
+    /// Whether what was asked for waits for what it needs, and something else stands in.
+    pub(super) fn waits(&self) -> bool {
+        self.awaited.is_some() && self.scene.iter().all(|asset| asset.may_become_ready())
+    }
+
+    fn is_ready(&self, frames: &[u32]) -> bool {
+        let mut assets = self.scene.iter().zip(frames);
+        assets.all(|(asset, frame)| asset.is_ready(&self.asked, *frame))
+    }
+
+    fn spends(&self) -> bool {
+        self.using.policy.spends_a_budget()
+    }
+
+    /// Whether what was chosen last stays while something is awaited.
+    fn keeps(&self, now: f64) -> bool {
+        let last = self.last.as_ref().filter(|_| self.using == self.asked);
+        last.is_some_and(|last| (0.0..PATIENCE_S).contains(&(now - last.at)))
+    }
+
+    /// Whether what a choice waited for is there, or more may be bought.
+    fn may_go_on(&self, now: f64) -> bool {
+        if let Some(frames) = &self.awaited
+            && self.waits()
+        {
+            let has_waited = self.using == self.asked && self.last.is_some() && !self.keeps(now);
+            return self.is_ready(frames) || has_waited;
+        }
+        let has_reached = |(scheduler, _): &(Scheduler, _)| scheduler.has_reached();
+        let saves_up = self.budget.as_ref().is_some_and(|budget| !budget.is_done());
+        self.spends() && saves_up && !self.running.as_ref().is_some_and(has_reached)
+    }
+
+    /// Whether the choice for `now` could be another than for `before`.
+    pub(super) fn differs(&self, now: &Aim, before: &Aim) -> bool {
+        self.may_go_on(now.gaze.time.0) || now.differs(before, self.asked.policy)
+    }
+
+    /// Goes over to what is asked for, or to what stands in, whichever can choose now. Returns the
+    /// bytes of what was chosen so far for these frames, where that is new: they are here or under
+    /// way, and cost nothing more.
+    fn go_over(&mut self, frames: &[u32], is_ready: bool) -> u64 {
+        let config = match is_ready {
+            true => self.asked.clone(),
+            false => self.asked.without_signatures(),
+        };
+        if self.using == config {
+            return 0;
+        }
+        self.using = config;
+        self.running = None;
+        let units = self.last.iter().flat_map(|last| &last.units);
+        let bytes = units.map(|unit| {
+            let asset = usize::from(unit.asset.0);
+            let (content, frame) = (&self.scene[asset], frames[asset]);
+            let unit = content.unit(content.at_frame(unit.unit, frame));
+            match unit.level < content.coarsest() {
+                true => u64::from(unit.bytes.unwrap_or(0)),
+                false => 0,
+            }
+        });
+        bytes.sum()
+    }
+
+    /// What to show of the frames, one of each asset; what is brought until `until` can be spent.
+    ///
+    /// # Panics
+    /// A policy that spends a budget needs content that tells what its units add.
+    pub(super) fn choose(&mut self, frames: &[u32], aim: &Aim, until: Seconds) -> Picked {
+        let now = aim.gaze.time.0;
+        let is_ready = self.is_ready(frames);
+        self.awaited = (!is_ready).then(|| frames.to_vec());
+        if !is_ready && self.keeps(now) {
+            return Picked {
+                units: self
+                    .last
+                    .iter()
+                    .flat_map(|last| last.units.clone())
+                    .collect(),
+                ..Picked::default()
+            };
+        }
+        let paid = self.go_over(frames, is_ready);
+        if self.spends() && !is_ready {
+            // Nothing stands in for what weighs bytes alone.
+            self.last = None;
+            return Picked {
+                units: self.base(frames),
+                ..Picked::default()
+            };
+        }
+        let passed = until.0 - self.until.replace(until.0).unwrap_or(until.0);
+        let spends = self.spends();
+        let mut budget = self.budget.as_mut().filter(|_| spends);
+        let bytes = budget.as_mut().map(|budget| {
+            let saved = budget.after(Seconds(passed));
+            saved.saturating_add(paid)
+        });
+        let picked = self.pick(frames, aim, bytes);
+        if let Some(budget) = self.budget.as_mut().filter(|_| spends) {
+            let spent = self.running.as_ref().map_or(0, |(it, _)| it.spent());
+            budget.spend(spent);
+        }
+        self.last = Some(Last {
+            at: now,
+            units: picked.units.clone(),
+        });
+        picked
+    }
+
+    /// The coarsest level of everything.
+    fn base(&self, frames: &[u32]) -> Vec<UnitRef> {
+        let assets = (0..).map(AssetId).zip(&self.scene).zip(frames);
+        let units = assets.flat_map(|((asset, content), frame)| {
+            let base = content.base(*frame).into_iter();
+            base.map(move |unit| UnitRef { asset, unit })
+        });
+        units.collect()
+    }
+
+    fn pick(&mut self, frames: &[u32], aim: &Aim, budget: Option<u64>) -> Picked {
+        let head = self.head(aim);
+        let mut log = String::new();
+        let goes_on = |(_, running): &(Scheduler, SessionHead)| *running == head;
+        if !self.running.as_ref().is_some_and(goes_on) {
+            let part = SessionLogPart {
+                head: head.clone(),
+                frames: Vec::new(),
+            };
+            log = part.write();
+            self.running = None;
+        }
+        let (scheduler, _) = self.running.get_or_insert_with(|| {
+            let demand =
+                |asset: &Arc<dyn Content>| Arc::clone(asset).demand(&asset.head(), &head.policy);
+            let demands = self.scene.iter().map(demand).collect();
+            (Scheduler::new(&head.policy, demands), head)
+        });
+        let chosen = scheduler.choose(frames, &aim.moment(), budget);
+        let given = Given {
+            gaze: aim.gaze,
+            head: aim.head,
+            state: aim.state,
+            budget,
+        };
+        let record = chosen.first().map(|chosen| chosen.record.clone());
+        let line = SessionFrame {
+            behind_sound_s: aim.behind_sound,
+            ..SessionFrame::new(frames[0], &given, &record.unwrap_or_default())
+        };
+        log.push_str(&line.write());
+        let assets = (0..).map(AssetId).zip(chosen);
+        let units = assets.flat_map(|(asset, Chosen { units, .. })| {
+            let units = units.into_iter();
+            units.map(move |unit| UnitRef { asset, unit })
+        });
+        Picked {
+            units: units.collect(),
+            log,
+            line: Some(line),
+        }
+    }
+
+    /// The head of the part of the log that a choice for `aim` belongs to.
+    pub(super) fn head(&self, aim: &Aim) -> SessionHead {
+        let field = aim.view.field;
+        let across = (libm::atan(field.left) + libm::atan(field.right)).abs() * MARGIN_SHARE;
+        let margin = match self.zooms {
+            true => self.using.margin.0.min(across),
+            false => self.using.margin.0,
+        };
+        let config = PolicyConfig {
+            margin: Radians(margin),
+            ..self.using.clone()
+        };
+        let content = &self.scene[0];
+        SessionHead::new(content.name(), content.head(), config, &aim.view)
+    }
+}

@@ -1,0 +1,87 @@
+//! What does every policy choose in a scripted run?
+
+use crate::content::policy::{Policy, PolicyConfig};
+use crate::content::scripted::{scripted_demand, scripted_head};
+use crate::gaze::sample::HeadPose;
+use crate::gaze::scan::ScanPath;
+use crate::perception::moment::Moment;
+use crate::perception::parameters::EyeState;
+use crate::selection::scheduler::Scheduler;
+use crate::session::log::{Given, SessionFrame, SessionHead, SessionLogPart};
+use crate::units::{Radians, Seconds};
+use crate::view::eye_view::{EyeView, Field};
+use crate::view::surface::{Screen, Surface};
+
+/// A scripted run over a 16K cube and a flat picture under every policy, as logs: the same text on
+/// every machine, natively and in wasm.
+#[must_use]
+pub fn scripted_sessions() -> Vec<SessionLogPart> {
+    let flat = Surface::flat([3840, 2160], Screen::default());
+    scripted_sessions_over([Surface::cube(4096), flat])
+}
+
+/// A scripted run over each surface under every policy.
+pub(super) fn scripted_sessions_over(surfaces: [Surface; 2]) -> Vec<SessionLogPart> {
+    let policies = [
+        Policy::Acuity,
+        Policy::Grid,
+        Policy::Distance,
+        Policy::Sampled,
+        Policy::Viewport,
+        Policy::Full,
+        Policy::Coarsest,
+        Policy::Uniform,
+        Policy::Eccentricity,
+        Policy::Perceptual,
+    ];
+    let runs = surfaces.iter().flat_map(|surface| {
+        let configs = policies.map(PolicyConfig::new);
+        configs.map(|config| scripted_session(*surface, config))
+    });
+    runs.collect()
+}
+
+/// Two seconds of a scan over a surface, ten frames a second, with a head that turns.
+pub(super) fn scripted_session(surface: Surface, config: PolicyConfig) -> SessionLogPart {
+    let head = scripted_head(surface);
+    let config = PolicyConfig {
+        saliency: true,
+        noise_threshold: Some(3000.0),
+        ..config
+    };
+    let path = ScanPath::new(&surface, 7, Seconds(2.0));
+    let demand = scripted_demand(&head, &config);
+    let mut scheduler = Scheduler::new(&config, vec![demand]);
+    let size = [1280, 720];
+    let view = EyeView {
+        axes: HeadPose::default().axes(),
+        field: Field::across(Radians::from_degrees(100.0), size),
+        size,
+        eye: Default::default(),
+    };
+    let frames = (0..20).map(|frame| {
+        let gaze = path.at(Seconds(f64::from(frame) * 0.1)).0;
+        let head = HeadPose {
+            yaw: Radians(f64::from(frame) * 0.05),
+            ..HeadPose::default()
+        };
+        let axes = head.axes();
+        let moment = Moment {
+            gaze,
+            view: Some(EyeView { axes, ..view }),
+            state: EyeState::Steady,
+        };
+        let given = Given {
+            gaze,
+            head,
+            state: moment.state,
+            budget: Some(40_000),
+        };
+        let chosen = scheduler.choose(&[frame], &moment, given.budget);
+        SessionFrame::new(frame, &given, &chosen[0].record)
+    });
+    SessionLogPart {
+        frames: frames.collect(),
+        head: SessionHead::new("scripted", head, config, &view),
+    }
+}

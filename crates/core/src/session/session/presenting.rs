@@ -1,0 +1,120 @@
+//! When is a frame shown, with what, and what is evicted then?
+
+use super::{MOST_LEAD_S, PATIENCE_S, Session, Staged};
+use crate::content::unit::{AssetId, UnitRef};
+use crate::session::actions::{Now, Pace, SessionAction};
+use crate::session::figures::FrameOutcome;
+use crate::session::unit_states::{Piece, UnitState};
+
+impl Session {
+    pub(super) fn is_due(&self, now: &Now) -> bool {
+        let Some(coming) = &self.coming else {
+            return false;
+        };
+        let mut base = (0..)
+            .map(AssetId)
+            .zip(&self.scene)
+            .flat_map(|(asset, content)| {
+                let frame = coming.frames[usize::from(asset.0)];
+                let units = content.base(frame).into_iter();
+                units.map(move |unit| UnitRef { asset, unit })
+            });
+        let is_cached = |unit| {
+            self.states.of(coming.piece(unit)) == Some(UnitState::Cached)
+                || self.states.is_resident(coming.piece(unit))
+        };
+        if coming.wanted.is_empty() || !base.all(is_cached) {
+            return false;
+        }
+        match now.pace {
+            Pace::Playing => now.media.0 + 1e-4 >= self.timeline.time_of(coming.tick).0,
+            Pace::Standing => {
+                let waited = now.wall.0 - coming.begun;
+                coming.complete.is_some() || self.shown.is_none() || waited > PATIENCE_S
+            }
+            Pace::FrameByFrame => coming.complete.is_some(),
+            Pace::FrameIsOver => true,
+        }
+    }
+
+    /// Shows the frame that came, with the units that are there.
+    pub(super) fn present(&mut self, now: &Now) {
+        let Some(coming) = self.coming.take() else {
+            return;
+        };
+        self.actions.push(SessionAction::BeginFrame(coming.frame));
+        let cached = |piece: &&Piece| self.states.of(**piece) == Some(UnitState::Cached);
+        let cached: Vec<Piece> = coming.wanted.iter().filter(cached).copied().collect();
+        cached.into_iter().for_each(|piece| self.upload(piece));
+        let before = self.shown.take();
+        let playing = now.pace == Pace::Playing;
+        if playing {
+            self.learn_lead(now, &coming);
+        }
+        let overdue = now.media.0 > self.timeline.time_of(coming.tick + 1).0;
+        let left_out = match &before {
+            Some(before) if playing && !self.jumped => coming.tick.saturating_sub(before.tick + 1),
+            _ => 0,
+        };
+        let follows = playing && before.is_some();
+        let is_missing = |piece: &Piece| !self.states.is_settled(*piece);
+        let outcome = FrameOutcome {
+            left_out,
+            late: follows && overdue,
+            incomplete: follows && coming.wanted.iter().any(is_missing),
+        };
+        self.figures.shown(now.wall, outcome);
+        self.shown = Some(coming);
+        self.evict_others();
+        self.jumped = false;
+        self.count();
+    }
+
+    /// Evicts all that the frame on screen does not show.
+    pub(super) fn evict_others(&mut self) {
+        let Some(shown) = &self.shown else {
+            return;
+        };
+        let mut kept = Vec::with_capacity(shown.wanted.len());
+        for piece in self.states.resident() {
+            if shown.shows.contains(&piece) {
+                kept.push(piece.unit);
+            } else {
+                self.states.drop(piece);
+            }
+        }
+        self.actions.push(SessionAction::Keep(kept));
+    }
+
+    /// Begins frames earlier when they come after their time, though no earlier than they are on
+    /// their way, and later again when they wait for it: a stall does not slow what follows.
+    fn learn_lead(&mut self, now: &Now, shown: &Staged) {
+        let [begin, end] = [shown.tick, shown.tick + 1].map(|tick| self.timeline.time_of(tick).0);
+        let late = now.media.0 - end;
+        self.lead = if late > 0.0 {
+            let on_its_way = now.wall.0 - shown.begun;
+            let longer = self.lead + 0.5 * (now.media.0 - begin);
+            longer.min(on_its_way).min(MOST_LEAD_S)
+        } else {
+            let waited = shown.complete.map_or(0.0, |complete| now.wall.0 - complete);
+            (self.lead * 0.95 - 0.5 * waited).max(0.0)
+        };
+    }
+
+    /// Counts what is on screen.
+    pub(super) fn count(&mut self) {
+        let coarsest = self.scene.iter().map(|asset| asset.coarsest()).max();
+        let mut per_level = vec![0; usize::from(coarsest.unwrap_or(0)) + 1];
+        let mut samples = 0;
+        for piece in self.states.resident() {
+            let asset = &self.scene[usize::from(piece.unit.asset.0)];
+            let unit = asset.unit(piece.unit.unit);
+            per_level[usize::from(unit.level)] += 1;
+            samples += unit.samples;
+        }
+        let finest: u64 = self.scene.iter().map(|asset| asset.finest_samples()).sum();
+        self.figures.histogram = per_level;
+        self.figures.share = samples as f64 / finest as f64;
+        self.actions.push(SessionAction::Count);
+    }
+}

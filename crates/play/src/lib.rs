@@ -1,0 +1,24 @@
+//! A pack in, pictures out: opening, choosing, fetching, decoding and drawing, without command line
+//! and window.
+//!
+//! [`Player`] makes frames one by one, for whoever looks wherever; [`LivePlayer`] plays while
+//! something else goes on, as a window does. Both obey a
+//! [`Session`](foveal_core::session::session::Session), which decides.
+
+#![forbid(unsafe_code)]
+
+mod decoding;
+mod error;
+mod feed;
+mod live;
+mod look;
+mod player;
+mod report;
+mod step;
+
+pub use decoding::Decoding;
+pub use error::PlayError;
+pub use live::{LiveOptions, LivePlayer, Stepped};
+pub use look::Look;
+pub use player::{Player, PlayerOptions};
+pub use report::FrameReport;

@@ -1,0 +1,56 @@
+//! What did one frame take?
+
+use foveal_core::content::video::grid::tile_grid::Tile;
+use foveal_core::gaze::sample::GazeSample;
+use foveal_core::session::log::SessionFrame;
+use foveal_core::view::eye_view::EyeView;
+use std::time::Duration;
+
+/// What one frame took.
+#[derive(Clone, Debug)]
+pub struct FrameReport {
+    /// The line of the log.
+    pub session: SessionFrame,
+    /// Where the eye looked.
+    pub gaze: GazeSample,
+    /// How far from there it was expected, in degrees.
+    pub gaze_error_deg: f64,
+    /// Share of the detail that this eye could see that was shown; `None` where the pack does not
+    /// tell what its units add, or judging was not asked for.
+    pub detail_share: Option<f64>,
+    /// Quality difference to every finest tile that is expected of what was shown, as
+    /// [`expected_jod`](foveal_core::content::calibration::expected_jod) takes it.
+    pub expected_loss: Option<f64>,
+    /// What showed it.
+    pub view: EyeView,
+    /// Tiles decoded and shown, coarsest first.
+    pub tiles: Vec<Tile>,
+    /// Tiles that were chosen and are not shown: late, or damaged.
+    pub missing: Vec<Tile>,
+    /// Tiles shown of each level, finest first.
+    pub histogram: Vec<u32>,
+    /// Pixels of the tiles that were asked for, the whole coarsest level included; the samples
+    /// where only those are shown.
+    pub pixels: u64,
+    /// Those over the pixels of the finest level.
+    pub share: f64,
+    /// Pixels decoded, those to catch up included.
+    pub decoded_pixels: u64,
+    /// Bytes of units that were needed for the first time.
+    pub new_bytes: u64,
+    /// Time of choosing them.
+    pub choose: Duration,
+    /// From asking for the tiles until the last was there.
+    pub decode: Duration,
+    /// Time of making them resident.
+    pub upload: Duration,
+    /// Whether the frame's time was over before it could be shown, be it with coarser tiles in the
+    /// place of missing ones. The first frame cannot be: time begins with it.
+    pub late: bool,
+    /// Tiles shown that hold another frame.
+    pub wrong_frame_tiles: usize,
+    /// Tiles that could not be decoded.
+    pub failed_tiles: usize,
+    /// Cells whose level changed since the frame before.
+    pub level_changes: u64,
+}
