@@ -8,7 +8,7 @@ export const DETAIL = ["target", "slope"] as const;
 /** Either of them, or neither. */
 export type Detail = Pick<EngineOptions, "target" | "slope">;
 
-/** What each of them may be; as in crates/core/src/selection/asked.rs. */
+/** What each of them may be; as in crates/core/src/content/asked.rs. */
 const RANGES = { target: [1, 9.99], slope: [0, 1] } as const;
 
 /** The detail that texts say; `refused` hears a sentence for each that says none. */

@@ -50,7 +50,7 @@ export function rate(bitsPerSecond: number): string {
 }
 
 /** A score that is asked for and one that is expected, in JOD: "9.5 asked, 9.56 expected". As
- *  `score_told` of crates/core/src/selection/asked.rs. */
+ *  `score_told` of crates/core/src/content/asked.rs. */
 export function score(target: number | null, expected: number | null): string {
   const said = expected === null ? "" : `, ${expected.toFixed(2)} expected`;
   return `${target ?? "none"} asked${said}`;
