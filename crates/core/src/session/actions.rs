@@ -108,16 +108,4 @@ impl<P> Cache<P> {
     pub fn take(&mut self, piece: Piece) -> Option<P> {
         self.payloads.remove(&piece)
     }
-
-    /// Number of pieces.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.payloads.len()
-    }
-
-    /// Whether nothing is kept.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.payloads.is_empty()
-    }
 }

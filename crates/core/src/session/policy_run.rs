@@ -163,11 +163,9 @@ impl PolicyRun {
         }
         self.using = config;
         self.running = None;
-        let units = self.last.iter().flat_map(|last| &last.units);
-        let bytes = units.map(|unit| {
-            let asset = usize::from(unit.asset.0);
-            let (content, frame) = (&self.scene[asset], frames[asset]);
-            let unit = content.unit(content.at_frame(unit.unit, frame));
+        let bytes = self.last_at(frames).into_iter().map(|unit| {
+            let content = &self.scene[usize::from(unit.asset.0)];
+            let unit = content.unit(unit.unit);
             match unit.level < content.coarsest() {
                 true => u64::from(unit.bytes.unwrap_or(0)),
                 false => 0,
@@ -186,11 +184,7 @@ impl PolicyRun {
         self.awaited = (!is_ready).then(|| frames.to_vec());
         if !is_ready && self.keeps(now) {
             return Picked {
-                units: self
-                    .last
-                    .iter()
-                    .flat_map(|last| last.units.clone())
-                    .collect(),
+                units: self.last_at(frames),
                 ..Picked::default()
             };
         }
@@ -220,6 +214,19 @@ impl PolicyRun {
             units: picked.units.clone(),
         });
         picked
+    }
+
+    /// The units that show at these frames what was chosen last.
+    fn last_at(&self, frames: &[u32]) -> Vec<UnitRef> {
+        let units = self.last.iter().flat_map(|last| &last.units);
+        let at = units.map(|UnitRef { asset, unit }| {
+            let number = usize::from(asset.0);
+            UnitRef {
+                asset: *asset,
+                unit: self.scene[number].at_frame(*unit, frames[number]),
+            }
+        });
+        at.collect()
     }
 
     /// The coarsest level of everything.

@@ -499,9 +499,10 @@ impl Session {
             self.states.set(*piece, UnitState::Requested);
         }
         let before = std::mem::take(&mut self.requested);
-        for piece in before.iter().filter(|piece| !order.contains(piece)) {
-            self.let_go(&[*piece]);
-        }
+        let ordered: HashSet<Piece> = order.iter().copied().collect();
+        let gone = before.iter().filter(|piece| !ordered.contains(piece));
+        let gone: Vec<Piece> = gone.copied().collect();
+        self.let_go(&gone);
         if order != before {
             self.actions.push(SessionAction::Want(order.clone()));
         }

@@ -15,15 +15,27 @@ use crate::view::axes::Axes;
 use crate::view::eye_view::{EyeView, Field};
 use crate::view::surface::Surface;
 use glam::DVec3;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 const PERIOD: f64 = 1.0 / 30.0;
 /// Time from one step to the next.
 const STEP: f64 = 0.005;
 const FRAMES: u32 = 300;
 
-/// One coarse and four fine units a frame, all of them wanted.
-#[derive(Clone, Copy, Debug)]
-struct Film;
+/// Frames of a group.
+const GROUP: u32 = 8;
+
+/// One coarse and four fine units a group, all of them wanted.
+#[derive(Clone, Debug, Default)]
+struct Film {
+    /// Something that choosing takes has not been loaded.
+    lacks: Arc<AtomicBool>,
+}
+
+/// The units of the group of a frame, the coarse one first.
+fn units_at(frame: u32) -> impl Iterator<Item = UnitId> {
+    (0..5).map(move |number| UnitId(frame / GROUP * 5 + number))
+}
 
 impl Content for Film {
     fn name(&self) -> &str {
@@ -36,14 +48,14 @@ impl Content for Film {
     }
 
     fn unit(&self, unit: UnitId) -> Unit {
-        let level = u8::from(unit.0 == 0);
+        let (level, group) = (u8::from(unit.0 % 5 == 0), unit.0 / 5);
         Unit {
             level,
             bytes: Some(100),
             samples: 1024,
             gpu_bytes: 1536,
             needs: Vec::new(),
-            frames: 0..FRAMES,
+            frames: group * GROUP..(group + 1) * GROUP,
         }
     }
 
@@ -51,20 +63,20 @@ impl Content for Film {
         false
     }
 
-    fn base(&self, _: u32) -> Vec<UnitId> {
-        vec![UnitId(0)]
+    fn base(&self, frame: u32) -> Vec<UnitId> {
+        units_at(frame).take(1).collect()
     }
 
     fn coarsest(&self) -> u8 {
         1
     }
 
-    fn at_frame(&self, unit: UnitId, _: u32) -> UnitId {
-        unit
+    fn at_frame(&self, unit: UnitId, frame: u32) -> UnitId {
+        UnitId(frame / GROUP * 5 + unit.0 % 5)
     }
 
     fn direction(&self, unit: UnitId) -> DVec3 {
-        DVec3::new(f64::from(unit.0), 0.0, -1.0).normalize()
+        DVec3::new(f64::from(unit.0 % 5), 0.0, -1.0).normalize()
     }
 
     fn finest_samples(&self) -> u64 {
@@ -79,15 +91,15 @@ impl Content for Film {
     }
 
     fn is_ready(&self, _: &PolicyConfig, _: u32) -> bool {
-        true
+        !self.lacks.load(Ordering::Relaxed)
     }
 
     fn may_become_ready(&self) -> bool {
-        false
+        true
     }
 
     fn demand(self: Arc<Self>, _: &ContentHead, _: &PolicyConfig) -> Box<dyn Demand> {
-        Box::new(*self)
+        Box::new(Self::clone(&self))
     }
 
     fn head(&self) -> ContentHead {
@@ -96,9 +108,9 @@ impl Content for Film {
 }
 
 impl Demand for Film {
-    fn needed(&mut self, _: u32, _: &Moment) -> Chosen {
+    fn needed(&mut self, frame: u32, _: &Moment) -> Chosen {
         Chosen {
-            units: (0..5).map(UnitId).collect(),
+            units: units_at(frame).collect(),
             ..Chosen::default()
         }
     }
@@ -142,6 +154,7 @@ impl Demand for Film {
 /// or finds it damaged.
 struct Trial {
     session: Session,
+    lacks: Arc<AtomicBool>,
     now: f64,
     takes: f64,
     damaged: bool,
@@ -160,8 +173,11 @@ impl Trial {
             since: None,
             zooms: false,
         };
+        let film = Film::default();
+        let lacks = Arc::clone(&film.lacks);
         Self {
-            session: Session::new(vec![Arc::new(Film)], settings),
+            session: Session::new(vec![Arc::new(film)], settings),
+            lacks,
             now: 0.0,
             takes,
             damaged: false,
@@ -202,7 +218,7 @@ impl Trial {
             },
             drawing: Seconds(self.drawing),
             until: Seconds(wall),
-            aim: aim(),
+            aim: aim(wall),
         };
         for action in self.session.step(&now) {
             self.obey(action);
@@ -232,10 +248,10 @@ impl Trial {
     }
 }
 
-fn aim() -> Aim {
+fn aim(wall: f64) -> Aim {
     let size = [64, 64];
     Aim {
-        gaze: GazeSample::at(Seconds(0.0), Radians(0.0), Radians(0.0)),
+        gaze: GazeSample::at(Seconds(wall), Radians(0.0), Radians(0.0)),
         view: EyeView {
             axes: Axes::FRONT,
             field: Field::across(Radians::from_degrees(60.0), size),
@@ -319,4 +335,22 @@ fn a_picture_that_stays_is_refined_until_nothing_is_missing() {
     let mut trial = Trial::new(0.05);
     (0..40).for_each(|_| trial.step(false));
     assert!(trial.session.is_settled());
+}
+
+#[test]
+fn what_stays_while_something_is_awaited_is_of_the_frame_that_comes() {
+    let mut trial = Trial::new(0.001);
+    trial.play(0.2);
+    trial.lacks.store(true, Ordering::Relaxed);
+    let before = trial.session.figures.frames;
+    for _ in 0..60 {
+        trial.step(true);
+        for Piece { unit, frame } in trial.session.wanted().unwrap().1 {
+            assert!(
+                units_at(*frame).any(|known| known == unit.unit),
+                "{unit:?} at {frame}"
+            );
+        }
+    }
+    assert!(trial.session.figures.frames >= before + 8);
 }
