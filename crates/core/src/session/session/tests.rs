@@ -48,7 +48,7 @@ impl Content for Film {
     }
 
     fn unit(&self, unit: UnitId) -> Unit {
-        let (level, group) = (u8::from(unit.0 % 5 == 0), unit.0 / 5);
+        let (level, group) = (u8::from(unit.0.is_multiple_of(5)), unit.0 / 5);
         Unit {
             level,
             bytes: Some(100),
