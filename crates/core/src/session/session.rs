@@ -252,8 +252,11 @@ impl Session {
             let staged = staged.as_ref();
             staged.is_some_and(|staged| staged.shows.contains(&piece))
         };
-        let is_awaited = self.states.of(piece) == Some(UnitState::Requested);
-        if is_awaited && wants(&self.coming) {
+        let state = self.states.of(piece);
+        let is_awaited = state == Some(UnitState::Requested);
+        if state == Some(UnitState::Cached) {
+            // It came twice, and one payload took the place of the other.
+        } else if is_awaited && wants(&self.coming) {
             self.states.set(piece, UnitState::Cached);
         } else if is_awaited && wants(&self.shown) {
             self.states.set(piece, UnitState::Cached);

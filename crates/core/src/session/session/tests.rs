@@ -158,6 +158,8 @@ struct Trial {
     now: f64,
     takes: f64,
     damaged: bool,
+    /// Whether everything comes twice.
+    twice: bool,
     /// When what is wanted will be there.
     under_way: Vec<(f64, Piece)>,
     cache: HashSet<Piece>,
@@ -181,6 +183,7 @@ impl Trial {
             now: 0.0,
             takes,
             damaged: false,
+            twice: false,
             under_way: Vec::new(),
             cache: HashSet::new(),
             drawing: 0.0,
@@ -207,6 +210,9 @@ impl Trial {
                 SessionEvent::Decoded { piece, frames: 1 }
             };
             self.session.take(event);
+            if self.twice {
+                self.session.take(event);
+            }
         }
         let now = Now {
             wall: Seconds(wall),
@@ -236,8 +242,12 @@ impl Trial {
                     }
                 }
             }
-            SessionAction::Upload(piece) | SessionAction::Drop(piece) => {
+            SessionAction::Upload(piece) => {
                 assert!(self.cache.remove(&piece), "{piece:?} is not there");
+            }
+            SessionAction::Drop(piece) => {
+                let was_there = self.cache.remove(&piece);
+                assert!(was_there || self.twice, "{piece:?} is not there");
             }
             _ => {}
         }
@@ -353,4 +363,16 @@ fn what_stays_while_something_is_awaited_is_of_the_frame_that_comes() {
         }
     }
     assert!(trial.session.figures.frames >= before + 8);
+}
+
+#[test]
+fn what_comes_twice_is_shown_all_the_same() {
+    let mut trial = Trial::new(0.01);
+    trial.twice = true;
+    trial.play(1.0);
+    let figures = &trial.session.figures;
+    assert!(
+        figures.frames >= 29 && figures.incomplete_frames == 0,
+        "{figures:?}"
+    );
 }
