@@ -6,7 +6,7 @@ use crate::decoding::Decoding;
 use crate::error::PlayError;
 use crate::look::Look;
 use crate::report::FrameReport;
-use crate::step::{perform, step};
+use crate::step::step;
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{Policy, PolicyConfig};
@@ -213,7 +213,7 @@ impl Player {
         let now = self.now(frame, look, Pace::FrameByFrame);
         let actions = self.session.begin_frame(u64::from(frame), &now);
         let choose = begun.elapsed();
-        let (_, left) = perform(actions, &mut self.cache, &mut self.drawer)?;
+        let (_, left) = self.drawer.perform(actions, &mut self.cache)?;
         let Some(session) = self.order(left) else {
             return Err(self.lacks("tells too little to choose by"));
         };

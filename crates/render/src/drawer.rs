@@ -20,6 +20,7 @@ use foveal_core::content::video::Video;
 use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::samples::sample_mask::MaskShape;
+use foveal_core::session::actions::{Cache, SessionAction};
 use foveal_core::session::unit_states::Piece;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::picture::Picture;
@@ -265,6 +266,40 @@ impl Drawer {
     pub fn keep(&mut self, units: &[UnitRef]) {
         let tiles: Vec<Tile> = units.iter().map(|unit| self.tile_of(*unit)).collect();
         self.engine.retain(&tiles);
+    }
+
+    /// Does what of a session's actions is drawing, with the payloads that were kept for it.
+    /// Returns whether the picture changed, and what is left to do.
+    ///
+    /// # Errors
+    /// A piece is not what its unit should be, or the device was lost.
+    pub fn perform(
+        &mut self,
+        actions: Vec<SessionAction>,
+        cache: &mut Cache<Payload>,
+    ) -> Result<(bool, Vec<SessionAction>), RenderError> {
+        let (mut changed, mut left) = (false, Vec::new());
+        for action in actions {
+            match action {
+                SessionAction::BeginFrame(frame) => {
+                    self.begin_frame(frame);
+                    changed = true;
+                }
+                SessionAction::Upload(piece) => {
+                    if let Some(payload) = cache.take(piece) {
+                        self.upload(piece, payload)?;
+                        changed = true;
+                    }
+                }
+                SessionAction::Keep(units) => {
+                    self.keep(&units);
+                    changed = true;
+                }
+                SessionAction::Drop(piece) => drop(cache.take(piece)),
+                other => left.push(other),
+            }
+        }
+        Ok((changed, left))
     }
 
     /// Resident units that hold another frame than the one shown.

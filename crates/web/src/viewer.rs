@@ -370,32 +370,18 @@ impl Viewer {
     /// Does what the session asks for; tells whether the picture changed, and whether other units
     /// are wanted.
     fn obey(&mut self, actions: Vec<SessionAction>) -> Result<(bool, bool), RenderError> {
-        let (mut changed, mut wants) = (false, false);
-        for action in actions {
+        let (changed, left) = self.drawer.perform(actions, &mut self.cache)?;
+        let mut wants = false;
+        for action in left {
             match action {
                 SessionAction::Want(_) => wants = true,
-                SessionAction::BeginFrame(frame) => {
-                    self.drawer.begin_frame(frame);
-                    changed = true;
-                }
-                SessionAction::Upload(piece) => {
-                    if let Some(payload) = self.cache.take(piece) {
-                        self.drawer.upload(piece, payload)?;
-                        changed = true;
-                    }
-                }
-                SessionAction::Keep(units) => {
-                    self.drawer.keep(&units);
-                    changed = true;
-                }
-                SessionAction::Drop(piece) => drop(self.cache.take(piece)),
                 SessionAction::Log(lines) => self.write(&lines),
                 SessionAction::Count => {
                     let wrong = self.drawer.wrong_frame_units() as u64;
                     self.session.figures.wrong_frame_tiles += wrong;
                     self.session.figures.gpu_bytes = self.drawer.gpu_bytes();
                 }
-                SessionAction::Chosen(_) => {}
+                _ => {}
             }
         }
         Ok((changed, wants))
