@@ -3,9 +3,9 @@
 //! The statements of [`crate::score::pyramid`] in single precision, a row at a time.
 
 use super::ROWS;
-use super::instructions::Instructions;
 use crate::score::pyramid::{KERNEL, half_size, mirrored, samples_beyond};
 use crate::score::rules::Border;
+use foveal_core::perception::fast::instructions::Instructions;
 use rayon::prelude::*;
 
 /// The kernel on its two sides.
