@@ -12,6 +12,10 @@ use glam::DVec3;
 /// Halvings at most: the widest Gaussian has a spread of 2^8 · 0.65 pixels.
 const MOST_HALVINGS: u32 = 8;
 
+/// Spread of the Gaussian over the minimum angle of resolution whose limit, half a cycle, it dims
+/// to a half: sqrt(ln 2 / 2) / π over half a cycle.
+const SIGMA_OF_RESOLUTION: f64 = 0.374_774_4;
+
 /// A blur that grows with eccentricity (Kastner 2016, section 4.4).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadialBlur {
@@ -116,6 +120,27 @@ impl FirstHalf {
     /// The same after: reading between two texels adds the sixth of a texel's square.
     pub(crate) fn shown_variance(self) -> f32 {
         self.variance() + 4.0 / 6.0
+    }
+}
+
+impl BlurParams {
+    /// The parameters of `blur` in pictures of `view` with this many halves.
+    #[must_use]
+    pub(crate) fn new(view: &EyeView, blur: &RadialBlur, halves: u32, first: FirstHalf) -> Self {
+        let m = view.ray_from_pixel();
+        let column = |c: DVec3| [c.x as f32, c.y as f32, c.z as f32, 0.0];
+        Self {
+            ray_from_pixel: [column(m.x_axis), column(m.y_axis), column(m.z_axis)],
+            gaze: blur.gaze.as_vec3().to_array(),
+            fovea_chord: (2.0 * (blur.fovea.0 / 2.0).sin()) as f32,
+            fovea: blur.fovea.0 as f32,
+            growth: (SIGMA_OF_RESOLUTION * blur.slope) as f32,
+            pitch: (m.x_axis.length() * m.y_axis.length()).sqrt() as f32,
+            last: halves as f32 - 1.0,
+            first: first.variance(),
+            unused: 0.0,
+            unused_pair: [0.0; 2],
+        }
     }
 }
 

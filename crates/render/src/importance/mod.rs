@@ -12,13 +12,13 @@ mod sums;
 mod tables;
 mod timer;
 
-pub use params::{Band, Eye};
+pub use params::{BandParams, EyeParams};
 pub use pictures::{UnitIds, upload_picture};
 pub use sums::{PendingGains, UnitGains};
 
 use crate::gpu::readback::BytesBack;
 use crate::{error::RenderError, gpu::device::Gpu, shaders};
-use bands::{BandBuffers, EyeBuffers};
+use bands::{BandBuffers, EyeBuffers, TILE};
 use compute::{Compute, Dispatch, storage};
 use foveal_core::perception::importance::Onlooker;
 use foveal_core::perception::parameters::{EyeState, Parameters};
@@ -27,8 +27,6 @@ use sums::SumsShape;
 use tables::{EyeTables, row_from_chord};
 use timer::Timer;
 
-/// Texels on a side that a workgroup of most passes does.
-const TILE: [u32; 2] = [8, 8];
 /// Pixels that a workgroup of `accumulate` does.
 const ACCUMULATE_TILE: [u32; 2] = [64, 16];
 
@@ -201,7 +199,7 @@ impl Importance {
         } else {
             &self.looking
         };
-        let (eye, quantum) = Eye::new(onlooker, &self.parameters, tables.most_seen());
+        let (eye, quantum) = EyeParams::new(onlooker, &self.parameters, tables.most_seen());
         let queue = &self.gpu.queue;
         queue.write_buffer(&self.eye.eye, 0, bytemuck::bytes_of(&eye));
         if self.uploaded_jumping != Some(is_jumping) {
