@@ -1,10 +1,11 @@
 //! How is a finished picture blurred outside the fovea?
 
+use crate::gpu::buffers::written;
 use crate::gpu::device::Gpu;
-use crate::gpu::screen_pass::{Reads, ScreenPass, buffer};
+use crate::gpu::picture_target::{Area, PictureTarget};
+use crate::gpu::screen_pass::{Reads, ScreenPass};
 use crate::params::BlurParams;
 use crate::shaders;
-use crate::tiles::passes::Target;
 use foveal_core::units::Radians;
 use foveal_core::view::eye_view::EyeView;
 use glam::DVec3;
@@ -150,8 +151,8 @@ pub(crate) struct Blur {
     radial: ScreenPass,
     uniform: wgpu::Buffer,
     sampler: wgpu::Sampler,
-    halves: Target,
-    output: Target,
+    halves: PictureTarget,
+    output: PictureTarget,
 }
 
 impl Blur {
@@ -168,7 +169,7 @@ impl Blur {
         Self {
             halve: ScreenPass::new(gpu, &shaders::blur_halve(), &halve),
             radial: ScreenPass::new(gpu, &shaders::blur_radial(), &radial),
-            uniform: buffer(gpu, "blur", bytes, wgpu::BufferUsages::UNIFORM),
+            uniform: written(gpu, "blur", bytes, wgpu::BufferUsages::UNIFORM),
             sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("between texels"),
                 mag_filter: wgpu::FilterMode::Linear,
@@ -176,8 +177,8 @@ impl Blur {
                 mipmap_filter: wgpu::MipmapFilterMode::Linear,
                 ..wgpu::SamplerDescriptor::default()
             }),
-            halves: Target::with_mips(gpu, half(size), halvings(size)),
-            output: Target::new(gpu, size),
+            halves: PictureTarget::with_mips(gpu, half(size), halvings(size)),
+            output: PictureTarget::new(gpu, size),
         }
     }
 
@@ -188,24 +189,23 @@ impl Blur {
     }
 
     /// Where the first half is drawn by whoever draws it by itself.
-    pub(crate) fn first_half(&self) -> &Target {
+    pub(crate) fn first_half(&self) -> &PictureTarget {
         &self.halves
     }
 
-    /// Draws `picture` blurred.
-    pub(crate) fn draw(
+    /// Records what draws `picture` blurred, once a frame.
+    pub(crate) fn record(
         &self,
-        gpu: &Gpu,
-        picture: &Target,
+        (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
+        picture: &PictureTarget,
         view: &EyeView,
         blur: &RadialBlur,
         first: FirstHalf,
-    ) -> &Target {
+    ) -> &PictureTarget {
         let mips = self.halves.picture.mip_level_count();
         let params = BlurParams::new(view, blur, mips, first);
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&params));
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mip_view = |mip: u32| {
             self.halves
                 .picture
@@ -226,7 +226,7 @@ impl Blur {
                 (6, wgpu::BindingResource::Sampler(&self.sampler)),
             ];
             let bound = self.halve.bind(gpu, &resources);
-            self.halve.draw(&mut encoder, &bound, &smaller);
+            self.halve.record(encoder, &bound, Area::of_view(&smaller));
             larger = smaller;
         }
         let halves = self.halves.picture.create_view(&Default::default());
@@ -240,9 +240,7 @@ impl Blur {
             (7, wgpu::BindingResource::Sampler(&self.sampler)),
         ];
         let bound = self.radial.bind(gpu, &resources);
-        self.radial
-            .draw(&mut encoder, &bound, self.output.picture_view());
-        gpu.queue.submit([encoder.finish()]);
+        self.radial.record(encoder, &bound, self.output.whole());
         &self.output
     }
 }

@@ -9,7 +9,7 @@
 mod blur;
 mod error;
 mod frame;
-mod gpu;
+pub mod gpu;
 mod image;
 pub mod importance;
 pub mod params;

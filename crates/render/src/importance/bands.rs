@@ -1,8 +1,9 @@
 //! Which buffers lie between the passes?
 
-use super::compute::{Compute, Dispatch, filled, storage};
 use super::params::{BandParams, EyeParams};
 use super::tables::{CHORDS, EyeTables};
+use crate::gpu::buffers::{filled, storage};
+use crate::gpu::compute::{Compute, Dispatch};
 use crate::{error::RenderError, gpu::device::Gpu};
 use foveal_core::perception::parameters::Parameters;
 use foveal_core::perception::pyramid::bands_of;

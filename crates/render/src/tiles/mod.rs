@@ -3,10 +3,10 @@
 pub(crate) mod atlas;
 pub(crate) mod atlas_shape;
 pub(crate) mod level_map;
-pub(crate) mod passes;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod read_tile;
 pub(crate) mod reduce;
 pub(crate) mod sparse;
 pub(crate) mod store;
 pub(crate) mod textures;
+pub(crate) mod tile_pass;
