@@ -7,19 +7,17 @@
 
 mod buffers;
 mod passes;
-mod pipeline;
 mod shaders;
-mod stamps;
 
 use super::error::ScoreError;
 use super::fast::HeatMap;
 use super::geometry::Geometry;
 use super::picture::{Samples, ScorePicture};
-use super::pooling::{BandSums, FrameScore, Pool, Score};
+use super::pooling::{FrameScore, Pool, Score};
 use super::viewing::Viewing;
-use buffers::SUMS_A_GROUP;
+use foveal_render::Gpu;
 use passes::Passes;
-pub use shaders::{ScoreShader, score_shaders};
+pub use shaders::score_shaders;
 use std::time::Duration;
 
 /// Scores frame after frame on a device. Holds the frames of a quarter of a second and about 50
@@ -43,10 +41,11 @@ impl GpuJudge {
         queue: &wgpu::Queue,
         viewing: &Viewing,
     ) -> Result<Self, ScoreError> {
+        let gpu = Gpu::from_parts(device.clone(), queue.clone());
         Ok(Self {
             centres: viewing.bands(),
             geometry: Geometry::new(viewing),
-            passes: Passes::new(device, queue, viewing)?,
+            passes: Passes::new(&gpu, viewing)?,
             pool: Pool::default(),
             gpu_time: None,
             viewing: viewing.clone(),
@@ -118,19 +117,6 @@ impl GpuJudge {
     pub fn gpu_time(&self) -> Option<Duration> {
         self.gpu_time
     }
-}
-
-/// The sums of one band from those of its workgroups.
-fn band_sums(groups: &[f32]) -> BandSums {
-    let mut sums = BandSums::default();
-    for group in groups.chunks_exact(SUMS_A_GROUP) {
-        for zone in 0..3 {
-            sums.sums[zone][0] += f64::from(group[zone * 2]);
-            sums.sums[zone][1] += f64::from(group[zone * 2 + 1]);
-            sums.pixels[zone] += f64::from(group[6 + zone]);
-        }
-    }
-    sums
 }
 
 #[cfg(test)]
