@@ -6,6 +6,33 @@ use crate::gpu::timer::Timer;
 use crate::shaders::ComputeShader;
 
 /// A compute pass, ready to be given what it reads and writes.
+///
+/// ```
+/// # #[cfg(not(target_arch = "wasm32"))] {
+/// use foveal_render::gpu::buffers::storage;
+/// use foveal_render::gpu::compute::{Compute, record};
+/// use foveal_render::gpu::readback::BytesBack;
+/// use foveal_render::{Gpu, shaders::ComputeShader};
+///
+/// let gpu = Gpu::open_blocking()?;
+/// let text = "@group(0) @binding(0) var<storage, read_write> numbers: array<u32>;
+///     @compute @workgroup_size(4) fn count(@builtin(global_invocation_id) at: vec3u) {
+///         numbers[at.x] = at.x + 7u;
+///     }";
+/// let count = Compute::new(&gpu, &ComputeShader { name: "count", text: text.to_owned() });
+/// let numbers = storage(&gpu, "numbers", 16)?;
+/// let four = count.over(&gpu, [4, 1], [4, 1], &[(0, numbers.as_entire_binding())]);
+///
+/// let mut encoder = gpu.encoder("example");
+/// record(&mut encoder, "count", None, [&four]);
+/// let back = BytesBack::buffer(&gpu, 16);
+/// encoder.copy_buffer_to_buffer(&numbers, 0, &back, 0, 16);
+/// gpu.submit(encoder);
+/// let bytes = BytesBack::map(back).wait(&gpu)?;
+/// assert_eq!(bytes[4..8], 8_u32.to_le_bytes());
+/// # }
+/// # Ok::<(), foveal_render::RenderError>(())
+/// ```
 pub struct Compute {
     name: &'static str,
     pipeline: wgpu::ComputePipeline,
