@@ -30,7 +30,7 @@ fn line(away: f32, width: f32) -> f32 {
 }
 
 // Output pixels to the nearest border of the tile that shows a place.
-fn to_border(seen: Seen) -> f32 {
+fn to_border(seen: SeenPlace) -> f32 {
     let shown = shown_in(seen.face, cell_at(seen.place));
     let tile = source_at(level_in(shown), seen.face, seen.place, shown);
     let away = min(seen.place - tile.low, tile.high - seen.place);

@@ -1,16 +1,21 @@
 //! How is a finished picture blurred outside the fovea?
 
+use crate::gpu::buffers::written;
 use crate::gpu::device::Gpu;
-use crate::gpu::screen_pass::{Reads, ScreenPass, buffer};
+use crate::gpu::picture_target::{Area, PictureTarget};
+use crate::gpu::screen_pass::{Reads, ScreenPass};
 use crate::params::BlurParams;
 use crate::shaders;
-use crate::tiles::passes::Target;
 use foveal_core::units::Radians;
 use foveal_core::view::eye_view::EyeView;
 use glam::DVec3;
 
 /// Halvings at most: the widest Gaussian has a spread of 2^8 · 0.65 pixels.
 const MOST_HALVINGS: u32 = 8;
+
+/// Spread of the Gaussian over the minimum angle of resolution whose limit, half a cycle, it dims
+/// to a half: sqrt(ln 2 / 2) / π over half a cycle.
+const SIGMA_OF_RESOLUTION: f64 = 0.374_774_4;
 
 /// A blur that grows with eccentricity (Kastner 2016, section 4.4).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,14 +124,35 @@ impl FirstHalf {
     }
 }
 
+impl BlurParams {
+    /// The parameters of `blur` in pictures of `view` with this many halves.
+    #[must_use]
+    pub(crate) fn new(view: &EyeView, blur: &RadialBlur, halves: u32, first: FirstHalf) -> Self {
+        let m = view.ray_from_pixel();
+        let column = |c: DVec3| [c.x as f32, c.y as f32, c.z as f32, 0.0];
+        Self {
+            ray_from_pixel: [column(m.x_axis), column(m.y_axis), column(m.z_axis)],
+            gaze: blur.gaze.as_vec3().to_array(),
+            fovea_chord: (2.0 * (blur.fovea.0 / 2.0).sin()) as f32,
+            fovea: blur.fovea.0 as f32,
+            growth: (SIGMA_OF_RESOLUTION * blur.slope) as f32,
+            pitch: (m.x_axis.length() * m.y_axis.length()).sqrt() as f32,
+            last: halves as f32 - 1.0,
+            first: first.variance(),
+            unused: 0.0,
+            unused_pair: [0.0; 2],
+        }
+    }
+}
+
 /// The passes, the halves and what is drawn.
 pub(crate) struct Blur {
     halve: ScreenPass,
     radial: ScreenPass,
     uniform: wgpu::Buffer,
     sampler: wgpu::Sampler,
-    halves: Target,
-    output: Target,
+    halves: PictureTarget,
+    output: PictureTarget,
 }
 
 impl Blur {
@@ -143,7 +169,7 @@ impl Blur {
         Self {
             halve: ScreenPass::new(gpu, &shaders::blur_halve(), &halve),
             radial: ScreenPass::new(gpu, &shaders::blur_radial(), &radial),
-            uniform: buffer(gpu, "blur", bytes, wgpu::BufferUsages::UNIFORM),
+            uniform: written(gpu, "blur", bytes, wgpu::BufferUsages::UNIFORM),
             sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("between texels"),
                 mag_filter: wgpu::FilterMode::Linear,
@@ -151,8 +177,8 @@ impl Blur {
                 mipmap_filter: wgpu::MipmapFilterMode::Linear,
                 ..wgpu::SamplerDescriptor::default()
             }),
-            halves: Target::with_mips(gpu, half(size), halvings(size)),
-            output: Target::new(gpu, size),
+            halves: PictureTarget::with_mips(gpu, half(size), halvings(size)),
+            output: PictureTarget::new(gpu, size),
         }
     }
 
@@ -163,24 +189,23 @@ impl Blur {
     }
 
     /// Where the first half is drawn by whoever draws it by itself.
-    pub(crate) fn first_half(&self) -> &Target {
+    pub(crate) fn first_half(&self) -> &PictureTarget {
         &self.halves
     }
 
-    /// Draws `picture` blurred.
-    pub(crate) fn draw(
+    /// Records what draws `picture` blurred, once a frame.
+    pub(crate) fn record(
         &self,
-        gpu: &Gpu,
-        picture: &Target,
+        (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
+        picture: &PictureTarget,
         view: &EyeView,
         blur: &RadialBlur,
         first: FirstHalf,
-    ) -> &Target {
+    ) -> &PictureTarget {
         let mips = self.halves.picture.mip_level_count();
         let params = BlurParams::new(view, blur, mips, first);
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&params));
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mip_view = |mip: u32| {
             self.halves
                 .picture
@@ -201,7 +226,7 @@ impl Blur {
                 (6, wgpu::BindingResource::Sampler(&self.sampler)),
             ];
             let bound = self.halve.bind(gpu, &resources);
-            self.halve.draw(&mut encoder, &bound, &smaller);
+            self.halve.record(encoder, &bound, Area::of_view(&smaller));
             larger = smaller;
         }
         let halves = self.halves.picture.create_view(&Default::default());
@@ -215,9 +240,7 @@ impl Blur {
             (7, wgpu::BindingResource::Sampler(&self.sampler)),
         ];
         let bound = self.radial.bind(gpu, &resources);
-        self.radial
-            .draw(&mut encoder, &bound, self.output.picture_view());
-        gpu.queue.submit([encoder.finish()]);
+        self.radial.record(encoder, &bound, self.output.whole());
         &self.output
     }
 }

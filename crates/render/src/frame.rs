@@ -4,13 +4,14 @@
 //! [`Renderer::tiles`], then draw. Everything else in this crate serves it.
 
 use crate::blur::{Blur, FirstHalf, RadialBlur};
-use crate::gpu::readback::ReadBack;
+use crate::gpu::picture_target::PictureTarget;
+use crate::gpu::readback::{PictureCopy, ReadBack};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
 use crate::params::{Overlay, ViewParams};
-use crate::tiles::passes::{Pass, Target};
 use crate::tiles::sparse::{Interpolation, SparseStore};
 use crate::tiles::store::TileStore;
+use crate::tiles::tile_pass::TilePass;
 use crate::{error::RenderError, gpu::device::Gpu, shaders};
 use foveal_core::content::video::grid::tile_grid::TileGrid;
 use foveal_core::perception::samples::sample_mask::SampleMask;
@@ -22,9 +23,10 @@ pub struct Renderer {
     gpu: Gpu,
     grid: TileGrid,
     tiles: TileStore,
-    reconstruct: Pass,
-    overlay: Option<Pass>,
-    output: Target,
+    reconstruct: TilePass,
+    reconstruct_half: TilePass,
+    overlay: Option<TilePass>,
+    output: PictureTarget,
     sparse: Option<SparseStore>,
     blur: Option<Blur>,
     /// What is blurred in the pictures drawn from now on; a window can turn it on and off.
@@ -42,13 +44,15 @@ impl Renderer {
         layers: u32,
     ) -> Result<Self, RenderError> {
         let shader = shaders::reconstruct(grid.surface.projection);
+        let reconstruct = TilePass::new(gpu, &shader);
         Ok(Self {
             gpu: gpu.clone(),
             grid: *grid,
             tiles: TileStore::new(gpu, grid, colour, layers)?,
-            reconstruct: Pass::new(gpu, &shader),
+            reconstruct_half: reconstruct.again(gpu),
+            reconstruct,
             overlay: None,
-            output: Target::new(gpu, [1, 1]),
+            output: PictureTarget::new(gpu, [1, 1]),
             sparse: None,
             blur: None,
             radial_blur: None,
@@ -106,10 +110,25 @@ impl Renderer {
         view: &EyeView,
         marks: Option<&Overlay>,
     ) -> Result<&wgpu::Texture, RenderError> {
+        let gpu = self.gpu.clone();
+        let mut encoder = gpu.encoder("frame");
+        let picture = self.record(&mut encoder, view, marks)?;
+        gpu.submit(encoder);
+        Ok(picture)
+    }
+
+    /// Records all passes of a frame; returns what it shows.
+    fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &EyeView,
+        marks: Option<&Overlay>,
+    ) -> Result<&wgpu::Texture, RenderError> {
         self.tiles.flush();
         self.output.fit(&self.gpu, view.size)?;
         let params = ViewParams::new(view, &self.grid);
         let (gpu, tiles, output) = (&self.gpu, &self.tiles, &self.output);
+        let reconstruct = &mut self.reconstruct;
         let blur = self.radial_blur.as_ref();
         let blurred = blur.map(|wanted| {
             let blur = Blur::of_size(&mut self.blur, gpu, output.size());
@@ -117,32 +136,33 @@ impl Renderer {
         });
         let shown = match (&mut self.sparse, blurred) {
             (Some(sparse), blurred) => {
-                sparse.draw(gpu, tiles, output, &params);
+                sparse.record((gpu, encoder), tiles, output, &params);
                 blurred.map_or(output, |(blur, wanted)| {
-                    blur.draw(gpu, output, view, wanted, FirstHalf::Halved)
+                    blur.record((gpu, encoder), output, view, wanted, FirstHalf::Halved)
                 })
             }
             (None, None) => {
-                let whole = output.whole();
-                self.reconstruct.draw(gpu, tiles, whole, &params, None);
+                reconstruct.record((gpu, encoder), tiles, output.whole(), &params, None);
                 output
             }
             (None, Some((blur, wanted))) => {
                 let half = ViewParams::new(&RadialBlur::half_view(view), &self.grid);
                 let first_half = blur.first_half().whole();
-                self.reconstruct.draw(gpu, tiles, first_half, &half, None);
+                self.reconstruct_half
+                    .record((gpu, encoder), tiles, first_half, &half, None);
                 if let Some(sharp) = wanted.sharp_pixels(view, FirstHalf::Drawn) {
                     let area = output.within(sharp);
-                    self.reconstruct.draw(gpu, tiles, area, &params, None);
+                    reconstruct.record((gpu, encoder), tiles, area, &params, None);
                 }
-                blur.draw(gpu, output, view, wanted, FirstHalf::Drawn)
+                blur.record((gpu, encoder), output, view, wanted, FirstHalf::Drawn)
             }
         };
         if marks.is_some() {
-            let overlay = self.overlay.get_or_insert_with(|| {
-                Pass::over(&self.gpu, &shaders::overlay(self.grid.surface.projection))
-            });
-            overlay.draw(&self.gpu, &self.tiles, shown.whole(), &params, marks);
+            let shader = || shaders::overlay(self.grid.surface.projection);
+            let overlay = self
+                .overlay
+                .get_or_insert_with(|| TilePass::over(gpu, &shader()));
+            overlay.record((gpu, encoder), tiles, shown.whole(), &params, marks);
         }
         Ok(&shown.picture)
     }
@@ -154,14 +174,17 @@ impl Renderer {
         marks: Option<&Overlay>,
     ) -> Result<ReadBack, RenderError> {
         let gpu = self.gpu.clone();
-        let texture = self.draw(view, marks)?;
-        Ok(ReadBack::start(&gpu, texture))
+        let mut encoder = gpu.encoder("frame to read");
+        let picture = self.record(&mut encoder, view, marks)?;
+        let copy = PictureCopy::record(&gpu, &mut encoder, picture);
+        gpu.submit(encoder);
+        Ok(copy.map())
     }
 
     /// The picture that `view` shows; blocks until it is there.
     ///
     /// ```no_run
-    /// # use foveal_core::{asset::*, view::{eye_view::EyeView, surface::*}};
+    /// # use foveal_core::view::{eye_view::EyeView, surface::*};
     /// # use foveal_core::view::picture::*;
     /// # use foveal_core::content::video::grid::tile_grid::*;
     /// # use foveal_render::{Gpu, Renderer};

@@ -10,7 +10,7 @@ mod blur;
 mod drawer;
 mod error;
 mod frame;
-mod gpu;
+pub mod gpu;
 mod image;
 pub mod importance;
 pub mod params;

@@ -1,9 +1,8 @@
 //! Which numbers do the shaders and their twins need to find a sample?
 //!
-//! The structs here have the layout of the WGSL structs of the same name; `tests/shaders.rs`
-//! compares them.
+//! The structs here have the layout of the WGSL structs whose names lack the `Params`;
+//! `tests/shaders.rs` compares them.
 
-use crate::blur::{FirstHalf, RadialBlur};
 use crate::tiles::atlas_shape::AtlasShape;
 use bytemuck::{Pod, Zeroable};
 use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
@@ -131,10 +130,6 @@ pub struct BlurParams {
     pub unused_pair: [f32; 2],
 }
 
-/// Spread of the Gaussian over the minimum angle of resolution whose limit, half a cycle, it dims
-/// to a half: sqrt(ln 2 / 2) / π over half a cycle.
-const SIGMA_OF_RESOLUTION: f64 = 0.374_774_4;
-
 impl SparseParams {
     /// The parameters of a mask at the view's corner.
     #[must_use]
@@ -152,27 +147,6 @@ impl SparseParams {
             unused: 0.0,
             unused_pair: [0.0; 2],
             spacings,
-        }
-    }
-}
-
-impl BlurParams {
-    /// The parameters of `blur` in pictures of `view` with this many halves.
-    #[must_use]
-    pub(crate) fn new(view: &EyeView, blur: &RadialBlur, halves: u32, first: FirstHalf) -> Self {
-        let m = view.ray_from_pixel();
-        let column = |c: glam::DVec3| [c.x as f32, c.y as f32, c.z as f32, 0.0];
-        Self {
-            ray_from_pixel: [column(m.x_axis), column(m.y_axis), column(m.z_axis)],
-            gaze: blur.gaze.as_vec3().to_array(),
-            fovea_chord: (2.0 * (blur.fovea.0 / 2.0).sin()) as f32,
-            fovea: blur.fovea.0 as f32,
-            growth: (SIGMA_OF_RESOLUTION * blur.slope) as f32,
-            pitch: (m.x_axis.length() * m.y_axis.length()).sqrt() as f32,
-            last: halves as f32 - 1.0,
-            first: first.variance(),
-            unused: 0.0,
-            unused_pair: [0.0; 2],
         }
     }
 }

@@ -10,6 +10,7 @@ const TILES: &str = include_str!("../shaders/shared/tiles.wgsl");
 const COLOUR: &str = include_str!("../shaders/shared/colour.wgsl");
 const MAPPING: &str = include_str!("../shaders/shared/mapping.wgsl");
 const LATTICE: &str = include_str!("../shaders/shared/lattice.wgsl");
+const WIDENED: &str = include_str!("../shaders/shared/widened.wgsl");
 const FOOTPRINT: &str = include_str!("../shaders/shared/footprint.wgsl");
 const PICTURE: &str = include_str!("../shaders/shared/picture.wgsl");
 const PLANE: &str = include_str!("../shaders/shared/plane.wgsl");
@@ -132,6 +133,7 @@ fn joined(surroundings: &str, entry: &[&str]) -> String {
         TILES,
         MAPPING,
         LATTICE,
+        WIDENED,
         FOOTPRINT,
         surroundings,
     ];

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use foveal_core::view::surface::Projection;
-use foveal_render::importance::{Band, Eye};
+use foveal_render::importance::{BandParams, EyeParams};
 use foveal_render::params::{BlurParams, Overlay, SparseParams, TileParams, ViewParams};
 use foveal_render::shaders::{
     Shader, blur_halve, blur_radial, importance, interpolate_sparse, overlay, reconstruct,
@@ -127,7 +127,7 @@ fn every_pass_of_importance_is_valid_with_no_capability_that_a_browser_lacks() {
         same_layout!(
             module,
             "Band",
-            Band,
+            BandParams,
             [
                 fine,
                 coarse,
@@ -144,7 +144,7 @@ fn every_pass_of_importance_is_valid_with_no_capability_that_a_browser_lacks() {
         same_layout!(
             module,
             "Eye",
-            Eye,
+            EyeParams,
             [
                 gaze_from_pixel,
                 acuity,

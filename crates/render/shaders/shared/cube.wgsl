@@ -53,7 +53,7 @@ fn place_of(tangent: vec2f) -> vec2f {
     return (place_on_face(tangent) + 1.0) * 0.5 * tiles.size;
 }
 
-fn seen_by(pixel: vec2f) -> Seen {
+fn seen_by(pixel: vec2f) -> SeenPlace {
     let ray = view.content_from_pixel * vec3f(pixel, 1.0);
     let face = cube_face(ray);
     // A face that there is not has no number: where it would lie is drawn black.
@@ -62,7 +62,7 @@ fn seen_by(pixel: vec2f) -> Seen {
     let right = place_of(tangent_of(axes, ray + view.content_from_pixel[0]));
     let down = place_of(tangent_of(axes, ray + view.content_from_pixel[1]));
     let footprint = display_footprint(right - place, down - place);
-    return Seen(face < tiles.faces_of_an_eye, view.first_face + face, place, footprint);
+    return SeenPlace(face < tiles.faces_of_an_eye, view.first_face + face, place, footprint);
 }
 
 // Bit face * 4 + k * 2 + high: whether the neighbour over the low or high border of axis k touches

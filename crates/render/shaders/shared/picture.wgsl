@@ -14,7 +14,7 @@ struct Footing {
     weight: vec2f,
 }
 
-fn footing(source: Source, plane: u32, level: u32, place: vec2f) -> Footing {
+fn footing(source: SourceTile, plane: u32, level: u32, place: vec2f) -> Footing {
     let pitch = pitch_of(plane, level);
     let start = segment_start(place);
     let along = (place - start) / pitch - offset_of(plane, level);
@@ -26,7 +26,7 @@ fn footing(source: Source, plane: u32, level: u32, place: vec2f) -> Footing {
 }
 
 // A level at a place, all four samples from one tile.
-fn view_inside(source: Source, plane: u32, level: u32, at: Footing) -> vec2f {
+fn view_inside(source: SourceTile, plane: u32, level: u32, at: Footing) -> vec2f {
     let mip = mip_of(source, level);
     let a = load(source, plane, at.texel, mip);
     let b = load(source, plane, at.texel + vec2i(1, 0), mip);
@@ -70,7 +70,7 @@ fn sample_across(face: u32, middle: vec2f) -> f32 {
 }
 
 // One row of four samples of the finest level from one tile.
-fn cubic_row(own: Source, texel: vec2i, weights: vec4f) -> f32 {
+fn cubic_row(own: SourceTile, texel: vec2i, weights: vec4f) -> f32 {
     let a = load(own, LUMA, texel + vec2i(-1, 0), 0u).x;
     let b = load(own, LUMA, texel, 0u).x;
     let c = load(own, LUMA, texel + vec2i(1, 0), 0u).x;
@@ -81,7 +81,7 @@ fn cubic_row(own: Source, texel: vec2i, weights: vec4f) -> f32 {
 // Luma of the finest level by the cubic: 4 rows `within` one tile, else 16 samples, each looked up
 // for itself, else nothing. Loops and no branches: software drivers walk both sides of a branch.
 fn cubic_luma(
-    face: u32, place: vec2f, own: Source, at: Footing, within: bool, across: bool,
+    face: u32, place: vec2f, own: SourceTile, at: Footing, within: bool, across: bool,
 ) -> f32 {
     let middle = floor(place - 0.5) + 0.5;
     let share = select(place - middle, at.weight, within);
@@ -116,7 +116,7 @@ struct Found {
 // Y, U and V of one level at a place whose own tile is `own`; samples of several tiles only if
 // they may come from `anywhere`; the finest level by a cubic to a share of `cubic`.
 fn level_view(
-    level: u32, face: u32, place: vec2f, own: Source, anywhere: bool, cubic: f32,
+    level: u32, face: u32, place: vec2f, own: SourceTile, anywhere: bool, cubic: f32,
 ) -> Found {
     var source = own;
     if (level == tiles.coarsest && own.level != level) {

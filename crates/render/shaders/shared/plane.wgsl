@@ -1,13 +1,13 @@
 // What surrounds the one face of flat content? Nothing: its border samples repeat.
 
-fn seen_by(pixel: vec2f) -> Seen {
+fn seen_by(pixel: vec2f) -> SeenPlace {
     let here = view.content_from_pixel * vec3f(pixel, 1.0);
     let right = here + view.content_from_pixel[0];
     let down = here + view.content_from_pixel[1];
     let place = here.xy / here.z;
     let inside = here.z > 0.0 && all(place >= vec2f(0.0)) && all(place < tiles.size);
     let footprint = display_footprint(right.xy / right.z - place, down.xy / down.z - place);
-    return Seen(inside, view.first_face, place, footprint);
+    return SeenPlace(inside, view.first_face, place, footprint);
 }
 
 fn widened_across(face: u32, place: vec2f, known: f32) -> f32 {

@@ -11,7 +11,7 @@ struct View {
 
 // What a pixel shows: a place on a face in level-0 pixels, and the level-0 pixels under the pixel
 // on a side (at least 1).
-struct Seen {
+struct SeenPlace {
     inside: bool,
     face: u32,
     place: vec2f,

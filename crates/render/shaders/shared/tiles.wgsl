@@ -67,7 +67,7 @@ fn level_in(shown: u32) -> u32 {
 }
 
 // A tile on the GPU: what it covers, in level-0 pixels, and its top left luma texel.
-struct Source {
+struct SourceTile {
     level: u32,
     low: vec2f,
     high: vec2f,
@@ -87,7 +87,7 @@ fn base_place(face: u32) -> vec3u {
 }
 
 // The tile of `level` at a place, where `shown` is shown: that tile, or the coarsest.
-fn source_at(level: u32, face: u32, place: vec2f, shown: u32) -> Source {
+fn source_at(level: u32, face: u32, place: vec2f, shown: u32) -> SourceTile {
     let is_base = level == tiles.coarsest;
     let finer_span = tiles.cell * f32(1u << (level * tiles.span_octaves));
     let span = select(finer_span, tiles.base_span, is_base);
@@ -98,7 +98,7 @@ fn source_at(level: u32, face: u32, place: vec2f, shown: u32) -> Source {
     let slot = vec2u(shown >> 4u, shown >> 12u) & vec2u(255u);
     let base = base_place(face);
     let corner = select(slot * tiles.slot, base.xy + vec2u(tile) * tiles.base_step, is_base);
-    return Source(level, low, high, corner, select(shown >> 20u, base.z, is_base));
+    return SourceTile(level, low, high, corner, select(shown >> 20u, base.z, is_base));
 }
 
 // Start of the segment around a place.
@@ -108,18 +108,18 @@ fn segment_start(place: vec2f) -> vec2f {
 }
 
 // Mip of the tile that has the spacing of `level`.
-fn mip_of(source: Source, level: u32) -> u32 {
+fn mip_of(source: SourceTile, level: u32) -> u32 {
     return (level - source.level) * tiles.octaves;
 }
 
 // The texel of sample (0, 0) of a segment, at the spacing of `level`, as if the tile held it.
-fn first_texel(source: Source, plane: u32, level: u32, start: vec2f) -> vec2i {
+fn first_texel(source: SourceTile, plane: u32, level: u32, start: vec2f) -> vec2i {
     let corner = vec2i((source.corner >> vec2u(plane)) >> vec2u(mip_of(source, level)));
     return corner - vec2i(floor((source.low - start) / pitch_of(plane, level)));
 }
 
 // One sample: Y, or U and V.
-fn load(source: Source, plane: u32, texel: vec2i, mip: u32) -> vec2f {
+fn load(source: SourceTile, plane: u32, texel: vec2i, mip: u32) -> vec2f {
     if (plane == LUMA) {
         return textureLoad(atlas_luma, texel, source.layer, mip).xy;
     }

@@ -12,7 +12,7 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// Takes commands.
     pub queue: wgpu::Queue,
-    adapter: String,
+    adapter: Arc<str>,
 }
 
 impl Gpu {
@@ -51,7 +51,7 @@ impl Gpu {
         Ok(Self {
             device,
             queue,
-            adapter: name,
+            adapter: name.into(),
         })
     }
 
@@ -64,12 +64,39 @@ impl Gpu {
     /// Draws on a device that a window already opened.
     #[must_use]
     pub fn from_parts(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        let adapter = describe(&device.adapter_info());
+        let adapter = describe(&device.adapter_info()).into();
         Self {
             device,
             queue,
             adapter,
         }
+    }
+
+    /// What the passes of a frame are recorded into, in their order, for [`Self::submit`].
+    ///
+    /// What is written to a buffer or a texture meanwhile is there before the first of them runs:
+    /// a pass that comes twice in a frame needs parameters of its own for each.
+    #[must_use]
+    pub fn encoder(&self, label: &'static str) -> wgpu::CommandEncoder {
+        let descriptor = wgpu::CommandEncoderDescriptor { label: Some(label) };
+        self.device.create_command_encoder(&descriptor)
+    }
+
+    /// Hands all that was recorded to the device, which begins with it.
+    pub fn submit(&self, encoder: wgpu::CommandEncoder) {
+        self.queue.submit([encoder.finish()]);
+    }
+
+    /// Blocks until the device has done all that was submitted and holds all that was written.
+    ///
+    /// # Errors
+    /// [`RenderError::ReadBack`] when the device is lost.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn settle(&self) -> Result<(), RenderError> {
+        self.queue.submit([]);
+        let done = self.device.poll(wgpu::PollType::wait_indefinitely());
+        done.map(|_| ())
+            .map_err(|reason| RenderError::ReadBack(reason.to_string()))
     }
 
     /// Name, driver and interface of the adapter, for people.

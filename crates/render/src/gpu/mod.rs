@@ -1,5 +1,10 @@
-//! The device, how a pass is made of a shader, and how pictures come back.
+//! The device, how passes are built, recorded and timed, and how results come back.
 
+pub(crate) mod bindings;
+pub mod buffers;
+pub mod compute;
 pub(crate) mod device;
-pub(crate) mod readback;
+pub(crate) mod picture_target;
+pub mod readback;
 pub(crate) mod screen_pass;
+pub mod timer;

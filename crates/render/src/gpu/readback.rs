@@ -15,8 +15,8 @@ pub struct ReadBack {
     bytes_per_row: u32,
 }
 
-/// The bytes of a buffer on their way.
-pub(crate) struct BytesBack {
+/// The bytes of a buffer on their way; await it, or call [`Self::wait`] where blocking is allowed.
+pub struct BytesBack {
     buffer: wgpu::Buffer,
     state: Arc<Mutex<State>>,
 }
@@ -27,13 +27,23 @@ struct State {
     waker: Option<Waker>,
 }
 
-impl ReadBack {
-    /// Orders the copy of an rgba8 texture.
-    pub(crate) fn start(gpu: &Gpu, texture: &wgpu::Texture) -> Self {
+/// A copy of a texture that is recorded and not yet submitted.
+pub(crate) struct PictureCopy {
+    buffer: wgpu::Buffer,
+    size: [u32; 2],
+    bytes_per_row: u32,
+}
+
+impl PictureCopy {
+    /// Records the copy of an rgba8 texture.
+    pub(crate) fn record(
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        texture: &wgpu::Texture,
+    ) -> Self {
         let size = [texture.width(), texture.height()];
         let bytes_per_row = (size[0] * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let buffer = BytesBack::buffer(gpu, u64::from(bytes_per_row) * u64::from(size[1]));
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_buffer(
             texture.as_image_copy(),
             wgpu::TexelCopyBufferInfo {
@@ -46,14 +56,24 @@ impl ReadBack {
             },
             texture.size(),
         );
-        gpu.queue.submit([encoder.finish()]);
         Self {
-            bytes: BytesBack::map(buffer),
+            buffer,
             size,
             bytes_per_row,
         }
     }
 
+    /// Asks for the picture, once the copy is submitted.
+    pub(crate) fn map(self) -> ReadBack {
+        ReadBack {
+            bytes: BytesBack::map(self.buffer),
+            size: self.size,
+            bytes_per_row: self.bytes_per_row,
+        }
+    }
+}
+
+impl ReadBack {
     /// Blocks until the GPU is done.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn wait(self, gpu: &Gpu) -> Result<RgbaImage, RenderError> {
@@ -94,8 +114,9 @@ impl Future for ReadBack {
 }
 
 impl BytesBack {
-    /// A buffer to copy to, before it is mapped.
-    pub(crate) fn buffer(gpu: &Gpu, size: u64) -> wgpu::Buffer {
+    /// A buffer of `size` bytes to copy to, before it is mapped.
+    #[must_use]
+    pub fn buffer(gpu: &Gpu, size: u64) -> wgpu::Buffer {
         gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("read back"),
             size,
@@ -104,8 +125,10 @@ impl BytesBack {
         })
     }
 
-    /// Asks for the bytes, once the copy to `buffer` is submitted.
-    pub(crate) fn map(buffer: wgpu::Buffer) -> Self {
+    /// Asks for all bytes of `buffer`, once the copy to it is submitted. When they have come the
+    /// buffer can be copied to again.
+    #[must_use]
+    pub fn map(buffer: wgpu::Buffer) -> Self {
         let state = Arc::new(Mutex::new(State::default()));
         let told = Arc::clone(&state);
         buffer.map_async(wgpu::MapMode::Read, .., move |result| {
@@ -116,6 +139,15 @@ impl BytesBack {
             }
         });
         Self { buffer, state }
+    }
+
+    /// Blocks until the GPU is done.
+    ///
+    /// # Errors
+    /// [`RenderError::ReadBack`] when the device does not return them.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn wait(self, gpu: &Gpu) -> Result<Vec<u8>, RenderError> {
+        block_on(gpu, self)
     }
 
     fn bytes(&self) -> Result<Vec<u8>, RenderError> {

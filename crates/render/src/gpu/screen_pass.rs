@@ -1,14 +1,18 @@
-//! How is a pass drawn that reads whatever it is given?
+//! How is a pass over the screen built and recorded?
 
+use crate::gpu::bindings::bind;
 use crate::gpu::device::Gpu;
+use crate::gpu::picture_target::{Area, DEPTH_FORMAT, FORMAT};
 use crate::shaders::Shader;
-use crate::tiles::passes::FORMAT;
 
-/// A full-screen pass that replaces the picture, with bindings of its own.
+/// A pass that draws a triangle over all of a picture, once a step, with bindings of its own.
+#[derive(Clone)]
 pub(crate) struct ScreenPass {
     name: &'static str,
-    pipeline: wgpu::RenderPipeline,
+    steps: Vec<wgpu::RenderPipeline>,
     layout: wgpu::BindGroupLayout,
+    /// Whether the picture stays under what is drawn.
+    blends: bool,
 }
 
 /// What a binding reads.
@@ -46,8 +50,29 @@ impl Reads {
 }
 
 impl ScreenPass {
-    /// The pass of a shader of one step, with what it reads at each binding.
+    /// A pass that replaces the picture, with what it reads at each binding.
     pub(crate) fn new(gpu: &Gpu, shader: &Shader, reads: &[(u32, Reads)]) -> Self {
+        Self::build(gpu, shader, reads, None)
+    }
+
+    /// A pass that blends over the picture, with what it reads at each binding.
+    pub(crate) fn over(gpu: &Gpu, shader: &Shader, reads: &[(u32, Reads)]) -> Self {
+        let mut blend = wgpu::BlendState::ALPHA_BLENDING;
+        // The picture stays opaque whatever is drawn over it.
+        blend.alpha = wgpu::BlendComponent {
+            src_factor: wgpu::BlendFactor::Zero,
+            dst_factor: wgpu::BlendFactor::One,
+            operation: wgpu::BlendOperation::Add,
+        };
+        Self::build(gpu, shader, reads, Some(blend))
+    }
+
+    fn build(
+        gpu: &Gpu,
+        shader: &Shader,
+        reads: &[(u32, Reads)],
+        blend: Option<wgpu::BlendState>,
+    ) -> Self {
         let entry = |(binding, reads): &(u32, Reads)| wgpu::BindGroupLayoutEntry {
             binding: *binding,
             visibility: wgpu::ShaderStages::FRAGMENT,
@@ -63,76 +88,77 @@ impl ScreenPass {
             });
         Self {
             name: shader.name,
-            pipeline: pipeline(gpu, shader, &layout),
+            steps: pipelines(gpu, shader, &layout, blend),
             layout,
+            blends: blend.is_some(),
         }
     }
 
-    /// Resources in the order of what the pass reads.
+    /// Resources, each at the number of its binding.
     pub(crate) fn bind(
         &self,
         gpu: &Gpu,
         resources: &[(u32, wgpu::BindingResource<'_>)],
     ) -> wgpu::BindGroup {
-        let entries: Vec<wgpu::BindGroupEntry<'_>> = resources
-            .iter()
-            .map(|(binding, resource)| wgpu::BindGroupEntry {
-                binding: *binding,
-                resource: resource.clone(),
-            })
-            .collect();
-        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(self.name),
-            layout: &self.layout,
-            entries: &entries,
-        })
+        bind(gpu, self.name, &self.layout, resources)
     }
 
-    /// Orders the pass over the whole of `target`.
-    pub(crate) fn draw(
+    /// Records the pass over an area, which has a depth where there are several steps.
+    pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         bound: &wgpu::BindGroup,
-        target: &wgpu::TextureView,
+        area: Area<'_>,
     ) {
+        let load = match self.blends {
+            true => wgpu::LoadOp::Load,
+            false => wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+        };
+        let depth = area.depth.filter(|_| has_depth(self.steps.len()));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(self.name),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: target,
+                view: area.picture,
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    load,
                     store: wgpu::StoreOp::Store,
                 },
             })],
+            depth_stencil_attachment: depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
+                view,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
             ..wgpu::RenderPassDescriptor::default()
         });
-        pass.set_pipeline(&self.pipeline);
+        if let Some([left, top, width, height]) = area.within {
+            pass.set_scissor_rect(left, top, width, height);
+        }
         pass.set_bind_group(0, bound, &[]);
-        pass.draw(0..3, 0..1);
+        for step in &self.steps {
+            pass.set_pipeline(step);
+            pass.draw(0..3, 0..1);
+        }
     }
 }
 
-/// A buffer of `bytes` that is written from the CPU.
-pub(crate) fn buffer(
-    gpu: &Gpu,
-    label: &'static str,
-    bytes: u64,
-    usage: wgpu::BufferUsages,
-) -> wgpu::Buffer {
-    gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size: bytes,
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    })
+/// A step after the first leaves what is drawn already, and finds it by its depth.
+fn has_depth(steps: usize) -> bool {
+    steps > 1
 }
 
-fn pipeline(gpu: &Gpu, shader: &Shader, layout: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
-    let [[vertex, fragment]] = shader.steps else {
-        panic!("{} has more than one step", shader.name)
-    };
+/// A pipeline for each step of a shader.
+fn pipelines(
+    gpu: &Gpu,
+    shader: &Shader,
+    layout: &wgpu::BindGroupLayout,
+    blend: Option<wgpu::BlendState>,
+) -> Vec<wgpu::RenderPipeline> {
     let module = gpu
         .device
         .create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -146,27 +172,41 @@ fn pipeline(gpu: &Gpu, shader: &Shader, layout: &wgpu::BindGroupLayout) -> wgpu:
             bind_group_layouts: &[Some(layout)],
             immediate_size: 0,
         });
-    let targets = [Some(wgpu::ColorTargetState::from(FORMAT))];
-    gpu.device
-        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(shader.name),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some(vertex),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: None,
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some(fragment),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &targets,
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+    let depth = has_depth(shader.steps.len()).then(|| wgpu::DepthStencilState {
+        format: DEPTH_FORMAT,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Less),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    });
+    let targets = [Some(wgpu::ColorTargetState {
+        format: FORMAT,
+        blend,
+        write_mask: wgpu::ColorWrites::ALL,
+    })];
+    let step = |[vertex, fragment]: &[&'static str; 2]| {
+        gpu.device
+            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(fragment),
+                layout: Some(&layout),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some(vertex),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: depth.clone(),
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some(fragment),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    targets: &targets,
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+    };
+    shader.steps.iter().map(step).collect()
 }

@@ -1,12 +1,15 @@
 //! Which buffers lie between the passes?
 
-use super::TILE;
-use super::compute::{Compute, Dispatch, filled, storage};
-use super::params::{Band, Eye};
+use super::params::{BandParams, EyeParams};
 use super::tables::{CHORDS, EyeTables};
+use crate::gpu::buffers::{filled, storage};
+use crate::gpu::compute::{Compute, Dispatch};
 use crate::{error::RenderError, gpu::device::Gpu};
 use foveal_core::perception::measures::pyramid::bands_of;
 use foveal_core::perception::parameters::Parameters;
+
+/// Texels on a side that a workgroup of most passes does.
+pub(super) const TILE: [u32; 2] = [8, 8];
 
 const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM;
 const STORAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE;
@@ -14,7 +17,7 @@ const STORAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE;
 /// What pictures are taken apart into, band by band, the finest first.
 pub(super) struct BandBuffers {
     /// One at least; only the first `count` have contrasts.
-    bands: Vec<Band>,
+    bands: Vec<BandParams>,
     count: usize,
     pub(super) params: Vec<wgpu::Buffer>,
     /// Luminance that a code adds.
@@ -43,10 +46,10 @@ impl BandBuffers {
     ) -> Result<Self, RenderError> {
         let count = bands_of(size);
         // A picture too small for a band still has pixels to sum up.
-        let bands: Vec<Band> = (0..count.max(1))
-            .map(|index| Band::new(size, index, count))
+        let bands: Vec<BandParams> = (0..count.max(1))
+            .map(|index| BandParams::new(size, index, count))
             .collect();
-        let uniform = |band: &Band| filled(gpu, "band", UNIFORM, &[*band]);
+        let uniform = |band: &BandParams| filled(gpu, "band", UNIFORM, &[*band]);
         let texels = |what, size: [u32; 2], bytes| {
             storage(gpu, what, u64::from(size[0]) * u64::from(size[1]) * bytes)
         };
@@ -68,7 +71,7 @@ impl BandBuffers {
         })
     }
 
-    fn banded(&self) -> impl DoubleEndedIterator<Item = (usize, &Band)> + ExactSizeIterator {
+    fn banded(&self) -> impl DoubleEndedIterator<Item = (usize, &BandParams)> + ExactSizeIterator {
         self.bands[..self.count].iter().enumerate()
     }
 
@@ -101,7 +104,7 @@ impl BandBuffers {
 
     /// The passes that say how strongly each band is seen.
     pub(super) fn seen(&self, gpu: &Gpu, seen: &Compute, eye: &EyeBuffers) -> Vec<Dispatch> {
-        let one = |(index, band): (usize, &Band)| {
+        let one = |(index, band): (usize, &BandParams)| {
             let bindings = [
                 (0, self.params[index].as_entire_binding()),
                 (2, eye.eye.as_entire_binding()),
@@ -123,7 +126,7 @@ impl BandBuffers {
         eye: &EyeBuffers,
         after: usize,
     ) -> Vec<Dispatch> {
-        let one = |(index, band): (usize, &Band)| {
+        let one = |(index, band): (usize, &BandParams)| {
             // The coarsest band adds nothing from below; what is bound there is not read.
             let below = self.gains.get(index + 1).unwrap_or(&self.light[index + 1]);
             let bindings = [
@@ -148,7 +151,7 @@ impl EyeBuffers {
         let places = tables.places.len() as u64 * 4;
         let sensitivities = tables.sensitivities.len() as u64 * 8;
         Ok(Self {
-            eye: filled(gpu, "eye", UNIFORM, &[Eye::default()]),
+            eye: filled(gpu, "eye", UNIFORM, &[EyeParams::default()]),
             row_from_chord: storage(gpu, "rows from chords", rows)?,
             places: storage(gpu, "places", places)?,
             sensitivities: storage(gpu, "sensitivities", sensitivities)?,

@@ -5,30 +5,27 @@
 //! holds them against it. Pictures stay on the GPU: only the sums of units come back.
 
 mod bands;
-mod compute;
 mod params;
 mod pictures;
 mod sums;
 mod tables;
-mod timer;
 
-pub use params::{Band, Eye};
+pub use params::{BandParams, EyeParams};
 pub use pictures::{UnitIds, upload_picture};
 pub use sums::{PendingGains, UnitGains};
 
+use crate::gpu::buffers::storage;
+use crate::gpu::compute::{Compute, Dispatch, record};
 use crate::gpu::readback::BytesBack;
+use crate::gpu::timer::Timer;
 use crate::{error::RenderError, gpu::device::Gpu, shaders};
-use bands::{BandBuffers, EyeBuffers};
-use compute::{Compute, Dispatch, storage};
+use bands::{BandBuffers, EyeBuffers, TILE};
 use foveal_core::perception::importance::Onlooker;
 use foveal_core::perception::parameters::{EyeState, Parameters};
 use foveal_core::units::Radians;
 use sums::SumsShape;
 use tables::{EyeTables, row_from_chord};
-use timer::Timer;
 
-/// Texels on a side that a workgroup of most passes does.
-const TILE: [u32; 2] = [8, 8];
 /// Pixels that a workgroup of `accumulate` does.
 const ACCUMULATE_TILE: [u32; 2] = [64, 16];
 
@@ -119,25 +116,21 @@ impl Importance {
         let accumulate: Vec<Dispatch> = (0..shape.steps)
             .map(|step| self.sum(unit_ids, &sums, &shape, step))
             .collect();
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("importance"),
-            timestamp_writes: self.timer.as_ref().map(Timer::around),
-        });
-        self.order(&mut pass, &luminance, &accumulate);
-        drop(pass);
+        let mut encoder = self.gpu.encoder("importance");
+        let passes = self.passes(&luminance, &accumulate);
+        record(&mut encoder, "importance", self.timer.as_ref(), passes);
         let times = self.timer.as_ref().map_or(0, |_| Timer::BYTES);
         let back = BytesBack::buffer(&self.gpu, (shape.bytes() + times).max(8));
         encoder.copy_buffer_to_buffer(&sums, 0, &back, 0, shape.bytes());
         if let Some(timer) = &self.timer {
             timer.copy(&mut encoder, &back, shape.bytes());
         }
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.submit(encoder);
         Ok(PendingGains {
             bytes: BytesBack::map(back),
             shape,
             quantum,
-            tick: self.timer.as_ref().map(|timer| timer.tick),
+            tick: self.timer.as_ref().map(Timer::tick),
         })
     }
 
@@ -201,7 +194,7 @@ impl Importance {
         } else {
             &self.looking
         };
-        let (eye, quantum) = Eye::new(onlooker, &self.parameters, tables.most_seen());
+        let (eye, quantum) = EyeParams::new(onlooker, &self.parameters, tables.most_seen());
         let queue = &self.gpu.queue;
         queue.write_buffer(&self.eye.eye, 0, bytemuck::bytes_of(&eye));
         if self.uploaded_jumping != Some(is_jumping) {
@@ -218,30 +211,22 @@ impl Importance {
         quantum
     }
 
-    /// All passes: each level's contrasts are kept until its step to the next finer one is done.
-    fn order(
-        &self,
-        pass: &mut wgpu::ComputePass<'_>,
-        luminance: &[Dispatch],
-        accumulate: &[Dispatch],
-    ) {
-        for seen in &self.fixed.seen {
-            seen.order(pass);
-        }
-        for (level, luminance) in luminance.iter().enumerate().rev() {
+    /// All passes in their order: each level's contrasts are kept until its step to the next finer
+    /// one is done.
+    fn passes<'a>(
+        &'a self,
+        luminance: &'a [Dispatch],
+        accumulate: &'a [Dispatch],
+    ) -> impl Iterator<Item = &'a Dispatch> {
+        let of_level = |(level, luminance): (usize, &'a Dispatch)| {
             let slot = level % 2;
-            luminance.order(pass);
-            for dispatch in &self.fixed.pyramid[slot] {
-                dispatch.order(pass);
-            }
-            let Some(accumulate) = accumulate.get(level) else {
-                continue;
-            };
-            for dispatch in &self.fixed.gain[slot] {
-                dispatch.order(pass);
-            }
-            accumulate.order(pass);
-        }
+            let accumulate = accumulate.get(level);
+            let gain = accumulate.map_or(&[][..], |_| &self.fixed.gain[slot]);
+            let light = std::iter::once(luminance).chain(&self.fixed.pyramid[slot]);
+            light.chain(gain).chain(accumulate)
+        };
+        let levels = luminance.iter().enumerate().rev();
+        self.fixed.seen.iter().chain(levels.flat_map(of_level))
     }
 
     fn light(&self, level: &wgpu::Texture) -> Dispatch {

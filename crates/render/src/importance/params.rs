@@ -1,7 +1,7 @@
 //! Which numbers do the passes of importance need?
 //!
-//! The structs here have the layout of the WGSL structs of the same name; `tests/shaders.rs`
-//! compares them.
+//! The structs here have the layout of the WGSL structs whose names lack the `Params`;
+//! `tests/shaders.rs` compares them.
 
 use super::tables::{CHORDS_PER_OCTAVE, FIRST_CHORD, ROWS_PER_OCTAVE};
 use bytemuck::{Pod, Zeroable};
@@ -17,7 +17,7 @@ use glam::{DMat3, DVec3};
 /// Where the texels of a band are.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Band {
+pub struct BandParams {
     /// Columns and rows.
     pub fine: [u32; 2],
     /// Columns and rows of the next coarser level.
@@ -34,7 +34,7 @@ pub struct Band {
     pub has_coarser: u32,
 }
 
-impl Band {
+impl BandParams {
     /// The band `index` of `bands`, of a picture of `picture` pixels.
     #[must_use]
     pub(crate) fn new(picture: [u32; 2], index: usize, bands: usize) -> Self {
@@ -54,7 +54,7 @@ impl Band {
 /// Who looks, and what is worth how much to them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Eye {
+pub struct EyeParams {
     /// Columns of the matrix that turns (column, row, 1) into a ray: right of, above and along the
     /// gaze.
     pub gaze_from_pixel: [[f32; 4]; 3],
@@ -98,7 +98,7 @@ const NO_LIMIT_OCTAVES: f64 = 64.0;
 /// that a pixel may have: sums keep room for that many bits.
 const HEADROOM_BITS: i32 = 11;
 
-impl Eye {
+impl EyeParams {
     /// The eye of `onlooker`. `most_seen` is the highest sensitivity, sustained and transient.
     ///
     /// Returns what one quantum of the sums is worth, too: a power of two.

@@ -3,6 +3,7 @@
 use super::pictures::UnitIds;
 use crate::error::RenderError;
 use crate::gpu::readback::BytesBack;
+use crate::gpu::timer::Tick;
 use std::future::Future;
 use std::pin::Pin;
 use std::task::{Context, Poll};
@@ -54,8 +55,8 @@ pub struct PendingGains {
     pub(super) bytes: BytesBack,
     pub(super) shape: SumsShape,
     pub(super) quantum: f64,
-    /// Nanoseconds of a tick of the time stamps behind the sums, where there are any.
-    pub(super) tick: Option<f32>,
+    /// What times the time stamps behind the sums, where there are any.
+    pub(super) tick: Option<Tick>,
 }
 
 impl PendingGains {
@@ -75,7 +76,7 @@ impl PendingGains {
             per_step: steps
                 .map(|step| self.step(step))
                 .collect::<Result<_, _>>()?,
-            gpu_time: self.tick.map(|tick| duration(times, tick)),
+            gpu_time: self.tick.and_then(|tick| tick.between(times)),
         })
     }
 
@@ -98,13 +99,6 @@ fn eights(bytes: &[u8]) -> impl Iterator<Item = [u8; 8]> + '_ {
     bytes
         .chunks_exact(8)
         .map(|chunk| core::array::from_fn(|k| chunk[k]))
-}
-
-/// Between the two time stamps, `tick` nanoseconds a count.
-fn duration(times: &[u8], tick: f32) -> Duration {
-    let mut stamps = eights(times).map(u64::from_le_bytes);
-    let (begin, end) = (stamps.next().unwrap_or(0), stamps.next().unwrap_or(0));
-    Duration::from_nanos((end.saturating_sub(begin) as f64 * f64::from(tick)) as u64)
 }
 
 impl Future for PendingGains {

@@ -150,7 +150,7 @@ impl Atlas {
             return Vec::new();
         }
         let larger = Planes::new(gpu, &self.shape, self.layers + 1);
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = gpu.encoder("growth of the atlas");
         for (from, to) in [
             (&self.planes.luma, &larger.luma),
             (&self.planes.chroma, &larger.chroma),
@@ -170,7 +170,7 @@ impl Atlas {
                 encoder.copy_texture_to_texture(mip(from), mip(to), size);
             }
         }
-        gpu.queue.submit([encoder.finish()]);
+        gpu.submit(encoder);
         self.planes = larger;
         self.layers += 1;
         self.shape.slots_in(self.layers - 1)

@@ -3,7 +3,6 @@
 pub(crate) mod atlas;
 pub(crate) mod atlas_shape;
 pub(crate) mod level_map;
-pub(crate) mod passes;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod read_tile;
 pub(crate) mod reduce;
@@ -11,3 +10,4 @@ pub(crate) mod sampling;
 pub(crate) mod sparse;
 pub(crate) mod store;
 pub(crate) mod textures;
+pub(crate) mod tile_pass;

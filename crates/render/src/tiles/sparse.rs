@@ -1,11 +1,12 @@
 //! How does the GPU hold samples round the gaze, and how are they drawn?
 
 use crate::error::RenderError;
+use crate::gpu::buffers::written;
 use crate::gpu::device::Gpu;
-use crate::gpu::screen_pass::{Reads, ScreenPass, buffer};
+use crate::gpu::picture_target::PictureTarget;
+use crate::gpu::screen_pass::{Reads, ScreenPass};
 use crate::params::{SparseParams, ViewParams};
 use crate::shaders;
-use crate::tiles::passes::Target;
 use crate::tiles::store::TileStore;
 use foveal_core::perception::samples::sample_mask::SampleMask;
 use foveal_core::view::surface::Projection;
@@ -58,7 +59,7 @@ impl SparseStore {
             if bytes > most {
                 return Err(RenderError::TooMuch { what, bytes, most });
             }
-            let made = buffer(gpu, "samples", bytes, wgpu::BufferUsages::STORAGE);
+            let made = written(gpu, "samples", bytes, wgpu::BufferUsages::STORAGE);
             gpu.queue
                 .write_buffer(&made, 0, bytemuck::cast_slice(words));
             Ok(made)
@@ -77,7 +78,7 @@ impl SparseStore {
         ];
         let uniform = |bytes: usize| {
             let usage = wgpu::BufferUsages::UNIFORM;
-            buffer(gpu, "sparse", bytes as u64, usage)
+            written(gpu, "sparse", bytes as u64, usage)
         };
         Ok(Self {
             pass: ScreenPass::new(gpu, &shaders::interpolate_sparse(projection), &reads),
@@ -115,12 +116,12 @@ impl SparseStore {
         Ok(())
     }
 
-    /// Orders the pass over the whole of `target`.
-    pub(crate) fn draw(
+    /// Records the pass over the whole of `target`.
+    pub(crate) fn record(
         &mut self,
-        gpu: &Gpu,
+        (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
         tiles: &TileStore,
-        target: &Target,
+        target: &PictureTarget,
         view: &ViewParams,
     ) {
         gpu.queue
@@ -131,9 +132,7 @@ impl SparseStore {
             Some((generation, bound)) if generation == tiles.generation() => bound,
             _ => self.bind(gpu, tiles),
         };
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        self.pass.draw(&mut encoder, &bound, target.picture_view());
-        gpu.queue.submit([encoder.finish()]);
+        self.pass.record(encoder, &bound, target.whole());
         self.bound = Some((tiles.generation(), bound));
     }
 

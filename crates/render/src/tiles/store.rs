@@ -1,5 +1,6 @@
 //! Which tiles are on the GPU, and which of them may be shown together?
 
+use crate::gpu::buffers::{filled, written};
 use crate::params::TileParams;
 use crate::tiles::atlas::{Atlas, SlotPlace};
 use crate::tiles::atlas_shape::AtlasShape;
@@ -153,10 +154,7 @@ impl TileStore {
     /// their way would pile up in main memory.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&self) -> Result<(), RenderError> {
-        self.gpu.queue.submit([]);
-        let done = self.gpu.device.poll(wgpu::PollType::wait_indefinitely());
-        done.map(|_| ())
-            .map_err(|reason| RenderError::ReadBack(reason.to_string()))
+        self.gpu.settle()
     }
 
     /// The samples of a tile as the GPU holds them, the coarsest level's included; refuses a tile
@@ -257,24 +255,12 @@ pub(crate) fn check(grid: &TileGrid, tile: Tile, picture: &Picture) -> Result<()
 impl Tables {
     fn new(gpu: &Gpu, grid: &TileGrid, colour: Colour) -> Self {
         let params = TileParams::new(grid, colour);
-        let buffer = |label, size: usize, usage| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: size as u64,
-                usage: usage | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
-        let cells = grid.tiles_in_level(0) as usize;
-        let uniform = wgpu::BufferUsages::UNIFORM;
-        let made = Self {
-            params: buffer("tiles", size_of::<TileParams>(), uniform),
-            cells: buffer("cells", cells * 4, wgpu::BufferUsages::STORAGE),
+        let cells = u64::from(grid.tiles_in_level(0)) * 4;
+        Self {
+            params: filled(gpu, "tiles", wgpu::BufferUsages::UNIFORM, &[params]),
+            cells: written(gpu, "cells", cells, wgpu::BufferUsages::STORAGE),
             sent: Vec::new(),
-        };
-        gpu.queue
-            .write_buffer(&made.params, 0, bytemuck::bytes_of(&params));
-        made
+        }
     }
 
     fn send(&mut self, gpu: &Gpu, map: Vec<u32>) {

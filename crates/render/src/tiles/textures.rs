@@ -5,14 +5,15 @@
 
 use crate::blur::{Blur, FirstHalf, RadialBlur};
 use crate::error::RenderError;
+use crate::gpu::buffers::{filled, written};
 use crate::gpu::device::Gpu;
+use crate::gpu::picture_target::PictureTarget;
 #[cfg(not(target_arch = "wasm32"))]
-use crate::gpu::readback::ReadBack;
-use crate::gpu::screen_pass::{Reads, ScreenPass, buffer};
+use crate::gpu::readback::PictureCopy;
+use crate::gpu::screen_pass::{Reads, ScreenPass};
 use crate::params::{TileParams, ViewParams};
 use crate::shaders;
 use crate::tiles::level_map::shown_map;
-use crate::tiles::passes::Target;
 use crate::tiles::store::check;
 use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
@@ -35,7 +36,7 @@ pub struct TextureRenderer {
     frames: BTreeMap<Tile, u32>,
     frame: u32,
     bound: wgpu::BindGroup,
-    output: Target,
+    output: PictureTarget,
     blur: Option<Blur>,
     /// What is blurred in the pictures drawn from now on.
     pub radial_blur: Option<RadialBlur>,
@@ -70,19 +71,11 @@ impl TextureRenderer {
             &shaders::reconstruct_textures(grid.surface.projection),
             &reads,
         );
-        let uniform = |bytes: usize| {
-            let usage = wgpu::BufferUsages::UNIFORM;
-            buffer(gpu, "textures", bytes as u64, usage)
-        };
-        let params = uniform(size_of::<TileParams>());
-        gpu.queue.write_buffer(
-            &params,
-            0,
-            bytemuck::bytes_of(&TileParams::new(grid, colour)),
-        );
+        let uniform = wgpu::BufferUsages::UNIFORM;
+        let params = filled(gpu, "textures", uniform, &[TileParams::new(grid, colour)]);
         let cells = u64::from(grid.tiles_in_level(0)) * 4;
-        let cells = buffer(gpu, "cells", cells, wgpu::BufferUsages::STORAGE);
-        let view = uniform(size_of::<ViewParams>());
+        let cells = written(gpu, "cells", cells, wgpu::BufferUsages::STORAGE);
+        let view = written(gpu, "view", size_of::<ViewParams>() as u64, uniform);
         let bound = bind(gpu, &pass, [&params, &cells, &view], &levels);
         Ok(Self {
             gpu: gpu.clone(),
@@ -95,7 +88,7 @@ impl TextureRenderer {
             frames: BTreeMap::new(),
             frame: 0,
             bound,
-            output: Target::new(gpu, [1, 1]),
+            output: PictureTarget::new(gpu, [1, 1]),
             blur: None,
             radial_blur: None,
         })
@@ -142,10 +135,7 @@ impl TextureRenderer {
     /// Blocks until the GPU holds what was uploaded.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&self) -> Result<(), RenderError> {
-        self.gpu.queue.submit([]);
-        let done = self.gpu.device.poll(wgpu::PollType::wait_indefinitely());
-        done.map(|_| ())
-            .map_err(|reason| RenderError::ReadBack(reason.to_string()))
+        self.gpu.settle()
     }
 
     /// Bytes of GPU memory of the textures and tables.
@@ -158,12 +148,27 @@ impl TextureRenderer {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn reconstruct(&mut self, view: &EyeView) -> Result<crate::RgbaImage, RenderError> {
         let gpu = self.gpu.clone();
-        let texture = self.draw(view)?;
-        ReadBack::start(&gpu, texture).wait(&gpu)
+        let mut encoder = gpu.encoder("frame to read");
+        let texture = self.record(&mut encoder, view)?;
+        let copy = PictureCopy::record(&gpu, &mut encoder, texture);
+        gpu.submit(encoder);
+        copy.map().wait(&gpu)
     }
 
     /// Draws the picture that `view` shows and returns its rgba8 texture; the next draw reuses it.
     pub fn draw(&mut self, view: &EyeView) -> Result<&wgpu::Texture, RenderError> {
+        let gpu = self.gpu.clone();
+        let mut encoder = gpu.encoder("frame");
+        let texture = self.record(&mut encoder, view)?;
+        gpu.submit(encoder);
+        Ok(texture)
+    }
+
+    fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &EyeView,
+    ) -> Result<&wgpu::Texture, RenderError> {
         self.output.fit(&self.gpu, view.size)?;
         let now = self
             .frames
@@ -173,23 +178,19 @@ impl TextureRenderer {
             &self.grid,
             now.map(|(tile, _)| (*tile, u32::from(tile.level))),
         );
-        let queue = &self.gpu.queue;
-        queue.write_buffer(&self.cells, 0, bytemuck::cast_slice(&map));
+        let (gpu, output) = (&self.gpu, &self.output);
+        gpu.queue
+            .write_buffer(&self.cells, 0, bytemuck::cast_slice(&map));
         let params = ViewParams::new(view, &self.grid);
-        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&params));
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.pass
-            .draw(&mut encoder, &self.bound, self.output.picture_view());
-        queue.submit([encoder.finish()]);
+        gpu.queue
+            .write_buffer(&self.view, 0, bytemuck::bytes_of(&params));
+        self.pass.record(encoder, &self.bound, output.whole());
         let shown = match &self.radial_blur {
-            Some(wanted) => Blur::of_size(&mut self.blur, &self.gpu, self.output.size()).draw(
-                &self.gpu,
-                &self.output,
-                view,
-                wanted,
-                FirstHalf::Halved,
-            ),
-            None => &self.output,
+            Some(wanted) => {
+                let blur = Blur::of_size(&mut self.blur, gpu, output.size());
+                blur.record((gpu, encoder), output, view, wanted, FirstHalf::Halved)
+            }
+            None => output,
         };
         Ok(&shown.picture)
     }

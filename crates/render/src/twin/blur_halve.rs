@@ -1,6 +1,6 @@
 //! What is a picture at half its size? Twin of `shaders/blur_halve.wgsl`.
 
-use super::blur_radial::{size_of_picture, texture_sample};
+use super::shared::wgsl::{size_of_picture, texture_sample};
 use crate::image::RgbaImage;
 use glam::{Vec2, Vec4};
 

@@ -1,7 +1,7 @@
 //! How does a picture look when it is blurred as far as the eye is blind to detail? Twin of
 //! `shaders/blur_radial.wgsl`.
 
-use super::mix;
+use super::shared::wgsl::{mix, size_of_picture, texture_load, texture_sample_level};
 use crate::image::RgbaImage;
 use crate::params::BlurParams;
 use glam::{Mat3, Vec2, Vec3, Vec4};
@@ -40,38 +40,4 @@ pub(super) fn blur_radial(
         soft,
         (variance / (blur.first + READING_VARIANCE)).min(1.0),
     )
-}
-
-/// WGSL's `textureDimensions`.
-pub(super) fn size_of_picture(picture: &RgbaImage) -> Vec2 {
-    let [columns, rows] = picture.size;
-    Vec2::new(columns as f32, rows as f32)
-}
-
-/// WGSL's `textureLoad`, of the nearest texel inside.
-fn texture_load(picture: &RgbaImage, texel: Vec2) -> Vec4 {
-    let inside = texel.clamp(Vec2::ZERO, size_of_picture(picture) - 1.0);
-    let [x, y] = inside.to_array().map(|k| k as u32);
-    Vec4::from(picture.pixel([x, y]).map(|c| f32::from(c) / 255.0))
-}
-
-/// WGSL's `textureSampleLevel` of one level, clamped to the edge.
-pub(super) fn texture_sample(picture: &RgbaImage, place: Vec2) -> Vec4 {
-    let at = place * size_of_picture(picture) - 0.5;
-    let low = at.floor();
-    let part = at - low;
-    let texel = |x: f32, y: f32| texture_load(picture, low + Vec2::new(x, y));
-    let above = mix(texel(0.0, 0.0), texel(1.0, 0.0), part.x);
-    let below = mix(texel(0.0, 1.0), texel(1.0, 1.0), part.x);
-    mix(above, below, part.y)
-}
-
-/// WGSL's `textureSampleLevel` between two levels.
-fn texture_sample_level(levels: &[RgbaImage], place: Vec2, level: f32) -> Vec4 {
-    let low = level.floor();
-    let finer = texture_sample(&levels[low as usize], place);
-    let coarser = levels.get(low as usize + 1);
-    coarser.map_or(finer, |coarser| {
-        mix(finer, texture_sample(coarser, place), level - low)
-    })
 }

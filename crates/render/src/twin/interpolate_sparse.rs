@@ -1,11 +1,12 @@
 //! Which colour does a pixel of a view get from samples round the gaze? Twin of
 //! `shaders/interpolate_sparse.wgsl`.
 
-use super::colour::rgb_from_yuv;
-use super::picture::picture_at;
-use super::screen::View;
-use super::tiles::TwinTiles;
-use super::{cube, mix, plane};
+use super::shared::colour::rgb_from_yuv;
+use super::shared::picture::picture_at;
+use super::shared::screen::View;
+use super::shared::tiles::TwinTiles;
+use super::shared::wgsl::mix;
+use super::shared::{cube, plane};
 use crate::params::SparseParams;
 use crate::tiles::sparse::Interpolation;
 use foveal_core::perception::samples::nearest_sample::NEIGHBOURS;

@@ -1,28 +1,20 @@
 //! What should the shaders draw? The same passes on the CPU, statement for statement.
 //!
-//! Every file here is the twin of the WGSL file of its name: same functions, same order, `f32`, and
-//! never optimised. [`TwinTiles`] takes the place of the tables and textures, so that pictures can
-//! be made, and shaders be judged, without a GPU.
+//! Every file here, and in `shared` for those of `shaders/shared/`, is the twin of the WGSL file of
+//! its name: same functions, same order, `f32`, and never optimised. [`TwinTiles`] takes the place
+//! of the tables and textures, so that pictures can be made, and shaders be judged, without a GPU.
 
 mod blur_halve;
 mod blur_radial;
-mod colour;
-mod cube;
-mod footprint;
 mod interpolate_sparse;
-mod lattice;
-mod mapping;
 mod overlay;
-mod picture;
-mod plane;
 mod reconstruct_cube;
 mod reconstruct_plane;
 mod reconstruct_textures;
-mod screen;
-mod tiles;
+mod shared;
 
 pub use interpolate_sparse::TwinSamples;
-pub use tiles::TwinTiles;
+pub use shared::tiles::TwinTiles;
 
 use crate::blur::{FirstHalf, RadialBlur, half, halvings};
 use crate::image::RgbaImage;
@@ -30,7 +22,7 @@ use crate::params::{BlurParams, Overlay, ViewParams};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Projection;
 use glam::{Mat3, Vec2, Vec3, Vec4};
-use screen::View;
+use shared::screen::View;
 
 /// The picture that `view` shows of the resident tiles.
 #[must_use]
@@ -152,12 +144,4 @@ fn code(colour: Vec4) -> [u8; 4] {
     (colour.clamp(Vec4::ZERO, Vec4::ONE) * 255.0)
         .to_array()
         .map(|c| (c + 0.5) as u8)
-}
-
-/// WGSL's `mix`.
-fn mix<T>(a: T, b: T, t: f32) -> T
-where
-    T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
-{
-    a * (1.0 - t) + b * t
 }

@@ -1,9 +1,10 @@
 //! Which level does each place show, and where is the gaze? Twin of `shaders/overlay.wgsl`.
 
-use super::footprint::{level_of, shown_footprint};
-use super::screen::{Seen, View};
-use super::tiles::{TwinTiles, cell_at, scale_of, shown_in, source_at};
-use super::{cube, mix, plane};
+use super::shared::footprint::{level_of, shown_footprint};
+use super::shared::screen::{SeenPlace, View};
+use super::shared::tiles::{TwinTiles, cell_at, scale_of, shown_in, source_at};
+use super::shared::wgsl::mix;
+use super::shared::{cube, plane};
 use crate::params::Overlay;
 use foveal_core::view::surface::Projection;
 use glam::{Vec2, Vec3, Vec4};
@@ -31,7 +32,7 @@ fn line(away: f32, width: f32) -> f32 {
     (0.5 * width + 0.5 - away).clamp(0.0, 1.0)
 }
 
-fn to_border(tiles: &TwinTiles, seen: &Seen) -> f32 {
+fn to_border(tiles: &TwinTiles, seen: &SeenPlace) -> f32 {
     let shown = shown_in(tiles, seen.face, cell_at(tiles, seen.place));
     let tile = source_at(tiles, shown, seen.face, seen.place);
     let away = (seen.place - tile.low).min(tile.high - seen.place);

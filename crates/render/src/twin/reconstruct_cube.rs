@@ -1,9 +1,9 @@
 //! Which colour does a pixel of a view into a cube get? Twin of `shaders/reconstruct_cube.wgsl`.
 
-use super::cube::seen_by;
-use super::picture::picture_at;
-use super::screen::View;
-use super::tiles::TwinTiles;
+use super::shared::cube::seen_by;
+use super::shared::picture::picture_at;
+use super::shared::screen::View;
+use super::shared::tiles::TwinTiles;
 use glam::{Vec2, Vec4};
 
 pub(super) fn reconstruct_cube(tiles: &TwinTiles, view: &View, position: Vec2) -> Vec4 {

@@ -1,10 +1,10 @@
 //! Which colour does a pixel of a view on flat content get? Twin of
 //! `shaders/reconstruct_plane.wgsl`.
 
-use super::picture::picture_at;
-use super::plane::seen_by;
-use super::screen::View;
-use super::tiles::TwinTiles;
+use super::shared::picture::picture_at;
+use super::shared::plane::seen_by;
+use super::shared::screen::View;
+use super::shared::tiles::TwinTiles;
 use glam::{Vec2, Vec4};
 
 pub(super) fn reconstruct_plane(tiles: &TwinTiles, view: &View, position: Vec2) -> Vec4 {

@@ -1,10 +1,10 @@
 //! Which colour does a pixel of a view get when every level has a texture of its own? Twin of
 //! `shaders/reconstruct_textures.wgsl`.
 
-use super::colour::rgb_from_yuv;
-use super::screen::View;
-use super::tiles::{Plane, TwinTiles, cell_at, fetch, shown_in};
-use super::{cube, plane};
+use super::shared::colour::rgb_from_yuv;
+use super::shared::screen::View;
+use super::shared::tiles::{Plane, TwinTiles, cell_at, fetch, shown_in};
+use super::shared::{cube, plane};
 use foveal_core::view::surface::Projection;
 use glam::{Vec2, Vec3, Vec4};
 

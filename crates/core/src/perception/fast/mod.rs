@@ -5,7 +5,7 @@
 //! per step, rows as plain slices. After set-up nothing is allocated.
 
 mod field;
-mod instructions;
+pub mod instructions;
 mod passes;
 mod rows;
 mod units;

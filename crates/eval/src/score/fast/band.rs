@@ -5,7 +5,6 @@
 //! does not depend on the number of threads.
 
 use super::eye::{BandEye, Looking, Table};
-use super::instructions::Instructions;
 use super::levels::Levels;
 use super::math::{exp2, log2, split};
 use super::strip::ROWS;
@@ -14,6 +13,7 @@ use crate::score::constants::{
     MASKING_EXPONENTS, MOST_CONTRAST, MOST_DIFFERENCE, SENSITIVITY_FACTOR, SPACE_EXPONENT,
 };
 use crate::score::pooling::{BandSums, ZONE_BORDERS_DEG, ZONES};
+use foveal_core::perception::fast::instructions::Instructions;
 use rayon::prelude::*;
 
 /// Lanes that sums are kept in.

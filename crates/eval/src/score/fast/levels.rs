@@ -2,10 +2,10 @@
 //!
 //! The statements of [`crate::score::pyramid`] in single precision, a row at a time.
 
-use super::instructions::Instructions;
 use super::strip::ROWS;
 use crate::score::pyramid::{KERNEL, half_size, mirrored, samples_beyond};
 use crate::score::rules::Border;
+use foveal_core::perception::fast::instructions::Instructions;
 use rayon::prelude::*;
 
 /// The kernel on its two sides.

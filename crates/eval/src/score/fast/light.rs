@@ -1,10 +1,10 @@
 //! How does a frame become light, and the light of a quarter of a second what two channels see?
 
-use super::instructions::Instructions;
 use super::strip::ROWS;
 use crate::score::constants::LUMINANCE_WEIGHTS;
 use crate::score::display::Display;
 use crate::score::picture::{Samples, ScorePicture};
+use foveal_core::perception::fast::instructions::Instructions;
 use rayon::prelude::*;
 
 /// Light that codes give on one display.

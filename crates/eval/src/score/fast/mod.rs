@@ -5,7 +5,6 @@
 
 mod band;
 mod eye;
-mod instructions;
 mod levels;
 mod light;
 mod math;
@@ -21,7 +20,7 @@ use band::BandPass;
 #[cfg(feature = "gpu")]
 pub(in crate::score) use eye::Looking;
 pub(in crate::score) use eye::{BandEye, Table};
-use instructions::Instructions;
+use foveal_core::perception::fast::instructions::Instructions;
 use levels::{Levels, expand_row};
 use light::{Light, Ring};
 use rayon::ThreadPool;

@@ -7,6 +7,9 @@ use crate::score::fast::{BandEye, Looking, Table};
 use crate::score::pyramid::{half_size, samples_beyond};
 use crate::score::rules::GeometryRule;
 use crate::score::viewing::Viewing;
+use foveal_render::gpu::buffers;
+use foveal_render::gpu::compute::{Compute, Dispatch};
+use foveal_render::{Gpu, RenderError};
 
 /// Pixels on a side that a workgroup does.
 pub(super) const TILE: usize = 16;
@@ -113,52 +116,57 @@ pub(super) fn light_of_codes(display: &Display) -> Vec<f32> {
     LUMINANCE_WEIGHTS.into_iter().flat_map(of).collect()
 }
 
-/// Makes buffers of one device.
-pub(super) struct Maker<'a> {
-    pub(super) device: &'a wgpu::Device,
-    pub(super) queue: &'a wgpu::Queue,
+/// A storage buffer of `bytes`, or some more, filled with zeros.
+pub(super) fn storage(
+    gpu: &Gpu,
+    what: &'static str,
+    bytes: u64,
+) -> Result<wgpu::Buffer, ScoreError> {
+    // Shaders read some planes by four numbers.
+    let whole = bytes.next_multiple_of(16).max(16);
+    buffers::storage(gpu, what, whole).map_err(refused)
 }
 
-impl Maker<'_> {
-    /// A storage buffer of `bytes`, filled with zeros.
-    pub(super) fn storage(&self, what: &str, bytes: u64) -> Result<wgpu::Buffer, ScoreError> {
-        let limits = self.device.limits();
-        let most = limits
-            .max_storage_buffer_binding_size
-            .min(limits.max_buffer_size);
-        if bytes > most {
-            return Err(ScoreError::Device(format!(
-                "{what}: {bytes} bytes, of which the device binds {most}"
-            )));
+/// A storage buffer that holds numbers.
+pub(super) fn of_numbers(
+    gpu: &Gpu,
+    what: &'static str,
+    numbers: &[f32],
+) -> Result<wgpu::Buffer, ScoreError> {
+    let buffer = storage(gpu, what, numbers.len() as u64 * 4)?;
+    gpu.queue
+        .write_buffer(&buffer, 0, bytemuck::cast_slice(numbers));
+    Ok(buffer)
+}
+
+/// A uniform buffer that holds a value.
+pub(super) fn uniform<T: bytemuck::NoUninit>(
+    gpu: &Gpu,
+    what: &'static str,
+    value: &T,
+) -> wgpu::Buffer {
+    buffers::filled(gpu, what, wgpu::BufferUsages::UNIFORM, &[*value])
+}
+
+/// The pass over buffers in the order of their bindings, for `size` pixels.
+pub(super) fn over(
+    pass: &Compute,
+    gpu: &Gpu,
+    size: [u32; 2],
+    buffers: &[&wgpu::Buffer],
+) -> Dispatch {
+    let bindings = buffers.iter().map(|buffer| buffer.as_entire_binding());
+    let bindings: Vec<_> = (0..).zip(bindings).collect();
+    pass.over(gpu, size, [TILE as u32; 2], &bindings)
+}
+
+/// What the device said, in words of the score.
+pub(super) fn refused(error: RenderError) -> ScoreError {
+    ScoreError::Device(match error {
+        RenderError::TooMuch { what, bytes, most } => {
+            format!("{what}: {bytes} bytes, of which the device binds {most}")
         }
-        Ok(self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(what),
-            size: bytes.next_multiple_of(16).max(16),
-            usage: wgpu::BufferUsages::STORAGE
-                | wgpu::BufferUsages::COPY_DST
-                | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        }))
-    }
-
-    /// A storage buffer that holds numbers.
-    pub(super) fn numbers(&self, what: &str, numbers: &[f32]) -> Result<wgpu::Buffer, ScoreError> {
-        let buffer = self.storage(what, numbers.len() as u64 * 4)?;
-        self.queue
-            .write_buffer(&buffer, 0, bytemuck::cast_slice(numbers));
-        Ok(buffer)
-    }
-
-    /// A uniform buffer that holds a value.
-    pub(super) fn uniform<T: bytemuck::NoUninit>(&self, what: &str, value: &T) -> wgpu::Buffer {
-        let bytes = bytemuck::bytes_of(value);
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(what),
-            size: bytes.len() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        self.queue.write_buffer(&buffer, 0, bytes);
-        buffer
-    }
+        RenderError::ReadBack(reason) => format!("the device failed: {reason}"),
+        other => other.to_string(),
+    })
 }

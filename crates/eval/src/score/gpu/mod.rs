@@ -7,9 +7,7 @@
 
 mod buffers;
 mod passes;
-mod pipeline;
 mod shaders;
-mod stamps;
 
 use super::error::ScoreError;
 use super::fast::HeatMap;
@@ -17,8 +15,9 @@ use super::geometry::Geometry;
 use super::picture::{Samples, ScorePicture};
 use super::pooling::{FrameScore, Pool, Score};
 use super::viewing::Viewing;
+use foveal_render::Gpu;
 use passes::Passes;
-pub use shaders::{ScoreShader, score_shaders};
+pub use shaders::score_shaders;
 use std::time::Duration;
 
 /// Scores frame after frame on a device. Holds the frames of a quarter of a second and about 50
@@ -42,10 +41,11 @@ impl GpuJudge {
         queue: &wgpu::Queue,
         viewing: &Viewing,
     ) -> Result<Self, ScoreError> {
+        let gpu = Gpu::from_parts(device.clone(), queue.clone());
         Ok(Self {
             centres: viewing.bands(),
             geometry: Geometry::new(viewing),
-            passes: Passes::new(device, queue, viewing)?,
+            passes: Passes::new(&gpu, viewing)?,
             pool: Pool::default(),
             gpu_time: None,
             viewing: viewing.clone(),

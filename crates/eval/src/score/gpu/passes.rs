@@ -1,22 +1,25 @@
 //! In which order do the passes of a frame run, and over what?
 
-use super::buffers::{EyeUniform, Level, Maker, SUMS_A_GROUP, Tap, groups, light_of_codes};
-use super::pipeline::{Dispatch, Pipeline};
+use super::buffers::{
+    EyeUniform, Level, SUMS_A_GROUP, Tap, groups, light_of_codes, of_numbers, over, refused,
+    storage, uniform,
+};
 use super::shaders::score_shaders;
-use super::stamps::Stamps;
 use crate::score::error::ScoreError;
 use crate::score::fast::{BandEye, Table};
 use crate::score::geometry::{Geometry, Tangents};
 use crate::score::pooling::BandSums;
 use crate::score::sensitivity::LogSensitivityTable;
 use crate::score::viewing::Viewing;
-use std::sync::mpsc;
+use foveal_render::Gpu;
+use foveal_render::gpu::compute::{Compute, Dispatch, record};
+use foveal_render::gpu::readback::BytesBack;
+use foveal_render::gpu::timer::Timer;
 use std::time::Duration;
 
 /// Pipelines and buffers of frames of one size.
 pub(super) struct Passes {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
+    gpu: Gpu,
     viewing: Viewing,
     table: Table,
     eyes: Vec<BandEye>,
@@ -39,7 +42,7 @@ pub(super) struct Passes {
     heat: Option<HeatPlanes>,
     sums: wgpu::Buffer,
     back: wgpu::Buffer,
-    stamps: Option<Stamps>,
+    timer: Option<Timer>,
 }
 
 /// What the heat map is made in.
@@ -51,18 +54,18 @@ struct HeatPlanes {
 }
 
 struct Pipelines {
-    luminance: Pipeline,
-    temporal: Pipeline,
-    reduce: Pipeline,
-    band: Pipeline,
-    gather: Pipeline,
-    lost: Pipeline,
+    luminance: Compute,
+    temporal: Compute,
+    reduce: Compute,
+    band: Compute,
+    gather: Compute,
+    lost: Compute,
 }
 
 impl Pipelines {
-    fn new(device: &wgpu::Device) -> Self {
+    fn new(gpu: &Gpu) -> Self {
         let [luminance, temporal, reduce, band, gather, lost] =
-            score_shaders().map(|shader| Pipeline::new(device, &shader));
+            score_shaders().map(|shader| Compute::new(gpu, &shader));
         Self {
             luminance,
             temporal,
@@ -75,12 +78,7 @@ impl Pipelines {
 }
 
 impl Passes {
-    pub(super) fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        viewing: &Viewing,
-    ) -> Result<Self, ScoreError> {
-        let make = Maker { device, queue };
+    pub(super) fn new(gpu: &Gpu, viewing: &Viewing) -> Result<Self, ScoreError> {
         let (geometry, table) = (
             Geometry::new(viewing),
             LogSensitivityTable::of(viewing.rules.sensitivity),
@@ -98,7 +96,7 @@ impl Passes {
             * SUMS_A_GROUP as u64
             * 4;
         let pixels = |size: &[usize; 2]| (size[0] * size[1]) as u64;
-        let picture = |what, bytes: u64| make.storage(what, pixels(&sizes[0]) * bytes);
+        let picture = |what, bytes: u64| storage(gpu, what, pixels(&sizes[0]) * bytes);
         let slot = || -> Result<[wgpu::Buffer; 2], ScoreError> {
             Ok([picture("luminance", 4)?, picture("luminance", 4)?])
         };
@@ -108,30 +106,33 @@ impl Passes {
                 is_first: u32::from(age == 0),
                 spare: 0,
             };
-            make.uniform("tap", &tap)
+            uniform(gpu, "tap", &tap)
         };
         let taps = viewing.taps();
         let planes = sizes
             .iter()
-            .map(|size| make.storage("planes", pixels(size) * 16));
-        let level_uniforms = levels.iter().map(|level| make.uniform("level", level));
+            .map(|size| storage(gpu, "planes", pixels(size) * 16));
+        let level_uniforms = levels.iter().map(|level| uniform(gpu, "level", level));
         let looking = eyes[0].looking([0.0; 2]);
         let mut passes = Self {
-            device: device.clone(),
-            queue: queue.clone(),
+            gpu: gpu.clone(),
             level_uniforms: level_uniforms.collect(),
-            eye: make.uniform("eye", &EyeUniform::new(viewing, &table, &looking, false)),
+            eye: uniform(
+                gpu,
+                "eye",
+                &EyeUniform::new(viewing, &table, &looking, false),
+            ),
             taps: taps.iter().enumerate().map(tap).collect(),
-            light: make.numbers("light of codes", &light_of_codes(&viewing.display))?,
+            light: of_numbers(gpu, "light of codes", &light_of_codes(&viewing.display))?,
             bytes: [picture("bytes", 3)?, picture("bytes", 3)?],
             has_bytes: [false; 2],
             ring: taps.iter().map(|_| slot()).collect::<Result<_, _>>()?,
             came: 0,
             planes: planes.collect::<Result<_, _>>()?,
-            sums: make.storage("sums", sums)?,
-            back: read_back_buffer(device, sums.next_multiple_of(16) + Stamps::BYTES),
-            stamps: Stamps::new(device, queue),
-            pipelines: Pipelines::new(device),
+            sums: storage(gpu, "sums", sums)?,
+            back: BytesBack::buffer(gpu, sums.next_multiple_of(16) + Timer::BYTES),
+            timer: Timer::new(gpu),
+            pipelines: Pipelines::new(gpu),
             fixed: Vec::new(),
             heat: None,
             viewing: viewing.clone(),
@@ -139,19 +140,16 @@ impl Passes {
             eyes,
             levels,
         };
-        passes.fixed = passes.fixed(&make)?;
+        passes.fixed = passes.fixed()?;
         Ok(passes)
     }
 
     /// From now on adds up a heat map too.
     pub(super) fn keep_heat(&mut self) -> Result<(), ScoreError> {
-        let (device, queue) = (self.device.clone(), self.queue.clone());
-        let make = Maker {
-            device: &device,
-            queue: &queue,
-        };
+        let gpu = &self.gpu;
         let plane = |level: &Level| {
-            make.storage(
+            storage(
+                gpu,
                 "heat",
                 level.fine.into_iter().map(u64::from).product::<u64>() * 4,
             )
@@ -160,17 +158,18 @@ impl Passes {
             bands: self.levels.iter().map(plane).collect::<Result<_, _>>()?,
             total: plane(&self.levels[0])?,
         });
-        self.fixed = self.fixed(&make)?;
+        self.fixed = self.fixed()?;
         Ok(())
     }
 
     /// The passes whose buffers never change: every level, every band, and what is wanted of the
     /// heat map.
-    fn fixed(&self, make: &Maker<'_>) -> Result<Vec<Dispatch>, ScoreError> {
+    fn fixed(&self) -> Result<Vec<Dispatch>, ScoreError> {
+        let gpu = &self.gpu;
         let (reduce, band) = (&self.pipelines.reduce, &self.pipelines.band);
-        let unused = make.storage("no heat", 4)?;
-        let sensitivities = make.numbers("sensitivities", &self.table.entries)?;
-        let raised = make.numbers("raised", &self.table.raised)?;
+        let unused = storage(gpu, "no heat", 4)?;
+        let sensitivities = of_numbers(gpu, "sensitivities", &self.table.entries)?;
+        let raised = of_numbers(gpu, "raised", &self.table.raised)?;
         let (mut fixed, mut bands) = (Vec::new(), Vec::new());
         for (n, (level, eye)) in self.levels.iter().zip(&self.eyes).enumerate() {
             let [uniform, fine, coarse] = [
@@ -178,9 +177,9 @@ impl Passes {
                 &self.planes[n],
                 &self.planes[n + 1],
             ];
-            fixed.push(reduce.over(make.device, level.coarse, &[uniform, fine, coarse]));
-            let axes = make.numbers("axes", &eye.axes.concat())?;
-            let frequency = make.numbers("frequencies", &eye.frequency)?;
+            fixed.push(over(reduce, gpu, level.coarse, &[uniform, fine, coarse]));
+            let axes = of_numbers(gpu, "axes", &eye.axes.concat())?;
+            let frequency = of_numbers(gpu, "frequencies", &eye.frequency)?;
             let buffers = [
                 uniform,
                 &self.eye,
@@ -193,7 +192,7 @@ impl Passes {
                 &self.sums,
                 self.heat.as_ref().map_or(&unused, |heat| &heat.bands[n]),
             ];
-            bands.push(band.over(make.device, level.fine, &buffers));
+            bands.push(over(band, gpu, level.fine, &buffers));
         }
         fixed.append(&mut bands);
         if let Some(heat) = &self.heat {
@@ -206,17 +205,21 @@ impl Passes {
     fn heat_passes(&self, heat: &HeatPlanes) -> Vec<Dispatch> {
         let gather = |n: usize| {
             let buffers = [&self.level_uniforms[n], &heat.bands[n + 1], &heat.bands[n]];
-            self.pipelines
-                .gather
-                .over(&self.device, self.levels[n].fine, &buffers)
+            over(
+                &self.pipelines.gather,
+                &self.gpu,
+                self.levels[n].fine,
+                &buffers,
+            )
         };
         let mut passes: Vec<Dispatch> = (0..heat.bands.len() - 1).rev().map(gather).collect();
         let buffers = [&self.level_uniforms[0], &heat.bands[0], &heat.total];
-        passes.push(
-            self.pipelines
-                .lost
-                .over(&self.device, self.viewing.size, &buffers),
-        );
+        passes.push(over(
+            &self.pipelines.lost,
+            &self.gpu,
+            self.viewing.size,
+            &buffers,
+        ));
         passes
     }
 
@@ -226,11 +229,12 @@ impl Passes {
             return Ok(None);
         };
         let bytes = heat.total.size();
-        let back = read_back_buffer(&self.device, bytes);
-        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let back = BytesBack::buffer(&self.gpu, bytes);
+        let mut encoder = self.gpu.encoder("heat map");
         encoder.copy_buffer_to_buffer(&heat.total, 0, &back, 0, bytes);
-        self.queue.submit([encoder.finish()]);
-        let mut numbers = numbers(&mapped(&self.device, &back)?);
+        self.gpu.submit(encoder);
+        let bytes = BytesBack::map(back).wait(&self.gpu).map_err(refused)?;
+        let mut numbers = numbers(&bytes);
         numbers.truncate(
             self.viewing
                 .size
@@ -248,12 +252,14 @@ impl Passes {
     /// The bytes of the next frame of the reference (0) or the test (1).
     pub(super) fn take_bytes(&mut self, which: usize, rgb: &[u8]) {
         let whole = rgb.len() / 4 * 4;
-        self.queue
+        self.gpu
+            .queue
             .write_buffer(&self.bytes[which], 0, &rgb[..whole]);
         let mut rest = [0; 4];
         rest[..rgb.len() - whole].copy_from_slice(&rgb[whole..]);
         if rgb.len() > whole {
-            self.queue
+            self.gpu
+                .queue
                 .write_buffer(&self.bytes[which], whole as u64, &rest);
         }
         self.has_bytes[which] = true;
@@ -262,7 +268,8 @@ impl Passes {
     /// The luminance of the next frame of the reference (0) or the test (1).
     pub(super) fn take_light(&mut self, which: usize, light: &[f32]) {
         let slot = &self.ring[self.slot()][which];
-        self.queue
+        self.gpu
+            .queue
             .write_buffer(slot, 0, bytemuck::cast_slice(light));
         self.has_bytes[which] = false;
     }
@@ -274,26 +281,21 @@ impl Passes {
     ) -> Result<(Vec<BandSums>, Option<Duration>), ScoreError> {
         let looking = self.eyes[0].looking(gaze);
         let eye = EyeUniform::new(&self.viewing, &self.table, &looking, self.heat.is_some());
-        self.queue
+        self.gpu
+            .queue
             .write_buffer(&self.eye, 0, bytemuck::bytes_of(&eye));
         let light = self.light_passes();
         self.came += 1;
         let temporal = self.temporal_passes();
-        let mut encoder = self.device.create_command_encoder(&Default::default());
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("score"),
-            timestamp_writes: self.stamps.as_ref().map(Stamps::around),
-        });
-        for dispatch in light.iter().chain(&temporal).chain(&self.fixed) {
-            dispatch.order(&mut pass);
-        }
-        drop(pass);
-        let bytes = self.back.size() - Stamps::BYTES;
+        let mut encoder = self.gpu.encoder("score");
+        let passes = light.iter().chain(&temporal).chain(&self.fixed);
+        record(&mut encoder, "score", self.timer.as_ref(), passes);
+        let bytes = self.back.size() - Timer::BYTES;
         encoder.copy_buffer_to_buffer(&self.sums, 0, &self.back, 0, bytes);
-        if let Some(stamps) = &self.stamps {
-            stamps.copy(&mut encoder, &self.back, bytes);
+        if let Some(timer) = &self.timer {
+            timer.copy(&mut encoder, &self.back, bytes);
         }
-        self.queue.submit([encoder.finish()]);
+        self.gpu.submit(encoder);
         self.read_back()
     }
 
@@ -307,7 +309,7 @@ impl Passes {
             .map(|which| {
                 let (bytes, out) = (&self.bytes[which], &slot[which]);
                 let buffers = [&self.level_uniforms[0], bytes, &self.light, out];
-                self.pipelines.luminance.over(&self.device, size, &buffers)
+                over(&self.pipelines.luminance, &self.gpu, size, &buffers)
             })
             .collect()
     }
@@ -324,17 +326,22 @@ impl Passes {
                 test,
                 &self.planes[0],
             ];
-            self.pipelines
-                .temporal
-                .over(&self.device, self.viewing.size, &buffers)
+            over(
+                &self.pipelines.temporal,
+                &self.gpu,
+                self.viewing.size,
+                &buffers,
+            )
         };
         self.taps.iter().enumerate().map(pass).collect()
     }
 
     fn read_back(&self) -> Result<(Vec<BandSums>, Option<Duration>), ScoreError> {
-        let bytes = mapped(&self.device, &self.back)?;
-        let (sums, stamps) = bytes.split_at(bytes.len() - Stamps::BYTES as usize);
-        let time = self.stamps.as_ref().and_then(|clock| clock.between(stamps));
+        let back = BytesBack::map(self.back.clone());
+        let bytes = back.wait(&self.gpu).map_err(refused)?;
+        let (sums, stamps) = bytes.split_at(bytes.len() - Timer::BYTES as usize);
+        let timer = self.timer.as_ref();
+        let time = timer.and_then(|timer| timer.tick().between(stamps));
         let sums = numbers(sums);
         let of_band = |level: &Level| {
             let first = level.first_sum as usize * SUMS_A_GROUP;
@@ -356,37 +363,6 @@ fn band_sums(groups: &[f32]) -> BandSums {
         }
     }
     sums
-}
-
-fn read_back_buffer(device: &wgpu::Device, bytes: u64) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("read back"),
-        size: bytes,
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    })
-}
-
-/// The bytes of a buffer, once the device is done with it.
-fn mapped(device: &wgpu::Device, buffer: &wgpu::Buffer) -> Result<Vec<u8>, ScoreError> {
-    let failed = |reason: String| ScoreError::Device(format!("the device failed: {reason}"));
-    let (tell, told) = mpsc::channel();
-    buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // Nobody listens only when the poll below failed.
-        let _ = tell.send(result);
-    });
-    device
-        .poll(wgpu::PollType::wait_indefinitely())
-        .map_err(|reason| failed(reason.to_string()))?;
-    let mapped = told.recv().map_err(|reason| failed(reason.to_string()))?;
-    mapped.map_err(|reason| failed(reason.to_string()))?;
-    let view = buffer
-        .get_mapped_range(..)
-        .map_err(|reason| failed(reason.to_string()))?;
-    let bytes = view.to_vec();
-    drop(view);
-    buffer.unmap();
-    Ok(bytes)
 }
 
 fn numbers(bytes: &[u8]) -> Vec<f32> {

@@ -4,15 +4,7 @@
 //! no number is written twice.
 
 use crate::score::constants as fit;
-
-/// A compute pass's text; its entry has the name of the pass.
-#[derive(Clone, Debug)]
-pub struct ScoreShader {
-    /// Name of the pass.
-    pub name: &'static str,
-    /// WGSL.
-    pub text: String,
-}
+use foveal_render::shaders::ComputeShader;
 
 const LEVEL: &str = include_str!("../../../shaders/level.wgsl");
 const LUMINANCE: &str = include_str!("../../../shaders/luminance.wgsl");
@@ -24,8 +16,8 @@ const LOST: &str = include_str!("../../../shaders/lost.wgsl");
 
 /// The passes in their order.
 #[must_use]
-pub fn score_shaders() -> [ScoreShader; 6] {
-    let shader = |name, text: &str| ScoreShader {
+pub fn score_shaders() -> [ComputeShader; 6] {
+    let shader = |name, text: &str| ComputeShader {
         name,
         text: [&constants(), LEVEL, text].join("\n"),
     };

@@ -3,28 +3,22 @@
 use super::*;
 use crate::score::golden::Golden;
 use crate::score::{Display, Judge, Mode};
+use foveal_render::RenderError;
 
 /// How far a golden may be off, JOD.
 const TOLERANCE: f64 = 0.005;
 
 /// A device as the program opens one; `None` where this machine has no adapter at all.
-fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-        flags: wgpu::InstanceFlags::empty(),
-        ..wgpu::InstanceDescriptor::new_without_display_handle()
-    });
-    let options = wgpu::RequestAdapterOptions::default();
-    let adapter = pollster::block_on(instance.request_adapter(&options));
-    let Ok(adapter) = adapter else {
-        eprintln!("SKIPPED: no adapter, not even a software one, so no score was computed on it");
-        return None;
-    };
-    let opened = adapter.request_device(&wgpu::DeviceDescriptor {
-        required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
-        required_limits: wgpu::Limits::default().or_worse_values_from(&adapter.limits()),
-        ..wgpu::DeviceDescriptor::default()
-    });
-    Some(pollster::block_on(opened).unwrap())
+fn device() -> Option<Gpu> {
+    match Gpu::open_blocking() {
+        Err(RenderError::NoAdapter(_)) => {
+            eprintln!(
+                "SKIPPED: no adapter, not even a software one, so no score was computed on it"
+            );
+            None
+        }
+        opened => Some(opened.unwrap()),
+    }
 }
 
 fn viewing(golden: &Golden, mode: Mode) -> Viewing {
@@ -33,8 +27,8 @@ fn viewing(golden: &Golden, mode: Mode) -> Viewing {
     Viewing::new(display, golden.size, golden.fps, foveated, mode).unwrap()
 }
 
-fn score(device: &(wgpu::Device, wgpu::Queue), golden: &Golden, mode: Mode) -> Score {
-    let mut judge = GpuJudge::new(&device.0, &device.1, &viewing(golden, mode)).unwrap();
+fn score(gpu: &Gpu, golden: &Golden, mode: Mode) -> Score {
+    let mut judge = GpuJudge::new(&gpu.device, &gpu.queue, &viewing(golden, mode)).unwrap();
     for frame in 0..golden.frames {
         let [reference, test] = golden.pictures(frame).unwrap();
         let gaze = golden.gaze_at(frame).unwrap_or_default();
@@ -45,14 +39,14 @@ fn score(device: &(wgpu::Device, wgpu::Queue), golden: &Golden, mode: Mode) -> S
 
 #[test]
 fn every_golden_has_its_published_score_on_the_device() {
-    let Some(device) = device() else { return };
+    let Some(gpu) = device() else { return };
     // The widest take minutes where software stands in for a device; `evaluate goldens` has all.
     let affordable = |golden: &&Golden| {
         let [w, h] = golden.size;
         w * h * golden.frames < 2_200_000
     };
     for golden in Golden::all().iter().filter(affordable) {
-        let found = score(&device, golden, Mode::Compat).jod;
+        let found = score(&gpu, golden, Mode::Compat).jod;
         let off = (found - golden.jod).abs();
         assert!(
             off <= TOLERANCE,
@@ -65,11 +59,11 @@ fn every_golden_has_its_published_score_on_the_device() {
 
 #[test]
 fn the_device_is_the_twin_of_the_processor_in_both_modes() {
-    let Some(device) = device() else { return };
+    let Some(gpu) = device() else { return };
     for id in ["G2", "G4", "G9", "G12", "G13"] {
         let golden = Golden::named(id).unwrap();
         for mode in [Mode::Compat, Mode::Strict] {
-            let found = score(&device, golden, mode);
+            let found = score(&gpu, golden, mode);
             let mut judge = Judge::new(&viewing(golden, mode), 2).unwrap();
             for frame in 0..golden.frames {
                 let [reference, test] = golden.pictures(frame).unwrap();
@@ -101,7 +95,7 @@ fn the_device_is_the_twin_of_the_processor_in_both_modes() {
 
 #[test]
 fn a_gaze_outside_has_the_score_of_the_processor() {
-    let Some(device) = device() else { return };
+    let Some(gpu) = device() else { return };
     let size = [64; 2];
     let grey = |byte: usize| vec![byte as u8; 64 * 64 * 3];
     let noise = (0..64 * 64 * 3).map(|n: usize| (n * n * 7919 % 251) as u8);
@@ -112,7 +106,7 @@ fn a_gaze_outside_has_the_score_of_the_processor() {
         let viewing = Viewing::new(display, size, None, true, mode).unwrap();
         for gaze in [[-90.0, 300.0], [9e3, -4e3], [1e300, 30.0]] {
             let mut here = Judge::new(&viewing, 1).unwrap();
-            let mut there = GpuJudge::new(&device.0, &device.1, &viewing).unwrap();
+            let mut there = GpuJudge::new(&gpu.device, &gpu.queue, &viewing).unwrap();
             let wanted = here.frame(&reference, &test, gaze).unwrap().jod;
             let found = there.frame(&reference, &test, gaze).unwrap().jod;
             let off = (found - wanted).abs();
@@ -123,7 +117,7 @@ fn a_gaze_outside_has_the_score_of_the_processor() {
 
 #[test]
 fn every_kind_of_sample_has_its_score_on_the_device() {
-    let Some(device) = device() else { return };
+    let Some(gpu) = device() else { return };
     let golden = Golden::named("G4").unwrap();
     let bytes = golden.bytes(0);
     let viewing = viewing(golden, Mode::Compat);
@@ -135,7 +129,7 @@ fn every_kind_of_sample_has_its_score_on_the_device() {
         bytes.map(|b| Samples::Float(b.iter().map(|b| f32::from(*b) / 255.0).collect())),
     ] {
         let [reference, test] = samples.map(|s| ScorePicture::new(golden.size, s).unwrap());
-        let mut judge = GpuJudge::new(&device.0, &device.1, &viewing).unwrap();
+        let mut judge = GpuJudge::new(&gpu.device, &gpu.queue, &viewing).unwrap();
         let found = judge.frame(&reference, &test, gaze).unwrap().jod;
         assert!((found - golden.jod).abs() <= TOLERANCE, "{found}");
     }
@@ -143,11 +137,11 @@ fn every_kind_of_sample_has_its_score_on_the_device() {
 
 #[test]
 fn the_heat_map_is_that_of_the_processor() {
-    let Some(device) = device() else { return };
+    let Some(gpu) = device() else { return };
     let golden = Golden::named("G9").unwrap();
     let viewing = viewing(golden, Mode::Compat);
     let mut here = Judge::new(&viewing, 2).unwrap();
-    let mut there = GpuJudge::new(&device.0, &device.1, &viewing).unwrap();
+    let mut there = GpuJudge::new(&gpu.device, &gpu.queue, &viewing).unwrap();
     here.keep_heat();
     there.keep_heat().unwrap();
     for frame in 0..4 {
@@ -166,10 +160,10 @@ fn the_heat_map_is_that_of_the_processor() {
 
 #[test]
 fn pictures_that_no_buffer_holds_are_refused() {
-    let Some(device) = device() else { return };
+    let Some(gpu) = device() else { return };
     let display = Display::named("standard_4k").unwrap();
     let viewing = Viewing::new(display, [16_000, 9000], None, true, Mode::Compat).unwrap();
-    let error = GpuJudge::new(&device.0, &device.1, &viewing)
+    let error = GpuJudge::new(&gpu.device, &gpu.queue, &viewing)
         .err()
         .unwrap()
         .to_string();

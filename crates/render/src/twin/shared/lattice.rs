@@ -4,32 +4,32 @@ use super::tiles::{Plane, TwinTiles, offset_of, pitch_of};
 use glam::Vec2;
 
 #[derive(Clone, Copy)]
-pub(super) struct Axis {
-    pub(super) size: f32,
-    pub(super) segment: f32,
-    pub(super) last_segment: i32,
-    pub(super) pitch: f32,
-    pub(super) offset: f32,
+pub(crate) struct Axis {
+    pub(crate) size: f32,
+    pub(crate) segment: f32,
+    pub(crate) last_segment: i32,
+    pub(crate) pitch: f32,
+    pub(crate) offset: f32,
 }
 
 #[derive(Clone, Copy)]
-pub(super) struct Tap {
-    pub(super) within: f32,
-    pub(super) centre: f32,
-    pub(super) beyond: i32,
+pub(crate) struct Tap {
+    pub(crate) within: f32,
+    pub(crate) centre: f32,
+    pub(crate) beyond: i32,
 }
 
-pub(super) struct Bracket {
-    pub(super) low: Tap,
-    pub(super) high: Tap,
-    pub(super) weight: f32,
+pub(crate) struct Bracket {
+    pub(crate) low: Tap,
+    pub(crate) high: Tap,
+    pub(crate) weight: f32,
 }
 
-pub(super) fn tap_of(bracket: &Bracket, high: bool) -> Tap {
+pub(crate) fn tap_of(bracket: &Bracket, high: bool) -> Tap {
     if high { bracket.high } else { bracket.low }
 }
 
-pub(super) fn weight_of(bracket: &Bracket, high: bool) -> f32 {
+pub(crate) fn weight_of(bracket: &Bracket, high: bool) -> f32 {
     if high {
         bracket.weight
     } else {
@@ -37,7 +37,7 @@ pub(super) fn weight_of(bracket: &Bracket, high: bool) -> f32 {
     }
 }
 
-pub(super) fn axis_of(tiles: &TwinTiles, plane: Plane, level: u32, k: usize) -> Axis {
+pub(crate) fn axis_of(tiles: &TwinTiles, plane: Plane, level: u32, k: usize) -> Axis {
     let offset = offset_of(tiles, plane, level);
     Axis {
         size: tiles.params.size[k],
@@ -48,12 +48,12 @@ pub(super) fn axis_of(tiles: &TwinTiles, plane: Plane, level: u32, k: usize) -> 
     }
 }
 
-pub(super) fn samples_in(axis: &Axis, segment: i32) -> i32 {
+pub(crate) fn samples_in(axis: &Axis, segment: i32) -> i32 {
     let covered = axis.segment.min(axis.size - segment as f32 * axis.segment);
     (covered / axis.pitch).ceil() as i32
 }
 
-pub(super) fn tap_at(axis: &Axis, segment: i32, sample: i32) -> Tap {
+pub(crate) fn tap_at(axis: &Axis, segment: i32, sample: i32) -> Tap {
     let start = segment as f32 * axis.segment + sample as f32 * axis.pitch;
     let covered = axis.pitch.min(axis.size - start);
     Tap {
@@ -63,7 +63,7 @@ pub(super) fn tap_at(axis: &Axis, segment: i32, sample: i32) -> Tap {
     }
 }
 
-pub(super) fn bracket(axis: &Axis, at: f32, edge: Vec2) -> Bracket {
+pub(crate) fn bracket(axis: &Axis, at: f32, edge: Vec2) -> Bracket {
     let segment = ((at / axis.segment).floor() as i32).clamp(0, axis.last_segment);
     let count = samples_in(axis, segment);
     let along = (at - segment as f32 * axis.segment) / axis.pitch - axis.offset;

@@ -3,7 +3,7 @@
 use super::tiles::TwinTiles;
 use glam::{Vec3, Vec4};
 
-pub(super) fn rgb_from_yuv(tiles: &TwinTiles, yuv: Vec3) -> Vec3 {
+pub(crate) fn rgb_from_yuv(tiles: &TwinTiles, yuv: Vec3) -> Vec3 {
     let code = yuv.extend(1.0);
     let red = Vec4::from(tiles.params.rgb_from_yuv[0]).dot(code);
     let green = Vec4::from(tiles.params.rgb_from_yuv[1]).dot(code);

@@ -1,18 +1,18 @@
 //! What surrounds the one face of flat content? Twin of `shaders/shared/plane.wgsl`.
 
 use super::lattice::{Axis, Bracket, tap_of, weight_of};
-use super::screen::{Seen, View, display_footprint};
+use super::screen::{SeenPlace, View, display_footprint};
 use super::tiles::{Plane, TwinTiles, fetch};
 use glam::{Vec2, Vec3Swizzles};
 
-pub(super) fn seen_by(tiles: &TwinTiles, view: &View, pixel: Vec2) -> Seen {
+pub(crate) fn seen_by(tiles: &TwinTiles, view: &View, pixel: Vec2) -> SeenPlace {
     let here = view.content_from_pixel * pixel.extend(1.0);
     let right = here + view.content_from_pixel.x_axis;
     let down = here + view.content_from_pixel.y_axis;
     let place = here.xy() / here.z;
     let inside = here.z > 0.0 && place.cmpge(Vec2::ZERO).all() && place.cmplt(tiles.size()).all();
     let footprint = display_footprint(right.xy() / right.z - place, down.xy() / down.z - place);
-    Seen {
+    SeenPlace {
         inside,
         face: view.first_face,
         place,
@@ -20,19 +20,19 @@ pub(super) fn seen_by(tiles: &TwinTiles, view: &View, pixel: Vec2) -> Seen {
     }
 }
 
-pub(super) fn widened_across(known: f32) -> f32 {
+pub(crate) fn widened_across(known: f32) -> f32 {
     known
 }
 
-pub(super) fn beyond_edges(axis: &Axis) -> Vec2 {
+pub(crate) fn beyond_edges(axis: &Axis) -> Vec2 {
     Vec2::splat(axis.pitch)
 }
 
-pub(super) fn beside_edge(tiles: &TwinTiles, face: u32, place: Vec2) -> (u32, Vec2) {
+pub(crate) fn beside_edge(tiles: &TwinTiles, face: u32, place: Vec2) -> (u32, Vec2) {
     (face, place.clamp(Vec2::splat(0.5), tiles.size() - 0.5))
 }
 
-pub(super) fn corner_sample(
+pub(crate) fn corner_sample(
     tiles: &TwinTiles,
     corner: u32,
     plane: Plane,

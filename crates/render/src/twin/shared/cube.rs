@@ -1,10 +1,10 @@
 //! What surrounds a face of the cube? Twin of `shaders/shared/cube.wgsl`.
 
-use super::footprint::widened;
 use super::lattice::{Axis, Bracket, axis_of, bracket, samples_in, tap_at, tap_of, weight_of};
 use super::mapping::{place_on_face, tangent_on_face};
-use super::screen::{Seen, View, display_footprint};
+use super::screen::{SeenPlace, View, display_footprint};
 use super::tiles::{Plane, TwinTiles, fetch};
+use super::widened::widened;
 use foveal_core::view::surface::CUBE_FACES;
 use glam::{Vec2, Vec3};
 
@@ -51,7 +51,7 @@ fn place_of(tiles: &TwinTiles, tangent: Vec2) -> Vec2 {
     (place_on_face(tiles, tangent) + 1.0) * 0.5 * tiles.size()
 }
 
-pub(super) fn seen_by(tiles: &TwinTiles, view: &View, pixel: Vec2) -> Seen {
+pub(crate) fn seen_by(tiles: &TwinTiles, view: &View, pixel: Vec2) -> SeenPlace {
     let ray = view.content_from_pixel * pixel.extend(1.0);
     let face = cube_face(ray);
     let axes = axes_of(tiles, face.min(tiles.params.faces_of_an_eye - 1));
@@ -65,7 +65,7 @@ pub(super) fn seen_by(tiles: &TwinTiles, view: &View, pixel: Vec2) -> Seen {
         tangent_of(&axes, ray + view.content_from_pixel.y_axis),
     );
     let footprint = display_footprint(right - place, down - place);
-    Seen {
+    SeenPlace {
         inside: face < tiles.params.faces_of_an_eye,
         face: view.first_face + face,
         place,
@@ -109,7 +109,7 @@ fn neighbour(tiles: &TwinTiles, face: u32, place: Vec2, k: u32, high: bool) -> N
     }
 }
 
-pub(super) fn widened_across(tiles: &TwinTiles, face: u32, place: Vec2, known: f32) -> f32 {
+pub(crate) fn widened_across(tiles: &TwinTiles, face: u32, place: Vec2, known: f32) -> f32 {
     let reach = tiles.params.growth * (tiles.params.coarsest_scale - known);
     let near_low = place.cmplt(Vec2::splat(reach));
     let near_high = (tiles.size() - place).cmplt(Vec2::splat(reach));
@@ -133,7 +133,7 @@ pub(super) fn widened_across(tiles: &TwinTiles, face: u32, place: Vec2, known: f
     widest
 }
 
-pub(super) fn beside_edge(tiles: &TwinTiles, face: u32, place: Vec2) -> (u32, Vec2) {
+pub(crate) fn beside_edge(tiles: &TwinTiles, face: u32, place: Vec2) -> (u32, Vec2) {
     let beyond = (-place).max(place - tiles.size());
     let k = u32::from(beyond.y > beyond.x && has_beside(tiles, 1));
     let depth = if k == 1 { beyond.y } else { beyond.x };
@@ -149,7 +149,7 @@ pub(super) fn beside_edge(tiles: &TwinTiles, face: u32, place: Vec2) -> (u32, Ve
     )
 }
 
-pub(super) fn beyond_edges(tiles: &TwinTiles, face: u32, axis: &Axis, k: usize) -> Vec2 {
+pub(crate) fn beyond_edges(tiles: &TwinTiles, face: u32, axis: &Axis, k: usize) -> Vec2 {
     let last = tap_at(
         axis,
         axis.last_segment,
@@ -187,7 +187,7 @@ fn fetch_beside(
     fetch(tiles, plane, level, beside.face, place) * weight_of(&between, high)
 }
 
-pub(super) fn corner_sample(
+pub(crate) fn corner_sample(
     tiles: &TwinTiles,
     corner: u32,
     (plane, level): (Plane, u32),

@@ -5,10 +5,11 @@ use super::colour::rgb_from_yuv;
 use super::footprint::{level_of, shown_footprint};
 use super::lattice::{Axis, axis_of, bracket};
 use super::tiles::{
-    Plane, Source, TwinTiles, cell_at, fetch, first_texel, load, mip_of, offset_of, pitch_of,
+    Plane, SourceTile, TwinTiles, cell_at, fetch, first_texel, load, mip_of, offset_of, pitch_of,
     scale_of, segment_start, shown_in, source_at,
 };
-use super::{cube, mix, plane};
+use super::wgsl::mix;
+use super::{cube, plane};
 use foveal_core::view::surface::Projection;
 use glam::{IVec2, Vec2, Vec3, Vec4};
 
@@ -18,7 +19,13 @@ struct Footing {
     weight: Vec2,
 }
 
-fn footing(tiles: &TwinTiles, source: &Source, plane: Plane, level: u32, place: Vec2) -> Footing {
+fn footing(
+    tiles: &TwinTiles,
+    source: &SourceTile,
+    plane: Plane,
+    level: u32,
+    place: Vec2,
+) -> Footing {
     let pitch = pitch_of(tiles, plane, level);
     let start = segment_start(tiles, place);
     let along = (place - start) / pitch - offset_of(tiles, plane, level);
@@ -33,7 +40,13 @@ fn footing(tiles: &TwinTiles, source: &Source, plane: Plane, level: u32, place: 
     }
 }
 
-fn view_inside(tiles: &TwinTiles, source: &Source, plane: Plane, level: u32, at: &Footing) -> Vec2 {
+fn view_inside(
+    tiles: &TwinTiles,
+    source: &SourceTile,
+    plane: Plane,
+    level: u32,
+    at: &Footing,
+) -> Vec2 {
     let mip = mip_of(source, level);
     let a = load(tiles, source, plane, at.texel, mip);
     let b = load(tiles, source, plane, at.texel + IVec2::new(1, 0), mip);
@@ -94,7 +107,7 @@ fn sample_across(tiles: &TwinTiles, face: u32, middle: Vec2) -> f32 {
     fetch(tiles, Plane::Luma, 0, face, place).x
 }
 
-fn cubic_row(tiles: &TwinTiles, own: &Source, texel: IVec2, weights: Vec4) -> f32 {
+fn cubic_row(tiles: &TwinTiles, own: &SourceTile, texel: IVec2, weights: Vec4) -> f32 {
     let a = load(tiles, own, Plane::Luma, texel + IVec2::new(-1, 0), 0).x;
     let b = load(tiles, own, Plane::Luma, texel, 0).x;
     let c = load(tiles, own, Plane::Luma, texel + IVec2::new(1, 0), 0).x;
@@ -106,7 +119,7 @@ fn cubic_luma(
     tiles: &TwinTiles,
     face: u32,
     place: Vec2,
-    own: &Source,
+    own: &SourceTile,
     at: &Footing,
     within: bool,
 ) -> f32 {
@@ -134,7 +147,7 @@ fn level_view(
     level: u32,
     face: u32,
     place: Vec2,
-    own: &Source,
+    own: &SourceTile,
     cubic: f32,
 ) -> Vec3 {
     let mut source = *own;
@@ -176,7 +189,7 @@ fn level_view(
     Vec3::new(luma.x, chroma.x, chroma.y)
 }
 
-pub(super) fn picture_at(tiles: &TwinTiles, face: u32, place: Vec2, display: f32) -> Vec3 {
+pub(crate) fn picture_at(tiles: &TwinTiles, face: u32, place: Vec2, display: f32) -> Vec3 {
     let own_shown = shown_in(tiles, face, cell_at(tiles, place));
     let own = source_at(tiles, own_shown, face, place);
     let footprint = shown_footprint(tiles, face, place, display, scale_of(tiles, own.level));

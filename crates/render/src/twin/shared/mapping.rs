@@ -6,7 +6,7 @@ use std::f32::consts::FRAC_PI_4;
 
 const GNOMONIC: u32 = 0;
 
-pub(super) fn place_on_face(tiles: &TwinTiles, tangent: Vec2) -> Vec2 {
+pub(crate) fn place_on_face(tiles: &TwinTiles, tangent: Vec2) -> Vec2 {
     if tiles.params.mapping == GNOMONIC {
         return tangent;
     }
@@ -20,7 +20,7 @@ pub(super) fn place_on_face(tiles: &TwinTiles, tangent: Vec2) -> Vec2 {
     Vec2::select(steep, 2.0 * tangent.signum() - place, place)
 }
 
-pub(super) fn tangent_on_face(tiles: &TwinTiles, place: f32) -> f32 {
+pub(crate) fn tangent_on_face(tiles: &TwinTiles, place: f32) -> f32 {
     if tiles.params.mapping == GNOMONIC {
         return place;
     }

@@ -13,8 +13,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Resident tiles in main memory, under the rules of [`crate::TileStore`].
 #[derive(Clone, Debug)]
 pub struct TwinTiles {
-    pub(super) grid: TileGrid,
-    pub(super) params: TileParams,
+    pub(crate) grid: TileGrid,
+    pub(crate) params: TileParams,
     colour: Colour,
     resident: BTreeMap<Tile, (u32, [Vec<Samples>; 3])>,
     frame: u32,
@@ -96,31 +96,31 @@ impl TwinTiles {
         self.level_map = shown_map(&self.grid, entries);
     }
 
-    pub(super) fn size(&self) -> Vec2 {
+    pub(crate) fn size(&self) -> Vec2 {
         Vec2::from(self.params.size)
     }
 }
 
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Plane {
+pub(crate) enum Plane {
     Luma,
     Chroma,
 }
 
-pub(super) fn scale_of(tiles: &TwinTiles, level: u32) -> f32 {
+pub(crate) fn scale_of(tiles: &TwinTiles, level: u32) -> f32 {
     (1 << (level * tiles.params.octaves)) as f32
 }
 
-pub(super) fn pitch_of(tiles: &TwinTiles, plane: Plane, level: u32) -> f32 {
+pub(crate) fn pitch_of(tiles: &TwinTiles, plane: Plane, level: u32) -> f32 {
     scale_of(tiles, level) * if plane == Plane::Chroma { 2.0 } else { 1.0 }
 }
 
-pub(super) fn offset_of(tiles: &TwinTiles, plane: Plane, level: u32) -> Vec2 {
+pub(crate) fn offset_of(tiles: &TwinTiles, plane: Plane, level: u32) -> Vec2 {
     let chroma = 0.5 - (0.5 - tiles.params.chroma_offset) / scale_of(tiles, level);
     Vec2::new(if plane == Plane::Chroma { chroma } else { 0.5 }, 0.5)
 }
 
-pub(super) fn cell_at(tiles: &TwinTiles, place: Vec2) -> UVec2 {
+pub(crate) fn cell_at(tiles: &TwinTiles, place: Vec2) -> UVec2 {
     let cell = (place / Vec2::from(tiles.params.cell))
         .max(Vec2::ZERO)
         .as_uvec2();
@@ -128,21 +128,21 @@ pub(super) fn cell_at(tiles: &TwinTiles, place: Vec2) -> UVec2 {
 }
 
 /// The level shown at a cell; the twin's tiles are found by it and need no slot.
-pub(super) fn shown_in(tiles: &TwinTiles, face: u32, cell: UVec2) -> u32 {
+pub(crate) fn shown_in(tiles: &TwinTiles, face: u32, cell: UVec2) -> u32 {
     let [columns, rows] = tiles.params.cells;
     tiles.level_map[((face * rows + cell.y) * columns + cell.x) as usize]
 }
 
 /// A tile in memory and what it covers, in level-0 pixels.
 #[derive(Clone, Copy)]
-pub(super) struct Source {
-    pub(super) level: u32,
-    pub(super) low: Vec2,
-    pub(super) high: Vec2,
+pub(crate) struct SourceTile {
+    pub(crate) level: u32,
+    pub(crate) low: Vec2,
+    pub(crate) high: Vec2,
     tile: Tile,
 }
 
-pub(super) fn source_at(tiles: &TwinTiles, level: u32, face: u32, place: Vec2) -> Source {
+pub(crate) fn source_at(tiles: &TwinTiles, level: u32, face: u32, place: Vec2) -> SourceTile {
     let is_base = level == tiles.params.coarsest;
     let finer_span =
         Vec2::from(tiles.params.cell) * (1 << (level * tiles.params.span_octaves)) as f32;
@@ -161,7 +161,7 @@ pub(super) fn source_at(tiles: &TwinTiles, level: u32, face: u32, place: Vec2) -
         x: tile.x as u16,
         y: tile.y as u16,
     };
-    Source {
+    SourceTile {
         level,
         low,
         high,
@@ -169,19 +169,19 @@ pub(super) fn source_at(tiles: &TwinTiles, level: u32, face: u32, place: Vec2) -
     }
 }
 
-pub(super) fn segment_start(tiles: &TwinTiles, place: Vec2) -> Vec2 {
+pub(crate) fn segment_start(tiles: &TwinTiles, place: Vec2) -> Vec2 {
     let segment = Vec2::from(tiles.params.segment);
     let last = UVec2::from(tiles.params.segments).as_vec2() - 1.0;
     (place / segment).floor().clamp(Vec2::ZERO, last) * segment
 }
 
-pub(super) fn mip_of(source: &Source, level: u32) -> u32 {
+pub(crate) fn mip_of(source: &SourceTile, level: u32) -> u32 {
     level - source.level
 }
 
-pub(super) fn first_texel(
+pub(crate) fn first_texel(
     tiles: &TwinTiles,
-    source: &Source,
+    source: &SourceTile,
     plane: Plane,
     level: u32,
     start: Vec2,
@@ -191,9 +191,9 @@ pub(super) fn first_texel(
         .as_ivec2()
 }
 
-pub(super) fn load(
+pub(crate) fn load(
     tiles: &TwinTiles,
-    source: &Source,
+    source: &SourceTile,
     plane: Plane,
     texel: IVec2,
     mip: u32,
@@ -219,7 +219,7 @@ pub(super) fn load(
     }
 }
 
-pub(super) fn fetch(tiles: &TwinTiles, plane: Plane, level: u32, face: u32, place: Vec2) -> Vec2 {
+pub(crate) fn fetch(tiles: &TwinTiles, plane: Plane, level: u32, face: u32, place: Vec2) -> Vec2 {
     let resident = shown_in(tiles, face, cell_at(tiles, place));
     let given = resident.max(level);
     let is_base = given == tiles.params.coarsest;

@@ -1,0 +1,13 @@
+//! What do the passes share? The twins of `shaders/shared/`, and what WGSL has itself.
+
+pub(crate) mod colour;
+pub(crate) mod cube;
+pub(crate) mod footprint;
+pub(crate) mod lattice;
+pub(crate) mod mapping;
+pub(crate) mod picture;
+pub(crate) mod plane;
+pub(crate) mod screen;
+pub(crate) mod tiles;
+pub(crate) mod wgsl;
+pub(crate) mod widened;
