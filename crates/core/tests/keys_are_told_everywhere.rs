@@ -2,7 +2,7 @@
 //!
 //! `FOVEAL_BLESS=1` rewrites what is made of the table.
 
-use foveal_core::view::keys::{KEYS, Place, Row};
+use foveal_core::view::keys::{HeardIn, KEYS, Row};
 use serde_json::Value;
 use std::fs;
 use std::path::PathBuf;
@@ -30,7 +30,7 @@ fn expect_file(path: &str, made: &str) {
 
 #[test]
 fn the_keys_of_the_page_are_those_of_the_table() {
-    let rows = KEYS.iter().filter(|row| row.place == Place::Both);
+    let rows = KEYS.iter().filter(|row| row.place == HeardIn::Both);
     let key = |key| format!("    {},\n", serde_json::to_string(key).unwrap());
     let line = |row: &Row| {
         let [shown, says] = [row.shown, row.says].map(|text| Value::from(text).to_string());
@@ -65,8 +65,8 @@ fn the_document_of_keys_is_the_table() {
     };
     let line = |row: &Row| {
         let place = match row.place {
-            Place::Both => "window, page",
-            Place::Window => "window",
+            HeardIn::Both => "window, page",
+            HeardIn::Window => "window",
         };
         format!("|{} | {} | {place} |\n", names(row), row.says)
     };

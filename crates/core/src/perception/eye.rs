@@ -132,7 +132,7 @@ pub struct Gaze {
 
 /// What the eye can resolve at one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct ResolvedPlace {
     /// From the gaze, its spread taken in.
     pub eccentricity: Radians,
     /// Highest frequency that the eye resolves there.
@@ -142,7 +142,7 @@ pub struct Place {
 impl Gaze {
     /// What this eye resolves in a unit `direction`, under a model.
     #[must_use]
-    pub fn place(&self, direction: DVec3, model: &AcuityModel) -> Place {
+    pub fn place(&self, direction: DVec3, model: &AcuityModel) -> ResolvedPlace {
         let apart = angle_between(self.direction, direction);
         let eccentricity = effective_eccentricity(apart, self.spread);
         // As far out as the spread makes it, in the same direction from the gaze.
@@ -155,7 +155,7 @@ impl Gaze {
         };
         let along = self.direction * libm::cos(eccentricity.0);
         let there = along + across * libm::sin(eccentricity.0);
-        Place {
+        ResolvedPlace {
             eccentricity,
             acuity: model.acuity(self.direction, there),
         }

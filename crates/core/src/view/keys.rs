@@ -77,7 +77,7 @@ pub enum Needs {
 
 /// Where a key is heard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum HeardIn {
     /// In the window and in the page.
     Both,
     /// In the window alone.
@@ -105,7 +105,7 @@ pub struct Row {
     /// What they need.
     pub needs: Needs,
     /// Where they are heard.
-    pub place: Place,
+    pub place: HeardIn,
     /// The keys.
     pub keys: &'static [Key],
 }
@@ -125,7 +125,7 @@ const fn row(
     shown: &'static str,
     says: &'static str,
     needs: Needs,
-    place: Place,
+    place: HeardIn,
     keys: &'static [Key],
 ) -> Row {
     Row {
@@ -142,7 +142,7 @@ const fn row(
 pub const KEYS: &[Row] = {
     use Action::*;
     use Needs::{Atlas, Frames, Heard, Nothing, Samples, Tiles, TwoEyes};
-    use Place::{Both, Window};
+    use HeardIn::{Both, Window};
     &[
         row("H  ?", "keys, figures, nothing", Nothing, Both,
             &[key("h", Overlay), key("?", Overlay)]),

@@ -4,7 +4,7 @@
 //! pooled as the judge pools ([`visible_loss`](crate::perception::visible_loss)).
 
 use crate::content::video::grid::level_map::LevelMap;
-use crate::content::video::grid::places::{APART_DEG, CellPlaces, Place, Sighted};
+use crate::content::video::grid::places::{APART_DEG, CellPlace, CellPlaces, Sighted};
 use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::units::VideoUnits;
 use crate::perception::eye::share_of_octave;
@@ -135,7 +135,7 @@ impl LossMeter {
         let sighted = Sighted::new(moment);
         let near = Sighted::up_to(moment, beside(grid));
         for cell in &self.cells {
-            let mut places: Vec<&Place> = sighted.places(cell).collect();
+            let mut places: Vec<&CellPlace> = sighted.places(cell).collect();
             let in_view = !places.is_empty();
             if !in_view {
                 places.extend(near.places(cell));
@@ -180,7 +180,7 @@ impl LossMeter {
         sighted: &Sighted<'_>,
         spread: &SpreadTable,
         moment: &Moment,
-        place: &Place,
+        place: &CellPlace,
     ) -> [Sensed; MOST_OCTAVES] {
         let eccentricity = spread.effective(moment.eccentricity(place.direction));
         let raised = self.parameters.octaves_raised(eccentricity);

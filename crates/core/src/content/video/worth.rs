@@ -5,7 +5,7 @@
 
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::video::grid::level_map::LevelMap;
-use crate::content::video::grid::places::{CellPlaces, Place, Sighted};
+use crate::content::video::grid::places::{CellPlace, CellPlaces, Sighted};
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::content::video::losses::Losses;
 use crate::content::video::units::VideoUnits;
@@ -200,7 +200,7 @@ impl Worth {
         sighted: &Sighted<'_>,
         spread: &SpreadTable,
     ) -> Vec<Looked> {
-        let looked = |place: &Place| {
+        let looked = |place: &CellPlace| {
             let apart = moment.eccentricity(place.direction);
             let display = sighted.display_limit(place);
             self.looked_at(&sighted.seen(place), spread.effective(apart), display)
@@ -208,7 +208,7 @@ impl Worth {
         sighted.places(cell).map(looked).collect()
     }
 
-    fn looked_at(&self, place: &Place, eccentricity: Radians, display: Cpd) -> Looked {
+    fn looked_at(&self, place: &CellPlace, eccentricity: Radians, display: Cpd) -> Looked {
         let parameters = &self.config.perception;
         let most = parameters.display_limit();
         Looked {
@@ -280,7 +280,7 @@ impl Worth {
 
     /// Gain of a step over a whole cell, should the next fixation be on it.
     fn gain_if_looked_at(&self, step: &Step<'_>, cell: &CellPlaces) -> f64 {
-        let gain = |place: &Place| {
+        let gain = |place: &CellPlace| {
             let looked = self.looked_at(place, Radians(0.0), Cpd(f64::INFINITY));
             self.gain(step, &looked, EyeState::Landed)
         };

@@ -16,7 +16,7 @@ const MOST_ACROSS: u32 = 12;
 
 /// One place, standing for a part of its cell.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct CellPlace {
     pub(crate) direction: DVec3,
     /// Content pixels of the finest level per degree.
     pub(crate) ppd: Ppd,
@@ -28,7 +28,7 @@ pub(crate) struct Place {
 #[derive(Clone, Debug)]
 pub(crate) struct CellPlaces {
     pub(crate) cell: Tile,
-    pub(crate) places: Vec<Place>,
+    pub(crate) places: Vec<CellPlace>,
 }
 
 impl CellPlaces {
@@ -75,7 +75,7 @@ impl CellPlaces {
             // Away from the face's axis a pixel fills a smaller solid angle: cos³.
             let cos = direction.dot(forward);
             let area_deg2 = pixels * share / (ppd.0 * ppd.0) * cos * shape;
-            Place {
+            CellPlace {
                 direction,
                 ppd,
                 area_deg2,
@@ -108,7 +108,10 @@ impl<'a> Sighted<'a> {
     }
 
     /// Those of a cell's places that are in view.
-    pub(crate) fn places<'b>(&'b self, cell: &'b CellPlaces) -> impl Iterator<Item = &'b Place> {
+    pub(crate) fn places<'b>(
+        &'b self,
+        cell: &'b CellPlaces,
+    ) -> impl Iterator<Item = &'b CellPlace> {
         let in_view = |direction| match &self.view {
             Some((_, sight)) => sight.reaches(direction),
             None => true,
@@ -118,7 +121,7 @@ impl<'a> Sighted<'a> {
     }
 
     /// Highest frequency that the display shows there.
-    pub(crate) fn display_limit(&self, place: &Place) -> Cpd {
+    pub(crate) fn display_limit(&self, place: &CellPlace) -> Cpd {
         let ppd = self.view.as_ref().map_or(f64::INFINITY, |(view, _)| {
             let ppd = view.ppd_towards(place.direction);
             view.seen_ppd(ppd, place.direction).0
@@ -127,19 +130,19 @@ impl<'a> Sighted<'a> {
     }
 
     /// Level-0 pixels on a side that one pixel of the display covers there; 1 without a display.
-    pub(crate) fn footprint(&self, place: &Place) -> f64 {
+    pub(crate) fn footprint(&self, place: &CellPlace) -> f64 {
         let view = self.view.as_ref();
         view.map_or(1.0, |(view, _)| view.footprint(place.ppd, place.direction))
     }
 
     /// A place as it appears to the eye.
-    pub(crate) fn seen(&self, place: &Place) -> Place {
+    pub(crate) fn seen(&self, place: &CellPlace) -> CellPlace {
         let Some((view, _)) = &self.view else {
             return *place;
         };
         let ppd = view.seen_ppd(place.ppd, place.direction);
         let closer = place.ppd.0 / ppd.0;
-        Place {
+        CellPlace {
             ppd,
             area_deg2: place.area_deg2 * closer * closer,
             ..*place
@@ -147,7 +150,7 @@ impl<'a> Sighted<'a> {
     }
 
     /// Pixels of the display that show a place; without one, its square degrees.
-    pub(crate) fn pixels(&self, place: &Place) -> f64 {
+    pub(crate) fn pixels(&self, place: &CellPlace) -> f64 {
         let Some((view, _)) = &self.view else {
             return place.area_deg2;
         };
