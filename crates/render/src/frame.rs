@@ -184,8 +184,7 @@ impl Renderer {
     /// The picture that `view` shows; blocks until it is there.
     ///
     /// ```no_run
-    /// # use foveal_core::view::{eye_view::EyeView, surface::*};
-    /// # use foveal_core::view::picture::*;
+    /// # use foveal_core::view::{eye_view::EyeView, picture::*, surface::*};
     /// # use foveal_core::content::video::grid::tile_grid::*;
     /// # use foveal_render::{Gpu, Renderer};
     /// # fn show(grid: &TileGrid, colour: Colour, tile: Tile, decoded: &Picture)

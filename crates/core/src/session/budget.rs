@@ -5,16 +5,23 @@ use crate::units::Seconds;
 /// Bytes that a link can bring, saved up while nothing is worth them.
 ///
 /// What is not spent is kept for at most [`MOST_SAVED_S`] seconds: what has not been asked for
-/// cannot have travelled, but requests that were made early wait at the receiver's end.
+/// cannot have travelled, but requests that were made early wait at the receiver's end. A picture
+/// that stands can wait longer for a unit that takes more than that: where all that is saved buys
+/// nothing, it borrows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
     bytes_per_s: f64,
     saved: f64,
     is_done: bool,
+    stands: bool,
+    /// How often what is saved was doubled since something was bought.
+    doubled: u32,
 }
 
 /// How long unspent bytes are kept, in seconds.
 pub const MOST_SAVED_S: f64 = 0.25;
+/// How often what is saved is doubled for a picture that stands: up to what a link brings in 16 s.
+const MOST_DOUBLED: u32 = 6;
 
 impl Budget {
     /// The budget of a link that brings `bytes_per_s`; infinite for content that lies at hand.
@@ -24,6 +31,15 @@ impl Budget {
             bytes_per_s,
             saved: 0.0,
             is_done: false,
+            stands: false,
+            doubled: 0,
+        }
+    }
+
+    /// Whether the picture stands from now on, and may wait for what takes long to arrive.
+    pub fn stand(&mut self, stands: bool) {
+        if self.stands != stands {
+            (self.stands, self.doubled) = (stands, 0);
         }
     }
 
@@ -34,13 +50,19 @@ impl Budget {
         }
         let brought = self.bytes_per_s * passed.0.max(0.0);
         self.saved = (self.saved + brought).min(self.bytes_per_s * MOST_SAVED_S);
-        self.saved as u64
+        (self.saved * f64::from(1_u32 << self.doubled)) as u64
     }
 
     /// Takes bytes that were spent, or 0 where nothing was worth what could be.
     pub fn spend(&mut self, bytes: u64) {
         let most = self.bytes_per_s * MOST_SAVED_S;
-        self.is_done = bytes == 0 && (self.bytes_per_s.is_infinite() || self.saved >= most);
+        let bought_nothing = bytes == 0 && (self.bytes_per_s.is_infinite() || self.saved >= most);
+        let borrows = self.stands && self.bytes_per_s.is_finite() && self.doubled < MOST_DOUBLED;
+        self.is_done = bought_nothing && !borrows;
+        self.doubled = match bought_nothing && borrows {
+            true => self.doubled + 1,
+            false => 0,
+        };
         self.saved = (self.saved - bytes as f64).max(0.0);
     }
 
@@ -78,6 +100,39 @@ mod tests {
         assert!(!spend(0.1, 1), "what is bought may be followed by more");
         assert!(!spend(0.0, 0));
         assert!(spend(60.0, 0));
+    }
+
+    #[test]
+    fn a_picture_that_stands_borrows_for_what_takes_longer_to_arrive_than_is_saved() {
+        let mut budget = Budget::new(1000.0);
+        budget.stand(true);
+        // How many steps it takes until this unit is bought, or nothing is waited for any more.
+        let mut until = |unit: u64| {
+            for step in 1.. {
+                let can = budget.after(Seconds(0.03));
+                budget.spend(if can >= unit { unit } else { 0 });
+                if can >= unit || budget.is_done() {
+                    return (step, can >= unit);
+                }
+            }
+            unreachable!("steps without end")
+        };
+        assert_eq!(until(200), (7, true), "what can be saved up is");
+        assert_eq!(until(1900), (11, true));
+        assert_eq!(
+            until(u64::MAX),
+            (15, false),
+            "what is worth nothing is not waited for"
+        );
+        assert_eq!(
+            budget.after(Seconds(60.0)),
+            250,
+            "nothing borrowed is lent twice"
+        );
+        budget.stand(false);
+        assert_eq!(budget.after(Seconds(0.0)), 250);
+        budget.spend(0);
+        assert!(budget.is_done(), "playing, a frame does not borrow");
     }
 
     #[test]

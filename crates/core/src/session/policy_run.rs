@@ -102,6 +102,13 @@ impl PolicyRun {
         self.budget = Some(budget);
     }
 
+    /// Whether the picture stands from now on, and may wait for what takes long to arrive.
+    pub(super) fn stand(&mut self, stands: bool) {
+        if let Some(budget) = &mut self.budget {
+            budget.stand(stands);
+        }
+    }
+
     /// What is spent counts from here.
     pub(super) fn begin_at(&mut self, time: Seconds) {
         self.until = Some(time.0);

@@ -154,6 +154,7 @@ impl Session {
     /// Moves on to `now`: shows what is due, and orders what comes. What is to be done is handed
     /// out in order.
     pub fn step(&mut self, now: &Now) -> Vec<SessionAction> {
+        self.run.stand(now.pace == Pace::Standing);
         self.take_events(now);
         if self.is_due(now) {
             self.present(now);
