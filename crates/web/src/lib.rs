@@ -16,20 +16,20 @@ mod looking;
 mod needs;
 mod options;
 mod pack_in_parts;
+mod page_player;
 mod telling;
 #[cfg(test)]
 mod tests;
-mod viewer;
 mod wide;
 
 #[cfg(target_arch = "wasm32")]
-mod canvas;
+mod device_canvas;
 #[cfg(target_arch = "wasm32")]
-mod paper;
+mod pixel_canvas;
 #[cfg(target_arch = "wasm32")]
 mod show;
 
 pub use facts::{about, head_bytes};
 pub use needs::{Kind, ROW};
 pub use options::Options;
-pub use viewer::{Viewer, flag};
+pub use page_player::{PagePlayer, flag};

@@ -1,21 +1,20 @@
 //! Where does whoever sits before a page look?
 
 use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
-use foveal_core::gaze::pointer::Pointer;
 use foveal_core::gaze::read::record::GazeRecord;
 use foveal_core::gaze::read::stream::GazeStream;
 use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
 use foveal_core::gaze::tracker::GazeTracker;
 use foveal_core::perception::parameters::Parameters;
 use foveal_core::session::aim::Aim;
+use foveal_core::session::viewer::Viewer;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::navigation::{Navigation, Pane};
+use foveal_core::view::navigation::Pane;
 
-/// The pointer, and whoever sends gazes.
+/// Whoever sends gazes; without one it is the pointer.
 #[derive(Default)]
 pub(crate) struct Looking {
-    pub(crate) pointer: Pointer,
     sender: Option<Sender>,
     /// Expects the eye where a headset's head goes.
     headset: Option<GazeTracker>,
@@ -58,7 +57,7 @@ impl Looking {
     pub(crate) fn aim(
         &mut self,
         now: Seconds,
-        scene: &mut Navigation,
+        viewer: &mut Viewer,
         pane: &Pane,
         perception: &Parameters,
     ) -> Aim {
@@ -72,7 +71,7 @@ impl Looking {
         let (gaze, state) = match expected {
             Some(expected) => {
                 if let Some(head) = expected.gaze.head {
-                    scene.look_along(head);
+                    viewer.navigation.look_along(head);
                 }
                 let state = perception.eye_state(expected.event, expected.since_saccade);
                 let time = now;
@@ -84,15 +83,15 @@ impl Looking {
                     state,
                 )
             }
-            None => (self.pointer.gaze(now, &scene.shown(pane)), still),
+            None => (viewer.pointer.gaze(now, &viewer.shown(pane)), still),
         };
         Aim {
             gaze: GazeSample {
-                gaze_in_content: scene.with_the_hand(gaze.gaze_in_content),
+                gaze_in_content: viewer.navigation.with_the_hand(gaze.gaze_in_content),
                 ..gaze
             },
-            view: scene.shown(pane).view,
-            head: scene.head(),
+            view: viewer.shown(pane).view,
+            head: viewer.navigation.head(),
             state,
             behind_sound: None,
         }

@@ -1,6 +1,6 @@
 //! Which bytes of the file are needed, in which order?
 
-use crate::viewer::Viewer;
+use crate::page_player::PagePlayer;
 use foveal_core::content::video::Video;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
 use foveal_core::content::video::units::VideoUnits;
@@ -105,7 +105,7 @@ impl Rows<'_> {
     }
 }
 
-impl Viewer {
+impl PagePlayer {
     /// What is to be fetched and decoded now, first what matters most: [`ROW`] numbers each.
     pub fn needs(&self) -> Vec<f64> {
         let video = &*self.pack.video;

@@ -3,10 +3,10 @@
 //! Numbers and bytes cross as they are, what has many fields as JSON. `now` is in seconds of the
 //! page's clock, places are in device pixels of the canvas.
 
-use crate::canvas::Canvas;
+use crate::device_canvas::DeviceCanvas;
 use crate::options::Options;
-use crate::paper::Paper;
-use crate::viewer::Viewer;
+use crate::page_player::PagePlayer;
+use crate::pixel_canvas::PixelCanvas;
 use crate::wide::EyeRequest;
 use foveal_core::content::asked;
 use foveal_core::content::asked::Detail;
@@ -48,17 +48,17 @@ pub fn about(head: &[u8]) -> Outcome<String> {
 /// A pack on a canvas.
 #[wasm_bindgen]
 pub struct Show {
-    viewer: Viewer,
+    player: PagePlayer,
     target: Target,
     /// The canvas that eyes of a headset are drawn on.
-    headset: Option<Canvas>,
+    headset: Option<DeviceCanvas>,
     lost: Arc<AtomicBool>,
 }
 
 /// What pictures are shown on.
 enum Target {
-    Device(Canvas),
-    Paper(Paper),
+    Device(DeviceCanvas),
+    Pixels(PixelCanvas),
 }
 
 /// A device, and whether it was lost since.
@@ -83,14 +83,14 @@ impl Show {
             let (gpu, lost) = open_gpu().await?;
             (Some(gpu), lost)
         };
-        let viewer = Viewer::new(&head, &options, gpu).map_err(refused)?;
+        let player = PagePlayer::new(&head, &options, gpu).map_err(refused)?;
         let target = if options.software {
-            Target::Paper(Paper::new(canvas).map_err(refused)?)
+            Target::Pixels(PixelCanvas::new(canvas).map_err(refused)?)
         } else {
-            Target::Device(Canvas::new(canvas).map_err(refused)?)
+            Target::Device(DeviceCanvas::new(canvas).map_err(refused)?)
         };
         Ok(Self {
-            viewer,
+            player,
             target,
             headset: None,
             lost,
@@ -106,14 +106,14 @@ impl Show {
     /// Gives the device back, as if it were lost.
     #[wasm_bindgen(js_name = loseDevice)]
     pub fn lose_device(&self) {
-        if let Some(gpu) = self.viewer.gpu() {
+        if let Some(gpu) = self.player.gpu() {
             gpu.device.destroy();
         }
     }
 
     /// Begins anew on this device; [`Device::open`] opens it.
     pub fn restart(&mut self, device: Device) -> Outcome<()> {
-        self.viewer.recover(device.gpu).map_err(refused)?;
+        self.player.recover(device.gpu).map_err(refused)?;
         self.lost = device.lost;
         if let Target::Device(canvas) = &mut self.target {
             canvas.forget_device();
@@ -124,31 +124,31 @@ impl Show {
 
     /// Moves on to `now`; tells what happened as the bits of `flag`.
     pub fn step(&mut self, now: f64) -> Outcome<u32> {
-        self.viewer.step(Seconds(now)).map_err(refused)
+        self.player.step(Seconds(now)).map_err(refused)
     }
 
     /// What to fetch and decode, in rows of ten numbers.
     pub fn needs(&self) -> Vec<f64> {
-        self.viewer.needs()
+        self.player.needs()
     }
 
     /// Takes a page of the index.
     #[wasm_bindgen(js_name = addPage)]
     pub fn add_page(&self, page: u32, bytes: &[u8]) -> Outcome<()> {
-        let index = self.viewer.pack.video.pack().index();
+        let index = self.player.pack.video.pack().index();
         index.add_page(page, bytes).map_err(refused)
     }
 
     /// A page of the index is damaged: what it tells of cannot be had.
     #[wasm_bindgen(js_name = failPage)]
     pub fn fail_page(&self, page: u32) {
-        self.viewer.pack.video.fail_page(page);
+        self.player.pack.video.fail_page(page);
     }
 
     /// First byte and length of a side table; nothing where there is none.
     #[wasm_bindgen(js_name = tablePlace)]
     pub fn table_place(&self, name: &str) -> Vec<f64> {
-        let place = self.viewer.pack.table_place(name);
+        let place = self.player.pack.table_place(name);
         place.map_or(Vec::new(), |place| {
             vec![place.start as f64, (place.end - place.start) as f64]
         })
@@ -157,24 +157,24 @@ impl Show {
     /// Takes a side table.
     #[wasm_bindgen(js_name = addTable)]
     pub fn add_table(&mut self, name: &str, bytes: Vec<u8>) -> Outcome<()> {
-        self.viewer.add_table(name, bytes).map_err(refused)
+        self.player.add_table(name, bytes).map_err(refused)
     }
 
     /// A side table cannot be had.
     #[wasm_bindgen(js_name = failTable)]
     pub fn fail_table(&self, name: &str) {
-        self.viewer.pack.video.fail_table(name);
+        self.player.pack.video.fail_table(name);
     }
 
     /// Lengths of the access units at the end of a chunk; refuses a damaged one.
     pub fn lengths(&self, unit: u32, chunk: &[u8]) -> Outcome<Vec<u32>> {
-        let lengths = self.viewer.pack.video.lengths(UnitId(unit), chunk);
+        let lengths = self.player.pack.video.lengths(UnitId(unit), chunk);
         lengths.map_err(refused)
     }
 
     /// Takes the planes of a frame of a unit, one after the other without gaps.
     pub fn deliver(&mut self, unit: u32, frame: u32, decoded: u32, planes: &[u8]) -> Outcome<()> {
-        let video = &self.viewer.pack.video;
+        let video = &self.player.pack.video;
         let [width, height] = video.grid().tile_size(video.pack().tile_of(UnitId(unit)));
         let sizes = [0, 1, 2].map(|plane| {
             let [w, h] = plane_size(width, height, plane);
@@ -193,32 +193,32 @@ impl Show {
             height,
             planes: [y, u, v].map(<[u8]>::to_vec),
         };
-        self.viewer.deliver(unit, frame, decoded, Some(picture));
+        self.player.deliver(unit, frame, decoded, Some(picture));
         Ok(())
     }
 
     /// A frame of a unit cannot be had.
     pub fn fail(&mut self, unit: u32, frame: u32) {
-        self.viewer.deliver(unit, frame, 0, None);
+        self.player.deliver(unit, frame, 0, None);
     }
 
     /// Draws the picture onto the canvas.
     pub fn draw(&mut self) -> Outcome<()> {
-        let (shown, marks) = (self.viewer.shown(), self.viewer.marks());
-        let size = self.viewer.pane().size;
-        match (self.viewer.gpu(), &mut self.target) {
+        let (shown, marks) = (self.player.shown(), self.player.marks());
+        let size = self.player.pane().size;
+        match (self.player.gpu(), &mut self.target) {
             (Some(gpu), Target::Device(canvas)) => {
-                let picture = self.viewer.drawer.draw(&shown.view, marks.as_ref());
+                let picture = self.player.drawer.draw(&shown.view, marks.as_ref());
                 if let Some(picture) = picture.map_err(refused)? {
                     canvas.show(&gpu, picture, shown.origin, size);
                 }
                 Ok(())
             }
-            (None, Target::Paper(paper)) => {
-                let read = self.viewer.drawer.read(&shown.view, marks.as_ref());
+            (None, Target::Pixels(canvas)) => {
+                let read = self.player.drawer.read(&shown.view, marks.as_ref());
                 match read.map_err(refused)? {
                     Some(DrawnPicture::Here(picture)) => {
-                        paper.show(&picture, shown.origin, size).map_err(refused)
+                        canvas.show(&picture, shown.origin, size).map_err(refused)
                     }
                     _ => Ok(()),
                 }
@@ -229,7 +229,7 @@ impl Show {
 
     /// A promise that is kept once all that was drawn so far is on the canvas.
     pub fn seen(&self) -> js_sys::Promise {
-        let done = self.viewer.gpu().map(|gpu| gpu.done());
+        let done = self.player.gpu().map(|gpu| gpu.done());
         wasm_bindgen_futures::future_to_promise(async move {
             if let Some(done) = done {
                 done.await;
@@ -240,18 +240,18 @@ impl Show {
 
     /// The first picture is on the canvas: time begins, where it plays.
     pub fn begin(&mut self, now: f64) {
-        self.viewer.begin(Seconds(now));
+        self.player.viewer.begin(Seconds(now));
     }
 
     /// What was to be drawn was drawn in this many seconds.
     pub fn drawn(&mut self, seconds: f64) {
-        self.viewer.drawn(seconds);
+        self.player.drawn(seconds);
     }
 
     /// The picture as it is drawn: a promise of [width, height, RGBA bytes].
     pub fn pixels(&mut self) -> Outcome<js_sys::Promise> {
-        let (shown, marks) = (self.viewer.shown(), self.viewer.marks());
-        let read = self.viewer.drawer.read(&shown.view, marks.as_ref());
+        let (shown, marks) = (self.player.shown(), self.player.marks());
+        let read = self.player.drawer.read(&shown.view, marks.as_ref());
         let read = read.map_err(refused)?;
         let read = read.ok_or_else(|| refused("nothing draws"))?;
         Ok(wasm_bindgen_futures::future_to_promise(async move {
@@ -282,18 +282,18 @@ impl Show {
             orientation: [x, y, z, w],
             tangents: [left, right, up, down],
         };
-        let view = self.viewer.eye_view(&request, Seconds(now));
+        let view = self.player.eye_view(&request, Seconds(now));
         let view = view.ok_or_else(|| refused("these numbers are none of an eye"))?;
-        if self.viewer.session.shown_tick().is_none() {
+        if self.player.session.shown_tick().is_none() {
             return Ok(false);
         }
         if self.headset.is_none() {
-            self.headset = Some(Canvas::new(canvas.clone()).map_err(refused)?);
+            self.headset = Some(DeviceCanvas::new(canvas.clone()).map_err(refused)?);
         }
-        let Some(gpu) = self.viewer.gpu() else {
+        let Some(gpu) = self.player.gpu() else {
             return Ok(false);
         };
-        let picture = self.viewer.drawer.draw(&view, None).map_err(refused)?;
+        let picture = self.player.drawer.draw(&view, None).map_err(refused)?;
         if let (Some(headset), Some(picture)) = (&mut self.headset, picture) {
             headset.show(&gpu, picture, [0, 0], view.size);
         }
@@ -302,54 +302,57 @@ impl Show {
 
     /// The canvas has other pixels.
     pub fn resize(&mut self, width: u32, height: u32) {
-        self.viewer.resize([width, height]);
+        self.player.resize([width, height]);
     }
 
     /// Draws the content along.
     pub fn drag(&mut self, x: f64, y: f64) {
-        let pane = self.viewer.pane();
-        self.viewer.scene.drag([x, y], &pane);
+        let pane = self.player.pane();
+        self.player.viewer.navigation.drag([x, y], &pane);
     }
 
     /// Comes closer by a factor, round a place.
     pub fn zoom(&mut self, factor: f64, x: f64, y: f64) {
-        let pane = self.viewer.pane();
-        self.viewer.scene.zoom_by(factor, [x, y], &pane);
+        let pane = self.player.pane();
+        self.player.viewer.navigation.zoom_by(factor, [x, y], &pane);
     }
 
     /// The head is turned to these degrees to the right, up and clockwise.
     pub fn turn(&mut self, yaw: f64, pitch: f64, roll: f64) {
         let [yaw, pitch, roll] = [yaw, pitch, roll].map(Radians::from_degrees);
-        self.viewer.scene.look_along(HeadPose { yaw, pitch, roll });
+        self.player
+            .viewer
+            .navigation
+            .look_along(HeadPose { yaw, pitch, roll });
     }
 
     /// Turns the view of a sphere by hand to these degrees to the right and up, and makes it so
     /// many degrees wide; what is no number stays.
     pub fn look(&mut self, yaw: f64, pitch: f64, fov: f64) {
-        let pane = self.viewer.pane();
+        let pane = self.player.pane();
         let wanted = [yaw, pitch, fov].map(|it| it.is_finite().then(|| Radians::from_degrees(it)));
-        self.viewer.scene.look(wanted, &pane);
+        self.player.viewer.navigation.look(wanted, &pane);
     }
 
     /// Back to where the view began.
     pub fn reset(&mut self) {
-        self.viewer.scene.reset();
+        self.player.viewer.navigation.reset();
     }
 
     /// The pointer is at a place.
     pub fn point(&mut self, x: f64, y: f64) {
-        self.viewer.looking.pointer.move_to([x, y]);
+        self.player.viewer.pointer.move_to([x, y]);
     }
 
     /// The pointer left.
     pub fn leave(&mut self, now: f64) {
-        self.viewer.looking.pointer.leave(Seconds(now));
+        self.player.viewer.pointer.leave(Seconds(now));
     }
 
     /// Takes a gaze record; refuses what is none.
     pub fn gaze(&mut self, record: &str, now: f64) -> Outcome<()> {
         let taken = self
-            .viewer
+            .player
             .looking
             .take(record.trim().as_bytes(), Seconds(now));
         taken.map_err(refused)
@@ -358,40 +361,40 @@ impl Show {
     /// Goes back from records to the pointer.
     #[wasm_bindgen(js_name = forgetGaze)]
     pub fn forget_gaze(&mut self) {
-        self.viewer.looking.forget_sender();
+        self.player.looking.forget_sender();
     }
 
     /// Plays.
     pub fn play(&mut self, now: f64) {
-        self.viewer.play(Seconds(now));
+        self.player.play(Seconds(now));
     }
 
     /// Pauses.
     pub fn pause(&mut self, now: f64) {
-        self.viewer.pause(Seconds(now));
+        self.player.pause(Seconds(now));
     }
 
     /// Goes to a time of the content.
     pub fn seek(&mut self, seconds: f64, now: f64) {
-        self.viewer.seek(Seconds(seconds), Seconds(now));
+        self.player.seek(Seconds(seconds), Seconds(now));
     }
 
     /// Goes some frames on or back, and pauses.
     #[wasm_bindgen(js_name = stepFrames)]
     pub fn step_frames(&mut self, frames: i32, now: f64) {
-        self.viewer.step_frames(i64::from(frames), Seconds(now));
+        self.player.step_frames(i64::from(frames), Seconds(now));
     }
 
     /// Keeps to what is heard.
     pub fn heard(&mut self, seconds: f64, now: f64) {
-        self.viewer.heard(Seconds(seconds), Seconds(now));
+        self.player.heard(Seconds(seconds), Seconds(now));
     }
 
     /// Chooses by another policy; refuses one that the pack has no tables for.
     #[wasm_bindgen(js_name = setPolicy)]
     pub fn set_policy(&mut self, name: &str) -> Outcome<()> {
         let policy: Policy = serde_json::from_value(name.into()).map_err(refused)?;
-        if self.viewer.set_policy(policy) {
+        if self.player.set_policy(policy) {
             return Ok(());
         }
         let what = "the pack has no tables for this policy; prepare it again";
@@ -408,7 +411,7 @@ impl Show {
             }
             None => Detail::Usual,
         };
-        self.viewer.set_detail(detail);
+        self.player.set_detail(detail);
         Ok(())
     }
 
@@ -416,7 +419,7 @@ impl Show {
     /// [`Self::set_target`]; nothing where the policy has no target.
     #[wasm_bindgen(js_name = nextTarget)]
     pub fn next_target(&mut self, by: i32) -> Option<String> {
-        match self.viewer.next_target(by)? {
+        match self.player.next_target(by)? {
             Detail::Target(Some(jod)) => Some(jod.to_string()),
             _ => Some("\"none\"".to_owned()),
         }
@@ -425,30 +428,30 @@ impl Show {
     /// Draws the levels over the picture.
     #[wasm_bindgen(js_name = showLevels)]
     pub fn show_levels(&mut self, shown: bool) {
-        self.viewer.levels_shown = shown;
+        self.player.levels_shown = shown;
     }
 
     /// What the host brings, in bytes per second.
     #[wasm_bindgen(js_name = setRate)]
     pub fn set_rate(&mut self, bytes_per_s: f64) {
-        self.viewer.set_rate(bytes_per_s);
+        self.player.set_rate(bytes_per_s);
     }
 
     /// Figures, as JSON.
     pub fn stats(&self, now: f64) -> String {
-        self.viewer.stats(Seconds(now))
+        self.player.stats(Seconds(now))
     }
 
     /// Lines of the session log so far.
     pub fn log(&self) -> String {
-        self.viewer.log().to_owned()
+        self.player.log().to_owned()
     }
 
     /// Channels, samples before sample 0, samples of a packet, packets, then number of the first
     /// packet of a stretch of time and the packets; nothing where there is no sound yet.
     #[wasm_bindgen(js_name = soundPackets)]
     pub fn sound_packets(&self, from: f64, to: f64) -> Array {
-        let sound = self.viewer.pack.video.sound();
+        let sound = self.player.pack.video.sound();
         sound.map_or_else(Array::new, |sound| stretch(sound, from, to))
     }
 }

@@ -1,22 +1,22 @@
 //! What does a page tell of itself?
 
-use crate::viewer::Viewer;
+use crate::page_player::PagePlayer;
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use serde_json::json;
 
-impl Viewer {
+impl PagePlayer {
     /// The part of the `Stats` of `web/src/engine/api.ts` that is known here, as JSON.
     pub fn stats(&self, now: Seconds) -> String {
         let figures = &self.session.figures;
-        let head = self.scene.head();
+        let head = self.viewer.navigation.head();
         let timeline = self.session.timeline();
         let frame = self
             .session
             .shown_tick()
             .map(|tick| timeline.frame_of(tick));
         let shown = self.shown();
-        let gaze = self.aim().map(|aim| aim.gaze.gaze_in_content);
+        let gaze = self.viewer.aim().map(|aim| aim.gaze.gaze_in_content);
         let gaze_deg = gaze.map(|gaze| {
             let (yaw, pitch) = yaw_pitch_from_direction(gaze);
             [yaw.to_degrees(), pitch.to_degrees()]
@@ -28,7 +28,7 @@ impl Viewer {
             "policy": self.session.policy().policy,
             "target": self.session.policy().target,
             "expectedScore": self.session.expected_jod(),
-            "playing": self.is_playing(),
+            "playing": self.viewer.is_playing(),
             "time": self.time(now).0,
             "frame": frame,
             "share": figures.share,
@@ -46,9 +46,9 @@ impl Viewer {
             "wrongFrameTiles": figures.wrong_frame_tiles,
             "settled": self.is_settled(),
             "headDeg": [head.yaw.to_degrees(), head.pitch.to_degrees(), head.roll.to_degrees()],
-            "zoom": self.scene.zoom(),
-            "fovDeg": self.scene.field().to_degrees(),
-            "scale": self.scene.scale(&self.pane()),
+            "zoom": self.viewer.navigation.zoom(),
+            "fovDeg": self.viewer.navigation.field().to_degrees(),
+            "scale": self.viewer.navigation.scale(&self.pane()),
             "gazeDeg": gaze_deg,
             "gazePlace": place,
             "drawing": self.device_name(),

@@ -4,7 +4,7 @@
 
 use crate::needs::{Kind, ROW};
 use crate::options::Options;
-use crate::viewer::{Viewer, flag};
+use crate::page_player::{PagePlayer, flag};
 use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile};
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::bytes::description::{Description, Source};
@@ -90,43 +90,43 @@ impl Host {
         Self { file }
     }
 
-    fn viewer(&self, options: &str) -> Viewer {
-        self.viewer_by("viewport", options)
+    fn player(&self, options: &str) -> PagePlayer {
+        self.player_by("viewport", options)
     }
 
-    fn viewer_by(&self, policy: &str, options: &str) -> Viewer {
+    fn player_by(&self, policy: &str, options: &str) -> PagePlayer {
         let header = Header::parse(&self.file).unwrap();
         let head = &self.file[..HEADER_BYTES + header.description_bytes as usize];
         let text = format!(
             r#"{{"name":"a","policy":"{policy}","size":{SIZE:?},"screenSize":{SIZE:?}{options}}}"#
         );
         let options = Options::parse(&text).unwrap();
-        Viewer::new(head, &options, None).unwrap()
+        PagePlayer::new(head, &options, None).unwrap()
     }
 
     /// Answers everything that is asked for.
-    fn answer(&self, viewer: &mut Viewer) {
-        for row in rows(viewer) {
+    fn answer(&self, player: &mut PagePlayer) {
+        for row in rows(player) {
             let from = row.offset as usize;
             let bytes = &self.file[from..from + row.bytes as usize];
             if row.kind == Kind::Page as u8 {
-                let pack = viewer.pack.video.pack();
+                let pack = player.pack.video.pack();
                 pack.index().add_page(row.number, bytes).unwrap();
             } else if row.kind == Kind::Picture as u8 {
                 let unit = UnitId(row.number);
-                let lengths = viewer.pack.video.lengths(unit, bytes).unwrap();
+                let lengths = player.pack.video.lengths(unit, bytes).unwrap();
                 assert!(!lengths.is_empty() && lengths.iter().all(|length| *length == 5));
-                deliver(viewer, unit, row.frame);
+                deliver(player, unit, row.frame);
             }
         }
     }
 }
 
-fn deliver(viewer: &mut Viewer, unit: UnitId, frame: u32) {
-    let video = &viewer.pack.video;
+fn deliver(player: &mut PagePlayer, unit: UnitId, frame: u32) {
+    let video = &player.pack.video;
     let [w, h] = video.grid().tile_size(video.pack().tile_of(unit));
     let picture = Picture::filled(w, h, [100, 128, 128]);
-    viewer.deliver(unit.0, frame, 1, Some(picture));
+    player.deliver(unit.0, frame, 1, Some(picture));
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -139,8 +139,8 @@ struct Row {
     level: u8,
 }
 
-fn rows(viewer: &Viewer) -> Vec<Row> {
-    let needs = viewer.needs();
+fn rows(player: &PagePlayer) -> Vec<Row> {
+    let needs = player.needs();
     let row = |row: &[f64]| Row {
         kind: row[0] as u8,
         number: row[1] as u32,
@@ -153,13 +153,13 @@ fn rows(viewer: &Viewer) -> Vec<Row> {
 }
 
 /// Steps and answers until nothing is missing; how many rounds that took.
-fn settle(host: &Host, viewer: &mut Viewer, from: f64) -> usize {
+fn settle(host: &Host, player: &mut PagePlayer, from: f64) -> usize {
     for round in 0..50 {
-        let told = viewer.step(Seconds(from + 0.01 * round as f64)).unwrap();
+        let told = player.step(Seconds(from + 0.01 * round as f64)).unwrap();
         if told & flag::SETTLED != 0 {
             return round;
         }
-        host.answer(viewer);
+        host.answer(player);
     }
     panic!("it does not settle");
 }
@@ -167,17 +167,17 @@ fn settle(host: &Host, viewer: &mut Viewer, from: f64) -> usize {
 #[test]
 fn the_index_is_asked_for_first_and_the_coarsest_level_before_the_others() {
     let host = Host::new();
-    let mut viewer = host.viewer(r#","paused":true"#);
-    viewer.step(Seconds(0.0)).unwrap();
-    let first = rows(&viewer);
+    let mut player = host.player(r#","paused":true"#);
+    player.step(Seconds(0.0)).unwrap();
+    let first = rows(&player);
     assert!(first.iter().all(|row| row.kind == Kind::Page as u8));
     assert_eq!(
         first.len(),
         3,
         "a page a level, so that no saccade waits for one"
     );
-    host.answer(&mut viewer);
-    let then = rows(&viewer);
+    host.answer(&mut player);
+    let then = rows(&player);
     assert!(then.iter().all(|row| row.kind == Kind::Picture as u8));
     assert_eq!(then[0].level, 2);
     let finer = then.iter().skip(1).map(|row| row.level);
@@ -187,38 +187,38 @@ fn the_index_is_asked_for_first_and_the_coarsest_level_before_the_others() {
 #[test]
 fn a_still_view_settles_in_two_answers_and_a_zoomed_one_asks_only_for_what_is_new() {
     let host = Host::new();
-    let mut viewer = host.viewer(r#","paused":true,"log":true"#);
-    assert!(settle(&host, &mut viewer, 0.0) <= 4);
-    assert!(rows(&viewer).is_empty());
-    assert_eq!(viewer.session.figures.histogram[0], 160);
-    viewer.step_frames(1, Seconds(1.0));
-    settle(&host, &mut viewer, 1.0);
-    assert_eq!(viewer.session.figures.frames, 2);
-    assert!(viewer.log().lines().count() >= 3);
+    let mut player = host.player(r#","paused":true,"log":true"#);
+    assert!(settle(&host, &mut player, 0.0) <= 4);
+    assert!(rows(&player).is_empty());
+    assert_eq!(player.session.figures.histogram[0], 160);
+    player.step_frames(1, Seconds(1.0));
+    settle(&host, &mut player, 1.0);
+    assert_eq!(player.session.figures.frames, 2);
+    assert!(player.log().lines().count() >= 3);
 }
 
 #[test]
 fn a_damaged_page_leaves_the_coarser_picture_and_settles() {
     let host = Host::new();
-    let mut viewer = host.viewer(r#","paused":true"#);
-    viewer.step(Seconds(0.0)).unwrap();
-    let finest = rows(&viewer).iter().map(|row| row.number).max().unwrap();
-    viewer.pack.video.fail_page(finest);
-    settle(&host, &mut viewer, 0.0);
-    assert_eq!(viewer.session.figures.histogram[0], 0);
-    assert!(viewer.session.figures.damaged_tiles > 0);
+    let mut player = host.player(r#","paused":true"#);
+    player.step(Seconds(0.0)).unwrap();
+    let finest = rows(&player).iter().map(|row| row.number).max().unwrap();
+    player.pack.video.fail_page(finest);
+    settle(&host, &mut player, 0.0);
+    assert_eq!(player.session.figures.histogram[0], 0);
+    assert!(player.session.figures.damaged_tiles > 0);
 }
 
 #[test]
 fn with_coarse_privacy_a_host_sees_blocks_and_never_which_tile_of_one() {
     let host = Host::new();
-    let mut viewer = host.viewer(r#","paused":true,"coarse":true"#);
-    let pane = viewer.pane();
-    viewer.scene.zoom_by(6.0, [100.0, 60.0], &pane);
-    viewer.step(Seconds(0.0)).unwrap();
-    host.answer(&mut viewer);
-    let shelf = &viewer.pack.video;
-    let asked: Vec<Tile> = rows(&viewer)
+    let mut player = host.player(r#","paused":true,"coarse":true"#);
+    let pane = player.pane();
+    player.viewer.navigation.zoom_by(6.0, [100.0, 60.0], &pane);
+    player.step(Seconds(0.0)).unwrap();
+    host.answer(&mut player);
+    let shelf = &player.pack.video;
+    let asked: Vec<Tile> = rows(&player)
         .iter()
         .filter(|row| row.level < 2)
         .map(|row| shelf.pack().tile_of(UnitId(row.number)))
@@ -242,18 +242,18 @@ fn with_coarse_privacy_a_host_sees_blocks_and_never_which_tile_of_one() {
 #[test]
 fn while_it_plays_the_next_groups_are_asked_for_ahead() {
     let host = Host::new();
-    let mut viewer = host.viewer("");
+    let mut player = host.player("");
     for round in 0..6 {
-        viewer.step(Seconds(0.001 * f64::from(round))).unwrap();
-        host.answer(&mut viewer);
+        player.step(Seconds(0.001 * f64::from(round))).unwrap();
+        host.answer(&mut player);
     }
-    viewer.begin(Seconds(0.006));
-    viewer.step(Seconds(0.006)).unwrap();
-    let ahead: Vec<Row> = rows(&viewer)
+    player.viewer.begin(Seconds(0.006));
+    player.step(Seconds(0.006)).unwrap();
+    let ahead: Vec<Row> = rows(&player)
         .into_iter()
         .filter(|row| row.kind == Kind::Bytes as u8)
         .collect();
-    let shelf = &viewer.pack.video;
+    let shelf = &player.pack.video;
     let groups: HashSet<u32> = ahead
         .iter()
         .map(|row| shelf.pack().frames_of(UnitId(row.number)).start)
@@ -266,33 +266,27 @@ fn while_it_plays_the_next_groups_are_asked_for_ahead() {
 #[test]
 fn time_begins_with_the_first_picture_however_long_that_takes() {
     let host = Host::new();
-    let mut viewer = host.viewer("");
+    let mut player = host.player("");
     for round in 0..6 {
-        viewer.step(Seconds(f64::from(round))).unwrap();
-        host.answer(&mut viewer);
+        player.step(Seconds(f64::from(round))).unwrap();
+        host.answer(&mut player);
     }
-    assert!(viewer.is_playing() && !viewer.is_moving());
-    assert_eq!(viewer.time(Seconds(9.0)), Seconds(0.0));
-    assert_eq!(viewer.session.shown_tick(), Some(0));
-    viewer.begin(Seconds(9.0));
-    assert!((viewer.time(Seconds(9.1)).0 - 0.1).abs() < 1e-9);
-    // Whoever pauses before there is a picture finds it paused.
-    let mut paused = host.viewer("");
-    paused.pause(Seconds(1.0));
-    paused.begin(Seconds(2.0));
-    assert!(!paused.is_playing());
-    assert_eq!(paused.time(Seconds(3.0)), Seconds(0.0));
+    assert!(player.viewer.is_playing() && !player.is_moving());
+    assert_eq!(player.time(Seconds(9.0)), Seconds(0.0));
+    assert_eq!(player.session.shown_tick(), Some(0));
+    player.viewer.begin(Seconds(9.0));
+    assert!((player.time(Seconds(9.1)).0 - 0.1).abs() < 1e-9);
 }
 
 #[test]
 fn a_gaze_record_rules_and_what_is_none_is_refused() {
     let host = Host::new();
-    let mut viewer = host.viewer(r#","paused":true"#);
+    let mut player = host.player(r#","paused":true"#);
     let record = br#"{"t_s":1,"yaw_deg":5,"pitch_deg":-2,"spread_deg":0}"#;
-    viewer.looking.take(record, Seconds(0.0)).unwrap();
-    viewer.step(Seconds(0.01)).unwrap();
-    let stats: serde_json::Value = serde_json::from_str(&viewer.stats(Seconds(0.01))).unwrap();
+    player.looking.take(record, Seconds(0.0)).unwrap();
+    player.step(Seconds(0.01)).unwrap();
+    let stats: serde_json::Value = serde_json::from_str(&player.stats(Seconds(0.01))).unwrap();
     let [yaw, pitch] = [0, 1].map(|k| stats["gazeDeg"][k].as_f64().unwrap());
     assert!((yaw - 5.0).abs() < 1e-6 && (pitch + 2.0).abs() < 1e-6);
-    assert!(viewer.looking.take(b"{}", Seconds(0.1)).is_err());
+    assert!(player.looking.take(b"{}", Seconds(0.1)).is_err());
 }

@@ -8,10 +8,9 @@ use crate::options::preset::SystemPreset;
 use crate::report::output::{self, WrongUsage, out_of_range};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
-use foveal_core::content::policy::Policy;
-use foveal_core::content::video::grid::level_map::{histogram, pixels};
+use foveal_core::content::head::ContentHead;
+use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::grid::tile_grid::TileGrid;
-use foveal_core::content::video::rules::Rules;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::EyeState;
@@ -104,42 +103,27 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
     let levels = args.cut.levels.unwrap_or(5);
     let grid = TileGrid::new(surface, args.cut.cut(&surface), levels, args.cut.ratio())
         .map_err(|error| WrongUsage(error.to_string()))?;
-    let config = args.policy.config()?;
-    check_thresholds(&config, &grid)?;
-    if config.needs_cues() {
-        bail!(WrongUsage(
-            "--noise-threshold asks for the variance of a pack's cells: foveal simulate PACK \
-             --policy grid --noise-threshold V; without content give --noisy-cells N"
-                .to_owned()
-        ));
-    }
-    if config.policy.spends_a_budget() {
-        bail!(WrongUsage(format!(
-            "--policy {0} weighs the units of a pack: foveal simulate PACK --policy {0}",
-            args.policy.name().name()
-        )));
-    }
-    let config = config.without_signatures();
+    let config = args.config(&grid)?;
     let samples = match config.policy {
         Policy::Sampled => Some(sample_count(&config, &args.view.eye_view(&surface)?)),
         _ => None,
     };
-    let selector = Rules::new(grid, config);
+    let mut demand = ContentHead::of_video(grid).demand(&config);
     let faces = args.faces(&surface)?;
     let source = f64::from(faces) * f64::from(surface.size[0]) * f64::from(surface.size[1]);
     let view = args.eye_view(&surface)?;
-    let choose = |gaze: GazeSample| {
+    let mut choose = |gaze: GazeSample| {
         let moment = Moment {
             gaze,
             view: view.map(|view| look_at(view, &gaze, &surface)),
             state: EyeState::Steady,
         };
-        let tiles = selector.select(&moment).tiles;
-        let pixels = samples.map_or_else(|| pixels(&grid, &tiles), u64::from);
+        let chosen = demand.needed(0, &moment).record;
+        let pixels = samples.map_or(chosen.samples, u64::from);
         One {
             pixels,
             pixels_share: pixels as f64 / source,
-            level_histogram: histogram(&grid, &tiles),
+            level_histogram: chosen.per_level,
         }
     };
     match args.random_gazes {
@@ -177,6 +161,30 @@ impl SelectArgs {
         // Without content no unit can be weighed.
         with.policy.policy = with.policy.policy.or(Some(PolicyName::Acuity));
         with
+    }
+
+    /// How levels are chosen; refuses what needs content.
+    fn config(&self, grid: &TileGrid) -> anyhow::Result<PolicyConfig> {
+        let config = self.policy.config()?;
+        check_thresholds(&config, grid)?;
+        if config.needs_cues() {
+            bail!(WrongUsage(
+                "--noise-threshold asks for the variance of a pack's cells: foveal simulate PACK \
+                 --policy grid --noise-threshold V; without content give --noisy-cells N"
+                    .to_owned()
+            ));
+        }
+        if config.policy.spends_a_budget() {
+            bail!(WrongUsage(format!(
+                "--policy {0} weighs the units of a pack: foveal simulate PACK --policy {0}",
+                self.policy.name().name()
+            )));
+        }
+        // Every gaze is chosen for by itself: none is steadied by the one before.
+        Ok(PolicyConfig {
+            steadiness: Radians(0.0),
+            ..config.without_signatures()
+        })
     }
 
     /// Faces that the share is counted over.

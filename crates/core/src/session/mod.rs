@@ -15,3 +15,4 @@ pub mod scripted;
 )]
 pub mod session;
 pub mod unit_states;
+pub mod viewer;

@@ -35,34 +35,34 @@ fn host() -> Host {
     })
 }
 
-fn table(viewer: &Viewer, host: &Host) -> Vec<u8> {
-    let place = viewer.pack.table_place(SIGNATURES).unwrap();
+fn table(player: &PagePlayer, host: &Host) -> Vec<u8> {
+    let place = player.pack.table_place(SIGNATURES).unwrap();
     host.file[place.start as usize..place.end as usize].to_vec()
 }
 
-fn demo(host: &Host, policy: &str, more: &str) -> Viewer {
-    host.viewer_by(policy, &format!("{DEMO}{more}"))
+fn demo(host: &Host, policy: &str, more: &str) -> PagePlayer {
+    host.player_by(policy, &format!("{DEMO}{more}"))
 }
 
 /// Steps and answers for a while; when that ended.
-fn look(host: &Host, viewer: &mut Viewer, from: f64) -> f64 {
+fn look(host: &Host, player: &mut PagePlayer, from: f64) -> f64 {
     let steps = 40;
     for step in 0..steps {
-        viewer.step(Seconds(from + 0.05 * f64::from(step))).unwrap();
-        host.answer(viewer);
+        player.step(Seconds(from + 0.05 * f64::from(step))).unwrap();
+        host.answer(player);
     }
     from + 0.05 * f64::from(steps)
 }
 
-fn stats(viewer: &Viewer) -> serde_json::Value {
-    serde_json::from_str(&viewer.stats(Seconds(9.0))).unwrap()
+fn stats(player: &PagePlayer) -> serde_json::Value {
+    serde_json::from_str(&player.stats(Seconds(9.0))).unwrap()
 }
 
 /// The policies of a log's parts, which must replay.
-fn logged(viewer: &Viewer) -> Vec<Policy> {
-    let text = viewer.log();
+fn logged(player: &PagePlayer) -> Vec<Policy> {
+    let text = player.log();
     let log = SessionLog::parse(text).unwrap();
-    let video = &viewer.pack.video;
+    let video = &player.pack.video;
     let again = log.replay(&|head, config| Arc::clone(video).demand(head, config));
     assert_eq!(again.write(), text);
     log.parts
@@ -74,70 +74,70 @@ fn logged(viewer: &Viewer) -> Vec<Policy> {
 #[test]
 fn acuity_stands_in_until_the_signatures_are_there_and_the_log_replays() {
     let host = host();
-    let mut viewer = demo(&host, "perceptual", "");
-    let now = look(&host, &mut viewer, 0.0);
-    assert!(viewer.session.figures.histogram[..2].iter().sum::<u32>() > 0);
-    let before = stats(&viewer);
+    let mut player = demo(&host, "perceptual", "");
+    let now = look(&host, &mut player, 0.0);
+    assert!(player.session.figures.histogram[..2].iter().sum::<u32>() > 0);
+    let before = stats(&player);
     assert_eq!(before["policy"], "perceptual");
     assert_eq!(before["target"], 9.5);
     assert!(before["expectedScore"].is_null());
-    assert!(!viewer.is_settled(), "the table is awaited");
-    assert_eq!(logged(&viewer), [Policy::Acuity]);
+    assert!(!player.is_settled(), "the table is awaited");
+    assert_eq!(logged(&player), [Policy::Acuity]);
 
-    let bytes = table(&viewer, &host);
-    viewer.add_table(SIGNATURES, bytes).unwrap();
+    let bytes = table(&player, &host);
+    player.add_table(SIGNATURES, bytes).unwrap();
     // What was shown is paid: there is no step back to the coarsest level.
-    viewer.step(Seconds(now)).unwrap();
-    let pack = viewer.pack.video.pack();
-    let wanted = viewer.session.wanted().unwrap().1;
+    player.step(Seconds(now)).unwrap();
+    let pack = player.pack.video.pack();
+    let wanted = player.session.wanted().unwrap().1;
     let level = |piece: &Piece| pack.tile_of(piece.unit.unit).level;
     assert!(wanted.iter().any(|piece| level(piece) < 2));
-    settle(&host, &mut viewer, now + 0.1);
-    assert_eq!(logged(&viewer), [Policy::Acuity, Policy::Perceptual]);
-    let expected = stats(&viewer)["expectedScore"].as_f64().unwrap();
+    settle(&host, &mut player, now + 0.1);
+    assert_eq!(logged(&player), [Policy::Acuity, Policy::Perceptual]);
+    let expected = stats(&player)["expectedScore"].as_f64().unwrap();
     assert!(expected >= 9.5, "{expected}");
 }
 
 #[test]
 fn acuity_keeps_a_score_with_signatures_and_without() {
     let host = host();
-    let mut viewer = demo(&host, "acuity", r#","target":9"#);
-    let now = look(&host, &mut viewer, 0.0);
-    let bytes = table(&viewer, &host);
-    viewer.add_table(SIGNATURES, bytes).unwrap();
-    settle(&host, &mut viewer, now);
-    let told = stats(&viewer);
+    let mut player = demo(&host, "acuity", r#","target":9"#);
+    let now = look(&host, &mut player, 0.0);
+    let bytes = table(&player, &host);
+    player.add_table(SIGNATURES, bytes).unwrap();
+    settle(&host, &mut player, now);
+    let told = stats(&player);
     assert_eq!(told["target"], 9.0);
     assert!(told["expectedScore"].as_f64().unwrap() >= 9.0, "{told}");
-    assert_eq!(logged(&viewer), [Policy::Acuity; 2]);
+    assert_eq!(logged(&player), [Policy::Acuity; 2]);
 
     let bare = Host::new();
-    let mut viewer = demo(&bare, "acuity", "");
-    settle(&bare, &mut viewer, 0.0);
-    assert!(stats(&viewer)["expectedScore"].is_null());
-    assert_eq!(logged(&viewer), [Policy::Acuity]);
+    let mut player = demo(&bare, "acuity", "");
+    settle(&bare, &mut player, 0.0);
+    assert!(stats(&player)["expectedScore"].is_null());
+    assert_eq!(logged(&player), [Policy::Acuity]);
 }
 
 #[test]
 fn a_damaged_table_leaves_what_stands_in_and_it_settles() {
     let host = host();
-    let mut viewer = demo(&host, "perceptual", "");
-    look(&host, &mut viewer, 0.0);
+    let mut player = demo(&host, "perceptual", "");
+    look(&host, &mut player, 0.0);
     let name = SIGNATURES.to_owned();
-    viewer.pack.video.fail_table(&name);
-    settle(&host, &mut viewer, 9.0);
-    assert!(viewer.session.figures.histogram[..2].iter().sum::<u32>() > 0);
+    player.pack.video.fail_table(&name);
+    settle(&host, &mut player, 9.0);
+    assert!(player.session.figures.histogram[..2].iter().sum::<u32>() > 0);
 }
 
 #[test]
 fn a_slope_has_no_target_and_a_key_asks_for_a_score_in_its_place() {
     let host = Host::new();
-    let mut viewer = demo(&host, "acuity", r#","slope":0.011"#);
-    settle(&host, &mut viewer, 0.0);
-    assert!(stats(&viewer)["target"].is_null());
-    viewer.next_target(-1).unwrap();
-    assert_eq!(stats(&viewer)["target"], 9.75);
-    settle(&host, &mut viewer, 1.0);
-    assert!(viewer.set_policy(Policy::Viewport));
-    assert_eq!(viewer.next_target(1), None);
+    let mut player = demo(&host, "acuity", r#","slope":0.011"#);
+    settle(&host, &mut player, 0.0);
+    assert!(stats(&player)["target"].is_null());
+    player.next_target(-1).unwrap();
+    assert_eq!(stats(&player)["target"], 9.75);
+    settle(&host, &mut player, 1.0);
+    assert!(player.set_policy(Policy::Viewport));
+    assert_eq!(player.next_target(1), None);
 }

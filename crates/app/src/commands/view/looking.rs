@@ -1,13 +1,14 @@
 //! Where does whoever sits before the window look?
 
-use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel as Viewer, parse_gaze};
+use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel, parse_gaze};
 use anyhow::anyhow;
-use foveal_core::gaze::pointer::{Pointer, gaze_at};
-use foveal_core::gaze::sample::{EyeEvent, HeadPose};
+use foveal_core::gaze::pointer::gaze_at;
+use foveal_core::gaze::sample::{EyeEvent, GazeSample};
 use foveal_core::perception::parameters::Parameters;
 use foveal_core::session::aim::Aim;
+use foveal_core::session::viewer::Viewer;
 use foveal_core::units::Seconds;
-use foveal_core::view::navigation::Shown;
+use foveal_core::view::navigation::Pane;
 use foveal_core::view::surface::Surface;
 
 /// Length of a simulated scan path.
@@ -44,13 +45,6 @@ pub(crate) enum Looking {
     },
 }
 
-/// Who looks, and when.
-pub(crate) struct Watched<'a> {
-    pub(crate) now: Seconds,
-    pub(crate) pointer: &'a Pointer,
-    pub(crate) perception: &'a Parameters,
-}
-
 impl Looking {
     /// Opens a source; waits for the first sample of a live one.
     pub(crate) fn open(
@@ -58,7 +52,7 @@ impl Looking {
         surface: &Surface,
         seed: u64,
         length: Seconds,
-        viewer: &Viewer,
+        model: &ViewerModel,
     ) -> anyhow::Result<Self> {
         let choice = match choice {
             WindowGaze::Mouse => return Ok(Self::Pointer),
@@ -69,7 +63,7 @@ impl Looking {
             GazeChoice::Scan => SCAN,
             _ => length,
         };
-        let source = GazeSource::new(choice, surface, seed, length, viewer)?;
+        let source = GazeSource::new(choice, surface, seed, length, model)?;
         Ok(Self::Source {
             source: Box::new(source),
             leads: !matches!(choice, GazeChoice::At(_) | GazeChoice::Live(_)),
@@ -82,16 +76,17 @@ impl Looking {
         matches!(self, Self::Source { moves: true, .. })
     }
 
-    /// What selection is given; asked in order of time. `shown` tells what the window shows once
-    /// the head is where the source says.
+    /// What selection is given, with the head turned to where a source says; asked in order of
+    /// time.
     pub(crate) fn aim(
         &mut self,
-        watched: &Watched<'_>,
-        shown: impl FnOnce(Option<HeadPose>) -> Shown,
+        now: Seconds,
+        viewer: &mut Viewer,
+        pane: &Pane,
+        perception: &Parameters,
     ) -> Aim {
-        let (now, perception) = (watched.now, watched.perception);
         let still = perception.eye_state(EyeEvent::Fixation, None);
-        let (gaze, state, view) = match self {
+        let (gaze, state) = match self {
             Self::Source { source, leads, .. } => {
                 let look = source.look(now);
                 let expected = look.expected;
@@ -101,22 +96,23 @@ impl Looking {
                 } else {
                     recorded
                 };
+                if let Some(head) = head {
+                    viewer.navigation.look_along(head);
+                }
                 let state = perception.eye_state(expected.event, expected.since_saccade);
-                (expected.gaze, state, shown(head).view)
+                (expected.gaze, state)
             }
-            Self::Pointer => {
-                let shown = shown(None);
-                (watched.pointer.gaze(now, &shown), still, shown.view)
-            }
-            Self::Centre => {
-                let shown = shown(None);
-                (gaze_at(None, now, &shown), still, shown.view)
-            }
+            Self::Pointer => (viewer.pointer.gaze(now, &viewer.shown(pane)), still),
+            Self::Centre => (gaze_at(None, now, &viewer.shown(pane)), still),
         };
+        let navigation = &viewer.navigation;
         Aim {
-            gaze,
-            view,
-            head: HeadPose::default(),
+            gaze: GazeSample {
+                gaze_in_content: navigation.with_the_hand(gaze.gaze_in_content),
+                ..gaze
+            },
+            view: navigation.shown(pane).view,
+            head: navigation.head(),
             state,
             behind_sound: None,
         }

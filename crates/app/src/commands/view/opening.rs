@@ -1,6 +1,6 @@
 //! How large does the window begin?
 
-use crate::commands::view::Ready;
+use crate::commands::view::ready::Ready;
 use crate::commands::view::sound::Sound;
 use crate::commands::view::sound::samples::Samples;
 use crate::options::link::Link;

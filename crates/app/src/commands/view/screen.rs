@@ -10,7 +10,7 @@ use std::time::Duration;
 use winit::window::Window;
 
 /// A window's surface on a device.
-pub(crate) struct Screen {
+pub(crate) struct WindowSurface {
     surface: wgpu::Surface<'static>,
     config: wgpu::SurfaceConfiguration,
     gpu: Gpu,
@@ -55,7 +55,7 @@ pub(crate) fn instance(display: winit::event_loop::OwnedDisplayHandle) -> wgpu::
     })
 }
 
-impl Screen {
+impl WindowSurface {
     /// Opens a device that can show pictures in a window; `woken` is called when it is lost.
     pub(crate) fn open(
         instance: &wgpu::Instance,

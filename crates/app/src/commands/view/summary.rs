@@ -1,7 +1,6 @@
 //! What is said when a window was closed?
 
-use crate::commands::view::viewer::Viewer;
-use foveal_core::session::figures::Figures;
+use crate::commands::view::window_player::WindowPlayer;
 use foveal_core::units::counted;
 use serde::Serialize;
 
@@ -32,8 +31,9 @@ pub(crate) struct Summary {
 }
 
 impl Summary {
-    pub(crate) fn new(viewer: &Viewer, figures: &Figures) -> Self {
-        let drift = viewer.drift.worst_and_p95_ms();
+    pub(crate) fn new(player: &WindowPlayer) -> Self {
+        let figures = &player.live.session().figures;
+        let drift = player.drift.worst_and_p95_ms();
         Self {
             frames: figures.frames,
             late_frames: figures.late_frames,
@@ -51,7 +51,7 @@ impl Summary {
             gpu_bytes: figures.gpu_bytes,
             sound_ms_max: drift.map(|[worst, _]| worst),
             sound_ms_p95: drift.map(|[_, p95]| p95),
-            sound_gaps: viewer.sound_gaps(),
+            sound_gaps: player.sound_gaps(),
         }
     }
 

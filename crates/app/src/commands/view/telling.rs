@@ -1,37 +1,19 @@
 //! How do a viewer's figures and settings read?
 
-use crate::commands::view::screen::overlay::{Key, Line};
-use crate::commands::view::viewer::Viewer;
+use crate::commands::view::screen::overlay::{KeyLine, Line};
+use crate::commands::view::styles::{interpolation, reconstruction};
+use crate::commands::view::window_player::WindowPlayer;
 use foveal_core::content::asked::score_told;
 use foveal_core::units::{Seconds, counted};
 use foveal_core::view::keys::{KEYS, Needs, Row};
-use foveal_play::LivePlayer;
-use foveal_render::{Interpolation, TileStyle};
 
-/// What fills the pixels between samples.
-pub(super) fn interpolation(interpolation: Interpolation) -> &'static str {
-    match interpolation {
-        Interpolation::Nearest => "nearest sample",
-        Interpolation::Blended => "blended samples",
-    }
-}
-
-/// What tiles lie in.
-pub(super) fn reconstruction(showing: TileStyle) -> &'static str {
-    if showing.has_textures {
-        "textures"
-    } else {
-        "atlas"
-    }
-}
-
-impl Viewer {
+impl WindowPlayer {
     /// The keys that do something now.
-    pub(super) fn keys(&self, stage: &LivePlayer) -> Vec<Key> {
-        let style = stage.style();
+    pub(super) fn keys(&self) -> Vec<KeyLine> {
+        let style = self.live.style();
         let does = |needs| match needs {
             Needs::Nothing => true,
-            Needs::Frames => !stage.session().timeline().is_still(),
+            Needs::Frames => !self.live.session().timeline().is_still(),
             Needs::Heard => self.sound.is_some(),
             Needs::TwoEyes => self.two_eyes,
             Needs::Samples => style.samples,
@@ -43,8 +25,8 @@ impl Viewer {
             .collect()
     }
 
-    fn style_told(&self, stage: &LivePlayer) -> String {
-        let style = stage.style();
+    fn style_told(&self) -> String {
+        let style = self.live.style();
         let what = if style.samples {
             interpolation(style.interpolation)
         } else {
@@ -55,27 +37,27 @@ impl Viewer {
     }
 
     /// The figures, for people.
-    pub(super) fn lines(&self, stage: &LivePlayer, now: Seconds) -> Vec<Line> {
-        let [fps, upload] = stage.session().figures.rates(now);
-        let figures = &stage.session().figures;
+    pub(super) fn lines(&self, now: Seconds) -> Vec<Line> {
+        let [fps, upload] = self.live.session().figures.rates(now);
+        let figures = &self.live.session().figures;
         let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
         let line = |what: &str, value: String| (what.to_owned(), value);
         let mut lines = vec![
             line(
                 "policy",
-                stage.session().policy_in_use().policy.name().to_owned(),
+                self.live.session().policy_in_use().policy.name().to_owned(),
             ),
             line(
                 "score",
                 score_told(
-                    stage.session().policy().target,
-                    stage.session().expected_jod(),
+                    self.live.session().policy().target,
+                    self.live.session().expected_jod(),
                 ),
             ),
-            line("picture", self.style_told(stage)),
-            line("zoom", format!("{:.2}", self.scene.zoom())),
+            line("picture", self.style_told()),
+            line("zoom", format!("{:.2}", self.viewer.navigation.zoom())),
         ];
-        lines.extend(self.time(stage, now, fps));
+        lines.extend(self.time(now, fps));
         lines.extend([
             line(
                 "decode, draw",
@@ -96,7 +78,7 @@ impl Viewer {
                 format!("{:.1} MB", figures.gpu_bytes as f64 / 1e6),
             ),
         ]);
-        lines.extend(self.carried_on(stage));
+        lines.extend(self.carried_on());
         if self.two_eyes {
             lines.push(line("eye", self.eye.name().to_owned()));
         }
@@ -114,18 +96,19 @@ impl Viewer {
     }
 
     /// Where in time it is, and how fast that goes; nothing of a picture, which has none.
-    fn time(&self, stage: &LivePlayer, now: Seconds, fps: f64) -> Vec<Line> {
-        let timeline = stage.session().timeline();
+    fn time(&self, now: Seconds, fps: f64) -> Vec<Line> {
+        let timeline = self.live.session().timeline();
         if timeline.is_still() {
             return Vec::new();
         }
-        let media = self.clock.time(now);
-        let frame = stage
+        let media = self.viewer.time(now);
+        let frame = self
+            .live
             .session()
             .shown_tick()
             .map_or(0, |tick| timeline.frame_of(tick));
         let (within, length) = (timeline.within(media).0, timeline.length().0);
-        let shown = match self.is_moving(stage) {
+        let shown = match self.is_moving() {
             true => format!("{fps:.1} frames/s"),
             false => "paused".to_owned(),
         };
@@ -139,8 +122,8 @@ impl Viewer {
     }
 
     /// What went wrong and was carried on from.
-    fn carried_on(&self, stage: &LivePlayer) -> [Line; 4] {
-        let figures = &stage.session().figures;
+    fn carried_on(&self) -> [Line; 4] {
+        let figures = &self.live.session().figures;
         let line = |what: &str, value: String| (what.to_owned(), value);
         [
             line(

@@ -1,16 +1,16 @@
 //! What does the system's window tell, and what is done about it?
 
-use crate::commands::view::Ready;
 use crate::commands::view::keys::action_of;
 use crate::commands::view::log_file::LogFile;
 use crate::commands::view::looking::Looking;
 use crate::commands::view::opening::{USUAL_SCREEN, open_sound, open_window, usable};
+use crate::commands::view::ready::Ready;
 use crate::commands::view::screen::overlay;
 use crate::commands::view::screen::screenshot;
-use crate::commands::view::screen::{self, Placed, Screen, Showing};
+use crate::commands::view::screen::{self, Placed, Showing, WindowSurface};
 use crate::commands::view::script::{Deed, PictureIs};
 use crate::commands::view::summary::Summary;
-use crate::commands::view::viewer::{Begin, Viewer, Wish};
+use crate::commands::view::window_player::{Begin, WindowPlayer, Wish};
 use crate::options::showing::InterpolationName;
 use anyhow::{Context, anyhow, bail};
 use foveal_core::content::demand::Content;
@@ -90,10 +90,9 @@ struct App {
 /// An open window and what is in it.
 struct Open {
     window: Arc<Window>,
-    screen: Screen,
-    stage: LivePlayer,
+    screen: WindowSurface,
+    player: WindowPlayer,
     video: Arc<Video>,
-    viewer: Viewer,
     ready: Ready,
     size: [u32; 2],
     hidden: bool,
@@ -165,8 +164,7 @@ impl App {
 
     fn finish(&mut self, event_loop: &ActiveEventLoop) {
         let result = self.open.as_ref();
-        let result =
-            result.map(|open| Ok(Summary::new(&open.viewer, &open.stage.session().figures)));
+        let result = result.map(|open| Ok(Summary::new(&open.player)));
         let missing = || Err(anyhow!("there is no window"));
         self.end(event_loop, result.unwrap_or_else(missing));
     }
@@ -190,7 +188,7 @@ impl Open {
         let grid = about.grid(args.view.screen);
         let view = args.view.eye_view(&grid.surface)?;
         let window = open_window(&ready, view.size, event_loop)?;
-        let screen = Screen::open(instance, &window, waker(proxy))?;
+        let screen = WindowSurface::open(instance, &window, waker(proxy))?;
         let config = args.policy.config()?;
         let style = TileStyle {
             samples: config.policy == Policy::Sampled,
@@ -215,7 +213,7 @@ impl Open {
         )?;
         let begin = Begin {
             policy: args.policy.clone(),
-            scene: Navigation::new(grid.surface, args.view.fov()?)
+            navigation: Navigation::new(grid.surface, args.view.fov()?)
                 .facing(Radians::from_degrees(about.front_deg)),
             log: args.log.as_deref().map(LogFile::create).transpose()?,
             looking,
@@ -226,13 +224,13 @@ impl Open {
             two_eyes: grid.surface.eyes > 1,
         };
         let options = ready.live_options(settings);
-        let stage = LivePlayer::new(file, &video, options, drawer, waker(proxy))?;
+        let live = LivePlayer::new(file, &video, options, drawer, waker(proxy))?;
+        let now = Seconds(begun.elapsed().as_secs_f64());
         let size = window.inner_size();
         Ok(Self {
             screen,
-            stage,
+            player: WindowPlayer::new(live, begin, now),
             video,
-            viewer: Viewer::new(begin, Seconds(begun.elapsed().as_secs_f64())),
             ready,
             size: [size.width, size.height],
             hidden: false,
@@ -261,7 +259,7 @@ impl Open {
             screen
         };
         let pane = Pane::new(self.size, screen, self.ready.args.view.screen);
-        Some(pane.part(self.viewer.eyes().len()))
+        Some(pane.part(self.player.eyes().len()))
     }
 
     fn event(&mut self, event: WindowEvent, now: Seconds) -> anyhow::Result<Wish> {
@@ -280,7 +278,7 @@ impl Open {
             }
             WindowEvent::ModifiersChanged(held) => self.with_shift = held.state().shift_key(),
             WindowEvent::CursorMoved { position, .. } => self.point([position.x, position.y]),
-            WindowEvent::CursorLeft { .. } => self.viewer.pointer.leave(now),
+            WindowEvent::CursorLeft { .. } => self.player.viewer.pointer.leave(now),
             WindowEvent::MouseInput {
                 state,
                 button: MouseButton::Left,
@@ -312,25 +310,26 @@ impl Open {
         self.pointer = place;
         // Both eyes' pictures show the same place of the content, each in its part.
         let across = self.pane().map_or(1.0, |pane| f64::from(pane.size[0]));
-        let count = self.viewer.eyes().len() as f64;
+        let count = self.player.eyes().len() as f64;
         let part = (place[0] / across).floor().clamp(0.0, count - 1.0);
-        self.viewer
+        self.player
+            .viewer
             .pointer
             .move_to([place[0] - part * across, place[1]]);
     }
 
     fn drag(&mut self, by: [f64; 2]) {
         if let Some(pane) = self.pane() {
-            self.viewer.scene.drag(by, &pane);
+            self.player.viewer.navigation.drag(by, &pane);
         }
     }
 
     fn wheel(&mut self, steps: f64) {
         if let Some(pane) = self.pane() {
             let middle = pane.size.map(|side| f64::from(side) / 2.0);
-            let place = self.viewer.pointer.place().unwrap_or(middle);
+            let place = self.player.viewer.pointer.place().unwrap_or(middle);
             let factor = ZOOM.powf(steps.clamp(-20.0, 20.0));
-            self.viewer.scene.zoom_by(factor, place, &pane);
+            self.player.viewer.navigation.zoom_by(factor, place, &pane);
         }
     }
 
@@ -343,7 +342,7 @@ impl Open {
                 Wish::Nothing
             });
         };
-        let wish = self.viewer.act(action, &mut self.stage, &pane, now);
+        let wish = self.player.act(action, &pane, now);
         match wish {
             Wish::FullScreen => {
                 let full = self.window.fullscreen().is_some();
@@ -352,14 +351,14 @@ impl Open {
             }
             Wish::Screenshot => {
                 let folder = self.ready.args.screenshots.as_deref();
-                let frame = self.stage.session().shown_tick().unwrap_or(0);
-                let frame = self.stage.session().timeline().frame_of(frame);
+                let frame = self.player.live.session().shown_tick().unwrap_or(0);
+                let frame = self.player.live.session().timeline().frame_of(frame);
                 let path = screenshot::free_path(self.ready.file.path(), folder, frame);
                 let said = match self.screenshot(&pane, &path) {
                     Ok(()) => path.display().to_string(),
                     Err(error) => format!("no screenshot: {error:#}"),
                 };
-                self.viewer.say(said, now);
+                self.player.say(said, now);
             }
             Wish::Quit | Wish::Nothing => {}
         }
@@ -368,19 +367,19 @@ impl Open {
 
     /// The picture as it is shown, without words.
     fn screenshot(&mut self, pane: &Pane, path: &std::path::Path) -> anyhow::Result<()> {
-        if self.stage.session().shown_tick().is_none() {
+        if self.player.live.session().shown_tick().is_none() {
             bail!("nothing is there to be seen yet");
         }
-        let shown = self.viewer.shown(pane);
-        let marks = self.viewer.marks(&self.stage);
+        let shown = self.player.shown(pane);
+        let marks = self.player.marks();
         let mut whole: Option<RgbaImage> = None;
-        for eye in self.viewer.eyes() {
+        for eye in self.player.eyes() {
             let view = EyeView {
                 eye: *eye,
                 ..shown.view
             };
             self.follow(&view)?;
-            let image = self.stage.drawer().picture(&view, marks.as_ref())?;
+            let image = self.player.live.drawer().picture(&view, marks.as_ref())?;
             let image = image.context("a window's pictures are drawn by a GPU")?;
             whole = Some(whole.map_or(image.clone(), |left| left.beside(&image)));
         }
@@ -390,8 +389,8 @@ impl Open {
 
     /// Moves what follows the gaze in an eye's view.
     fn follow(&mut self, view: &EyeView) -> anyhow::Result<()> {
-        match self.viewer.aim_in(view) {
-            Some(aim) => Ok(self.stage.drawer().follow(&aim.gaze, view)?),
+        match self.player.gaze() {
+            Some(gaze) => Ok(self.player.live.drawer().follow(&gaze, view)?),
             None => Ok(()),
         }
     }
@@ -407,10 +406,10 @@ impl Open {
         if self.screen.is_lost() {
             self.recover(instance, proxy)?;
         }
-        self.stage.session_mut().figures.gpu_errors += self.screen.take_errors();
+        self.player.live.session_mut().figures.gpu_errors += self.screen.take_errors();
         loop {
             if let Some(pane) = self.pane().filter(|_| !self.hidden)
-                && self.viewer.step(&mut self.stage, &pane, now)?
+                && self.player.step(&pane, now)?
             {
                 self.stale = true;
                 self.stepped = Some(now);
@@ -433,7 +432,7 @@ impl Open {
         match deed {
             Deed::Key(action) => return self.act(action, now),
             Deed::Move(place) => self.point(place),
-            Deed::Leave => self.viewer.pointer.leave(now),
+            Deed::Leave => self.player.viewer.pointer.leave(now),
             Deed::Drag(by) => self.drag(by),
             Deed::Wheel(steps) => self.wheel(steps),
             Deed::Resize(size) => self.ask_size(size, now),
@@ -458,9 +457,9 @@ impl Open {
     fn picture_is(&self, now: Seconds) -> PictureIs {
         let resizing = self.resizing.is_some_and(|until| now.0 < until);
         let nothing_to_show = self.pane().is_none();
-        if (nothing_to_show || self.viewer.is_settled(&self.stage)) && !resizing {
+        if (nothing_to_show || self.player.is_settled()) && !resizing {
             PictureIs::Settled
-        } else if nothing_to_show || self.stage.session().shown_tick().is_some() {
+        } else if nothing_to_show || self.player.live.session().shown_tick().is_some() {
             PictureIs::There
         } else {
             PictureIs::Missing
@@ -489,18 +488,19 @@ impl Open {
         instance: &wgpu::Instance,
         proxy: &EventLoopProxy<Wake>,
     ) -> anyhow::Result<()> {
-        let style = self.stage.style();
+        let style = self.player.live.style();
         let mut tries = 0;
         loop {
             tries += 1;
-            let opened = Screen::open(instance, &self.window, waker(proxy)).and_then(|screen| {
-                let device = DrawDevice::Gpu(screen.gpu().clone());
-                let drawer = Drawer::new(&device, &self.video, style)?;
-                Ok((screen, drawer))
-            });
+            let opened =
+                WindowSurface::open(instance, &self.window, waker(proxy)).and_then(|screen| {
+                    let device = DrawDevice::Gpu(screen.gpu().clone());
+                    let drawer = Drawer::new(&device, &self.video, style)?;
+                    Ok((screen, drawer))
+                });
             match opened {
                 Ok((screen, drawer)) => {
-                    self.stage.recover(drawer);
+                    self.player.live.recover(drawer);
                     self.screen = screen;
                     self.stale = true;
                     return Ok(());
@@ -517,20 +517,21 @@ impl Open {
         let Some(pane) = self.pane() else {
             return Ok(());
         };
-        if self.hidden || self.screen.is_lost() || self.stage.session().shown_tick().is_none() {
+        if self.hidden || self.screen.is_lost() || self.player.live.session().shown_tick().is_none()
+        {
             return Ok(());
         }
-        let shown = self.viewer.shown(&pane);
-        let marks = self.viewer.marks(&self.stage);
+        let shown = self.player.shown(&pane);
+        let marks = self.player.marks();
         let mut pictures = Vec::new();
-        let eyes = self.viewer.eyes();
+        let eyes = self.player.eyes();
         for (part, eye) in (0..).zip(eyes) {
             let view = EyeView {
                 eye: *eye,
                 ..shown.view
             };
             self.follow(&view)?;
-            let picture = self.stage.drawer().draw(&view, marks.as_ref())?;
+            let picture = self.player.live.drawer().draw(&view, marks.as_ref())?;
             let picture = picture.context("a window's pictures are drawn by a GPU")?;
             let mut picture = picture.clone();
             if part + 1 < eyes.len() as u32 {
@@ -539,23 +540,21 @@ impl Open {
             let [left, top] = shown.origin;
             pictures.push((picture, [left + part * pane.size[0], top]));
         }
-        let (told, message) = self.viewer.words(&self.stage, now);
+        let (told, message) = self.player.words(now);
         let placed = Placed {
             pictures,
             pixels_per_point: self.window.scale_factor() as f32,
         };
         let since = || Seconds(self.epoch.elapsed().as_secs_f64());
         let mut drawn = None;
-        let waits = self
-            .viewer
-            .waits(&self.stage)
-            .then_some(|| self.viewer.early_by(&self.stage, *drawn.insert(since())));
+        let player = &self.player;
+        let early = || player.early_by(*drawn.insert(since()));
+        let waits = player.holds_back().then_some(early);
         let words = |on: &_| overlay::paint(on, told.as_ref(), message.as_deref());
         let showing = self.screen.show(&placed, words, waits)?;
         if showing == Showing::Shown {
-            let (at, begun) = (since(), self.stepped.take());
-            let times = [drawn.unwrap_or(at), at];
-            self.viewer.drawn(&mut self.stage, begun, times);
+            let at = drawn.unwrap_or_else(since);
+            self.player.drawn(self.stepped.take(), at);
         }
         self.stale = showing == Showing::Again;
         self.again = self.stale.then_some(now.0 + AGAIN_S);
@@ -569,9 +568,7 @@ impl Open {
         let viewer = if self.hidden || self.size.contains(&0) {
             None
         } else {
-            self.viewer
-                .next_step(&self.stage, Seconds(now))
-                .map(|next| next.0)
+            self.player.next_step(Seconds(now)).map(|next| next.0)
         };
         let again = self.again.filter(|_| self.stale);
         let times = [script, resizing, viewer, again];

@@ -18,12 +18,12 @@ const INDENT: f32 = 85.0;
 pub(crate) type Line = (String, String);
 
 /// One line: keys, and what they do.
-pub(crate) type Key = (&'static str, &'static str);
+pub(crate) type KeyLine = (&'static str, &'static str);
 
 /// A page over the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Told {
-    Keys(Vec<Key>),
+    Keys(Vec<KeyLine>),
     Figures(Vec<Line>),
 }
 

@@ -7,13 +7,13 @@ use web_sys::OffscreenCanvas;
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// A canvas that pictures are copied to.
-pub(crate) struct Canvas {
+pub(crate) struct DeviceCanvas {
     element: OffscreenCanvas,
     surface: wgpu::Surface<'static>,
     configured: bool,
 }
 
-impl Canvas {
+impl DeviceCanvas {
     /// Takes a canvas over; says why where that is not possible.
     pub(crate) fn new(element: OffscreenCanvas) -> Result<Self, String> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {

@@ -5,12 +5,12 @@ use wasm_bindgen::{Clamped, JsCast};
 use web_sys::{ImageData, OffscreenCanvas, OffscreenCanvasRenderingContext2d};
 
 /// A canvas that pictures are put on pixel by pixel.
-pub(crate) struct Paper {
+pub(crate) struct PixelCanvas {
     element: OffscreenCanvas,
     context: OffscreenCanvasRenderingContext2d,
 }
 
-impl Paper {
+impl PixelCanvas {
     /// Takes a canvas over; says why where that is not possible.
     pub(crate) fn new(element: OffscreenCanvas) -> Result<Self, String> {
         let context = element.get_context("2d").ok().flatten();

@@ -1,6 +1,6 @@
-//! What does a viewer's session on a page do at each moment?
+//! How does a pack play on a page?
 //!
-//! As a window's session: time comes in as an argument, in seconds of the page's clock.
+//! Time comes in as an argument, in seconds of the page's clock.
 
 use crate::looking::Looking;
 use crate::options::Options;
@@ -12,11 +12,11 @@ use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::pack::unit::UnitId;
-use foveal_core::session::actions::{Cache, Now, Pace, SessionAction, SessionEvent};
+use foveal_core::session::actions::{Cache, SessionAction, SessionEvent};
 use foveal_core::session::aim::Aim;
-use foveal_core::session::media_clock::MediaClock;
 use foveal_core::session::session::{Session, SessionSettings};
 use foveal_core::session::unit_states::Piece;
+use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::navigation::{Navigation, Pane, Shown};
@@ -29,8 +29,6 @@ use std::sync::Arc;
 const MOST_LOG: usize = 64 << 20;
 /// What a host is thought to bring before anything came from it, in bytes per second.
 const FIRST_GUESS: f64 = 1e6;
-/// Radius of the ring round the gaze, in degrees: the fovea.
-const FOVEA_DEG: f64 = 2.5;
 /// How often a headset's eyes must ask for the levels to follow them, in seconds.
 const HEADSET_HOLDS_S: f64 = 0.5;
 
@@ -50,8 +48,8 @@ pub mod flag {
     pub const HOPELESS: u32 = 32;
 }
 
-/// A viewer's session.
-pub struct Viewer {
+/// A session with what draws for it on a page, and its viewer.
+pub struct PagePlayer {
     pub(crate) pack: PackInParts,
     pub(crate) session: Session,
     cache: Cache<Payload>,
@@ -59,27 +57,20 @@ pub struct Viewer {
     detail: Detail,
     log: Option<String>,
     bytes_per_s: f64,
-    pub(crate) scene: Navigation,
+    /// Time begins with the first picture on the canvas.
+    pub(crate) viewer: Viewer,
     pub(crate) looking: Looking,
-    clock: MediaClock,
-    /// Whether it plays once the first picture is on the canvas: time begins with that. `None`
-    /// from then on.
-    waits: Option<bool>,
     size: [u32; 2],
     screen_size: [u32; 2],
     screen: Screen,
-    once: bool,
-    ended: bool,
     pub(crate) coarse: bool,
     pub(crate) levels_shown: bool,
-    /// What the last step was made for.
-    last: Option<(Aim, Shown)>,
     /// What the eyes of a headset asked for last, and when.
     eyes: [Option<EyeView>; 2],
     asked: f64,
 }
 
-impl Viewer {
+impl PagePlayer {
     /// A session with a pack of which `head` is there; without a device the CPU twin draws.
     pub fn new(head: &[u8], options: &Options, gpu: Option<Gpu>) -> Result<Self, String> {
         let pack = PackInParts::open(head, &options.name, options.screen);
@@ -100,6 +91,14 @@ impl Viewer {
         if !session.can(session.policy()) {
             return Err("the pack has no tables for this policy; prepare it again".to_owned());
         }
+        let viewer = ViewerSettings {
+            plays: !options.paused,
+            at_end: match options.once {
+                true => AtEnd::StaysUntilPlayed,
+                false => AtEnd::GoesRound,
+            },
+            holds_early: false,
+        };
         Ok(Self {
             session,
             cache: Cache::default(),
@@ -107,19 +106,14 @@ impl Viewer {
             detail,
             log: options.log.then(String::new),
             bytes_per_s: FIRST_GUESS,
-            scene: Navigation::new(grid.surface, field).facing(front),
+            viewer: Viewer::new(Navigation::new(grid.surface, field).facing(front), viewer),
             pack,
             looking: Looking::default(),
-            clock: MediaClock::default(),
-            waits: Some(!options.paused),
             size: options.size,
             screen_size: options.screen_size,
             screen: options.screen,
-            once: options.once,
-            ended: false,
             coarse: options.coarse,
             levels_shown: false,
-            last: None,
             eyes: [None; 2],
             asked: f64::NEG_INFINITY,
         })
@@ -135,73 +129,29 @@ impl Viewer {
         self.size = size.map(|side| side.max(1));
     }
 
-    /// The first picture is on the canvas: time begins, where it plays.
-    pub fn begin(&mut self, now: Seconds) {
-        if self.waits.take() == Some(true) {
-            self.clock.play(now);
-        }
-    }
-
     /// Plays from where it is, or from the beginning once it ended.
     pub fn play(&mut self, now: Seconds) {
-        if let Some(plays) = &mut self.waits {
-            *plays = true;
-            return;
-        }
-        if std::mem::take(&mut self.ended) {
-            self.seek(Seconds(0.0), now);
-        }
-        self.clock.play(now);
+        self.viewer.play(&mut self.session, now);
     }
 
     /// Stays at the frame that is on screen.
     pub fn pause(&mut self, now: Seconds) {
-        if let Some(plays) = &mut self.waits {
-            *plays = false;
-            return;
-        }
-        let timeline = self.session.timeline();
-        let due = timeline.tick_at(self.clock.time(now));
-        let tick = self.session.shown_tick().unwrap_or(due);
-        self.clock.pause(timeline.time_of(tick));
+        self.viewer.pause(&self.session, now);
     }
 
     /// Goes on from another time of the content.
     pub fn seek(&mut self, to: Seconds, now: Seconds) {
-        self.clock.seek(to, now);
-        self.session.jump();
+        self.viewer.seek(&mut self.session, to, now);
     }
 
     /// Pauses, and goes this many frames on or back.
     pub fn step_frames(&mut self, frames: i64, now: Seconds) {
-        if self.is_playing() {
-            self.pause(now);
-        }
-        let timeline = self.session.timeline();
-        let tick = timeline.tick_at(self.clock.time(now));
-        // Before the first frame comes the last.
-        let around = if frames < 0 && tick < frames.unsigned_abs() {
-            timeline.frames()
-        } else {
-            0
-        };
-        let to = timeline.time_of((tick + around).saturating_add_signed(frames));
-        self.seek(to, now);
+        self.viewer.step_frames(&mut self.session, frames, now);
     }
 
-    /// Keeps to what is heard.
+    /// Keeps to what is heard, a time of a round.
     pub fn heard(&mut self, heard: Seconds, now: Seconds) {
-        if self.is_moving() {
-            // Sound counts from the beginning of a round, the clock goes on through all.
-            let timeline = self.session.timeline();
-            let time = self.clock.time(now);
-            let begin = time.0 - timeline.within(time).0;
-            let length = timeline.length().0;
-            let near = [begin - length, begin, begin + length].map(|round| round + heard.0);
-            let off = |at: &f64| (at - time.0).abs();
-            let nearest = near.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-            self.clock.follow(Seconds(nearest.unwrap_or(heard.0)), now);
-        }
+        self.viewer.hear(&self.session, Heard::InRound(heard), now);
     }
 
     /// Chooses by another policy; `false` where the pack lacks what it needs.
@@ -297,55 +247,28 @@ impl Viewer {
         Ok(())
     }
 
-    /// Whether it plays, or is going to with the first picture.
-    pub fn is_playing(&self) -> bool {
-        self.waits.unwrap_or(self.clock.is_playing())
-    }
-
     /// Whether the content moves.
     pub fn is_moving(&self) -> bool {
-        self.clock.is_playing() && !self.session.timeline().is_still()
+        self.viewer.is_moving(&self.session)
     }
 
     /// Time of the content, within a round.
     pub fn time(&self, now: Seconds) -> Seconds {
-        self.session.timeline().within(self.clock.time(now))
+        self.session.timeline().within(self.viewer.time(now))
     }
 
-    /// What the last step was made for.
-    pub(crate) fn aim(&self) -> Option<&Aim> {
-        self.last.as_ref().map(|(aim, _)| aim)
-    }
-
-    /// Looks where the viewer looks and moves the stage on; tells what of [`flag`] is so.
+    /// Looks where the viewer looks and moves the session on; tells what of [`flag`] is so.
     pub fn step(&mut self, now: Seconds) -> Result<u32, RenderError> {
-        let mut told = if self.stays_at_the_end(now) {
+        let mut told = if self.viewer.stay_at_the_end(&self.session, now) {
             flag::ENDED
         } else {
             0
         };
         let pane = self.pane();
         let aim = self.look(now, &pane);
-        let media = self.due(now);
-        let step = Now {
-            wall: now,
-            media,
-            pace: match self.is_moving() {
-                true => Pace::Playing,
-                false => Pace::Standing,
-            },
-            drawing: self.session.figures.slow_draw(self.session.period()),
-            until: aim.gaze.time,
-            aim,
-        };
-        let actions = self.session.step(&step);
+        let actions = self.session.step(&self.viewer.now(&self.session, aim, now));
         let (mut changed, wants) = self.obey(actions)?;
-        let shown = self.scene.shown(&pane);
-        if let Some((before, shown_before)) = &self.last {
-            let moved = before.gaze.gaze_in_content != aim.gaze.gaze_in_content;
-            changed |= *shown_before != shown || self.levels_shown && moved;
-        }
-        self.last = Some((aim, shown));
+        changed |= self.viewer.stepped(aim, &pane, self.levels_shown);
         if changed && self.session.shown_tick().is_some() {
             told |= flag::DRAW;
         }
@@ -355,13 +278,10 @@ impl Viewer {
         if self.session.is_hopeless() {
             told |= flag::HOPELESS;
         }
-        let settled = self.is_settled();
-        if settled {
+        if self.is_settled() {
             told |= flag::SETTLED;
         }
-        let forgets = self.looking.pointer.forgotten();
-        let forgets = forgets.is_some_and(|at| at.0 > now.0 - 0.1);
-        if !settled || self.is_moving() || self.looking.moves() || forgets {
+        if self.viewer.next_step(&self.session, now).is_some() || self.looking.moves() {
             told |= flag::AGAIN;
         }
         Ok(told)
@@ -403,60 +323,26 @@ impl Viewer {
                 let head = head_of(&left.axes);
                 self.looking.aim_in_headset(now, &view, head, perception)
             }
-            _ => self.looking.aim(now, &mut self.scene, pane, perception),
+            _ => self.looking.aim(now, &mut self.viewer, pane, perception),
         }
-    }
-
-    /// The moment of the content to show: the one that it is when it has been drawn.
-    fn due(&self, now: Seconds) -> Seconds {
-        let drawing = if self.is_moving() {
-            self.session.figures.draw_s
-        } else {
-            0.0
-        };
-        Seconds(self.clock.time(now).0 + drawing)
-    }
-
-    fn stays_at_the_end(&mut self, now: Seconds) -> bool {
-        let timeline = self.session.timeline();
-        let over = self.clock.time(now).0 >= timeline.length().0;
-        if self.once && over && self.clock.is_playing() {
-            let last = timeline.time_of(timeline.frames() - 1);
-            self.clock.pause(last);
-            self.ended = true;
-            return true;
-        }
-        false
     }
 
     /// Whether nothing on screen is going to change by itself, or it plays.
     pub fn is_settled(&self) -> bool {
-        if self.is_moving() {
-            return self.session.shown_tick().is_some();
-        }
-        let behind = |(aim, _): &(Aim, Shown)| {
-            self.session.goes_on_choosing(aim) || self.session.is_behind(aim)
-        };
-        self.session.is_settled()
-            && !self.session.waits_for_tables()
-            && !self.last.as_ref().is_none_or(behind)
+        self.viewer.is_settled(&self.session)
     }
 
     /// What of the canvas is picture, and what it shows.
     pub fn shown(&self) -> Shown {
-        self.scene.shown(&self.pane())
+        self.viewer.shown(&self.pane())
     }
 
     /// What is drawn over the picture.
     pub fn marks(&self) -> Option<Overlay> {
-        let (aim, shown) = self.last.as_ref().filter(|_| self.levels_shown)?;
-        let direction = aim.gaze.gaze_in_content;
-        let place = shown.view.place(direction).unwrap_or([-1e6; 2]);
-        let seen = shown.view.seen_direction(direction).unwrap_or(direction);
-        let ppd = shown.view.as_seen().ppd_towards(seen).0;
+        let fovea = self.viewer.fovea().filter(|_| self.levels_shown)?;
         Some(Overlay {
-            gaze: place.map(|place| place as f32),
-            gaze_radius: (ppd * FOVEA_DEG) as f32,
+            gaze: fovea.place.map(|place| place as f32),
+            gaze_radius: fovea.radius as f32,
             ..Overlay::default()
         })
     }
@@ -473,9 +359,6 @@ impl Viewer {
 
     /// What is to be shown was drawn in this many seconds.
     pub fn drawn(&mut self, seconds: f64) {
-        if self.is_moving() {
-            let period = self.session.period();
-            self.session.figures.drawn(seconds, period);
-        }
+        self.viewer.drawn(&mut self.session, Some(Seconds(seconds)));
     }
 }

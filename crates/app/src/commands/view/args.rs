@@ -1,0 +1,79 @@
+//! What can be asked of `foveal view`?
+
+use crate::commands::view::keys;
+use crate::commands::view::looking::{WindowGaze, parse_window_gaze};
+use crate::options::decoding::DecodingOptions;
+use crate::options::link::{Link, parse_link};
+use crate::options::policy::{PolicyOptions, ViewOptions};
+use crate::options::showing::{EyeName, ShowingOptions};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Space pauses, arrows and the mouse move, the wheel zooms, H lists all keys and then figures.
+#[derive(Clone, Debug, Args)]
+#[command(after_help = keys::listed())]
+pub(crate) struct ViewArgs {
+    /// The pack.
+    pub(super) pack: PathBuf,
+    /// Take the mouse for the gaze and show only what an eye there could see. Otherwise everything
+    /// in view is shown as fine as the display can, and the mouse decides what comes first.
+    #[arg(long)]
+    pub(super) demo: bool,
+    /// mouse, center (of the window), YAW,PITCH in degrees, scan, trace:FILE, head:FILE, udp:PORT,
+    /// ws:URL or osc:PORT.
+    #[arg(
+        long,
+        value_name = "G",
+        default_value = "mouse",
+        allow_hyphen_values = true
+    )]
+    #[arg(value_parser = parse_window_gaze)]
+    pub(super) gaze: WindowGaze,
+    #[command(flatten)]
+    pub(super) policy: PolicyOptions,
+    #[command(flatten)]
+    pub(super) view: ViewOptions,
+    #[command(flatten)]
+    pub(super) showing: ShowingOptions,
+    /// Whose picture is shown, of content for two eyes; both lie side by side.
+    #[arg(long, value_enum, default_value = "left")]
+    pub(super) eye: EyeName,
+    /// RATE[,DELAY] between the pack and the viewer, as 4g,30ms or 8mbit: what uniform,
+    /// eccentricity and perceptual may spend (default: no limit).
+    #[arg(long, value_name = "L", value_parser = parse_link)]
+    pub(super) link: Option<Link>,
+    /// How gaze follows the head: free-viewing, search or a file that `gaze fit head` wrote.
+    #[arg(long, value_name = "NAME|FILE.toml", default_value = "free-viewing")]
+    pub(super) preset: String,
+    /// Begin paused.
+    #[arg(long)]
+    pub(super) paused: bool,
+    /// Stay at the end instead of beginning anew.
+    #[arg(long)]
+    pub(super) once: bool,
+    /// Begin on the full screen.
+    #[arg(long)]
+    pub(super) full_screen: bool,
+    /// Play no sound.
+    #[arg(long)]
+    pub(super) mute: bool,
+    /// Write what was selected and for which gaze to this file, for `foveal replay`.
+    #[arg(long, value_name = "FILE")]
+    pub(super) log: Option<PathBuf>,
+    /// The folder for screenshots, made where it is not there: the picture without what is written
+    /// over it (default: beside the pack, and for a script's the current folder).
+    #[arg(long, value_name = "DIR")]
+    pub(super) screenshots: Option<PathBuf>,
+    /// A file with one thing a line to happen by itself: SECONDS and key NAME, move X Y, leave,
+    /// drag DX DY, wheel STEPS, resize W H, screenshot FILE, settle or quit.
+    #[arg(long, value_name = "FILE")]
+    pub(super) script: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) decoding: DecodingOptions,
+    /// Seed of the scan path.
+    #[arg(long, default_value_t = 1)]
+    pub(super) seed: u64,
+    /// Print one JSON object at the end.
+    #[arg(long)]
+    pub(super) json: bool,
+}

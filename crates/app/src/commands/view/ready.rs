@@ -1,0 +1,89 @@
+//! What is read before a window opens?
+
+use crate::commands::view::args::ViewArgs;
+use crate::commands::view::script::Script;
+use crate::commands::view::sound::samples::Samples;
+use crate::gaze_source::{ViewerModel, preset_of};
+use crate::options::policy::check_thresholds;
+use crate::report::output::{self, WrongUsage};
+use anyhow::{Context, bail};
+use foveal_core::content::policy::Policy;
+use foveal_core::session::session::SessionSettings;
+use foveal_media::pack::pack_file::PackFile;
+use foveal_play::{Decoding, LiveOptions};
+use std::sync::Arc;
+
+/// What was read before a window opens: whatever is wrong is said without one.
+pub(super) struct Ready {
+    pub(super) args: ViewArgs,
+    pub(super) file: Arc<PackFile>,
+    pub(super) watching: ViewerModel,
+    pub(super) script: Script,
+    pub(super) samples: Option<Samples>,
+    pub(super) decoding: Decoding,
+}
+
+impl Ready {
+    pub(super) fn new(args: &ViewArgs) -> anyhow::Result<Self> {
+        let decoding = args.decoding.decoding()?;
+        let file = Arc::new(PackFile::open(&args.pack)?);
+        if let Some(log) = &args.log {
+            output::spare_inputs(log, [args.pack.as_path()])?;
+        }
+        if let Some(folder) = &args.screenshots {
+            std::fs::create_dir_all(folder).with_context(|| {
+                format!(
+                    "--screenshots {}: no such folder can be made",
+                    folder.display()
+                )
+            })?;
+        }
+        // Says what is wrong with the options before a window is there.
+        let config = args.policy.config()?;
+        check_thresholds(&config, &file.pack().description().grid(args.view.screen))?;
+        if args.link.is_some() && !config.policy.spends_a_budget() {
+            bail!(WrongUsage(format!(
+                "--link: {} spends no budget; give --policy uniform, eccentricity or perceptual",
+                args.policy.name().name()
+            )));
+        }
+        if args.showing.has_textures() && config.policy == Policy::Sampled {
+            bail!(WrongUsage(
+                "--reconstruction textures shows tiles, --policy sampled samples; give one of them"
+                    .to_owned()
+            ));
+        }
+        let surface = file.pack().description().grid(args.view.screen).surface;
+        args.view.eye_view(&surface)?;
+        let script = args.script.as_ref().map(|path| {
+            let text = output::read_text(path, "a script")?;
+            Script::parse(&text).with_context(|| format!("--script {}", path.display()))
+        });
+        Ok(Self {
+            watching: ViewerModel {
+                preset: preset_of(&args.preset)?,
+                late: args.link.unwrap_or_default().delay,
+            },
+            script: script.transpose()?.unwrap_or_default(),
+            samples: if args.mute { None } else { sound_of(&file) },
+            args: args.clone(),
+            file,
+            decoding,
+        })
+    }
+
+    /// How the pack is played for a session with these settings.
+    pub(super) fn live_options(&self, session: SessionSettings) -> LiveOptions {
+        LiveOptions {
+            session,
+            decoding: self.decoding,
+            tell: output::say,
+        }
+    }
+}
+
+/// The sound of a pack; one that is damaged is told of and left out.
+fn sound_of(file: &PackFile) -> Option<Samples> {
+    let damaged = |error: anyhow::Error| output::say(&format!("foveal: {error:#}; no sound"));
+    Samples::of_pack(file).map_err(damaged).ok().flatten()
+}

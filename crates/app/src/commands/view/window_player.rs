@@ -1,0 +1,383 @@
+//! How does a pack play in a window?
+//!
+//! Everything of a window but the window: time comes in as an argument, wishes as actions.
+
+use crate::commands::view::log_file::LogFile;
+use crate::commands::view::looking::Looking;
+use crate::commands::view::screen::overlay::Told;
+use crate::commands::view::screen::words::{Page, Words};
+use crate::commands::view::sound::Sound;
+use crate::commands::view::sound::drift::Drift;
+use crate::commands::view::styles::restyled;
+use crate::options::policy::PolicyOptions;
+use crate::options::showing::EyeName;
+use anyhow::bail;
+use foveal_core::gaze::sample::GazeSample;
+use foveal_core::session::aim::Aim;
+use foveal_core::session::figures::MOST_DRAW_S;
+use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
+use foveal_core::units::Seconds;
+use foveal_core::view::keys::Action;
+use foveal_core::view::navigation::{Navigation, Pane, Shown};
+use foveal_core::view::surface::Eye;
+use foveal_play::{LivePlayer, Stepped};
+use foveal_render::{Overlay, TileStyle};
+use std::time::Duration;
+
+/// How long the sound waits for the frame that it begins with, in seconds.
+const MOST_PREROLL_S: f64 = 1.0;
+/// How often a gaze that moves by itself is looked at while nothing plays, in seconds.
+const LOOK_S: f64 = 1.0 / 60.0;
+/// No step is as late as this, in seconds.
+const NEVER_S: f64 = 1e12;
+
+/// What a window begins with.
+pub(crate) struct Begin {
+    pub(crate) policy: PolicyOptions,
+    pub(crate) navigation: Navigation,
+    pub(crate) log: Option<LogFile>,
+    pub(crate) looking: Looking,
+    pub(crate) sound: Option<Sound>,
+    /// Stay at the end instead of beginning anew.
+    pub(crate) once: bool,
+    pub(crate) paused: bool,
+    /// Whose picture is shown.
+    pub(crate) eye: EyeName,
+    /// Whether there is one for each eye.
+    pub(crate) two_eyes: bool,
+}
+
+/// A pack that plays in a window, with what is heard and said there.
+pub(crate) struct WindowPlayer {
+    pub(crate) live: LivePlayer,
+    pub(crate) viewer: Viewer,
+    pub(super) policy: PolicyOptions,
+    log: Option<LogFile>,
+    looking: Looking,
+    pub(super) sound: Option<Sound>,
+    /// Where the sound begins once the frame of that time is on screen, and since when it waits.
+    preroll: Option<(Seconds, Seconds)>,
+    words: Words,
+    levels: bool,
+    borders: bool,
+    /// How far picture and sound were from each other when frames were shown.
+    pub(crate) drift: Drift,
+    pub(super) eye: EyeName,
+    pub(super) two_eyes: bool,
+}
+
+/// What only a window can do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wish {
+    Nothing,
+    FullScreen,
+    Screenshot,
+    Quit,
+}
+
+impl WindowPlayer {
+    /// A pack that begins to play at `now`.
+    pub(crate) fn new(live: LivePlayer, begin: Begin, now: Seconds) -> Self {
+        let settings = ViewerSettings {
+            plays: !begin.paused,
+            at_end: match begin.once {
+                true => AtEnd::Stays,
+                false => AtEnd::GoesRound,
+            },
+            holds_early: true,
+        };
+        let mut player = Self {
+            live,
+            viewer: Viewer::new(begin.navigation, settings),
+            policy: begin.policy,
+            log: begin.log,
+            looking: begin.looking,
+            sound: begin.sound,
+            preroll: None,
+            words: Words::default(),
+            levels: false,
+            borders: false,
+            drift: Drift::new(),
+            eye: begin.eye,
+            two_eyes: begin.two_eyes,
+        };
+        player.viewer.begin(now);
+        if !begin.paused {
+            player.set_sound(now);
+        }
+        player
+    }
+
+    /// Stops the sound; while it plays, it goes on from here once this frame is on screen.
+    fn set_sound(&mut self, now: Seconds) {
+        if let Some(sound) = &self.sound {
+            let at = self.viewer.time(now);
+            sound.set(false, at);
+            self.preroll = self.viewer.is_playing().then_some((at, now));
+        }
+    }
+
+    /// Does what was asked for, or says what the window must do.
+    pub(crate) fn act(&mut self, action: Action, pane: &Pane, now: Seconds) -> Wish {
+        let navigation = &mut self.viewer.navigation;
+        match action {
+            Action::Pause | Action::Skip(_) | Action::Step(_) | Action::First | Action::Last => {
+                self.go(action, now);
+            }
+            Action::Move([x, y]) => {
+                let width = f64::from(pane.size[0]);
+                navigation.drag([x * width, y * width], pane);
+            }
+            Action::Zoom(factor) => {
+                let middle = pane.size.map(|side| f64::from(side) / 2.0);
+                navigation.zoom_by(factor, middle, pane);
+            }
+            Action::Reset => navigation.reset(),
+            Action::Policy(by) => self.next_policy(by, now),
+            Action::Target(by) => self.next_target(by, now),
+            Action::Blur | Action::Interpolation | Action::Textures => {
+                self.restyle(action, now);
+            }
+            Action::Eye => self.next_eye(now),
+            Action::Levels => self.levels = !self.levels,
+            Action::Borders => self.borders = !self.borders,
+            Action::Sound => self.toggle_sound(now),
+            Action::Overlay => self.words.turn_the_page(),
+            Action::Figures => self.words.toggle_figures(),
+            Action::Screenshot => return Wish::Screenshot,
+            Action::FullScreen => return Wish::FullScreen,
+            Action::Quit => return Wish::Quit,
+        }
+        Wish::Nothing
+    }
+
+    /// Plays, pauses or goes elsewhere in time; the sound comes along.
+    fn go(&mut self, action: Action, now: Seconds) {
+        let (viewer, session) = (&mut self.viewer, self.live.session_mut());
+        match action {
+            Action::Skip(seconds) => viewer.skip(session, seconds, now),
+            Action::Step(frames) => viewer.step_frames(session, frames, now),
+            Action::First => viewer.seek_first(session, now),
+            Action::Last => viewer.seek_last(session, now),
+            _ if viewer.is_playing() => viewer.pause(session, now),
+            _ => viewer.play(session, now),
+        }
+        self.set_sound(now);
+    }
+
+    /// Shows tiles in another way.
+    fn restyle(&mut self, action: Action, now: Seconds) {
+        let (style, said) = restyled(self.live.style(), action);
+        self.take_style(style, said.to_owned(), now);
+    }
+
+    pub(super) fn take_style(&mut self, style: TileStyle, said: String, now: Seconds) {
+        match self.live.drawer().restyle(style) {
+            Ok(true) => self.live.session_mut().fetch_anew(),
+            Ok(false) => {}
+            Err(error) => return self.say(error.to_string(), now),
+        }
+        self.say(said, now);
+    }
+
+    fn next_eye(&mut self, now: Seconds) {
+        if self.two_eyes {
+            self.eye = self.eye.next();
+            self.say(format!("eye {}", self.eye.name()), now);
+        } else {
+            self.say("there is one picture for both eyes".to_owned(), now);
+        }
+    }
+
+    /// The eyes whose pictures lie side by side in the window.
+    pub(crate) fn eyes(&self) -> &'static [Eye] {
+        match self.eye {
+            EyeName::Both if !self.two_eyes => &[Eye::Left],
+            eye => eye.eyes(),
+        }
+    }
+
+    fn toggle_sound(&mut self, now: Seconds) {
+        let said = match &self.sound {
+            Some(sound) if sound.toggle() => "sound on",
+            Some(_) => "sound off",
+            None => "there is no sound",
+        };
+        self.say(said.to_owned(), now);
+    }
+
+    /// Shows a message for some seconds.
+    pub(crate) fn say(&mut self, message: String, now: Seconds) {
+        self.words.say(message, now);
+    }
+
+    /// Looks where the viewer looks and moves the session on. Returns whether to paint anew.
+    pub(crate) fn step(&mut self, pane: &Pane, now: Seconds) -> anyhow::Result<bool> {
+        self.follow_sound(now);
+        if self.viewer.stay_at_the_end(self.live.session(), now) {
+            self.set_sound(now);
+        }
+        let aim = self.aim(pane, now);
+        let config = self.live.session().policy_in_use().clone();
+        if self.live.drawer().prepare(&config, &aim.view)? {
+            self.live.session_mut().fetch_anew();
+        }
+        let step = self.viewer.now(self.live.session(), aim, now);
+        let Stepped { mut changed, log } = self.live.step(&step)?;
+        if let Some(file) = self.log.as_mut().filter(|_| !log.is_empty()) {
+            file.write(&log)?;
+        }
+        if self.live.session().is_hopeless() {
+            bail!(
+                "{}: no frame has a whole coarsest level; `foveal verify` lists all damage",
+                self.live.path().display()
+            );
+        }
+        let style = self.live.style();
+        let drawn_by_gaze = self.levels || style.samples || style.blurs;
+        changed |= self.viewer.stepped(aim, pane, drawn_by_gaze);
+        Ok(changed || self.words.are_stale(now, self.is_moving()))
+    }
+
+    /// Whether the content moves.
+    pub(super) fn is_moving(&self) -> bool {
+        self.viewer.is_moving(self.live.session())
+    }
+
+    /// Whether a frame that was not on screen before waits for its time once it is drawn.
+    pub(crate) fn holds_back(&self) -> bool {
+        self.viewer.holds_back(self.live.session())
+    }
+
+    /// How long that wait is at `now`.
+    pub(crate) fn early_by(&self, now: Seconds) -> Duration {
+        Duration::from_secs_f64(self.viewer.early_by(self.live.session(), now).0)
+    }
+
+    fn follow_sound(&mut self, now: Seconds) {
+        if self.sound.as_ref().is_some_and(Sound::waits) {
+            self.set_sound(now);
+        }
+        let heard = self.heard(now);
+        self.viewer.hear(self.live.session(), heard, now);
+    }
+
+    /// What the sound tells of the content's time; one that waits for its frame begins with it.
+    fn heard(&mut self, now: Seconds) -> Heard {
+        let Some(sound) = &self.sound else {
+            return Heard::Nothing;
+        };
+        let session = self.live.session();
+        if let Some((at, since)) = self.preroll {
+            // One that is ahead was chosen for when it would have been drawn.
+            let [first, last] =
+                [0.0, MOST_DRAW_S].map(|s| session.timeline().tick_at(Seconds(at.0 + s)));
+            let drawn = self.viewer.drawn_tick();
+            let is_there = drawn.is_some_and(|tick| (first..=last).contains(&tick));
+            if is_there || now.0 - since.0 > MOST_PREROLL_S {
+                self.preroll = None;
+                sound.set(true, at);
+            }
+            return Heard::Begins(at, None);
+        }
+        if !self.viewer.is_moving(session) {
+            return Heard::Nothing;
+        }
+        match (sound.begins(), sound.heard()) {
+            (Some((at, within)), _) => Heard::Begins(at, within),
+            (None, Some(heard)) => Heard::At(heard),
+            (None, None) => Heard::Nothing,
+        }
+    }
+
+    /// What selection is given, with the head turned to where it points.
+    fn aim(&mut self, pane: &Pane, now: Seconds) -> Aim {
+        let perception = &self.live.session().policy_in_use().perception;
+        let aim = self.looking.aim(now, &mut self.viewer, pane, perception);
+        Aim {
+            behind_sound: self.drift.last(),
+            ..aim
+        }
+    }
+
+    /// What is to be shown was drawn at this time; `begun` is when it was chosen, if it was not
+    /// there before.
+    pub(crate) fn drawn(&mut self, begun: Option<Seconds>, at: Seconds) {
+        // What is drawn again while another frame is awaited tells nothing.
+        if self.viewer.is_drawn(self.live.session()) {
+            return;
+        }
+        let took = begun.map(|begun| Seconds(at.0 - begun.0));
+        self.viewer.drawn(self.live.session_mut(), took);
+        let session = self.live.session();
+        let heard = self.sound.as_ref().and_then(Sound::heard);
+        let behind = heard.zip(session.shown_tick()).map(|(heard, tick)| {
+            let span = [tick, tick + 1].map(|tick| session.timeline().time_of(tick));
+            Drift::of_frame(heard, span)
+        });
+        self.drift.note(behind, self.is_moving());
+    }
+
+    /// Whether nothing on screen is going to change by itself, or it plays.
+    pub(crate) fn is_settled(&self) -> bool {
+        self.viewer.is_settled(self.live.session())
+    }
+
+    /// When to step again though nothing happens, by the window's clock.
+    pub(crate) fn next_step(&self, now: Seconds) -> Option<Seconds> {
+        let changes = self.viewer.next_step(self.live.session(), now);
+        let looks = self.looking.moves().then_some(now.0 + LOOK_S);
+        let times = changes.map(|at| at.0).into_iter().chain(looks);
+        let times = times.chain(self.words.due(now, self.is_moving()));
+        let next = times.filter(|time| *time < NEVER_S).reduce(f64::min);
+        next.map(Seconds)
+    }
+
+    /// What the window shows.
+    pub(crate) fn shown(&self, pane: &Pane) -> Shown {
+        self.viewer.shown(pane)
+    }
+
+    /// What the last step was made for.
+    pub(crate) fn gaze(&self) -> Option<GazeSample> {
+        self.viewer.aim().map(|aim| aim.gaze)
+    }
+
+    /// What is drawn over the picture.
+    pub(crate) fn marks(&self) -> Option<Overlay> {
+        let fovea = self.viewer.fovea()?;
+        let style = self.live.style();
+        let marks = self.levels || self.borders;
+        if !marks || style.samples || style.has_textures {
+            return None;
+        }
+        let plain = Overlay::default();
+        Some(Overlay {
+            gaze: fovea.place.map(|place| place as f32),
+            gaze_radius: if self.levels {
+                fovea.radius as f32
+            } else {
+                0.0
+            },
+            heat: if self.levels { plain.heat } else { 0.0 },
+            borders: if self.borders { 0.5 } else { 0.0 },
+            ..plain
+        })
+    }
+
+    /// What is written over the picture: the page of the overlay that is open, and a message.
+    pub(crate) fn words(&mut self, now: Seconds) -> (Option<Told>, Option<String>) {
+        let (page, message) = self.words.paint(now);
+        let told = match page {
+            Page::Nothing => None,
+            Page::Keys => Some(Told::Keys(self.keys())),
+            Page::Figures => Some(Told::Figures(self.lines(now))),
+        };
+        (told, message)
+    }
+
+    /// Times that the sound device found too little to play.
+    pub(crate) fn sound_gaps(&self) -> u64 {
+        self.sound.as_ref().map_or(0, Sound::gaps)
+    }
+}
