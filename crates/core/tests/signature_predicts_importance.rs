@@ -14,12 +14,12 @@ use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::eye::Gaze;
 use foveal_core::perception::gain::step_gain;
+use foveal_core::perception::glance::Glance;
 use foveal_core::perception::importance::Onlooker;
 use foveal_core::perception::measures::contrast::Signature;
 use foveal_core::perception::measures::cues::Cues;
 use foveal_core::perception::measures::pyramid::{Pyramid, doubled, halved};
 use foveal_core::perception::measures::signature::{band_steps, signature_of};
-use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::{EyeState, Model, Parameters};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::angle_between;
@@ -194,13 +194,13 @@ impl Look {
             perception: *parameters,
             ..PolicyConfig::new(Policy::Perceptual)
         };
-        let moment = Moment {
+        let glance = Glance {
             gaze: self.gaze,
             view: Some(self.view),
             state: EyeState::Steady,
         };
         let grid = &self.tiled.grid;
-        let gains = Worth::new(grid, &config).gains(grid, &self.tiled, 0, &moment);
+        let gains = Worth::new(grid, &config).gains(grid, &self.tiled, 0, &glance);
         grid.tiles_of(0)
             .map(|cell| gains.step(grid, cell, 0))
             .collect()

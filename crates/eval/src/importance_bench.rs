@@ -60,6 +60,7 @@ impl Decision {
         let luma = luma.collect();
         let columns = size[0].div_ceil(UNIT);
         let view = EyeView {
+            position: Default::default(),
             axes: Axes::FRONT,
             field: Field::across(Radians::from_degrees(48.0), size),
             size,

@@ -18,10 +18,10 @@ use foveal_core::content::video::losses::LossMeter;
 use foveal_core::content::video::worth::Worth;
 use foveal_core::gaze::sample::{GazeSample, HeadPose};
 use foveal_core::pack::unit::UnitId;
+use foveal_core::perception::glance::Glance;
 use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::{EyeState, Parameters};
 use foveal_core::session::actions::{Cache, Now, Pace, SessionAction, SessionEvent};
-use foveal_core::session::aim::Aim;
 use foveal_core::session::log::{SessionFrame, SessionHead};
 use foveal_core::session::session::{Session, SessionSettings};
 use foveal_core::session::unit_states::{Piece, UnitState};
@@ -188,11 +188,11 @@ impl Player {
     pub fn session_head(&self) -> SessionHead {
         let ahead = GazeSample::at(Seconds(0.0), Default::default(), Default::default());
         let look = Look::known(ahead, HeadPose::default());
-        let aim = Aim {
-            view: self.options.view,
-            ..self.aim(&look)
+        let moment = Moment {
+            views: vec![self.options.view],
+            ..self.moment(&look)
         };
-        self.session.log_head(&aim)
+        self.session.log_head(&moment)
     }
 
     /// Chooses for a frame that is not shown: what is chosen later depends on what was before.
@@ -225,7 +225,7 @@ impl Player {
         let new_bytes = self.fetch(&wanted);
         let begun = Instant::now();
         let shown = self.present(frame, look)?;
-        self.drawer.follow(&now.aim.gaze, &view)?;
+        self.drawer.follow(&now.moment.gaze, &view)?;
         let upload = begun.elapsed();
         let tiles = self.tiles(&shown);
         let levels = self.levels_of(&wanted);
@@ -238,7 +238,7 @@ impl Player {
         let judged = self.judged(frame, &gaze, view, seen);
         let follows = self.before.replace(levels).is_some();
         let pixels = self.pixels(&wanted);
-        let off = angle_between(gaze.gaze_in_content, now.aim.gaze.gaze_in_content);
+        let off = angle_between(gaze.gaze_in_content, now.moment.gaze.gaze_in_content);
         Ok(FrameReport {
             session,
             gaze,
@@ -264,11 +264,11 @@ impl Player {
     }
 
     /// What was expected of the viewer.
-    fn aim(&self, look: &Look) -> Aim {
+    fn moment(&self, look: &Look) -> Moment {
         let (expected, perception) = (&look.expected, &self.options.config.perception);
-        Aim {
+        Moment {
             gaze: expected.gaze,
-            view: self.turned(look.head_expected),
+            views: vec![self.turned(look.head_expected)],
             head: look.head_expected,
             state: perception.eye_state(expected.event, expected.since_saccade),
             behind_sound: None,
@@ -282,7 +282,7 @@ impl Player {
             pace,
             drawing: Seconds(0.0),
             until: Seconds(look.gaze.time.0 + self.period(frame).as_secs_f64()),
-            aim: self.aim(look),
+            moment: self.moment(look),
         }
     }
 
@@ -464,13 +464,13 @@ impl Player {
         if !video.has_signatures() {
             return None;
         }
-        let moment = Moment {
+        let glance = Glance {
             gaze: *gaze,
             view: Some(view),
             state: EyeState::Steady,
         };
-        let gains = judge.gains(grid, video, frame, &moment);
-        let losses = meter.losses(grid, video, frame, &moment);
+        let gains = judge.gains(grid, video, frame, &glance);
+        let losses = meter.losses(grid, video, frame, &glance);
         Some([gains.share(grid, shown), losses.pooled(shown)])
     }
 

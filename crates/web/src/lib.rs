@@ -12,6 +12,7 @@
 )]
 
 mod facts;
+mod headset_eye;
 mod looking;
 mod needs;
 mod options;
@@ -20,7 +21,6 @@ mod page_player;
 mod telling;
 #[cfg(test)]
 mod tests;
-mod wide;
 
 #[cfg(target_arch = "wasm32")]
 mod device_canvas;

@@ -5,8 +5,8 @@ use foveal_core::gaze::read::record::GazeRecord;
 use foveal_core::gaze::read::stream::GazeStream;
 use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
 use foveal_core::gaze::tracker::GazeTracker;
+use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::Parameters;
-use foveal_core::session::aim::Aim;
 use foveal_core::session::viewer::Viewer;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
@@ -54,13 +54,13 @@ impl Looking {
     }
 
     /// What selection is given, with the head turned to where a sender says.
-    pub(crate) fn aim(
+    pub(crate) fn moment(
         &mut self,
         now: Seconds,
         viewer: &mut Viewer,
         pane: &Pane,
         perception: &Parameters,
-    ) -> Aim {
+    ) -> Moment {
         let still = perception.eye_state(EyeEvent::Fixation, None);
         let expected = self.sender.as_mut().and_then(|sender| {
             if let Some(row) = sender.stream.silence(now) {
@@ -85,12 +85,12 @@ impl Looking {
             }
             None => (viewer.pointer.gaze(now, &viewer.shown(pane)), still),
         };
-        Aim {
+        Moment {
             gaze: GazeSample {
                 gaze_in_content: viewer.navigation.with_the_hand(gaze.gaze_in_content),
                 ..gaze
             },
-            view: viewer.shown(pane).view,
+            views: vec![viewer.shown(pane).view],
             head: viewer.navigation.head(),
             state,
             behind_sound: None,
@@ -99,15 +99,15 @@ impl Looking {
 
     /// What selection is given in a headset: the eye is where the head's motion lets it be
     /// expected, unless somebody sends it.
-    pub(crate) fn aim_in_headset(
+    pub(crate) fn moment_in_headset(
         &mut self,
         now: Seconds,
-        view: &EyeView,
+        views: Vec<EyeView>,
         head: HeadPose,
         perception: &Parameters,
-    ) -> Aim {
+    ) -> Moment {
         let ahead = GazeSample {
-            gaze_in_content: view.axes.forward,
+            gaze_in_content: head.axes().forward,
             valid: false,
             head: Some(head),
             ..GazeSample::at(now, Radians(0.0), Radians(0.0))
@@ -120,9 +120,9 @@ impl Looking {
         let event = expected.map_or(EyeEvent::Fixation, |expected| expected.event);
         let since = expected.and_then(|expected| expected.since_saccade);
         let gaze = expected.map_or(ahead, |expected| expected.gaze);
-        Aim {
+        Moment {
             gaze: GazeSample { time: now, ..gaze },
-            view: *view,
+            views,
             head,
             state: perception.eye_state(event, since),
             behind_sound: None,

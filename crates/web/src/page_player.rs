@@ -2,18 +2,19 @@
 //!
 //! Time comes in as an argument, in seconds of the page's clock.
 
+use crate::headset_eye::EyeRequest;
 use crate::looking::Looking;
 use crate::options::Options;
 use crate::pack_in_parts::PackInParts;
-use crate::wide::{EyeRequest, head_of, union};
 use foveal_core::content::asked::{Detail, next_target};
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::unit::{AssetId, UnitRef};
+use foveal_core::gaze::sample::HeadPose;
 use foveal_core::pack::unit::UnitId;
+use foveal_core::perception::moment::Moment;
 use foveal_core::session::actions::{Cache, SessionAction, SessionEvent};
-use foveal_core::session::aim::Aim;
 use foveal_core::session::session::{Session, SessionSettings};
 use foveal_core::session::unit_states::Piece;
 use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
@@ -265,10 +266,12 @@ impl PagePlayer {
             0
         };
         let pane = self.pane();
-        let aim = self.look(now, &pane);
-        let actions = self.session.step(&self.viewer.now(&self.session, aim, now));
+        let moment = self.look(now, &pane);
+        let actions = self
+            .session
+            .step(&self.viewer.now(&self.session, &moment, now));
         let (mut changed, wants) = self.obey(actions)?;
-        changed |= self.viewer.stepped(aim, &pane, self.levels_shown);
+        changed |= self.viewer.stepped(moment, &pane, self.levels_shown);
         if changed && self.session.shown_tick().is_some() {
             told |= flag::DRAW;
         }
@@ -315,15 +318,15 @@ impl PagePlayer {
         }
     }
 
-    fn look(&mut self, now: Seconds, pane: &Pane) -> Aim {
+    fn look(&mut self, now: Seconds, pane: &Pane) -> Moment {
         let perception = &self.session.policy().perception;
         match self.eyes {
             [Some(left), right] if now.0 - self.asked < HEADSET_HOLDS_S => {
-                let view = union(&left, &right.unwrap_or(left));
-                let head = head_of(&left.axes);
-                self.looking.aim_in_headset(now, &view, head, perception)
+                let head = HeadPose::of(&left.axes);
+                let views = [Some(left), right].into_iter().flatten().collect();
+                self.looking.moment_in_headset(now, views, head, perception)
             }
-            _ => self.looking.aim(now, &mut self.viewer, pane, perception),
+            _ => self.looking.moment(now, &mut self.viewer, pane, perception),
         }
     }
 

@@ -4,10 +4,10 @@
 //! page's clock, places are in device pixels of the canvas.
 
 use crate::device_canvas::DeviceCanvas;
+use crate::headset_eye::EyeRequest;
 use crate::options::Options;
 use crate::page_player::PagePlayer;
 use crate::pixel_canvas::PixelCanvas;
-use crate::wide::EyeRequest;
 use foveal_core::content::asked;
 use foveal_core::content::asked::Detail;
 use foveal_core::content::policy::Policy;

@@ -16,7 +16,10 @@ impl PagePlayer {
             .shown_tick()
             .map(|tick| timeline.frame_of(tick));
         let shown = self.shown();
-        let gaze = self.viewer.aim().map(|aim| aim.gaze.gaze_in_content);
+        let gaze = self
+            .viewer
+            .moment()
+            .map(|moment| moment.gaze.gaze_in_content);
         let gaze_deg = gaze.map(|gaze| {
             let (yaw, pitch) = yaw_pitch_from_direction(gaze);
             [yaw.to_degrees(), pitch.to_degrees()]

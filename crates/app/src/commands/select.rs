@@ -13,7 +13,6 @@ use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::grid::tile_grid::TileGrid;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::moment::Moment;
-use foveal_core::perception::parameters::EyeState;
 use foveal_core::units::{Radians, Seconds, counted};
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::random::Random;
@@ -113,11 +112,8 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
     let source = f64::from(faces) * f64::from(surface.size[0]) * f64::from(surface.size[1]);
     let view = args.eye_view(&surface)?;
     let mut choose = |gaze: GazeSample| {
-        let moment = Moment {
-            gaze,
-            view: view.map(|view| look_at(view, &gaze, &surface)),
-            state: EyeState::Steady,
-        };
+        let views = view.map(|view| look_at(view, &gaze, &surface));
+        let moment = Moment::new(gaze, views.into_iter().collect());
         let chosen = demand.needed(0, &moment).record;
         let pixels = samples.map_or(chosen.samples, u64::from);
         One {

@@ -417,6 +417,7 @@ impl ViewOptions {
             Projection::Cube => {
                 let field = Field::of_larger_side(fov, size);
                 EyeView {
+                    position: Default::default(),
                     axes: Axes::FRONT,
                     field,
                     size,

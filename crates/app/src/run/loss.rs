@@ -156,6 +156,7 @@ fn sphere_scenes(plan: &Plan, surface: &Surface) -> Vec<Scene> {
             ..HeadPose::default()
         };
         let view = EyeView {
+            position: Default::default(),
             axes: head.axes(),
             field: Field::symmetric(size.map(|side| f64::from(side) * pixel / 2.0)),
             size,

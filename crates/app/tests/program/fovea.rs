@@ -179,6 +179,7 @@ fn the_fovea_of_a_picture_around_the_viewer_is_that_of_the_whole_picture() {
     let surface = Surface::cube(384);
     let size = [480, 320];
     let view = EyeView {
+        position: Default::default(),
         axes: Axes::FRONT,
         field: Field::across(Radians::from_degrees(100.0), size),
         size,

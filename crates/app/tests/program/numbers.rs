@@ -112,6 +112,7 @@ fn every_tile_of_a_picture_around_the_viewer_is_of_the_frame_shown() {
     done(&[&["prepare", "video", &clip, "--out", &pack], &how[..]].concat());
     let size = [400, 250];
     let view = EyeView {
+        position: Default::default(),
         axes: Axes::FRONT,
         field: Field::across(Radians::from_degrees(100.0), size),
         size,

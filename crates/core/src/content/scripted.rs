@@ -27,7 +27,12 @@ pub fn scripted_head(surface: Surface) -> ContentHead {
 /// numbers.
 #[must_use]
 pub fn scripted_demand(head: &ContentHead, config: &PolicyConfig) -> Box<dyn Demand> {
-    head.demand_of(Arc::new(ScriptedUnits), config)
+    head.demand_of(scripted_units(), config)
+}
+
+/// The units of that video.
+pub(crate) fn scripted_units() -> Arc<dyn VideoUnits> {
+    Arc::new(ScriptedUnits)
 }
 
 #[derive(Debug)]

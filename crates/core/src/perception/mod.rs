@@ -5,6 +5,7 @@ pub mod csf;
 pub mod eye;
 pub mod fast;
 pub mod gain;
+pub mod glance;
 pub mod importance;
 pub mod luminance;
 pub mod measures;

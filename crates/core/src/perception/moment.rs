@@ -1,47 +1,50 @@
 //! What is known of a viewer at one display time?
 
-use crate::gaze::sample::GazeSample;
+use crate::gaze::sample::{GazeSample, HeadPose};
+use crate::perception::glance::Glance;
 use crate::perception::parameters::EyeState;
-use crate::units::Radians;
-use crate::view::axes::angle_between;
+use crate::units::Seconds;
 use crate::view::eye_view::EyeView;
-use glam::DVec3;
 
-/// What selection knows of the viewer at one display time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Where a viewer looks at one display time, and through what: a window, the two eyes of a headset,
+/// the panels of a display. Levels are chosen over all views together: nothing is coarser than any
+/// one of them asks for.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Moment {
-    /// Where the eye looks when the picture is shown.
+    /// Where the eye looks when the picture is shown, in the space of the content.
     pub gaze: GazeSample,
-    /// What shows the picture; without it nothing is cut to the display's density.
-    pub view: Option<EyeView>,
+    /// Where the head is turned to.
+    pub head: HeadPose,
     /// What the eye does, as far as the worth of a step depends on it.
     pub state: EyeState,
+    /// What shows the content. Without any, all of it is in view, and nothing is cut to a display's
+    /// density.
+    pub views: Vec<EyeView>,
+    /// How far the picture is behind the sound, where there is sound.
+    pub behind_sound: Option<Seconds>,
 }
 
 impl Moment {
-    /// Angle at the eye between the gaze and a direction in the content's space; half a turn for
-    /// what a picture that fills other angles at the eye does not show.
+    /// A moment of a steady eye, whose head is not known.
     #[must_use]
-    pub fn eccentricity(&self, direction: DVec3) -> Radians {
-        let seen = self.seen([self.gaze.gaze_in_content, direction]);
-        seen.map_or(Radians(core::f64::consts::PI), |[gaze, direction]| {
-            angle_between(gaze, direction)
+    pub fn new(gaze: GazeSample, views: Vec<EyeView>) -> Self {
+        Self {
+            gaze,
+            head: HeadPose::default(),
+            state: EyeState::default(),
+            views,
+            behind_sound: None,
+        }
+    }
+
+    /// The same through each view; through none where there is no view.
+    pub fn glances(&self) -> impl Iterator<Item = Glance> + '_ {
+        let none = self.views.is_empty().then_some(None);
+        let views = self.views.iter().copied().map(Some).chain(none);
+        views.map(|view| Glance {
+            gaze: self.gaze,
+            view,
+            state: self.state,
         })
-    }
-
-    /// Directions as they appear to the eye; `None` where one of them is not shown.
-    pub(crate) fn seen<const N: usize>(&self, directions: [DVec3; N]) -> Option<[DVec3; N]> {
-        let Some(view) = &self.view else {
-            return Some(directions);
-        };
-        let seen = directions.map(|direction| view.seen_direction(direction));
-        seen.iter()
-            .all(Option::is_some)
-            .then(|| seen.map(Option::unwrap_or_default))
-    }
-
-    /// Whether the picture fills other angles at the eye than the content does around it.
-    pub(crate) fn is_magnified(&self) -> bool {
-        self.view.is_some_and(|view| view.field.at_eye.is_some())
     }
 }

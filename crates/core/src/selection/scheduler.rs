@@ -5,6 +5,8 @@
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod view_tests;
 
 use super::greedy::{Catalog, CatalogBuilder, Chain, Misfit, Rule, Rung, Step};
 use crate::content::demand::{Chosen, Demand};

@@ -1,14 +1,14 @@
 //! What goes into a session, and what comes out of it?
 
 use crate::content::unit::UnitRef;
-use crate::session::aim::Aim;
+use crate::perception::moment::Moment;
 use crate::session::log::SessionFrame;
 use crate::session::unit_states::Piece;
 use crate::units::Seconds;
 use std::collections::HashMap;
 
 /// The moment that a step is made for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Now {
     /// By the clock of whoever shows.
     pub wall: Seconds,
@@ -21,8 +21,8 @@ pub struct Now {
     pub drawing: Seconds,
     /// Until when what is brought can be spent on what is chosen now, by the clock of gazes.
     pub until: Seconds,
-    /// Where the viewer looks.
-    pub aim: Aim,
+    /// Where the viewer looks, and through what.
+    pub moment: Moment,
 }
 
 /// What the content's time does.

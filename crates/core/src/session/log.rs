@@ -13,6 +13,7 @@ use crate::perception::parameters::EyeState;
 use crate::selection::scheduler::Scheduler;
 use crate::units::{Radians, Seconds};
 use crate::view::eye_view::{EyeView, Field};
+use crate::view::surface::Eye;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -20,6 +21,8 @@ use thiserror::Error;
 
 /// Version of the log's format.
 const VERSION: u32 = 1;
+/// Most views of a log that is replayed from outside bytes.
+const MOST_VIEWS: usize = 256;
 
 /// The first line of a log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,6 +40,29 @@ pub struct SessionHead {
     pub field: Field,
     /// Its pixels.
     pub size: [u32; 2],
+    /// What else showed it at the same time: the other eye of a headset, other panels.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub more_views: Vec<LoggedView>,
+}
+
+/// A view beside the first, as far as it stays the same.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LoggedView {
+    /// Its field of view.
+    pub field: Field,
+    /// Its pixels.
+    pub size: [u32; 2],
+    /// Whose picture it shows.
+    pub eye: Eye,
+}
+
+/// Where a view is at one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LoggedPose {
+    /// In metres.
+    pub position: [f64; 3],
+    /// Yaw, pitch and roll in radians.
+    pub turn: HeadPose,
 }
 
 /// One line of a log: what selection was given and what it chose.
@@ -52,8 +78,14 @@ pub struct SessionFrame {
     pub valid: bool,
     /// Spread of the gaze in radians.
     pub spread_rad: Radians,
-    /// Yaw, pitch and roll of the view in radians.
+    /// Yaw, pitch and roll of the first view in radians.
     pub head: HeadPose,
+    /// Where that view is, in metres.
+    #[serde(default, skip_serializing_if = "is_origin")]
+    pub position: [f64; 3],
+    /// Where the other views are, as many as the head has.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub more_poses: Vec<LoggedPose>,
     /// What the eye did, as far as the worth of a step depends on it.
     #[serde(default)]
     pub state: EyeState,
@@ -71,19 +103,6 @@ pub struct SessionFrame {
     /// How far the picture was behind the sound when this was chosen, where there was sound.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub behind_sound_s: Option<Seconds>,
-}
-
-/// What selection is given at one frame, as far as it is logged.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Given {
-    /// Where the eye looks when the frame is shown, as far as was known.
-    pub gaze: GazeSample,
-    /// Orientation of the view.
-    pub head: HeadPose,
-    /// What the eye does, as far as the worth of a step depends on it.
-    pub state: EyeState,
-    /// Bytes that could be spent; `None` without a limit, or where the policy has no budget.
-    pub budget: Option<u64>,
 }
 
 /// A run, as it was logged.
@@ -115,16 +134,26 @@ pub enum SessionError {
 }
 
 impl SessionHead {
-    /// The head of a new log.
+    /// The head of a new log of what these views show, at least one.
     #[must_use]
-    pub fn new(pack: &str, content: ContentHead, policy: PolicyConfig, view: &EyeView) -> Self {
+    pub fn new(pack: &str, content: ContentHead, policy: PolicyConfig, views: &[EyeView]) -> Self {
+        let logged = |view: &EyeView| LoggedView {
+            field: view.field,
+            size: view.size,
+            eye: view.eye,
+        };
+        let (field, size) = match views.first() {
+            Some(view) => (view.field, view.size),
+            None => (Field::symmetric([1.0; 2]), [1, 1]),
+        };
         Self {
             foveal_session: VERSION,
             pack: pack.to_owned(),
             content,
             policy,
-            field: view.field,
-            size: view.size,
+            field,
+            size,
+            more_views: views.iter().skip(1).map(logged).collect(),
         }
     }
 
@@ -136,21 +165,45 @@ impl SessionHead {
         if let Err(why) = self.content.check() {
             return wrong(why);
         }
-        if !self.field.is_open() {
-            return wrong("field, tangents: expected tangents between 1e-6 and 1e6".to_owned());
+        let views = self.more_views.iter().map(|view| (view.field, view.size));
+        for (field, size) in views.chain([(self.field, self.size)]) {
+            if !field.is_open() {
+                return wrong("field, tangents: expected tangents between 1e-6 and 1e6".to_owned());
+            }
+            if size.contains(&0) {
+                return wrong("size: expected at least one pixel".to_owned());
+            }
         }
-        if self.size.contains(&0) {
-            return wrong("size: expected at least one pixel".to_owned());
+        let views = self.more_views.len() + 1;
+        if views > MOST_VIEWS {
+            return wrong(format!(
+                "more_views: {views} views, at most {MOST_VIEWS} are replayed"
+            ));
         }
         Ok(())
     }
 }
 
 impl SessionFrame {
-    /// What selection was given at this frame.
+    /// What selection was given at this frame of a run with such a head.
     #[must_use]
-    pub fn given(&self) -> Given {
-        Given {
+    pub fn moment(&self, head: &SessionHead) -> Moment {
+        let first = EyeView {
+            position: DVec3::from_array(self.position),
+            axes: self.head.axes(),
+            field: head.field,
+            size: head.size,
+            eye: Eye::default(),
+        };
+        let others = head.more_views.iter().zip(&self.more_poses);
+        let others = others.map(|(view, pose)| EyeView {
+            position: DVec3::from_array(pose.position),
+            axes: pose.turn.axes(),
+            field: view.field,
+            size: view.size,
+            eye: view.eye,
+        });
+        Moment {
             gaze: GazeSample {
                 time: self.time_s,
                 received: self.time_s,
@@ -161,42 +214,35 @@ impl SessionFrame {
             },
             head: self.head,
             state: self.state,
-            budget: self.budget,
-        }
-    }
-
-    /// The moment of this frame, for what showed it.
-    #[must_use]
-    pub fn moment(&self, head: &SessionHead) -> Moment {
-        Moment {
-            gaze: self.given().gaze,
-            view: Some(EyeView {
-                axes: self.head.axes(),
-                field: head.field,
-                size: head.size,
-                eye: Default::default(),
-            }),
-            state: self.state,
+            views: core::iter::once(first).chain(others).collect(),
+            behind_sound: self.behind_sound_s,
         }
     }
 
     /// The line of a frame: what selection was given and chose.
     #[must_use]
-    pub fn new(frame: u32, given: &Given, record: &Record) -> Self {
-        let gaze = &given.gaze;
+    pub fn new(frame: u32, moment: &Moment, budget: Option<u64>, record: &Record) -> Self {
+        let gaze = &moment.gaze;
+        let pose = |view: &EyeView| LoggedPose {
+            position: view.position.to_array(),
+            turn: HeadPose::of(&view.axes),
+        };
+        let first = moment.views.first();
         Self {
             frame,
             time_s: gaze.time,
             gaze: gaze.gaze_in_content.to_array(),
             valid: gaze.valid,
             spread_rad: gaze.spread,
-            head: given.head,
-            state: given.state,
-            budget: given.budget,
+            head: moment.head,
+            position: first.map_or([0.0; 3], |view| view.position.to_array()),
+            more_poses: moment.views.iter().skip(1).map(pose).collect(),
+            state: moment.state,
+            budget,
             per_level: record.per_level.clone(),
             samples: record.samples,
             sha256: record.sha256.clone(),
-            behind_sound_s: None,
+            behind_sound_s: moment.behind_sound,
         }
     }
 
@@ -206,14 +252,21 @@ impl SessionFrame {
         line_of(self)
     }
 
-    fn check(&self, line: usize) -> Result<(), SessionError> {
+    fn check(&self, head: &SessionHead, line: usize) -> Result<(), SessionError> {
+        let wrong = |why| Err(SessionError::Line { line, why });
         let length = DVec3::from_array(self.gaze).length();
-        if (length - 1.0).abs() < 1e-6 {
-            Ok(())
-        } else {
-            let why = format!("gaze: found a vector of length {length}, expected 1");
-            Err(SessionError::Line { line, why })
+        if (length - 1.0).abs() >= 1e-6 {
+            return wrong(format!(
+                "gaze: found a vector of length {length}, expected 1"
+            ));
         }
+        let [found, expected] = [self.more_poses.len(), head.more_views.len()];
+        if found != expected {
+            return wrong(format!(
+                "more_poses: found {found}, expected {expected} as in the head"
+            ));
+        }
+        Ok(())
     }
 }
 
@@ -234,7 +287,7 @@ impl SessionLogPart {
         for (number, line) in lines {
             let frame: SessionFrame =
                 serde_json::from_str(line).map_err(|e| wrong(number + 1, e))?;
-            frame.check(number + 1)?;
+            frame.check(&head, number + 1)?;
             frames.push(frame);
         }
         Ok(Self { head, frames })
@@ -272,16 +325,17 @@ impl SessionLogPart {
         let again = |frame: &SessionFrame| {
             let moment = frame.moment(&self.head);
             let chosen = scheduler.choose(&[frame.frame], &moment, frame.budget);
-            SessionFrame {
-                behind_sound_s: frame.behind_sound_s,
-                ..SessionFrame::new(frame.frame, &frame.given(), &chosen[0].record)
-            }
+            SessionFrame::new(frame.frame, &moment, frame.budget, &chosen[0].record)
         };
         Self {
             head: self.head.clone(),
             frames: self.frames.iter().map(again).collect(),
         }
     }
+}
+
+fn is_origin(position: &[f64; 3]) -> bool {
+    *position == [0.0; 3]
 }
 
 fn line_of(value: &impl Serialize) -> String {
@@ -319,6 +373,47 @@ mod tests {
             assert_eq!(read, session);
             assert_eq!(read.replay(&scripted_demand).write(), text);
         }
+    }
+
+    #[test]
+    fn a_run_through_several_views_replays_to_the_same_text() {
+        let mut session = flat_session(Policy::Viewport);
+        let head = session.head.clone();
+        let other = EyeView {
+            position: DVec3::new(0.06, 1.6, 0.0),
+            axes: HeadPose {
+                yaw: Radians(-0.4),
+                ..HeadPose::default()
+            }
+            .axes(),
+            field: Field::symmetric([0.2; 2]),
+            size: [300, 300],
+            eye: Eye::Right,
+        };
+        let views = |moment: &Moment| vec![moment.views[0], other];
+        let through_both = |frame: &SessionFrame| {
+            let moment = frame.moment(&head);
+            let views = views(&moment);
+            let moment = Moment { views, ..moment };
+            SessionFrame::new(frame.frame, &moment, None, &Record::default())
+        };
+        session.frames = session.frames.iter().map(through_both).collect();
+        let both = views(&session.frames[0].moment(&head));
+        session.head = SessionHead::new("two", head.content, head.policy, &both);
+        let through_both = session.replay(&scripted_demand);
+        let text = through_both.write();
+        let read = SessionLogPart::parse(&text).unwrap();
+        assert_eq!(read, through_both);
+        assert_eq!(read.replay(&scripted_demand).write(), text);
+        let one_less = text.replacen("\"more_poses\":[{", "\"others\":[{", 1);
+        let told = SessionLogPart::parse(&one_less).unwrap_err().to_string();
+        assert!(
+            told.starts_with("line 2: more_poses: found 0, expected 1"),
+            "{told}"
+        );
+        // The second view looks where the first does not.
+        let alone = flat_session(Policy::Viewport);
+        assert_ne!(through_both.frames[0].sha256, alone.frames[0].sha256);
     }
 
     #[test]

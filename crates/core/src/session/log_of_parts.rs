@@ -91,11 +91,10 @@ mod tests {
     use super::*;
     use crate::content::policy::Policy;
     use crate::content::scripted::scripted_head;
-    use crate::gaze::sample::{GazeSample, HeadPose};
+    use crate::gaze::sample::GazeSample;
     use crate::perception::moment::Moment;
-    use crate::perception::parameters::EyeState;
     use crate::selection::scheduler::Scheduler;
-    use crate::session::log::{Given, SessionFrame, SessionHead};
+    use crate::session::log::{SessionFrame, SessionHead};
     use crate::session::scripted::scripted_sessions;
     use crate::units::{Radians, Seconds};
     use crate::view::axes::Axes;
@@ -111,6 +110,7 @@ mod tests {
             ..Field::symmetric([tangent; 2])
         };
         let view = EyeView {
+            position: Default::default(),
             axes: Axes::FRONT,
             field,
             size: [800, 800],
@@ -119,26 +119,17 @@ mod tests {
         let mut scheduler = Scheduler::new(&config, vec![head.demand(&config)]);
         let frames = (0..5).map(|frame| {
             let yaw = Radians::from_degrees(f64::from(frame) * 3.0);
-            let given = Given {
-                gaze: GazeSample::at(Seconds(f64::from(frame)), yaw, Radians(0.0)),
-                head: HeadPose::default(),
-                state: EyeState::Steady,
-                budget: None,
-            };
+            let gaze = GazeSample::at(Seconds(f64::from(frame)), yaw, Radians(0.0));
             let moment = Moment {
-                gaze: given.gaze,
-                view: Some(view),
-                state: given.state,
+                behind_sound: Some(Seconds(0.004)),
+                ..Moment::new(gaze, vec![view])
             };
             let chosen = scheduler.choose(&[frame], &moment, None);
-            SessionFrame {
-                behind_sound_s: Some(Seconds(0.004)),
-                ..SessionFrame::new(frame, &given, &chosen[0].record)
-            }
+            SessionFrame::new(frame, &moment, None, &chosen[0].record)
         });
         SessionLogPart {
             frames: frames.collect(),
-            head: SessionHead::new("made", head, config, &view),
+            head: SessionHead::new("made", head, config, &[view]),
         }
     }
 

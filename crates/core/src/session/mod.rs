@@ -1,7 +1,6 @@
 //! What one viewer is shown as time goes on, and the log that replays it.
 
 pub mod actions;
-pub mod aim;
 pub mod budget;
 pub mod figures;
 pub mod log;

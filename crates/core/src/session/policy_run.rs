@@ -5,13 +5,15 @@
 //! for changes: the view's size, the zoom, the policy.
 
 use crate::content::demand::{Chosen, Content};
-use crate::content::policy::PolicyConfig;
+use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::unit::{AssetId, UnitRef};
+use crate::perception::moment::Moment;
 use crate::selection::scheduler::Scheduler;
-use crate::session::aim::Aim;
 use crate::session::budget::Budget;
-use crate::session::log::{Given, SessionFrame, SessionHead, SessionLogPart};
+use crate::session::log::{SessionFrame, SessionHead, SessionLogPart};
 use crate::units::{Radians, Seconds};
+use crate::view::axes::angle_between;
+use crate::view::eye_view::{EyeView, Field};
 use std::sync::Arc;
 
 /// What is kept fine beside the view, at most in shares of its width: a window that is zoomed to a
@@ -20,6 +22,9 @@ const MARGIN_SHARE: f64 = 0.25;
 /// How long what was chosen stays where something is awaited, before something else stands in and
 /// what was bought is forgotten, in seconds.
 const PATIENCE_S: f64 = 0.5;
+
+/// A gaze that moved less has not moved, in degrees.
+const STILL_DEG: f64 = 0.05;
 
 /// Chooses under one policy at a time, and writes it down.
 #[derive(Debug)]
@@ -153,8 +158,8 @@ impl PolicyRun {
     }
 
     /// Whether the choice for `now` could be another than for `before`.
-    pub(super) fn differs(&self, now: &Aim, before: &Aim) -> bool {
-        self.may_go_on(now.gaze.time.0) || now.differs(before, self.asked.policy)
+    pub(super) fn differs(&self, now: &Moment, before: &Moment) -> bool {
+        self.may_go_on(now.gaze.time.0) || differs(now, before, self.asked.policy)
     }
 
     /// Goes over to what is asked for, or to what stands in, whichever can choose now. Returns the
@@ -185,8 +190,8 @@ impl PolicyRun {
     ///
     /// # Panics
     /// A policy that spends a budget needs content that tells what its units add.
-    pub(super) fn choose(&mut self, frames: &[u32], aim: &Aim, until: Seconds) -> Picked {
-        let now = aim.gaze.time.0;
+    pub(super) fn choose(&mut self, frames: &[u32], moment: &Moment, until: Seconds) -> Picked {
+        let now = moment.gaze.time.0;
         let is_ready = self.is_ready(frames);
         self.awaited = (!is_ready).then(|| frames.to_vec());
         if !is_ready && self.keeps(now) {
@@ -211,7 +216,7 @@ impl PolicyRun {
             let saved = budget.after(Seconds(passed));
             saved.saturating_add(paid)
         });
-        let picked = self.pick(frames, aim, bytes);
+        let picked = self.pick(frames, moment, bytes);
         if let Some(budget) = self.budget.as_mut().filter(|_| spends) {
             let spent = self.running.as_ref().map_or(0, |(it, _)| it.spent());
             budget.spend(spent);
@@ -246,8 +251,8 @@ impl PolicyRun {
         units.collect()
     }
 
-    fn pick(&mut self, frames: &[u32], aim: &Aim, budget: Option<u64>) -> Picked {
-        let head = self.head(aim);
+    fn pick(&mut self, frames: &[u32], moment: &Moment, budget: Option<u64>) -> Picked {
+        let head = self.head(moment);
         let mut log = String::new();
         let goes_on = |(_, running): &(Scheduler, SessionHead)| *running == head;
         if !self.running.as_ref().is_some_and(goes_on) {
@@ -264,18 +269,9 @@ impl PolicyRun {
             let demands = self.scene.iter().map(demand).collect();
             (Scheduler::new(&head.policy, demands), head)
         });
-        let chosen = scheduler.choose(frames, &aim.moment(), budget);
-        let given = Given {
-            gaze: aim.gaze,
-            head: aim.head,
-            state: aim.state,
-            budget,
-        };
+        let chosen = scheduler.choose(frames, moment, budget);
         let record = chosen.first().map(|chosen| chosen.record.clone());
-        let line = SessionFrame {
-            behind_sound_s: aim.behind_sound,
-            ..SessionFrame::new(frames[0], &given, &record.unwrap_or_default())
-        };
+        let line = SessionFrame::new(frames[0], moment, budget, &record.unwrap_or_default());
         log.push_str(&line.write());
         let assets = (0..).map(AssetId).zip(chosen);
         let units = assets.flat_map(|(asset, Chosen { units, .. })| {
@@ -289,19 +285,29 @@ impl PolicyRun {
         }
     }
 
-    /// The head of the part of the log that a choice for `aim` belongs to.
-    pub(super) fn head(&self, aim: &Aim) -> SessionHead {
-        let field = aim.view.field;
-        let across = (libm::atan(field.left) + libm::atan(field.right)).abs() * MARGIN_SHARE;
-        let margin = match self.zooms {
-            true => self.using.margin.0.min(across),
-            false => self.using.margin.0,
+    /// The head of the part of the log that a choice for `moment` belongs to.
+    pub(super) fn head(&self, moment: &Moment) -> SessionHead {
+        let across = |view: &EyeView| {
+            let Field { left, right, .. } = view.field;
+            (libm::atan(left) + libm::atan(right)).abs() * MARGIN_SHARE
         };
+        let views = moment.views.iter().filter(|_| self.zooms);
+        let margin = views.map(across).fold(self.using.margin.0, f64::min);
         let config = PolicyConfig {
             margin: Radians(margin),
             ..self.using.clone()
         };
         let content = &self.scene[0];
-        SessionHead::new(content.name(), content.head(), config, &aim.view)
+        SessionHead::new(content.name(), content.head(), config, &moment.views)
     }
+}
+
+/// Whether a policy that spends no budget could choose otherwise for one moment than for another.
+fn differs(now: &Moment, before: &Moment, policy: Policy) -> bool {
+    let moved = angle_between(now.gaze.gaze_in_content, before.gaze.gaze_in_content);
+    let gaze_counts = !matches!(
+        policy,
+        Policy::Full | Policy::Coarsest | Policy::Viewport | Policy::Uniform
+    );
+    now.views != before.views || gaze_counts && moved.to_degrees() > STILL_DEG
 }

@@ -5,9 +5,8 @@ use crate::content::scripted::{scripted_demand, scripted_head};
 use crate::gaze::sample::HeadPose;
 use crate::gaze::scan::ScanPath;
 use crate::perception::moment::Moment;
-use crate::perception::parameters::EyeState;
 use crate::selection::scheduler::Scheduler;
-use crate::session::log::{Given, SessionFrame, SessionHead, SessionLogPart};
+use crate::session::log::{SessionFrame, SessionHead, SessionLogPart};
 use crate::units::{Radians, Seconds};
 use crate::view::eye_view::{EyeView, Field};
 use crate::view::surface::{Screen, Surface};
@@ -54,6 +53,7 @@ pub(super) fn scripted_session(surface: Surface, config: PolicyConfig) -> Sessio
     let mut scheduler = Scheduler::new(&config, vec![demand]);
     let size = [1280, 720];
     let view = EyeView {
+        position: Default::default(),
         axes: HeadPose::default().axes(),
         field: Field::across(Radians::from_degrees(100.0), size),
         size,
@@ -67,21 +67,15 @@ pub(super) fn scripted_session(surface: Surface, config: PolicyConfig) -> Sessio
         };
         let axes = head.axes();
         let moment = Moment {
-            gaze,
-            view: Some(EyeView { axes, ..view }),
-            state: EyeState::Steady,
-        };
-        let given = Given {
-            gaze,
             head,
-            state: moment.state,
-            budget: Some(40_000),
+            ..Moment::new(gaze, vec![EyeView { axes, ..view }])
         };
-        let chosen = scheduler.choose(&[frame], &moment, given.budget);
-        SessionFrame::new(frame, &given, &chosen[0].record)
+        let budget = Some(40_000);
+        let chosen = scheduler.choose(&[frame], &moment, budget);
+        SessionFrame::new(frame, &moment, budget, &chosen[0].record)
     });
     SessionLogPart {
         frames: frames.collect(),
-        head: SessionHead::new("scripted", head, config, &view),
+        head: SessionHead::new("scripted", head, config, &[view]),
     }
 }

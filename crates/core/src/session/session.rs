@@ -14,8 +14,8 @@ mod tests;
 use crate::content::demand::Content;
 use crate::content::policy::PolicyConfig;
 use crate::content::unit::UnitRef;
+use crate::perception::moment::Moment;
 use crate::session::actions::{Now, Pace, SessionAction, SessionEvent};
-use crate::session::aim::Aim;
 use crate::session::budget::Budget;
 use crate::session::figures::Figures;
 use crate::session::policy_run::{Picked, PolicyRun};
@@ -80,7 +80,8 @@ struct Staged {
     frame: u32,
     /// The frame of each asset.
     frames: Vec<u32>,
-    aim: Aim,
+    /// What its units were chosen for last; `None` where they are to be chosen anew.
+    moment: Option<Moment>,
     /// When its units were last chosen.
     chosen: f64,
     /// What it is to show, of each asset the coarsest level first.
@@ -195,7 +196,7 @@ impl Session {
     /// Returns the units that it would show.
     pub fn pass(&mut self, tick: u64, now: &Now) -> Vec<UnitRef> {
         let frames = self.frames_of(tick);
-        self.run.choose(&frames, &now.aim, now.until).units
+        self.run.choose(&frames, &now.moment, now.until).units
     }
 
     /// Begins a frame that is shown by itself, at [`Pace::FrameByFrame`]: chooses for it once, and
@@ -388,7 +389,7 @@ impl Session {
             tick,
             frame: self.timeline.frame_of(tick),
             frames: self.frames_of(tick),
-            aim: now.aim,
+            moment: None,
             chosen: f64::NEG_INFINITY,
             wanted: Vec::new(),
             shows: HashSet::new(),
@@ -406,11 +407,17 @@ impl Session {
         let first = coming.wanted.is_empty();
         let old = now.wall.0 - coming.chosen > CHOOSE_EVERY_S;
         let stays = now.pace == Pace::Standing || now.wall.0 - coming.begun > 0.1;
-        if first || old && stays && self.run.differs(&now.aim, &coming.aim) {
+        if first || old && stays && self.differs(&now.moment, coming) {
             let coming = self.coming.take();
             self.coming = coming.map(|coming| self.choose(coming, now));
             self.want_missing(now);
         }
+    }
+
+    /// Whether other units could be chosen for a frame than it has.
+    fn differs(&self, now: &Moment, staged: &Staged) -> bool {
+        let before = staged.moment.as_ref();
+        before.is_none_or(|before| self.run.differs(now, before))
     }
 
     /// Chooses the units of the frame that stays anew when the viewer looks elsewhere.
@@ -419,7 +426,7 @@ impl Session {
             return;
         };
         let old = now.wall.0 - shown.chosen > CHOOSE_EVERY_S;
-        if old && self.run.differs(&now.aim, &shown.aim) {
+        if old && self.differs(&now.moment, shown) {
             let shown = self.shown.take().map(|shown| Staged {
                 begun: now.wall.0,
                 ..shown
@@ -431,14 +438,14 @@ impl Session {
 
     /// Chooses what a frame shows.
     fn choose(&mut self, staged: Staged, now: &Now) -> Staged {
-        let Picked { units, log, line } = self.run.choose(&staged.frames, &now.aim, now.until);
+        let Picked { units, log, line } = self.run.choose(&staged.frames, &now.moment, now.until);
         self.write(log, line);
         let wanted: Vec<Piece> = units.into_iter().map(|unit| staged.piece(unit)).collect();
         let before = staged.wanted;
         let staged = Staged {
             shows: wanted.iter().copied().collect(),
             wanted,
-            aim: now.aim,
+            moment: Some(now.moment.clone()),
             chosen: now.wall.0,
             complete: None,
             ..staged
@@ -460,8 +467,7 @@ impl Session {
     fn forget_choice(&mut self) {
         if let Some(shown) = &mut self.shown {
             shown.chosen = f64::NEG_INFINITY;
-            // Every view differs from one without pixels.
-            shown.aim.view.size = [0, 0];
+            shown.moment = None;
         }
         self.give_up_coming();
     }
@@ -486,7 +492,7 @@ impl Session {
         let Some(staged) = self.coming.as_ref().or(self.shown.as_ref()) else {
             return;
         };
-        let gaze = now.aim.gaze.gaze_in_content;
+        let gaze = now.moment.gaze.gaze_in_content;
         let missing = staged.wanted.iter();
         let missing = missing.filter(|piece| !self.states.is_settled(**piece));
         let mut order: Vec<(bool, f64, Piece)> = missing

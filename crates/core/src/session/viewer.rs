@@ -7,8 +7,8 @@
 mod tests;
 
 use crate::gaze::pointer::Pointer;
+use crate::perception::moment::Moment;
 use crate::session::actions::{Now, Pace};
-use crate::session::aim::Aim;
 use crate::session::media_clock::MediaClock;
 use crate::session::session::Session;
 use crate::units::Seconds;
@@ -101,7 +101,7 @@ pub struct Viewer {
     /// knows.
     heard_in: Option<f64>,
     /// What the last step was made for.
-    last: Option<(Aim, Shown)>,
+    last: Option<(Moment, Shown)>,
     /// The tick that was drawn last.
     drawn_tick: Option<u64>,
 }
@@ -157,6 +157,7 @@ impl Viewer {
 
     /// Goes on from another time of the content.
     pub fn seek(&mut self, session: &mut Session, to: Seconds, now: Seconds) {
+        self.ended = false;
         self.clock.seek(to, now);
         session.jump();
     }
@@ -270,7 +271,7 @@ impl Viewer {
 
     /// What a session is to step at, for a viewer who looks like this.
     #[must_use]
-    pub fn now(&self, session: &Session, aim: Aim, now: Seconds) -> Now {
+    pub fn now(&self, session: &Session, moment: &Moment, now: Seconds) -> Now {
         Now {
             wall: now,
             media: self.due(session, now),
@@ -279,28 +280,28 @@ impl Viewer {
                 false => Pace::Standing,
             },
             drawing: self.slow_draw(session),
-            until: aim.gaze.time,
-            aim,
+            until: moment.gaze.time,
+            moment: moment.clone(),
         }
     }
 
-    /// A session stepped at [`Self::now`] for this aim. Tells whether something else is to be drawn
-    /// because the view moved, or, where what is drawn is `drawn_by_gaze`, the gaze.
-    pub fn stepped(&mut self, aim: Aim, pane: &Pane, drawn_by_gaze: bool) -> bool {
+    /// A session stepped at [`Self::now`] for this moment. Tells whether something else is to be
+    /// drawn because the view moved, or, where what is drawn is `drawn_by_gaze`, the gaze.
+    pub fn stepped(&mut self, moment: Moment, pane: &Pane, drawn_by_gaze: bool) -> bool {
         let shown = self.shown(pane);
-        let differs = |(before, shown_before): &(Aim, Shown)| {
-            let moved = before.gaze.gaze_in_content != aim.gaze.gaze_in_content;
+        let differs = |(before, shown_before): &(Moment, Shown)| {
+            let moved = before.gaze.gaze_in_content != moment.gaze.gaze_in_content;
             *shown_before != shown || drawn_by_gaze && moved
         };
         let changed = self.last.as_ref().is_some_and(differs);
-        self.last = Some((aim, shown));
+        self.last = Some((moment, shown));
         changed
     }
 
     /// What the last step was made for.
     #[must_use]
-    pub fn aim(&self) -> Option<&Aim> {
-        self.last.as_ref().map(|(aim, _)| aim)
+    pub fn moment(&self) -> Option<&Moment> {
+        self.last.as_ref().map(|(moment, _)| moment)
     }
 
     /// What of the pane is covered, and what it shows.
@@ -312,8 +313,8 @@ impl Viewer {
     /// Where the fovea is in what the last step was made for.
     #[must_use]
     pub fn fovea(&self) -> Option<FoveaDisc> {
-        let (aim, Shown { view, .. }) = self.last.as_ref()?;
-        let direction = aim.gaze.gaze_in_content;
+        let (moment, Shown { view, .. }) = self.last.as_ref()?;
+        let direction = moment.gaze.gaze_in_content;
         let seen = view.seen_direction(direction).unwrap_or(direction);
         Some(FoveaDisc {
             place: view.place(direction).unwrap_or([-1e6; 2]),
@@ -389,7 +390,9 @@ impl Viewer {
         }
         session.is_settled()
             && !session.waits_for_tables()
-            && self.aim().is_some_and(|aim| !session.is_behind(aim))
+            && self
+                .moment()
+                .is_some_and(|moment| !session.is_behind(moment))
     }
 
     /// When to step again though nothing happens; `None` where nothing is going to change.

@@ -6,10 +6,13 @@ use crate::units::{Ppd, Radians};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// A view: an orientation, a field of view and pixels. A window, a headset eye and a screenshot are
-/// all views; the contract between display and content is the ray of a pixel.
+/// A view: a pose, a field of view and pixels. A window, a headset eye, a panel and a screenshot
+/// are all views; the contract between display and content is the ray of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EyeView {
+    /// Where the eye is in world space, in metres. Pictures on a surface around the viewer look the
+    /// same from everywhere.
+    pub position: DVec3,
     /// Orientation in world space.
     pub axes: Axes,
     /// Field of view as tangents at unit distance.
@@ -99,6 +102,7 @@ impl EyeView {
     #[must_use]
     pub fn filling(surface: &Surface, size: [u32; 2]) -> Self {
         Self {
+            position: DVec3::ZERO,
             axes: Axes::FRONT,
             field: Field::symmetric(surface.tangents),
             size,
@@ -297,6 +301,7 @@ mod tests {
             };
             assert!(field.is_open());
             let view = EyeView {
+                position: Default::default(),
                 axes: Axes::FRONT,
                 field,
                 size,
@@ -326,6 +331,7 @@ mod tests {
     fn a_ray_comes_back_to_its_pixel() {
         let size = [640, 480];
         let view = EyeView {
+            position: Default::default(),
             axes: Axes::from_yaw_pitch_roll(Radians(0.4), Radians(-0.2), Radians(0.1)),
             field: Field::across(Radians(1.7), size),
             size,

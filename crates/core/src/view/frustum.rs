@@ -104,6 +104,7 @@ mod tests {
         let mut random = Random::new(3);
         for (field, margin_deg) in [([7.6, 6.1], 10.0), ([1.2, 6.1], 15.0), ([1.0, 0.6], 43.0)] {
             let view = EyeView {
+                position: Default::default(),
                 axes: Axes::FRONT,
                 field: Field::symmetric(field),
                 size: [1000, 800],

@@ -1,7 +1,7 @@
 //! Where is the head turned to?
 
 use crate::units::Radians;
-use crate::view::axes::Axes;
+use crate::view::axes::{Axes, yaw_pitch_from_direction};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +23,20 @@ impl HeadPose {
         Axes::from_yaw_pitch_roll(self.yaw, self.pitch, self.roll)
     }
 
+    /// The pose of a head with these axes.
+    #[must_use]
+    pub fn of(axes: &Axes) -> Self {
+        let (yaw, pitch) = yaw_pitch_from_direction(axes.forward);
+        let level = Axes::from_yaw_pitch_roll(yaw, pitch, Radians(0.0));
+        let roll = axes.right.dot(level.down);
+        let roll = libm::atan2(roll, axes.right.dot(level.right));
+        Self {
+            yaw,
+            pitch,
+            roll: Radians(roll),
+        }
+    }
+
     /// A direction given in the head's space (x right, y up, -z forward) in the content's.
     #[must_use]
     pub fn content_from_head(&self, direction_in_head: DVec3) -> DVec3 {
@@ -41,5 +55,27 @@ impl HeadPose {
             -direction_in_content.dot(axes.down),
             -direction_in_content.dot(axes.forward),
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turned_head_is_told_as_its_angles() {
+        let head = HeadPose {
+            yaw: Radians(0.3),
+            pitch: Radians(-0.2),
+            roll: Radians(0.1),
+        };
+        let told = HeadPose::of(&head.axes());
+        for (told, is) in [
+            (told.yaw, head.yaw),
+            (told.pitch, head.pitch),
+            (told.roll, head.roll),
+        ] {
+            assert!((told.0 - is.0).abs() < 1e-12);
+        }
     }
 }

@@ -250,6 +250,7 @@ impl Navigation {
                     ..Field::reaching(self.tangent / self.zoom, pane.size)
                 };
                 let view = EyeView {
+                    position: Default::default(),
                     axes: self.head().axes(),
                     field,
                     size: pane.size,
@@ -291,6 +292,7 @@ impl Navigation {
             ..Field::of([-left, right, -up, down])
         };
         let view = EyeView {
+            position: Default::default(),
             axes: Axes::FRONT,
             field,
             size,

@@ -20,7 +20,7 @@ use foveal_core::pack::{HEADER_BYTES, Header, SideTable};
 use foveal_core::perception::measures::contrast::Signature;
 use foveal_core::perception::measures::cues::Cues;
 use foveal_core::perception::moment::Moment;
-use foveal_core::perception::parameters::{EyeState, Model, Parameters};
+use foveal_core::perception::parameters::{Model, Parameters};
 use foveal_core::selection::scheduler::Scheduler;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::picture::{Colour, Matrix};
@@ -193,9 +193,6 @@ impl Target {
 }
 
 fn moment() -> Moment {
-    Moment {
-        gaze: GazeSample::at(Seconds(0.0), Radians(0.1), Radians(0.0)),
-        view: None,
-        state: EyeState::Steady,
-    }
+    let gaze = GazeSample::at(Seconds(0.0), Radians(0.1), Radians(0.0));
+    Moment::new(gaze, Vec::new())
 }

@@ -56,6 +56,7 @@ fn equirect(size: [u32; 2], turn: f64) -> Picture {
 fn looking([yaw, pitch]: [f64; 2], across: f64, size: [u32; 2]) -> EyeView {
     let degrees = Radians::from_degrees;
     EyeView {
+        position: Default::default(),
         axes: Axes::from_yaw_pitch_roll(degrees(yaw), degrees(pitch), degrees(20.0)),
         field: Field::across(degrees(across), size),
         size,

@@ -232,6 +232,7 @@ pub fn of_right_eye(view: EyeView) -> EyeView {
 pub fn turned([yaw, pitch, roll]: [f64; 3], across: f64, size: [u32; 2]) -> EyeView {
     let [yaw, pitch, roll, across] = [yaw, pitch, roll, across].map(Radians::from_degrees);
     EyeView {
+        position: Default::default(),
         axes: Axes::from_yaw_pitch_roll(yaw, pitch, roll),
         field: Field::across(across, size),
         size,
@@ -245,6 +246,7 @@ pub fn window(surface: &Surface, from: [f64; 2], size: [u32; 2], zoom: f64) -> E
         |k: usize, at: f64| surface.tangents[k] * (2.0 * at / f64::from(surface.size[k]) - 1.0);
     let to = [0, 1].map(|k| from[k] + f64::from(size[k]) / zoom);
     EyeView {
+        position: Default::default(),
         axes: Axes::FRONT,
         field: Field {
             left: -tangent(0, from[0]),

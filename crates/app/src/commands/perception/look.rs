@@ -56,6 +56,7 @@ impl LookOptions {
             bail!(out_of_range("--gaze", found, &range));
         }
         let view = EyeView {
+            position: Default::default(),
             axes: Axes::FRONT,
             field: Field::across(Radians::from_degrees(self.fov), size),
             size,

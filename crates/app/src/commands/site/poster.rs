@@ -90,6 +90,7 @@ fn view(surface: &Surface, front: Radians) -> EyeView {
         Projection::Cube => {
             let size = [WIDTH, WIDTH * 9 / 16];
             EyeView {
+                position: Default::default(),
                 axes: Axes::from_yaw_pitch_roll(front, Radians(0.0), Radians(0.0)),
                 field: Field::across(Radians::from_degrees(FIELD_DEG), size),
                 size,

@@ -4,8 +4,8 @@ use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel, parse_gaze};
 use anyhow::anyhow;
 use foveal_core::gaze::pointer::gaze_at;
 use foveal_core::gaze::sample::{EyeEvent, GazeSample};
+use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::Parameters;
-use foveal_core::session::aim::Aim;
 use foveal_core::session::viewer::Viewer;
 use foveal_core::units::Seconds;
 use foveal_core::view::navigation::Pane;
@@ -78,13 +78,13 @@ impl Looking {
 
     /// What selection is given, with the head turned to where a source says; asked in order of
     /// time.
-    pub(crate) fn aim(
+    pub(crate) fn moment(
         &mut self,
         now: Seconds,
         viewer: &mut Viewer,
         pane: &Pane,
         perception: &Parameters,
-    ) -> Aim {
+    ) -> Moment {
         let still = perception.eye_state(EyeEvent::Fixation, None);
         let (gaze, state) = match self {
             Self::Source { source, leads, .. } => {
@@ -106,12 +106,12 @@ impl Looking {
             Self::Centre => (gaze_at(None, now, &viewer.shown(pane)), still),
         };
         let navigation = &viewer.navigation;
-        Aim {
+        Moment {
             gaze: GazeSample {
                 gaze_in_content: navigation.with_the_hand(gaze.gaze_in_content),
                 ..gaze
             },
-            view: navigation.shown(pane).view,
+            views: vec![navigation.shown(pane).view],
             head: navigation.head(),
             state,
             behind_sound: None,

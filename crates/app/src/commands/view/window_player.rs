@@ -13,7 +13,7 @@ use crate::options::policy::PolicyOptions;
 use crate::options::showing::EyeName;
 use anyhow::bail;
 use foveal_core::gaze::sample::GazeSample;
-use foveal_core::session::aim::Aim;
+use foveal_core::perception::moment::Moment;
 use foveal_core::session::figures::MOST_DRAW_S;
 use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
 use foveal_core::units::Seconds;
@@ -217,12 +217,13 @@ impl WindowPlayer {
         if self.viewer.stay_at_the_end(self.live.session(), now) {
             self.set_sound(now);
         }
-        let aim = self.aim(pane, now);
+        let moment = self.moment(pane, now);
         let config = self.live.session().policy_in_use().clone();
-        if self.live.drawer().prepare(&config, &aim.view)? {
+        let view = self.viewer.shown(pane).view;
+        if self.live.drawer().prepare(&config, &view)? {
             self.live.session_mut().fetch_anew();
         }
-        let step = self.viewer.now(self.live.session(), aim, now);
+        let step = self.viewer.now(self.live.session(), &moment, now);
         let Stepped { mut changed, log } = self.live.step(&step)?;
         if let Some(file) = self.log.as_mut().filter(|_| !log.is_empty()) {
             file.write(&log)?;
@@ -235,7 +236,7 @@ impl WindowPlayer {
         }
         let style = self.live.style();
         let drawn_by_gaze = self.levels || style.samples || style.blurs;
-        changed |= self.viewer.stepped(aim, pane, drawn_by_gaze);
+        changed |= self.viewer.stepped(moment, pane, drawn_by_gaze);
         Ok(changed || self.words.are_stale(now, self.is_moving()))
     }
 
@@ -291,12 +292,12 @@ impl WindowPlayer {
     }
 
     /// What selection is given, with the head turned to where it points.
-    fn aim(&mut self, pane: &Pane, now: Seconds) -> Aim {
+    fn moment(&mut self, pane: &Pane, now: Seconds) -> Moment {
         let perception = &self.live.session().policy_in_use().perception;
-        let aim = self.looking.aim(now, &mut self.viewer, pane, perception);
-        Aim {
+        let moment = self.looking.moment(now, &mut self.viewer, pane, perception);
+        Moment {
             behind_sound: self.drift.last(),
-            ..aim
+            ..moment
         }
     }
 
@@ -340,7 +341,7 @@ impl WindowPlayer {
 
     /// What the last step was made for.
     pub(crate) fn gaze(&self) -> Option<GazeSample> {
-        self.viewer.aim().map(|aim| aim.gaze)
+        self.viewer.moment().map(|moment| moment.gaze)
     }
 
     /// What is drawn over the picture.

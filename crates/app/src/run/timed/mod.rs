@@ -117,6 +117,7 @@ fn display(surface: &Surface) -> EyeView {
         Projection::Cube => {
             let size = [HEADSET_PIXELS; 2];
             EyeView {
+                position: Default::default(),
                 axes: Axes::FRONT,
                 field: Field::across(Radians::from_degrees(HEADSET_FIELD_DEG), size),
                 size,

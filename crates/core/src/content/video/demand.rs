@@ -12,6 +12,7 @@ use super::rules::{Selection, places_hash};
 use super::units::VideoUnits;
 use crate::content::demand::{Chosen, Demand, Offer, Record};
 use crate::content::policy::{Policy, PolicyConfig};
+use crate::perception::glance::Glance;
 use crate::perception::moment::Moment;
 use std::sync::{Arc, OnceLock};
 
@@ -21,8 +22,9 @@ pub struct VideoDemand {
     content: Arc<dyn VideoUnits>,
     grid: TileGrid,
     config: PolicyConfig,
-    /// What chooses where bytes are not limited; `None` where that, too, is buying.
-    rule: Option<Rule>,
+    /// What chooses where bytes are not limited, and remembers what it showed: one for each view of
+    /// the moment, and at least one. None where that, too, is buying.
+    rules: Vec<Rule>,
     /// Under a policy that spends a budget.
     purchases: Option<Box<Purchases>>,
     /// Tells what is lost; made when first asked for.
@@ -38,6 +40,23 @@ enum Rule {
     Steady(Box<SteadySelector>),
     /// For a score.
     Target(Box<TargetSelector>),
+}
+
+impl Rule {
+    fn select(&mut self, content: &dyn VideoUnits, frame: u32, glance: &Glance) -> Selection {
+        match self {
+            Self::Steady(selector) => selector.select(Some(content), frame, glance),
+            Self::Target(selector) => selector.select(content, frame, glance),
+        }
+    }
+
+    /// The same for another view.
+    fn without_memory(&self) -> Self {
+        match self {
+            Self::Steady(selector) => Self::Steady(Box::new(selector.without_memory())),
+            Self::Target(selector) => Self::Target(Box::new(selector.without_memory())),
+        }
+    }
 }
 
 /// What was chosen last, for what.
@@ -58,20 +77,20 @@ impl VideoDemand {
     pub fn new(content: Arc<dyn VideoUnits>, grid: TileGrid, config: PolicyConfig) -> Self {
         let spends = config.policy.spends_a_budget();
         let target = TargetSelector::new(&grid, &config);
-        let rule = match target {
-            Some(target) => Some(Rule::Target(Box::new(target))),
-            None if spends => None,
-            None => Some(Rule::Steady(Box::new(SteadySelector::new(
-                grid,
-                config.clone(),
-            )))),
+        let rules = match target {
+            Some(target) => vec![Rule::Target(Box::new(target))],
+            None if spends => Vec::new(),
+            None => {
+                let steady = SteadySelector::new(grid, config.clone());
+                vec![Rule::Steady(Box::new(steady))]
+            }
         };
         Self {
             content,
             grid,
             purchases: spends.then(|| Box::new(Purchases::new(grid, config.clone()))),
             config,
-            rule,
+            rules,
             meter: OnceLock::new(),
             last: None,
             begun: None,
@@ -107,7 +126,7 @@ impl VideoDemand {
         };
         self.last = Some(Last {
             frame,
-            moment: *moment,
+            moment: moment.clone(),
             levels: selection.levels,
             jod: OnceLock::new(),
         });
@@ -117,18 +136,35 @@ impl VideoDemand {
 
 impl Demand for VideoDemand {
     fn needed(&mut self, frame: u32, moment: &Moment) -> Chosen {
-        let content = &*self.content;
-        let selection = match &mut self.rule {
-            Some(Rule::Steady(selector)) => selector.select(Some(content), frame, moment),
-            Some(Rule::Target(selector)) => selector.select(content, frame, moment),
-            None => panic!("{:?} spends a budget", self.config.policy),
+        let Some(first) = self.rules.first() else {
+            panic!("{:?} spends a budget", self.config.policy)
         };
+        let views = moment.views.len().max(1);
+        if self.rules.len() != views {
+            let anew = first.without_memory();
+            self.rules.resize_with(views, || anew.clone());
+        }
+        let rules = self.rules.iter_mut().zip(moment.glances());
+        let through_each = rules.map(|(rule, glance)| {
+            let glance = glance.on_surface();
+            rule.select(&*self.content, frame, &glance)
+        });
+        let both = through_each.reduce(|mut both, one| {
+            both.levels.refine_to(&one.levels);
+            both
+        });
+        let Some(mut selection) = both else {
+            return Chosen::default();
+        };
+        if views > 1 {
+            selection.tiles = selection.levels.cover(&self.grid);
+        }
         self.chosen(frame, moment, selection)
     }
 
     fn buys(&self, budget: Option<u64>) -> bool {
         let is_limited = budget.is_some_and(|bytes| bytes < u64::MAX);
-        self.purchases.is_some() && (is_limited || self.rule.is_none())
+        self.purchases.is_some() && (is_limited || self.rules.is_empty())
     }
 
     fn steps(&self) -> Vec<Vec<u32>> {
@@ -140,7 +176,7 @@ impl Demand for VideoDemand {
         if let Some(purchases) = &mut self.purchases {
             purchases.begin(&*self.content, frame, moment, budget);
         }
-        self.begun = Some((frame, *moment));
+        self.begun = Some((frame, moment.clone()));
     }
 
     fn offers(&mut self) -> Vec<Offer> {
@@ -180,11 +216,15 @@ impl Demand for VideoDemand {
         let meter = || LossMeter::new(&self.grid, &self.config.perception);
         let jod = || {
             let meter = self.meter.get_or_init(meter);
-            let losses = meter.losses(&self.grid, &*self.content, last.frame, &last.moment);
-            self.config
-                .policy
-                .expectation()
-                .jod(losses.pooled(&last.levels))
+            let expectation = self.config.policy.expectation();
+            let through = |glance: Glance| {
+                let losses = meter.losses(&self.grid, &*self.content, last.frame, &glance);
+                expectation.jod(losses.pooled(&last.levels))
+            };
+            last.moment
+                .glances()
+                .map(through)
+                .fold(f64::INFINITY, f64::min)
         };
         Some(*last.jod.get_or_init(jod))
     }

@@ -8,8 +8,8 @@ use crate::content::video::grid::places::{APART_DEG, CellPlace, CellPlaces, Sigh
 use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::units::VideoUnits;
 use crate::perception::eye::share_of_octave;
+use crate::perception::glance::Glance;
 use crate::perception::measures::contrast::{SIGNATURE_BANDS, Signature};
-use crate::perception::moment::Moment;
 use crate::perception::parameters::{EyeState, Model, Parameters};
 use crate::perception::sensitivity_table::SensitivityTable;
 use crate::perception::spread::SpreadTable;
@@ -114,14 +114,14 @@ impl LossMeter {
         }
     }
 
-    /// The losses of one moment. Costs a few µs a cell in view.
+    /// The losses of one glance. Costs a few µs a cell in view.
     #[must_use]
     pub fn losses(
         &self,
         grid: &TileGrid,
         content: &dyn VideoUnits,
         frame: u32,
-        moment: &Moment,
+        glance: &Glance,
     ) -> Losses {
         let cells = grid.tiles_of_left_eye(0).count();
         let mut losses = Losses {
@@ -131,9 +131,9 @@ impl LossMeter {
             in_view: vec![false; cells],
             shown: 0.0,
         };
-        let spread = SpreadTable::new(moment.gaze.spread);
-        let sighted = Sighted::new(moment);
-        let near = Sighted::up_to(moment, beside(grid));
+        let spread = SpreadTable::new(glance.gaze.spread);
+        let sighted = Sighted::new(glance);
+        let near = Sighted::up_to(glance, beside(grid));
         for cell in &self.cells {
             let mut places: Vec<&CellPlace> = sighted.places(cell).collect();
             let in_view = !places.is_empty();
@@ -160,7 +160,7 @@ impl LossMeter {
                 let pixels = sighted.pixels(place);
                 losses.pixels[rank] += pixels;
                 losses.shown += if in_view { pixels } else { 0.0 };
-                let sensed = self.sensed(&sighted, &spread, moment, place);
+                let sensed = self.sensed(&sighted, &spread, glance, place);
                 for (level, octaves) in (1..).zip(&octaves) {
                     let seen = sensed.iter().zip(octaves).map(|(s, o)| s.difference(o));
                     let seen: f64 = seen.sum();
@@ -179,10 +179,10 @@ impl LossMeter {
         &self,
         sighted: &Sighted<'_>,
         spread: &SpreadTable,
-        moment: &Moment,
+        glance: &Glance,
         place: &CellPlace,
     ) -> [Sensed; MOST_OCTAVES] {
-        let eccentricity = spread.effective(moment.eccentricity(place.direction));
+        let eccentricity = spread.effective(glance.eccentricity(place.direction));
         let raised = self.parameters.octaves_raised(eccentricity);
         let display = sighted.display_limit(place);
         let most = self.parameters.display_limit();

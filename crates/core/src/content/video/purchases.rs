@@ -14,6 +14,7 @@ use crate::content::video::rules::Selection;
 use crate::content::video::units::VideoUnits;
 use crate::content::video::worth::{Gains, Worth};
 use crate::pack::unit::UnitId;
+use crate::perception::glance::Glance;
 use crate::perception::moment::Moment;
 use std::collections::BTreeSet;
 
@@ -47,11 +48,12 @@ struct Horizon {
     /// What a gain there counts.
     weight: f64,
     gains: Gains,
-    losses: Option<Losses>,
+    /// Through each view, where buying stops at a score.
+    losses: Vec<Losses>,
     /// What is held for it and worth showing.
     shown: LevelMap,
-    /// How far it is from the score, with what this round would buy.
-    goal: Option<Goal>,
+    /// How far each view is from the score, with what this round would buy.
+    goals: Vec<Goal>,
 }
 
 /// How far one time is from the score at which buying stops.
@@ -147,29 +149,44 @@ impl Purchases {
             .filter_map(|(frame, weight)| Some((frame?, weight)));
         self.horizons = known
             .map(|(frame, weight)| {
-                let mut gains = self.worth.gains(&self.grid, content, frame, moment);
-                let meter = self.meter.as_ref();
-                let losses = meter.map(|meter| meter.losses(&self.grid, content, frame, moment));
-                if let Some(losses) = &losses {
-                    gains.rise_where_lost(&self.grid, losses);
-                }
+                let through = |glance| self.through(content, frame, &glance);
+                let views: Vec<(Gains, Option<Losses>)> = moment.glances().map(through).collect();
+                let (gains, losses): (Vec<Gains>, Vec<Option<Losses>>) = views.into_iter().unzip();
+                let gains = Gains::highest(gains);
                 Horizon {
                     frame,
                     weight,
                     shown: self.shown(content, frame, &gains),
-                    losses,
+                    losses: losses.into_iter().flatten().collect(),
                     gains,
-                    goal: None,
+                    goals: Vec::new(),
                 }
             })
             .collect();
         self.begin_round();
     }
 
+    /// What steps add and what is lost without them, through one view.
+    fn through(
+        &self,
+        content: &dyn VideoUnits,
+        frame: u32,
+        glance: &Glance,
+    ) -> (Gains, Option<Losses>) {
+        let mut gains = self.worth.gains(&self.grid, content, frame, glance);
+        let meter = self.meter.as_ref();
+        let losses = meter.map(|meter| meter.losses(&self.grid, content, frame, glance));
+        if let Some(losses) = &losses {
+            gains.rise_where_lost(&self.grid, losses);
+        }
+        (gains, losses)
+    }
+
     fn begin_round(&mut self) {
         for horizon in &mut self.horizons {
-            let losses = horizon.losses.as_ref();
-            horizon.goal = losses.map(|losses| Goal::new(losses, &horizon.shown));
+            let goals = horizon.losses.iter();
+            let goals = goals.map(|losses| Goal::new(losses, &horizon.shown));
+            horizon.goals = goals.collect();
         }
     }
 
@@ -199,11 +216,10 @@ impl Purchases {
         let is_missed = horizon
             .as_ref()
             .is_none_or(|horizon| !horizon.is_reached(&self.config));
-        if is_missed
-            && let Some(horizon) = horizon
-            && let (Some(goal), Some(losses)) = (&mut horizon.goal, &horizon.losses)
-        {
-            goal.add(losses, &self.grid, self.tiles[number]);
+        if let Some(horizon) = horizon.filter(|_| is_missed) {
+            for (goal, losses) in horizon.goals.iter_mut().zip(&horizon.losses) {
+                goal.add(losses, &self.grid, self.tiles[number]);
+            }
         }
         is_missed
     }
@@ -234,7 +250,7 @@ impl Purchases {
         bytes
     }
 
-    /// Whether the last moment reaches the target, and so do the next groups as far as they are
+    /// Whether the last glance reaches the target, and so do the next groups as far as they are
     /// bought for.
     pub(super) fn has_reached(&self) -> bool {
         // A round begins with what is shown.
@@ -308,16 +324,14 @@ impl Purchases {
 }
 
 impl Horizon {
-    /// Whether a score is asked for, and reached with what this round would buy.
+    /// Whether a score is asked for, and reached through every view with what this round would buy.
     fn is_reached(&self, config: &PolicyConfig) -> bool {
-        let told = self
-            .goal
-            .as_ref()
-            .zip(self.losses.as_ref())
-            .zip(config.target);
-        told.is_some_and(|((goal, losses), target)| {
+        let mut views = self.goals.iter().zip(&self.losses);
+        let reaches = |target: f64, (goal, losses): (&Goal, &Losses)| {
             config.policy.expectation().jod(losses.quality(goal.lost)) >= target
-        })
+        };
+        let asked = config.target.filter(|_| !self.goals.is_empty());
+        asked.is_some_and(|target| views.all(|view| reaches(target, view)))
     }
 }
 

@@ -11,10 +11,10 @@ use crate::content::video::losses::Losses;
 use crate::content::video::units::VideoUnits;
 use crate::perception::eye::{Seen, share_of_octave_below};
 use crate::perception::gain::band_gain;
+use crate::perception::glance::Glance;
 use crate::perception::measures::contrast::Signature;
 use crate::perception::measures::saliency::saliency;
 use crate::perception::measures::signature::band_steps;
-use crate::perception::moment::Moment;
 use crate::perception::parameters::{EyeState, Parameters};
 use crate::perception::sensitivity_table::SensitivityTable;
 use crate::perception::spread::SpreadTable;
@@ -37,6 +37,21 @@ impl Gains {
             cells,
             steps: vec![0.0; cells * usize::from(grid.coarsest())],
         }
+    }
+
+    /// What each step is worth through the view that it is worth most to.
+    pub(crate) fn highest(views: Vec<Self>) -> Self {
+        let mut views = views.into_iter();
+        let first = views.next().unwrap_or(Self {
+            cells: 0,
+            steps: Vec::new(),
+        });
+        views.fold(first, |mut highest, view| {
+            for (gain, other) in highest.steps.iter_mut().zip(view.steps) {
+                *gain = gain.max(other);
+            }
+            highest
+        })
     }
 
     /// Makes steps that are worth nothing by themselves worth next to nothing where they remove
@@ -152,21 +167,21 @@ impl Worth {
         Self::new(grid, &config)
     }
 
-    /// Gain of every step for one moment.
+    /// Gain of every step for one glance.
     #[must_use]
     pub fn gains(
         &self,
         grid: &TileGrid,
         content: &dyn VideoUnits,
         frame: u32,
-        moment: &Moment,
+        glance: &Glance,
     ) -> Gains {
         let mut gains = Gains::zero(grid);
-        let spread = SpreadTable::new(moment.gaze.spread);
-        let sighted = Sighted::new(moment);
-        let prior = self.prior(grid, content, frame, moment);
+        let spread = SpreadTable::new(glance.gaze.spread);
+        let sighted = Sighted::new(glance);
+        let prior = self.prior(grid, content, frame, glance);
         for (rank, cell) in self.cells.iter().enumerate() {
-            let looked = self.looked(cell, moment, &sighted, &spread);
+            let looked = self.looked(cell, glance, &sighted, &spread);
             let prior = prior.get(rank).copied().unwrap_or_default();
             if looked.is_empty() && prior == 0.0 {
                 continue;
@@ -179,7 +194,7 @@ impl Worth {
                     ratio: f64::from(grid.ratio),
                     signature: &signature,
                 };
-                let at = |looked: &Looked| self.gain(&step, looked, moment.state);
+                let at = |looked: &Looked| self.gain(&step, looked, glance.state);
                 let seen: f64 = looked.iter().map(at).sum();
                 let ahead = if prior > 0.0 {
                     prior * self.gain_if_looked_at(&step, cell)
@@ -196,12 +211,12 @@ impl Worth {
     fn looked(
         &self,
         cell: &CellPlaces,
-        moment: &Moment,
+        glance: &Glance,
         sighted: &Sighted<'_>,
         spread: &SpreadTable,
     ) -> Vec<Looked> {
         let looked = |place: &CellPlace| {
-            let apart = moment.eccentricity(place.direction);
+            let apart = glance.eccentricity(place.direction);
             let display = sighted.display_limit(place);
             self.looked_at(&sighted.seen(place), spread.effective(apart), display)
         };
@@ -294,7 +309,7 @@ impl Worth {
         grid: &TileGrid,
         content: &dyn VideoUnits,
         frame: u32,
-        moment: &Moment,
+        glance: &Glance,
     ) -> Vec<f64> {
         if !self.config.saliency || self.config.policy != Policy::Perceptual {
             return Vec::new();
@@ -303,7 +318,7 @@ impl Worth {
         let drawn = self.cells.iter().map(|cell| {
             let centre = grid.centre(cell.cell);
             let cues = content.cues(content.unit(cell.cell, frame));
-            let apart = angle_between(moment.gaze.gaze_in_content, centre).to_degrees();
+            let apart = angle_between(glance.gaze.gaze_in_content, centre).to_degrees();
             let salient = cues.map_or(0.0, |cues| {
                 saliency(&cues, surface.projection, surface.tangents, centre)
             });

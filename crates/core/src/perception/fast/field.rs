@@ -413,6 +413,7 @@ mod tests {
     fn nodes_resolve_what_the_model_of_acuity_says() {
         let size = [640, 360];
         let view = EyeView {
+            position: Default::default(),
             axes: Axes::FRONT,
             field: Field::across(Radians(1.2), size),
             size,

@@ -35,7 +35,8 @@ const DECODED: usize = 6;
 ///
 /// let size = [64, 32];
 /// let field = Field::across(Radians(0.8), size);
-/// let view = EyeView { axes: Axes::FRONT, field, size, eye: Default::default() };
+/// let (position, eye) = Default::default();
+/// let view = EyeView { position, axes: Axes::FRONT, field, size, eye };
 /// let parameters = Parameters::default();
 /// let mut importance = FastImportance::new(&parameters, &view, 2);
 /// let onlooker = Onlooker::at_rest(&view);

@@ -67,6 +67,7 @@ fn onlooker(size: [u32; 2], fov_deg: f64, spread_deg: f64, state: EyeState) -> O
     let degrees = Radians::from_degrees;
     Onlooker {
         view: EyeView {
+            position: Default::default(),
             axes: Axes::FRONT,
             field: Field::across(degrees(fov_deg), size),
             size,

@@ -14,6 +14,7 @@ fn onlooker(yaw_deg: f64, state: EyeState) -> Onlooker {
     let degrees = Radians::from_degrees;
     Onlooker {
         view: EyeView {
+            position: Default::default(),
             axes: Axes::FRONT,
             field: Field::across(degrees(40.0), SIZE),
             size: SIZE,

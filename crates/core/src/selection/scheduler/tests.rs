@@ -12,6 +12,7 @@ use crate::content::video::units::VideoUnits;
 use crate::content::video::worth::Worth;
 use crate::gaze::sample::GazeSample;
 use crate::pack::unit::UnitId;
+use crate::perception::glance::Glance;
 use crate::perception::measures::contrast::{BandContrast, Signature};
 use crate::perception::measures::cues::Cues;
 use crate::perception::parameters::{EyeState, Model, Parameters};
@@ -122,16 +123,19 @@ fn config(policy: Policy) -> PolicyConfig {
 
 fn moment(yaw_deg: f64) -> Moment {
     let size = [800, 500];
-    Moment {
-        gaze: GazeSample::at(Seconds(0.0), Radians::from_degrees(yaw_deg), Radians(0.0)),
-        view: Some(EyeView {
-            axes: Axes::FRONT,
-            field: Field::across(Radians::from_degrees(100.0), size),
-            size,
-            eye: Default::default(),
-        }),
-        state: EyeState::Steady,
-    }
+    let gaze = GazeSample::at(Seconds(0.0), Radians::from_degrees(yaw_deg), Radians(0.0));
+    let view = EyeView {
+        position: Default::default(),
+        axes: Axes::FRONT,
+        field: Field::across(Radians::from_degrees(100.0), size),
+        size,
+        eye: Default::default(),
+    };
+    Moment::new(gaze, vec![view])
+}
+
+fn glance() -> Glance {
+    moment(0.0).glances().next().unwrap()
 }
 
 const BUDGETED: [Policy; 3] = [Policy::Uniform, Policy::Eccentricity, Policy::Perceptual];
@@ -173,7 +177,7 @@ fn within_a_budget_buying_stops_at_the_target() {
         let (some, levels) = bought(Some(9.0));
         assert!(some < all, "{policy:?}: {some} of {all}");
         let meter = LossMeter::new(&grid(), &config(policy).perception);
-        let losses = meter.losses(&grid(), &Busy, 0, &moment(0.0));
+        let losses = meter.losses(&grid(), &Busy, 0, &glance());
         let jod = policy.expectation().jod(losses.pooled(&levels));
         assert!(jod >= 9.0, "{policy:?}: {jod}");
     }
@@ -185,7 +189,7 @@ fn more_bytes_are_never_worth_less() {
         let mut before = 0.0;
         for budget in [0, 5_000, 20_000, 60_000, 200_000, u64::MAX] {
             let (refiner, selection) = first_frame(policy, Some(budget));
-            let gains = refiner.worth.gains(&grid(), &Busy, 0, &moment(0.0));
+            let gains = refiner.worth.gains(&grid(), &Busy, 0, &glance());
             let share = gains.share(&grid(), &selection.levels);
             assert!(
                 share >= before - 1e-9,
@@ -239,7 +243,7 @@ fn a_steady_eye_keeps_its_detail_when_new_groups_begin() {
                 let levels = refiner
                     .refine(&Busy, frame, &moment(0.0), Some(40_000))
                     .levels;
-                let gains = refiner.worth.gains(&grid(), &Busy, frame, &moment(0.0));
+                let gains = refiner.worth.gains(&grid(), &Busy, frame, &glance());
                 gains.share(&grid(), &levels)
             })
             .collect();
@@ -250,7 +254,7 @@ fn a_steady_eye_keeps_its_detail_when_new_groups_begin() {
 #[test]
 fn uniform_raises_what_is_in_view_evenly() {
     let selection = first_frame(Policy::Uniform, Some(30_000)).1;
-    let view = moment(0.0).view.unwrap();
+    let view = moment(0.0).views[0];
     let grid = grid();
     let in_view = grid
         .tiles_of(0)

@@ -3,7 +3,7 @@
 use super::{Session, Staged, timeline_of};
 use crate::content::demand::Content;
 use crate::content::policy::PolicyConfig;
-use crate::session::aim::Aim;
+use crate::perception::moment::Moment;
 use crate::session::budget::Budget;
 use crate::session::log::SessionHead;
 use crate::session::unit_states::{Piece, UnitStates};
@@ -57,10 +57,10 @@ impl Session {
         self.run.expected_jod()
     }
 
-    /// The head of the part of the log that a choice for `aim` belongs to.
+    /// The head of the part of the log that a choice for `moment` belongs to.
     #[must_use]
-    pub fn log_head(&self, aim: &Aim) -> SessionHead {
-        self.run.head(aim)
+    pub fn log_head(&self, moment: &Moment) -> SessionHead {
+        self.run.head(moment)
     }
 
     /// How far each unit has come.
@@ -117,15 +117,9 @@ impl Session {
 
     /// Whether a choice is still to be made for where the viewer looks.
     #[must_use]
-    pub fn is_behind(&self, aim: &Aim) -> bool {
+    pub fn is_behind(&self, moment: &Moment) -> bool {
         let shown = self.shown.as_ref();
-        shown.is_none_or(|shown| self.run.differs(aim, &shown.aim))
-    }
-
-    /// Whether more would be chosen for the same aim: bytes are saved up, or tables awaited.
-    #[must_use]
-    pub fn goes_on_choosing(&self, aim: &Aim) -> bool {
-        self.run.differs(aim, aim)
+        shown.is_none_or(|shown| self.differs(moment, shown))
     }
 
     /// When the frame that comes is due, by the content's time.

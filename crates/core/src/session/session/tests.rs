@@ -6,10 +6,9 @@ use crate::content::head::ContentHead;
 use crate::content::policy::HasTables;
 use crate::content::scripted::scripted_head;
 use crate::content::unit::Unit;
-use crate::gaze::sample::{GazeSample, HeadPose};
+use crate::gaze::sample::GazeSample;
 use crate::pack::unit::UnitId;
 use crate::perception::moment::Moment;
-use crate::perception::parameters::EyeState;
 use crate::units::Radians;
 use crate::view::axes::Axes;
 use crate::view::eye_view::{EyeView, Field};
@@ -224,7 +223,7 @@ impl Trial {
             },
             drawing: Seconds(self.drawing),
             until: Seconds(wall),
-            aim: aim(wall),
+            moment: moment(wall),
         };
         for action in self.session.step(&now) {
             self.obey(action);
@@ -258,20 +257,17 @@ impl Trial {
     }
 }
 
-fn aim(wall: f64) -> Aim {
+fn moment(wall: f64) -> Moment {
     let size = [64, 64];
-    Aim {
-        gaze: GazeSample::at(Seconds(wall), Radians(0.0), Radians(0.0)),
-        view: EyeView {
-            axes: Axes::FRONT,
-            field: Field::across(Radians::from_degrees(60.0), size),
-            size,
-            eye: Default::default(),
-        },
-        head: HeadPose::default(),
-        state: EyeState::Steady,
-        behind_sound: None,
-    }
+    let view = EyeView {
+        position: Default::default(),
+        axes: Axes::FRONT,
+        field: Field::across(Radians::from_degrees(60.0), size),
+        size,
+        eye: Default::default(),
+    };
+    let gaze = GazeSample::at(Seconds(wall), Radians(0.0), Radians(0.0));
+    Moment::new(gaze, vec![view])
 }
 
 #[test]

@@ -9,9 +9,7 @@ use crate::content::video::bytes::codec::Codec;
 use crate::content::video::bytes::description::{Description, Source};
 use crate::content::video::bytes::pack::VideoPack;
 use crate::content::video::grid::tile_grid::Cut;
-use crate::gaze::sample::HeadPose;
 use crate::pack::{HEADER_BYTES, Header};
-use crate::perception::parameters::EyeState;
 use crate::session::actions::{SessionAction, SessionEvent};
 use crate::session::session::SessionSettings;
 use crate::units::Radians;
@@ -117,14 +115,9 @@ impl Trial {
     fn step(&mut self, now: f64) -> bool {
         let pane = Pane::new(SIZE, [1920, 1080], Screen::default());
         let shown = self.viewer.shown(&pane);
-        let aim = Aim {
-            gaze: self.viewer.pointer.gaze(Seconds(now), &shown),
-            view: shown.view,
-            head: HeadPose::default(),
-            state: EyeState::Steady,
-            behind_sound: None,
-        };
-        let step = self.viewer.now(&self.session, aim, Seconds(now));
+        let gaze = self.viewer.pointer.gaze(Seconds(now), &shown);
+        let moment = Moment::new(gaze, vec![shown.view]);
+        let step = self.viewer.now(&self.session, &moment, Seconds(now));
         for action in self.session.step(&step) {
             if let SessionAction::Want(pieces) = action {
                 for piece in pieces {
@@ -133,7 +126,7 @@ impl Trial {
                 }
             }
         }
-        self.viewer.stepped(aim, &pane, true)
+        self.viewer.stepped(moment, &pane, true)
     }
 
     /// Steps as often as a screen does.
@@ -210,6 +203,16 @@ fn at_the_end_it_stays_where_that_is_asked_for_and_else_it_goes_round() {
         };
         assert!((trial.time(9.0) - begins).abs() < 1e-9, "{at_end:?}");
     }
+}
+
+#[test]
+fn who_seeks_after_the_end_plays_on_from_there() {
+    let mut trial = Trial::begun(AtEnd::StaysUntilPlayed);
+    let (viewer, session) = trial.parts();
+    assert!(viewer.stay_at_the_end(session, Seconds(ROUND + 0.01)));
+    viewer.seek(session, Seconds(0.3), Seconds(8.0));
+    viewer.play(session, Seconds(9.0));
+    assert!((trial.time(9.1) - 0.4).abs() < 1e-9);
 }
 
 #[test]

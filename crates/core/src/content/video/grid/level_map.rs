@@ -46,6 +46,13 @@ impl LevelMap {
         *at = level.min(*at);
     }
 
+    /// Shows no cell coarser than another map of the same grid does.
+    pub fn refine_to(&mut self, other: &Self) {
+        for (level, other) in self.levels.iter_mut().zip(&other.levels) {
+            *level = (*level).min(*other);
+        }
+    }
+
     /// Number of the left eye's cells whose level differs.
     #[must_use]
     pub fn changes_from(&self, before: &Self) -> u64 {

@@ -1,7 +1,7 @@
 //! Which directions stand for a cell when its worth to an eye is added up?
 
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
-use crate::perception::moment::Moment;
+use crate::perception::glance::Glance;
 use crate::units::{Cpd, Ppd, Radians};
 use crate::view::eye_view::EyeView;
 use crate::view::frustum::Frustum;
@@ -95,13 +95,13 @@ pub(crate) struct Sighted<'a> {
 
 impl<'a> Sighted<'a> {
     /// What is in view; what is beside it has no worth.
-    pub(crate) fn new(moment: &'a Moment) -> Self {
-        Self::up_to(moment, Radians(0.0))
+    pub(crate) fn new(glance: &'a Glance) -> Self {
+        Self::up_to(glance, Radians(0.0))
     }
 
     /// What is in view, or at most a margin beside it.
-    pub(crate) fn up_to(moment: &'a Moment, margin: Radians) -> Self {
-        let view = moment.view.as_ref();
+    pub(crate) fn up_to(glance: &'a Glance, margin: Radians) -> Self {
+        let view = glance.view.as_ref();
         Self {
             view: view.map(|view| (view, Frustum::new(view, margin))),
         }

@@ -6,7 +6,7 @@
 use crate::content::video::grid::cells::{CellBounds, Probe, corners, level_of_footprint, probes};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::rules::Rules;
-use crate::perception::moment::Moment;
+use crate::perception::glance::Glance;
 use crate::units::{Ppd, Radians};
 use crate::view::axes::angle_between;
 use crate::view::eye_view::EyeView;
@@ -14,8 +14,8 @@ use crate::view::frustum::Frustum;
 
 impl Rules {
     /// What is in view at the density of the display.
-    pub(super) fn viewport(&self, moment: &Moment) -> LevelMap {
-        let Some(view) = &moment.view else {
+    pub(super) fn viewport(&self, glance: &Glance) -> LevelMap {
+        let Some(view) = &glance.view else {
             panic!("the viewport policy chooses by what is in view");
         };
         let sight = self.sight(view);
@@ -56,25 +56,25 @@ impl Rules {
 
     /// The level of a cell in a window: bounds on the sphere say nothing of angles at the eye, but
     /// what is not in view, or nearly, is not seen at all.
-    pub(super) fn magnified_level(&self, bounds: &CellBounds, moment: &Moment) -> u8 {
-        let Some(view) = &moment.view else {
+    pub(super) fn magnified_level(&self, bounds: &CellBounds, glance: &Glance) -> u8 {
+        let Some(view) = &glance.view else {
             return self.grid.coarsest();
         };
         let sight = self.sight(view);
         if bounds.is_beyond(&sight) {
             return self.grid.coarsest();
         }
-        let floor = self.magnified_floor(bounds, view, moment);
+        let floor = self.magnified_floor(bounds, view, glance);
         if floor == self.grid.coarsest() {
             return floor;
         }
-        let nearest = bounds.nearest_probe(&self.grid, moment.gaze.gaze_in_content);
-        if sight.reaches(nearest.direction) && self.allowed_level(moment, &nearest) == floor {
+        let nearest = bounds.nearest_probe(&self.grid, glance.gaze.gaze_in_content);
+        if sight.reaches(nearest.direction) && self.allowed_level(glance, &nearest) == floor {
             return floor;
         }
         probes(&self.grid, bounds.cell)
             .filter(|probe| sight.reaches(probe.direction))
-            .map(|probe| self.allowed_level(moment, &probe))
+            .map(|probe| self.allowed_level(glance, &probe))
             .min()
             .unwrap_or(self.grid.coarsest())
     }
@@ -83,9 +83,9 @@ impl Rules {
     ///
     /// On planes, as faces and pictures are, a cell lies within its corners, and so do the angles
     /// at which it appears.
-    fn magnified_floor(&self, bounds: &CellBounds, view: &EyeView, moment: &Moment) -> u8 {
+    fn magnified_floor(&self, bounds: &CellBounds, view: &EyeView, glance: &Glance) -> u8 {
         let corners = corners(&self.grid, bounds.cell);
-        let Some(gaze) = view.seen_direction(moment.gaze.gaze_in_content) else {
+        let Some(gaze) = view.seen_direction(glance.gaze.gaze_in_content) else {
             return self.grid.coarsest();
         };
         let Some(centre) = view.seen_direction(bounds.centre()) else {
@@ -101,7 +101,7 @@ impl Rules {
         let nearest = Radians((angle_between(gaze, centre).0 - radius.0 - ROUNDING).max(0.0));
         let shown = least_footprint(view, &corners);
         let ppd = shown * view.as_seen().least_ppd().0;
-        let beyond = self.beyond_disc(nearest, &moment.gaze);
+        let beyond = self.beyond_disc(nearest, &glance.gaze);
         let footprint = shown.max(ppd / (2.0 * self.config.acuity.best_acuity(beyond).0));
         let disc = self.disc_footprint(nearest, Ppd(ppd));
         level_of_footprint(&self.grid, footprint.min(disc) * (1.0 - ROUNDING))

@@ -41,6 +41,7 @@ fn views(surface: &Surface, random: &mut Random) -> Vec<EyeView> {
         let turned = [between(-120.0, 120.0), between(-60.0, 60.0)];
         let [yaw, pitch] = turned.map(Radians::from_degrees);
         views.push(EyeView {
+            position: Default::default(),
             axes: if between(0.0, 1.0) < 0.3 {
                 Axes::FRONT
             } else {
@@ -54,9 +55,9 @@ fn views(surface: &Surface, random: &mut Random) -> Vec<EyeView> {
     views
 }
 
-fn moment(view: EyeView, gaze_in_content: DVec3, spread: f64) -> Moment {
+fn glance(view: EyeView, gaze_in_content: DVec3, spread: f64) -> Glance {
     let gaze = GazeSample::at(Seconds(0.0), Radians(0.0), Radians(0.0));
-    Moment {
+    Glance {
         gaze: GazeSample {
             gaze_in_content,
             spread: Radians::from_degrees(spread),
@@ -111,16 +112,16 @@ fn in_a_window_a_cell_is_as_fine_as_its_finest_probe() {
                 let selector = Rules::new(grid, config);
                 let place = [0, 1].map(|k| random.unit() * f64::from(grid.surface.size[k]));
                 let gaze = grid.surface.direction(0, place);
-                let moment = moment(view, gaze, spread);
+                let glance = glance(view, gaze, spread);
                 let sight = selector.sight(&view);
                 for bounds in &selector.cells {
                     let finest = probes(&grid, bounds.cell)
                         .filter(|probe| sight.reaches(probe.direction))
-                        .map(|probe| selector.allowed_level(&moment, &probe))
+                        .map(|probe| selector.allowed_level(&glance, &probe))
                         .min();
-                    let found = selector.magnified_level(bounds, &moment);
+                    let found = selector.magnified_level(bounds, &glance);
                     let expected = finest.unwrap_or(grid.coarsest());
-                    assert_eq!(found, expected, "{bounds:?} {moment:?}");
+                    assert_eq!(found, expected, "{bounds:?} {glance:?}");
                 }
             }
         }
@@ -146,13 +147,14 @@ fn what_a_window_magnifies_is_as_fine_as_the_eye_tells_to_its_borders() {
         at_eye: Some([0.37, 0.37, 0.21, 0.21]),
     };
     let view = EyeView {
+        position: Default::default(),
         axes: Axes::FRONT,
         field,
         size: [1088, 612],
         eye: Eye::Left,
     };
-    let moment = moment(view, surface.direction(0, [549.0, 350.0]), 0.5);
-    let levels = selector.select(&moment).levels;
+    let glance = glance(view, surface.direction(0, [549.0, 350.0]), 0.5);
+    let levels = selector.select(&glance).levels;
     let beside = levels.level(&grid, grid.cell_at(0, [508.0, 350.0]));
     assert_eq!(beside, 0, "a coarse cell fades into what is looked at");
 }

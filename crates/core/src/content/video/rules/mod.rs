@@ -11,7 +11,7 @@ use crate::content::video::rules::distance::{acuity_thresholds, angle_to_cell, d
 use crate::content::video::units::VideoUnits;
 use crate::gaze::sample::GazeSample;
 use crate::perception::acuity::AcuityModel;
-use crate::perception::moment::Moment;
+use crate::perception::glance::Glance;
 use crate::units::{Ppd, Radians};
 use crate::view::axes::{angle_between, direction_between};
 use crate::view::eye_view::EyeView;
@@ -87,14 +87,14 @@ impl Rules {
         &self.grid
     }
 
-    /// The choice for one moment, without content. A pure function; about 1 ms for a 16K cube under
+    /// The choice for one glance, without content. A pure function; about 1 ms for a 16K cube under
     /// `acuity`.
     ///
     /// # Panics
     /// `viewport` needs a view, and a noise threshold content: see [`Self::select_of`].
     #[must_use]
-    pub fn select(&self, moment: &Moment) -> Selection {
-        self.select_of(None, 0, moment)
+    pub fn select(&self, glance: &Glance) -> Selection {
+        self.select_of(None, 0, glance)
     }
 
     /// [`Self::select`] for a frame of content, whose cues tell which cells are noisy.
@@ -106,9 +106,9 @@ impl Rules {
         &self,
         content: Option<&dyn VideoUnits>,
         frame: u32,
-        moment: &Moment,
+        glance: &Glance,
     ) -> Selection {
-        let mut levels = self.levels_of(content, frame, moment, |_| true);
+        let mut levels = self.levels_of(content, frame, glance, |_| true);
         let tiles = levels.cover(&self.grid);
         Selection { levels, tiles }
     }
@@ -119,16 +119,16 @@ impl Rules {
         &self,
         content: Option<&dyn VideoUnits>,
         frame: u32,
-        moment: &Moment,
+        glance: &Glance,
         asked: impl Fn(usize) -> bool,
     ) -> LevelMap {
         match self.config.policy {
             Policy::Full => LevelMap::filled(&self.grid, 0),
             Policy::Coarsest => LevelMap::filled(&self.grid, self.grid.coarsest()),
-            Policy::Viewport => self.viewport(moment),
-            Policy::Grid => self.kastner_grid(content, frame, &moment.gaze),
-            Policy::Distance | Policy::Sampled => self.by_distance(moment),
-            Policy::Acuity => self.acuity(moment, asked),
+            Policy::Viewport => self.viewport(glance),
+            Policy::Grid => self.kastner_grid(content, frame, &glance.gaze),
+            Policy::Distance | Policy::Sampled => self.by_distance(glance),
+            Policy::Acuity => self.acuity(glance, asked),
             Policy::Uniform | Policy::Eccentricity | Policy::Perceptual => {
                 panic!(
                     "{:?} spends a budget: a Refiner chooses",
@@ -139,7 +139,7 @@ impl Rules {
     }
 
     /// The selector of a viewer who may look up to `slack` beside where the gaze is: its levels are
-    /// as fine or finer. What `acuity` makes of it, it takes from the moment's spread.
+    /// as fine or finer. What `acuity` makes of it, it takes from the glance's spread.
     pub(crate) fn loosened(&self, slack: Radians) -> Self {
         let wider = |angle: Radians| Radians(angle.0 + slack.0);
         let mut loose = self.clone();
@@ -196,9 +196,9 @@ impl Rules {
     }
 
     /// Framework 1 of Kastner 2016, section 4.1.3.
-    fn by_distance(&self, moment: &Moment) -> LevelMap {
-        let gaze = moment.gaze.gaze_in_content;
-        let view = moment.view.as_ref();
+    fn by_distance(&self, glance: &Glance) -> LevelMap {
+        let gaze = glance.gaze.gaze_in_content;
+        let view = glance.view.as_ref();
         distance_levels(&self.grid, &self.cells, &self.thresholds, gaze, view)
     }
 
@@ -224,23 +224,23 @@ impl Rules {
         }
     }
 
-    fn acuity(&self, moment: &Moment, asked: impl Fn(usize) -> bool) -> LevelMap {
+    fn acuity(&self, glance: &Glance, asked: impl Fn(usize) -> bool) -> LevelMap {
         let mut cells = self.cells.iter().enumerate();
-        let sight = moment.view.as_ref().map(|view| (view, self.sight(view)));
+        let sight = glance.view.as_ref().map(|view| (view, self.sight(view)));
         let mut levels = LevelMap::from_cells(&self.grid, |_| match cells.next() {
             Some((rank, bounds)) if asked(rank) => {
-                let level = self.acuity_level(bounds, moment);
+                let level = self.acuity_level(bounds, glance);
                 match &sight {
-                    Some(sight) if !moment.is_magnified() => {
-                        level.max(self.most_shown(bounds, moment, sight))
+                    Some(sight) if !glance.is_magnified() => {
+                        level.max(self.most_shown(bounds, glance, sight))
                     }
                     _ => level,
                 }
             }
             _ => self.grid.coarsest(),
         });
-        if let Some(view) = &moment.view {
-            self.refine_under(view, &mut levels, |probe| self.allowed_level(moment, probe));
+        if let Some(view) = &glance.view {
+            self.refine_under(view, &mut levels, |probe| self.allowed_level(glance, probe));
         }
         levels
     }
@@ -249,52 +249,52 @@ impl Rules {
     fn most_shown(
         &self,
         bounds: &CellBounds,
-        moment: &Moment,
+        glance: &Glance,
         (view, sight): &(&EyeView, Frustum),
     ) -> u8 {
-        let nearest = bounds.least_eccentricity(moment.gaze.gaze_in_content);
+        let nearest = bounds.least_eccentricity(glance.gaze.gaze_in_content);
         let disc = self.disc_footprint(nearest, bounds.least_ppd());
         let shown = self.shown_level(bounds, view, sight);
         shown.min(level_of_footprint(&self.grid, disc))
     }
 
-    fn acuity_level(&self, bounds: &CellBounds, moment: &Moment) -> u8 {
-        let gaze = &moment.gaze;
-        if moment.is_magnified() {
-            return self.magnified_level(bounds, moment);
+    fn acuity_level(&self, bounds: &CellBounds, glance: &Glance) -> u8 {
+        let gaze = &glance.gaze;
+        if glance.is_magnified() {
+            return self.magnified_level(bounds, glance);
         }
-        let floor = |nearest| self.floor_level(bounds, nearest, moment);
+        let floor = |nearest| self.floor_level(bounds, nearest, glance);
         if floor(bounds.least_eccentricity(gaze.gaze_in_content)) == self.grid.coarsest() {
             return self.grid.coarsest();
         }
         let nearest = bounds.nearest_probe(&self.grid, gaze.gaze_in_content);
-        let found = self.allowed_level(moment, &nearest);
-        let eccentricity = moment.eccentricity(nearest.direction).0 - CellBounds::NEAREST_WITHIN.0;
+        let found = self.allowed_level(glance, &nearest);
+        let eccentricity = glance.eccentricity(nearest.direction).0 - CellBounds::NEAREST_WITHIN.0;
         if floor(Radians(eccentricity.max(0.0))) == found {
             return found;
         }
         probes(&self.grid, bounds.cell)
-            .map(|probe| self.allowed_level(moment, &probe))
+            .map(|probe| self.allowed_level(glance, &probe))
             .min()
             .unwrap_or(0)
     }
 
     /// No place of a cell at `nearest` or farther from the gaze is allowed a finer level than this.
-    fn floor_level(&self, bounds: &CellBounds, nearest: Radians, moment: &Moment) -> u8 {
+    fn floor_level(&self, bounds: &CellBounds, nearest: Radians, glance: &Glance) -> u8 {
         let ppd = bounds.least_ppd();
         let best = self
             .config
             .acuity
-            .best_acuity(self.beyond_disc(nearest, &moment.gaze));
-        let display = moment.view.filter(|_| self.turns(moment));
+            .best_acuity(self.beyond_disc(nearest, &glance.gaze));
+        let display = glance.view.filter(|_| self.turns(glance));
         let limit = display.map_or(0.0, |view| ppd.0 / view.most_ppd().0);
         let footprint = (ppd.0 / (2.0 * best.0)).max(limit);
         level_of_footprint(&self.grid, footprint.min(self.disc_footprint(nearest, ppd)))
     }
 
-    fn allowed_level(&self, moment: &Moment, probe: &Probe) -> u8 {
-        let footprint = self.acuity_footprint(moment, probe);
-        level_of_footprint(&self.grid, footprint.max(self.display_limit(moment, probe)))
+    fn allowed_level(&self, glance: &Glance, probe: &Probe) -> u8 {
+        let footprint = self.acuity_footprint(glance, probe);
+        level_of_footprint(&self.grid, footprint.max(self.display_limit(glance, probe)))
     }
 
     /// Level-0 pixels that a texel may span at a place before this eye could tell: the density of
@@ -302,14 +302,14 @@ impl Rules {
     ///
     /// Eccentricity counts from the edge of the safety disc and the gaze's spread: whoever is off
     /// by that much still sees no coarser texel than the model allows.
-    fn acuity_footprint(&self, moment: &Moment, probe: &Probe) -> f64 {
-        let Some([gaze, direction]) = moment.seen([moment.gaze.gaze_in_content, probe.direction])
+    fn acuity_footprint(&self, glance: &Glance, probe: &Probe) -> f64 {
+        let Some([gaze, direction]) = glance.seen([glance.gaze.gaze_in_content, probe.direction])
         else {
             return f64::MAX;
         };
-        let ppd = seen_ppd(moment, probe);
+        let ppd = seen_ppd(glance, probe);
         let eccentricity = angle_between(gaze, direction);
-        let beyond = self.beyond_disc(eccentricity, &moment.gaze);
+        let beyond = self.beyond_disc(eccentricity, &glance.gaze);
         let disc = self.disc_footprint(eccentricity, ppd);
         // The nearest direction to the gaze that an eye off by the disc's radius could look along.
         let toward = toward(gaze, direction, eccentricity, beyond);
@@ -333,20 +333,20 @@ impl Rules {
     }
 
     /// Whether the picture turns with a head inside the content.
-    fn turns(&self, moment: &Moment) -> bool {
-        self.grid.surface.projection == Projection::Cube && !moment.is_magnified()
+    fn turns(&self, glance: &Glance) -> bool {
+        self.grid.surface.projection == Projection::Cube && !glance.is_magnified()
     }
 
     /// The footprint under which the display shows no difference; the safety disc is exempt. On a
     /// sphere that of the display's densest corner, so that a head that nods under a steady eye
     /// changes nothing.
-    fn display_limit(&self, moment: &Moment, probe: &Probe) -> f64 {
-        let eccentricity = moment.eccentricity(probe.direction);
-        let limit = moment.view.map_or(0.0, |view| match self.turns(moment) {
+    fn display_limit(&self, glance: &Glance, probe: &Probe) -> f64 {
+        let eccentricity = glance.eccentricity(probe.direction);
+        let limit = glance.view.map_or(0.0, |view| match self.turns(glance) {
             true => probe.ppd.0 / view.most_ppd().0,
             false => view.footprint(probe.ppd, probe.direction),
         });
-        limit.min(self.disc_footprint(eccentricity, seen_ppd(moment, probe)))
+        limit.min(self.disc_footprint(eccentricity, seen_ppd(glance, probe)))
     }
 }
 
@@ -370,8 +370,8 @@ fn toward(gaze: DVec3, direction: DVec3, eccentricity: Radians, left: Radians) -
 }
 
 /// Density of the content at the eye, in the direction of a probe.
-fn seen_ppd(moment: &Moment, probe: &Probe) -> Ppd {
-    let view = moment.view.as_ref();
+fn seen_ppd(glance: &Glance, probe: &Probe) -> Ppd {
+    let view = glance.view.as_ref();
     view.map_or(probe.ppd, |view| view.seen_ppd(probe.ppd, probe.direction))
 }
 

@@ -11,7 +11,7 @@ use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::rules::{Rules, Selection};
 use crate::content::video::units::VideoUnits;
 use crate::perception::acuity::AcuityModel;
-use crate::perception::moment::Moment;
+use crate::perception::glance::Glance;
 use crate::units::Radians;
 
 /// A rule that remembers what it showed.
@@ -43,13 +43,22 @@ impl SteadySelector {
         &self.exact
     }
 
+    /// The same rule, which showed nothing yet.
+    #[must_use]
+    pub(crate) fn without_memory(&self) -> Self {
+        Self {
+            before: None,
+            ..self.clone()
+        }
+    }
+
     /// From now on chooses for another eye.
     pub(crate) fn set_acuity(&mut self, acuity: AcuityModel) {
         self.exact.set_acuity(acuity);
         self.loose.set_acuity(acuity);
     }
 
-    /// The choice for one moment, after those before. Costs at most twice a
+    /// The choice for one glance, after those before. Costs at most twice a
     /// [`Rules::select_of`].
     ///
     /// # Panics
@@ -58,13 +67,13 @@ impl SteadySelector {
         &mut self,
         content: Option<&dyn VideoUnits>,
         frame: u32,
-        moment: &Moment,
+        glance: &Glance,
     ) -> Selection {
         let grid = *self.exact.grid();
-        let mut levels = self.exact.levels_of(content, frame, moment, |_| true);
+        let mut levels = self.exact.levels_of(content, frame, glance, |_| true);
         if self.slack.0 > 0.0 {
             if let Some(before) = &self.before {
-                let mut stray = *moment;
+                let mut stray = *glance;
                 stray.gaze.spread = Radians(stray.gaze.spread.0 + self.slack.0);
                 let [was, is] = [before, &levels].map(LevelMap::levels);
                 let coarser: Vec<bool> = was.iter().zip(is).map(|(was, is)| was < is).collect();
@@ -110,7 +119,7 @@ mod tests {
     }
 
     /// A gaze and a head, each at a yaw and a pitch in degrees.
-    fn moment(gaze: [f64; 2], head: [f64; 2]) -> Moment {
+    fn glance(gaze: [f64; 2], head: [f64; 2]) -> Glance {
         let [yaw, pitch] = gaze.map(Radians::from_degrees);
         let [head_yaw, head_pitch] = head.map(Radians::from_degrees);
         let head = HeadPose {
@@ -119,9 +128,10 @@ mod tests {
             roll: Radians(0.0),
         };
         let size = [1600, 1000];
-        Moment {
+        Glance {
             gaze: GazeSample::at(Seconds(0.0), yaw, pitch),
             view: Some(EyeView {
+                position: Default::default(),
                 axes: head.axes(),
                 field: Field::across(Radians::from_degrees(100.0), size),
                 size,
@@ -139,7 +149,7 @@ mod tests {
             let mut tremble = || [0, 1].map(|_| 0.6 * (random.unit() - 0.5));
             let mut shown = Vec::new();
             for _ in 0..400 {
-                let chosen = steady.select(None, 0, &moment(tremble(), [0.0; 2]));
+                let chosen = steady.select(None, 0, &glance(tremble(), [0.0; 2]));
                 shown.push(chosen.levels);
             }
             let last = &shown[399];
@@ -157,7 +167,7 @@ mod tests {
             ..PolicyConfig::new(Policy::Grid)
         };
         let mut rule = SteadySelector::new(sphere(), config);
-        let [left, right] = [-0.3, 0.3].map(|yaw| moment([yaw, 0.1], [0.0; 2]));
+        let [left, right] = [-0.3, 0.3].map(|yaw| glance([yaw, 0.1], [0.0; 2]));
         let first = rule.select(None, 0, &left);
         assert_ne!(rule.select(None, 0, &right), first);
         assert_eq!(rule.select(None, 0, &left), first);
@@ -168,7 +178,7 @@ mod tests {
         for policy in [Policy::Grid, Policy::Acuity] {
             let mut steady = SteadySelector::new(sphere(), PolicyConfig::new(policy));
             let grid = sphere();
-            let gaze = moment([12.0, -7.0], [0.0; 2]).gaze.gaze_in_content;
+            let gaze = glance([12.0, -7.0], [0.0; 2]).gaze.gaze_in_content;
             // What leaves the view becomes coarse under acuity.
             let near = |cell: &Tile| {
                 let apart = angle_between(grid.centre(*cell), gaze).to_degrees();
@@ -177,7 +187,7 @@ mod tests {
             let near: Vec<Tile> = grid.tiles_of_left_eye(0).filter(near).collect();
             let mut at = |pitch: f64| {
                 let head = [0.3 * pitch, pitch];
-                let levels = steady.select(None, 0, &moment([12.0, -7.0], head)).levels;
+                let levels = steady.select(None, 0, &glance([12.0, -7.0], head)).levels;
                 let level = |cell: &Tile| levels.level(&grid, *cell);
                 near.iter().map(level).collect::<Vec<u8>>()
             };
@@ -196,8 +206,8 @@ mod tests {
             let rule = Rules::new(sphere(), config.clone());
             let mut steady = SteadySelector::new(sphere(), config);
             let grid = sphere();
-            let _ = steady.select(None, 0, &moment([0.0; 2], [0.0; 2]));
-            let far = moment([150.0, 10.0], [150.0, 10.0]);
+            let _ = steady.select(None, 0, &glance([0.0; 2], [0.0; 2]));
+            let far = glance([150.0, 10.0], [150.0, 10.0]);
             let needed = rule.levels_of(None, 0, &far, |_| true);
             let jumped = steady.select(None, 0, &far);
             for cell in grid.tiles_of(0) {

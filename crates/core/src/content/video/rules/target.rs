@@ -14,7 +14,7 @@ use crate::content::video::rules::steady::SteadySelector;
 use crate::content::video::units::VideoUnits;
 use crate::pack::unit::UnitId;
 use crate::perception::acuity::AcuityModel;
-use crate::perception::moment::Moment;
+use crate::perception::glance::Glance;
 use crate::perception::visible_loss::BEST_JOD;
 use crate::units::Radians;
 use crate::view::axes::angle_between;
@@ -34,7 +34,7 @@ const COARSER_BELOW: f64 = 0.7;
 /// How far the gaze may go before levels are chosen anew, over the steadiness that is asked for.
 const ANEW: f64 = 0.5;
 /// How far gaze and spread may go before a slope is looked for anew, in degrees: the fovea's
-/// radius. Levels follow the eye at every moment; only the slope waits.
+/// radius. Levels follow the eye at every glance; only the slope waits.
 const SLOPE_ANEW_DEG: f64 = 2.5;
 /// How far the head may turn until then: a seventh of a view that is 100° wide is another.
 const SLOPE_ANEW_HEAD_DEG: f64 = 15.0;
@@ -61,7 +61,7 @@ pub struct TargetSelector {
 /// What was chosen last, and for what.
 #[derive(Clone, Debug)]
 struct Chosen {
-    moment: Moment,
+    glance: Glance,
     /// A unit of the group that it was chosen for.
     group: UnitId,
     step: u32,
@@ -88,36 +88,46 @@ impl TargetSelector {
         })
     }
 
-    /// The choice for one moment, after those before.
-    pub fn select(&mut self, content: &dyn VideoUnits, frame: u32, moment: &Moment) -> Selection {
+    /// The same, which showed nothing yet.
+    #[must_use]
+    pub(crate) fn without_memory(&self) -> Self {
+        Self {
+            rule: self.rule.as_ref().map(SteadySelector::without_memory),
+            before: None,
+            ..self.clone()
+        }
+    }
+
+    /// The choice for one glance, after those before.
+    pub fn select(&mut self, content: &dyn VideoUnits, frame: u32, glance: &Glance) -> Selection {
         let group = content.unit(self.grid.tile_at(0, 0), frame);
         let of_group = self.before.as_ref().filter(|before| before.group == group);
         let still = self.before.as_ref();
-        let still = still.filter(|before| self.is_still(&before.moment, moment));
+        let still = still.filter(|before| self.is_still(&before.glance, glance));
         if let Some(before) = of_group {
             match &mut self.rule {
-                Some(rule) if keeps_slope(&before.moment, moment) => {
-                    return rule.select(Some(content), frame, moment);
+                Some(rule) if keeps_slope(&before.glance, glance) => {
+                    return rule.select(Some(content), frame, glance);
                 }
                 None if still.is_some() => return before.selection.clone(),
                 _ => {}
             }
         }
         // An eye that trembles is taken to look where it did before.
-        let looked = still.map_or(*moment, |before| before.moment);
+        let looked = still.map_or(*glance, |before| before.glance);
         let losses = self.meter.losses(&self.grid, content, frame, &looked);
         let (step, selection) = match self.rule.take() {
             Some(mut rule) => {
                 let step = self.slope(&rule, &losses, &looked);
                 rule.set_acuity(slope_of(self.target, step));
-                let selection = rule.select(Some(content), frame, moment);
+                let selection = rule.select(Some(content), frame, glance);
                 self.rule = Some(rule);
                 (step, selection)
             }
             None => self.by_bound(&losses),
         };
         self.before = Some(Chosen {
-            moment: looked,
+            glance: looked,
             group,
             step,
             selection: selection.clone(),
@@ -126,20 +136,20 @@ impl TargetSelector {
     }
 
     /// Whether what was chosen still serves.
-    fn is_still(&self, before: &Moment, moment: &Moment) -> bool {
-        let [was, is] = [before, moment].map(|moment| moment.gaze.gaze_in_content);
+    fn is_still(&self, before: &Glance, glance: &Glance) -> bool {
+        let [was, is] = [before, glance].map(|glance| glance.gaze.gaze_in_content);
         let still = Radians(self.config.steadiness.0 * ANEW);
-        before.view == moment.view
-            && before.gaze.spread == moment.gaze.spread
+        before.view == glance.view
+            && before.gaze.spread == glance.gaze.spread
             && angle_between(was, is) <= still
     }
 
     /// The slope by which acuity falls off.
-    fn slope(&self, rule: &SteadySelector, losses: &Losses, moment: &Moment) -> u32 {
+    fn slope(&self, rule: &SteadySelector, losses: &Losses, glance: &Glance) -> u32 {
         let mut exact = rule.exact().clone();
         self.largest(SLOPES, |step| {
             exact.set_acuity(slope_of(self.target, step));
-            Expectation::Elsewise.jod(losses.pooled(&exact.select(moment).levels))
+            Expectation::Elsewise.jod(losses.pooled(&exact.select(glance).levels))
         })
     }
 
@@ -200,10 +210,10 @@ impl TargetSelector {
 }
 
 /// Whether eye and head are still so near to where a slope was found that it serves.
-fn keeps_slope(before: &Moment, moment: &Moment) -> bool {
+fn keeps_slope(before: &Glance, glance: &Glance) -> bool {
     let within = |a: DVec3, b: DVec3, degrees| angle_between(a, b).to_degrees() <= degrees;
-    let [was, is] = [before, moment].map(|moment| &moment.gaze);
-    let views_agree = match (&before.view, &moment.view) {
+    let [was, is] = [before, glance].map(|glance| &glance.gaze);
+    let views_agree = match (&before.view, &glance.view) {
         (Some(was), Some(is)) => {
             let turned = EyeView {
                 axes: is.axes,

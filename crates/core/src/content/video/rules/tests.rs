@@ -15,22 +15,22 @@ use crate::view::random::Random;
 use crate::view::surface::{Eye, Screen, Surface};
 use proptest::prelude::*;
 
-fn degrees(yaw: f64, pitch: f64) -> Moment {
+fn degrees(yaw: f64, pitch: f64) -> Glance {
     let gaze = GazeSample::at(
         Seconds(0.0),
         Radians::from_degrees(yaw),
         Radians::from_degrees(pitch),
     );
-    Moment {
+    Glance {
         gaze,
         view: None,
         state: EyeState::Steady,
     }
 }
 
-fn kastner_pixels(config: PolicyConfig, moment: &Moment) -> (u64, Vec<u32>) {
+fn kastner_pixels(config: PolicyConfig, glance: &Glance) -> (u64, Vec<u32>) {
     let grid = TileGrid::new(Surface::cube(3000), Cut::Grid([4, 4]), 3, 4).unwrap();
-    let tiles = Rules::new(grid, config).select(moment).tiles;
+    let tiles = Rules::new(grid, config).select(glance).tiles;
     (pixels(&grid, &tiles), histogram(&grid, &tiles))
 }
 
@@ -39,8 +39,8 @@ fn cube_16k(config: PolicyConfig) -> Rules {
     Rules::new(grid, config)
 }
 
-fn share(selector: &Rules, moment: &Moment) -> f64 {
-    let tiles = selector.select(moment).tiles;
+fn share(selector: &Rules, glance: &Glance) -> f64 {
+    let tiles = selector.select(glance).tiles;
     pixels(selector.grid(), &tiles) as f64 / selector.grid().surface.pixels() as f64
 }
 
@@ -55,7 +55,7 @@ fn shares(selector: &Rules) -> (f64, f64) {
             };
             share(
                 selector,
-                &Moment {
+                &Glance {
                     gaze,
                     view: None,
                     state: EyeState::Steady,
@@ -125,6 +125,7 @@ fn viewport_takes_what_is_in_view_at_the_density_of_the_display() {
         let size = [size; 2];
         let field = Field::across(Radians::from_degrees(100.0), size);
         let view = Some(EyeView {
+            position: Default::default(),
             axes: Axes::FRONT,
             field,
             size,
@@ -132,7 +133,7 @@ fn viewport_takes_what_is_in_view_at_the_density_of_the_display() {
         });
         share(
             &selector,
-            &Moment {
+            &Glance {
                 view,
                 ..degrees(0.0, 0.0)
             },
@@ -148,7 +149,7 @@ fn an_uncertain_gaze_takes_more() {
     let selector = cube_16k(PolicyConfig::new(Policy::Acuity));
     let sure = degrees(12.0, 7.0);
     let spread = Radians::from_degrees(5.0);
-    let unsure = Moment {
+    let unsure = Glance {
         gaze: GazeSample {
             spread,
             ..sure.gaze
@@ -165,7 +166,7 @@ fn nothing_finer_than_the_display_shows_is_chosen() {
     let grid = TileGrid::new(surface, Cut::Tile(256), 5, 2).unwrap();
     let view = |scale: u32| {
         let size = [4096 / scale, 2048 / scale];
-        Moment {
+        Glance {
             view: Some(EyeView::filling(&surface, size)),
             ..degrees(3.0, 2.0)
         }
@@ -189,12 +190,13 @@ fn a_view_is_sharp_to_its_borders_on_faces_of_any_size() {
         let size = [4 * face; 2];
         let field = Field::across(Radians::from_degrees(66.0), size);
         let view = EyeView {
+            position: Default::default(),
             axes: Axes::FRONT,
             field,
             size,
             eye: Eye::Left,
         };
-        let view_of = Moment {
+        let view_of = Glance {
             view: Some(view),
             ..degrees(0.0, 0.0)
         };
@@ -219,7 +221,7 @@ fn flat_content_in_view_at_its_own_density_is_all_finest() {
     let view = Some(EyeView::filling(&surface, surface.size));
     let selector = Rules::new(grid, PolicyConfig::new(Policy::Viewport));
     let levels = selector
-        .select(&Moment {
+        .select(&Glance {
             view,
             ..degrees(0.0, 0.0)
         })
@@ -240,12 +242,12 @@ fn bounds_skip_no_cell_that_probing_would_refine() {
         };
         let grid = TileGrid::new(Surface::cube(1024), Cut::Tile(128), 5, 2).unwrap();
         let selector = Rules::new(grid, config);
-        let moment = degrees(33.0, -21.0);
+        let glance = degrees(33.0, -21.0);
         for bounds in &selector.cells {
             let probed = probes(&grid, bounds.cell)
-                .map(|p| level_of_footprint(&grid, selector.acuity_footprint(&moment, &p)))
+                .map(|p| level_of_footprint(&grid, selector.acuity_footprint(&glance, &p)))
                 .min();
-            assert_eq!(Some(selector.acuity_level(bounds, &moment)), probed);
+            assert_eq!(Some(selector.acuity_level(bounds, &glance)), probed);
         }
     }
 }
@@ -257,6 +259,7 @@ fn what_is_chosen_for_one_eye_is_chosen_for_the_other_and_counts_twice() {
     let both = TileGrid { surface, ..one };
     let field = Field::across(Radians::from_degrees(90.0), [640, 400]);
     let view = Some(EyeView {
+        position: Default::default(),
         axes: Axes::FRONT,
         field,
         size: [640, 400],
@@ -275,12 +278,12 @@ fn what_is_chosen_for_one_eye_is_chosen_for_the_other_and_counts_twice() {
                 noisy_cells: 7,
                 ..PolicyConfig::new(policy)
             };
-            let moment = Moment {
+            let glance = Glance {
                 view,
                 ..degrees(40.0, 31.0)
             };
-            let mono = Rules::new(one, config.clone()).select(&moment);
-            let stereo = Rules::new(both, config).select(&moment);
+            let mono = Rules::new(one, config.clone()).select(&glance);
+            let stereo = Rules::new(both, config).select(&glance);
             assert_eq!(stereo.levels.levels(), mono.levels.levels());
             let twins = mono.tiles.iter().flat_map(|tile| both.for_every_eye(*tile));
             let mut twins: Vec<Tile> = twins.collect();
@@ -319,11 +322,11 @@ proptest! {
         };
         let grid = TileGrid::new(Surface::cube(8192), Cut::Tile(512), 5, 2).unwrap();
         let selector = Rules::new(grid, config);
-        let moment = degrees(yaw, pitch);
-        let levels = selector.select(&moment).levels;
+        let glance = degrees(yaw, pitch);
+        let levels = selector.select(&glance).levels;
         for step in 0..24 {
             let direction = crate::view::axes::direction_at(
-                moment.gaze.gaze_in_content,
+                glance.gaze.gaze_in_content,
                 Radians(f64::from(step)),
                 Radians::from_degrees(disc * 0.999),
             );
@@ -369,14 +372,14 @@ impl VideoUnits for EveryThird {
 #[test]
 fn cells_of_a_variance_above_the_threshold_are_promoted_and_no_others() {
     let grid = TileGrid::new(Surface::cube(3000), Cut::Grid([4, 4]), 3, 4).unwrap();
-    let moment = degrees(-10.0, 10.0);
+    let glance = degrees(-10.0, 10.0);
     let levels = |threshold| {
         let config = PolicyConfig {
             noise_threshold: threshold,
             ..PolicyConfig::new(Policy::Grid)
         };
         let selector = Rules::new(grid, config);
-        selector.select_of(Some(&EveryThird), 0, &moment).levels
+        selector.select_of(Some(&EveryThird), 0, &glance).levels
     };
     let plain = levels(None);
     // 40² = 1600 is the variance of the noisy cells, and not above itself.
@@ -394,6 +397,7 @@ fn cells_of_a_variance_above_the_threshold_are_promoted_and_no_others() {
 fn out_of_view_nothing_is_finer_than_the_coarsest_level() {
     let size = [1280, 720];
     let view = EyeView {
+        position: Default::default(),
         axes: Axes::FRONT,
         field: Field::across(Radians::from_degrees(60.0), size),
         size,
@@ -405,15 +409,15 @@ fn out_of_view_nothing_is_finer_than_the_coarsest_level() {
         ..PolicyConfig::new(Policy::Distance)
     };
     let selector = Rules::new(grid, config);
-    let moment = degrees(25.0, 0.0);
+    let glance = degrees(25.0, 0.0);
     let blind = distance_levels(
         &grid,
         &selector.cells,
         &selector.thresholds,
-        moment.gaze.gaze_in_content,
+        glance.gaze.gaze_in_content,
         Some(&view),
     );
-    let all = selector.by_distance(&moment);
+    let all = selector.by_distance(&glance);
     let sight = Frustum::new(&view, Radians(0.0));
     let (mut kept, mut dropped) = (0, 0);
     for cell in grid.tiles_of(0) {
@@ -431,12 +435,13 @@ fn out_of_view_nothing_is_finer_than_the_coarsest_level() {
 }
 
 /// A window of 1280x720 on a sphere whose picture fills `at_eye` times its own angles at the eye.
-fn window(field: f64, at_eye: Option<f64>, yaw: f64) -> Moment {
+fn window(field: f64, at_eye: Option<f64>, yaw: f64) -> Glance {
     let size = [1280, 720];
     let own = Field::across(Radians::from_degrees(field), size);
     let seen = at_eye.map(|share| [own.left, own.right, own.up, own.down].map(|t| t * share));
-    Moment {
+    Glance {
         view: Some(EyeView {
+            position: Default::default(),
             axes: Axes::FRONT,
             field: Field {
                 at_eye: seen,
@@ -471,9 +476,9 @@ fn what_is_shown_smaller_is_nearer_to_the_gaze_and_what_is_not_shown_is_coarsest
     let grid = selector.grid();
     let small = window(90.0, Some(0.2), 0.0);
     let whole = window(90.0, Some(1.0), 0.0);
-    let eccentricity = |moment: &Moment| {
+    let eccentricity = |glance: &Glance| {
         let aside = crate::view::axes::direction_from_yaw_pitch(Radians(0.5), Radians(0.0));
-        moment.eccentricity(aside).to_degrees()
+        glance.eccentricity(aside).to_degrees()
     };
     assert!((eccentricity(&whole) - Radians(0.5).to_degrees()).abs() < 1e-9);
     assert!(eccentricity(&small) < 0.25 * eccentricity(&whole));
@@ -508,17 +513,17 @@ fn what_skips_probes_gives_the_level_that_all_probes_give() {
             };
             let selector = Rules::new(grid, config);
             let place = [0, 1].map(|k| random.unit() * f64::from(grid.surface.size[k]));
-            let mut moment = window(100.0, None, 0.0);
-            moment.view = moment.view.filter(|_| headset);
-            moment.gaze.gaze_in_content = grid.surface.direction(0, place);
-            moment.gaze.spread = Radians::from_degrees(spread);
+            let mut glance = window(100.0, None, 0.0);
+            glance.view = glance.view.filter(|_| headset);
+            glance.gaze.gaze_in_content = grid.surface.direction(0, place);
+            glance.gaze.spread = Radians::from_degrees(spread);
             for bounds in &selector.cells {
                 let all = probes(&grid, bounds.cell);
                 let finest = all
-                    .map(|probe| selector.allowed_level(&moment, &probe))
+                    .map(|probe| selector.allowed_level(&glance, &probe))
                     .min();
-                let found = selector.acuity_level(bounds, &moment);
-                assert_eq!(Some(found), finest, "{acuity:?} {bounds:?} {moment:?}");
+                let found = selector.acuity_level(bounds, &glance);
+                assert_eq!(Some(found), finest, "{acuity:?} {bounds:?} {glance:?}");
             }
         }
     }

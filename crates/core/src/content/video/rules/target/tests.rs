@@ -78,18 +78,19 @@ fn config(policy: Policy, target: f64) -> PolicyConfig {
     }
 }
 
-fn moment(grid: &TileGrid, yaw_deg: f64) -> Moment {
+fn glance(grid: &TileGrid, yaw_deg: f64) -> Glance {
     let size = [1280, 720];
     let view = match grid.faces() {
         1 => EyeView::filling(&grid.surface, [1920, 1080]),
         _ => EyeView {
+            position: Default::default(),
             axes: Axes::FRONT,
             field: Field::across(Radians::from_degrees(90.0), size),
             size,
             eye: Default::default(),
         },
     };
-    Moment {
+    Glance {
         gaze: GazeSample::at(Seconds(0.0), Radians::from_degrees(yaw_deg), Radians(0.0)),
         view: Some(view),
         state: EyeState::Steady,
@@ -97,16 +98,16 @@ fn moment(grid: &TileGrid, yaw_deg: f64) -> Moment {
 }
 
 fn chosen(grid: TileGrid, config: &PolicyConfig, content: &dyn VideoUnits) -> LevelMap {
-    let moment = moment(&grid, 0.0);
+    let glance = glance(&grid, 0.0);
     match TargetSelector::new(&grid, config) {
-        Some(mut selector) => selector.select(content, 0, &moment).levels,
-        None => Rules::new(grid, config.clone()).select(&moment).levels,
+        Some(mut selector) => selector.select(content, 0, &glance).levels,
+        None => Rules::new(grid, config.clone()).select(&glance).levels,
     }
 }
 
 fn expected(grid: &TileGrid, policy: Policy, content: &dyn VideoUnits, levels: &LevelMap) -> f64 {
     let meter = LossMeter::new(grid, &PolicyConfig::new(policy).perception);
-    let losses = meter.losses(grid, content, 0, &moment(grid, 0.0));
+    let losses = meter.losses(grid, content, 0, &glance(grid, 0.0));
     policy.expectation().jod(losses.pooled(levels))
 }
 
@@ -212,13 +213,13 @@ fn a_grating_that_is_seen_is_kept_and_one_that_is_too_fine_to_be_seen_is_not() {
 fn acuity_is_nowhere_finer_than_viewport() {
     for grid in [screen(), sphere()] {
         for yaw in [0.0, 20.0, 100.0] {
-            let moment = moment(&grid, yaw);
+            let glance = glance(&grid, yaw);
             let levels = |policy| {
                 let config = PolicyConfig {
                     acuity: AcuityModel::linear(0.0),
                     ..PolicyConfig::new(policy)
                 };
-                Rules::new(grid, config).select(&moment).levels
+                Rules::new(grid, config).select(&glance).levels
             };
             let [acuity, viewport] = [Policy::Acuity, Policy::Viewport].map(levels);
             for (acuity, viewport) in acuity.levels().iter().zip(viewport.levels()) {
@@ -243,7 +244,7 @@ fn a_still_eye_changes_no_level_from_frame_to_frame() {
                 let content = Texture(move |_, _| contrast);
                 let gaze = 0.1 * f64::from(frame % 3);
                 selector
-                    .select(&content, frame, &moment(&grid, gaze))
+                    .select(&content, frame, &glance(&grid, gaze))
                     .levels
             };
             let settled = (0..24).map(&mut at).last().unwrap();
@@ -258,19 +259,19 @@ fn a_still_eye_changes_no_level_from_frame_to_frame() {
 fn a_view_is_as_sharp_at_its_borders_as_inside_them() {
     let content = Texture(busy);
     let grid = sphere();
-    let moment = |degrees| {
-        let wide = moment(&grid, 0.0);
+    let glance = |degrees| {
+        let wide = glance(&grid, 0.0);
         let field = Field::across(Radians::from_degrees(degrees), [1000; 2]);
         let view = wide.view.map(|view| EyeView {
             field,
             size: [1000; 2],
             ..view
         });
-        Moment { view, ..wide }
+        Glance { view, ..wide }
     };
     let config = config(Policy::Perceptual, 9.5);
     let mut selector = TargetSelector::new(&grid, &config).unwrap();
-    let levels = selector.select(&content, 0, &moment(42.0)).levels;
+    let levels = selector.select(&content, 0, &glance(42.0)).levels;
     let level_at = |yaw: f64, pitch: f64| {
         let [yaw, pitch] = [yaw, pitch].map(Radians::from_degrees);
         let direction = crate::view::axes::direction_from_yaw_pitch(yaw, pitch);
@@ -292,11 +293,11 @@ fn levels_follow_a_turning_head_at_once_and_the_slope_when_it_has_turned_far() {
     let content = Texture(|_: u8, place: u32| if place >> 12 == 0 { 0.1 } else { 0.001 });
     let grid = sphere();
     let turned = |degrees: f64| {
-        let ahead = moment(&grid, 0.0);
+        let ahead = glance(&grid, 0.0);
         let yaw = Radians::from_degrees(degrees);
         let axes = Axes::from_yaw_pitch_roll(yaw, Radians(0.0), Radians(0.0));
         let view = ahead.view.map(|view| EyeView { axes, ..view });
-        Moment { view, ..ahead }
+        Glance { view, ..ahead }
     };
     let config = config(Policy::Acuity, 9.5);
     let fresh = |degrees| {
