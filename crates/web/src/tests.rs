@@ -206,7 +206,7 @@ fn a_damaged_page_leaves_the_coarser_picture_and_settles() {
     viewer.pack.video.fail_page(finest);
     settle(&host, &mut viewer, 0.0);
     assert_eq!(viewer.session.figures.histogram[0], 0);
-    assert!(viewer.session.figures.damaged_tiles > 0);
+    assert!(viewer.session.figures.damaged_units > 0);
 }
 
 #[test]

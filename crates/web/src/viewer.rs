@@ -14,6 +14,7 @@ use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::session::actions::{Cache, Now, Pace, SessionAction, SessionEvent};
 use foveal_core::session::aim::Aim;
+use foveal_core::session::bounds::Bounds;
 use foveal_core::session::media_clock::MediaClock;
 use foveal_core::session::session::{Session, SessionSettings};
 use foveal_core::session::unit_states::Piece;
@@ -95,6 +96,7 @@ impl Viewer {
             bytes_per_s: Some(FIRST_GUESS),
             since: None,
             zooms: true,
+            bounds: Bounds::default(),
         };
         let session = Session::new(vec![Arc::clone(&pack.video) as Arc<dyn Content>], settings);
         if !session.can(session.policy()) {
@@ -378,7 +380,7 @@ impl Viewer {
                 SessionAction::Log(lines) => self.write(&lines),
                 SessionAction::Count => {
                     let wrong = self.drawer.wrong_frame_units() as u64;
-                    self.session.figures.wrong_frame_tiles += wrong;
+                    self.session.figures.wrong_frame_units += wrong;
                     self.session.figures.gpu_bytes = self.drawer.gpu_bytes();
                 }
                 _ => {}

@@ -2,6 +2,7 @@
 
 pub mod actions;
 pub mod aim;
+pub mod bounds;
 pub mod budget;
 pub mod figures;
 pub mod log;

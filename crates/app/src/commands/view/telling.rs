@@ -155,7 +155,7 @@ impl Viewer {
                 "damaged",
                 format!(
                     "{}, {}",
-                    counted(figures.damaged_tiles, "tile"),
+                    counted(figures.damaged_units, "tile"),
                     counted(figures.damaged_frames, "frame")
                 ),
             ),

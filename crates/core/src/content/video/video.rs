@@ -204,7 +204,6 @@ impl Content for Video {
             bytes: entry.map(|entry| entry.bytes),
             samples,
             gpu_bytes: samples + 2 * chroma,
-            needs: Vec::new(),
             frames: self.pack.frames_of(unit),
         }
     }
