@@ -4,13 +4,13 @@
 //! and then another policy stands in. One part of the log follows the other whenever what it stands
 //! for changes: the view's size, the zoom, the policy.
 
-use crate::content::demand::{Chosen, Content};
+use crate::content::demand::{Chosen, Content, Record};
 use crate::content::policy::PolicyConfig;
 use crate::content::unit::{AssetId, UnitRef};
 use crate::selection::scheduler::Scheduler;
 use crate::session::aim::Aim;
 use crate::session::budget::Budget;
-use crate::session::log::{Given, SessionFrame, SessionHead, SessionLogPart};
+use crate::session::log::{AssetHead, Given, SessionFrame, SessionHead, SessionLogPart};
 use crate::units::{Radians, Seconds};
 use std::sync::Arc;
 
@@ -264,10 +264,10 @@ impl PolicyRun {
             state: aim.state,
             budget,
         };
-        let record = chosen.first().map(|chosen| chosen.record.clone());
+        let records: Vec<&Record> = chosen.iter().map(|chosen| &chosen.record).collect();
         let line = SessionFrame {
             behind_sound_s: aim.behind_sound,
-            ..SessionFrame::new(frames[0], &given, &record.unwrap_or_default())
+            ..SessionFrame::of_scene(frames, &given, &records)
         };
         log.push_str(&line.write());
         let assets = (0..).map(AssetId).zip(chosen);
@@ -294,7 +294,14 @@ impl PolicyRun {
             margin: Radians(margin),
             ..self.using.clone()
         };
-        let content = &self.scene[0];
-        SessionHead::new(content.name(), content.head(), config, &aim.view)
+        let (content, more) = (&self.scene[0], self.scene.iter().skip(1));
+        let more = more.map(|content| AssetHead {
+            pack: content.name().to_owned(),
+            content: content.head(),
+        });
+        SessionHead {
+            more: more.collect(),
+            ..SessionHead::new(content.name(), content.head(), config, &aim.view)
+        }
     }
 }

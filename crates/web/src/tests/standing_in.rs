@@ -63,7 +63,7 @@ fn logged(viewer: &Viewer) -> Vec<Policy> {
     let text = viewer.log();
     let log = SessionLog::parse(text).unwrap();
     let video = &viewer.pack.video;
-    let again = log.replay(&|head, config| Arc::clone(video).demand(head, config));
+    let again = log.replay(&|_, head, config| Arc::clone(video).demand(head, config));
     assert_eq!(again.write(), text);
     log.parts
         .iter()

@@ -9,8 +9,9 @@ use super::purchases::Purchases;
 use super::rules::steady::SteadySelector;
 use super::rules::target::TargetSelector;
 use super::rules::{Selection, places_hash};
-use super::units::VideoUnits;
+use super::units::{UnknownUnits, VideoUnits};
 use crate::content::demand::{Chosen, Demand, Offer, Record};
+use crate::content::head::ContentHead;
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::perception::moment::Moment;
 use std::sync::{Arc, OnceLock};
@@ -75,6 +76,19 @@ impl VideoDemand {
             meter: OnceLock::new(),
             last: None,
             begun: None,
+        }
+    }
+
+    /// What was wanted of the video of a log, of which no more is known than its head: rules need
+    /// no more.
+    ///
+    /// # Panics
+    /// The head must be of a video. Choosing panics under a policy that needs signatures or cues.
+    #[must_use]
+    pub fn of_head(head: &ContentHead, config: &PolicyConfig) -> Self {
+        match head.video() {
+            Some(grid) => Self::new(Arc::new(UnknownUnits::new(*grid)), *grid, config.clone()),
+            None => panic!("{head:?} is no video"),
         }
     }
 

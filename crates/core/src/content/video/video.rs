@@ -6,6 +6,7 @@ use super::bytes::frame_times::{FRAME_TIMES, nominal_times, parse_frame_times};
 use super::bytes::pack::VideoPack;
 use super::bytes::signatures::{SIGNATURES, Signatures};
 use super::bytes::sound::{SOUND, SoundTable};
+use super::demand::VideoDemand;
 use super::grid::tile_grid::{Tile, TileGrid};
 use super::units::VideoUnits;
 use crate::content::demand::{Content, Demand};
@@ -256,7 +257,8 @@ impl Content for Video {
     }
 
     fn demand(self: Arc<Self>, head: &ContentHead, config: &PolicyConfig) -> Box<dyn Demand> {
-        head.demand_of(self, config)
+        let grid = head.video().copied().unwrap_or(self.grid);
+        Box::new(VideoDemand::new(self, grid, config.clone()))
     }
 
     fn head(&self) -> ContentHead {
