@@ -3,6 +3,7 @@
 //! By a rule, by a score, or step by step within a budget; whichever the policy says.
 
 use super::grid::level_map::{LevelMap, histogram, pixels};
+use super::grid::places::SharedPlaces;
 use super::grid::tile_grid::TileGrid;
 use super::losses::LossMeter;
 use super::purchases::Purchases;
@@ -10,6 +11,7 @@ use super::rules::steady::SteadySelector;
 use super::rules::target::TargetSelector;
 use super::rules::{Selection, places_hash};
 use super::units::{UnknownUnits, VideoUnits};
+use super::worth::Worth;
 use crate::content::demand::{Chosen, Demand, Offer, Record};
 use crate::content::head::ContentHead;
 use crate::content::policy::{Policy, PolicyConfig};
@@ -58,7 +60,16 @@ impl VideoDemand {
     #[must_use]
     pub fn new(content: Arc<dyn VideoUnits>, grid: TileGrid, config: PolicyConfig) -> Self {
         let spends = config.policy.spends_a_budget();
-        let target = TargetSelector::new(&grid, &config);
+        let own = SharedPlaces::default();
+        let places = content.places(&grid).unwrap_or(&own);
+        let meter = OnceLock::new();
+        let make = || LossMeter::sharing(places, &grid, &config.perception);
+        let target = TargetSelector::with_meter(&grid, &config, || meter.get_or_init(make).clone());
+        let purchases = spends.then(|| {
+            let worth = Worth::sharing(places, &grid, &config);
+            let meter = config.target.map(|_| meter.get_or_init(make).clone());
+            Box::new(Purchases::new(grid, config.clone(), worth, meter))
+        });
         let rule = match target {
             Some(target) => Some(Rule::Target(Box::new(target))),
             None if spends => None,
@@ -70,10 +81,10 @@ impl VideoDemand {
         Self {
             content,
             grid,
-            purchases: spends.then(|| Box::new(Purchases::new(grid, config.clone()))),
+            purchases,
             config,
             rule,
-            meter: OnceLock::new(),
+            meter,
             last: None,
             begun: None,
         }
@@ -191,7 +202,11 @@ impl Demand for VideoDemand {
         if self.config.policy == Policy::Sampled || !self.content.has_signatures() {
             return None;
         }
-        let meter = || LossMeter::new(&self.grid, &self.config.perception);
+        let meter = || {
+            let own = SharedPlaces::default();
+            let places = self.content.places(&self.grid).unwrap_or(&own);
+            LossMeter::sharing(places, &self.grid, &self.config.perception)
+        };
         let jod = || {
             let meter = self.meter.get_or_init(meter);
             let losses = meter.losses(&self.grid, &*self.content, last.frame, &last.moment);

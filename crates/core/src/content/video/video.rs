@@ -7,6 +7,7 @@ use super::bytes::pack::VideoPack;
 use super::bytes::signatures::{SIGNATURES, Signatures};
 use super::bytes::sound::{SOUND, SoundTable};
 use super::demand::VideoDemand;
+use super::grid::places::SharedPlaces;
 use super::grid::tile_grid::{Tile, TileGrid};
 use super::units::VideoUnits;
 use crate::content::demand::{Content, Demand};
@@ -37,6 +38,7 @@ pub struct Video {
     cues: OnceLock<CueTable>,
     sound: OnceLock<SoundTable>,
     lost: RwLock<Lost>,
+    places: SharedPlaces,
 }
 
 /// What cannot be loaded, because it is damaged.
@@ -60,6 +62,7 @@ impl Video {
             cues: OnceLock::new(),
             sound: OnceLock::new(),
             lost: RwLock::default(),
+            places: SharedPlaces::default(),
         }
     }
 
@@ -293,5 +296,9 @@ impl VideoUnits for Video {
 
     fn cues(&self, unit: UnitId) -> Option<Cues> {
         self.cues.get()?.of(unit)
+    }
+
+    fn places(&self, grid: &TileGrid) -> Option<&SharedPlaces> {
+        (*grid == self.grid).then_some(&self.places)
     }
 }
