@@ -158,14 +158,7 @@ impl Session {
                 self.fetch_anew();
                 self.figures.lost_devices += 1;
             }
-            SessionEvent::Decoded { piece, .. } => {
-                self.requested.retain(|requested| *requested != piece);
-                // What came takes the place of what was to be dropped.
-                let drop = SessionAction::Drop(piece);
-                self.actions.retain(|action| *action != drop);
-                self.events.push(event);
-            }
-            SessionEvent::Damaged { piece, .. } => {
+            SessionEvent::Decoded { piece, .. } | SessionEvent::Damaged { piece, .. } => {
                 self.requested.retain(|requested| *requested != piece);
                 self.events.push(event);
             }
@@ -297,7 +290,7 @@ impl Session {
     }
 
     /// Whether what came of a piece is uploaded or dropped by what is to be done already: it came
-    /// twice in one step.
+    /// twice before one step, and one payload took the place of the other.
     fn is_taken(&self, piece: Piece) -> bool {
         let takes = [SessionAction::Upload(piece), SessionAction::Drop(piece)];
         self.actions.iter().any(|action| takes.contains(action))
