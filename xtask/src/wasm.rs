@@ -1,28 +1,41 @@
-//! Is the same selection made natively and in wasm, bit for bit?
+//! Is the same selection made natively and in wasm, bit for bit, and do sessions do the same?
 
 use std::process::Command;
 
 use crate::steps::{self, Outcome, output_of};
 
-/// Calls the module's one function and prints its 64 bits: wasm knows no unsigned result.
+/// What is compared, in the order in which either side prints its hashes.
+const COMPARED: [&str; 2] = ["selection", "session"];
+
+/// Calls the module's functions and prints the 64 bits of each: wasm knows no unsigned result.
 const SCRIPT: &str = "\
 const bytes = require('fs').readFileSync(process.argv[1]);
 WebAssembly.instantiate(bytes, {})
-  .then(({ instance }) => BigInt.asUintN(64, instance.exports.selection_hash()))
-  .then((hash) => console.log(hash.toString(16)))
+  .then(({ instance: { exports } }) => [exports.selection_hash(), exports.session_hash()])
+  .then((hashes) => hashes.map((hash) => BigInt.asUintN(64, hash).toString(16)))
+  .then((hashes) => console.log(hashes.join('\\n')))
   .catch((error) => { console.error(String(error)); process.exit(1); });";
 
-/// Runs one log through core on both targets. That core and render compile for the browser shows
-/// the page, which is made of them.
+/// Runs one log, and a hundred sessions whose wishes are fulfilled in any order, through core on
+/// both targets. That core and render compile for the browser shows the page, which is made of
+/// them.
 pub(crate) fn run() -> Outcome {
-    let in_wasm = hash_from_text(&hash_in_wasm()?)?;
-    let native = hash_from_text(&output_of(&mut steps::built("selection-hash")?)?)?;
-    compare(native, in_wasm)?;
-    println!("wasm: selection hash {native:016x}, natively and in wasm");
+    let in_wasm = hashes_from_text(&hashes_in_wasm()?)?;
+    let native = hashes_from_text(&output_of(&mut steps::built("selection-hash")?)?)?;
+    for ((what, native), in_wasm) in COMPARED.into_iter().zip(native).zip(in_wasm) {
+        compare(what, native, in_wasm)?;
+        println!("wasm: {what} hash {native:016x}, natively and in wasm");
+    }
     Ok(())
 }
 
-fn hash_in_wasm() -> Result<String, String> {
+fn hashes_from_text(text: &str) -> Result<[u64; 2], String> {
+    let hashes: Result<Vec<u64>, String> = text.lines().map(hash_from_text).collect();
+    let wrong = |found: Vec<u64>| format!("expected two hashes, found {}", found.len());
+    hashes?.try_into().map_err(wrong)
+}
+
+fn hashes_in_wasm() -> Result<String, String> {
     let module = steps::module("wasm_check")?;
     output_of(Command::new("node").arg("-e").arg(SCRIPT).arg(module))
 }
@@ -37,13 +50,13 @@ fn hash_from_text(text: &str) -> Result<u64, String> {
     })
 }
 
-fn compare(native: u64, in_wasm: u64) -> Outcome {
+fn compare(what: &str, native: u64, in_wasm: u64) -> Outcome {
     if native == in_wasm {
         return Ok(());
     }
     Err(format!(
-        "one log, two selections: {native:016x} natively, {in_wasm:016x} in wasm; look for \
-         platform mathematics, hash order or usize in core"
+        "{what}: {native:016x} natively, {in_wasm:016x} in wasm; look for platform \
+         mathematics, hash order or usize in core"
     ))
 }
 
@@ -61,8 +74,8 @@ mod tests {
 
     #[test]
     fn two_different_hashes_are_an_error_that_shows_both() {
-        assert_eq!(compare(7, 7), Ok(()));
-        let message = compare(0xab, 0xcd).unwrap_err();
+        assert_eq!(compare("selection", 7, 7), Ok(()));
+        let message = compare("selection", 0xab, 0xcd).unwrap_err();
         assert!(
             message.contains("00ab") && message.contains("00cd"),
             "{message}"

@@ -126,7 +126,7 @@ impl LivePlayer {
     fn count(&mut self) {
         let wrong = self.drawer.wrong_frame_units() as u64;
         let figures = &mut self.session.figures;
-        figures.wrong_frame_tiles += wrong;
+        figures.wrong_frame_units += wrong;
         figures.gpu_bytes = self.drawer.gpu_bytes();
     }
 }

@@ -22,6 +22,7 @@ use foveal_core::perception::glance::Glance;
 use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::{EyeState, Parameters};
 use foveal_core::session::actions::{Cache, Now, Pace, SessionAction, SessionEvent};
+use foveal_core::session::bounds::Bounds;
 use foveal_core::session::log::{SessionFrame, SessionHead};
 use foveal_core::session::session::{Session, SessionSettings};
 use foveal_core::session::unit_states::{Piece, UnitState};
@@ -111,6 +112,7 @@ impl Player {
             bytes_per_s: spends.then_some(options.bytes_per_s),
             since: Some(Seconds(0.0)),
             zooms: false,
+            bounds: Bounds::default(),
         };
         let grid = video.grid();
         Ok(Self {
@@ -296,7 +298,7 @@ impl Player {
                         self.pool.request(piece.unit.unit, piece.frame);
                     }
                 }
-                SessionAction::Chosen(chosen) => line = Some(chosen),
+                SessionAction::Chosen(chosen) => line = Some(*chosen),
                 _ => {}
             }
         }

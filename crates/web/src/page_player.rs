@@ -15,6 +15,7 @@ use foveal_core::gaze::sample::HeadPose;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::moment::Moment;
 use foveal_core::session::actions::{Cache, SessionAction, SessionEvent};
+use foveal_core::session::bounds::Bounds;
 use foveal_core::session::session::{Session, SessionSettings};
 use foveal_core::session::unit_states::Piece;
 use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
@@ -87,6 +88,7 @@ impl PagePlayer {
             bytes_per_s: Some(FIRST_GUESS),
             since: None,
             zooms: true,
+            bounds: Bounds::default(),
         };
         let session = Session::new(vec![Arc::clone(&pack.video) as Arc<dyn Content>], settings);
         if !session.can(session.policy()) {
@@ -301,7 +303,7 @@ impl PagePlayer {
                 SessionAction::Log(lines) => self.write(&lines),
                 SessionAction::Count => {
                     let wrong = self.drawer.wrong_frame_units() as u64;
-                    self.session.figures.wrong_frame_tiles += wrong;
+                    self.session.figures.wrong_frame_units += wrong;
                     self.session.figures.gpu_bytes = self.drawer.gpu_bytes();
                 }
                 _ => {}

@@ -206,7 +206,7 @@ fn a_damaged_page_leaves_the_coarser_picture_and_settles() {
     player.pack.video.fail_page(finest);
     settle(&host, &mut player, 0.0);
     assert_eq!(player.session.figures.histogram[0], 0);
-    assert!(player.session.figures.damaged_tiles > 0);
+    assert!(player.session.figures.damaged_units > 0);
 }
 
 #[test]

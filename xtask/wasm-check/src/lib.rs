@@ -1,10 +1,18 @@
-//! Does a browser select what this machine selects? The hash of a scripted run, for wasm hosts.
+//! Does a browser select what this machine selects, and do sessions there do the same? Hashes of
+//! scripted runs, for wasm hosts.
 //!
-//! `cargo xtask wasm` builds this library for wasm32, calls it under Node and compares the number
+//! `cargo xtask wasm` builds this library for wasm32, calls it under Node and compares the numbers
 //! with what the program `selection-hash` prints.
 
+#[path = "../../../crates/core/tests/any_order/mod.rs"]
+mod any_order;
+
+use any_order::Stage;
 use foveal_core::session::log::sha256_hex;
 use foveal_core::session::scripted::scripted_sessions;
+
+/// Schedules of sessions that are run.
+const SCHEDULES: u64 = 100;
 
 /// The first 64 bits of the SHA-256 of the scripted sessions' logs.
 #[unsafe(no_mangle)]
@@ -17,5 +25,30 @@ pub extern "C" fn selection_hash() -> u64 {
         .iter()
         .map(|session| session.write())
         .collect();
-    u64::from_str_radix(&sha256_hex(logs.as_bytes())[..16], 16).unwrap_or_default()
+    hash_of(&logs)
+}
+
+/// The first 64 bits of the SHA-256 of what sessions do whose wishes are fulfilled in any order;
+/// what must hold of them is checked on the way.
+///
+/// # Panics
+/// Something that must hold did not.
+#[unsafe(no_mangle)]
+#[allow(
+    unsafe_code,
+    reason = "an exported name is the whole interface to a wasm host"
+)]
+pub extern "C" fn session_hash() -> u64 {
+    let stage = match Stage::new() {
+        Ok(stage) => stage,
+        Err(error) => panic!("{error}"),
+    };
+    let runs: String = (0..SCHEDULES)
+        .map(|seed| format!("{:016x}", stage.run(seed)))
+        .collect();
+    hash_of(&runs)
+}
+
+fn hash_of(text: &str) -> u64 {
+    u64::from_str_radix(&sha256_hex(text.as_bytes())[..16], 16).unwrap_or_default()
 }

@@ -4,7 +4,7 @@ use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use foveal_core::content::demand::Content;
-use foveal_core::content::head::ContentHead;
+use foveal_core::content::video::demand::VideoDemand;
 use foveal_core::session::log::{SessionFrame, SessionLogPart, sha256_hex};
 use foveal_core::session::log_of_parts::SessionLog;
 use foveal_core::units::counted;
@@ -40,7 +40,7 @@ struct Replayed {
 /// The run selected again, on its pack where that is needed.
 fn replay(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::Result<SessionLog> {
     let Some(weighed) = log.parts.iter().find(|part| part.needs_content()) else {
-        return Ok(log.replay(&ContentHead::demand));
+        return Ok(log.replay(&|_, head, config| Box::new(VideoDemand::of_head(head, config))));
     };
     let found = || pack_beside(path, &weighed.head.pack);
     let Some(pack) = pack.map(Path::to_owned).or_else(found) else {
@@ -63,7 +63,7 @@ fn replay(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::Result<
     log.parts
         .iter()
         .try_for_each(|part| check_belongs(part, &file))?;
-    Ok(log.replay(&|head, config| Arc::clone(&video).demand(head, config)))
+    Ok(log.replay(&|_, head, config| Arc::clone(&video).demand(head, config)))
 }
 
 /// The pack that a log names: beside it, a folder above, or where the program was started.
@@ -82,9 +82,10 @@ fn check_belongs(session: &SessionLogPart, file: &PackFile) -> anyhow::Result<()
     let name = file.path().display();
     let about = file.pack().description();
     let mut grid = *file.pack().grid();
+    let logged = session.head.content.video().copied().unwrap_or(grid);
     // Flat content may have filled another screen.
-    grid.surface.tangents = session.head.content.video().surface.tangents;
-    if *session.head.content.video() != grid {
+    grid.surface.tangents = logged.surface.tangents;
+    if logged != grid {
         bail!(
             "{name}: has other tiles than the pack of the log, {}",
             session.head.pack
@@ -105,6 +106,13 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     let name = args.log.display();
     let text = output::read_text(&args.log, "the session.jsonl of a simulate")?;
     let log = SessionLog::parse(&text).with_context(|| name.to_string())?;
+    let is_video = |part: &SessionLogPart| {
+        let head = &part.head;
+        head.more.is_empty() && head.content.video().is_some()
+    };
+    if !log.parts.iter().all(is_video) {
+        bail!("{name}: a log of a scene that is not one video is replayed by what played it");
+    }
     let again = replay(&log, &args.log, args.pack.as_deref())?;
     let frames = |log: &SessionLog| -> Vec<SessionFrame> {
         let frames = log.parts.iter().flat_map(|part| &part.frames);

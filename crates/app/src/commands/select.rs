@@ -8,8 +8,10 @@ use crate::options::preset::SystemPreset;
 use crate::report::output::{self, WrongUsage, out_of_range};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
+use foveal_core::content::demand::Demand;
 use foveal_core::content::head::ContentHead;
 use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::video::demand::VideoDemand;
 use foveal_core::content::video::grid::tile_grid::TileGrid;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::moment::Moment;
@@ -107,7 +109,7 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
         Policy::Sampled => Some(sample_count(&config, &args.view.eye_view(&surface)?)),
         _ => None,
     };
-    let mut demand = ContentHead::of_video(grid).demand(&config);
+    let mut demand = VideoDemand::of_head(&ContentHead::of_video(grid), &config);
     let faces = args.faces(&surface)?;
     let source = f64::from(faces) * f64::from(surface.size[0]) * f64::from(surface.size[1]);
     let view = args.eye_view(&surface)?;

@@ -5,6 +5,7 @@ use crate::content::policy::{HasTables, PolicyConfig};
 use crate::content::unit::Unit;
 use crate::pack::unit::UnitId;
 use crate::perception::moment::Moment;
+use crate::units::Seconds;
 use crate::view::timeline::Timeline;
 use glam::DVec3;
 use std::sync::Arc;
@@ -54,7 +55,8 @@ pub trait Demand: core::fmt::Debug + Send {
     /// Whether choosing within `budget` bytes, or without limit, is buying steps.
     fn buys(&self, budget: Option<u64>) -> bool;
 
-    /// For every step those of the same asset that it needs first; empty where nothing is bought.
+    /// For every step those of the same asset that it needs first, at most 16; empty where nothing
+    /// is bought.
     fn steps(&self) -> Vec<Vec<u32>>;
 
     /// Looks at a frame and a moment, for buying.
@@ -65,7 +67,10 @@ pub trait Demand: core::fmt::Debug + Send {
 
     /// Whether the next step is still of use after those that were asked for before it in this
     /// round: buying for a score ends where the score is reached.
-    fn is_missed(&mut self, step: u32) -> bool;
+    fn is_missed(&mut self, step: u32) -> bool {
+        let _ = step;
+        true
+    }
 
     /// Buys those of the steps that will be seen, and returns what they take in bytes.
     fn buy(&mut self, steps: &[u32]) -> u64;
@@ -75,27 +80,36 @@ pub trait Demand: core::fmt::Debug + Send {
 
     /// Whether what was bought last reaches the score that is asked for, so that more bytes would
     /// buy nothing.
-    fn has_reached(&self) -> bool;
+    fn has_reached(&self) -> bool {
+        false
+    }
 
     /// The score that what was chosen last is expected to have against every finest unit, in JOD,
     /// once all of it is shown; `None` before any choice and where nothing tells.
-    fn expected_jod(&self) -> Option<f64>;
+    fn expected_jod(&self) -> Option<f64> {
+        None
+    }
 }
 
 /// One asset of a scene, the same for all its viewers: what selection and sessions learn of it,
-/// whatever kind it is of.
+/// whatever kind it is of. What it need not say is of content without time that is all there.
 pub trait Content: core::fmt::Debug + Send + Sync {
     /// Its name, for people and logs.
     fn name(&self) -> &str;
 
     /// The frames in time; of content without time there is one.
-    fn timeline(&self) -> Timeline;
+    fn timeline(&self) -> Timeline {
+        Timeline::new(&[0], Seconds(1.0))
+    }
 
     /// What is known of a unit.
     fn unit(&self, unit: UnitId) -> Unit;
 
     /// Whether a unit will never come, because what tells of it is damaged.
-    fn is_lost(&self, unit: UnitId) -> bool;
+    fn is_lost(&self, unit: UnitId) -> bool {
+        let _ = unit;
+        false
+    }
 
     /// The units of the coarsest level at a frame: while one of them is missing, there is nothing
     /// to show.
@@ -104,8 +118,11 @@ pub trait Content: core::fmt::Debug + Send + Sync {
     /// The coarsest level.
     fn coarsest(&self) -> u8;
 
-    /// The unit that shows the place of `unit` at another frame.
-    fn at_frame(&self, unit: UnitId, frame: u32) -> UnitId;
+    /// The unit that shows the place of `unit` at another frame: of content without time the same.
+    fn at_frame(&self, unit: UnitId, frame: u32) -> UnitId {
+        let _ = frame;
+        unit
+    }
 
     /// Direction in which a unit is seen, for what comes first.
     fn direction(&self, unit: UnitId) -> DVec3;
@@ -117,12 +134,18 @@ pub trait Content: core::fmt::Debug + Send + Sync {
     fn has(&self) -> HasTables;
 
     /// Whether everything has been loaded by which a policy chooses for a frame.
-    fn is_ready(&self, config: &PolicyConfig, frame: u32) -> bool;
+    fn is_ready(&self, config: &PolicyConfig, frame: u32) -> bool {
+        let _ = (config, frame);
+        true
+    }
 
     /// Whether what is not loaded yet may still come.
-    fn may_become_ready(&self) -> bool;
+    fn may_become_ready(&self) -> bool {
+        true
+    }
 
-    /// What one viewer wants of it under a policy, cut as `head` says: as it is, or as a log was.
+    /// What one viewer wants of it under a policy, cut as `head` says: as it is, or as a log was. A
+    /// head of another kind counts for nothing.
     fn demand(self: Arc<Self>, head: &ContentHead, config: &PolicyConfig) -> Box<dyn Demand>;
 
     /// How it is cut, as the head of a log tells it.

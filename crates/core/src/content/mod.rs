@@ -7,5 +7,6 @@ pub mod head;
 pub mod payload;
 pub mod policy;
 pub mod scripted;
+mod strict_json;
 pub mod unit;
 pub mod video;

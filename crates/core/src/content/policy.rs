@@ -185,6 +185,14 @@ pub struct HasTables {
     pub cues: bool,
 }
 
+impl HasTables {
+    /// All of them.
+    pub const ALL: Self = Self {
+        signatures: true,
+        cues: true,
+    };
+}
+
 impl PolicyConfig {
     /// A policy with its default parameters.
     #[must_use]

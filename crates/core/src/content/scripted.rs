@@ -3,7 +3,8 @@
 
 use crate::content::demand::Demand;
 use crate::content::head::ContentHead;
-use crate::content::policy::PolicyConfig;
+use crate::content::policy::{Policy, PolicyConfig};
+use crate::content::video::demand::VideoDemand;
 use crate::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use crate::content::video::units::VideoUnits;
 use crate::pack::unit::UnitId;
@@ -25,15 +26,35 @@ pub fn scripted_head(surface: Surface) -> ContentHead {
 
 /// What a viewer wants of that video, whose units have sizes and measures that follow from their
 /// numbers.
+///
+/// # Panics
+/// The head must be of a video.
 #[must_use]
 pub fn scripted_demand(head: &ContentHead, config: &PolicyConfig) -> Box<dyn Demand> {
-    head.demand_of(scripted_units(), config)
+    match head.video() {
+        Some(grid) => Box::new(VideoDemand::new(scripted_units(), *grid, config.clone())),
+        None => panic!("{head:?} is no video"),
+    }
 }
 
 /// The units of that video.
 pub(crate) fn scripted_units() -> Arc<dyn VideoUnits> {
     Arc::new(ScriptedUnits)
 }
+
+/// The policies that the script goes through, in order.
+pub const SCRIPTED_POLICIES: [Policy; 10] = [
+    Policy::Acuity,
+    Policy::Grid,
+    Policy::Distance,
+    Policy::Sampled,
+    Policy::Viewport,
+    Policy::Full,
+    Policy::Coarsest,
+    Policy::Uniform,
+    Policy::Eccentricity,
+    Policy::Perceptual,
+];
 
 #[derive(Debug)]
 struct ScriptedUnits;

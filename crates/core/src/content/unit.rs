@@ -31,8 +31,6 @@ pub struct Unit {
     pub samples: u64,
     /// Bytes that a frame of it takes on the GPU.
     pub gpu_bytes: u64,
-    /// Units of the same asset without which it shows nothing; at most 16.
-    pub needs: Vec<UnitId>,
     /// The frames that it shows; of content without time, frame 0.
     pub frames: Range<u32>,
 }

@@ -78,7 +78,7 @@ pub enum SessionAction {
     /// Lines of the session log.
     Log(String),
     /// What was chosen, as the log tells it.
-    Chosen(SessionFrame),
+    Chosen(Box<SessionFrame>),
     /// Something was shown, evicted or refined: how much memory is in use, and whether pieces of
     /// other frames are on screen, is to be told.
     Count,

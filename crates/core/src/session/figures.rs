@@ -21,7 +21,7 @@ pub struct FrameOutcome {
     pub left_out: u64,
     /// It came after its time.
     pub late: bool,
-    /// A coarser tile stood in for one of its own.
+    /// A coarser unit stood in for one of its own.
     pub incomplete: bool,
 }
 
@@ -31,17 +31,17 @@ pub struct Figures {
     /// When frames of the content were shown lately, and bytes uploaded by then.
     lately: VecDeque<(f64, u64)>,
     uploaded_bytes: u64,
-    /// Smoothed time from asking for a frame's tiles until all were there, in ms.
+    /// Smoothed time from asking for a frame's units until all were there, in ms.
     pub decode_ms: f64,
-    /// Pixels that decoders made.
-    pub decoded_pixels: u64,
+    /// Samples that decoders made.
+    pub decoded_samples: u64,
     /// Frames of the content shown.
     pub frames: u64,
     /// Frames never shown, because the next was due.
     pub left_out_frames: u64,
     /// Frames shown after their time.
     pub late_frames: u64,
-    /// Frames shown with a coarser tile in the place of one that was chosen.
+    /// Frames shown with a coarser unit in the place of one that was chosen.
     pub incomplete_frames: u64,
     /// Frames that took longer to draw than they last.
     pub slow_draws: u64,
@@ -52,28 +52,28 @@ pub struct Figures {
     pub most_draw_s: f64,
     /// The latest of those times, oldest first.
     draws: VecDeque<f64>,
-    /// Tiles that could not be decoded.
-    pub damaged_tiles: u64,
+    /// Units that could not be decoded.
+    pub damaged_units: u64,
     /// Frames whose coarsest level was damaged: the frame before stayed.
     pub damaged_frames: u64,
     /// Times that the graphics device was lost.
     pub lost_devices: u64,
     /// What the GPU's driver complained about.
     pub gpu_errors: u64,
-    /// Tiles that were on screen with another frame than their own.
-    pub wrong_frame_tiles: u64,
-    /// Tiles on screen by level, finest first.
+    /// Units that were on screen with another frame than their own.
+    pub wrong_frame_units: u64,
+    /// Units on screen by level, finest first.
     pub histogram: Vec<u32>,
-    /// Pixels of those tiles over the pixels of the finest level.
+    /// Samples of those units over the samples of the finest level.
     pub share: f64,
     /// Bytes of GPU memory in use.
     pub gpu_bytes: u64,
 }
 
 impl Figures {
-    /// Pixels were decoded.
-    pub fn decoded(&mut self, pixels: u64) {
-        self.decoded_pixels += pixels;
+    /// Samples were decoded.
+    pub fn decoded(&mut self, samples: u64) {
+        self.decoded_samples += samples;
     }
 
     /// So many bytes went to the GPU.
@@ -81,7 +81,7 @@ impl Figures {
         self.uploaded_bytes += bytes;
     }
 
-    /// All tiles of a frame were there after `seconds`.
+    /// All units of a frame were there after `seconds`.
     pub fn complete(&mut self, seconds: f64) {
         let ms = seconds * 1e3;
         self.decode_ms += (ms - self.decode_ms) * if self.frames < 2 { 1.0 } else { 0.1 };

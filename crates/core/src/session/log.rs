@@ -7,6 +7,7 @@
 use crate::content::demand::{Demand, Record};
 use crate::content::head::ContentHead;
 use crate::content::policy::PolicyConfig;
+use crate::content::unit::AssetId;
 use crate::gaze::sample::{GazeSample, HeadPose};
 use crate::perception::moment::Moment;
 use crate::perception::parameters::EyeState;
@@ -43,6 +44,9 @@ pub struct SessionHead {
     /// What else showed it at the same time: the other eye of a headset, other panels.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub more_views: Vec<LoggedView>,
+    /// The other assets of the scene.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub more: Vec<AssetHead>,
 }
 
 /// A view beside the first, as far as it stays the same.
@@ -63,6 +67,16 @@ pub struct LoggedPose {
     pub position: [f64; 3],
     /// Yaw, pitch and roll in radians.
     pub turn: HeadPose,
+}
+
+/// What the first line of a log tells of an asset beside the first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AssetHead {
+    /// Name of the pack, for people.
+    pub pack: String,
+    /// What was selected on.
+    #[serde(rename = "grid")]
+    pub content: ContentHead,
 }
 
 /// One line of a log: what selection was given and what it chose.
@@ -103,7 +117,28 @@ pub struct SessionFrame {
     /// How far the picture was behind the sound when this was chosen, where there was sound.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub behind_sound_s: Option<Seconds>,
+    /// What was chosen of the other assets of the scene, in the order of the head.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub more: Vec<AssetFrame>,
 }
+
+/// What a line tells of an asset beside the first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AssetFrame {
+    /// Frame of the content.
+    pub frame: u32,
+    /// Number of units of each level, finest first.
+    #[serde(rename = "tiles")]
+    pub per_level: Vec<u32>,
+    /// What they show, in samples.
+    #[serde(rename = "pixels")]
+    pub samples: u64,
+    /// SHA-256 of their places.
+    pub sha256: String,
+}
+
+/// Tells what a viewer wants of each asset of a log, by its head, under the policy of a part.
+pub type DemandOf<'a> = &'a dyn Fn(AssetId, &ContentHead, &PolicyConfig) -> Box<dyn Demand>;
 
 /// A run, as it was logged.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,8 +164,13 @@ pub enum SessionError {
         why: String,
     },
     /// A log of another version.
-    #[error("line 1, foveal_session: found {0}, expected {VERSION}")]
-    Version(u32),
+    #[error("line {line}, foveal_session: found {found}, expected {VERSION}")]
+    Version {
+        /// Line in the file, from 1.
+        line: usize,
+        /// The version.
+        found: u32,
+    },
 }
 
 impl SessionHead {
@@ -154,16 +194,30 @@ impl SessionHead {
             field,
             size,
             more_views: views.iter().skip(1).map(logged).collect(),
+            more: Vec::new(),
         }
+    }
+
+    /// The heads of all assets, in the order of the scene.
+    pub fn assets(&self) -> impl Iterator<Item = (AssetId, &ContentHead)> {
+        let more = self.more.iter().map(|asset| &asset.content);
+        (0..)
+            .map(AssetId)
+            .zip(core::iter::once(&self.content).chain(more))
     }
 
     fn check(&self) -> Result<(), SessionError> {
         let wrong = |why: String| Err(SessionError::Line { line: 1, why });
         if self.foveal_session != VERSION {
-            return Err(SessionError::Version(self.foveal_session));
+            return Err(SessionError::Version {
+                line: 1,
+                found: self.foveal_session,
+            });
         }
-        if let Err(why) = self.content.check() {
-            return wrong(why);
+        for (_, content) in self.assets() {
+            if let Err(why) = content.check() {
+                return wrong(why);
+            }
         }
         let views = self.more_views.iter().map(|view| (view.field, view.size));
         for (field, size) in views.chain([(self.field, self.size)]) {
@@ -219,9 +273,31 @@ impl SessionFrame {
         }
     }
 
-    /// The line of a frame: what selection was given and chose.
+    /// The line of a frame of a scene of one asset: what selection was given and chose.
     #[must_use]
     pub fn new(frame: u32, moment: &Moment, budget: Option<u64>, record: &Record) -> Self {
+        Self::of_scene(&[frame], moment, budget, &[record])
+    }
+
+    /// The line of a frame: what selection was given and chose, of each asset.
+    ///
+    /// # Panics
+    /// There is at least one asset, and of each a frame and a record.
+    #[must_use]
+    pub fn of_scene(
+        frames: &[u32],
+        moment: &Moment,
+        budget: Option<u64>,
+        records: &[&Record],
+    ) -> Self {
+        let more = frames.iter().zip(records).skip(1);
+        let more = more.map(|(frame, record)| AssetFrame {
+            frame: *frame,
+            per_level: record.per_level.clone(),
+            samples: record.samples,
+            sha256: record.sha256.clone(),
+        });
+        let (frame, record) = (frames[0], records[0]);
         let gaze = &moment.gaze;
         let pose = |view: &EyeView| LoggedPose {
             position: view.position.to_array(),
@@ -243,6 +319,7 @@ impl SessionFrame {
             samples: record.samples,
             sha256: record.sha256.clone(),
             behind_sound_s: moment.behind_sound,
+            more: more.collect(),
         }
     }
 
@@ -254,6 +331,12 @@ impl SessionFrame {
 
     fn check(&self, head: &SessionHead, line: usize) -> Result<(), SessionError> {
         let wrong = |why| Err(SessionError::Line { line, why });
+        let [found, expected] = [self.more.len(), head.more.len()];
+        if found != expected {
+            return wrong(format!(
+                "more: found {found}, expected {expected} as in the head"
+            ));
+        }
         let length = DVec3::from_array(self.gaze).length();
         if (length - 1.0).abs() >= 1e-6 {
             return wrong(format!(
@@ -312,20 +395,19 @@ impl SessionLogPart {
     }
 
     /// The same run selected again from what was given: equal to this one, or something changed.
-    /// `demand_of` tells what a viewer wants of the content of a head under its policy.
     #[must_use]
-    pub fn replay(
-        &self,
-        demand_of: &dyn Fn(&ContentHead, &PolicyConfig) -> Box<dyn Demand>,
-    ) -> Self {
-        let SessionHead {
-            content, policy, ..
-        } = &self.head;
-        let mut scheduler = Scheduler::new(policy, vec![demand_of(content, policy)]);
+    pub fn replay(&self, demand_of: DemandOf<'_>) -> Self {
+        let policy = &self.head.policy;
+        let assets = self.head.assets();
+        let demands = assets.map(|(asset, content)| demand_of(asset, content, policy));
+        let mut scheduler = Scheduler::new(policy, demands.collect());
         let again = |frame: &SessionFrame| {
             let moment = frame.moment(&self.head);
-            let chosen = scheduler.choose(&[frame.frame], &moment, frame.budget);
-            SessionFrame::new(frame.frame, &moment, frame.budget, &chosen[0].record)
+            let mut frames = vec![frame.frame];
+            frames.extend(frame.more.iter().map(|asset| asset.frame));
+            let chosen = scheduler.choose(&frames, &moment, frame.budget);
+            let records: Vec<&Record> = chosen.iter().map(|chosen| &chosen.record).collect();
+            SessionFrame::of_scene(&frames, &moment, frame.budget, &records)
         };
         Self {
             head: self.head.clone(),
@@ -355,6 +437,7 @@ mod tests {
     use super::*;
     use crate::content::policy::Policy;
     use crate::content::scripted::scripted_demand;
+    use crate::content::video::demand::VideoDemand;
     use crate::session::scripted::{scripted_session, scripted_sessions, scripted_sessions_over};
     use crate::view::surface::{Screen, Surface};
 
@@ -371,7 +454,8 @@ mod tests {
             let text = session.write();
             let read = SessionLogPart::parse(&text).unwrap();
             assert_eq!(read, session);
-            assert_eq!(read.replay(&scripted_demand).write(), text);
+            let again = read.replay(&|_, head, config| scripted_demand(head, config));
+            assert_eq!(again.write(), text);
         }
     }
 
@@ -400,11 +484,15 @@ mod tests {
         session.frames = session.frames.iter().map(through_both).collect();
         let both = views(&session.frames[0].moment(&head));
         session.head = SessionHead::new("two", head.content, head.policy, &both);
-        let through_both = session.replay(&scripted_demand);
+        let through_both = session.replay(&|_, head, config| scripted_demand(head, config));
         let text = through_both.write();
         let read = SessionLogPart::parse(&text).unwrap();
         assert_eq!(read, through_both);
-        assert_eq!(read.replay(&scripted_demand).write(), text);
+        assert_eq!(
+            read.replay(&|_, head, config| scripted_demand(head, config))
+                .write(),
+            text
+        );
         let one_less = text.replacen("\"more_poses\":[{", "\"others\":[{", 1);
         let told = SessionLogPart::parse(&one_less).unwrap_err().to_string();
         assert!(
@@ -430,7 +518,8 @@ mod tests {
     fn a_changed_gaze_changes_the_replay() {
         let mut session = flat_session(Policy::Acuity);
         session.frames[3].gaze = [1.0, 0.0, 0.0];
-        assert_ne!(session.replay(&ContentHead::demand), session);
+        let again = session.replay(&|_, head, config| Box::new(VideoDemand::of_head(head, config)));
+        assert_ne!(again, session);
     }
 
     #[test]
@@ -446,7 +535,7 @@ mod tests {
         let version = text.replacen("\"foveal_session\":1", "\"foveal_session\":9", 1);
         assert_eq!(
             SessionLogPart::parse(&version),
-            Err(SessionError::Version(9))
+            Err(SessionError::Version { line: 1, found: 9 })
         );
         assert_eq!(SessionLogPart::parse(""), Err(SessionError::Empty));
         let gaze = text.replacen("\"gaze\":[0.0,0.0,-1.0]", "\"gaze\":[0.0,0.0,-2.0]", 1);

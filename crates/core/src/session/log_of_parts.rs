@@ -3,10 +3,7 @@
 //! As several sessions, one after the other: each begins with a head, whose line tells itself apart
 //! from the lines of frames, and is selected again by itself.
 
-use crate::content::demand::Demand;
-use crate::content::head::ContentHead;
-use crate::content::policy::PolicyConfig;
-use crate::session::log::{SessionError, SessionLogPart};
+use crate::session::log::{DemandOf, SessionError, SessionLogPart};
 
 /// What the line of a head begins with.
 const HEAD: &str = "{\"foveal_session\":";
@@ -55,10 +52,7 @@ impl SessionLog {
 
     /// The same run selected again from what was given; see [`SessionLogPart::replay`].
     #[must_use]
-    pub fn replay(
-        &self,
-        demand_of: &dyn Fn(&ContentHead, &PolicyConfig) -> Box<dyn Demand>,
-    ) -> Self {
+    pub fn replay(&self, demand_of: DemandOf<'_>) -> Self {
         let parts = self.parts.iter().map(|part| part.replay(demand_of));
         Self {
             parts: parts.collect(),
@@ -73,7 +67,11 @@ fn moved(error: SessionError, before: usize) -> SessionError {
             line: line + before,
             why,
         },
-        other => other,
+        SessionError::Version { line, found } => SessionError::Version {
+            line: line + before,
+            found,
+        },
+        SessionError::Empty => SessionError::Empty,
     }
 }
 
@@ -89,8 +87,9 @@ pub fn parse_anything(data: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::content::policy::Policy;
+    use crate::content::policy::{Policy, PolicyConfig};
     use crate::content::scripted::scripted_head;
+    use crate::content::video::demand::VideoDemand;
     use crate::gaze::sample::GazeSample;
     use crate::perception::moment::Moment;
     use crate::selection::scheduler::Scheduler;
@@ -116,7 +115,10 @@ mod tests {
             size: [800, 800],
             eye: Default::default(),
         };
-        let mut scheduler = Scheduler::new(&config, vec![head.demand(&config)]);
+        let mut scheduler = Scheduler::new(
+            &config,
+            vec![Box::new(VideoDemand::of_head(&head, &config))],
+        );
         let frames = (0..5).map(|frame| {
             let yaw = Radians::from_degrees(f64::from(frame) * 3.0);
             let gaze = GazeSample::at(Seconds(f64::from(frame)), yaw, Radians(0.0));
@@ -145,7 +147,8 @@ mod tests {
         let text = log.write();
         let read = SessionLog::parse(&text).unwrap();
         assert_eq!(read, log);
-        assert_eq!(read.replay(&ContentHead::demand).write(), text);
+        let again = read.replay(&|_, head, config| Box::new(VideoDemand::of_head(head, config)));
+        assert_eq!(again.write(), text);
     }
 
     #[test]
@@ -158,6 +161,18 @@ mod tests {
         let damaged = format!("{}x{}", &text[..at + 8], &text[at + 9..]);
         let error = SessionLog::parse(&damaged).unwrap_err().to_string();
         assert!(error.starts_with("line 12"), "{error}");
+    }
+
+    #[test]
+    fn another_version_in_a_later_head_is_named_by_its_place_in_the_file() {
+        let log = SessionLog {
+            parts: vec![part(Policy::Viewport, 1.0), part(Policy::Acuity, 1.0)],
+        };
+        let text = log.write();
+        let at = text.rfind(HEAD).unwrap() + HEAD.len();
+        let other = format!("{}7{}", &text[..at], &text[at + 1..]);
+        let error = SessionLog::parse(&other).unwrap_err().to_string();
+        assert_eq!(error, "line 7, foveal_session: found 7, expected 1");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What one viewer is shown as time goes on, and the log that replays it.
 
 pub mod actions;
+pub mod bounds;
 pub mod budget;
 pub mod figures;
 pub mod log;

@@ -4,13 +4,13 @@
 //! and then another policy stands in. One part of the log follows the other whenever what it stands
 //! for changes: the view's size, the zoom, the policy.
 
-use crate::content::demand::{Chosen, Content};
+use crate::content::demand::{Chosen, Content, Record};
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::unit::{AssetId, UnitRef};
 use crate::perception::moment::Moment;
 use crate::selection::scheduler::Scheduler;
 use crate::session::budget::Budget;
-use crate::session::log::{SessionFrame, SessionHead, SessionLogPart};
+use crate::session::log::{AssetHead, SessionFrame, SessionHead, SessionLogPart};
 use crate::units::{Radians, Seconds};
 use crate::view::axes::angle_between;
 use crate::view::eye_view::{EyeView, Field};
@@ -270,8 +270,8 @@ impl PolicyRun {
             (Scheduler::new(&head.policy, demands), head)
         });
         let chosen = scheduler.choose(frames, moment, budget);
-        let record = chosen.first().map(|chosen| chosen.record.clone());
-        let line = SessionFrame::new(frames[0], moment, budget, &record.unwrap_or_default());
+        let records: Vec<&Record> = chosen.iter().map(|chosen| &chosen.record).collect();
+        let line = SessionFrame::of_scene(frames, moment, budget, &records);
         log.push_str(&line.write());
         let assets = (0..).map(AssetId).zip(chosen);
         let units = assets.flat_map(|(asset, Chosen { units, .. })| {
@@ -297,8 +297,15 @@ impl PolicyRun {
             margin: Radians(margin),
             ..self.using.clone()
         };
-        let content = &self.scene[0];
-        SessionHead::new(content.name(), content.head(), config, &moment.views)
+        let (content, more) = (&self.scene[0], self.scene.iter().skip(1));
+        let more = more.map(|content| AssetHead {
+            pack: content.name().to_owned(),
+            content: content.head(),
+        });
+        SessionHead {
+            more: more.collect(),
+            ..SessionHead::new(content.name(), content.head(), config, &moment.views)
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! What does every policy choose in a scripted run?
 
-use crate::content::policy::{Policy, PolicyConfig};
-use crate::content::scripted::{scripted_demand, scripted_head};
+use crate::content::policy::PolicyConfig;
+use crate::content::scripted::{SCRIPTED_POLICIES, scripted_demand, scripted_head};
 use crate::gaze::sample::HeadPose;
 use crate::gaze::scan::ScanPath;
 use crate::perception::moment::Moment;
@@ -21,20 +21,8 @@ pub fn scripted_sessions() -> Vec<SessionLogPart> {
 
 /// A scripted run over each surface under every policy.
 pub(super) fn scripted_sessions_over(surfaces: [Surface; 2]) -> Vec<SessionLogPart> {
-    let policies = [
-        Policy::Acuity,
-        Policy::Grid,
-        Policy::Distance,
-        Policy::Sampled,
-        Policy::Viewport,
-        Policy::Full,
-        Policy::Coarsest,
-        Policy::Uniform,
-        Policy::Eccentricity,
-        Policy::Perceptual,
-    ];
     let runs = surfaces.iter().flat_map(|surface| {
-        let configs = policies.map(PolicyConfig::new);
+        let configs = SCRIPTED_POLICIES.map(PolicyConfig::new);
         configs.map(|config| scripted_session(*surface, config))
     });
     runs.collect()

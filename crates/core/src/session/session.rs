@@ -10,18 +10,19 @@ mod asked;
 mod presenting;
 #[cfg(test)]
 mod tests;
+mod wanting;
 
 use crate::content::demand::Content;
 use crate::content::policy::PolicyConfig;
 use crate::content::unit::UnitRef;
 use crate::perception::moment::Moment;
 use crate::session::actions::{Now, Pace, SessionAction, SessionEvent};
+use crate::session::bounds::Bounds;
 use crate::session::budget::Budget;
 use crate::session::figures::Figures;
 use crate::session::policy_run::{Picked, PolicyRun};
 use crate::session::unit_states::{Piece, UnitState, UnitStates};
 use crate::units::Seconds;
-use crate::view::axes::angle_between;
 use crate::view::timeline::Timeline;
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -45,6 +46,8 @@ pub struct SessionSettings {
     pub since: Option<Seconds>,
     /// Whether the view can be zoomed: then less is kept fine beside a narrow one.
     pub zooms: bool,
+    /// What is kept below; by default nothing that can be played comes near.
+    pub bounds: Bounds,
 }
 
 /// One viewer's run over a scene.
@@ -60,8 +63,15 @@ pub struct Session {
     pub figures: Figures,
     shown: Option<Staged>,
     coming: Option<Staged>,
+    bounds: Bounds,
     /// What was asked for last and did not come yet, in order.
     requested: Vec<Piece>,
+    /// What is to be asked for once there is room for it, in order.
+    waiting: Vec<Piece>,
+    /// What was asked for last is not all that is missing.
+    must_ask_anew: bool,
+    /// Bytes of what is on the GPU.
+    resident_bytes: u64,
     events: Vec<SessionEvent>,
     actions: Vec<SessionAction>,
     /// The viewer went elsewhere in time, and what is on screen is no longer before what comes.
@@ -125,11 +135,15 @@ impl Session {
                 settings.zooms,
             ),
             scene,
+            bounds: settings.bounds,
             states: UnitStates::default(),
             figures: Figures::default(),
             shown: None,
             coming: None,
             requested: Vec::new(),
+            waiting: Vec::new(),
+            must_ask_anew: false,
+            resident_bytes: 0,
             events: Vec::new(),
             actions: Vec::new(),
             jumped: false,
@@ -160,6 +174,7 @@ impl Session {
         if self.is_due(now) {
             self.present(now);
         }
+        self.hand_out_more();
         self.order(now);
         if now.pace == Pace::Standing {
             self.settle(now);
@@ -172,6 +187,8 @@ impl Session {
         self.shown = None;
         self.coming = None;
         self.requested.clear();
+        self.waiting.clear();
+        self.resident_bytes = 0;
         for piece in self.states.in_state(UnitState::Cached) {
             self.actions.push(SessionAction::Drop(piece));
         }
@@ -232,9 +249,14 @@ impl Session {
         };
         let lost: Vec<Piece> = self.requested.iter().filter(lost).copied().collect();
         lost.into_iter().for_each(|piece| self.give_up(piece));
+        self.hand_out_more();
+        let has_no_room = self.has_no_room();
         let (states, figures) = (&self.states, &mut self.figures);
-        for staged in [&mut self.shown, &mut self.coming].into_iter().flatten() {
-            if staged.complete.is_none() && staged.is_whole(states) {
+        for (staged, is_full) in [(&mut self.shown, false), (&mut self.coming, has_no_room)] {
+            let Some(staged) = staged else {
+                continue;
+            };
+            if staged.complete.is_none() && (is_full || staged.is_whole(states)) {
                 staged.complete = Some(now.wall.0);
                 figures.complete(now.wall.0 - staged.begun);
             }
@@ -262,16 +284,25 @@ impl Session {
             self.states.set(piece, UnitState::Cached);
         } else if is_awaited && wants(&self.shown) {
             self.states.set(piece, UnitState::Cached);
+            self.make_room(piece);
             self.upload(piece);
-        } else {
+        } else if !self.is_taken(piece) {
             self.actions.push(SessionAction::Drop(piece));
         }
     }
 
+    /// Whether what came of a piece is uploaded or dropped by what is to be done already: it came
+    /// twice before one step, and one payload took the place of the other.
+    fn is_taken(&self, piece: Piece) -> bool {
+        let takes = [SessionAction::Upload(piece), SessionAction::Drop(piece)];
+        self.actions.iter().any(|action| takes.contains(action))
+    }
+
     /// Brings what was decoded onto the screen.
     fn upload(&mut self, piece: Piece) {
-        let asset = &self.scene[usize::from(piece.unit.asset.0)];
-        self.figures.uploaded(asset.unit(piece.unit.unit).gpu_bytes);
+        let bytes = self.unit(piece).gpu_bytes;
+        self.resident_bytes += bytes;
+        self.figures.uploaded(bytes);
         self.states.set(piece, UnitState::Resident);
         self.states.set(piece, UnitState::Shown);
         self.actions.push(SessionAction::Upload(piece));
@@ -280,13 +311,12 @@ impl Session {
     /// Goes on without a piece: a coarser level stands in, and for the coarsest the frame before.
     fn give_up(&mut self, piece: Piece) {
         self.requested.retain(|requested| *requested != piece);
-        self.figures.damaged_tiles += 1;
+        self.figures.damaged_units += 1;
         if self.states.of(piece) != Some(UnitState::Requested) {
             return;
         }
         self.states.set(piece, UnitState::Damaged);
-        let asset = &self.scene[usize::from(piece.unit.asset.0)];
-        let is_base = asset.unit(piece.unit.unit).level == asset.coarsest();
+        let is_base = self.is_base(piece);
         let is_of_coming = self.coming.as_ref().filter(|it| it.shows.contains(&piece));
         if let Some(coming) = is_of_coming.filter(|_| is_base) {
             self.damaged = Some(coming.tick);
@@ -300,6 +330,8 @@ impl Session {
         let Some(coming) = self.coming.take() else {
             return;
         };
+        self.waiting.clear();
+        self.must_ask_anew = true;
         self.let_go(&coming.wanted);
     }
 
@@ -339,8 +371,8 @@ impl Session {
         let stands = now.pace != Pace::Playing;
         if stands && self.shown_tick() == Some(target) {
             self.jumped = false;
-            if self.coming.is_some() {
-                self.give_up_coming();
+            self.give_up_coming();
+            if self.must_ask_anew {
                 self.want_missing(now);
             }
             return self.refine(now);
@@ -411,6 +443,8 @@ impl Session {
             let coming = self.coming.take();
             self.coming = coming.map(|coming| self.choose(coming, now));
             self.want_missing(now);
+        } else if self.must_ask_anew {
+            self.want_missing(now);
         }
     }
 
@@ -441,6 +475,7 @@ impl Session {
         let Picked { units, log, line } = self.run.choose(&staged.frames, &now.moment, now.until);
         self.write(log, line);
         let wanted: Vec<Piece> = units.into_iter().map(|unit| staged.piece(unit)).collect();
+        let wanted = self.fitting(wanted, now);
         let before = staged.wanted;
         let staged = Staged {
             shows: wanted.iter().copied().collect(),
@@ -460,7 +495,8 @@ impl Session {
         if !log.is_empty() {
             self.actions.push(SessionAction::Log(log));
         }
-        self.actions.extend(line.map(SessionAction::Chosen));
+        self.actions
+            .extend(line.map(|line| SessionAction::Chosen(Box::new(line))));
     }
 
     /// Chooses anew at the next step, wherever the viewer looks.
@@ -480,43 +516,13 @@ impl Session {
         if shown.complete.is_none() && shown.is_whole(&self.states) {
             shown.complete = Some(now.wall.0);
         }
-        let stale = |piece: &Piece| !shown.shows.contains(piece);
+        let coming = self.coming.as_ref();
+        let is_awaited = |piece: &Piece| coming.is_some_and(|it| it.shows.contains(piece));
+        let stale = |piece: &Piece| !shown.shows.contains(piece) && !is_awaited(piece);
         if shown.complete.is_some() && self.states.resident().iter().any(stale) {
             self.evict_others();
         }
         self.count();
-    }
-
-    /// Orders what is missing: the coarsest level first, then by distance to the gaze.
-    fn want_missing(&mut self, now: &Now) {
-        let Some(staged) = self.coming.as_ref().or(self.shown.as_ref()) else {
-            return;
-        };
-        let gaze = now.moment.gaze.gaze_in_content;
-        let missing = staged.wanted.iter();
-        let missing = missing.filter(|piece| !self.states.is_settled(**piece));
-        let mut order: Vec<(bool, f64, Piece)> = missing
-            .map(|piece| {
-                let asset = &self.scene[usize::from(piece.unit.asset.0)];
-                let angle = angle_between(gaze, asset.direction(piece.unit.unit)).0;
-                let is_finer = asset.unit(piece.unit.unit).level != asset.coarsest();
-                (is_finer, angle, *piece)
-            })
-            .collect();
-        order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        let order: Vec<Piece> = order.into_iter().map(|(.., piece)| piece).collect();
-        for piece in &order {
-            self.states.set(*piece, UnitState::Requested);
-        }
-        let before = std::mem::take(&mut self.requested);
-        let ordered: HashSet<Piece> = order.iter().copied().collect();
-        let gone = before.iter().filter(|piece| !ordered.contains(piece));
-        let gone: Vec<Piece> = gone.copied().collect();
-        self.let_go(&gone);
-        if order != before {
-            self.actions.push(SessionAction::Want(order.clone()));
-        }
-        self.requested = order;
     }
 }
 

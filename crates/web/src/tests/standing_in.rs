@@ -63,7 +63,7 @@ fn logged(player: &PagePlayer) -> Vec<Policy> {
     let text = player.log();
     let log = SessionLog::parse(text).unwrap();
     let video = &player.pack.video;
-    let again = log.replay(&|head, config| Arc::clone(video).demand(head, config));
+    let again = log.replay(&|_, head, config| Arc::clone(video).demand(head, config));
     assert_eq!(again.write(), text);
     log.parts
         .iter()

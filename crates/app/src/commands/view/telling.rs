@@ -138,7 +138,7 @@ impl WindowPlayer {
                 "damaged",
                 format!(
                     "{}, {}",
-                    counted(figures.damaged_tiles, "tile"),
+                    counted(figures.damaged_units, "tile"),
                     counted(figures.damaged_frames, "frame")
                 ),
             ),

@@ -16,6 +16,7 @@ use anyhow::{Context, anyhow, bail};
 use foveal_core::content::demand::Content;
 use foveal_core::content::policy::Policy;
 use foveal_core::content::video::Video;
+use foveal_core::session::bounds::Bounds;
 use foveal_core::session::session::SessionSettings;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
@@ -202,6 +203,7 @@ impl Open {
             bytes_per_s: args.link.map(|link| link.bytes_per_s),
             since: Some(Seconds(0.0)),
             zooms: true,
+            bounds: Bounds::default(),
         };
         let length = video.timeline().length();
         let looking = Looking::open(

@@ -3,14 +3,17 @@
 //! By a rule, by a score, or step by step within a budget; whichever the policy says.
 
 use super::grid::level_map::{LevelMap, histogram, pixels};
+use super::grid::places::SharedPlaces;
 use super::grid::tile_grid::TileGrid;
 use super::losses::LossMeter;
 use super::purchases::Purchases;
 use super::rules::steady::SteadySelector;
 use super::rules::target::TargetSelector;
 use super::rules::{Selection, places_hash};
-use super::units::VideoUnits;
+use super::units::{UnknownUnits, VideoUnits};
+use super::worth::Worth;
 use crate::content::demand::{Chosen, Demand, Offer, Record};
+use crate::content::head::ContentHead;
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::perception::glance::Glance;
 use crate::perception::moment::Moment;
@@ -76,7 +79,16 @@ impl VideoDemand {
     #[must_use]
     pub fn new(content: Arc<dyn VideoUnits>, grid: TileGrid, config: PolicyConfig) -> Self {
         let spends = config.policy.spends_a_budget();
-        let target = TargetSelector::new(&grid, &config);
+        let own = SharedPlaces::default();
+        let places = content.places(&grid).unwrap_or(&own);
+        let meter = OnceLock::new();
+        let make = || LossMeter::sharing(places, &grid, &config.perception);
+        let target = TargetSelector::with_meter(&grid, &config, || meter.get_or_init(make).clone());
+        let purchases = spends.then(|| {
+            let worth = Worth::sharing(places, &grid, &config);
+            let meter = config.target.map(|_| meter.get_or_init(make).clone());
+            Box::new(Purchases::new(grid, config.clone(), worth, meter))
+        });
         let rules = match target {
             Some(target) => vec![Rule::Target(Box::new(target))],
             None if spends => Vec::new(),
@@ -88,12 +100,25 @@ impl VideoDemand {
         Self {
             content,
             grid,
-            purchases: spends.then(|| Box::new(Purchases::new(grid, config.clone()))),
+            purchases,
             config,
             rules,
-            meter: OnceLock::new(),
+            meter,
             last: None,
             begun: None,
+        }
+    }
+
+    /// What was wanted of the video of a log, of which no more is known than its head: rules need
+    /// no more.
+    ///
+    /// # Panics
+    /// The head must be of a video. Choosing panics under a policy that needs signatures or cues.
+    #[must_use]
+    pub fn of_head(head: &ContentHead, config: &PolicyConfig) -> Self {
+        match head.video() {
+            Some(grid) => Self::new(Arc::new(UnknownUnits::new(*grid)), *grid, config.clone()),
+            None => panic!("{head:?} is no video"),
         }
     }
 
@@ -213,7 +238,11 @@ impl Demand for VideoDemand {
         if self.config.policy == Policy::Sampled || !self.content.has_signatures() {
             return None;
         }
-        let meter = || LossMeter::new(&self.grid, &self.config.perception);
+        let meter = || {
+            let own = SharedPlaces::default();
+            let places = self.content.places(&self.grid).unwrap_or(&own);
+            LossMeter::sharing(places, &self.grid, &self.config.perception)
+        };
         let jod = || {
             let meter = self.meter.get_or_init(meter);
             let expectation = self.config.policy.expectation();

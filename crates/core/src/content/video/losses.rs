@@ -4,7 +4,7 @@
 //! pooled as the judge pools ([`visible_loss`](crate::perception::visible_loss)).
 
 use crate::content::video::grid::level_map::LevelMap;
-use crate::content::video::grid::places::{APART_DEG, CellPlace, CellPlaces, Sighted};
+use crate::content::video::grid::places::{APART_DEG, CellPlace, Cells, SharedPlaces, Sighted};
 use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::units::VideoUnits;
 use crate::perception::eye::share_of_octave;
@@ -15,6 +15,7 @@ use crate::perception::sensitivity_table::SensitivityTable;
 use crate::perception::spread::SpreadTable;
 use crate::perception::visible_loss::{LostOctave, SPACE_EXPONENT, Sensed, SensedTable};
 use crate::units::Radians;
+use std::sync::Arc;
 
 /// Octaves that are looked at, from the finest downwards: to below the judge's lowest band for any
 /// content of up to 700 pixels per degree.
@@ -89,11 +90,11 @@ impl Losses {
     }
 }
 
-/// Finds losses on one grid.
+/// Finds losses on one grid. A copy shares what was made for it.
 #[derive(Clone, Debug)]
 pub struct LossMeter {
-    cells: Vec<CellPlaces>,
-    table: SensedTable,
+    cells: Cells,
+    table: Arc<SensedTable>,
     parameters: Parameters,
 }
 
@@ -102,14 +103,19 @@ impl LossMeter {
     /// corrected one stands in. Costs some milliseconds and nine directions a cell, once.
     #[must_use]
     pub fn new(grid: &TileGrid, parameters: &Parameters) -> Self {
+        Self::sharing(&SharedPlaces::default(), grid, parameters)
+    }
+
+    /// The same, with places of this grid that others use as well.
+    pub(super) fn sharing(places: &SharedPlaces, grid: &TileGrid, parameters: &Parameters) -> Self {
         let parameters = match parameters.model {
             Model::Default => *parameters,
             Model::Paper => Parameters::default(),
         };
-        let cells = grid.tiles_of(0).map(|cell| CellPlaces::dense(grid, cell));
+        let table = SensitivityTable::new(&parameters, EyeState::Steady);
         Self {
-            cells: cells.collect(),
-            table: SensedTable::new(&SensitivityTable::new(&parameters, EyeState::Steady)),
+            cells: places.dense(grid),
+            table: Arc::new(SensedTable::new(&table)),
             parameters,
         }
     }
@@ -134,7 +140,7 @@ impl LossMeter {
         let spread = SpreadTable::new(glance.gaze.spread);
         let sighted = Sighted::new(glance);
         let near = Sighted::up_to(glance, beside(grid));
-        for cell in &self.cells {
+        for cell in &*self.cells {
             let mut places: Vec<&CellPlace> = sighted.places(cell).collect();
             let in_view = !places.is_empty();
             if !in_view {

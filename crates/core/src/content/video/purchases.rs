@@ -87,8 +87,13 @@ impl Goal {
 }
 
 impl Purchases {
-    /// Holds nothing but the coarsest level.
-    pub(super) fn new(grid: TileGrid, config: PolicyConfig) -> Self {
+    /// Holds nothing but the coarsest level. The meter is for where buying stops at a score.
+    pub(super) fn new(
+        grid: TileGrid,
+        config: PolicyConfig,
+        worth: Worth,
+        meter: Option<LossMeter>,
+    ) -> Self {
         let finer = (0..grid.coarsest()).rev();
         let tiles: Vec<Tile> = finer
             .flat_map(|level| grid.tiles_of_left_eye(level))
@@ -100,10 +105,8 @@ impl Purchases {
             }
         }
         Self {
-            worth: Worth::new(&grid, &config),
-            meter: config
-                .target
-                .map(|_| LossMeter::new(&grid, &config.perception)),
+            worth,
+            meter,
             held: vec![[None; 2]; tiles.len()],
             horizons: Vec::new(),
             grid,

@@ -1,5 +1,6 @@
 //! What do choices know of prepared video, beside how it is cut?
 
+use crate::content::video::grid::places::SharedPlaces;
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::pack::unit::UnitId;
 use crate::perception::measures::contrast::Signature;
@@ -19,6 +20,11 @@ pub trait VideoUnits: core::fmt::Debug + Send + Sync {
     fn signature(&self, unit: UnitId) -> Option<Signature>;
     /// What in it might draw the eye; `None` where that is not known.
     fn cues(&self, unit: UnitId) -> Option<Cues>;
+    /// The places of the cells of `grid` for all who choose from it; `None` where each makes them.
+    fn places(&self, grid: &TileGrid) -> Option<&SharedPlaces> {
+        let _ = grid;
+        None
+    }
 }
 
 /// The units of a video of which no more is known than how it is cut.

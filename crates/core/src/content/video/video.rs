@@ -6,6 +6,8 @@ use super::bytes::frame_times::{FRAME_TIMES, nominal_times, parse_frame_times};
 use super::bytes::pack::VideoPack;
 use super::bytes::signatures::{SIGNATURES, Signatures};
 use super::bytes::sound::{SOUND, SoundTable};
+use super::demand::VideoDemand;
+use super::grid::places::SharedPlaces;
 use super::grid::tile_grid::{Tile, TileGrid};
 use super::units::VideoUnits;
 use crate::content::demand::{Content, Demand};
@@ -36,6 +38,7 @@ pub struct Video {
     cues: OnceLock<CueTable>,
     sound: OnceLock<SoundTable>,
     lost: RwLock<Lost>,
+    places: SharedPlaces,
 }
 
 /// What cannot be loaded, because it is damaged.
@@ -59,6 +62,7 @@ impl Video {
             cues: OnceLock::new(),
             sound: OnceLock::new(),
             lost: RwLock::default(),
+            places: SharedPlaces::default(),
         }
     }
 
@@ -204,7 +208,6 @@ impl Content for Video {
             bytes: entry.map(|entry| entry.bytes),
             samples,
             gpu_bytes: samples + 2 * chroma,
-            needs: Vec::new(),
             frames: self.pack.frames_of(unit),
         }
     }
@@ -257,7 +260,8 @@ impl Content for Video {
     }
 
     fn demand(self: Arc<Self>, head: &ContentHead, config: &PolicyConfig) -> Box<dyn Demand> {
-        head.demand_of(self, config)
+        let grid = head.video().copied().unwrap_or(self.grid);
+        Box::new(VideoDemand::new(self, grid, config.clone()))
     }
 
     fn head(&self) -> ContentHead {
@@ -292,5 +296,9 @@ impl VideoUnits for Video {
 
     fn cues(&self, unit: UnitId) -> Option<Cues> {
         self.cues.get()?.of(unit)
+    }
+
+    fn places(&self, grid: &TileGrid) -> Option<&SharedPlaces> {
+        (*grid == self.grid).then_some(&self.places)
     }
 }

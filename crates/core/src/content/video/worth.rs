@@ -5,7 +5,7 @@
 
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::video::grid::level_map::LevelMap;
-use crate::content::video::grid::places::{CellPlace, CellPlaces, Sighted};
+use crate::content::video::grid::places::{CellPlace, CellPlaces, Cells, SharedPlaces, Sighted};
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::content::video::losses::Losses;
 use crate::content::video::units::VideoUnits;
@@ -122,7 +122,7 @@ const AMPLITUDE_DEG: f64 = 7.6;
 #[derive(Clone, Debug)]
 pub struct Worth {
     config: PolicyConfig,
-    cells: Vec<CellPlaces>,
+    cells: Cells,
     /// What a steady or landed eye sees, and what a jumping one does; made when first asked for.
     seen: [OnceLock<SensitivityTable>; 2],
 }
@@ -144,10 +144,14 @@ impl Worth {
     /// The worth of steps under a policy that spends a budget.
     #[must_use]
     pub fn new(grid: &TileGrid, config: &PolicyConfig) -> Self {
-        let cells = grid.tiles_of(0).map(|cell| CellPlaces::new(grid, cell));
+        Self::sharing(&SharedPlaces::default(), grid, config)
+    }
+
+    /// The same, with places of this grid that others use as well.
+    pub(super) fn sharing(places: &SharedPlaces, grid: &TileGrid, config: &PolicyConfig) -> Self {
         Self {
             config: config.clone(),
-            cells: cells.collect(),
+            cells: places.few(grid),
             seen: Default::default(),
         }
     }

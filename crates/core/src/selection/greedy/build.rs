@@ -7,7 +7,7 @@ use thiserror::Error;
 /// Steps that a unit may have: levels are counted in a byte.
 const MOST_STEPS: usize = 255;
 /// Stages that a step may need.
-const MOST_PREREQUISITES: usize = 4;
+const MOST_PREREQUISITES: usize = 16;
 /// Units and steps of a catalog: both are counted in 32 bits.
 const MOST_IN_ALL: usize = u32::MAX as usize;
 
@@ -94,7 +94,7 @@ impl CatalogBuilder {
         Ok(unit)
     }
 
-    /// Says what a unit's step to a level needs besides the coarser levels of the same unit; four
+    /// Says what a unit's step to a level needs besides the coarser levels of the same unit; 16
     /// stages at most, of units that may be added later. What a whole unit needs, its coarsest step
     /// needs. Whether it makes sense, [`Self::build`] checks.
     pub fn require(&mut self, stage: Rung, needed: &[Rung]) {
@@ -105,7 +105,7 @@ impl CatalogBuilder {
     /// The catalog, with nothing but coarsest levels held. Costs 30 ns a step.
     ///
     /// # Errors
-    /// A prerequisite that does not exist, more of them than four, or a cycle.
+    /// A prerequisite that does not exist, more of them than 16, or a cycle.
     pub fn build(mut self, rule: Rule) -> Result<Catalog, CatalogError> {
         // Stable: the order in which a step's prerequisites were told stays.
         self.needs.sort_by_key(|(stage, _)| *stage);
@@ -317,13 +317,13 @@ mod tests {
     }
 
     #[test]
-    fn five_prerequisites_and_256_steps_are_refused() {
-        let five = [(stage(0, 1), stage(1, 1)); 5];
-        let error = built(&five).unwrap_err();
+    fn seventeen_prerequisites_and_256_steps_are_refused() {
+        let seventeen = [(stage(0, 1), stage(1, 1)); 17];
+        let error = built(&seventeen).unwrap_err();
         let expected = CatalogError::TooManyPrerequisites {
             unit: 0,
             level: 1,
-            found: 5,
+            found: 17,
         };
         assert_eq!(error, expected);
         let step = Step {

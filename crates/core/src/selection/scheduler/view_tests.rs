@@ -64,7 +64,7 @@ fn looking(gaze_deg: f64, views: &[EyeView]) -> Moment {
 }
 
 fn demand(surface: Surface, config: &PolicyConfig) -> VideoDemand {
-    let grid = *scripted_head(surface).video();
+    let grid = *scripted_head(surface).video().unwrap();
     VideoDemand::new(scripted_units(), grid, config.clone())
 }
 
@@ -77,7 +77,7 @@ fn choose(surface: Surface, config: &PolicyConfig, moment: &Moment) -> (Chosen, 
     } else {
         demand.needed(0, moment)
     };
-    let grid = *scripted_head(surface).video();
+    let grid = *scripted_head(surface).video().unwrap();
     let mut levels = LevelMap::filled(&grid, grid.coarsest());
     for tile in grid.tiles_of(0) {
         for level in 0..grid.coarsest() {
@@ -165,7 +165,7 @@ fn forty_eight_panels_around_a_viewer_are_all_served() {
         let alone = choose(surface, &config, &looking(0.0, &[*panel])).1;
         assert!(is_nowhere_coarser(&all, &alone));
     }
-    let grid = *scripted_head(surface).video();
+    let grid = *scripted_head(surface).video().unwrap();
     let above = Surface::cube(1024)
         .locate(DVec3::Y)
         .map(|(face, place)| grid.cell_at(face, place));

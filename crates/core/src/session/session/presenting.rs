@@ -5,6 +5,7 @@ use crate::content::unit::{AssetId, UnitRef};
 use crate::session::actions::{Now, Pace, SessionAction};
 use crate::session::figures::FrameOutcome;
 use crate::session::unit_states::{Piece, UnitState};
+use std::collections::HashSet;
 
 impl Session {
     pub(super) fn is_due(&self, now: &Now) -> bool {
@@ -64,25 +65,54 @@ impl Session {
             incomplete: follows && coming.wanted.iter().any(is_missing),
         };
         self.figures.shown(now.wall, outcome);
-        self.shown = Some(coming);
+        let is_whole = self.waiting.is_empty();
+        self.shown = Some(Staged {
+            complete: coming.complete.filter(|_| is_whole),
+            ..coming
+        });
         self.evict_others();
+        // What was still to come of the frame before does not come any more.
+        self.let_go(&before.map(|before| before.wanted).unwrap_or_default());
         self.jumped = false;
         self.count();
     }
 
-    /// Evicts all that the frame on screen does not show.
+    /// Evicts all that neither the frame on screen nor the one that comes shows.
     pub(super) fn evict_others(&mut self) {
+        let coming = self.coming.as_ref().map(|coming| coming.shows.clone());
+        self.evict_but(&coming.unwrap_or_default());
+    }
+
+    /// Evicts what is not shown where a piece would not fit beside it.
+    pub(super) fn make_room(&mut self, piece: Piece) {
+        let has_room = |session: &Self| {
+            session.resident_bytes + session.unit(piece).gpu_bytes <= session.bounds.gpu
+        };
+        if !has_room(self) {
+            self.evict_but(&HashSet::new());
+            // What the frame that comes had there is to be fetched again.
+            if let Some(coming) = &mut self.coming {
+                coming.complete = None;
+                self.must_ask_anew = true;
+            }
+        }
+    }
+
+    /// Evicts all that the frame on screen does not show, but for these.
+    fn evict_but(&mut self, others: &HashSet<Piece>) {
         let Some(shown) = &self.shown else {
             return;
         };
-        let mut kept = Vec::with_capacity(shown.wanted.len());
-        for piece in self.states.resident() {
-            if shown.shows.contains(&piece) {
-                kept.push(piece.unit);
-            } else {
-                self.states.drop(piece);
-            }
+        let shows = &shown.shows;
+        let (kept, gone): (Vec<Piece>, Vec<Piece>) = {
+            let resident = self.states.resident().into_iter();
+            resident.partition(|piece| shows.contains(piece) || others.contains(piece))
+        };
+        for piece in gone {
+            self.states.drop(piece);
+            self.resident_bytes -= self.unit(piece).gpu_bytes;
         }
+        let kept = kept.into_iter().map(|piece| piece.unit).collect();
         self.actions.push(SessionAction::Keep(kept));
     }
 

@@ -11,6 +11,7 @@ use crate::content::video::bytes::pack::VideoPack;
 use crate::content::video::grid::tile_grid::Cut;
 use crate::pack::{HEADER_BYTES, Header};
 use crate::session::actions::{SessionAction, SessionEvent};
+use crate::session::bounds::Bounds;
 use crate::session::session::SessionSettings;
 use crate::units::Radians;
 use crate::view::picture::{Colour, Matrix};
@@ -85,6 +86,7 @@ impl Trial {
 
     fn over(frames: u32, at_end: AtEnd) -> Self {
         let settings = SessionSettings {
+            bounds: Bounds::default(),
             policy: PolicyConfig::new(Policy::Full),
             bytes_per_s: None,
             since: None,

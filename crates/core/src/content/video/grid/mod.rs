@@ -4,5 +4,5 @@ pub(crate) mod cells;
 pub mod gather;
 pub mod level_map;
 pub(crate) mod neighbours;
-pub(crate) mod places;
+pub mod places;
 pub mod tile_grid;

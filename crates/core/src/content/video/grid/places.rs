@@ -6,6 +6,7 @@ use crate::units::{Cpd, Ppd, Radians};
 use crate::view::eye_view::EyeView;
 use crate::view::frustum::Frustum;
 use glam::DVec3;
+use std::sync::{Arc, OnceLock};
 
 /// Places of a cell on each axis, for its worth.
 const ACROSS: u32 = 3;
@@ -85,6 +86,34 @@ impl CellPlaces {
             cell,
             places: places.collect(),
         }
+    }
+}
+
+/// All cells of a grid.
+pub(crate) type Cells = Arc<[CellPlaces]>;
+
+/// The places of all cells of one grid, made when first asked for: the same for all viewers.
+#[derive(Debug, Default)]
+pub struct SharedPlaces {
+    few: OnceLock<Cells>,
+    dense: OnceLock<Cells>,
+}
+
+impl SharedPlaces {
+    /// As few places of each cell as do.
+    pub(crate) fn few(&self, grid: &TileGrid) -> Cells {
+        Arc::clone(self.few.get_or_init(|| {
+            let cells = grid.tiles_of(0).map(|cell| CellPlaces::new(grid, cell));
+            cells.collect()
+        }))
+    }
+
+    /// Places of each cell near to each other.
+    pub(crate) fn dense(&self, grid: &TileGrid) -> Cells {
+        Arc::clone(self.dense.get_or_init(|| {
+            let cells = grid.tiles_of(0).map(|cell| CellPlaces::dense(grid, cell));
+            cells.collect()
+        }))
     }
 }
 

@@ -72,6 +72,15 @@ impl TargetSelector {
     /// For a policy with a target; `None` where the policy has none, or no use for it.
     #[must_use]
     pub fn new(grid: &TileGrid, config: &PolicyConfig) -> Option<Self> {
+        Self::with_meter(grid, config, || LossMeter::new(grid, &config.perception))
+    }
+
+    /// The same, with a meter for this grid and policy.
+    pub(in crate::content::video) fn with_meter(
+        grid: &TileGrid,
+        config: &PolicyConfig,
+        meter: impl FnOnce() -> LossMeter,
+    ) -> Option<Self> {
         let target = config.target?;
         let rule = match config.policy {
             Policy::Perceptual => None,
@@ -81,7 +90,7 @@ impl TargetSelector {
         Some(Self {
             grid: *grid,
             target,
-            meter: LossMeter::new(grid, &config.perception),
+            meter: meter(),
             rule,
             config: config.clone(),
             before: None,
