@@ -45,8 +45,8 @@ impl Policy {
         }
     }
 
-    /// Whether this policy spends a budget on units of known size, step by step: then a
-    /// [`Refiner`](super::refine::Refiner) chooses, else a [`Selector`].
+    /// Whether this policy spends a budget on units of known size, step by step; else it is a rule,
+    /// or keeps a score.
     #[must_use]
     pub fn spends_a_budget(self) -> bool {
         matches!(self, Self::Uniform | Self::Eccentricity | Self::Perceptual)
