@@ -2,7 +2,7 @@
 
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel, parse_gaze};
 use crate::options::policy::{
-    CutOptions, MappingName, PolicyName, PolicyOptions, ViewOptions, check_thresholds, parse_size,
+    CutOptions, MappingName, PolicyOptions, ViewOptions, check_thresholds, parse_size,
 };
 use crate::options::preset::SystemPreset;
 use crate::report::output::{self, WrongUsage, out_of_range};
@@ -157,7 +157,7 @@ impl SelectArgs {
             with.policy = preset.policy(&self.policy, surface.projection);
         }
         // Without content no unit can be weighed.
-        with.policy.policy = with.policy.policy.or(Some(PolicyName::Acuity));
+        with.policy.policy = with.policy.policy.or(Some(Policy::Acuity));
         with
     }
 
@@ -175,7 +175,7 @@ impl SelectArgs {
         if config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
                 "--policy {0} weighs the units of a pack: foveal simulate PACK --policy {0}",
-                self.policy.name().name()
+                self.policy.policy().name()
             )));
         }
         // Every gaze is chosen for by itself: none is steadied by the one before.
@@ -230,7 +230,7 @@ impl SelectArgs {
         if self.view.view.is_some() {
             return self.view.eye_view(surface).map(Some);
         }
-        if self.policy.name() != PolicyName::Viewport {
+        if self.policy.policy() != Policy::Viewport {
             return Ok(None);
         }
         // Without pixels of its own the view is at least as dense as any content.

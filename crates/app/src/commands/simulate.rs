@@ -295,7 +295,7 @@ impl SimulateArgs {
         if self.watching.link.is_some() && !config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
                 "--link: {} spends no budget; give --policy uniform, eccentricity or perceptual",
-                self.policy.name().name()
+                self.policy.policy().name()
             )));
         }
         Ok(config)

@@ -3,6 +3,7 @@
 use crate::options::perception::PerceptionOptions;
 use crate::report::output::{WrongUsage, out_of_range};
 use anyhow::{Context, anyhow, bail};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use foveal_core::content::asked::{SLOPES, TARGETS};
 use foveal_core::content::policy::{
@@ -15,32 +16,16 @@ use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::{Mapping, Projection, Screen, Surface};
 
-/// A policy by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PolicyName {
-    Full,
-    Coarsest,
-    Viewport,
-    Grid,
-    /// A level by the angle between tile and gaze.
-    Distance,
-    /// Tiles by distance, of which only samples are shown.
-    Sampled,
-    Acuity,
-    /// Units in view, raised evenly within --link.
-    Uniform,
-    /// Units by acuity per byte within --link.
-    Eccentricity,
-    /// Units by what they are worth to the eye per byte within --link.
-    Perceptual,
-}
-
-impl PolicyName {
-    /// Its name on the command line.
-    pub(crate) fn name(self) -> String {
-        let value = self.to_possible_value();
-        value.map_or_else(String::new, |value| value.get_name().to_owned())
-    }
+/// Reads a policy by its name.
+pub(crate) fn policy_parser() -> impl TypedValueParser<Value = Policy> {
+    let names = Policy::ALL.map(|policy| {
+        let value = PossibleValue::new(policy.name());
+        match policy.facts().help {
+            Some(help) => value.help(help),
+            None => value,
+        }
+    });
+    PossibleValuesParser::new(names).try_map(|name| Policy::named(&name).ok_or("no policy"))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -66,8 +51,8 @@ pub(crate) enum EdgeRuleName {
 pub(crate) struct PolicyOptions {
     /// How levels are chosen (default: perceptual; acuity where a pack does not tell what its units
     /// add, and with --acuity, --slope or --safety-disc; or the preset's).
-    #[arg(long, value_enum)]
-    pub(crate) policy: Option<PolicyName>,
+    #[arg(long, value_parser = policy_parser())]
+    pub(crate) policy: Option<Policy>,
     /// The score in JOD that what is shown is expected to keep against every finest tile, 1 to
     /// 9.99: where within --link buying stops, else what levels are chosen for; none for what is
     /// worth anything (default: 9.5 for acuity and perceptual, else none).
@@ -201,19 +186,19 @@ const MOST_VARIANCE: f64 = 16_384.0;
 
 impl PolicyOptions {
     /// The policy that was asked for.
-    pub(crate) fn name(&self) -> PolicyName {
+    pub(crate) fn policy(&self) -> Policy {
         let is_of_acuity = self.acuity.is_some() || self.slope.is_some() || self.safety_disc != 0.0;
         let usual = match is_of_acuity {
-            true => PolicyName::Acuity,
-            false => PolicyName::Perceptual,
+            true => Policy::Acuity,
+            false => Policy::Perceptual,
         };
         self.policy.unwrap_or(usual)
     }
 
-    /// The same parameters for a policy of this name.
-    pub(crate) fn named(&self, name: PolicyName) -> Self {
+    /// The same parameters for this policy.
+    pub(crate) fn under(&self, policy: Policy) -> Self {
         Self {
-            policy: Some(name),
+            policy: Some(policy),
             ..self.clone()
         }
     }
@@ -230,19 +215,7 @@ impl PolicyOptions {
 
     /// The policy with its parameters, checked.
     pub(crate) fn config(&self) -> anyhow::Result<PolicyConfig> {
-        let policy = match self.name() {
-            PolicyName::Full => Policy::Full,
-            PolicyName::Coarsest => Policy::Coarsest,
-            PolicyName::Viewport => Policy::Viewport,
-            PolicyName::Grid => Policy::Grid,
-            PolicyName::Distance => Policy::Distance,
-            PolicyName::Sampled => Policy::Sampled,
-            PolicyName::Acuity => Policy::Acuity,
-            PolicyName::Uniform => Policy::Uniform,
-            PolicyName::Eccentricity => Policy::Eccentricity,
-            PolicyName::Perceptual => Policy::Perceptual,
-        };
-        self.config_of(policy)
+        self.config_of(self.policy())
     }
 
     /// These parameters under another policy.
@@ -280,9 +253,7 @@ impl PolicyOptions {
                 "--target chooses what {other} does; give one of them"
             ))),
             (Some(TargetChoice::Jod(jod)), None) if policy.has_target() => Ok(Some(jod)),
-            (None, None) if matches!(policy, Policy::Acuity | Policy::Perceptual) => {
-                Ok(Some(DEFAULT_TARGET))
-            }
+            (None, None) if policy.facts().keeps_a_score => Ok(Some(DEFAULT_TARGET)),
             (None, Some(_)) if policy == Policy::Perceptual => Ok(Some(DEFAULT_TARGET)),
             _ => Ok(None),
         }

@@ -3,8 +3,9 @@
 //! A preset stands for options of a published system; an option that is given itself wins. What
 //! each sets is told in docs/concepts/video.md.
 
-use crate::options::policy::{CutOptions, MappingName, PolicyName, PolicyOptions};
+use crate::options::policy::{CutOptions, MappingName, PolicyOptions};
 use clap::ValueEnum;
+use foveal_core::content::policy::Policy;
 use foveal_core::view::surface::Projection;
 
 /// A published system.
@@ -46,8 +47,8 @@ impl SystemPreset {
     pub(crate) fn policy(self, given: &PolicyOptions, projection: Projection) -> PolicyOptions {
         let Self::Kastner2016 = self;
         let policy = match projection {
-            Projection::Flat => PolicyName::Sampled,
-            Projection::Cube => PolicyName::Grid,
+            Projection::Flat => Policy::Sampled,
+            Projection::Cube => Policy::Grid,
         };
         let mut options = given.clone();
         options.policy = given.policy.or(Some(policy));

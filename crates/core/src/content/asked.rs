@@ -36,8 +36,7 @@ impl Detail {
     /// ```
     #[must_use]
     pub fn of(self, policy: Policy) -> PolicyConfig {
-        let usual = matches!(policy, Policy::Acuity | Policy::Perceptual);
-        let usual = usual.then_some(DEFAULT_TARGET);
+        let usual = policy.facts().keeps_a_score.then_some(DEFAULT_TARGET);
         let config = PolicyConfig::new(policy);
         match self {
             Self::Slope(slope) if policy == Policy::Acuity => PolicyConfig {

@@ -5,6 +5,7 @@ pub mod calibration;
 pub mod demand;
 pub mod head;
 pub mod payload;
+pub mod policies;
 pub mod policy;
 pub mod scripted;
 mod strict_json;

@@ -44,36 +44,6 @@ impl Policy {
             _ => Expectation::Elsewise,
         }
     }
-
-    /// Whether this policy spends a budget on units of known size, step by step; else it is a rule,
-    /// or keeps a score.
-    #[must_use]
-    pub fn spends_a_budget(self) -> bool {
-        matches!(self, Self::Uniform | Self::Eccentricity | Self::Perceptual)
-    }
-
-    /// As users write it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Full => "full",
-            Self::Coarsest => "coarsest",
-            Self::Viewport => "viewport",
-            Self::Grid => "grid",
-            Self::Distance => "distance",
-            Self::Sampled => "sampled",
-            Self::Acuity => "acuity",
-            Self::Uniform => "uniform",
-            Self::Eccentricity => "eccentricity",
-            Self::Perceptual => "perceptual",
-        }
-    }
-
-    /// Whether this policy can be told for which score to choose.
-    #[must_use]
-    pub fn has_target(self) -> bool {
-        self == Self::Acuity || self.spends_a_budget()
-    }
 }
 
 /// How far a gaze strays that means to stay: fixational eye movements and a tracker's noise.

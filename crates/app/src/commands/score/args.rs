@@ -1,8 +1,9 @@
 //! What can be asked of `foveal score`?
 
 use crate::commands::score::conditions::{DeviceName, GazeWords, ModeName, parse_gaze_words};
-use crate::options::policy::{PolicyName, PolicyOptions, ViewOptions};
+use crate::options::policy::{PolicyOptions, ViewOptions, policy_parser};
 use clap::{Args, ValueEnum};
+use foveal_core::content::policy::Policy;
 use foveal_eval::score::companion::Companion;
 use std::path::PathBuf;
 
@@ -121,8 +122,8 @@ pub(crate) struct ScoreArgs {
     #[arg(help_heading = "In place of a score")]
     pub(super) cite: bool,
     /// The policy that the first of two packs is played under.
-    #[arg(long, value_enum, default_value = "full", help_heading = PACKS)]
-    pub(super) reference_policy: PolicyName,
+    #[arg(long, value_parser = policy_parser(), default_value = "full", help_heading = PACKS)]
+    pub(super) reference_policy: Policy,
     #[command(flatten, next_help_heading = PACKS)]
     pub(super) policy: PolicyOptions,
     #[command(flatten, next_help_heading = PACKS)]

@@ -8,9 +8,9 @@ use crate::commands::score::heat::write_heat;
 use crate::commands::score::of_source::PackOfSource;
 use crate::commands::score::pack_frames::Opening;
 use crate::commands::score::report::{ScoreReport, Single};
-use crate::options::policy::PolicyName;
 use crate::report::output::{self, Counting, WrongUsage};
 use anyhow::{Context, bail};
+use foveal_core::content::policy::Policy;
 use foveal_core::units::counted;
 use foveal_eval::score::Viewing;
 use foveal_eval::score::companion::{Companion, CompanionJudge};
@@ -98,9 +98,9 @@ impl ScoreArgs {
     }
 
     /// How packs are played, under a policy in the place of that of the options.
-    fn opening(&self, policy: Option<PolicyName>) -> Opening {
+    fn opening(&self, policy: Option<Policy>) -> Opening {
         Opening {
-            policy: policy.map_or_else(|| self.policy.clone(), |name| self.policy.named(name)),
+            policy: policy.map_or_else(|| self.policy.clone(), |policy| self.policy.under(policy)),
             view: self.view.clone(),
             jobs: self.jobs,
             needs_gaze: self.gaze.is_none() && self.gaze_trace.is_none(),

@@ -5,20 +5,6 @@ use foveal_core::content::asked::next_target;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::units::Seconds;
 
-/// The policies that a key goes through.
-const POLICIES: [Policy; 10] = [
-    Policy::Viewport,
-    Policy::Acuity,
-    Policy::Perceptual,
-    Policy::Eccentricity,
-    Policy::Uniform,
-    Policy::Grid,
-    Policy::Distance,
-    Policy::Sampled,
-    Policy::Full,
-    Policy::Coarsest,
-];
-
 impl WindowPlayer {
     /// Whether the pack has what a policy chooses by.
     fn can(&self, policy: Policy) -> bool {
@@ -31,12 +17,13 @@ impl WindowPlayer {
 
     /// Chooses by the next policy, or the one before, that the pack has the tables for.
     pub(super) fn next_policy(&mut self, by: i32, now: Seconds) {
-        let count = POLICIES.len();
-        let at = POLICIES
+        let policies = Policy::IN_TURN;
+        let count = policies.len();
+        let at = policies
             .iter()
             .position(|p| *p == self.live.session().policy().policy);
         let step = if by > 0 { 1 } else { count - 1 };
-        let following = (1..=count).map(|k| POLICIES[(at.unwrap_or(0) + k * step) % count]);
+        let following = (1..=count).map(|k| policies[(at.unwrap_or(0) + k * step) % count]);
         let possible = following.into_iter().find(|policy| self.can(*policy));
         let Some(policy) = possible else {
             return;

@@ -44,7 +44,7 @@ impl Ready {
         if args.link.is_some() && !config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
                 "--link: {} spends no budget; give --policy uniform, eccentricity or perceptual",
-                args.policy.name().name()
+                args.policy.policy().name()
             )));
         }
         if args.showing.has_textures() && config.policy == Policy::Sampled {

@@ -13,23 +13,9 @@ use crate::view::eye_view::{EyeView, Field};
 use crate::view::surface::{Eye, Screen, Surface};
 use glam::DVec3;
 
-/// All that choose without a budget.
-const UNLIMITED: [Policy; 10] = [
-    Policy::Full,
-    Policy::Coarsest,
-    Policy::Viewport,
-    Policy::Grid,
-    Policy::Distance,
-    Policy::Sampled,
-    Policy::Acuity,
-    Policy::Uniform,
-    Policy::Eccentricity,
-    Policy::Perceptual,
-];
-
-/// With a score where the policy keeps one, and without.
+/// All policies, with a score where a policy keeps one, and without.
 fn configs() -> impl Iterator<Item = PolicyConfig> {
-    let plain = UNLIMITED.map(PolicyConfig::new);
+    let plain = Policy::ALL.map(PolicyConfig::new);
     let kept = [Policy::Acuity, Policy::Perceptual].map(|policy| PolicyConfig {
         target: Some(9.0),
         ..PolicyConfig::new(policy)

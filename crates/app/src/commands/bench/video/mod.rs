@@ -7,7 +7,7 @@ mod content;
 
 use crate::commands::demo::machine::Machine;
 use crate::options::decoding::{DecodingOptions, DeviceReport};
-use crate::options::policy::{PolicyName, TargetChoice, parse_target};
+use crate::options::policy::{TargetChoice, parse_target, policy_parser};
 use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage, out_of_range};
 use crate::run::timed::{Conditions, Run};
@@ -41,8 +41,8 @@ pub(crate) struct VideoArgs {
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
     /// How the foveated frames are chosen: acuity or perceptual.
-    #[arg(long, value_enum, default_value = "acuity")]
-    policy: PolicyName,
+    #[arg(long, value_parser = policy_parser(), default_value = "acuity")]
+    policy: Policy,
     /// The score in JOD that they are chosen for, 1 to 9.99, or none (default: 9.5).
     #[arg(long, value_name = "JOD|none", value_parser = parse_target)]
     #[arg(allow_hyphen_values = true, conflicts_with = "slope")]
@@ -174,9 +174,9 @@ impl VideoArgs {
     /// How the foveated frames are chosen.
     fn config(&self) -> anyhow::Result<PolicyConfig> {
         let policy = match self.policy {
-            PolicyName::Acuity => Policy::Acuity,
-            PolicyName::Perceptual if self.slope.is_none() => Policy::Perceptual,
-            PolicyName::Perceptual => bail!(WrongUsage(
+            Policy::Acuity => Policy::Acuity,
+            Policy::Perceptual if self.slope.is_none() => Policy::Perceptual,
+            Policy::Perceptual => bail!(WrongUsage(
                 "--slope is for --policy acuity; leave one of them out".to_owned()
             )),
             other => bail!(out_of_range(
