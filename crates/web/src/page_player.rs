@@ -246,7 +246,7 @@ impl PagePlayer {
     pub fn add_table(&mut self, name: &str, bytes: Vec<u8>) -> Result<(), String> {
         let added = self.pack.video.add_table(name, bytes);
         added.map_err(|error| error.to_string())?;
-        self.session.retime();
+        self.session.take(SessionEvent::TableLoaded);
         Ok(())
     }
 

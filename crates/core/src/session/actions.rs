@@ -58,6 +58,9 @@ pub enum SessionEvent {
         /// Frames that were decoded in vain.
         frames: u32,
     },
+    /// More is known of the scene: a side table was loaded, which may tell the frames' times. Pages
+    /// of an index count without being told of.
+    TableLoaded,
     /// The device that drew is gone, and what was on it.
     DeviceLost,
 }

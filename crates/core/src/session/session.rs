@@ -152,12 +152,16 @@ impl Session {
         }
     }
 
-    /// Something happened. What came counts from the next step on, a lost device at once.
+    /// Something happened. What came counts from the next step on, a table and a lost device at once.
     pub fn take(&mut self, event: SessionEvent) {
         match event {
             SessionEvent::DeviceLost => {
                 self.fetch_anew();
                 self.figures.lost_devices += 1;
+            }
+            SessionEvent::TableLoaded => {
+                self.moves = moves(&self.scene);
+                self.timeline = timeline_of(&self.scene);
             }
             SessionEvent::Decoded { piece, .. } | SessionEvent::Damaged { piece, .. } => {
                 self.requested.retain(|requested| *requested != piece);
@@ -230,7 +234,7 @@ impl Session {
     fn take_events(&mut self, now: &Now) {
         for event in std::mem::take(&mut self.events) {
             match event {
-                SessionEvent::DeviceLost => {}
+                SessionEvent::TableLoaded | SessionEvent::DeviceLost => {}
                 SessionEvent::Decoded { piece, frames } => {
                     self.figures
                         .decoded(u64::from(frames) * self.samples(piece.unit));

@@ -1,6 +1,6 @@
 //! What can be asked of a session, and what of it can be changed?
 
-use super::{Session, Staged, timeline_of};
+use super::{Session, Staged};
 use crate::content::demand::Content;
 use crate::content::policy::PolicyConfig;
 use crate::perception::moment::Moment;
@@ -81,12 +81,6 @@ impl Session {
     #[must_use]
     pub fn timeline(&self) -> &Timeline {
         &self.timeline
-    }
-
-    /// Looks at the times of the frames again, once they are known better.
-    pub fn retime(&mut self) {
-        self.moves = super::moves(&self.scene);
-        self.timeline = timeline_of(&self.scene);
     }
 
     /// The tick on screen.
