@@ -152,7 +152,8 @@ impl Session {
         }
     }
 
-    /// Something happened. What came counts from the next step on, a table and a lost device at once.
+    /// Something happened. What came counts from the next step on, a table and a lost device at
+    /// once.
     pub fn take(&mut self, event: SessionEvent) {
         match event {
             SessionEvent::DeviceLost => {
