@@ -327,21 +327,20 @@ impl Player {
         let coarsest = self.grid().coarsest();
         let pack = Arc::clone(self.video.pack());
         let is_base = |unit: UnitId| pack.tile_of(unit).level == coarsest;
-        let ordered: Vec<Piece> = self.session.requested().to_vec();
-        let mut left = ordered.len();
-        let mut base = ordered.iter().filter(|it| is_base(it.unit.unit)).count();
+        let ordered = self.session.requested().iter().map(|piece| piece.unit.unit);
+        let mut left: HashSet<UnitId> = ordered.collect();
+        let mut base = left.iter().filter(|unit| is_base(**unit)).count();
         let mut decoded = Decoded::default();
-        while left > 0 {
+        while !left.is_empty() {
             let deadline = (self.options.paced && base == 0).then_some(deadline);
             let Some(done) = self.pool.receive(deadline) else {
                 break;
             };
-            // Tiles of an earlier frame that came too late for it.
-            if done.frame != frame {
+            // Others are of an earlier order, and came too late for it.
+            if done.frame != frame || !left.remove(&done.unit) {
                 continue;
             }
-            left -= 1;
-            base -= usize::from(is_base(done.unit) && base > 0);
+            base -= usize::from(is_base(done.unit));
             let samples = Content::unit(&*self.video, done.unit).samples;
             decoded.pixels += u64::from(done.decoded) * samples;
             self.take(done, &mut decoded)?;

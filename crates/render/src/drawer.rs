@@ -265,6 +265,10 @@ impl Drawer {
     /// Evicts all units but these and the coarsest level.
     pub fn keep(&mut self, units: &[UnitRef]) {
         let tiles: Vec<Tile> = units.iter().map(|unit| self.tile_of(*unit)).collect();
+        if let Some((_, sampling)) = &mut self.sampling {
+            sampling.retain(self.video.grid().coarsest(), &tiles);
+            self.gathered = None;
+        }
         self.engine.retain(&tiles);
     }
 

@@ -29,6 +29,13 @@ use std::sync::Arc;
 
 /// A log grows no longer than this, in bytes.
 const MOST_LOG: usize = 64 << 20;
+/// What a page keeps below: its memory holds 4 GiB at most, of which decoded pictures may take a
+/// quarter, and phones have little more for graphics.
+const BOUNDS: Bounds = Bounds {
+    in_flight: 512 << 20,
+    cached: 1 << 30,
+    gpu: 2 << 30,
+};
 /// What a host is thought to bring before anything came from it, in bytes per second.
 const FIRST_GUESS: f64 = 1e6;
 /// How often a headset's eyes must ask for the levels to follow them, in seconds.
@@ -58,6 +65,8 @@ pub struct PagePlayer {
     pub(crate) drawer: Drawer,
     detail: Detail,
     log: Option<String>,
+    /// A line was left out.
+    log_is_full: bool,
     bytes_per_s: f64,
     /// Time begins with the first picture on the canvas.
     pub(crate) viewer: Viewer,
@@ -88,7 +97,7 @@ impl PagePlayer {
             bytes_per_s: Some(FIRST_GUESS),
             since: None,
             zooms: true,
-            bounds: Bounds::default(),
+            bounds: BOUNDS,
         };
         let session = Session::new(vec![Arc::clone(&pack.video) as Arc<dyn Content>], settings);
         if !session.can(session.policy()) {
@@ -108,6 +117,7 @@ impl PagePlayer {
             drawer: drawer.map_err(|error| error.to_string())?,
             detail,
             log: options.log.then(String::new),
+            log_is_full: false,
             bytes_per_s: FIRST_GUESS,
             viewer: Viewer::new(Navigation::new(grid.surface, field).facing(front), viewer),
             pack,
@@ -170,8 +180,7 @@ impl PagePlayer {
     /// Chooses at another detail.
     pub fn set_detail(&mut self, detail: Detail) {
         self.detail = detail;
-        let config = detail.of(self.session.policy().policy);
-        self.session.change_policy(config);
+        self.set_policy(self.session.policy().policy);
     }
 
     /// Goes so many target scores on, or back; what is chosen for then, or nothing where the policy
@@ -313,10 +322,12 @@ impl PagePlayer {
     }
 
     fn write(&mut self, lines: &str) {
-        if let Some(log) = &mut self.log
-            && log.len() + lines.len() <= MOST_LOG
-        {
-            log.push_str(lines);
+        if let Some(log) = &mut self.log {
+            // A line after one that is missing would not replay.
+            self.log_is_full |= log.len() + lines.len() > MOST_LOG;
+            if !self.log_is_full {
+                log.push_str(lines);
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 /// The most bytes that anything may take where nobody asks for less: more than a frame of the
 /// largest content that a pack can hold, twelve faces of 65,536 x 65,536 samples in all levels,
-/// which is 104 GB. Whoever knows the device sets less.
+/// which is 104 GB. Whoever knows the device can set less, as a page does.
 const MOST_OF_A_FRAME: u64 = 128 << 30;
 /// Most bytes in flight: what is asked for is of one frame, and is coded.
 pub const MOST_IN_FLIGHT: u64 = MOST_OF_A_FRAME;
@@ -17,7 +17,7 @@ pub struct Bounds {
     /// Bytes of what is to be fetched at once; one piece is always fetched.
     pub in_flight: u64,
     /// Bytes, as they will be on the GPU, of what is decoded and waits to be shown, and of what is
-    /// fetched to wait there. What has no room is fetched once the frame is shown.
+    /// fetched to wait there. What has no room is fetched once the frame is shown, if it stays.
     pub cached: u64,
     /// Bytes on the GPU of what is shown. What would not fit beside what matters more is not
     /// chosen. While one frame takes the place of another, both are there.

@@ -36,6 +36,13 @@ impl Budget {
         }
     }
 
+    /// It brings so many bytes a second from now on; what is saved stays.
+    pub fn set_rate(&mut self, bytes_per_s: f64) {
+        self.bytes_per_s = bytes_per_s;
+        self.saved = self.saved.min(bytes_per_s * MOST_SAVED_S);
+        self.is_done = false;
+    }
+
     /// Whether the picture stands from now on, and may wait for what takes long to arrive.
     pub fn stand(&mut self, stands: bool) {
         if self.stands != stands {
@@ -133,6 +140,16 @@ mod tests {
         assert_eq!(budget.after(Seconds(0.0)), 250);
         budget.spend(0);
         assert!(budget.is_done(), "playing, a frame does not borrow");
+    }
+
+    #[test]
+    fn what_is_saved_stays_when_the_link_changes_its_rate() {
+        let mut budget = Budget::new(1000.0);
+        assert_eq!(budget.after(Seconds(0.2)), 200);
+        budget.set_rate(2000.0);
+        assert_eq!(budget.after(Seconds(0.0)), 200);
+        budget.set_rate(400.0);
+        assert_eq!(budget.after(Seconds(0.0)), 100);
     }
 
     #[test]

@@ -103,8 +103,11 @@ impl PolicyRun {
     }
 
     /// The link brings so many bytes a second from now on.
-    pub(super) fn set_budget(&mut self, budget: Budget) {
-        self.budget = Some(budget);
+    pub(super) fn set_bytes_per_s(&mut self, bytes_per_s: f64) {
+        match &mut self.budget {
+            Some(budget) => budget.set_rate(bytes_per_s),
+            None => self.budget = Some(Budget::new(bytes_per_s)),
+        }
     }
 
     /// Whether the picture stands from now on, and may wait for what takes long to arrive.
@@ -146,9 +149,10 @@ impl PolicyRun {
 
     /// Whether what a choice waited for is there, or more may be bought.
     fn may_go_on(&self, now: f64) -> bool {
-        if let Some(frames) = &self.awaited
-            && self.waits()
-        {
+        if let Some(frames) = &self.awaited {
+            if !self.waits() {
+                return false;
+            }
             let has_waited = self.using == self.asked && self.last.is_some() && !self.keeps(now);
             return self.is_ready(frames) || has_waited;
         }
@@ -162,19 +166,25 @@ impl PolicyRun {
         self.may_go_on(now.gaze.time.0) || differs(now, before, self.asked.policy)
     }
 
-    /// Goes over to what is asked for, or to what stands in, whichever can choose now. Returns the
-    /// bytes of what was chosen so far for these frames, where that is new: they are here or under
-    /// way, and cost nothing more.
-    fn go_over(&mut self, frames: &[u32], is_ready: bool) -> u64 {
+    /// Goes over to what is asked for, or to what stands in, whichever can choose now.
+    fn go_over(&mut self, is_ready: bool) {
         let config = match is_ready {
             true => self.asked.clone(),
             false => self.asked.without_signatures(),
         };
-        if self.using == config {
+        if self.using != config {
+            self.using = config;
+            self.running = None;
+        }
+    }
+
+    /// Bytes of what was chosen so far for these frames, where the choice begins anew, as under
+    /// another policy or through another view: they are here or under way, and cost nothing more.
+    fn paid(&self, frames: &[u32], head: &SessionHead) -> u64 {
+        let mut running = self.running.iter();
+        if running.any(|(_, running)| running == head) {
             return 0;
         }
-        self.using = config;
-        self.running = None;
         let bytes = self.last_at(frames).into_iter().map(|unit| {
             let content = &self.scene[usize::from(unit.asset.0)];
             let unit = content.unit(unit.unit);
@@ -200,7 +210,7 @@ impl PolicyRun {
                 ..Picked::default()
             };
         }
-        let paid = self.go_over(frames, is_ready);
+        self.go_over(is_ready);
         if self.spends() && !is_ready {
             // Nothing stands in for what weighs bytes alone.
             self.last = None;
@@ -210,16 +220,18 @@ impl PolicyRun {
             };
         }
         let passed = until.0 - self.until.replace(until.0).unwrap_or(until.0);
+        let head = self.head(moment);
+        let paid = self.paid(frames, &head);
         let spends = self.spends();
         let mut budget = self.budget.as_mut().filter(|_| spends);
         let bytes = budget.as_mut().map(|budget| {
             let saved = budget.after(Seconds(passed));
             saved.saturating_add(paid)
         });
-        let picked = self.pick(frames, moment, bytes);
+        let picked = self.pick(head, frames, moment, bytes);
         if let Some(budget) = self.budget.as_mut().filter(|_| spends) {
             let spent = self.running.as_ref().map_or(0, |(it, _)| it.spent());
-            budget.spend(spent);
+            budget.spend(spent.saturating_sub(paid));
         }
         self.last = Some(Last {
             at: now,
@@ -251,8 +263,13 @@ impl PolicyRun {
         units.collect()
     }
 
-    fn pick(&mut self, frames: &[u32], moment: &Moment, budget: Option<u64>) -> Picked {
-        let head = self.head(moment);
+    fn pick(
+        &mut self,
+        head: SessionHead,
+        frames: &[u32],
+        moment: &Moment,
+        budget: Option<u64>,
+    ) -> Picked {
         let mut log = String::new();
         let goes_on = |(_, running): &(Scheduler, SessionHead)| *running == head;
         if !self.running.as_ref().is_some_and(goes_on) {

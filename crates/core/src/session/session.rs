@@ -81,6 +81,8 @@ pub struct Session {
     lead: f64,
     /// The last tick whose coarsest level is damaged.
     damaged: Option<u64>,
+    /// Something was uploaded or evicted that is not counted yet.
+    uncounted: bool,
 }
 
 /// One frame and its units.
@@ -149,6 +151,7 @@ impl Session {
             jumped: false,
             lead: 0.0,
             damaged: None,
+            uncounted: false,
         }
     }
 
@@ -307,6 +310,7 @@ impl Session {
     fn upload(&mut self, piece: Piece) {
         let bytes = self.unit(piece).gpu_bytes;
         self.resident_bytes += bytes;
+        self.uncounted = true;
         self.figures.uploaded(bytes);
         self.states.set(piece, UnitState::Resident);
         self.states.set(piece, UnitState::Shown);
@@ -316,10 +320,10 @@ impl Session {
     /// Goes on without a piece: a coarser level stands in, and for the coarsest the frame before.
     fn give_up(&mut self, piece: Piece) {
         self.requested.retain(|requested| *requested != piece);
-        self.figures.damaged_units += 1;
         if self.states.of(piece) != Some(UnitState::Requested) {
             return;
         }
+        self.figures.damaged_units += 1;
         self.states.set(piece, UnitState::Damaged);
         let is_base = self.is_base(piece);
         let is_of_coming = self.coming.as_ref().filter(|it| it.shows.contains(&piece));
@@ -527,7 +531,9 @@ impl Session {
         if shown.complete.is_some() && self.states.resident().iter().any(stale) {
             self.evict_others();
         }
-        self.count();
+        if self.uncounted {
+            self.count();
+        }
     }
 }
 

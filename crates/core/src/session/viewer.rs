@@ -151,7 +151,9 @@ impl Viewer {
         }
         let timeline = session.timeline();
         let due = timeline.tick_at(self.clock.time(now));
-        let tick = session.shown_tick().unwrap_or(due);
+        // What is on screen after a jump is where it came from.
+        let shown = session.shown_tick().filter(|_| !session.has_jumped());
+        let tick = shown.unwrap_or(due);
         self.clock.pause(timeline.time_of(tick));
     }
 
@@ -202,7 +204,11 @@ impl Viewer {
         } else {
             0
         };
-        let to = timeline.time_of((tick + around).saturating_add_signed(frames));
+        let tick = (tick + around).saturating_add_signed(frames);
+        let to = timeline.time_of(match self.settings.at_end {
+            AtEnd::GoesRound => tick,
+            AtEnd::Stays | AtEnd::StaysUntilPlayed => tick.min(timeline.frames() - 1),
+        });
         self.seek(session, to, now);
     }
 

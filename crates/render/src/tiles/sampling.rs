@@ -7,7 +7,7 @@ use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::samples::sample_mask::{MaskShape, SampleMask};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::picture::Picture;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// The mask that a policy asks for in a view: pixels count by the angles that they fill at the eye.
 /// From a gaze at one border of the view, a mask of twice its width reaches the other.
@@ -63,6 +63,13 @@ impl Sampling {
     /// Keeps a decoded tile of the frame.
     pub(crate) fn keep(&mut self, tile: Tile, picture: Picture) {
         self.tiles.insert(tile, picture);
+    }
+
+    /// Forgets all tiles but these and those of the coarsest level.
+    pub(crate) fn retain(&mut self, coarsest: u8, tiles: &[Tile]) {
+        let tiles: HashSet<&Tile> = tiles.iter().collect();
+        self.tiles
+            .retain(|tile, _| tile.level == coarsest || tiles.contains(tile));
     }
 
     /// The samples round a gaze that the tiles kept show.

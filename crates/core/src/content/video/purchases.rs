@@ -238,7 +238,7 @@ impl Purchases {
             for number in self.needed(&numbers, &horizon.shown) {
                 let unit = content.unit(self.tiles[number], frame);
                 if !self.holds(number, unit) {
-                    self.keep(number, unit);
+                    self.keep(content, number, unit);
                     bytes += u64::from(self.bytes(content, self.tiles[number], frame));
                 }
             }
@@ -286,11 +286,17 @@ impl Purchases {
         self.held[number].contains(&Some(unit))
     }
 
-    /// Keeps a unit, and of the others of its tile the latest: units of a level are numbered in
-    /// the order of time.
-    fn keep(&mut self, number: usize, unit: UnitId) {
+    /// Keeps a unit, and of the others of its tile the one that is bought for now, or else the
+    /// latest: units of a level are numbered in the order of time.
+    fn keep(&mut self, content: &dyn VideoUnits, number: usize, unit: UnitId) {
+        let tile = self.tiles[number];
+        let mut frames = self.horizons.iter().map(|horizon| horizon.frame);
         let held = &mut self.held[number];
-        *held = [Some(unit), held[0].max(held[1])];
+        let other = frames.find_map(|frame| {
+            let other = Some(content.unit(tile, frame));
+            held.contains(&other).then_some(other)
+        });
+        *held = [Some(unit), other.unwrap_or(held[0].max(held[1]))];
     }
 
     /// The finest level that is held for each cell and worth showing there.

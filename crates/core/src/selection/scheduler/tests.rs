@@ -1,6 +1,7 @@
 //! Is a budget spent on what is worth it, and never passed?
 
 use super::*;
+use crate::content::scripted::{scripted_demand, scripted_head};
 use crate::content::video::demand::VideoDemand;
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::level_map::pixels;
@@ -370,4 +371,23 @@ fn the_published_model_also_chooses() {
     let mut refiner = Refiner::new(grid(), paper);
     let selection = refiner.refine(&Busy, 0, &moment(0.0), Some(50_000));
     assert!(refiner.spent() > 0 && selection.levels.levels().contains(&0));
+}
+
+#[test]
+fn what_was_bought_for_a_group_is_kept_while_it_is_shown_in_every_round() {
+    let head = scripted_head(Surface::cube(1024));
+    let config = config(Policy::Perceptual);
+    let mut scheduler = Scheduler::new(&config, vec![scripted_demand(&head, &config)]);
+    let rounds = (0..4).flat_map(|_| 0..32);
+    let mut before = 0;
+    for (step, frame) in rounds.enumerate() {
+        let chosen = scheduler.choose(&[frame], &moment(0.0), Some(9_000));
+        let samples = chosen[0].record.samples;
+        let goes_on = step > 0 && frame % 8 > 0;
+        assert!(
+            !goes_on || samples >= before,
+            "{before} to {samples} at step {step}"
+        );
+        before = samples;
+    }
 }

@@ -4,7 +4,6 @@ use super::{Session, Staged};
 use crate::content::demand::Content;
 use crate::content::policy::PolicyConfig;
 use crate::perception::moment::Moment;
-use crate::session::budget::Budget;
 use crate::session::log::SessionHead;
 use crate::session::unit_states::{Piece, UnitStates};
 use crate::units::Seconds;
@@ -42,7 +41,7 @@ impl Session {
 
     /// The link brings so many bytes a second from now on.
     pub fn set_bytes_per_s(&mut self, bytes_per_s: f64) {
-        self.run.set_budget(Budget::new(bytes_per_s));
+        self.run.set_bytes_per_s(bytes_per_s);
     }
 
     /// What is spent counts from here, by the clock of gazes.
@@ -81,6 +80,12 @@ impl Session {
     #[must_use]
     pub fn timeline(&self) -> &Timeline {
         &self.timeline
+    }
+
+    /// Whether the viewer went elsewhere in time, and what is on screen is from before.
+    #[must_use]
+    pub fn has_jumped(&self) -> bool {
+        self.jumped
     }
 
     /// The tick on screen.

@@ -113,6 +113,7 @@ impl Session {
             self.resident_bytes -= self.unit(piece).gpu_bytes;
         }
         let kept = kept.into_iter().map(|piece| piece.unit).collect();
+        self.uncounted = true;
         self.actions.push(SessionAction::Keep(kept));
     }
 
@@ -133,6 +134,7 @@ impl Session {
 
     /// Counts what is on screen.
     pub(super) fn count(&mut self) {
+        self.uncounted = false;
         let coarsest = self.scene.iter().map(|asset| asset.coarsest()).max();
         let mut per_level = vec![0; usize::from(coarsest.unwrap_or(0)) + 1];
         let mut samples = 0;

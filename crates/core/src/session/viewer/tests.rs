@@ -232,6 +232,29 @@ fn before_the_first_frame_comes_the_last() {
 }
 
 #[test]
+fn after_the_last_frame_of_what_stays_at_its_end_comes_none() {
+    for at_end in [AtEnd::Stays, AtEnd::StaysUntilPlayed] {
+        let mut trial = Trial::begun(at_end);
+        let (viewer, session) = trial.parts();
+        viewer.seek_last(session, Seconds(0.1));
+        viewer.step_frames(session, 1, Seconds(0.2));
+        trial.play(0.3, 0.8);
+        assert_eq!(trial.shown_frame(), u64::from(FRAMES) - 1, "{at_end:?}");
+    }
+}
+
+#[test]
+fn who_seeks_and_pauses_before_the_picture_comes_stays_where_that_is() {
+    let mut trial = Trial::begun(AtEnd::GoesRound);
+    trial.play(0.0, 0.1);
+    let (viewer, session) = trial.parts();
+    viewer.seek(session, Seconds(0.5), Seconds(0.11));
+    viewer.pause(session, Seconds(0.12));
+    let time = trial.time(1.0);
+    assert!((0.5 - PERIOD..=0.52).contains(&time), "{time}");
+}
+
+#[test]
 fn what_is_heard_of_a_round_is_followed_in_the_nearest_one() {
     let mut trial = Trial::begun(AtEnd::GoesRound);
     // At the end of the second round the sound has begun the third.
