@@ -20,8 +20,10 @@ pub struct Budget {
 
 /// How long unspent bytes are kept, in seconds.
 pub const MOST_SAVED_S: f64 = 0.25;
-/// How often what is saved is doubled for a picture that stands: up to what a link brings in 16 s.
-const MOST_DOUBLED: u32 = 6;
+/// How often what is saved is doubled for a picture that stands.
+const MOST_DOUBLED: u32 = 5;
+/// So much is borrowed at most, in seconds of the link.
+const MOST_BORROWED_S: f64 = MOST_SAVED_S * (1_u32 << MOST_DOUBLED) as f64;
 
 impl Budget {
     /// The budget of a link that brings `bytes_per_s`; infinite for content that lies at hand.
@@ -47,6 +49,8 @@ impl Budget {
     pub fn stand(&mut self, stands: bool) {
         if self.stands != stands {
             (self.stands, self.doubled) = (stands, 0);
+            // What was asked for and did not come is not waited for any more.
+            self.saved = self.saved.max(0.0);
         }
     }
 
@@ -57,7 +61,7 @@ impl Budget {
         }
         let brought = self.bytes_per_s * passed.0.max(0.0);
         self.saved = (self.saved + brought).min(self.bytes_per_s * MOST_SAVED_S);
-        (self.saved * f64::from(1_u32 << self.doubled)) as u64
+        (self.saved.max(0.0) * f64::from(1_u32 << self.doubled)) as u64
     }
 
     /// Takes bytes that were spent, or 0 where nothing was worth what could be.
@@ -70,7 +74,13 @@ impl Budget {
             true => self.doubled + 1,
             false => 0,
         };
-        self.saved = (self.saved - bytes as f64).max(0.0);
+        // What was borrowed is paid back before anything else is bought.
+        let least = if self.stands {
+            -self.bytes_per_s * MOST_BORROWED_S
+        } else {
+            0.0
+        };
+        self.saved = (self.saved - bytes as f64).max(least);
     }
 
     /// Whether all that can ever be saved up bought nothing: for the same, waiting buys nothing.
@@ -126,11 +136,8 @@ mod tests {
         };
         assert_eq!(until(200), (7, true), "what can be saved up is");
         assert_eq!(until(1900), (11, true));
-        assert_eq!(
-            until(u64::MAX),
-            (15, false),
-            "what is worth nothing is not waited for"
-        );
+        // What was borrowed is paid back first, and what is worth nothing is not waited for.
+        assert_eq!(until(u64::MAX), (69, false));
         assert_eq!(
             budget.after(Seconds(60.0)),
             250,
@@ -140,6 +147,26 @@ mod tests {
         assert_eq!(budget.after(Seconds(0.0)), 250);
         budget.spend(0);
         assert!(budget.is_done(), "playing, a frame does not borrow");
+    }
+
+    #[test]
+    fn a_picture_that_stands_takes_no_more_in_the_long_run_than_the_link_brings() {
+        let (rate, step, steps) = (1000.0, 0.03, 4000);
+        let mut budget = Budget::new(rate);
+        budget.stand(true);
+        let mut bought = 0;
+        for _ in 0..steps {
+            let can = budget.after(Seconds(step));
+            let unit = if can >= 1900 { 1900 } else { 0 };
+            budget.spend(unit);
+            bought += unit;
+        }
+        let brought = rate * step * f64::from(steps);
+        let most = brought + rate * (MOST_SAVED_S + MOST_BORROWED_S);
+        assert!(
+            (0.8 * brought..=most).contains(&(bought as f64)),
+            "{bought} of {brought}"
+        );
     }
 
     #[test]

@@ -22,8 +22,8 @@ use thiserror::Error;
 
 /// Version of the log's format.
 const VERSION: u32 = 1;
-/// Most views of a log that is replayed from outside bytes.
-const MOST_VIEWS: usize = 256;
+/// Most views, and most assets, beside the first of a log that is replayed from outside bytes.
+const MOST_MORE: usize = 255;
 
 /// The first line of a log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,6 +77,12 @@ pub struct AssetHead {
     /// What was selected on.
     #[serde(rename = "grid")]
     pub content: ContentHead,
+}
+
+/// What a head of any version has.
+#[derive(Deserialize)]
+struct Versioned {
+    foveal_session: u32,
 }
 
 /// One line of a log: what selection was given and what it chose.
@@ -208,11 +214,15 @@ impl SessionHead {
 
     fn check(&self) -> Result<(), SessionError> {
         let wrong = |why: String| Err(SessionError::Line { line: 1, why });
-        if self.foveal_session != VERSION {
-            return Err(SessionError::Version {
-                line: 1,
-                found: self.foveal_session,
-            });
+        for (key, more) in [
+            ("more_views", self.more_views.len()),
+            ("more", self.more.len()),
+        ] {
+            if more > MOST_MORE {
+                return wrong(format!(
+                    "{key}: found {more}, at most {MOST_MORE} are replayed"
+                ));
+            }
         }
         for (_, content) in self.assets() {
             if let Err(why) = content.check() {
@@ -227,12 +237,6 @@ impl SessionHead {
             if size.contains(&0) {
                 return wrong("size: expected at least one pixel".to_owned());
             }
-        }
-        let views = self.more_views.len() + 1;
-        if views > MOST_VIEWS {
-            return wrong(format!(
-                "more_views: {views} views, at most {MOST_VIEWS} are replayed"
-            ));
         }
         Ok(())
     }
@@ -364,6 +368,14 @@ impl SessionLogPart {
             line,
             why: e.to_string(),
         };
+        // What another version has is not known.
+        if let Ok(Versioned {
+            foveal_session: found,
+        }) = serde_json::from_str(first)
+            && found != VERSION
+        {
+            return Err(SessionError::Version { line: 1, found });
+        }
         let head: SessionHead = serde_json::from_str(first).map_err(|e| wrong(1, e))?;
         head.check()?;
         let mut frames = Vec::new();
@@ -522,6 +534,12 @@ mod tests {
         assert_ne!(again, session);
     }
 
+    /// The grid of a log's head, as it stands there.
+    fn grid_of(text: &str) -> &str {
+        let (_, grid) = text.split_once("\"grid\":").unwrap();
+        grid.split_once(",\"policy\"").unwrap().0
+    }
+
     #[test]
     fn damaged_logs_are_refused_with_their_line() {
         let text = flat_session(Policy::Acuity).write();
@@ -538,6 +556,13 @@ mod tests {
             Err(SessionError::Version { line: 1, found: 9 })
         );
         assert_eq!(SessionLogPart::parse(""), Err(SessionError::Empty));
+        let newer = SessionLogPart::parse("{\"foveal_session\":2,\"other\":1}\n");
+        assert_eq!(newer, Err(SessionError::Version { line: 1, found: 2 }));
+        let asset = format!("{{\"pack\":\"x\",\"grid\":{}}}", grid_of(&text));
+        let assets = format!("\"more\":[{}],\"policy\"", vec![asset; 70_000].join(","));
+        let many = text.replacen("\"policy\"", &assets, 1);
+        let told = SessionLogPart::parse(&many).unwrap_err().to_string();
+        assert_eq!(told, "line 1: more: found 70000, at most 255 are replayed");
         let gaze = text.replacen("\"gaze\":[0.0,0.0,-1.0]", "\"gaze\":[0.0,0.0,-2.0]", 1);
         assert!(
             SessionLogPart::parse(&gaze)
