@@ -47,23 +47,32 @@ pub struct Offer {
 /// The steps of an asset are numbered from 0 and stay the same; what they cost and what they are
 /// worth changes with every moment. Buying goes like this: [`Self::begin`] once for a moment, then
 /// in each round [`Self::offers`], [`Self::is_missed`] for the steps that would be bought next, and
-/// [`Self::buy`].
+/// [`Self::buy`]. What chooses by a rule alone says [`Self::needed`] and nothing of buying.
 pub trait Demand: core::fmt::Debug + Send {
     /// The units to show of a frame where bytes are not limited, or the policy is a rule.
     fn needed(&mut self, frame: u32, moment: &Moment) -> Chosen;
 
     /// Whether choosing within `budget` bytes, or without limit, is buying steps.
-    fn buys(&self, budget: Option<u64>) -> bool;
+    fn buys(&self, budget: Option<u64>) -> bool {
+        let _ = budget;
+        false
+    }
 
     /// For every step those of the same asset that it needs first, at most 16; empty where nothing
     /// is bought.
-    fn steps(&self) -> Vec<Vec<u32>>;
+    fn steps(&self) -> Vec<Vec<u32>> {
+        Vec::new()
+    }
 
     /// Looks at a frame and a moment, for buying.
-    fn begin(&mut self, frame: u32, moment: &Moment, budget: Option<u64>);
+    fn begin(&mut self, frame: u32, moment: &Moment, budget: Option<u64>) {
+        let _ = (frame, moment, budget);
+    }
 
     /// What every step costs and is worth, after what was bought so far.
-    fn offers(&mut self) -> Vec<Offer>;
+    fn offers(&mut self) -> Vec<Offer> {
+        Vec::new()
+    }
 
     /// Whether the next step is still of use after those that were asked for before it in this
     /// round: buying for a score ends where the score is reached.
@@ -73,10 +82,15 @@ pub trait Demand: core::fmt::Debug + Send {
     }
 
     /// Buys those of the steps that will be seen, and returns what they take in bytes.
-    fn buy(&mut self, steps: &[u32]) -> u64;
+    fn buy(&mut self, steps: &[u32]) -> u64 {
+        let _ = steps;
+        0
+    }
 
     /// The units to show of what was bought.
-    fn bought(&mut self) -> Chosen;
+    fn bought(&mut self) -> Chosen {
+        Chosen::default()
+    }
 
     /// Whether what was bought last reaches the score that is asked for, so that more bytes would
     /// buy nothing.

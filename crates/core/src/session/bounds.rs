@@ -1,15 +1,9 @@
 //! How many bytes may a session have under way, waiting and on the GPU?
 
-/// The most bytes that anything may take where nobody asks for less: more than a frame of the
-/// largest content that a pack can hold, twelve faces of 65,536 x 65,536 samples in all levels,
-/// which is 104 GB. Whoever knows the device can set less, as a page does.
-const MOST_OF_A_FRAME: u64 = 128 << 30;
-/// Most bytes in flight: what is asked for is of one frame, and is coded.
-pub const MOST_IN_FLIGHT: u64 = MOST_OF_A_FRAME;
-/// Most bytes decoded and waiting: only one frame at a time is prepared.
-pub const MOST_CACHED: u64 = MOST_OF_A_FRAME;
-/// Most bytes on the GPU: only one frame is shown.
-pub const MOST_ON_GPU: u64 = MOST_OF_A_FRAME;
+/// Where nobody asks for less: more than a frame of the largest content that a pack can hold,
+/// twelve faces of 65,536 x 65,536 samples in all levels, which is 104 GB. One frame at a time is
+/// fetched, one waits, one is shown. Whoever knows the device can set less, as a page does.
+const MORE_THAN_A_FRAME: u64 = 128 << 30;
 
 /// What a session keeps below. The coarsest level is fetched, kept and shown whatever it takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,9 +21,9 @@ pub struct Bounds {
 impl Default for Bounds {
     fn default() -> Self {
         Self {
-            in_flight: MOST_IN_FLIGHT,
-            cached: MOST_CACHED,
-            gpu: MOST_ON_GPU,
+            in_flight: MORE_THAN_A_FRAME,
+            cached: MORE_THAN_A_FRAME,
+            gpu: MORE_THAN_A_FRAME,
         }
     }
 }

@@ -72,7 +72,8 @@ pub struct Session {
     must_ask_anew: bool,
     /// Bytes of what is on the GPU.
     resident_bytes: u64,
-    events: Vec<SessionEvent>,
+    /// What came since the last step.
+    arrived: Vec<Arrived>,
     actions: Vec<SessionAction>,
     /// The viewer went elsewhere in time, and what is on screen is no longer before what comes.
     jumped: bool,
@@ -83,6 +84,14 @@ pub struct Session {
     damaged: Option<u64>,
     /// Something was uploaded or evicted that is not counted yet.
     uncounted: bool,
+}
+
+/// A piece that was decoded, or found damaged, with as many frames as that took.
+#[derive(Clone, Copy, Debug)]
+struct Arrived {
+    piece: Piece,
+    frames: u32,
+    is_damaged: bool,
 }
 
 /// One frame and its units.
@@ -146,7 +155,7 @@ impl Session {
             waiting: Vec::new(),
             must_ask_anew: false,
             resident_bytes: 0,
-            events: Vec::new(),
+            arrived: Vec::new(),
             actions: Vec::new(),
             jumped: false,
             lead: 0.0,
@@ -167,11 +176,18 @@ impl Session {
                 self.moves = moves(&self.scene);
                 self.timeline = timeline_of(&self.scene);
             }
-            SessionEvent::Decoded { piece, .. } | SessionEvent::Damaged { piece, .. } => {
-                self.requested.retain(|requested| *requested != piece);
-                self.events.push(event);
-            }
+            SessionEvent::Decoded { piece, frames } => self.arrive(piece, frames, false),
+            SessionEvent::Damaged { piece, frames } => self.arrive(piece, frames, true),
         }
+    }
+
+    fn arrive(&mut self, piece: Piece, frames: u32, is_damaged: bool) {
+        self.requested.retain(|requested| *requested != piece);
+        self.arrived.push(Arrived {
+            piece,
+            frames,
+            is_damaged,
+        });
     }
 
     /// Moves on to `now`: shows what is due, and orders what comes. What is to be done is handed
@@ -236,19 +252,12 @@ impl Session {
 
     /// Puts what was decoded where it belongs.
     fn take_events(&mut self, now: &Now) {
-        for event in std::mem::take(&mut self.events) {
-            match event {
-                SessionEvent::TableLoaded | SessionEvent::DeviceLost => {}
-                SessionEvent::Decoded { piece, frames } => {
-                    self.figures
-                        .decoded(u64::from(frames) * self.samples(piece.unit));
-                    self.place(piece);
-                }
-                SessionEvent::Damaged { piece, frames } => {
-                    self.figures
-                        .decoded(u64::from(frames) * self.samples(piece.unit));
-                    self.give_up(piece);
-                }
+        for arrived in std::mem::take(&mut self.arrived) {
+            let samples = self.unit(arrived.piece).samples;
+            self.figures.decoded(u64::from(arrived.frames) * samples);
+            match arrived.is_damaged {
+                true => self.give_up(arrived.piece),
+                false => self.place(arrived.piece),
             }
         }
         let lost = |piece: &&Piece| {
@@ -269,12 +278,6 @@ impl Session {
                 figures.complete(now.wall.0 - staged.begun);
             }
         }
-    }
-
-    fn samples(&self, unit: UnitRef) -> u64 {
-        self.scene[usize::from(unit.asset.0)]
-            .unit(unit.unit)
-            .samples
     }
 
     /// Keeps a piece for the frame that comes, or shows it in the one that is there.

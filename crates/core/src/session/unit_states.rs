@@ -88,7 +88,7 @@ impl UnitStates {
         pieces
     }
 
-    /// The pieces of a frame that are on the GPU, in order.
+    /// The pieces that are on the GPU, of whichever frame, in order.
     #[must_use]
     pub fn resident(&self) -> Vec<Piece> {
         let mut pieces = self.in_state(UnitState::Resident);

@@ -1,6 +1,6 @@
 //! Content with no more to it than its units: one coarse, four middle and sixteen fine ones.
 
-use foveal_core::content::demand::{Chosen, Content, Demand, Offer};
+use foveal_core::content::demand::{Chosen, Content, Demand};
 use foveal_core::content::head::ContentHead;
 use foveal_core::content::policy::{HasTables, Policy, PolicyConfig};
 use foveal_core::content::scripted::scripted_head;
@@ -111,10 +111,6 @@ impl Content for Film {
         !self.lacks.load(Ordering::Relaxed)
     }
 
-    fn may_become_ready(&self) -> bool {
-        true
-    }
-
     fn demand(self: Arc<Self>, _: &ContentHead, config: &PolicyConfig) -> Box<dyn Demand> {
         Box::new(Self {
             policy: Some(config.policy),
@@ -142,39 +138,5 @@ impl Demand for Film {
             units: units_at(frame).filter(is_near).collect(),
             ..Chosen::default()
         }
-    }
-
-    fn buys(&self, _: Option<u64>) -> bool {
-        false
-    }
-
-    fn steps(&self) -> Vec<Vec<u32>> {
-        Vec::new()
-    }
-
-    fn begin(&mut self, _: u32, _: &Moment, _: Option<u64>) {}
-
-    fn offers(&mut self) -> Vec<Offer> {
-        Vec::new()
-    }
-
-    fn is_missed(&mut self, _: u32) -> bool {
-        false
-    }
-
-    fn buy(&mut self, _: &[u32]) -> u64 {
-        0
-    }
-
-    fn bought(&mut self) -> Chosen {
-        Chosen::default()
-    }
-
-    fn has_reached(&self) -> bool {
-        false
-    }
-
-    fn expected_jod(&self) -> Option<f64> {
-        None
     }
 }

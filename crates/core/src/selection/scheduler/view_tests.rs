@@ -56,13 +56,10 @@ fn demand(surface: Surface, config: &PolicyConfig) -> VideoDemand {
 
 /// What is chosen for a moment by itself, and at which levels.
 fn choose(surface: Surface, config: &PolicyConfig, moment: &Moment) -> (Chosen, LevelMap) {
-    let mut demand = demand(surface, config);
-    let chosen = if demand.buys(None) {
-        let mut scheduler = Scheduler::new(config, vec![Box::new(demand.clone())]);
-        scheduler.choose(&[0], moment, None).remove(0)
-    } else {
-        demand.needed(0, moment)
-    };
+    let demand = demand(surface, config);
+    let chosen = Scheduler::new(config, vec![Box::new(demand)])
+        .choose(&[0], moment, None)
+        .remove(0);
     let grid = *scripted_head(surface).video().unwrap();
     let mut levels = LevelMap::filled(&grid, grid.coarsest());
     for tile in grid.tiles_of(0) {

@@ -1,7 +1,7 @@
 //! Does the right frame come on screen, however slow or broken its units are?
 
 use super::*;
-use crate::content::demand::{Chosen, Demand, Offer};
+use crate::content::demand::{Chosen, Demand};
 use crate::content::head::ContentHead;
 use crate::content::policy::HasTables;
 use crate::content::scripted::scripted_head;
@@ -57,10 +57,6 @@ impl Content for Film {
         }
     }
 
-    fn is_lost(&self, _: UnitId) -> bool {
-        false
-    }
-
     fn base(&self, frame: u32) -> Vec<UnitId> {
         units_at(frame).take(1).collect()
     }
@@ -92,10 +88,6 @@ impl Content for Film {
         !self.lacks.load(Ordering::Relaxed)
     }
 
-    fn may_become_ready(&self) -> bool {
-        true
-    }
-
     fn demand(self: Arc<Self>, _: &ContentHead, _: &PolicyConfig) -> Box<dyn Demand> {
         Box::new(Self::clone(&self))
     }
@@ -111,40 +103,6 @@ impl Demand for Film {
             units: units_at(frame).collect(),
             ..Chosen::default()
         }
-    }
-
-    fn buys(&self, _: Option<u64>) -> bool {
-        false
-    }
-
-    fn steps(&self) -> Vec<Vec<u32>> {
-        Vec::new()
-    }
-
-    fn begin(&mut self, _: u32, _: &Moment, _: Option<u64>) {}
-
-    fn offers(&mut self) -> Vec<Offer> {
-        Vec::new()
-    }
-
-    fn is_missed(&mut self, _: u32) -> bool {
-        false
-    }
-
-    fn buy(&mut self, _: &[u32]) -> u64 {
-        0
-    }
-
-    fn bought(&mut self) -> Chosen {
-        Chosen::default()
-    }
-
-    fn has_reached(&self) -> bool {
-        false
-    }
-
-    fn expected_jod(&self) -> Option<f64> {
-        None
     }
 }
 
