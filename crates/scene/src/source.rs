@@ -1,0 +1,76 @@
+//! What was read of 3D files?
+
+use glam::{DAffine3, DVec3};
+use std::collections::BTreeMap;
+
+/// A scene as its files tell it: nothing is simplified or put on a grid yet.
+#[derive(Clone, Debug, Default)]
+pub struct Source {
+    /// What stands in the scene.
+    pub objects: Vec<SourceObject>,
+    /// The meshes that objects show.
+    pub meshes: Vec<SourceMesh>,
+    /// What surfaces look like; triangles name them by number.
+    pub materials: Vec<Material>,
+    /// What was repaired or left out on reading, by name.
+    pub repairs: Repairs,
+    /// What a person should know: what of a file's looks is not drawn.
+    pub remarks: Vec<String>,
+}
+
+/// How often something was repaired or left out, by a short name in snake case, such as
+/// `zero_area_triangles`.
+pub type Repairs = BTreeMap<String, u64>;
+
+/// A mesh and the places where it stands.
+#[derive(Clone, Debug)]
+pub struct SourceObject {
+    /// Its name in the file, or one made of the file's name.
+    pub name: String,
+    /// Number of its mesh.
+    pub mesh: usize,
+    /// World from mesh: right-handed, y up, metres; at least one.
+    pub placements: Vec<DAffine3>,
+}
+
+/// A mesh of triangles. Vertices that differ only in normal or colour share their position
+/// exactly, so that the surface is closed where the file's is.
+#[derive(Clone, Debug, Default)]
+pub struct SourceMesh {
+    /// Positions of vertices, in the mesh's own space; finite.
+    pub positions: Vec<DVec3>,
+    /// Unit normals, one a vertex; empty where the file has none: faces are flat then.
+    pub normals: Vec<[f32; 3]>,
+    /// Colours, one a vertex: linear light, red, green, blue and alpha from 0 to 1; empty where the
+    /// file has none.
+    pub colours: Vec<[f32; 4]>,
+    /// Triangles by numbers of vertices, all in range, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// The material of each triangle; empty where all have material 0 of the scene, or there is
+    /// none.
+    pub materials: Vec<u32>,
+}
+
+/// What a surface looks like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Its name in the file.
+    pub name: String,
+    /// Linear light, red, green, blue and alpha, multiplied with colours of vertices.
+    pub colour: [f32; 4],
+    /// Whether it is seen from both sides.
+    pub two_sided: bool,
+    /// Whether no light falls on it.
+    pub unlit: bool,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            colour: [1.0; 4],
+            two_sided: false,
+            unlit: false,
+        }
+    }
+}
