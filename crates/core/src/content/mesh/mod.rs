@@ -1,0 +1,5 @@
+//! Meshes: clusters of triangles in units, each of which shows a region one level finer.
+
+pub mod cut;
+pub mod octahedral;
+pub mod payload;

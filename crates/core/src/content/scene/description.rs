@@ -1,0 +1,158 @@
+//! What does a pack say about its scene?
+
+use crate::content::mesh::payload::Attributes;
+use crate::pack::{PackError, TableEntry};
+use glam::{DAffine3, DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// What the description of every scene has as its kind, and needs of its reader.
+pub const KIND: &str = "scene";
+/// Most objects of a scene.
+const MOST_OBJECTS: usize = 4096;
+/// Most levels of a scene.
+const MOST_LEVELS: usize = 40;
+/// Bits of a place on the grid of an object.
+pub const GRID_BITS: core::ops::RangeInclusive<u8> = 10..=16;
+
+/// The description of a scene pack.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneDescription {
+    /// `scene`.
+    pub kind: String,
+    /// What a reader must understand.
+    pub needs: Vec<String>,
+    /// Who wrote the pack.
+    pub generator: String,
+    /// What it was made of.
+    pub source: SceneSource,
+    /// What stands in it.
+    pub objects: Vec<SceneObject>,
+    /// Number of units of each level, finest first; the roots of all objects are the coarsest.
+    pub units: Vec<u32>,
+    /// Entries of a full page of the index, and rows of a full page of tables.
+    pub page: u32,
+    /// What was repaired or left out of the source, by name.
+    #[serde(default)]
+    pub repairs: std::collections::BTreeMap<String, u64>,
+    /// Where side tables lie.
+    pub tables: Vec<TableEntry>,
+}
+
+/// What a scene was made of.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SceneSource {
+    /// Names of the files.
+    pub names: Vec<String>,
+    /// Their bytes together.
+    pub bytes: u64,
+}
+
+/// Something that stands in a scene, once or more often.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneObject {
+    /// Its name, for people.
+    pub name: String,
+    /// Triangles at the finest level.
+    pub leaf_triangles: u64,
+    /// The grid of its vertices.
+    pub grid: Grid,
+    /// What its vertices have.
+    pub attributes: Attributes,
+    /// Its colour in linear light, red, green, blue and alpha; colours of vertices stand instead
+    /// where there are any.
+    pub colour: [f32; 4],
+    /// Whether it is seen from both sides.
+    pub two_sided: bool,
+    /// Whether no light falls on it.
+    pub unlit: bool,
+    /// Where it stands: world from object, columns x, y, z and place; at least one.
+    pub placements: Vec<[f64; 12]>,
+}
+
+/// Where the places of vertices lie.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grid {
+    /// The place [0, 0, 0], in the object's space.
+    pub origin: [f64; 3],
+    /// Distance of two neighbouring places, the same along each axis.
+    pub step: f64,
+    /// Bits of a place along an axis.
+    pub bits: u8,
+}
+
+impl Grid {
+    /// A place in the object's space.
+    #[must_use]
+    pub fn at(&self, place: [u16; 3]) -> DVec3 {
+        DVec3::from_array(self.origin) + self.step * DVec3::from_array(place.map(f64::from))
+    }
+
+    /// Object space from places on the grid.
+    #[must_use]
+    pub fn object_from_grid(&self) -> DAffine3 {
+        let step = DMat3::from_diagonal(DVec3::splat(self.step));
+        DAffine3::from_mat3_translation(step, DVec3::from_array(self.origin))
+    }
+}
+
+impl SceneObject {
+    /// World from object, for each place where it stands.
+    pub fn placements(&self) -> impl Iterator<Item = DAffine3> {
+        self.placements.iter().map(DAffine3::from_cols_array)
+    }
+}
+
+impl SceneDescription {
+    /// Reads a description.
+    ///
+    /// # Errors
+    /// The bytes are no JSON of a scene, or a number is out of range.
+    pub fn parse(json: &[u8]) -> Result<Self, PackError> {
+        let about: Self = serde_json::from_slice(json).map_err(|error| {
+            PackError::new(
+                "description",
+                error,
+                "a scene, as docs/formats/pack.md says",
+            )
+        })?;
+        about.check()?;
+        Ok(about)
+    }
+
+    fn check(&self) -> Result<(), PackError> {
+        let within = |field: &str, found: usize, most: usize| match (1..=most).contains(&found) {
+            true => Ok(()),
+            false => Err(PackError::new(field, found, format!("1 to {most}"))),
+        };
+        within("objects", self.objects.len(), MOST_OBJECTS)?;
+        within("units", self.units.len(), MOST_LEVELS)?;
+        within("page", self.page as usize, 1 << 12)?;
+        self.objects.iter().try_for_each(SceneObject::check)
+    }
+}
+
+impl SceneObject {
+    fn check(&self) -> Result<(), PackError> {
+        let wrong = |field: &str, found: String, expected: &str| {
+            Err(PackError::new(&format!("objects.{field}"), found, expected))
+        };
+        let Grid { origin, step, bits } = self.grid;
+        if !GRID_BITS.contains(&bits) {
+            return wrong("grid.bits", bits.to_string(), "10 to 16");
+        }
+        if !(step > 0.0 && step <= 1e12 && origin.iter().all(|it| it.abs() <= 1e15)) {
+            return wrong("grid", format!("{:?}", self.grid), "a finite grid");
+        }
+        if self.placements.is_empty() {
+            return wrong("placements", "none".to_owned(), "at least one");
+        }
+        let is_finite = |it: &&f64| it.abs() <= 1e15;
+        if !self.placements.iter().flatten().all(|it| is_finite(&it)) {
+            return wrong("placements", "too large".to_owned(), "finite numbers");
+        }
+        match self.colour.iter().all(|it| (0.0..=1.0).contains(it)) {
+            true => Ok(()),
+            false => wrong("colour", format!("{:?}", self.colour), "0 to 1"),
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! Scenes: objects of units that stand in space.
+
+pub mod description;
+pub mod unit_table;
