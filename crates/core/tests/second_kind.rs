@@ -130,7 +130,7 @@ impl Content for Boxes {
         4
     }
 
-    fn direction(&self, unit: UnitId) -> DVec3 {
+    fn direction(&self, unit: UnitId, _: DVec3) -> DVec3 {
         place_of(unit.0).1.normalize()
     }
 

@@ -138,8 +138,15 @@ pub trait Content: core::fmt::Debug + Send + Sync {
         unit
     }
 
-    /// Direction in which a unit is seen, for what comes first.
-    fn direction(&self, unit: UnitId) -> DVec3;
+    /// The units that must be on screen before a unit can be shown, all of lower numbers: a unit
+    /// whose prerequisites are missing waits. Of content whose units show by themselves none.
+    fn needs(&self, unit: UnitId) -> &[UnitId] {
+        let _ = unit;
+        &[]
+    }
+
+    /// Direction in which a unit is seen by an eye, for what comes first.
+    fn direction(&self, unit: UnitId, eye: DVec3) -> DVec3;
 
     /// Samples of everything at the finest level.
     fn finest_samples(&self) -> u64;

@@ -8,8 +8,8 @@ use crate::units::counted;
 use core::ops::Range;
 use std::sync::OnceLock;
 
-/// Index entries in a full page.
-pub(super) const PAGE_ENTRIES: usize = 1024;
+/// Index entries in a full page, unless the description says otherwise.
+pub(super) const PAGE_ENTRIES: u32 = 1024;
 /// Bytes of one index entry.
 const ENTRY_BYTES: usize = 16;
 /// Bytes before the entries of an index page.
@@ -35,12 +35,19 @@ pub struct UnitNumbers {
     /// First unit of each level, by level.
     first: Vec<u32>,
     units: u32,
+    /// Entries of a full page.
+    page: u32,
 }
 
 impl UnitNumbers {
     /// The numbers of content with so many units of each level, finest first. Refuses 2^32 units
     /// and more.
     pub fn new(units_of_levels: &[u64]) -> Result<Self, PackError> {
+        Self::in_pages_of(PAGE_ENTRIES, units_of_levels)
+    }
+
+    /// The same where a full page of the index has so many entries, at least one.
+    pub fn in_pages_of(page: u32, units_of_levels: &[u64]) -> Result<Self, PackError> {
         let mut first = vec![0; units_of_levels.len()];
         let mut units = 0u64;
         for (level, of_level) in units_of_levels.iter().enumerate().rev() {
@@ -57,6 +64,7 @@ impl UnitNumbers {
         Ok(Self {
             first,
             units: units as u32,
+            page: page.max(1),
         })
     }
 
@@ -96,8 +104,8 @@ impl UnitNumbers {
         let coarser = level + 1..self.first.len();
         coarser.fold((0, 0), |(pages, bytes), level| {
             let entries = self.end(level) - self.first[level];
-            let of_level = entries.div_ceil(PAGE_ENTRIES as u32);
-            (pages + of_level, bytes + bytes_of(entries))
+            let of_level = entries.div_ceil(self.page);
+            (pages + of_level, bytes + self.bytes_of(entries))
         })
     }
 
@@ -105,7 +113,7 @@ impl UnitNumbers {
     #[must_use]
     pub fn page_of(&self, unit: UnitId) -> u32 {
         let level = usize::from(self.level_of(unit));
-        self.before(level).0 + (unit.0 - self.first[level]) / PAGE_ENTRIES as u32
+        self.before(level).0 + (unit.0 - self.first[level]) / self.page
     }
 
     /// The units of a page, and where its bytes are in the index; `None` beyond the last.
@@ -114,15 +122,15 @@ impl UnitNumbers {
         // Levels follow each other from the coarsest, which has the highest number.
         let level = levels.rev().rfind(|&level| self.before(level).0 <= page)?;
         let (pages, bytes) = self.before(level);
-        let within = u64::from(page - pages) * PAGE_ENTRIES as u64;
+        let within = u64::from(page - pages) * u64::from(self.page);
         let from = u64::from(self.first[level]) + within;
         let end = u64::from(self.end(level));
         if from >= end {
             return None;
         }
-        let units = from as u32..end.min(from + PAGE_ENTRIES as u64) as u32;
-        let begin = bytes + u64::from(page - pages) * bytes_of(PAGE_ENTRIES as u32);
-        let end = begin + bytes_of(units.len() as u32);
+        let units = from as u32..end.min(from + u64::from(self.page)) as u32;
+        let begin = bytes + u64::from(page - pages) * self.bytes_of(self.page);
+        let end = begin + self.bytes_of(units.len() as u32);
         Some((units, begin..end))
     }
 
@@ -134,7 +142,7 @@ impl UnitNumbers {
             let end = self.end(level);
             let mut from = self.first[level];
             while from < end {
-                let to = end.min(from + PAGE_ENTRIES as u32);
+                let to = end.min(from + self.page);
                 pages.push(from..to);
                 from = to;
             }
@@ -148,8 +156,14 @@ impl UnitNumbers {
         // Every level begins a page, so count whole levels instead of building the page list of
         // bytes that are not checked yet.
         (0..self.first.len())
-            .map(|level| bytes_of(self.end(level) - self.first[level]))
+            .map(|level| self.bytes_of(self.end(level) - self.first[level]))
             .sum()
+    }
+
+    /// Bytes of the index that a level's entries take.
+    fn bytes_of(&self, entries: u32) -> u64 {
+        let pages = entries.div_ceil(self.page);
+        u64::from(entries) * ENTRY_BYTES as u64 + u64::from(pages) * PAGE_HEAD_BYTES as u64
     }
 
     /// The bytes of a page of the index: its head with its checksum, then its entries.
@@ -167,12 +181,6 @@ impl UnitNumbers {
         bytes.extend_from_slice(&rows);
         bytes
     }
-}
-
-/// Bytes of the index that a level's entries take.
-fn bytes_of(entries: u32) -> u64 {
-    let pages = entries.div_ceil(PAGE_ENTRIES as u32);
-    u64::from(entries) * ENTRY_BYTES as u64 + u64::from(pages) * PAGE_HEAD_BYTES as u64
 }
 
 /// The index of a pack.
@@ -213,7 +221,7 @@ impl Index {
         }
         let mut at = 0;
         for (number, units) in self.numbers.pages().into_iter().enumerate() {
-            let length = bytes_of(units.len() as u32) as usize;
+            let length = self.numbers.bytes_of(units.len() as u32) as usize;
             self.add_page(number as u32, &bytes[at..at + length])?;
             at += length;
         }
@@ -275,6 +283,12 @@ impl Index {
         Some(self.offset + place.start..self.offset + place.end)
     }
 
+    /// Number of pages.
+    #[must_use]
+    pub fn pages(&self) -> u32 {
+        self.pages.len() as u32
+    }
+
     /// Whether a page has been loaded.
     #[must_use]
     pub fn has_page(&self, page: u32) -> bool {
@@ -286,9 +300,9 @@ impl Index {
     #[must_use]
     pub fn known_entry(&self, unit: UnitId) -> Option<Entry> {
         let level = self.numbers.level_of(unit);
-        let within = (unit.0 - self.numbers.first_of(level).0) as usize % PAGE_ENTRIES;
+        let within = (unit.0 - self.numbers.first_of(level).0) % self.numbers.page;
         let page = self.pages.get(self.numbers.page_of(unit) as usize)?.get()?;
-        page.get(within).copied()
+        page.get(within as usize).copied()
     }
 
     /// Place and checksum of a unit's chunk. O(1).

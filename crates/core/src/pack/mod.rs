@@ -10,6 +10,7 @@ mod header;
 mod index;
 mod journal;
 pub mod order;
+pub mod paged_table;
 mod tables;
 pub mod unit;
 
@@ -23,3 +24,4 @@ pub use journal::{
     read_any_journal,
 };
 pub use tables::{SideTable, TableEntry};
+pub use unit::sha256_hex;

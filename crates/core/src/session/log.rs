@@ -17,7 +17,6 @@ use crate::view::eye_view::{EyeView, Field};
 use crate::view::surface::Eye;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 /// Version of the log's format.
@@ -437,12 +436,7 @@ fn line_of(value: &impl Serialize) -> String {
     serde_json::to_string(value).unwrap_or_default() + "\n"
 }
 
-/// SHA-256 of bytes in hexadecimal.
-#[must_use]
-pub fn sha256_hex(bytes: &[u8]) -> String {
-    let bytes = Sha256::digest(bytes);
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
+pub use crate::pack::sha256_hex;
 
 #[cfg(test)]
 mod tests {

@@ -24,7 +24,7 @@ use crate::session::policy_run::{Picked, PolicyRun};
 use crate::session::unit_states::{Piece, UnitState, UnitStates};
 use crate::units::Seconds;
 use crate::view::timeline::Timeline;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// How long a paused picture may stay as it is before the next one is shown unfinished.
@@ -70,6 +70,8 @@ pub struct Session {
     waiting: Vec<Piece>,
     /// What was asked for last is not all that is missing.
     must_ask_anew: bool,
+    /// What was decoded for the frame on screen and waits for a piece that it needs.
+    held_back: HashMap<Piece, Vec<Piece>>,
     /// Bytes of what is on the GPU.
     resident_bytes: u64,
     /// What came since the last step.
@@ -154,6 +156,7 @@ impl Session {
             requested: Vec::new(),
             waiting: Vec::new(),
             must_ask_anew: false,
+            held_back: HashMap::new(),
             resident_bytes: 0,
             arrived: Vec::new(),
             actions: Vec::new(),
@@ -212,6 +215,7 @@ impl Session {
         self.coming = None;
         self.requested.clear();
         self.waiting.clear();
+        self.held_back.clear();
         self.resident_bytes = 0;
         for piece in self.states.in_state(UnitState::Cached) {
             self.actions.push(SessionAction::Drop(piece));
@@ -295,10 +299,30 @@ impl Session {
             self.states.set(piece, UnitState::Cached);
         } else if is_awaited && wants(&self.shown) {
             self.states.set(piece, UnitState::Cached);
-            self.make_room(piece);
-            self.upload(piece);
+            self.show_arrived(piece, true);
         } else if !self.is_taken(piece) {
             self.actions.push(SessionAction::Drop(piece));
+        }
+    }
+
+    /// Shows what came for the frame on screen, once all that it needs is there, and what waited for
+    /// it; `makes_room` where others may have to be evicted first.
+    fn show_arrived(&mut self, piece: Piece, makes_room: bool) {
+        let mut open = vec![piece];
+        while let Some(piece) = open.pop() {
+            if self.states.of(piece) != Some(UnitState::Cached) {
+                continue;
+            }
+            let missing = self.needs(piece).find(|it| !self.states.is_resident(*it));
+            if let Some(missing) = missing {
+                self.held_back.entry(missing).or_default().push(piece);
+                continue;
+            }
+            if makes_room {
+                self.make_room(piece);
+            }
+            self.upload(piece);
+            open.extend(self.held_back.remove(&piece).unwrap_or_default());
         }
     }
 

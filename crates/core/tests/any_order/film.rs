@@ -92,7 +92,7 @@ impl Content for Film {
         UnitId(frame / GROUP * UNITS + unit.0 % UNITS)
     }
 
-    fn direction(&self, unit: UnitId) -> DVec3 {
+    fn direction(&self, unit: UnitId, _: DVec3) -> DVec3 {
         direction(unit)
     }
 

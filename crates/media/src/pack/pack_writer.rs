@@ -6,7 +6,7 @@ use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_ti
 use foveal_core::content::video::bytes::description::{Description, Loss};
 use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_core::pack::PackBuilder;
-use foveal_core::pack::{Identity, JournalStep, MAGIC, SideTable};
+use foveal_core::pack::{ChunkName, Identity, JournalStep, MAGIC, PackError, PackHead, SideTable};
 use foveal_core::units::counted;
 use std::fs::File;
 use std::io::{BufWriter, Error, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -41,7 +41,12 @@ impl PackWriter {
     /// Begins a pack of about this description: the number of frames and the side tables may
     /// still change.
     pub(crate) fn create(path: &Path, draft: &Description) -> Result<Self, PackFileError> {
-        let (partial, builder) = (partial_path(path), begin_pack(draft));
+        Self::begin(path, begin_pack(draft))
+    }
+
+    /// Begins a pack of any content.
+    pub(crate) fn begin(path: &Path, builder: PackBuilder) -> Result<Self, PackFileError> {
+        let partial = partial_path(path);
         let begin = || {
             refuse_anything_but_a_file(path)?;
             remove_rest(&partial)?;
@@ -123,6 +128,17 @@ impl PackWriter {
         written.map_err(|source| self.refused(source))
     }
 
+    /// Writes the next chunk of any content.
+    pub(crate) fn push_chunk(
+        &mut self,
+        name: ChunkName,
+        chunk: &[u8],
+    ) -> Result<(), PackFileError> {
+        self.builder.push(name, chunk);
+        let written = self.file.write_all(chunk);
+        written.map_err(|source| self.refused(source))
+    }
+
     /// Makes durable what was pushed so far and notes that it is good.
     pub(crate) fn commit(&mut self, step: JournalStep) -> Result<(), PackFileError> {
         let Some(journal) = &mut self.journal else {
@@ -146,26 +162,45 @@ impl PackWriter {
     /// Writes the rest, makes it durable and gives it its final name. Before that, the whole pack
     /// is shown to whoever tells what was lost. Returns its description and bytes.
     pub(crate) fn finish(
-        mut self,
+        self,
         description: Description,
         tables: &[SideTable],
         loss_of: &mut dyn FnMut(&Path) -> Option<Loss>,
     ) -> Result<(Description, u64), PackFileError> {
+        let mut loss = None;
+        let finish = |builder| finish_pack(builder, description.clone(), tables);
+        let bytes = self.end(finish, |parts, partial| {
+            loss = loss_of(partial);
+            match loss {
+                Some(loss) => with_loss(parts, loss),
+                None => Ok(parts),
+            }
+        })?;
+        let description = Description {
+            loss,
+            ..description
+        };
+        Ok((description, bytes))
+    }
+
+    /// Writes what `finish` makes of all chunks, makes it durable and gives it its final name;
+    /// before that `look` sees the whole pack, and may describe it otherwise. Returns its bytes.
+    pub(crate) fn end(
+        mut self,
+        finish: impl FnOnce(PackBuilder) -> Result<PackHead, PackError>,
+        look: impl FnOnce(PackHead, &Path) -> Result<PackHead, PackError>,
+    ) -> Result<u64, PackFileError> {
         let chunk_bytes = self.builder.end();
-        let builder = std::mem::replace(&mut self.builder, begin_pack(&description));
+        let builder = std::mem::replace(&mut self.builder, PackBuilder::new(&[]));
         let format = |path: &Path| {
             let path = path.to_owned();
             move |source| PackFileError::Format { path, source }
         };
-        let mut parts =
-            finish_pack(builder, description.clone(), tables).map_err(format(&self.path))?;
+        let parts = finish(builder).map_err(format(&self.path))?;
         let whole = self.file.write_all(&parts.tail);
         let whole = whole.and_then(|()| self.write_head(&parts.head));
         whole.map_err(|source| self.refused(source))?;
-        let loss = loss_of(&self.partial);
-        if let Some(loss) = loss {
-            parts = with_loss(parts, loss).map_err(format(&self.path))?;
-        }
+        let parts = look(parts, &self.partial).map_err(format(&self.path))?;
         let mut end = || {
             self.write_head(&parts.head)?;
             self.file.get_ref().sync_all()?;
@@ -179,11 +214,7 @@ impl PackWriter {
         if let Some(journal) = &mut self.journal {
             journal.remove();
         }
-        let description = Description {
-            loss,
-            ..description
-        };
-        Ok((description, chunk_bytes + parts.tail.len() as u64))
+        Ok(chunk_bytes + parts.tail.len() as u64)
     }
 
     fn write_head(&mut self, head: &[u8]) -> Result<(), Error> {

@@ -1,4 +1,10 @@
 //! Scenes: objects of units that stand in space.
 
+pub mod demand;
 pub mod description;
+pub mod pack;
+pub mod scene;
+pub mod sight;
 pub mod unit_table;
+
+pub use scene::Scene;

@@ -1,6 +1,21 @@
 //! What is told of the units of a scene before they are fetched?
+//!
+//! The side table `units`, in pages; `docs/formats/pack.md` is normative.
 
+use crate::pack::paged_table::{PageDirectory, write_pages};
 use crate::pack::unit::UnitId;
+use crate::pack::{PackError, UnitNumbers, u32_at};
+
+/// Name of the side table.
+pub const UNITS: &str = "units";
+/// Version of its layout.
+pub const UNITS_VERSION: u32 = 1;
+/// Most prerequisites of a unit.
+pub const MOST_NEEDS: usize = 16;
+/// Bytes of a row before what differs in length.
+const FIXED_BYTES: usize = 24;
+/// What a unit takes on the GPU beside its vertices and triangles, in bytes.
+const GPU_BYTES_OF_UNIT: u64 = 512;
 
 /// What a unit is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,7 +40,197 @@ pub struct UnitRow {
     /// How far what it is shown in place of is from the source, in the object's space; of a root
     /// infinite. No prerequisite's is smaller.
     pub error: f32,
+    /// Triangles that it shows.
+    pub triangles: u32,
+    /// Vertices of these, those that came before included.
+    pub vertices: u32,
     /// The units that must be there first, at most 16, all with lower numbers; none that another of
     /// them needs in turn.
     pub needs: Vec<UnitId>,
+}
+
+impl UnitRow {
+    /// Bytes that it takes on the GPU, about.
+    #[must_use]
+    pub fn gpu_bytes(&self) -> u64 {
+        u64::from(self.vertices) * 12 + u64::from(self.triangles) * 4 + GPU_BYTES_OF_UNIT
+    }
+
+    fn write(&self, unit: u32) -> Vec<u8> {
+        let mut bytes = vec![0, self.needs.len() as u8];
+        bytes.extend(self.object.to_le_bytes());
+        let [x, y, z] = self.centre;
+        let numbers = [x, y, z, self.radius, self.error];
+        bytes.extend(numbers.iter().flat_map(|it| it.to_le_bytes()));
+        push_varint(&mut bytes, self.triangles);
+        push_varint(&mut bytes, self.vertices);
+        for UnitId(need) in &self.needs {
+            push_varint(&mut bytes, unit - need);
+        }
+        bytes
+    }
+
+    /// Reads the row of `unit` from the start of `bytes`; returns what is behind it as well.
+    fn read(unit: u32, bytes: &[u8]) -> Result<(Self, &[u8]), PackError> {
+        let wrong = |what: &str, found: String, expected: &str| {
+            let field = format!("table {UNITS}, unit {unit}, {what}");
+            Err(PackError::new(&field, found, expected))
+        };
+        let Some((fixed, mut rest)) = bytes.split_at_checked(FIXED_BYTES) else {
+            return wrong("row", format!("{} bytes", bytes.len()), "24 and more");
+        };
+        if fixed[0] != 0 {
+            return wrong("kind", fixed[0].to_string(), "0, a mesh");
+        }
+        let count = usize::from(fixed[1]);
+        let number = |at| f32::from_bits(u32_at(fixed, at));
+        let row = Self {
+            kind: UnitKind::Mesh,
+            object: u16::from_le_bytes([fixed[2], fixed[3]]),
+            centre: [4, 8, 12].map(number),
+            radius: number(16),
+            error: number(20),
+            ..Self::default()
+        };
+        let is_placed = row.centre.iter().all(|it| it.is_finite()) && row.radius.is_finite();
+        if !(is_placed && row.radius >= 0.0 && row.error >= 0.0) {
+            return wrong("sphere, error", format!("{row:?}"), "a sphere and an error");
+        }
+        let mut next = |what: &str| match read_varint(rest) {
+            Some((value, behind)) => {
+                rest = behind;
+                Ok(value)
+            }
+            None => Err(PackError::new(
+                &format!("table {UNITS}, unit {unit}, {what}"),
+                "no number",
+                "a number of 32 bits",
+            )),
+        };
+        let (triangles, vertices) = (next("triangles")?, next("vertices")?);
+        let mut needs = Vec::with_capacity(count.min(MOST_NEEDS));
+        for _ in 0..count.min(MOST_NEEDS + 1) {
+            let back = next("needs")?;
+            match unit.checked_sub(back) {
+                Some(need) if back > 0 && needs.len() < MOST_NEEDS => needs.push(UnitId(need)),
+                _ => return wrong("needs", format!("{back} back"), "at most 16 units before"),
+            }
+        }
+        let row = Self {
+            triangles,
+            vertices,
+            needs,
+            ..row
+        };
+        Ok((row, rest))
+    }
+}
+
+fn push_varint(bytes: &mut Vec<u8>, mut value: u32) {
+    while value > 127 {
+        bytes.push(value as u8 | 128);
+        value >>= 7;
+    }
+    bytes.push(value as u8);
+}
+
+fn read_varint(bytes: &[u8]) -> Option<(u32, &[u8])> {
+    let mut value = 0u64;
+    for (place, byte) in bytes.iter().take(5).enumerate() {
+        value |= u64::from(byte & 127) << (7 * place);
+        if byte & 128 == 0 {
+            let value = u32::try_from(value).ok()?;
+            return Some((value, &bytes[place + 1..]));
+        }
+    }
+    None
+}
+
+/// The table of these units, in their order, with so many rows in a page; each level begins one.
+#[must_use]
+pub fn write_units(rows: &[UnitRow], page_rows: u32, numbers: &UnitNumbers) -> Vec<u8> {
+    let written: Vec<Vec<u8>> = (0..).zip(rows).map(|(unit, row)| row.write(unit)).collect();
+    let starts: Vec<u32> = numbers.pages().iter().map(|page| page.start).collect();
+    write_pages(&written, page_rows, &starts)
+}
+
+/// Reads the rows of a page.
+///
+/// # Errors
+/// A wrong checksum, or rows that are none.
+///
+/// # Panics
+/// The directory must have such a page.
+pub fn read_units(
+    directory: &PageDirectory,
+    page: u32,
+    bytes: &[u8],
+) -> Result<Vec<UnitRow>, PackError> {
+    directory.check(page, bytes)?;
+    let mut rest = bytes;
+    let mut rows = Vec::new();
+    for unit in directory.rows(page) {
+        let (row, behind) = UnitRow::read(unit, rest)?;
+        rows.push(row);
+        rest = behind;
+    }
+    match rest.len() {
+        0 => Ok(rows),
+        left => {
+            let field = format!("table {UNITS}, page {page}");
+            let found = format!("{left} bytes behind its rows");
+            Err(PackError::new(&field, found, "none"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows() -> Vec<UnitRow> {
+        let row = |unit: u32| UnitRow {
+            object: (unit % 3) as u16,
+            centre: [unit as f32, -1.5, 2.0],
+            radius: 10.0 / (unit + 1) as f32,
+            error: if unit == 0 { f32::INFINITY } else { 0.1 },
+            triangles: unit * 97,
+            vertices: unit * 31,
+            needs: (0..unit.min(3)).map(UnitId).collect(),
+            ..UnitRow::default()
+        };
+        (0..40).map(row).collect()
+    }
+
+    #[test]
+    fn rows_come_back_as_they_were_written_page_by_page() {
+        let numbers = UnitNumbers::in_pages_of(8, &[30, 9, 1]).unwrap();
+        let table = write_units(&rows(), 8, &numbers);
+        let directory = PageDirectory::parse(&table, 40, table.len() as u64).unwrap();
+        let mut back = Vec::new();
+        for page in 0..directory.len() {
+            let place = directory.place(page);
+            let bytes = &table[place.start as usize..place.end as usize];
+            back.extend(read_units(&directory, page, bytes).unwrap());
+        }
+        assert_eq!(back, rows());
+        assert_eq!(directory.rows(0), 0..1, "the root has a page of its own");
+    }
+
+    #[test]
+    fn no_row_panics_whatever_its_bytes_are() {
+        let good = rows()[30].write(30);
+        for place in 0..good.len() {
+            for bit in 0..8 {
+                let mut bad = good.clone();
+                bad[place] ^= 1 << bit;
+                let _ = UnitRow::read(30, &bad);
+            }
+            assert!(UnitRow::read(30, &good[..place]).is_err(), "cut at {place}");
+        }
+        assert!(
+            UnitRow::read(1, &good).is_err(),
+            "it would need units before the first"
+        );
+    }
 }

@@ -232,7 +232,7 @@ impl Content for Video {
         self.pack.unit(self.pack.tile_of(unit), frame)
     }
 
-    fn direction(&self, unit: UnitId) -> DVec3 {
+    fn direction(&self, unit: UnitId, _eye: DVec3) -> DVec3 {
         self.grid.centre(self.pack.tile_of(unit))
     }
 

@@ -46,7 +46,10 @@ impl Session {
         self.actions.push(SessionAction::BeginFrame(coming.frame));
         let cached = |piece: &&Piece| self.states.of(**piece) == Some(UnitState::Cached);
         let cached: Vec<Piece> = coming.wanted.iter().filter(cached).copied().collect();
-        cached.into_iter().for_each(|piece| self.upload(piece));
+        self.held_back.clear();
+        cached
+            .into_iter()
+            .for_each(|piece| self.show_arrived(piece, false));
         let before = self.shown.take();
         let playing = now.pace == Pace::Playing;
         if playing {

@@ -69,7 +69,7 @@ impl Content for Film {
         UnitId(frame / GROUP * 5 + unit.0 % 5)
     }
 
-    fn direction(&self, unit: UnitId) -> DVec3 {
+    fn direction(&self, unit: UnitId, _: DVec3) -> DVec3 {
         DVec3::new(f64::from(unit.0 % 5), 0.0, -1.0).normalize()
     }
 

@@ -1,7 +1,7 @@
 //! What is asked for, in which order, and how much of it at once?
 
 use super::Session;
-use crate::content::unit::Unit;
+use crate::content::unit::{Unit, UnitRef};
 use crate::session::actions::{Now, SessionAction};
 use crate::session::unit_states::{Piece, UnitState};
 use crate::view::axes::angle_between;
@@ -19,18 +19,56 @@ impl Session {
     }
 
     /// Pieces in the order in which they matter: the coarsest level first, then by distance to the
-    /// gaze.
+    /// gaze; each after those that it needs.
     fn in_order(&self, pieces: impl Iterator<Item = Piece>, now: &Now) -> Vec<Piece> {
         let gaze = now.moment.gaze.gaze_in_content;
+        let eye = now.moment.views.first().map(|view| view.position);
+        let eye = eye.unwrap_or_default();
         let mut order: Vec<(bool, f64, Piece)> = pieces
             .map(|piece| {
                 let asset = &self.scene[usize::from(piece.unit.asset.0)];
-                let angle = angle_between(gaze, asset.direction(piece.unit.unit)).0;
+                let angle = angle_between(gaze, asset.direction(piece.unit.unit, eye)).0;
                 (!self.is_base(piece), angle, piece)
             })
             .collect();
         order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        order.into_iter().map(|(.., piece)| piece).collect()
+        self.needs_first(order.into_iter().map(|(.., piece)| piece).collect())
+    }
+
+    /// The same pieces, each after those of them that it needs.
+    fn needs_first(&self, pieces: Vec<Piece>) -> Vec<Piece> {
+        if pieces
+            .iter()
+            .all(|piece| self.needs(*piece).next().is_none())
+        {
+            return pieces;
+        }
+        let mut left: HashSet<Piece> = pieces.iter().copied().collect();
+        let mut order = Vec::with_capacity(pieces.len());
+        for piece in pieces {
+            let mut open = vec![piece];
+            while let Some(&next) = open.last() {
+                let before = open.len();
+                if left.contains(&next) {
+                    open.extend(self.needs(next).filter(|need| left.contains(need)));
+                }
+                if open.len() == before {
+                    open.pop();
+                    order.extend(left.take(&next));
+                }
+            }
+        }
+        order
+    }
+
+    /// What must be on screen before a piece.
+    pub(super) fn needs(&self, piece: Piece) -> impl Iterator<Item = Piece> + '_ {
+        let asset = piece.unit.asset;
+        let needs = self.scene[usize::from(asset.0)].needs(piece.unit.unit);
+        needs.iter().map(move |unit| Piece {
+            unit: UnitRef { asset, unit: *unit },
+            ..piece
+        })
     }
 
     /// Those of the chosen pieces that there is room for on the GPU.

@@ -14,12 +14,18 @@ pub(super) const UNDERSTOOD: [&str; 4] = ["eyes", "cube_faces", "pixel_aspect", 
 struct Needs {
     #[serde(default)]
     needs: Vec<String>,
+    #[serde(default)]
+    kind: Option<String>,
 }
 
 /// Refuses a description that needs what this program does not understand.
 pub(super) fn check_needs(json: &[u8]) -> Result<(), PackError> {
-    let Needs { needs } = serde_json::from_slice(json)
+    let Needs { needs, kind } = serde_json::from_slice(json)
         .map_err(|e| PackError::new("description", e, "the JSON of docs/formats/pack.md"))?;
+    if kind.as_deref() == Some("scene") {
+        let expected = "a video: this command does not take the pack of a scene";
+        return Err(PackError::new("description.kind", "scene", expected));
+    }
     let is_new = |name: &&String| !UNDERSTOOD.contains(&name.as_str());
     match needs.iter().find(is_new) {
         None => Ok(()),

@@ -1,0 +1,303 @@
+//! Which units are in the pack of a scene, and where are their bytes?
+
+use super::description::{KIND, SceneDescription};
+use super::unit_table::{UNITS, UNITS_VERSION, UnitRow, read_units, write_units};
+use crate::pack::paged_table::PageDirectory;
+use crate::pack::unit::UnitId;
+use crate::pack::{
+    ChunkName, Entry, HEADER_BYTES, Header, Index, PackBuilder, PackError, PackHead, SideTable,
+    TableEntry, UnitNumbers, check_crc,
+};
+use serde::Deserialize;
+
+/// Description, index and table of units of a scene pack: everything but the chunks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScenePack {
+    description: SceneDescription,
+    index: Index,
+    directory: PageDirectory,
+    rows: Vec<UnitRow>,
+}
+
+/// What tells kinds of packs apart; a video's has none.
+#[derive(Deserialize)]
+struct Kind {
+    #[serde(default)]
+    kind: Option<String>,
+}
+
+/// Whether a description is of a scene.
+#[must_use]
+pub fn is_scene(description: &[u8]) -> bool {
+    let kind = serde_json::from_slice::<Kind>(description);
+    kind.is_ok_and(|it| it.kind.as_deref() == Some(KIND))
+}
+
+fn numbers_of(description: &SceneDescription) -> Result<UnitNumbers, PackError> {
+    let units: Vec<u64> = description.units.iter().map(|it| u64::from(*it)).collect();
+    UnitNumbers::in_pages_of(description.page, &units)
+}
+
+impl ScenePack {
+    /// Reads the description of a pack whose header is `header`: with it the index can be read, and
+    /// the table of units.
+    ///
+    /// # Errors
+    /// It is damaged, of another kind, or needs more than this program understands.
+    pub fn describe(header: &Header, description: &[u8]) -> Result<SceneDescription, PackError> {
+        check_crc("description", description, header.description_crc)?;
+        let description = SceneDescription::parse(description)?;
+        let expected = numbers_of(&description)?.index_bytes();
+        if header.index_bytes != expected {
+            return Err(PackError::new("index_bytes", header.index_bytes, expected));
+        }
+        description.units_table()?;
+        Ok(description)
+    }
+
+    /// A pack by its header, description, index and table of units.
+    ///
+    /// # Errors
+    /// One of them is damaged, or they do not fit to each other.
+    pub fn new(
+        header: &Header,
+        description: SceneDescription,
+        index: &[u8],
+        table: &[u8],
+    ) -> Result<Self, PackError> {
+        let entry = description.units_table()?;
+        check_crc(&format!("side table {UNITS}"), table, entry.crc32c)?;
+        let numbers = numbers_of(&description)?;
+        let directory = PageDirectory::parse(table, numbers.units(), table.len() as u64)?;
+        let mut rows = Vec::new();
+        for page in 0..directory.len() {
+            let place = directory.place(page);
+            let bytes = &table[place.start as usize..place.end as usize];
+            rows.extend(read_units(&directory, page, bytes)?);
+        }
+        let index = {
+            let empty = Index::new(header, numbers)?;
+            empty.add_all(index)?;
+            empty
+        };
+        let pack = Self {
+            description,
+            index,
+            directory,
+            rows,
+        };
+        pack.check_rows()?;
+        Ok(pack)
+    }
+
+    fn check_rows(&self) -> Result<(), PackError> {
+        let objects = self.description.objects.len();
+        for (unit, row) in (0..).map(UnitId).zip(&self.rows) {
+            let wrong = |what: &str, found: String, expected: String| {
+                let field = format!("table {UNITS}, unit {}, {what}", unit.0);
+                Err(PackError::new(&field, found, expected))
+            };
+            if usize::from(row.object) >= objects {
+                let expected = format!("fewer than {objects}");
+                return wrong("object", row.object.to_string(), expected);
+            }
+            let is_root = self.level_of(unit) == self.coarsest();
+            if is_root != row.needs.is_empty() {
+                let found = format!("{} at level {}", row.needs.len(), self.level_of(unit));
+                return wrong("needs", found, "none of a root, some of others".to_owned());
+            }
+            let of_other = |need: &&UnitId| self.rows[need.0 as usize].object != row.object;
+            if let Some(need) = row.needs.iter().find(of_other) {
+                let found = format!("unit {} of another object", need.0);
+                return wrong("needs", found, "units of its object".to_owned());
+            }
+        }
+        Ok(())
+    }
+
+    /// What the pack says about its scene.
+    #[must_use]
+    pub fn description(&self) -> &SceneDescription {
+        &self.description
+    }
+
+    /// Where the chunks of units lie.
+    #[must_use]
+    pub fn index(&self) -> &Index {
+        &self.index
+    }
+
+    /// What is told of a unit.
+    ///
+    /// # Panics
+    /// There must be such a unit.
+    #[must_use]
+    pub fn row(&self, unit: UnitId) -> &UnitRow {
+        &self.rows[unit.0 as usize]
+    }
+
+    /// What is told of all units, in order.
+    #[must_use]
+    pub fn rows(&self) -> &[UnitRow] {
+        &self.rows
+    }
+
+    /// All units, coarsest level first.
+    pub fn units(&self) -> impl ExactSizeIterator<Item = UnitId> + use<> {
+        self.index.units()
+    }
+
+    /// Number of units.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// The level of a unit, 0 the finest.
+    ///
+    /// # Panics
+    /// There must be such a unit.
+    #[must_use]
+    pub fn level_of(&self, unit: UnitId) -> u8 {
+        self.index.numbers().level_of(unit)
+    }
+
+    /// The level of the roots.
+    #[must_use]
+    pub fn coarsest(&self) -> u8 {
+        (self.description.units.len() - 1) as u8
+    }
+
+    /// Place and checksum of a unit's chunk.
+    ///
+    /// # Panics
+    /// There must be such a unit.
+    #[must_use]
+    pub fn entry(&self, unit: UnitId) -> Entry {
+        self.index.entry(unit)
+    }
+
+    /// The pages of the index and of the table that tell of a unit, with their bytes: what a reader
+    /// over a network loads before the unit itself.
+    #[must_use]
+    pub fn pages_of(&self, unit: UnitId) -> [(u32, u64); 2] {
+        let length = |place: core::ops::Range<u64>| place.end - place.start;
+        let index = self.index.numbers().page_of(unit);
+        let table = self.directory.page_of(unit.0).unwrap_or_default();
+        let index_bytes = self.index.page_place(index).map_or(0, length);
+        [
+            (index, index_bytes),
+            (table, length(self.directory.place(table))),
+        ]
+    }
+
+    /// Bytes that come before any page: header, description and the directory of the table.
+    #[must_use]
+    pub fn head_bytes(&self, header: &Header) -> u64 {
+        let first = self.directory.place(0);
+        header.data_offset() + first.start
+    }
+
+    /// Whether chunks and side tables fill the file without gap or overlap.
+    ///
+    /// # Errors
+    /// They do not.
+    pub fn check_coverage(&self, header: &Header) -> Result<(), PackError> {
+        self.index.check_coverage(header, &self.description.tables)
+    }
+}
+
+impl SceneDescription {
+    /// Where the table of units lies.
+    ///
+    /// # Errors
+    /// There is none, or one of another version.
+    pub fn units_table(&self) -> Result<&TableEntry, PackError> {
+        let mut tables = self.tables.iter();
+        let table = tables.find(|table| table.name == UNITS);
+        let wrong = |found: String| PackError::new("tables.units", found, "version 1");
+        let table = table.ok_or_else(|| wrong("none".to_owned()))?;
+        match table.version {
+            UNITS_VERSION => Ok(table),
+            version => Err(wrong(format!("version {version}"))),
+        }
+    }
+}
+
+/// The name of the chunk of a unit while its pack is written.
+#[must_use]
+pub fn chunk_name(unit: UnitId) -> ChunkName {
+    let mut name = [0; 10];
+    name[..4].copy_from_slice(&unit.0.to_le_bytes());
+    ChunkName(name)
+}
+
+/// Begins the pack of a scene of about this description.
+#[must_use]
+pub fn begin_scene(draft: &SceneDescription) -> PackBuilder {
+    PackBuilder::new(&serde_json::to_vec(draft).unwrap_or_default())
+}
+
+/// The bytes before and after the chunks of a scene, whose units have all been pushed by
+/// [`chunk_name`] in the order of `rows`.
+///
+/// # Errors
+/// A unit is missing, or the description does not fit.
+pub fn finish_scene(
+    builder: PackBuilder,
+    mut description: SceneDescription,
+    rows: &[UnitRow],
+) -> Result<PackHead, PackError> {
+    let numbers = numbers_of(&description)?;
+    let table = SideTable {
+        name: UNITS.to_owned(),
+        version: UNITS_VERSION,
+        bytes: write_units(rows, description.page, &numbers),
+    };
+    let unit = |ChunkName(name): ChunkName| UnitId(crate::pack::u32_at(&name, 0));
+    builder.finish(&numbers, unit, &[table], |tables| {
+        description.tables = tables;
+        let json = serde_json::to_vec(&description);
+        let json = json.map_err(|e| PackError::new("description", e, "valid JSON"))?;
+        SceneDescription::parse(&json)?;
+        Ok(json)
+    })
+}
+
+/// Takes any bytes for a scene pack and reads all of it that can be read: the body of the fuzz
+/// target. Returns whether they were one.
+#[must_use]
+pub fn parse_anything(data: &[u8]) -> bool {
+    let Ok(header) = Header::parse(data) else {
+        return false;
+    };
+    let part = |from: u64, bytes: u64| {
+        let from = usize::try_from(from).ok()?;
+        data.get(from..from.checked_add(usize::try_from(bytes).ok()?)?)
+    };
+    let description = part(HEADER_BYTES as u64, u64::from(header.description_bytes));
+    let read = || {
+        let about = ScenePack::describe(&header, description?).ok()?;
+        let table = about.units_table().ok()?;
+        let table = part(table.offset, table.bytes)?;
+        let index = part(header.index_offset, header.index_bytes)?;
+        ScenePack::new(&header, about, index, table).ok()
+    };
+    let Some(pack) = read() else {
+        return false;
+    };
+    for unit in pack.units() {
+        let entry = pack.entry(unit);
+        let object = &pack.description().objects[usize::from(pack.row(unit).object)];
+        if let Some(chunk) = part(entry.offset, u64::from(entry.bytes)) {
+            let _ = crate::content::mesh::payload::MeshUnit::parse(chunk, object.attributes);
+        }
+    }
+    pack.check_coverage(&header).is_ok()
+}

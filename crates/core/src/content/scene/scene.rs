@@ -1,0 +1,188 @@
+//! What do selection and sessions learn of a scene?
+
+use super::demand::SceneDemand;
+use super::description::SceneObject;
+use super::pack::ScenePack;
+use super::sight::Sphere;
+use crate::content::demand::{Content, Demand};
+use crate::content::head::ContentHead;
+use crate::content::policy::{HasTables, PolicyConfig};
+use crate::content::unit::Unit;
+use crate::pack::unit::UnitId;
+use glam::{DAffine3, DVec3};
+use std::sync::Arc;
+
+/// A scene: its pack, and where its units are in the world.
+#[derive(Debug)]
+pub struct Scene {
+    name: String,
+    pack: Arc<ScenePack>,
+    /// For each place where a unit stands: its sphere and the error of what it is shown in place
+    /// of, in metres.
+    stands: Vec<Stand>,
+    /// First of `stands` of each unit, and their number at the end.
+    first: Vec<u32>,
+    bounds: Sphere,
+}
+
+/// A unit in one of the places where its object stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stand {
+    pub(super) sphere: Sphere,
+    pub(super) error: f64,
+}
+
+impl Scene {
+    /// The scene of this pack, called `name` in logs.
+    #[must_use]
+    pub fn new(name: &str, pack: Arc<ScenePack>) -> Self {
+        let objects = &pack.description().objects;
+        let placed: Vec<Vec<(DAffine3, f64)>> = objects.iter().map(placements).collect();
+        let (mut stands, mut first) = (Vec::new(), vec![0]);
+        for row in pack.rows() {
+            let object = usize::from(row.object);
+            let origin = DVec3::from_array(objects[object].grid.origin);
+            let centre = origin + DVec3::from_array(row.centre.map(f64::from));
+            for (world_from_object, scale) in &placed[object] {
+                stands.push(Stand {
+                    sphere: Sphere {
+                        centre: world_from_object.transform_point3(centre),
+                        radius: f64::from(row.radius) * scale,
+                    },
+                    error: f64::from(row.error) * scale,
+                });
+            }
+            first.push(stands.len() as u32);
+        }
+        let roots = pack
+            .units()
+            .take_while(|it| pack.level_of(*it) == pack.coarsest());
+        let roots = first[roots.count()] as usize;
+        Self {
+            bounds: bounds(stands[..roots].iter().map(|it| it.sphere)),
+            name: name.to_owned(),
+            stands,
+            first,
+            pack,
+        }
+    }
+
+    /// Description, index and table of units.
+    #[must_use]
+    pub fn pack(&self) -> &Arc<ScenePack> {
+        &self.pack
+    }
+
+    /// A sphere round all of it.
+    #[must_use]
+    pub fn bounds(&self) -> Sphere {
+        self.bounds
+    }
+
+    /// The object of a unit.
+    ///
+    /// # Panics
+    /// There must be such a unit.
+    #[must_use]
+    pub fn object_of(&self, unit: UnitId) -> &SceneObject {
+        &self.pack.description().objects[usize::from(self.pack.row(unit).object)]
+    }
+
+    pub(super) fn stands(&self, unit: UnitId) -> &[Stand] {
+        let at = unit.0 as usize;
+        &self.stands[self.first[at] as usize..self.first[at + 1] as usize]
+    }
+}
+
+/// Where an object stands, and by how much lengths grow there at most.
+fn placements(object: &SceneObject) -> Vec<(DAffine3, f64)> {
+    let scaled = |it: DAffine3| {
+        let axes = [it.matrix3.x_axis, it.matrix3.y_axis, it.matrix3.z_axis];
+        let lengths = axes.map(DVec3::length_squared);
+        let [x, y, z] = axes;
+        // Of perpendicular axes the longest is meant; others may together stretch more.
+        let skew = [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs);
+        let most = lengths.into_iter().fold(0.0, f64::max) + skew.iter().sum::<f64>();
+        (it, libm::sqrt(most))
+    };
+    object.placements().map(scaled).collect()
+}
+
+/// A sphere round spheres: round the middle of the box that they fill.
+fn bounds(spheres: impl Iterator<Item = Sphere> + Clone) -> Sphere {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for Sphere { centre, radius } in spheres.clone() {
+        low = low.min(centre - DVec3::splat(radius));
+        high = high.max(centre + DVec3::splat(radius));
+    }
+    let centre = (low + high) / 2.0;
+    let reach = spheres.map(|it| (it.centre - centre).length() + it.radius);
+    Sphere {
+        centre,
+        radius: reach.fold(0.0, f64::max),
+    }
+}
+
+impl Content for Scene {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn unit(&self, unit: UnitId) -> Unit {
+        let row = self.pack.row(unit);
+        Unit {
+            level: self.pack.level_of(unit),
+            bytes: Some(self.pack.entry(unit).bytes),
+            samples: u64::from(row.triangles),
+            gpu_bytes: row.gpu_bytes(),
+            frames: 0..1,
+        }
+    }
+
+    fn needs(&self, unit: UnitId) -> &[UnitId] {
+        &self.pack.row(unit).needs
+    }
+
+    fn base(&self, _frame: u32) -> Vec<UnitId> {
+        let units = self.pack.units();
+        let is_root = |unit: &UnitId| self.pack.level_of(*unit) == self.coarsest();
+        units.take_while(is_root).collect()
+    }
+
+    fn coarsest(&self) -> u8 {
+        self.pack.coarsest()
+    }
+
+    fn direction(&self, unit: UnitId, eye: DVec3) -> DVec3 {
+        let first = self.stands(unit).first();
+        let towards = first.map(|it| it.sphere.centre - eye).unwrap_or_default();
+        towards.normalize_or(DVec3::NEG_Z)
+    }
+
+    fn finest_samples(&self) -> u64 {
+        let objects = self.pack.description().objects.iter();
+        objects.map(|it| it.leaf_triangles).sum()
+    }
+
+    fn has(&self) -> HasTables {
+        HasTables {
+            signatures: true,
+            cues: false,
+        }
+    }
+
+    fn demand(self: Arc<Self>, _head: &ContentHead, config: &PolicyConfig) -> Box<dyn Demand> {
+        Box::new(SceneDemand::new(self, config))
+    }
+
+    fn head(&self) -> ContentHead {
+        let about = [
+            ("units".to_owned(), self.pack.len().into()),
+            (
+                "objects".to_owned(),
+                self.pack.description().objects.len().into(),
+            ),
+        ];
+        ContentHead::of_kind("scene", about.into_iter().collect())
+    }
+}

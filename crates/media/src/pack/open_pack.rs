@@ -1,0 +1,190 @@
+//! How are the parts of a pack's file read, whatever is in it?
+
+use foveal_core::pack::{HEADER_BYTES, Header, PackError, TableEntry, check_crc};
+use foveal_core::units::counted;
+use std::fs::File;
+use std::io::{ErrorKind, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use thiserror::Error;
+
+/// What failed, why, and then what to do, which `what` tells behind a semicolon.
+fn with_cause(what: &str, cause: &std::io::Error) -> String {
+    match what.split_once("; ") {
+        Some((what, next)) => format!("{what}: {cause}; {next}"),
+        None => format!("{what}: {cause}"),
+    }
+}
+
+/// Why a pack cannot be read, and what to do.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PackFileError {
+    /// The system refuses.
+    #[error("{}: {}", path.display(), with_cause(what, source))]
+    Io {
+        /// The pack.
+        path: PathBuf,
+        /// What was being done.
+        what: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// There is something else in its place.
+    #[error("{}: {what}; give a pack, as `foveal prepare` writes it", path.display())]
+    NoFile {
+        /// Where the pack was to be.
+        path: PathBuf,
+        /// What is there.
+        what: &'static str,
+    },
+    /// The bytes are no pack, or damaged.
+    #[error("{}: {source}{}", path.display(), advice(path, source))]
+    Format {
+        /// The pack.
+        path: PathBuf,
+        /// The field that is wrong.
+        source: PackError,
+    },
+}
+
+/// What to do about bytes that are no pack of this version.
+fn advice(path: &Path, error: &PackError) -> String {
+    match error.field.as_str() {
+        "magic" => format!(
+            "; if it is a video, make a pack of it: `foveal prepare video {} --out PACK`",
+            path.display()
+        ),
+        // The error itself says what to do.
+        "version" | "description.kind" => String::new(),
+        _ => "; if it was copied, copy it again, else prepare it again from its source".to_owned(),
+    }
+}
+
+/// An open file that begins with the header of a pack and is as long as that says.
+#[derive(Debug)]
+pub(crate) struct OpenPack {
+    path: PathBuf,
+    // One cursor is shared by all readers: a read is a seek and a copy, far cheaper than decoding.
+    file: Mutex<File>,
+    header: Header,
+}
+
+impl OpenPack {
+    /// Opens a pack and reads its header and its description, whose checksum is not checked yet.
+    pub(crate) fn open(path: &Path) -> Result<(Self, Vec<u8>), PackFileError> {
+        let io = |what: &str, source| PackFileError::Io {
+            path: path.to_owned(),
+            what: what.to_owned(),
+            source,
+        };
+        let format = |source| PackFileError::Format {
+            path: path.to_owned(),
+            source,
+        };
+        let found = std::fs::metadata(path).map_err(|e| io("cannot be opened", e))?;
+        if !found.is_file() {
+            let what = if found.is_dir() {
+                "is a folder"
+            } else {
+                "is no plain file"
+            };
+            return Err(PackFileError::NoFile {
+                path: path.to_owned(),
+                what,
+            });
+        }
+        let mut file = File::open(path).map_err(|e| io("cannot be opened", e))?;
+        let mut head = Vec::new();
+        let mut first = (&mut file).take(HEADER_BYTES as u64);
+        first
+            .read_to_end(&mut head)
+            .map_err(|e| io("header cannot be read", e))?;
+        let header = Header::parse(&head).map_err(format)?;
+        if header.file_bytes != found.len() {
+            return Err(format(PackError {
+                field: "file_bytes".to_owned(),
+                found: format!("a file of {}", counted(found.len(), "byte")),
+                expected: format!("{} (cut short or with something added)", header.file_bytes),
+            }));
+        }
+        let description = u64::from(header.description_bytes);
+        let description = read_at(&mut file, HEADER_BYTES as u64, description)
+            .map_err(|e| io("description cannot be read", e))?;
+        let open = Self {
+            path: path.to_owned(),
+            file: Mutex::new(file),
+            header,
+        };
+        Ok((open, description))
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub(crate) fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// The whole index.
+    pub(crate) fn read_index(&self) -> Result<Vec<u8>, PackFileError> {
+        let (offset, bytes) = (self.header.index_offset, self.header.index_bytes);
+        self.read(offset, bytes, &|| "index".to_owned())
+    }
+
+    /// A side table, its checksum checked.
+    pub(crate) fn read_table(&self, table: &TableEntry) -> Result<Vec<u8>, PackFileError> {
+        let what = format!("side table {}", table.name);
+        let end = table.offset.checked_add(table.bytes);
+        if end.is_none_or(|end| end > self.header.file_bytes) {
+            return Err(self.format(PackError {
+                field: what,
+                found: format!("{}+{}", table.offset, table.bytes),
+                expected: format!("within {}", counted(self.header.file_bytes, "byte")),
+            }));
+        }
+        let bytes = self.read(table.offset, table.bytes, &|| what.clone())?;
+        let checked = check_crc(&what, &bytes, table.crc32c);
+        checked
+            .map(|()| bytes)
+            .map_err(|source| self.format(source))
+    }
+
+    /// A part of the file, which errors call by what `what` says.
+    pub(crate) fn read(
+        &self,
+        offset: u64,
+        bytes: u64,
+        what: &dyn Fn() -> String,
+    ) -> Result<Vec<u8>, PackFileError> {
+        // A panic while the lock was held cannot have left the file in a bad state.
+        let mut file = self
+            .file
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        read_at(&mut file, offset, bytes).map_err(|source| PackFileError::Io {
+            path: self.path.clone(),
+            what: format!("{} cannot be read", what()),
+            source,
+        })
+    }
+
+    pub(crate) fn format(&self, source: PackError) -> PackFileError {
+        PackFileError::Format {
+            path: self.path.clone(),
+            source,
+        }
+    }
+}
+
+fn read_at(file: &mut File, offset: u64, bytes: u64) -> std::io::Result<Vec<u8>> {
+    file.seek(SeekFrom::Start(offset))?;
+    let mut buffer = Vec::new();
+    file.take(bytes).read_to_end(&mut buffer)?;
+    if buffer.len() as u64 == bytes {
+        Ok(buffer)
+    } else {
+        Err(ErrorKind::UnexpectedEof.into())
+    }
+}

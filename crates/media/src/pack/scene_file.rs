@@ -1,0 +1,146 @@
+//! How is the pack of a scene written and read?
+
+use crate::pack::open_pack::{OpenPack, PackFileError};
+use crate::pack::pack_writer::PackWriter;
+use foveal_core::content::mesh::payload::MeshUnit;
+use foveal_core::content::scene::Scene;
+use foveal_core::content::scene::description::SceneDescription;
+use foveal_core::content::scene::pack::{
+    ScenePack, begin_scene, chunk_name, finish_scene, is_scene,
+};
+use foveal_core::content::scene::unit_table::UnitRow;
+use foveal_core::pack::unit::UnitId;
+use foveal_core::pack::{Header, PackError, check_crc};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Whether a file is the pack of a scene; whatever else it is, those who open it will say.
+#[must_use]
+pub fn is_scene_pack(path: &Path) -> bool {
+    OpenPack::open(path).is_ok_and(|(_, description)| is_scene(&description))
+}
+
+/// Writes a scene whose units come in their order: to its final name once it is whole. Returns its
+/// bytes.
+///
+/// # Errors
+/// The file cannot be written, or the units do not fit the description.
+pub fn write_scene(
+    path: &Path,
+    description: SceneDescription,
+    units: impl Iterator<Item = (UnitRow, Vec<u8>)>,
+) -> Result<u64, PackFileError> {
+    let mut writer = PackWriter::begin(path, begin_scene(&description))?;
+    let mut rows = Vec::new();
+    for (unit, (row, payload)) in (0..).map(UnitId).zip(units) {
+        writer.push_chunk(chunk_name(unit), &payload)?;
+        rows.push(row);
+    }
+    let finish = |builder| finish_scene(builder, description, &rows);
+    writer.end(finish, |parts, _| Ok(parts))
+}
+
+/// An open scene pack: description, index and table of units in memory, chunks read when they are
+/// asked for.
+#[derive(Debug)]
+pub struct SceneFile {
+    open: OpenPack,
+    scene: Arc<Scene>,
+}
+
+impl SceneFile {
+    /// Opens the pack of a scene.
+    ///
+    /// # Errors
+    /// It cannot be read, is damaged, or of another kind.
+    pub fn open(path: &Path) -> Result<Self, PackFileError> {
+        let (open, description) = OpenPack::open(path)?;
+        let format = |source| open.format(source);
+        let about = ScenePack::describe(open.header(), &description).map_err(format)?;
+        let table = open.read_table(about.units_table().map_err(format)?)?;
+        let index = open.read_index()?;
+        let pack = ScenePack::new(open.header(), about, &index, &table).map_err(format)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let scene = Scene::new(&name, Arc::new(pack));
+        Ok(Self {
+            scene: Arc::new(scene),
+            open,
+        })
+    }
+
+    /// The file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.open.path()
+    }
+
+    /// What is in it.
+    #[must_use]
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// Description, index and table of units.
+    #[must_use]
+    pub fn pack(&self) -> &ScenePack {
+        self.scene.pack()
+    }
+
+    /// Where everything lies in the file.
+    #[must_use]
+    pub fn header(&self) -> &Header {
+        self.open.header()
+    }
+
+    /// Bytes of the file.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.open.header().file_bytes
+    }
+
+    /// The chunk of a unit, its checksum checked.
+    ///
+    /// # Errors
+    /// It cannot be read, or is damaged.
+    pub fn read_chunk(&self, unit: UnitId) -> Result<Vec<u8>, PackFileError> {
+        let entry = self.pack().entry(unit);
+        let what = || format!("chunk of unit {}", unit.0);
+        let bytes = self
+            .open
+            .read(entry.offset, u64::from(entry.bytes), &what)?;
+        let checked = check_crc(&what(), &bytes, entry.crc32c);
+        checked.map(|()| bytes).map_err(|it| self.open.format(it))
+    }
+
+    /// A unit of a mesh, read and parsed.
+    ///
+    /// # Errors
+    /// It cannot be read, or is damaged.
+    pub fn read_mesh(&self, unit: UnitId) -> Result<MeshUnit, PackFileError> {
+        let bytes = self.read_chunk(unit)?;
+        let attributes = self.scene.object_of(unit).attributes;
+        let parsed = MeshUnit::parse(&bytes, attributes);
+        parsed.map_err(|source| {
+            self.open.format(PackError {
+                field: format!("unit {}: {}", unit.0, source.field),
+                ..source
+            })
+        })
+    }
+
+    /// Reads every byte and checks it: `progress` is told how many bytes are done of how many.
+    /// Returns what is damaged, nothing if all is well.
+    pub fn verify(&self, mut progress: impl FnMut(u64, u64)) -> Vec<PackFileError> {
+        let mut damage = Vec::new();
+        if let Err(source) = self.pack().check_coverage(self.header()) {
+            damage.push(self.open.format(source));
+        }
+        let mut done = 0;
+        for unit in self.pack().units() {
+            damage.extend(self.read_mesh(unit).err());
+            done += u64::from(self.pack().entry(unit).bytes);
+            progress(done, self.bytes());
+        }
+        damage
+    }
+}
