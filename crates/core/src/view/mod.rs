@@ -8,5 +8,6 @@ pub mod keys;
 pub mod navigation;
 pub mod picture;
 pub mod random;
+pub mod route;
 pub mod surface;
 pub mod timeline;

@@ -3,6 +3,7 @@
 pub mod clock;
 pub mod osc;
 pub mod record;
+pub mod route;
 pub mod row;
 pub mod stream;
 pub mod trace;
