@@ -1,6 +1,7 @@
 //! What can go wrong between a picture and the GPU?
 
 use foveal_core::content::video::grid::tile_grid::Tile;
+use foveal_core::pack::PackError;
 use thiserror::Error;
 
 /// Why nothing can be drawn, in words for the person at the screen.
@@ -79,6 +80,20 @@ pub enum RenderError {
         /// Its size in bytes.
         bytes: u64,
         /// The device's limit in bytes.
+        most: u64,
+    },
+    /// A unit of a mesh does not fit to those that are there.
+    #[error("{0}; the pack is damaged, or the unit came before its prerequisites")]
+    Unit(#[from] PackError),
+    /// The units of a scene would take more of the GPU's memory than they may.
+    #[error(
+        "meshes would take {bytes} bytes of GPU memory, of at most {most}; \
+         raise --gpu-memory, or evict units first"
+    )]
+    NoRoom {
+        /// What all units would take.
+        bytes: u64,
+        /// What they may take.
         most: u64,
     },
     /// The GPU did not hand its result back.

@@ -12,6 +12,8 @@ const MAPPING: &str = include_str!("../shaders/shared/mapping.wgsl");
 const LATTICE: &str = include_str!("../shaders/shared/lattice.wgsl");
 const WIDENED: &str = include_str!("../shaders/shared/widened.wgsl");
 const FOOTPRINT: &str = include_str!("../shaders/shared/footprint.wgsl");
+const RAMP: &str = include_str!("../shaders/shared/ramp.wgsl");
+const SCENE: &str = include_str!("../shaders/shared/scene.wgsl");
 const PICTURE: &str = include_str!("../shaders/shared/picture.wgsl");
 const PLANE: &str = include_str!("../shaders/shared/plane.wgsl");
 const CUBE: &str = include_str!("../shaders/shared/cube.wgsl");
@@ -22,6 +24,8 @@ const INTERPOLATE_SPARSE: &str = include_str!("../shaders/interpolate_sparse.wgs
 const BLUR_HALVE: &str = include_str!("../shaders/blur_halve.wgsl");
 const BLUR_RADIAL: &str = include_str!("../shaders/blur_radial.wgsl");
 const RECONSTRUCT_TEXTURES: &str = include_str!("../shaders/reconstruct_textures.wgsl");
+const CULL_CLUSTERS: &str = include_str!("../shaders/cull_clusters.wgsl");
+const DRAW_CLUSTERS: &str = include_str!("../shaders/draw_clusters.wgsl");
 const BAND: &str = include_str!("../shaders/shared/band.wgsl");
 const DOUBLED: &str = include_str!("../shaders/shared/doubled.wgsl");
 const EYE: &str = include_str!("../shaders/shared/eye.wgsl");
@@ -72,7 +76,7 @@ pub fn overlay(projection: Projection) -> Shader {
     Shader {
         name: "overlay",
         steps: &[["cover", "overlay"]],
-        text: joined(surroundings(projection), &[OVERLAY]),
+        text: joined(surroundings(projection), &[RAMP, OVERLAY]),
     }
 }
 
@@ -116,6 +120,28 @@ pub fn blur_radial() -> Shader {
         name: "blur_radial",
         steps: &[["cover", "blur_radial"]],
         text: [COVER, BLUR_RADIAL].join("\n"),
+    }
+}
+
+/// The pass that draws clusters of meshes: their colours, or which units would refine them.
+#[must_use]
+pub fn draw_clusters() -> Shader {
+    Shader {
+        name: "draw_clusters",
+        steps: &[
+            ["place_corner", "draw_clusters"],
+            ["place_corner", "draw_refiners"],
+        ],
+        text: [SCENE, RAMP, DRAW_CLUSTERS].join("\n"),
+    }
+}
+
+/// The pass that finds the clusters of meshes that can be seen.
+#[must_use]
+pub fn cull_clusters() -> ComputeShader {
+    ComputeShader {
+        name: "cull_clusters",
+        text: [SCENE, CULL_CLUSTERS].join("\n"),
     }
 }
 

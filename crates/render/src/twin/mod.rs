@@ -6,14 +6,18 @@
 
 mod blur_halve;
 mod blur_radial;
+mod cull_clusters;
+mod draw_clusters;
 mod interpolate_sparse;
 mod overlay;
 mod reconstruct_cube;
 mod reconstruct_plane;
 mod reconstruct_textures;
+mod scene;
 mod shared;
 
 pub use interpolate_sparse::TwinSamples;
+pub use scene::TwinScene;
 pub use shared::tiles::TwinTiles;
 
 use crate::blur::{FirstHalf, RadialBlur, half, halvings};

@@ -1,32 +1,13 @@
 //! Which level does each place show, and where is the gaze? Twin of `shaders/overlay.wgsl`.
 
 use super::shared::footprint::{level_of, shown_footprint};
+use super::shared::ramp::ramp;
 use super::shared::screen::{SeenPlace, View};
 use super::shared::tiles::{TwinTiles, cell_at, scale_of, shown_in, source_at};
-use super::shared::wgsl::mix;
 use super::shared::{cube, plane};
 use crate::params::Overlay;
 use foveal_core::view::surface::Projection;
 use glam::{Vec2, Vec3, Vec4};
-
-fn ramp(at: f32) -> Vec3 {
-    let red = Vec3::new(0.843, 0.098, 0.110);
-    let orange = Vec3::new(0.992, 0.682, 0.380);
-    let yellow = Vec3::new(1.0, 1.0, 0.749);
-    let sky = Vec3::new(0.671, 0.851, 0.914);
-    let blue = Vec3::new(0.173, 0.482, 0.714);
-    let x = at.clamp(0.0, 1.0) * 4.0;
-    let warm = mix(
-        mix(red, orange, x.clamp(0.0, 1.0)),
-        yellow,
-        (x - 1.0).clamp(0.0, 1.0),
-    );
-    mix(
-        mix(warm, sky, (x - 2.0).clamp(0.0, 1.0)),
-        blue,
-        (x - 3.0).clamp(0.0, 1.0),
-    )
-}
 
 fn line(away: f32, width: f32) -> f32 {
     (0.5 * width + 0.5 - away).clamp(0.0, 1.0)

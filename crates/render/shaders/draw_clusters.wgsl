@@ -1,0 +1,130 @@
+// draw_clusters: which colour has each pixel of the nearest surface?
+//
+// Reads: placements, clusters, vertices, the clusters that are seen. Writes: sRGB codes, or the
+// units that would refine what is drawn. Size: as many corners as the largest cluster has, for each
+// cluster where it stands.
+
+// The block of each cluster and its placement.
+@group(0) @binding(3) var<storage, read> shown: array<vec2u>;
+@group(0) @binding(4) var<storage, read> vertices: array<u32>;
+
+// Ambient light from below and from above, and light from the lamp; 1 shows a colour as it is.
+const GROUND = 0.35;
+const SKY = 0.55;
+const LAMP = 0.5;
+
+struct Corner {
+    @builtin(position) position: vec4f,
+    // In view space.
+    @location(0) place: vec3f,
+    @location(1) normal: vec3f,
+    // In linear light.
+    @location(2) colour: vec3f,
+    // Flags, level and refiner.
+    @location(3) @interpolate(flat) of_cluster: vec3u,
+}
+
+fn linear_from_srgb(code: vec3f) -> vec3f {
+    let curved = pow((code + 0.055) / 1.055, vec3f(2.4));
+    return select(curved, code / 12.92, code <= vec3f(0.04045));
+}
+
+fn srgb_from_linear(light: vec3f) -> vec3f {
+    let curved = 1.055 * pow(light, vec3f(1.0 / 2.4)) - 0.055;
+    return select(curved, light * 12.92, light <= vec3f(0.0031308));
+}
+
+// The direction of an octahedral normal: Meyer et al. 2010.
+fn direction_from_octahedral(normal: vec2f) -> vec3f {
+    let z = 1.0 - abs(normal.x) - abs(normal.y);
+    let sides = select(vec2f(-1.0), vec2f(1.0), normal >= vec2f(0.0));
+    let folded = (1.0 - abs(normal.yx)) * sides;
+    return normalize(vec3f(select(normal, folded, z < 0.0), z));
+}
+
+fn unit(direction: vec3f) -> vec3f {
+    return direction / max(length(direction), 1e-18);
+}
+
+fn times(rows: array<vec4f, 3>, place: vec4f) -> vec3f {
+    return vec3f(dot(rows[0], place), dot(rows[1], place), dot(rows[2], place));
+}
+
+fn clip_from_view(place: vec3f) -> vec4f {
+    let across = place.xy * scene.clip_from_view.xy + place.z * scene.clip_from_view.zw;
+    return vec4f(across, scene.near, place.z);
+}
+
+fn corner_of(block: u32, placement: u32, counts: Counts, number: u32) -> Corner {
+    let flags = placements[placement].flags;
+    let vertex = 3u * vertex_of(block, counts.vertices, number);
+    let low = vertices[vertex];
+    let high = vertices[vertex + 1u];
+    let grid = vec3f(vec3u(low & 65535u, low >> 16u, high & 65535u));
+    var corner: Corner;
+    corner.place = times(placements[placement].view_from_grid, vec4f(grid, 1.0));
+    corner.position = clip_from_view(corner.place);
+    corner.colour = placements[placement].colour.rgb;
+    if ((flags & COLOURS) != 0u) {
+        corner.colour = linear_from_srgb(unpack4x8unorm(vertices[vertex + 2u]).rgb);
+    }
+    if ((flags & NORMALS) != 0u) {
+        let normal = direction_from_octahedral(unpack4x8snorm(high).zw);
+        let turned = times(placements[placement].normal_from_object, vec4f(normal, 0.0));
+        corner.normal = unit(turned);
+    }
+    corner.of_cluster = vec3u(flags, counts.level, refiner_of(block));
+    return corner;
+}
+
+@vertex
+fn place_corner(
+    @builtin(vertex_index) index: u32,
+    @builtin(instance_index) instance: u32,
+) -> Corner {
+    let block = shown[instance].x;
+    let placement = shown[instance].y;
+    let counts = counts_of(block);
+    if (index >= 3u * counts.triangles) {
+        // Beyond the last triangle: all three corners in one place, which draws nothing.
+        var none: Corner;
+        none.position = vec4f(0.0, 0.0, 0.0, 1.0);
+        return none;
+    }
+    // In a mirror corners come the other way round.
+    let turn = index % 3u;
+    let mirrored = (placements[placement].flags & MIRRORED) != 0u && turn != 0u;
+    let number = select(index, index - turn + 3u - turn, mirrored);
+    return corner_of(block, placement, counts, number);
+}
+
+fn normal_at(flags: u32, place: vec3f, normal: vec3f, face: vec3f) -> vec3f {
+    let has_normals = (flags & NORMALS) != 0u && dot(normal, normal) > 0.0;
+    let own = unit(select(face, normal, has_normals));
+    let turns = dot(own, place) > 0.0 && (!has_normals || (flags & TWO_SIDED) != 0u);
+    return select(own, -own, turns);
+}
+
+fn light_on(normal: vec3f) -> f32 {
+    let ambient = mix(GROUND, SKY, 0.5 + 0.5 * dot(normal, scene.up));
+    return ambient + LAMP * max(dot(normal, scene.light), 0.0);
+}
+
+fn shaded(flags: u32, level: u32, colour: vec3f, normal: vec3f) -> vec3f {
+    let light = select(light_on(normal), 1.0, (flags & UNLIT) != 0u);
+    let code = srgb_from_linear(clamp(colour * light, vec3f(0.0), vec3f(1.0)));
+    return mix(code, ramp(f32(level) / scene.coarsest), scene.tint);
+}
+
+@fragment
+fn draw_clusters(corner: Corner) -> @location(0) vec4f {
+    let face = cross(unit(dpdx(corner.place)), unit(dpdy(corner.place)));
+    let flags = corner.of_cluster.x;
+    let normal = normal_at(flags, corner.place, corner.normal, face);
+    return vec4f(shaded(flags, corner.of_cluster.y, corner.colour, normal), 1.0);
+}
+
+@fragment
+fn draw_refiners(corner: Corner) -> @location(0) vec4u {
+    return vec4u(corner.of_cluster.z, 0u, 0u, 0u);
+}

@@ -1,0 +1,339 @@
+//! How does a view of a scene's units become a picture on the GPU?
+
+use crate::error::RenderError;
+use crate::gpu::buffers::{storage, written};
+use crate::gpu::compute::{Compute, Dispatch, record};
+use crate::gpu::device::Gpu;
+use crate::gpu::picture_target::PictureTarget;
+use crate::gpu::readback::{PictureCopy, ReadBack};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::image::RgbaImage;
+use crate::meshes::lists::DrawList;
+use crate::meshes::memory::UnitMemory;
+use crate::meshes::params::{PlacementParams, SceneParams, SceneStyle};
+use crate::meshes::pass::{ClusterPass, Draws, UNITS_FORMAT};
+use crate::meshes::placements::Placements;
+use crate::meshes::units::{ComingUnit, SceneUnits};
+use crate::shaders;
+use foveal_core::content::scene::description::SceneObject;
+use foveal_core::pack::unit::UnitId;
+use foveal_core::view::eye_view::EyeView;
+use std::collections::{HashMap, HashSet};
+
+/// Clusters that a workgroup of the culling pass looks at.
+const WORKGROUP: u32 = 64;
+/// Most workgroups along one side of a dispatch.
+const MOST_WORKGROUPS: u32 = 65_535;
+
+/// The units of a scene on the GPU, and the pictures that are drawn of them.
+///
+/// ```no_run
+/// # use foveal_core::content::scene::description::SceneDescription;
+/// # use foveal_core::view::eye_view::EyeView;
+/// # use foveal_render::{ComingUnit, Gpu, SceneLayer, SceneStyle};
+/// # fn show(about: &SceneDescription, root: &ComingUnit<'_>, view: &EyeView)
+/// # -> Result<(), foveal_render::RenderError> {
+/// let gpu = Gpu::open_blocking()?;
+/// let mut layer = SceneLayer::new(&gpu, &about.objects, 256 << 20)?;
+/// layer.upload(root)?;
+/// let image = layer.picture(view, &SceneStyle::default())?;
+/// # Ok(()) }
+/// ```
+pub struct SceneLayer {
+    gpu: Gpu,
+    units: SceneUnits,
+    memory: UnitMemory,
+    placements: Placements,
+    /// Clusters that are seen from outside, and from both sides.
+    lists: [DrawList; 2],
+    is_two_sided: Vec<bool>,
+    /// Whether units came or went since the lists were made.
+    is_stale: bool,
+    most_triangles: u32,
+    triangles: u64,
+    view: wgpu::Buffer,
+    seen_placements: wgpu::Buffer,
+    cull: Compute,
+    colours: ClusterPass,
+    refiners: Option<ClusterPass>,
+    output: PictureTarget,
+    unit_image: Option<wgpu::Texture>,
+}
+
+impl SceneLayer {
+    /// No unit of these objects; units may take `most_bytes` of GPU memory.
+    ///
+    /// # Errors
+    /// The objects stand in more places than the device binds.
+    pub fn new(gpu: &Gpu, objects: &[SceneObject], most_bytes: u64) -> Result<Self, RenderError> {
+        let placements = Placements::new(objects);
+        let bytes = placements.count() * size_of::<PlacementParams>();
+        let view_bytes = size_of::<SceneParams>() as u64;
+        let uniform = wgpu::BufferUsages::UNIFORM;
+        Ok(Self {
+            gpu: gpu.clone(),
+            units: SceneUnits::new(objects.len()),
+            memory: UnitMemory::new(gpu, most_bytes)?,
+            seen_placements: storage(gpu, "placements of objects", bytes as u64)?,
+            placements,
+            lists: [DrawList::new(gpu)?, DrawList::new(gpu)?],
+            is_two_sided: objects.iter().map(|it| it.two_sided).collect(),
+            is_stale: false,
+            most_triangles: 0,
+            triangles: 0,
+            view: written(gpu, "view of a scene", view_bytes, uniform),
+            cull: Compute::new(gpu, &shaders::cull_clusters()),
+            colours: ClusterPass::new(gpu, Draws::Colours),
+            refiners: None,
+            output: PictureTarget::new(gpu, [1, 1]),
+            unit_image: None,
+        })
+    }
+
+    /// Adds a unit after its prerequisites; one that is there stays as it is.
+    ///
+    /// # Errors
+    /// It does not fit to what is there or into the GPU's memory: nothing changed then.
+    pub fn upload(&mut self, coming: &ComingUnit<'_>) -> Result<(), RenderError> {
+        if !self.units.insert(coming)? {
+            return Ok(());
+        }
+        if let Err(error) = self.memory.insert(&self.units, coming.unit) {
+            self.units.remove(coming.unit);
+            return Err(error);
+        }
+        let triangles = coming.says.clusters.iter().map(|it| it.triangles.len());
+        let most = triangles.max().unwrap_or(0) as u32;
+        self.most_triangles = self.most_triangles.max(most);
+        self.is_stale = true;
+        Ok(())
+    }
+
+    /// Takes a unit away; what it replaced is drawn again.
+    ///
+    /// # Panics
+    /// No other that is there may need it.
+    pub fn remove(&mut self, unit: UnitId) {
+        if self.units.remove(unit) {
+            self.memory.remove(unit);
+            self.is_stale = true;
+        }
+    }
+
+    /// Takes all units away but those that are wanted, what these need, and roots.
+    pub fn retain(&mut self, wanted: &HashSet<UnitId>) {
+        for unit in self.units.retain(wanted) {
+            self.memory.remove(unit);
+            self.is_stale = true;
+        }
+    }
+
+    /// From now on these are the units that would refine clusters, each by its unit and its number
+    /// in it: what [`Self::ids`] shows. Only those of units that are there or will be need be told.
+    pub fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
+        self.memory.set_refiners(refiners);
+    }
+
+    /// Bytes of GPU memory of units, in use or kept for more, and of tables.
+    #[must_use]
+    pub fn gpu_bytes(&self) -> u64 {
+        let lists: u64 = self.lists.iter().map(DrawList::bytes).sum();
+        self.memory.bytes() + lists + self.seen_placements.size()
+    }
+
+    /// Triangles of the clusters that the last picture was drawn of, also of those that cannot be
+    /// seen, each where it stands.
+    #[must_use]
+    pub fn triangles_drawn(&self) -> u64 {
+        self.triangles
+    }
+
+    /// Draws the picture that `view` shows, and returns its rgba8 texture of sRGB codes; the next
+    /// call reuses it.
+    ///
+    /// # Errors
+    /// The picture is larger than the device draws.
+    pub fn draw(
+        &mut self,
+        view: &EyeView,
+        style: &SceneStyle,
+    ) -> Result<&wgpu::Texture, RenderError> {
+        let gpu = self.gpu.clone();
+        let mut encoder = gpu.encoder("scene");
+        self.record(&mut encoder, view, style)?;
+        gpu.submit(encoder);
+        Ok(&self.output.picture)
+    }
+
+    /// [`Self::draw`], with the picture on its way back to the CPU.
+    ///
+    /// # Errors
+    /// The picture is larger than the device draws.
+    pub fn read(&mut self, view: &EyeView, style: &SceneStyle) -> Result<ReadBack, RenderError> {
+        let gpu = self.gpu.clone();
+        let mut encoder = gpu.encoder("scene to read");
+        self.record(&mut encoder, view, style)?;
+        let copy = PictureCopy::record(&gpu, &mut encoder, &self.output.picture);
+        gpu.submit(encoder);
+        Ok(copy.map())
+    }
+
+    /// The picture that `view` shows; blocks until it is there.
+    ///
+    /// # Errors
+    /// The picture is larger than the device draws.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn picture(
+        &mut self,
+        view: &EyeView,
+        style: &SceneStyle,
+    ) -> Result<RgbaImage, RenderError> {
+        self.read(view, style)?.wait(&self.gpu)
+    }
+
+    /// An r32uint texture: for each pixel of `view` the unit that would refine the cluster that is
+    /// drawn there, by its number; 4294967295 where none would, and where nothing stands. The next
+    /// call reuses it.
+    ///
+    /// # Errors
+    /// The picture is larger than the device draws.
+    pub fn ids(
+        &mut self,
+        view: &EyeView,
+        style: &SceneStyle,
+    ) -> Result<&wgpu::Texture, RenderError> {
+        self.output.fit(&self.gpu, view.size)?;
+        let gpu = self.gpu.clone();
+        let mut encoder = gpu.encoder("units of a scene");
+        self.prepare(&mut encoder, view, style)?;
+        let size = self.output.picture.size();
+        let image = self.unit_image.take().filter(|it| it.size() == size);
+        let image = image.unwrap_or_else(|| unit_image(&gpu, size));
+        let pass = self.refiners.take();
+        let mut pass = pass.unwrap_or_else(|| ClusterPass::new(&gpu, Draws::Refiners));
+        let bound = self.bind(&pass, style);
+        pass.record((&gpu, &mut encoder), &image, listed(&self.lists, &bound));
+        self.refiners = Some(pass);
+        gpu.submit(encoder);
+        Ok(self.unit_image.insert(image))
+    }
+
+    fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &EyeView,
+        style: &SceneStyle,
+    ) -> Result<(), RenderError> {
+        self.output.fit(&self.gpu, view.size)?;
+        self.prepare(encoder, view, style)?;
+        let bound = self.bind(&self.colours, style);
+        let lists = listed(&self.lists, &bound);
+        self.colours
+            .record((&self.gpu, encoder), &self.output.picture, lists);
+        Ok(())
+    }
+
+    /// Writes what a picture of `view` is drawn by, and records what finds the clusters in it.
+    fn prepare(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &EyeView,
+        style: &SceneStyle,
+    ) -> Result<(), RenderError> {
+        if self.is_stale {
+            self.fill_lists()?;
+            self.is_stale = false;
+        }
+        let queue = &self.gpu.queue;
+        let params = SceneParams::new(view, style, self.units.coarsest());
+        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&params));
+        let placements = self.placements.seen_by(view);
+        let bytes = bytemuck::cast_slice(&placements);
+        queue.write_buffer(&self.seen_placements, 0, bytes);
+        for list in &self.lists {
+            let shown = if style.culls { 0 } else { list.count() };
+            list.begin(&self.gpu, self.most_triangles, shown);
+        }
+        if style.culls {
+            let lists = self.lists.iter().filter(|list| list.count() > 0);
+            let dispatches: Vec<_> = lists.map(|list| self.culling(list)).collect();
+            record(encoder, "cull_clusters", None, &dispatches);
+        }
+        Ok(())
+    }
+
+    /// Makes the lists of the clusters that are drawn of the units that are there.
+    fn fill_lists(&mut self) -> Result<(), RenderError> {
+        let mut clusters = [Vec::new(), Vec::new()];
+        self.triangles = 0;
+        for drawn in self.units.drawn() {
+            let Some(block) = self.memory.block(drawn.unit, drawn.cluster) else {
+                continue;
+            };
+            let object = drawn.note.object;
+            let placements = self.placements.of(object);
+            let triangles = drawn.placed.clusters[drawn.cluster].triangles.len();
+            self.triangles += triangles as u64 * placements.len() as u64;
+            let list = usize::from(self.is_two_sided[usize::from(object)]);
+            clusters[list].extend(placements.map(|placement| [block, placement]));
+        }
+        for (list, clusters) in self.lists.iter_mut().zip(clusters) {
+            list.fill(&self.gpu, &clusters)?;
+        }
+        Ok(())
+    }
+
+    /// The pass that finds the clusters of a list that can be seen.
+    fn culling(&self, list: &DrawList) -> Dispatch {
+        let [_, words] = self.memory.buffers();
+        let bindings = [
+            (0, self.view.as_entire_binding()),
+            (1, self.seen_placements.as_entire_binding()),
+            (2, words.as_entire_binding()),
+            (3, list.candidates()),
+            (4, list.shown().as_entire_binding()),
+            (5, list.arguments().as_entire_binding()),
+        ];
+        let workgroups = list.count().div_ceil(WORKGROUP);
+        let across = workgroups.min(MOST_WORKGROUPS);
+        let size = [across * WORKGROUP, workgroups.div_ceil(across)];
+        self.cull.over(&self.gpu, size, [WORKGROUP, 1], &bindings)
+    }
+
+    /// Binds what each list is drawn with.
+    fn bind(&self, pass: &ClusterPass, style: &SceneStyle) -> [wgpu::BindGroup; 2] {
+        let [vertices, words] = self.memory.buffers();
+        let buffers = [&self.view, &self.seen_placements, words, vertices];
+        [0, 1].map(|k| {
+            let list = &self.lists[k];
+            let shown = match style.culls {
+                true => list.shown().as_entire_binding(),
+                false => list.candidates(),
+            };
+            pass.bind(&self.gpu, buffers, shown)
+        })
+    }
+}
+
+/// Each list with what it is drawn with.
+fn listed<'a>(
+    [outside, both]: &'a [DrawList; 2],
+    [of_outside, of_both]: &'a [wgpu::BindGroup; 2],
+) -> [(&'a DrawList, &'a wgpu::BindGroup); 2] {
+    [(outside, of_outside), (both, of_both)]
+}
+
+fn unit_image(gpu: &Gpu, size: wgpu::Extent3d) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("units of a scene"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: UNITS_FORMAT,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}

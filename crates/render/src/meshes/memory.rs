@@ -1,0 +1,255 @@
+//! Where on the GPU do the vertices and clusters of units lie?
+//!
+//! A vertex lies there once, with the unit that it came with; the clusters of later units name it.
+//! A cluster is a block of words: a head, its vertices by their places in the pool, its triangles.
+//! `shaders/shared/scene.wgsl` reads both.
+
+use crate::error::RenderError;
+use crate::gpu::device::Gpu;
+use crate::meshes::bounds::ClusterBounds;
+use crate::meshes::pool::{Pool, most_bound};
+use crate::meshes::units::{SceneUnits, UnitNote};
+use foveal_core::content::mesh::cut::{PlacedCluster, PlacedUnit};
+use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
+use foveal_core::pack::unit::UnitId;
+use std::collections::{BTreeMap, HashMap};
+
+/// What the pools are called.
+const VERTICES: &str = "vertices of meshes";
+const WORDS: &str = "clusters of meshes";
+/// Bytes of a vertex.
+const VERTEX_BYTES: u64 = 12;
+/// Bytes of a word.
+const WORD_BYTES: u64 = 4;
+/// Words before the vertices of a cluster.
+const HEAD_WORDS: u32 = 10;
+/// The word of a head that says which unit refines the cluster.
+const REFINER_WORD: u32 = 9;
+/// Stands for no unit.
+pub(crate) const NO_UNIT: u32 = u32::MAX;
+
+/// Bytes of GPU memory that a unit takes.
+#[must_use]
+pub fn unit_bytes(says: &MeshUnit) -> u64 {
+    let clusters = says.clusters.iter();
+    let words = clusters.map(|it| words_of(it.vertices.len(), it.triangles.len()));
+    says.vertices.len() as u64 * VERTEX_BYTES + u64::from(words.sum::<u32>()) * WORD_BYTES
+}
+
+fn words_of(vertices: usize, triangles: usize) -> u32 {
+    HEAD_WORDS + (vertices + triangles) as u32
+}
+
+/// Where a unit lies.
+struct Span {
+    /// The places of all its vertices: those that stay, then its own.
+    vertices: Vec<u32>,
+    /// The first of its own vertices, which lie in a row.
+    first: u32,
+    /// Number of its own vertices.
+    own: u32,
+    /// The first word of each cluster, in a row; last, where the row ends.
+    blocks: Vec<u32>,
+}
+
+/// The units on the GPU.
+pub(crate) struct UnitMemory {
+    gpu: Gpu,
+    vertices: Pool,
+    words: Pool,
+    spans: BTreeMap<UnitId, Span>,
+    most_bytes: u64,
+    refiners: HashMap<(UnitId, u8), UnitId>,
+}
+
+impl UnitMemory {
+    /// Memory that grows to `most_bytes`.
+    ///
+    /// # Errors
+    /// The device binds next to nothing.
+    pub(crate) fn new(gpu: &Gpu, most_bytes: u64) -> Result<Self, RenderError> {
+        Ok(Self {
+            gpu: gpu.clone(),
+            vertices: Pool::new(gpu, VERTICES, VERTEX_BYTES, None)?,
+            words: Pool::new(gpu, WORDS, WORD_BYTES, None)?,
+            spans: BTreeMap::new(),
+            most_bytes,
+            refiners: HashMap::new(),
+        })
+    }
+
+    /// The vertices, then the clusters.
+    pub(crate) fn buffers(&self) -> [&wgpu::Buffer; 2] {
+        [self.vertices.buffer(), self.words.buffer()]
+    }
+
+    /// Bytes of both pools, in use or not.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.vertices.bytes() + self.words.bytes()
+    }
+
+    /// The first word of a cluster of a unit that is there.
+    pub(crate) fn block(&self, unit: UnitId, cluster: usize) -> Option<u32> {
+        self.spans.get(&unit)?.blocks.get(cluster).copied()
+    }
+
+    /// Writes a unit that is among `units` to the GPU; where what is free lies in too small pieces,
+    /// all that is there is packed anew.
+    ///
+    /// # Errors
+    /// It does not fit: nothing changed then.
+    pub(crate) fn insert(&mut self, units: &SceneUnits, unit: UnitId) -> Result<(), RenderError> {
+        match self.place(units, unit) {
+            Some(()) => Ok(()),
+            None => self.pack(units),
+        }
+    }
+
+    /// Forgets a unit that no other needs.
+    pub(crate) fn remove(&mut self, unit: UnitId) {
+        if let Some(span) = self.spans.remove(&unit) {
+            self.vertices.give_back(span.first, span.own);
+            if let [first, .., end] = span.blocks[..] {
+                self.words.give_back(first, end - first);
+            }
+        }
+    }
+
+    /// From now on these units are told as what refines clusters, of units that are there or come.
+    pub(crate) fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
+        self.refiners = refiners;
+        for ((unit, cluster), refiner) in &self.refiners {
+            if let Some(block) = self.block(*unit, usize::from(*cluster)) {
+                let word = block + REFINER_WORD;
+                self.words.write(&self.gpu, word, &[refiner.0]);
+            }
+        }
+    }
+
+    /// Writes all units anew, one after the other, in pools of all that may be taken.
+    fn pack(&mut self, units: &SceneUnits) -> Result<(), RenderError> {
+        let (mut vertices, mut words) = (0_u64, 0_u64);
+        for (_, _, placed) in units.all() {
+            vertices += own_vertices(placed).len() as u64;
+            let clusters = placed.clusters.iter();
+            let each = clusters.map(|it| words_of(it.vertices.len(), it.triangles.len()));
+            words += u64::from(each.sum::<u32>());
+        }
+        let needed = [vertices * VERTEX_BYTES, words * WORD_BYTES];
+        let bytes = needed[0] + needed[1];
+        let (most, most_bound) = (self.most_bytes, most_bound(&self.gpu));
+        if bytes > most || needed.iter().any(|it| *it > most_bound) {
+            let most = most.min(2 * most_bound);
+            return Err(RenderError::NoRoom { bytes, most });
+        }
+        let places = |needed: u64, place_bytes: u64| {
+            let share = u128::from(most) * u128::from(needed) / u128::from(bytes.max(1));
+            let share = (share as u64).min(most_bound);
+            Some((share / place_bytes) as u32)
+        };
+        let gpu = self.gpu.clone();
+        let vertices = places(needed[0], VERTEX_BYTES);
+        self.vertices = Pool::new(&gpu, VERTICES, VERTEX_BYTES, vertices)?;
+        let words = places(needed[1], WORD_BYTES);
+        self.words = Pool::new(&gpu, WORDS, WORD_BYTES, words)?;
+        self.spans.clear();
+        for (unit, _, _) in units.all() {
+            let placed = self.place(units, unit);
+            assert!(placed.is_some(), "unit {} fits no more once packed", unit.0);
+        }
+        Ok(())
+    }
+
+    /// Finds a place for a unit and writes it there; `None` where there is none.
+    fn place(&mut self, units: &SceneUnits, unit: UnitId) -> Option<()> {
+        let (note, placed) = units.unit(unit)?;
+        let mut vertices = self.staying(units, note, placed)?;
+        let own = own_vertices(placed);
+        let sizes = placed.clusters.iter();
+        let sizes = sizes.map(|it| words_of(it.vertices.len(), it.triangles.len()));
+        let [own_count, count] = [own.len() as u32, sizes.sum()];
+        let room = self.most_bytes.saturating_sub(self.words.bytes());
+        let first = self.vertices.take(&self.gpu, own_count, room)?;
+        let room = self.most_bytes.saturating_sub(self.vertices.bytes());
+        let Some(block) = self.words.take(&self.gpu, count, room) else {
+            self.vertices.give_back(first, own_count);
+            return None;
+        };
+        let packed: Vec<u32> = own.iter().flat_map(vertex_words).collect();
+        self.vertices.write(&self.gpu, first, &packed);
+        vertices.extend(first..first + own_count);
+        let mut blocks = vec![block];
+        let mut words = Vec::with_capacity(count as usize);
+        for (number, cluster) in placed.clusters.iter().enumerate() {
+            let refiner = self.refiners.get(&(unit, number as u8));
+            words.extend(head_words(cluster, &note.bounds[number], note.level));
+            words.push(refiner.map_or(NO_UNIT, |it| it.0));
+            words.extend(cluster.vertices.iter().map(|it| vertices[usize::from(*it)]));
+            let triangle = |[a, b, c]: &[u8; 3]| u32::from_le_bytes([*a, *b, *c, 0]);
+            words.extend(cluster.triangles.iter().map(triangle));
+            blocks.push(block + words.len() as u32);
+        }
+        self.words.write(&self.gpu, block, &words);
+        let span = Span {
+            vertices,
+            first,
+            own: own_count,
+            blocks,
+        };
+        self.spans.insert(unit, span);
+        Some(())
+    }
+
+    /// Where the vertices that stay lie, in their order: with the units that are replaced, or where
+    /// these have them from.
+    fn staying(
+        &self,
+        units: &SceneUnits,
+        note: &UnitNote,
+        placed: &PlacedUnit,
+    ) -> Option<Vec<u32>> {
+        let staying = &placed.vertices[..usize::from(placed.staying)];
+        let numbers: HashMap<&MeshVertex, usize> = staying.iter().zip(0..).collect();
+        let mut places = vec![None; staying.len()];
+        let mut sources: Vec<UnitId> = note.replaces.iter().map(|(need, _)| *need).collect();
+        sources.sort_unstable();
+        sources.dedup();
+        for source in sources {
+            let (_, placed) = units.unit(source)?;
+            let span = self.spans.get(&source)?;
+            for (vertex, place) in placed.vertices.iter().zip(&span.vertices) {
+                if let Some(number) = numbers.get(vertex) {
+                    places[*number] = Some(*place);
+                }
+            }
+        }
+        places.into_iter().collect()
+    }
+}
+
+/// The vertices that came with a unit.
+fn own_vertices(placed: &PlacedUnit) -> &[MeshVertex] {
+    &placed.vertices[usize::from(placed.staying)..]
+}
+
+/// A vertex as the shaders read it.
+fn vertex_words(vertex: &MeshVertex) -> [u32; 3] {
+    let [x, y, z] = vertex.place.map(u32::from);
+    let [u, v] = vertex.normal.map(|it| u32::from(it as u8));
+    [
+        x | y << 16,
+        z | u << 16 | v << 24,
+        u32::from_le_bytes(vertex.colour),
+    ]
+}
+
+/// All words of a cluster's head but the last.
+fn head_words(cluster: &PlacedCluster, bounds: &ClusterBounds, level: u8) -> [u32; 9] {
+    let counts = [cluster.triangles.len(), cluster.vertices.len()];
+    let [triangles, vertices] = counts.map(|it| it as u32);
+    let [x, y, z] = bounds.centre.to_array().map(f32::to_bits);
+    let [a, b, c] = bounds.axis.to_array().map(f32::to_bits);
+    let [radius, spread] = [bounds.radius, bounds.spread].map(f32::to_bits);
+    let counts = triangles | vertices << 8 | u32::from(level) << 16;
+    [x, y, z, radius, a, b, c, spread, counts]
+}

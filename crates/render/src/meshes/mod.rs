@@ -1,0 +1,19 @@
+//! Meshes: clusters of triangles on the GPU, and the pictures that are drawn of them.
+
+mod arena;
+pub(crate) mod bounds;
+mod drawer;
+mod layer;
+mod lists;
+mod memory;
+pub mod params;
+mod pass;
+pub(crate) mod placements;
+mod pool;
+pub(crate) mod units;
+
+pub use drawer::SceneDrawer;
+pub use layer::SceneLayer;
+pub use memory::unit_bytes;
+pub use params::SceneStyle;
+pub use units::ComingUnit;

@@ -1,0 +1,131 @@
+//! Which numbers do the shaders of meshes and their twins read?
+//!
+//! The structs here have the layout of the WGSL structs whose names lack the `Params`;
+//! `tests/shaders.rs` compares them.
+
+use bytemuck::{Pod, Zeroable};
+use foveal_core::view::eye_view::EyeView;
+use glam::DVec3;
+
+/// Where light comes from, in the world: above, from the right and the viewer's side.
+const LIGHT: DVec3 = DVec3::new(0.4, 0.8, 0.45);
+
+/// What is seen where nothing stands, as an sRGB code: 0.03 in linear light.
+pub(crate) const BACKGROUND: f32 = 0.189_749;
+
+/// How clusters become a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneStyle {
+    /// Whether clusters that cannot be seen are left out before they are drawn; the picture is the
+    /// same.
+    pub culls: bool,
+    /// How much of its level's colour covers each cluster, 0 to 1.
+    pub tint: f32,
+    /// Depth in metres from which on things are drawn; more than 0.
+    pub near: f64,
+}
+
+impl Default for SceneStyle {
+    fn default() -> Self {
+        Self {
+            culls: true,
+            tint: 0.0,
+            near: 0.01,
+        }
+    }
+}
+
+/// What is the same for all that a view shows.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct SceneParams {
+    /// What places to the right and down, in view space, are multiplied by, then what is added for
+    /// each metre of depth.
+    pub clip_from_view: [f32; 4],
+    /// Tangents of the field of view to the left, right, up and down.
+    pub field: [f32; 4],
+    /// Unit direction to the light, in view space: right, down, forward.
+    pub light: [f32; 3],
+    /// Least depth that is drawn, in metres.
+    pub near: f32,
+    /// Unit direction of the world's up, in view space.
+    pub up: [f32; 3],
+    /// How much of its level's colour covers each cluster.
+    pub tint: f32,
+    /// The coarsest level, at least 1.
+    pub coarsest: f32,
+    /// Keeps the size a multiple of sixteen.
+    pub unused: f32,
+    /// The same.
+    pub unused_pair: [f32; 2],
+}
+
+/// What is the same for all clusters of an object where it stands.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct PlacementParams {
+    /// Rows of the matrix that turns (x, y, z, 1) on the object's grid into view space.
+    pub view_from_grid: [[f32; 4]; 3],
+    /// Rows of the matrix that turns a normal of the object into one of view space, not of unit
+    /// length.
+    pub normal_from_object: [[f32; 4]; 3],
+    /// The eye on the object's grid; then 1 where that is known, else 0.
+    pub eye_in_grid: [f32; 4],
+    /// Colour of the object in linear light.
+    pub colour: [f32; 4],
+    /// What holds of the object: `NORMALS`, `COLOURS`, `UNLIT`, `MIRRORED` and `TWO_SIDED`.
+    pub flags: u32,
+    /// Keeps the size a multiple of sixteen.
+    pub unused: u32,
+    /// The same.
+    pub unused_pair: [u32; 2],
+}
+
+/// Its vertices have normals.
+pub(crate) const NORMALS: u32 = 1;
+/// Its vertices have colours.
+pub(crate) const COLOURS: u32 = 2;
+/// No light falls on it.
+pub(crate) const UNLIT: u32 = 4;
+/// It stands as in a mirror.
+pub(crate) const MIRRORED: u32 = 8;
+/// It is seen from both sides.
+pub(crate) const TWO_SIDED: u32 = 16;
+
+impl SceneParams {
+    /// What `view` shows of clusters of levels up to `coarsest`.
+    #[must_use]
+    pub fn new(view: &EyeView, style: &SceneStyle, coarsest: u8) -> Self {
+        let field = view.field;
+        let [across, along] = [field.left + field.right, field.up + field.down];
+        let clip_from_view = [
+            2.0 / across,
+            -2.0 / along,
+            (field.left - field.right) / across,
+            (field.down - field.up) / along,
+        ];
+        let tangents = [field.left, field.right, field.up, field.down];
+        let in_view = |it| in_view(view, it).as_vec3().to_array();
+        Self {
+            clip_from_view: clip_from_view.map(|it| it as f32),
+            field: tangents.map(|it| it as f32),
+            light: in_view(LIGHT.normalize()),
+            near: style.near as f32,
+            up: in_view(DVec3::Y),
+            tint: style.tint,
+            coarsest: f32::from(coarsest.max(1)),
+            unused: 0.0,
+            unused_pair: [0.0; 2],
+        }
+    }
+}
+
+/// A direction of the world in view space: right, down, forward.
+pub(crate) fn in_view(view: &EyeView, direction: DVec3) -> DVec3 {
+    let axes = view.axes;
+    DVec3::new(
+        direction.dot(axes.right),
+        direction.dot(axes.down),
+        direction.dot(axes.forward),
+    )
+}

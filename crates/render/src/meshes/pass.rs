@@ -1,0 +1,216 @@
+//! How is the pass recorded that draws clusters?
+
+use crate::gpu::bindings::bind;
+use crate::gpu::device::Gpu;
+use crate::gpu::picture_target::FORMAT;
+use crate::meshes::lists::DrawList;
+use crate::meshes::params::BACKGROUND;
+use crate::shaders;
+
+/// Format of the depths of clusters: the nearest is the largest, so that single precision tells
+/// depths apart as well near as far.
+const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// Format of an image of units.
+pub(crate) const UNITS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+/// Stands for no unit in an image of units.
+const NO_UNIT: f64 = u32::MAX as f64;
+/// Which buffers the steps read: the view in front, then the others.
+const BUFFERS: u32 = 5;
+
+/// What is drawn of clusters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Draws {
+    /// Their colours.
+    Colours,
+    /// The units that would refine them.
+    Refiners,
+}
+
+/// The pass that draws lists of clusters: the first from outside, the second from both sides.
+pub(crate) struct ClusterPass {
+    draws: Draws,
+    pipelines: [wgpu::RenderPipeline; 2],
+    layout: wgpu::BindGroupLayout,
+    depth: Option<wgpu::Texture>,
+}
+
+impl ClusterPass {
+    /// The pass that draws this.
+    pub(crate) fn new(gpu: &Gpu, draws: Draws) -> Self {
+        let entries: Vec<_> = (0..BUFFERS).map(entry).collect();
+        let layout = gpu
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("clusters"),
+                entries: &entries,
+            });
+        Self {
+            draws,
+            pipelines: pipelines(gpu, &layout, draws),
+            layout,
+            depth: None,
+        }
+    }
+
+    /// Binds what a list is drawn with: the view, placements, words and vertices.
+    pub(crate) fn bind(
+        &self,
+        gpu: &Gpu,
+        [view, placements, words, vertices]: [&wgpu::Buffer; 4],
+        shown: wgpu::BindingResource<'_>,
+    ) -> wgpu::BindGroup {
+        let resources = [
+            (0, view.as_entire_binding()),
+            (1, placements.as_entire_binding()),
+            (2, words.as_entire_binding()),
+            (3, shown),
+            (4, vertices.as_entire_binding()),
+        ];
+        bind(gpu, "clusters", &self.layout, &resources)
+    }
+
+    /// Records the pass over a whole picture.
+    pub(crate) fn record(
+        &mut self,
+        (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
+        picture: &wgpu::Texture,
+        lists: [(&DrawList, &wgpu::BindGroup); 2],
+    ) {
+        let view = picture.create_view(&wgpu::TextureViewDescriptor::default());
+        let depth = self.depth_of(gpu, picture.size());
+        let clear = match self.draws {
+            Draws::Colours => grey(f64::from(BACKGROUND)),
+            Draws::Refiners => grey(NO_UNIT),
+        };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("clusters"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(clear),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        for (pipeline, (list, bound)) in self.pipelines.iter().zip(lists) {
+            if list.count() > 0 {
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, bound, &[]);
+                pass.draw_indirect(list.arguments(), 0);
+            }
+        }
+    }
+
+    /// Depths of a picture's size.
+    fn depth_of(&mut self, gpu: &Gpu, size: wgpu::Extent3d) -> wgpu::TextureView {
+        let fitting = self.depth.take().filter(|it| it.size() == size);
+        let depth = fitting.unwrap_or_else(|| {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("depths of clusters"),
+                size,
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: DEPTH_FORMAT,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            })
+        });
+        let view = depth.create_view(&wgpu::TextureViewDescriptor::default());
+        self.depth = Some(depth);
+        view
+    }
+}
+
+fn grey(value: f64) -> wgpu::Color {
+    wgpu::Color {
+        r: value,
+        g: value,
+        b: value,
+        a: 1.0,
+    }
+}
+
+fn entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    let ty = match binding {
+        0 => wgpu::BufferBindingType::Uniform,
+        _ => wgpu::BufferBindingType::Storage { read_only: true },
+    };
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    }
+}
+
+/// The pipeline that draws from outside, and the one that draws from both sides.
+fn pipelines(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    draws: Draws,
+) -> [wgpu::RenderPipeline; 2] {
+    let shader = shaders::draw_clusters();
+    let device = &gpu.device;
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(shader.name),
+        source: wgpu::ShaderSource::Wgsl(shader.text.as_str().into()),
+    });
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(shader.name),
+        bind_group_layouts: &[Some(layout)],
+        immediate_size: 0,
+    });
+    let (step, format) = match draws {
+        Draws::Colours => (0, FORMAT),
+        Draws::Refiners => (1, UNITS_FORMAT),
+    };
+    let [vertex, fragment] = shader.steps[step];
+    [Some(wgpu::Face::Back), None].map(|cull_mode| {
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(fragment),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some(vertex),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState {
+                cull_mode,
+                ..wgpu::PrimitiveState::default()
+            },
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Greater),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some(fragment),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(format.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    })
+}

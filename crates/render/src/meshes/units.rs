@@ -1,0 +1,188 @@
+//! Which units of a scene are there, and which must stay?
+
+use crate::error::RenderError;
+use crate::meshes::bounds::{ClusterBounds, bounds_of};
+use foveal_core::content::mesh::cut::{MeshCut, PlacedUnit};
+use foveal_core::content::mesh::payload::MeshUnit;
+use foveal_core::pack::unit::UnitId;
+use std::collections::{BTreeMap, HashSet};
+
+/// A unit on its way to where it is drawn from.
+#[derive(Clone, Copy, Debug)]
+pub struct ComingUnit<'a> {
+    /// Its number.
+    pub unit: UnitId,
+    /// Number of its object.
+    pub object: u16,
+    /// Its level, 0 the finest: what it is tinted by.
+    pub level: u8,
+    /// Its prerequisites, all with lower numbers and of the same object; they are there already.
+    pub needs: &'a [UnitId],
+    /// What it says.
+    pub says: &'a MeshUnit,
+}
+
+/// What is known of a unit that is there, beside its clusters.
+#[derive(Clone, Debug)]
+pub(crate) struct UnitNote {
+    /// Number of its object.
+    pub(crate) object: u16,
+    /// Its level, 0 the finest.
+    pub(crate) level: u8,
+    /// Where each of its clusters lies and faces.
+    pub(crate) bounds: Vec<ClusterBounds>,
+    /// The clusters in whose place it is shown.
+    pub(crate) replaces: Vec<(UnitId, u8)>,
+    needs: Vec<UnitId>,
+    /// How many units that are there need it.
+    dependents: u32,
+}
+
+/// A cluster that is drawn.
+#[derive(Clone, Copy)]
+pub(crate) struct DrawnCluster<'a> {
+    pub(crate) unit: UnitId,
+    /// Its number in the unit.
+    pub(crate) cluster: usize,
+    pub(crate) note: &'a UnitNote,
+    pub(crate) placed: &'a PlacedUnit,
+}
+
+/// The units that are there.
+#[derive(Default)]
+pub(crate) struct SceneUnits {
+    objects: usize,
+    cut: MeshCut,
+    notes: BTreeMap<UnitId, UnitNote>,
+    coarsest: u8,
+}
+
+impl SceneUnits {
+    /// No unit of a scene of so many objects.
+    pub(crate) fn new(objects: usize) -> Self {
+        Self {
+            objects,
+            ..Self::default()
+        }
+    }
+
+    /// Adds a unit; `false` where it was there already.
+    ///
+    /// # Errors
+    /// It does not fit to what is there: nothing changed then.
+    pub(crate) fn insert(&mut self, coming: &ComingUnit<'_>) -> Result<bool, RenderError> {
+        let ComingUnit { unit, needs, .. } = *coming;
+        if self.notes.contains_key(&unit) {
+            return Ok(false);
+        }
+        self.check(coming)?;
+        let placed = self.cut.insert(unit, needs, coming.says)?;
+        let named = coming.says.replaces.iter();
+        let replaces = named.map(|it| (needs[usize::from(it.need)], it.cluster));
+        let note = UnitNote {
+            object: coming.object,
+            level: coming.level,
+            bounds: bounds_of(placed),
+            replaces: replaces.collect(),
+            needs: needs.to_vec(),
+            dependents: 0,
+        };
+        self.notes.insert(unit, note);
+        self.coarsest = self.coarsest.max(coming.level);
+        self.count(needs, |dependents| dependents + 1);
+        Ok(true)
+    }
+
+    fn check(&self, coming: &ComingUnit<'_>) -> Result<(), RenderError> {
+        let misfit = |what: &str, found: String, expected: String| RenderError::Misfit {
+            what: format!("unit {}, {what}", coming.unit.0),
+            expected,
+            found,
+        };
+        let object = usize::from(coming.object);
+        if object >= self.objects {
+            let expected = format!("less than {}", self.objects);
+            return Err(misfit("object", object.to_string(), expected));
+        }
+        let fits = |need: &UnitId| {
+            let note = self.notes.get(need);
+            *need < coming.unit && note.is_some_and(|it| it.object == coming.object)
+        };
+        match coming.needs.iter().find(|need| !fits(need)) {
+            None => Ok(()),
+            Some(need) => {
+                let expected = "an earlier unit of the same object that is there".to_owned();
+                Err(misfit("prerequisite", need.0.to_string(), expected))
+            }
+        }
+    }
+
+    fn count(&mut self, needs: &[UnitId], change: impl Fn(u32) -> u32) {
+        for need in needs {
+            if let Some(note) = self.notes.get_mut(need) {
+                note.dependents = change(note.dependents);
+            }
+        }
+    }
+
+    /// Takes a unit away; `false` where it was not there.
+    ///
+    /// # Panics
+    /// No other that is there may need it.
+    pub(crate) fn remove(&mut self, unit: UnitId) -> bool {
+        let Some(note) = self.notes.remove(&unit) else {
+            return false;
+        };
+        let dependents = note.dependents;
+        assert_eq!(dependents, 0, "unit {} is still needed by others", unit.0);
+        self.cut.remove(unit);
+        self.count(&note.needs, |dependents| dependents - 1);
+        true
+    }
+
+    /// Takes all units away but those that are wanted, what these need, and roots. Returns those
+    /// that are gone.
+    pub(crate) fn retain(&mut self, wanted: &HashSet<UnitId>) -> Vec<UnitId> {
+        let mut gone = Vec::new();
+        let there: Vec<UnitId> = self.notes.keys().rev().copied().collect();
+        for unit in there {
+            // Those that need it have higher numbers: they are gone by now or stay.
+            let note = &self.notes[&unit];
+            let stays = note.dependents > 0 || note.replaces.is_empty() || wanted.contains(&unit);
+            if !stays {
+                self.remove(unit);
+                gone.push(unit);
+            }
+        }
+        gone
+    }
+
+    /// The coarsest level that was ever there.
+    pub(crate) fn coarsest(&self) -> u8 {
+        self.coarsest
+    }
+
+    /// The units that are there, in order: what is known of each, and its clusters.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (UnitId, &UnitNote, &PlacedUnit)> {
+        let noted = |(unit, placed)| self.notes.get(&unit).map(|note| (unit, note, placed));
+        self.cut.units().filter_map(noted)
+    }
+
+    /// The clusters of a unit that is there.
+    pub(crate) fn unit(&self, unit: UnitId) -> Option<(&UnitNote, &PlacedUnit)> {
+        Some((self.notes.get(&unit)?, self.cut.unit(unit)?))
+    }
+
+    /// The clusters that are drawn, in order.
+    pub(crate) fn drawn(&self) -> impl Iterator<Item = DrawnCluster<'_>> {
+        let noted = |(unit, placed, cluster)| {
+            self.notes.get(&unit).map(|note| DrawnCluster {
+                unit,
+                cluster,
+                note,
+                placed,
+            })
+        };
+        self.cut.drawn().filter_map(noted)
+    }
+}

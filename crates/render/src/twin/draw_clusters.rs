@@ -1,0 +1,121 @@
+//! Which colour has each pixel of the nearest surface? Twin of `shaders/draw_clusters.wgsl`.
+
+use super::shared::ramp::ramp;
+use super::shared::raster::Fragment;
+use super::shared::scene::{Scene, times, vertex_of};
+use super::shared::wgsl::mix;
+use crate::meshes::params::{COLOURS, MIRRORED, NORMALS, TWO_SIDED, UNLIT};
+use crate::meshes::units::DrawnCluster;
+use foveal_core::content::mesh::octahedral;
+use glam::{Vec2, Vec3, Vec4};
+
+const GROUND: f32 = 0.35;
+const SKY: f32 = 0.55;
+const LAMP: f32 = 0.5;
+
+/// What the corners of a triangle have, and what is between them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Corner {
+    pub(crate) position: Vec4,
+    pub(crate) place: Vec3,
+    pub(crate) normal: Vec3,
+    pub(crate) colour: Vec3,
+}
+
+/// What all triangles of a cluster have.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct OfCluster {
+    pub(crate) flags: u32,
+    pub(crate) level: u32,
+}
+
+fn linear_from_srgb(code: Vec3) -> Vec3 {
+    let curved = ((code + 0.055) / 1.055).powf(2.4);
+    Vec3::select(code.cmple(Vec3::splat(0.040_45)), code / 12.92, curved)
+}
+
+pub(crate) fn srgb_from_linear(light: Vec3) -> Vec3 {
+    let curved = 1.055 * light.powf(1.0 / 2.4) - 0.055;
+    Vec3::select(light.cmple(Vec3::splat(0.003_130_8)), light * 12.92, curved)
+}
+
+fn direction_from_octahedral(normal: [i8; 2]) -> Vec3 {
+    Vec3::from(octahedral::direction_from_octahedral(normal))
+}
+
+fn unit(direction: Vec3) -> Vec3 {
+    direction / direction.length().max(1e-18)
+}
+
+pub(super) fn clip_from_view(scene: &Scene, place: Vec3) -> Vec4 {
+    let [x, y, z, w] = scene.params.clip_from_view;
+    let across = place.truncate() * Vec2::new(x, y) + place.z * Vec2::new(z, w);
+    Vec4::new(across.x, across.y, scene.params.near, place.z)
+}
+
+fn corner_of(scene: &Scene, block: &DrawnCluster<'_>, placement: u32, number: u32) -> Corner {
+    let placement = &scene.placements[placement as usize];
+    let flags = placement.flags;
+    let vertex = vertex_of(block, number);
+    let grid = Vec3::from(vertex.place.map(f32::from));
+    let mut corner = Corner {
+        place: times(&placement.view_from_grid, grid.extend(1.0)),
+        ..Corner::default()
+    };
+    corner.position = clip_from_view(scene, corner.place);
+    corner.colour = Vec4::from(placement.colour).truncate();
+    if flags & COLOURS != 0 {
+        let [r, g, b, _] = vertex.colour.map(|it| f32::from(it) / 255.0);
+        corner.colour = linear_from_srgb(Vec3::new(r, g, b));
+    }
+    if flags & NORMALS != 0 {
+        let normal = direction_from_octahedral(vertex.normal);
+        let turned = times(&placement.normal_from_object, normal.extend(0.0));
+        corner.normal = unit(turned);
+    }
+    corner
+}
+
+pub(super) fn place_corner(
+    scene: &Scene,
+    block: &DrawnCluster<'_>,
+    placement: u32,
+    index: u32,
+) -> Corner {
+    let turn = index % 3;
+    let mirrored = scene.placements[placement as usize].flags & MIRRORED != 0 && turn != 0;
+    let number = match mirrored {
+        true => index - turn + 3 - turn,
+        false => index,
+    };
+    corner_of(scene, block, placement, number)
+}
+
+fn normal_at(flags: u32, place: Vec3, normal: Vec3, face: Vec3) -> Vec3 {
+    let has_normals = flags & NORMALS != 0 && normal.dot(normal) > 0.0;
+    let own = unit(if has_normals { normal } else { face });
+    let turns = own.dot(place) > 0.0 && (!has_normals || flags & TWO_SIDED != 0);
+    if turns { -own } else { own }
+}
+
+fn light_on(scene: &Scene, normal: Vec3) -> f32 {
+    let ambient = mix(GROUND, SKY, 0.5 + 0.5 * normal.dot(scene.params.up.into()));
+    ambient + LAMP * normal.dot(scene.params.light.into()).max(0.0)
+}
+
+fn shaded(scene: &Scene, of_cluster: OfCluster, colour: Vec3, normal: Vec3) -> Vec3 {
+    let light = match of_cluster.flags & UNLIT != 0 {
+        true => 1.0,
+        false => light_on(scene, normal),
+    };
+    let code = srgb_from_linear((colour * light).clamp(Vec3::ZERO, Vec3::ONE));
+    let of_level = ramp(of_cluster.level as f32 / scene.params.coarsest);
+    mix(code, of_level, scene.params.tint)
+}
+
+pub(super) fn draw_clusters(scene: &Scene, of_cluster: OfCluster, fragment: &Fragment) -> Vec4 {
+    let corner = fragment.corner;
+    let face = fragment.face;
+    let normal = normal_at(of_cluster.flags, corner.place, corner.normal, face);
+    shaded(scene, of_cluster, corner.colour, normal).extend(1.0)
+}

@@ -1,0 +1,158 @@
+//! Which pixels does a triangle cover, and what is there of its corners?
+//!
+//! What a GPU does between the steps of a drawing pass: it cuts triangles off at the least depth,
+//! rounds corners to 1/256 of a pixel, and gives a pixel on a common edge to one of two triangles.
+
+use crate::twin::draw_clusters::Corner;
+use glam::{DVec2, Vec2, Vec3, Vec4};
+
+/// Parts of a pixel that corners are rounded to.
+const PARTS: f64 = 256.0;
+/// Farthest place of a corner that is told from others, in parts of a pixel.
+const FARTHEST: f64 = (1_u64 << 29) as f64;
+
+/// A pixel that a triangle covers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fragment {
+    pub(crate) pixel: [u32; 2],
+    /// Larger is nearer.
+    pub(crate) depth: f32,
+    pub(crate) corner: Corner,
+    /// Normal of the triangle, of any length and to either side.
+    pub(crate) face: Vec3,
+}
+
+/// Which triangles are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sides {
+    /// Those whose corners go counter-clockwise.
+    Front,
+    /// All.
+    Both,
+}
+
+/// Calls `draw` for every pixel of a picture of `size` that a triangle covers.
+pub(crate) fn rasterise(
+    triangle: [Corner; 3],
+    size: [u32; 2],
+    sides: Sides,
+    mut draw: impl FnMut(Fragment),
+) {
+    let [a, b, c] = triangle.map(|corner| corner.place);
+    let face = (b - a).cross(c - a);
+    let near = clipped(&triangle);
+    for k in 2..near.len() {
+        fill([near[0], near[k - 1], near[k]], size, sides, |fragment| {
+            draw(Fragment { face, ..fragment });
+        });
+    }
+}
+
+/// The part of a triangle that is at least at the least depth, as a polygon.
+fn clipped(triangle: &[Corner; 3]) -> Vec<Corner> {
+    let inside = |corner: &Corner| corner.position.w - corner.position.z;
+    let mut polygon = Vec::with_capacity(4);
+    for k in 0..3 {
+        let (from, to) = (triangle[k], triangle[(k + 1) % 3]);
+        let [at_from, at_to] = [inside(&from), inside(&to)];
+        if at_from >= 0.0 {
+            polygon.push(from);
+        }
+        if (at_from >= 0.0) != (at_to >= 0.0) {
+            polygon.push(between(&from, &to, at_from / (at_from - at_to)));
+        }
+    }
+    polygon
+}
+
+fn between(a: &Corner, b: &Corner, t: f32) -> Corner {
+    weighted(&[*a, *b, *b], Vec3::new(1.0 - t, t, 0.0))
+}
+
+fn weighted(corners: &[Corner; 3], weights: Vec3) -> Corner {
+    let [a, b, c] = corners;
+    let of3 = |it: fn(&Corner) -> Vec3| it(a) * weights.x + it(b) * weights.y + it(c) * weights.z;
+    let of4 = |it: fn(&Corner) -> Vec4| it(a) * weights.x + it(b) * weights.y + it(c) * weights.z;
+    Corner {
+        position: of4(|it| it.position),
+        place: of3(|it| it.place),
+        normal: of3(|it| it.normal),
+        colour: of3(|it| it.colour),
+    }
+}
+
+/// Place in the picture in parts of a pixel.
+fn rounded(position: Vec4, size: [u32; 2]) -> [i64; 2] {
+    let across = Vec2::new(position.x, position.y) / position.w;
+    let half = DVec2::new(f64::from(size[0]), f64::from(size[1])) / 2.0;
+    let place = (across.as_dvec2() * DVec2::new(1.0, -1.0) + 1.0) * half * PARTS;
+    let place = place.round().clamp(DVec2::splat(-FARTHEST), DVec2::splat(FARTHEST));
+    place.to_array().map(|it| it as i64)
+}
+
+/// Twice the area on the right of the way from `a` to `b` up to `p`, where rows grow downwards.
+fn edge(a: [i64; 2], b: [i64; 2], p: [i64; 2]) -> i64 {
+    (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
+}
+
+/// Whether the inside lies right of, or below, the way from `a` to `b`.
+fn is_top_left(a: [i64; 2], b: [i64; 2]) -> bool {
+    (a[1] == b[1] && b[0] > a[0]) || b[1] < a[1]
+}
+
+fn fill(
+    corners: [Corner; 3],
+    size: [u32; 2],
+    sides: Sides,
+    mut draw: impl FnMut(Fragment),
+) {
+    let mut corners = corners;
+    let mut places = corners.map(|corner| rounded(corner.position, size));
+    let mut area = edge(places[0], places[1], places[2]);
+    if area < 0 {
+        // Counter-clockwise in the picture: from here on clockwise, as rows grow downwards.
+        corners.swap(1, 2);
+        places.swap(1, 2);
+        area = -area;
+    } else if area == 0 || sides == Sides::Front {
+        return;
+    }
+    let [columns, rows] = [0, 1].map(|k| {
+        let along = places.map(|place| place[k]);
+        let [low, high] = [along.iter().min(), along.iter().max()];
+        let pixel = |part: i64| part.div_euclid(PARTS as i64).clamp(0, i64::from(size[k]));
+        let [low, high] = [low, high].map(|it| pixel(it.copied().unwrap_or(0)));
+        low as u32..(high as u32 + 1).min(size[k])
+    });
+    let depths = corners.map(|corner| corner.position.z / corner.position.w);
+    for y in rows {
+        for x in columns.clone() {
+            let middle = [x, y].map(|it| i64::from(it) * PARTS as i64 + PARTS as i64 / 2);
+            let Some(shares) = shares(&places, middle) else {
+                continue;
+            };
+            let shares = shares.map(|share| share as f32 / area as f32);
+            let over_depth = Vec3::from([0, 1, 2].map(|k| shares[k] / corners[k].position.w));
+            let weights = over_depth / (over_depth.x + over_depth.y + over_depth.z);
+            draw(Fragment {
+                pixel: [x, y],
+                depth: Vec3::from(shares).dot(Vec3::from(depths)),
+                corner: weighted(&corners, weights),
+                face: Vec3::ZERO,
+            });
+        }
+    }
+}
+
+/// The areas opposite to each corner as seen from a place inside; `None` outside.
+fn shares(places: &[[i64; 2]; 3], place: [i64; 2]) -> Option<[i64; 3]> {
+    let mut shares = [0; 3];
+    for (k, share) in shares.iter_mut().enumerate() {
+        let (a, b) = (places[(k + 1) % 3], places[(k + 2) % 3]);
+        *share = edge(a, b, place);
+        if *share < 0 || (*share == 0 && !is_top_left(a, b)) {
+            return None;
+        }
+    }
+    Some(shares)
+}

@@ -1,0 +1,40 @@
+//! Where do clusters lie, and how do objects stand before the eye? Twin of
+//! `shaders/shared/scene.wgsl`.
+
+use crate::meshes::bounds::ClusterBounds;
+use crate::meshes::params::{PlacementParams, SceneParams};
+use crate::meshes::units::DrawnCluster;
+use foveal_core::content::mesh::payload::MeshVertex;
+use glam::{Vec3, Vec4};
+
+/// What a view shows, and objects where they stand.
+pub(crate) struct Scene {
+    pub(crate) params: SceneParams,
+    pub(crate) placements: Vec<PlacementParams>,
+}
+
+pub(crate) fn bounds_of(block: &DrawnCluster<'_>) -> ClusterBounds {
+    block.note.bounds[block.cluster]
+}
+
+/// Number of its triangles.
+pub(crate) fn triangles_of(block: &DrawnCluster<'_>) -> u32 {
+    block.placed.clusters[block.cluster].triangles.len() as u32
+}
+
+pub(crate) fn vertex_of(block: &DrawnCluster<'_>, corner: u32) -> MeshVertex {
+    let cluster = &block.placed.clusters[block.cluster];
+    let triangle = cluster.triangles[corner as usize / 3];
+    let own = triangle[corner as usize % 3];
+    block.placed.vertices[usize::from(cluster.vertices[usize::from(own)])]
+}
+
+/// A row of a matrix.
+pub(crate) fn row(row: [f32; 4]) -> Vec4 {
+    Vec4::from(row)
+}
+
+/// Three rows with a place.
+pub(crate) fn times(rows: &[[f32; 4]; 3], place: Vec4) -> Vec3 {
+    Vec3::from([0, 1, 2].map(|k| row(rows[k]).dot(place)))
+}
