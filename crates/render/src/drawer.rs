@@ -1,36 +1,24 @@
 //! What draws what a session shows: the GPU, the CPU twin of its passes, or nothing?
-//!
-//! Tiles lie in an atlas or in a texture for every level, or samples of them round the gaze are
-//! shown; what lies outside the fovea is blurred where that is wanted. What is chosen here can
-//! change while it is looked at.
 
-#[cfg(not(target_arch = "wasm32"))]
-use crate::TextureRenderer;
 use crate::error::RenderError;
 use crate::gpu::device::Gpu;
 use crate::gpu::readback::ReadBack;
-use crate::tiles::sampling::{GatheredSamples, Sampling, mask_shape};
-use crate::tiles::sparse::Interpolation;
-use crate::twin::{self, TwinSamples, TwinTiles};
-use crate::{Overlay, RadialBlur, Renderer, RgbaImage};
+use crate::meshes::{ComingUnit, SceneDrawer, SceneStyle};
+use crate::tiles::drawer::{TileDrawer, TileStyle};
+use crate::{Overlay, RgbaImage};
+use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::PolicyConfig;
+use foveal_core::content::scene::Scene;
 use foveal_core::content::unit::UnitRef;
 use foveal_core::content::video::Video;
-use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_core::gaze::sample::GazeSample;
-use foveal_core::perception::samples::sample_mask::MaskShape;
 use foveal_core::session::actions::{Cache, SessionAction};
 use foveal_core::session::unit_states::Piece;
 use foveal_core::view::eye_view::EyeView;
+#[cfg(not(target_arch = "wasm32"))]
 use foveal_core::view::picture::Picture;
-use glam::DVec3;
 use std::sync::Arc;
-
-/// Most layers of the atlas: 256 is what a browser gives.
-const MOST_LAYERS: u32 = 256;
-/// Shares by which a pixel's angle may differ before a mask is made anew.
-const SAME_PITCH: f64 = 1e-6;
 
 /// What draws, ready: one can serve several drawers.
 #[derive(Clone)]
@@ -55,57 +43,6 @@ impl DrawDevice {
     }
 }
 
-/// How tiles become a picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TileStyle {
-    /// A texture for every level in place of the atlas.
-    pub has_textures: bool,
-    /// How pixels between samples are filled.
-    pub interpolation: Interpolation,
-    /// Whether what lies outside the fovea is blurred.
-    pub blurs: bool,
-    /// Whether only samples round the gaze are shown over the coarsest level.
-    pub samples: bool,
-}
-
-impl TileStyle {
-    /// Whether tiles that were uploaded for one serve the other.
-    fn keeps_tiles(self, other: Self) -> bool {
-        let [a, b] = [self, other].map(|style| Self {
-            blurs: false,
-            ..style
-        });
-        a == b
-    }
-}
-
-/// Resident units and what draws them.
-pub struct Drawer {
-    device: DrawDevice,
-    video: Arc<Video>,
-    style: TileStyle,
-    engine: Engine,
-    sampling: Option<(MaskShape, Sampling)>,
-    /// What the samples that are shown were gathered for; `None` once tiles came.
-    gathered: Option<(DVec3, EyeView)>,
-}
-
-enum Engine {
-    Atlas(Box<Renderer>),
-    #[cfg(not(target_arch = "wasm32"))]
-    Textures(Box<TextureRenderer>),
-    Twin(Box<Twin>),
-    Nothing,
-}
-
-/// Tiles and samples in main memory, and what is done with them.
-struct Twin {
-    tiles: TwinTiles,
-    samples: Option<TwinSamples>,
-    blur: Option<RadialBlur>,
-    has_textures: bool,
-}
-
 /// A picture that was drawn, on its way to main memory.
 pub enum DrawnPicture {
     /// It is there.
@@ -127,8 +64,20 @@ impl DrawnPicture {
     }
 }
 
+/// Resident units of an asset and what draws them.
+pub struct Drawer {
+    device: DrawDevice,
+    layer: Layer,
+}
+
+/// A kind of content, and how it is drawn.
+enum Layer {
+    Tiles(Box<TileDrawer>),
+    Scene(Box<SceneDrawer>, Arc<Scene>),
+}
+
 impl Drawer {
-    /// Nothing is resident yet.
+    /// Draws a video; nothing is resident yet.
     ///
     /// # Errors
     /// The device cannot hold what the style needs.
@@ -137,13 +86,27 @@ impl Drawer {
         video: &Arc<Video>,
         style: TileStyle,
     ) -> Result<Self, RenderError> {
+        let tiles = TileDrawer::new(device, video, style)?;
         Ok(Self {
-            engine: Engine::new(device, video, style)?,
             device: device.clone(),
-            video: Arc::clone(video),
-            style,
-            sampling: None,
-            gathered: None,
+            layer: Layer::Tiles(Box::new(tiles)),
+        })
+    }
+
+    /// Draws a scene whose units may take `most_bytes` on the GPU; nothing is resident yet.
+    ///
+    /// # Errors
+    /// Its objects stand in more places than the device binds.
+    pub fn of_scene(
+        device: &DrawDevice,
+        scene: &Arc<Scene>,
+        most_bytes: u64,
+    ) -> Result<Self, RenderError> {
+        let objects = &scene.pack().description().objects;
+        let drawer = SceneDrawer::new(device, objects, most_bytes)?;
+        Ok(Self {
+            device: device.clone(),
+            layer: Layer::Scene(Box::new(drawer), Arc::clone(scene)),
         })
     }
 
@@ -153,10 +116,13 @@ impl Drawer {
         &self.device
     }
 
-    /// How tiles become a picture.
+    /// How tiles become a picture; of a scene as by default.
     #[must_use]
     pub fn style(&self) -> TileStyle {
-        self.style
+        match &self.layer {
+            Layer::Tiles(tiles) => tiles.style(),
+            Layer::Scene(..) => TileStyle::default(),
+        }
     }
 
     /// From now on shows tiles like this; `true` where all of them must come anew. What cannot be
@@ -165,12 +131,10 @@ impl Drawer {
     /// # Errors
     /// The device cannot hold what the style needs.
     pub fn restyle(&mut self, style: TileStyle) -> Result<bool, RenderError> {
-        if self.style.keeps_tiles(style) {
-            self.style = style;
-            return Ok(false);
+        match &mut self.layer {
+            Layer::Tiles(tiles) => tiles.restyle(style),
+            Layer::Scene(..) => Ok(false),
         }
-        *self = Self::new(&self.device, &self.video, style)?;
-        Ok(true)
     }
 
     /// Makes the mask that samples are shown by, where there is none for this view; takes about a
@@ -179,39 +143,28 @@ impl Drawer {
     /// # Errors
     /// The mask is larger than the device binds.
     pub fn prepare(&mut self, config: &PolicyConfig, view: &EyeView) -> Result<bool, RenderError> {
-        if !self.style.samples {
-            return Ok(false);
+        match &mut self.layer {
+            Layer::Tiles(tiles) => tiles.prepare(config, view),
+            Layer::Scene(..) => Ok(false),
         }
-        let shape = mask_shape(config, view);
-        let same = |(made, _): &(MaskShape, Sampling)| {
-            (made.pitch / shape.pitch - 1.0).abs() < SAME_PITCH
-                && (made.side, made.eye) == (shape.side, shape.eye)
-        };
-        if self.sampling.as_ref().is_some_and(same) {
-            return Ok(false);
-        }
-        let interpolation = self.style.interpolation;
-        let averages = interpolation == Interpolation::Blended;
-        let sampling = Sampling::new(config, view, averages);
-        match &mut self.engine {
-            Engine::Atlas(renderer) => renderer.sample_by(&sampling.mask, interpolation)?,
-            Engine::Twin(twin) => {
-                twin.samples = Some(TwinSamples::new(sampling.mask.clone(), interpolation));
-            }
-            #[cfg(not(target_arch = "wasm32"))]
-            Engine::Textures(_) => {}
-            Engine::Nothing => {}
-        }
-        self.sampling = Some((shape, sampling));
-        self.gathered = None;
-        Ok(true)
     }
 
-    /// Number of samples that are shown; `None` where tiles are.
+    /// Number of samples that are shown; `None` where tiles or meshes are.
     #[must_use]
     pub fn samples(&self) -> Option<usize> {
-        let sampling = self.sampling.as_ref();
-        sampling.map(|(_, sampling)| sampling.mask.places.len())
+        match &self.layer {
+            Layer::Tiles(tiles) => tiles.samples(),
+            Layer::Scene(..) => None,
+        }
+    }
+
+    /// Triangles of a scene that the last picture drew; of video none.
+    #[must_use]
+    pub fn triangles_drawn(&self) -> u64 {
+        match &self.layer {
+            Layer::Tiles(_) => 0,
+            Layer::Scene(scene, _) => scene.triangles_drawn(),
+        }
     }
 
     /// Moves what follows the gaze: the samples and the blur.
@@ -219,57 +172,47 @@ impl Drawer {
     /// # Errors
     /// The device was lost.
     pub fn follow(&mut self, gaze: &GazeSample, view: &EyeView) -> Result<(), RenderError> {
-        let direction = gaze.gaze_in_content;
-        let blur = self.style.blurs.then(|| RadialBlur::round(direction));
-        self.engine.set_blur(blur);
-        let Some((_, sampling)) = &self.sampling else {
-            return Ok(());
-        };
-        let wanted = (direction, *view);
-        if self.gathered != Some(wanted) {
-            let samples = sampling.gather(self.video.grid(), view, gaze);
-            self.engine.show_samples(&samples)?;
-            self.gathered = Some(wanted);
+        match &mut self.layer {
+            Layer::Tiles(tiles) => tiles.follow(gaze, view),
+            Layer::Scene(..) => Ok(()),
         }
-        Ok(())
     }
 
     /// From now on source frame `frame` is shown.
     pub fn begin_frame(&mut self, frame: u32) {
-        self.engine.begin_frame(frame);
-        if let Some((_, sampling)) = &mut self.sampling {
-            sampling.begin_frame();
+        if let Layer::Tiles(tiles) = &mut self.layer {
+            tiles.begin_frame(frame);
         }
-        self.gathered = None;
     }
 
-    /// Makes a piece resident; where samples are shown, only the coarsest level is, and the samples
-    /// are gathered from the others.
+    /// Makes a piece resident.
     ///
     /// # Errors
     /// It is not what its unit should be, or the device was lost.
     pub fn upload(&mut self, piece: Piece, payload: Payload) -> Result<(), RenderError> {
-        let Payload::Picture(picture) = payload;
-        let tile = self.tile_of(piece.unit);
-        self.gathered = None;
-        if let Some((_, sampling)) = &mut self.sampling {
-            if tile.level != self.video.grid().coarsest() {
-                sampling.keep(tile, picture);
-                return Ok(());
+        match (&mut self.layer, payload) {
+            (Layer::Tiles(tiles), Payload::Picture(picture)) => tiles.upload(piece, picture),
+            (Layer::Scene(drawer, scene), Payload::Mesh(says)) => {
+                let unit = piece.unit.unit;
+                let row = scene.pack().row(unit);
+                drawer.upload(&ComingUnit {
+                    unit,
+                    object: row.object,
+                    level: scene.pack().level_of(unit),
+                    needs: scene.needs(unit),
+                    says: &says,
+                })
             }
-            sampling.keep(tile, picture.clone());
+            _ => Err(RenderError::OtherKind),
         }
-        self.engine.upload(tile, piece.frame, &picture)
     }
 
     /// Evicts all units but these and the coarsest level.
     pub fn keep(&mut self, units: &[UnitRef]) {
-        let tiles: Vec<Tile> = units.iter().map(|unit| self.tile_of(*unit)).collect();
-        if let Some((_, sampling)) = &mut self.sampling {
-            sampling.retain(self.video.grid().coarsest(), &tiles);
-            self.gathered = None;
+        match &mut self.layer {
+            Layer::Tiles(tiles) => tiles.keep(units),
+            Layer::Scene(scene, _) => scene.keep(&units.iter().map(|it| it.unit).collect()),
         }
-        self.engine.retain(&tiles);
     }
 
     /// Does what of a session's actions is drawing, with the payloads that were kept for it.
@@ -308,23 +251,18 @@ impl Drawer {
 
     /// Resident units that hold another frame than the one shown.
     pub fn wrong_frame_units(&mut self) -> usize {
-        match &mut self.engine {
-            Engine::Atlas(renderer) => renderer.tiles().wrong_frame_tiles(),
-            #[cfg(not(target_arch = "wasm32"))]
-            Engine::Textures(renderer) => renderer.wrong_frame_tiles(),
-            Engine::Twin(twin) => twin.tiles.wrong_frame_tiles(),
-            Engine::Nothing => 0,
+        match &mut self.layer {
+            Layer::Tiles(tiles) => tiles.wrong_frame_units(),
+            Layer::Scene(..) => 0,
         }
     }
 
     /// Bytes of GPU memory in use.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
-        match &self.engine {
-            Engine::Atlas(renderer) => renderer.gpu_bytes(),
-            #[cfg(not(target_arch = "wasm32"))]
-            Engine::Textures(renderer) => renderer.gpu_bytes(),
-            Engine::Twin(_) | Engine::Nothing => 0,
+        match &self.layer {
+            Layer::Tiles(tiles) => tiles.gpu_bytes(),
+            Layer::Scene(scene, _) => scene.gpu_bytes(),
         }
     }
 
@@ -338,12 +276,10 @@ impl Drawer {
         view: &EyeView,
         marks: Option<&Overlay>,
     ) -> Result<Option<&wgpu::Texture>, RenderError> {
-        Ok(match &mut self.engine {
-            Engine::Atlas(renderer) => Some(renderer.draw(view, marks)?),
-            #[cfg(not(target_arch = "wasm32"))]
-            Engine::Textures(renderer) => Some(renderer.draw(view)?),
-            Engine::Twin(_) | Engine::Nothing => None,
-        })
+        match &mut self.layer {
+            Layer::Tiles(tiles) => tiles.draw(view, marks),
+            Layer::Scene(scene, _) => scene.draw(view, &style_of(marks)),
+        }
     }
 
     /// The picture that a view shows, on its way to main memory; `None` when nothing draws, or
@@ -356,17 +292,10 @@ impl Drawer {
         view: &EyeView,
         marks: Option<&Overlay>,
     ) -> Result<Option<DrawnPicture>, RenderError> {
-        Ok(match &mut self.engine {
-            Engine::Atlas(renderer) => Some(DrawnPicture::Coming(renderer.read(view, marks)?)),
-            Engine::Twin(twin) => Some(DrawnPicture::Here(twin.marked(view, marks))),
-            #[cfg(not(target_arch = "wasm32"))]
-            Engine::Textures(_) => None,
-            Engine::Nothing => None,
-        })
-    }
-
-    fn tile_of(&self, unit: UnitRef) -> Tile {
-        self.video.pack().tile_of(unit.unit)
+        match &mut self.layer {
+            Layer::Tiles(tiles) => tiles.read(view, marks),
+            Layer::Scene(scene, _) => scene.read(view, &style_of(marks)),
+        }
     }
 }
 
@@ -383,14 +312,10 @@ impl Drawer {
         view: &EyeView,
         marks: Option<&Overlay>,
     ) -> Result<Option<RgbaImage>, RenderError> {
-        Ok(match (&mut self.engine, marks) {
-            (Engine::Atlas(renderer), None) => Some(renderer.reconstruct(view)?),
-            (Engine::Atlas(renderer), Some(marks)) => Some(renderer.heat_map(view, marks)?),
-            (Engine::Twin(twin), marks) => Some(twin.marked(view, marks)),
-            (Engine::Textures(renderer), None) => Some(renderer.reconstruct(view)?),
-            (Engine::Textures(_), Some(_)) => return Err(RenderError::NoMarks),
-            (Engine::Nothing, _) => None,
-        })
+        match &mut self.layer {
+            Layer::Tiles(tiles) => tiles.picture(view, marks),
+            Layer::Scene(scene, _) => scene.picture(view, &style_of(marks)),
+        }
     }
 
     /// Waits until what was uploaded is where it is drawn from.
@@ -398,131 +323,29 @@ impl Drawer {
     /// # Errors
     /// The device was lost.
     pub fn settle(&mut self) -> Result<(), RenderError> {
-        match &mut self.engine {
-            Engine::Atlas(renderer) => renderer.tiles().settle(),
-            Engine::Textures(renderer) => renderer.settle(),
-            Engine::Twin(_) | Engine::Nothing => Ok(()),
+        match &mut self.layer {
+            Layer::Tiles(tiles) => tiles.settle(),
+            Layer::Scene(..) => Ok(()),
         }
     }
 
-    /// The samples of a resident unit, as whatever draws holds them; `None` where it holds none by
-    /// themselves. Blocks: for reports, not for playing.
+    /// The samples of a resident tile, as whatever draws holds them; `None` where it holds none by
+    /// themselves, and of a scene. Blocks: for reports, not for playing.
     ///
     /// # Errors
     /// It is not resident.
     pub fn read_unit(&mut self, unit: UnitRef) -> Result<Option<Picture>, RenderError> {
-        let tile = self.tile_of(unit);
-        Ok(match &mut self.engine {
-            Engine::Atlas(renderer) => Some(renderer.tiles().read_tile(tile)?),
-            Engine::Twin(twin) => twin.tiles.read_tile(tile),
-            Engine::Textures(_) | Engine::Nothing => None,
-        })
-    }
-}
-
-impl Engine {
-    fn new(device: &DrawDevice, video: &Video, style: TileStyle) -> Result<Self, RenderError> {
-        let (grid, colour) = (video.grid(), video.pack().description().colour);
-        Ok(match device {
-            #[cfg(not(target_arch = "wasm32"))]
-            DrawDevice::Gpu(gpu) if style.has_textures => {
-                Self::Textures(Box::new(TextureRenderer::new(gpu, grid, colour)?))
-            }
-            DrawDevice::Gpu(gpu) => {
-                Self::Atlas(Box::new(Renderer::new(gpu, grid, colour, MOST_LAYERS)?))
-            }
-            DrawDevice::Twin => Self::Twin(Box::new(Twin {
-                tiles: TwinTiles::new(grid, colour),
-                samples: None,
-                blur: None,
-                has_textures: style.has_textures,
-            })),
-            DrawDevice::Nothing => Self::Nothing,
-        })
-    }
-
-    fn begin_frame(&mut self, frame: u32) {
-        match self {
-            Self::Atlas(renderer) => renderer.tiles().begin_frame(frame),
-            #[cfg(not(target_arch = "wasm32"))]
-            Self::Textures(renderer) => renderer.begin_frame(frame),
-            Self::Twin(twin) => twin.tiles.begin_frame(frame),
-            Self::Nothing => {}
-        }
-    }
-
-    fn upload(&mut self, tile: Tile, frame: u32, picture: &Picture) -> Result<(), RenderError> {
-        match self {
-            Self::Atlas(renderer) => renderer.tiles().upload(tile, frame, picture),
-            #[cfg(not(target_arch = "wasm32"))]
-            Self::Textures(renderer) => renderer.upload(tile, frame, picture),
-            Self::Twin(twin) => twin.tiles.upload(tile, frame, picture),
-            Self::Nothing => Ok(()),
-        }
-    }
-
-    fn retain(&mut self, wanted: &[Tile]) {
-        match self {
-            Self::Atlas(renderer) => renderer.tiles().retain(wanted),
-            Self::Twin(twin) => twin.tiles.retain(wanted),
-            // Every tile has its place in its level's texture, in use or not.
-            #[cfg(not(target_arch = "wasm32"))]
-            Self::Textures(_) => {}
-            Self::Nothing => {}
-        }
-    }
-
-    fn set_blur(&mut self, blur: Option<RadialBlur>) {
-        match self {
-            Self::Atlas(renderer) => renderer.radial_blur = blur,
-            #[cfg(not(target_arch = "wasm32"))]
-            Self::Textures(renderer) => renderer.radial_blur = blur,
-            Self::Twin(twin) => twin.blur = blur,
-            Self::Nothing => {}
-        }
-    }
-
-    fn show_samples(
-        &mut self,
-        GatheredSamples { corner, codes }: &GatheredSamples,
-    ) -> Result<(), RenderError> {
-        match self {
-            Self::Atlas(renderer) => renderer.show_samples(*corner, codes),
-            Self::Twin(twin) => {
-                if let Some(shown) = &mut twin.samples {
-                    shown.show(*corner, codes);
-                }
-                Ok(())
-            }
-            #[cfg(not(target_arch = "wasm32"))]
-            Self::Textures(_) => Ok(()),
-            Self::Nothing => Ok(()),
+        match &mut self.layer {
+            Layer::Tiles(tiles) => tiles.read_unit(unit),
+            Layer::Scene(..) => Ok(None),
         }
     }
 }
 
-impl Twin {
-    fn marked(&self, view: &EyeView, marks: Option<&Overlay>) -> RgbaImage {
-        let picture = self.picture(view);
-        match marks {
-            Some(marks) => twin::marked(&self.tiles, view, marks, picture),
-            None => picture,
-        }
-    }
-
-    fn picture(&self, view: &EyeView) -> RgbaImage {
-        let picture = match &self.samples {
-            Some(samples) => twin::interpolate_sparse(&self.tiles, samples, view),
-            None if self.has_textures => twin::reconstruct_textures(&self.tiles, view),
-            None => twin::reconstruct(&self.tiles, view),
-        };
-        let draws_halves = self.samples.is_none() && !self.has_textures;
-        match &self.blur {
-            Some(blur) => {
-                let half = || twin::reconstruct(&self.tiles, &RadialBlur::half_view(view));
-                twin::blur_radial(&picture, draws_halves.then(half), view, blur)
-            }
-            None => picture,
-        }
+/// How a scene is drawn with these marks: of them it has the colours of levels.
+fn style_of(marks: Option<&Overlay>) -> SceneStyle {
+    SceneStyle {
+        tint: marks.map_or(0.0, |marks| marks.heat),
+        ..SceneStyle::default()
     }
 }

@@ -34,6 +34,9 @@ pub enum RenderError {
     /// Marks over tiles that lie in a texture for every level.
     #[error("--heat-map marks the tiles of the atlas: leave --reconstruction textures")]
     NoMarks,
+    /// What was decoded is of another kind of content than what is drawn.
+    #[error("a tile came for a scene, or a mesh for a video: the pack changed while it was read")]
+    OtherKind,
     /// A tile that the grid does not have.
     #[error("{0:?} is no tile of this picture")]
     NoSuchTile(Tile),

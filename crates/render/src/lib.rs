@@ -21,12 +21,13 @@ pub mod twin;
 
 pub use crate::gpu::device::Gpu;
 pub use crate::gpu::readback::ReadBack;
+pub use crate::tiles::drawer::TileStyle;
 pub use crate::tiles::sampling::{mask_shape, sample_count};
 pub use crate::tiles::sparse::Interpolation;
 pub use crate::tiles::store::TileStore;
 pub use crate::tiles::textures::{TextureRenderer, texture_bytes};
 pub use blur::RadialBlur;
-pub use drawer::{DrawDevice, Drawer, DrawnPicture, TileStyle};
+pub use drawer::{DrawDevice, Drawer, DrawnPicture};
 pub use error::RenderError;
 pub use frame::Renderer;
 pub use image::RgbaImage;

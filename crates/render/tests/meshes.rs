@@ -76,7 +76,10 @@ fn assert_alike(name: &str, object: SceneObject, view: &EyeView, style: &SceneSt
     look_at(&format!("{name}_gpu"), &drawn);
     look_at(&format!("{name}_twin"), &expected);
     let off = share_beyond(&drawn, &expected, 2);
-    assert!(off <= 0.005, "{name}: {off} of all pixels differ by more than 2");
+    assert!(
+        off <= 0.005,
+        "{name}: {off} of all pixels differ by more than 2"
+    );
     let background = drawn.pixel([0, 0]);
     let shown = drawn.pixels.chunks(4).filter(|it| **it != background);
     assert!(shown.count() > 500, "{name} shows next to nothing");

@@ -1,5 +1,6 @@
 //! What does a decoder make of a unit?
 
+use crate::content::mesh::payload::MeshUnit;
 use crate::view::picture::Picture;
 
 /// A decoded frame of a unit, of any kind of content.
@@ -7,4 +8,6 @@ use crate::view::picture::Picture;
 pub enum Payload {
     /// A tile of video.
     Picture(Picture),
+    /// Clusters of a mesh.
+    Mesh(MeshUnit),
 }
