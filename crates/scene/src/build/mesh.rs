@@ -1,0 +1,240 @@
+//! Where on the grid of its object does a mesh lie?
+//!
+//! All that follows is about the mesh on the grid: its errors, too, are measured from there.
+
+use super::BuildError;
+use crate::source::{Material, Source, SourceMesh, SourceObject};
+use foveal_core::content::mesh::octahedral::octahedral_from_direction;
+use foveal_core::content::mesh::payload::{Attributes, MeshVertex};
+use foveal_core::content::scene::description::{Grid, SceneObject};
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// A mesh on the grid of its object.
+#[derive(Clone, Debug)]
+pub(super) struct GridMesh {
+    /// The object that shows it.
+    pub object: SceneObject,
+    /// Its vertices, each value once.
+    pub vertices: Vec<MeshVertex>,
+    /// For each vertex the first that has the same place.
+    pub same_place: Vec<u32>,
+    /// Triangles with three different places.
+    pub triangles: Vec<[u32; 3]>,
+    /// Number of triangles that were left out, since two of their places are one.
+    pub zero_area: u64,
+}
+
+/// Puts the mesh of an object on a grid.
+pub(super) fn grid_mesh(
+    source: &Source,
+    object: &SourceObject,
+    bits: u8,
+) -> Result<GridMesh, BuildError> {
+    let wrong = |what| BuildError::Source {
+        object: object.name.clone(),
+        what,
+    };
+    let mesh = source.meshes.get(object.mesh);
+    let mesh = mesh.ok_or_else(|| wrong("mesh out of range"))?;
+    check(source, mesh).map_err(wrong)?;
+    if object.placements.is_empty() {
+        return Err(wrong("no placement"));
+    }
+    let grid = grid_of(&mesh.positions, bits);
+    let looks = Looks::of(source, mesh);
+    let mut welder = Welder::new(mesh, grid, &looks);
+    let mut zero_area = 0;
+    let mut triangles = Vec::with_capacity(mesh.triangles.len());
+    for (number, corners) in mesh.triangles.iter().enumerate() {
+        let material = mesh.materials.get(number).copied().unwrap_or(0);
+        let welded = corners.map(|corner| welder.weld(corner, material));
+        let [a, b, c] = welded.map(|it| welder.vertices[it as usize].place);
+        match a == b || b == c || c == a {
+            true => zero_area += 1,
+            false => triangles.push(welded),
+        }
+    }
+    let placements = object.placements.iter();
+    let object = SceneObject {
+        name: object.name.clone(),
+        leaf_triangles: triangles.len() as u64,
+        grid,
+        attributes: looks.attributes,
+        colour: looks.colour,
+        two_sided: looks.two_sided,
+        unlit: looks.unlit,
+        placements: placements.map(glam::DAffine3::to_cols_array).collect(),
+    };
+    Ok(GridMesh {
+        object,
+        same_place: same_place(&welder.vertices),
+        vertices: welder.vertices,
+        triangles,
+        zero_area,
+    })
+}
+
+fn check(source: &Source, mesh: &SourceMesh) -> Result<(), &'static str> {
+    let count = mesh.positions.len();
+    let fits = |length: usize, all: usize| length == 0 || length == all;
+    if u32::try_from(count).is_err() || u32::try_from(3 * mesh.triangles.len()).is_err() {
+        return Err("more than 4 thousand million vertices");
+    }
+    if !fits(mesh.normals.len(), count) || !fits(mesh.colours.len(), count) {
+        return Err("not one normal and colour a vertex");
+    }
+    if !fits(mesh.materials.len(), mesh.triangles.len()) {
+        return Err("not one material a triangle");
+    }
+    let beyond = |corner: &u32| *corner as usize >= count;
+    if mesh.triangles.as_flattened().iter().any(beyond) {
+        return Err("vertex of a triangle out of range");
+    }
+    let beyond = |material: &u32| *material as usize >= source.materials.len();
+    if mesh.materials.iter().any(beyond) {
+        return Err("material of a triangle out of range");
+    }
+    // Such that neither an extent nor its square overflows.
+    match mesh
+        .positions
+        .iter()
+        .all(|it| it.abs().max_element() <= 1e15)
+    {
+        true => Ok(()),
+        false => Err("position that is not finite, or beyond 1e15"),
+    }
+}
+
+/// The grid with so many bits along the largest extent.
+fn grid_of(positions: &[DVec3], bits: u8) -> Grid {
+    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (least, most) = positions
+        .iter()
+        .fold(none, |(least, most), it| (least.min(*it), most.max(*it)));
+    let extent = (most - least).max_element();
+    let steps = f64::from((1_u32 << bits) - 1);
+    let is_extended = extent / steps > 0.0 && extent.is_finite();
+    Grid {
+        origin: if positions.is_empty() {
+            [0.0; 3]
+        } else {
+            least.to_array()
+        },
+        step: if is_extended { extent / steps } else { 1.0 },
+        bits,
+    }
+}
+
+/// For each vertex the first with the same place.
+fn same_place(vertices: &[MeshVertex]) -> Vec<u32> {
+    let mut first = HashMap::with_capacity(vertices.len());
+    let places = vertices.iter().zip(0_u32..);
+    let places = places.map(|(vertex, number)| *first.entry(vertex.place).or_insert(number));
+    places.collect()
+}
+
+/// What the surface of a mesh looks like.
+struct Looks<'a> {
+    materials: &'a [Material],
+    attributes: Attributes,
+    colour: [f32; 4],
+    two_sided: bool,
+    unlit: bool,
+}
+
+impl<'a> Looks<'a> {
+    fn of(source: &'a Source, mesh: &SourceMesh) -> Self {
+        let materials = &source.materials[..];
+        let first = mesh.materials.first().copied().unwrap_or(0);
+        let mut used = vec![first];
+        used.extend(mesh.materials.iter().copied().filter(|it| *it != first));
+        used.sort_unstable();
+        used.dedup();
+        let used = used.iter().filter_map(|it| materials.get(*it as usize));
+        let colour = used.clone().next().map_or([1.0; 4], |it| it.colour);
+        let is_plain = mesh.colours.is_empty() && used.clone().all(|it| it.colour == colour);
+        Self {
+            materials,
+            attributes: Attributes {
+                normals: !mesh.normals.is_empty(),
+                colours: !is_plain,
+            },
+            colour: if is_plain {
+                colour.map(|it| it.clamp(0.0, 1.0))
+            } else {
+                [1.0; 4]
+            },
+            two_sided: used.clone().any(|it| it.two_sided),
+            unlit: used.clone().any(|it| it.unlit),
+        }
+    }
+}
+
+/// Makes vertices that are equal on the grid one.
+struct Welder<'a> {
+    mesh: &'a SourceMesh,
+    grid: Grid,
+    looks: &'a Looks<'a>,
+    /// The vertices of the mesh as they were last welded: the material, and the number.
+    last: Vec<Option<(u32, u32)>>,
+    numbers: HashMap<MeshVertex, u32>,
+    vertices: Vec<MeshVertex>,
+}
+
+impl<'a> Welder<'a> {
+    fn new(mesh: &'a SourceMesh, grid: Grid, looks: &'a Looks<'a>) -> Self {
+        Self {
+            mesh,
+            grid,
+            looks,
+            last: vec![None; mesh.positions.len()],
+            numbers: HashMap::with_capacity(mesh.positions.len()),
+            vertices: Vec::with_capacity(mesh.positions.len()),
+        }
+    }
+
+    /// The number of the vertex that a corner of a triangle of a material becomes.
+    fn weld(&mut self, corner: u32, material: u32) -> u32 {
+        let at = corner as usize;
+        if let Some((before, number)) = self.last[at]
+            && before == material
+        {
+            return number;
+        }
+        let vertex = self.vertex(at, material);
+        let next = self.vertices.len() as u32;
+        let number = *self.numbers.entry(vertex).or_insert(next);
+        if number == next {
+            self.vertices.push(vertex);
+        }
+        self.last[at] = Some((material, number));
+        number
+    }
+
+    fn vertex(&self, at: usize, material: u32) -> MeshVertex {
+        let steps =
+            (self.mesh.positions[at] - DVec3::from_array(self.grid.origin)) / self.grid.step;
+        let normal = self.mesh.normals.get(at);
+        let colour = self.looks.attributes.colours.then(|| {
+            let material = self.looks.materials.get(material as usize);
+            let material = material.map_or([1.0; 4], |it| it.colour);
+            let vertex = self.mesh.colours.get(at).copied().unwrap_or([1.0; 4]);
+            codes_from_linear([0, 1, 2, 3].map(|it| material[it] * vertex[it]))
+        });
+        MeshVertex {
+            place: steps.round().to_array().map(|it| it as u16),
+            normal: normal.map_or([0; 2], |it| octahedral_from_direction(*it)),
+            colour: colour.unwrap_or_default(),
+        }
+    }
+}
+
+/// Linear light as sRGB codes (IEC 61966-2-1), and alpha times 255.
+fn codes_from_linear([r, g, b, alpha]: [f32; 4]) -> [u8; 4] {
+    let code = |light: f32| match light {
+        _ if light <= 0.003_130_8 => 12.92 * light,
+        _ => 1.055 * light.powf(1.0 / 2.4) - 0.055,
+    };
+    [code(r), code(g), code(b), alpha].map(|it| (it.clamp(0.0, 1.0) * 255.0).round() as u8)
+}

@@ -1,0 +1,116 @@
+//! What does a group of clusters look like with half the triangles?
+
+use super::clusters::{Cluster, Part, adapter};
+use super::mesh::GridMesh;
+use foveal_core::content::mesh::octahedral::direction_from_octahedral;
+use meshopt::SimplifyOptions;
+
+/// What part of the triangles is to stay.
+const RATIO: f64 = 0.5;
+/// A group that keeps more than this part of its triangles is stuck: as meshoptimizer's clusterlod
+/// has it.
+const STUCK: f64 = 0.85;
+/// Weight of each coordinate of a normal against a move by the extent of a group: as in
+/// meshoptimizer's demos.
+const NORMAL_WEIGHT: f32 = 0.5;
+/// Weight of each channel of a colour.
+const COLOUR_WEIGHT: f32 = 0.5;
+
+/// A group with about half the triangles.
+pub(super) struct Simplified {
+    /// The coarse clusters.
+    pub clusters: Vec<Cluster>,
+    /// How far they are from the fine ones, in steps of the grid.
+    pub error: f32,
+    /// Whether attributes were let go of where they jump.
+    pub permissive: bool,
+}
+
+/// Simplifies a group, given whether each vertex of the mesh stays; none where it is stuck.
+pub(super) fn simplify(mesh: &GridMesh, fine: &[&Cluster], locked: &[bool]) -> Option<Simplified> {
+    let count = fine.iter().map(|it| it.vertices.len()).sum();
+    let part = Part::new(mesh, fine.iter().flat_map(|it| it.corners()), count);
+    let group = Group {
+        attributes: attributes(mesh, &part),
+        locks: part
+            .vertices
+            .iter()
+            .map(|it| locked[*it as usize])
+            .collect(),
+        part,
+    };
+    let plain = SimplifyOptions::ErrorAbsolute | SimplifyOptions::ErrorClamped;
+    let tries = [(plain, false), (plain | SimplifyOptions::Permissive, true)];
+    // Only attributes can be let go of.
+    let tries = &tries[..if group.attributes.weights.is_empty() {
+        1
+    } else {
+        2
+    }];
+    tries.iter().find_map(|(options, permissive)| {
+        let (corners, error) = group.halve(*options)?;
+        Some(Simplified {
+            clusters: group.part.clusters(&corners),
+            error,
+            permissive: *permissive,
+        })
+    })
+}
+
+struct Group {
+    part: Part,
+    attributes: Weighed,
+    locks: Vec<bool>,
+}
+
+impl Group {
+    fn halve(&self, options: SimplifyOptions) -> Option<(Vec<u32>, f32)> {
+        let triangles = self.part.corners.len() / 3;
+        let target = (triangles as f64 * RATIO) as usize;
+        let mut error = 0.0;
+        let weighed = &self.attributes;
+        let corners = meshopt::simplify_with_attributes_and_locks(
+            &self.part.corners,
+            &adapter(&self.part.positions),
+            &weighed.values,
+            &weighed.weights,
+            size_of_val(&weighed.weights[..]),
+            &self.locks,
+            3 * target,
+            f32::MAX,
+            options,
+            Some(&mut error),
+        );
+        let most = triangles as f64 * STUCK;
+        let is_halved = !corners.is_empty() && (corners.len() / 3) as f64 <= most;
+        is_halved.then_some((corners, error))
+    }
+}
+
+/// What vertices have beside a place, with weights.
+struct Weighed {
+    values: Vec<f32>,
+    weights: Vec<f32>,
+}
+
+fn attributes(mesh: &GridMesh, part: &Part) -> Weighed {
+    let has = mesh.object.attributes;
+    let mut weights = Vec::new();
+    if has.normals {
+        weights.extend([NORMAL_WEIGHT; 3]);
+    }
+    if has.colours {
+        weights.extend([COLOUR_WEIGHT; 4]);
+    }
+    let mut values = Vec::with_capacity(weights.len() * part.vertices.len());
+    for vertex in &part.vertices {
+        let vertex = &mesh.vertices[*vertex as usize];
+        if has.normals {
+            values.extend(direction_from_octahedral(vertex.normal));
+        }
+        if has.colours {
+            values.extend(vertex.colour.map(|it| f32::from(it) / 255.0));
+        }
+    }
+    Weighed { values, weights }
+}

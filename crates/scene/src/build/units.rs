@@ -1,0 +1,134 @@
+//! Which unit does each group become, and in which order?
+
+use super::BuildError;
+use super::BuiltUnit;
+use super::graph::{Graph, Group};
+use super::mesh::GridMesh;
+use super::numbering::Numbering;
+use foveal_core::content::mesh::payload::{Cluster, ClusterRef, MeshUnit};
+use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
+use foveal_core::pack::PackError;
+use foveal_core::pack::unit::UnitId;
+use rayon::prelude::*;
+
+/// Bits of a coordinate of a sphere's centre that count for the order.
+const ORDER_BITS: u32 = 20;
+
+/// All units in order, and the number of levels.
+pub(super) fn write(
+    meshes: &[GridMesh],
+    graphs: &[Graph],
+) -> Result<(Vec<BuiltUnit>, u8), BuildError> {
+    let levels = graphs.iter().filter_map(|it| it.groups.last());
+    let coarsest = levels.map(|root| root.level).max().unwrap_or(0);
+    let mut order = Vec::new();
+    for (object, (mesh, graph)) in meshes.iter().zip(graphs).enumerate() {
+        for (number, group) in graph.groups.iter().enumerate() {
+            let is_root = group.coarse.is_empty();
+            let level = if is_root { coarsest } else { group.level };
+            let along = morton(group, mesh.object.grid.step);
+            order.push((std::cmp::Reverse(level), object, along, number));
+        }
+    }
+    order.sort_unstable();
+    let groups = graphs
+        .iter()
+        .map(|graph| vec![UnitId(0); graph.groups.len()]);
+    let mut unit_of: Vec<Vec<UnitId>> = groups.collect();
+    for ((_, object, _, number), unit) in order.iter().zip(0..) {
+        unit_of[*object][*number] = UnitId(unit);
+    }
+    let units = order.par_iter().map(|(level, object, _, number)| {
+        let place = Place {
+            mesh: &meshes[*object],
+            graph: &graphs[*object],
+            unit_of: &unit_of[*object],
+            object: *object as u16,
+        };
+        place.unit(level.0, *number)
+    });
+    Ok((units.collect::<Result<_, PackError>>()?, coarsest + 1))
+}
+
+/// The place of a group's centre on a curve through space (Morton 1966).
+fn morton(group: &Group, step: f64) -> u64 {
+    // A grid has at most 2^16 steps: 16 parts of a step count.
+    let most = f64::from((1_u32 << ORDER_BITS) - 1);
+    let along = |it: f32| (f64::from(it) / step * 16.0).clamp(0.0, most) as u64;
+    let places = group.sphere.centre.map(along);
+    let bits = (0..ORDER_BITS).flat_map(|bit| [0, 1, 2].map(|axis| (bit, axis)));
+    let bit = |(bit, axis): (u32, usize)| (places[axis] >> bit & 1) << (3 * bit + axis as u32);
+    bits.map(bit).sum()
+}
+
+/// Where a group lies.
+struct Place<'a> {
+    mesh: &'a GridMesh,
+    graph: &'a Graph,
+    unit_of: &'a [UnitId],
+    object: u16,
+}
+
+impl Place<'_> {
+    fn unit(&self, level: u8, number: usize) -> Result<BuiltUnit, PackError> {
+        let group = &self.graph.groups[number];
+        let unit_of = |cluster: &u32| {
+            let group = self.graph.group_of[*cluster as usize];
+            self.unit_of[group as usize]
+        };
+        let mut needs: Vec<UnitId> = group.coarse.iter().map(unit_of).collect();
+        needs.sort_unstable();
+        needs.dedup();
+        let replaced = |cluster: &u32| {
+            let group = self.graph.group_of[*cluster as usize] as usize;
+            let of_need = self.graph.groups[group].fine.iter();
+            let before = |need: &&UnitId| **need != self.unit_of[group];
+            ClusterRef {
+                need: needs.iter().take_while(before).count() as u8,
+                cluster: of_need.take_while(|it| *it != cluster).count() as u8,
+            }
+        };
+        let replaces = group.coarse.iter().map(replaced).collect();
+        let says = self.says(group, replaces);
+        Ok(BuiltUnit {
+            level,
+            payload: says.write(self.mesh.object.attributes)?,
+            row: UnitRow {
+                kind: UnitKind::Mesh,
+                object: self.object,
+                centre: group.sphere.centre,
+                radius: group.sphere.radius,
+                error: group.error,
+                needs,
+            },
+        })
+    }
+
+    fn says(&self, group: &Group, replaces: Vec<ClusterRef>) -> MeshUnit {
+        let cluster = |it: &u32| &self.graph.clusters[*it as usize];
+        let all = group.coarse.iter().chain(&group.fine);
+        let count = all.map(|it| cluster(it).vertices.len()).sum();
+        let mut numbering = Numbering::new(count);
+        for vertex in group.coarse.iter().flat_map(|it| &cluster(it).vertices) {
+            numbering.number(*vertex);
+        }
+        let staying = numbering.vertices.len();
+        let fine = group.fine.iter().map(cluster);
+        let clusters = fine.map(|it| Cluster {
+            vertices: it
+                .vertices
+                .iter()
+                .map(|it| numbering.number(*it) as u16)
+                .collect(),
+            triangles: it.triangles.clone(),
+        });
+        let clusters = clusters.collect();
+        let new = numbering.vertices[staying..].iter();
+        MeshUnit {
+            replaces,
+            staying: staying as u16,
+            vertices: new.map(|it| self.mesh.vertices[*it as usize]).collect(),
+            clusters,
+        }
+    }
+}
