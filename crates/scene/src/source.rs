@@ -16,6 +16,60 @@ pub struct Source {
     pub repairs: Repairs,
     /// What a person should know: what of a file's looks is not drawn.
     pub remarks: Vec<String>,
+    /// Bytes of all files that were read, with those that they name.
+    pub bytes: u64,
+}
+
+impl Source {
+    /// Puts all of another scene beside what stands here.
+    pub(crate) fn append(&mut self, other: Self) {
+        let (meshes, materials) = (self.meshes.len(), self.materials.len());
+        self.objects
+            .extend(other.objects.into_iter().map(|object| SourceObject {
+                mesh: object.mesh + meshes,
+                ..object
+            }));
+        self.meshes.extend(other.meshes.into_iter().map(|mut mesh| {
+            mesh.shift_materials(materials as u32);
+            mesh
+        }));
+        self.materials.extend(other.materials);
+        for (name, times) in other.repairs {
+            *self.repairs.entry(name).or_default() += times;
+        }
+        for remark in other.remarks {
+            self.remark(remark);
+        }
+        self.bytes += other.bytes;
+    }
+
+    /// Says something that a person should know, once.
+    pub(crate) fn remark(&mut self, remark: impl Into<String>) {
+        let remark = remark.into();
+        if !self.remarks.contains(&remark) {
+            self.remarks.push(remark);
+        }
+    }
+
+    /// Leaves out meshes without triangles, and the objects that show them.
+    pub(crate) fn leave_out_empty(&mut self) {
+        let mut next = 0;
+        let number: Vec<Option<usize>> = self
+            .meshes
+            .iter()
+            .map(|mesh| {
+                let number = (!mesh.triangles.is_empty()).then_some(next);
+                next += usize::from(number.is_some());
+                number
+            })
+            .collect();
+        self.meshes.retain(|mesh| !mesh.triangles.is_empty());
+        self.objects.retain_mut(|object| {
+            let kept = number[object.mesh];
+            object.mesh = kept.unwrap_or(object.mesh);
+            kept.is_some()
+        });
+    }
 }
 
 /// How often something was repaired or left out, by a short name in snake case, such as
@@ -49,6 +103,19 @@ pub struct SourceMesh {
     /// The material of each triangle; empty where all have material 0 of the scene, or there is
     /// none.
     pub materials: Vec<u32>,
+}
+
+impl SourceMesh {
+    /// Makes room for other materials before those of this mesh.
+    fn shift_materials(&mut self, by: u32) {
+        if by == 0 {
+            return;
+        }
+        self.materials.resize(self.triangles.len(), 0);
+        for material in &mut self.materials {
+            *material += by;
+        }
+    }
 }
 
 /// What a surface looks like.

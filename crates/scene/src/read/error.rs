@@ -1,0 +1,146 @@
+//! What can go wrong between a 3D file and a scene, and what should its owner do next?
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// What to do about a file that breaks its own format.
+pub(super) const EXPORT_AGAIN: &str = "copy the file again if it was cut short, or export it again";
+
+/// Why no scene could be read.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// There is no file to read.
+    #[error("scene: no 3D file is given; give one that ends in {ENDINGS}")]
+    NoFile,
+    /// The ending of the name is none that is read.
+    #[error(
+        "{}: is no 3D file that can be read; give one that ends in {ENDINGS}, or export it as .glb",
+        path.display()
+    )]
+    UnknownEnding {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file cannot be opened or read.
+    #[error("{}: cannot be read: {reason}; check the path and the permissions", path.display())]
+    Open {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
+    /// The file breaks its format, or says what cannot be.
+    #[error("{}: {place}: {what}; {next}", path.display())]
+    Broken {
+        /// The file.
+        path: PathBuf,
+        /// Where in it: a line, a byte, or the number of an accessor.
+        place: String,
+        /// What is wrong there.
+        what: String,
+        /// What to do about it.
+        next: String,
+    },
+    /// The file asks for something that Foveal does not do.
+    #[error("{}: {what}, which is not supported; {next}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// What it asks for.
+        what: String,
+        /// What to do about it.
+        next: String,
+    },
+    /// A file that this one names is missing or cannot be read.
+    #[error(
+        "{}: its file {name:?} cannot be read: {reason}; put it where this file expects it",
+        path.display()
+    )]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// The name that it gives.
+        name: String,
+        /// What the system said.
+        reason: String,
+    },
+    /// The file has no triangle.
+    #[error(
+        "{}: there is nothing to draw: {found}; export the surfaces as triangles",
+        path.display()
+    )]
+    Empty {
+        /// The file.
+        path: PathBuf,
+        /// What it holds instead.
+        found: String,
+    },
+}
+
+/// The endings that are read.
+const ENDINGS: &str = ".glb, .gltf, .obj, .ply or .stl";
+
+/// A [`ReadError`] that does not know its file yet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Fault {
+    Broken {
+        place: String,
+        what: String,
+        next: String,
+    },
+    Unsupported {
+        what: String,
+        next: String,
+    },
+    Missing {
+        name: String,
+        reason: String,
+    },
+    Empty {
+        found: String,
+    },
+}
+
+impl Fault {
+    /// What breaks the format at `place`.
+    pub(super) fn at(place: impl ToString, what: impl ToString) -> Self {
+        Self::broken(place, what, EXPORT_AGAIN)
+    }
+
+    /// What breaks the format at a line, counted from 1.
+    pub(super) fn line(number: usize, what: impl ToString) -> Self {
+        Self::at(format!("line {number}"), what)
+    }
+
+    pub(super) fn broken(place: impl ToString, what: impl ToString, next: impl ToString) -> Self {
+        Self::Broken {
+            place: place.to_string(),
+            what: what.to_string(),
+            next: next.to_string(),
+        }
+    }
+
+    pub(super) fn unsupported(what: impl ToString, next: impl ToString) -> Self {
+        Self::Unsupported {
+            what: what.to_string(),
+            next: next.to_string(),
+        }
+    }
+
+    pub(super) fn in_file(self, path: &Path) -> ReadError {
+        let path = path.to_owned();
+        match self {
+            Self::Broken { place, what, next } => ReadError::Broken {
+                path,
+                place,
+                what,
+                next,
+            },
+            Self::Unsupported { what, next } => ReadError::Unsupported { path, what, next },
+            Self::Missing { name, reason } => ReadError::Missing { path, name, reason },
+            Self::Empty { found } => ReadError::Empty { path, found },
+        }
+    }
+}

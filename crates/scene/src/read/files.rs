@@ -1,0 +1,172 @@
+//! Where are the files that a scene names, and what is in them?
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Component, Path, PathBuf};
+
+use super::error::{Fault, ReadError};
+
+/// Where the files lie that a scene file names.
+pub(super) trait Folder {
+    /// The first bytes of the file `name`, at most `most`; refused if it lies elsewhere.
+    fn read(&mut self, name: &str, most: u64) -> Result<Vec<u8>, Fault>;
+}
+
+/// The folder of a scene file.
+pub(super) struct OnDisk {
+    folder: PathBuf,
+    /// Bytes read through it.
+    pub(super) bytes: u64,
+}
+
+impl OnDisk {
+    /// The folder that `file` lies in.
+    pub(super) fn of(file: &Path) -> Self {
+        let folder = match file.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        Self {
+            folder: folder.to_owned(),
+            bytes: 0,
+        }
+    }
+
+    /// All bytes of a scene file.
+    pub(super) fn read_scene(&mut self, file: &Path) -> Result<Vec<u8>, ReadError> {
+        let bytes = read_regular(file, u64::MAX).map_err(|reason| ReadError::Open {
+            path: file.to_owned(),
+            reason,
+        })?;
+        self.bytes += bytes.len() as u64;
+        Ok(bytes)
+    }
+}
+
+impl Folder for OnDisk {
+    fn read(&mut self, name: &str, most: u64) -> Result<Vec<u8>, Fault> {
+        let missing = |reason: String| Fault::Missing {
+            name: name.to_owned(),
+            reason,
+        };
+        let path = self.folder.join(inside(name)?);
+        let real = path
+            .canonicalize()
+            .map_err(|error| missing(error.to_string()))?;
+        let folder = self
+            .folder
+            .canonicalize()
+            .map_err(|error| missing(error.to_string()))?;
+        if !real.starts_with(folder) {
+            return Err(leads_out(name));
+        }
+        let bytes = read_regular(&real, most).map_err(missing)?;
+        self.bytes += bytes.len() as u64;
+        Ok(bytes)
+    }
+}
+
+/// A place with no files, for bytes of unknown origin.
+pub(super) struct Nowhere;
+
+impl Folder for Nowhere {
+    fn read(&mut self, name: &str, _most: u64) -> Result<Vec<u8>, Fault> {
+        inside(name)?;
+        Err(Fault::Missing {
+            name: name.to_owned(),
+            reason: "there are no files here".to_owned(),
+        })
+    }
+}
+
+/// Files in memory.
+#[cfg(test)]
+pub(super) struct Files(pub(super) std::collections::BTreeMap<&'static str, Vec<u8>>);
+
+#[cfg(test)]
+impl Folder for Files {
+    fn read(&mut self, name: &str, most: u64) -> Result<Vec<u8>, Fault> {
+        match self.0.get(name) {
+            Some(bytes) => Ok(bytes.clone()),
+            None => Nowhere.read(name, most),
+        }
+    }
+}
+
+/// The relative path that `name` is, with either kind of slash; refused if it leads out.
+fn inside(name: &str) -> Result<PathBuf, Fault> {
+    let name_with_slashes = name.replace('\\', "/");
+    let mut path = PathBuf::new();
+    // A colon: `C:`, or a scheme such as `http:`.
+    let foreign = name.contains(':') || name.contains('\0');
+    for part in Path::new(&name_with_slashes).components() {
+        match part {
+            Component::Normal(part) => path.push(part),
+            Component::CurDir => {}
+            Component::ParentDir if path.pop() => {}
+            Component::ParentDir | Component::RootDir | Component::Prefix(_) => {
+                return Err(leads_out(name));
+            }
+        }
+    }
+    if foreign || path.as_os_str().is_empty() {
+        return Err(leads_out(name));
+    }
+    Ok(path)
+}
+
+fn leads_out(name: &str) -> Fault {
+    Fault::broken(
+        format!("file {name:?}"),
+        "does not lie in the folder of this file",
+        "put it there and name it without the way to it",
+    )
+}
+
+/// The first bytes of a file; devices, pipes and folders, which may have no end, are refused.
+fn read_regular(path: &Path, most: u64) -> Result<Vec<u8>, String> {
+    let told = std::fs::metadata(path).map_err(|error| error.to_string())?;
+    if !told.is_file() {
+        return Err("it is no regular file".to_owned());
+    }
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    let mut bytes = Vec::new();
+    file.take(most)
+        .read_to_end(&mut bytes)
+        .map_err(|error| error.to_string())?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_lead_out_are_refused() {
+        for name in [
+            "../a.bin",
+            "a/../../b.bin",
+            "/etc/passwd",
+            "C:\\a.bin",
+            "..\\a.bin",
+            "http://example.com/a.bin",
+            "",
+            ".",
+            "a\0",
+        ] {
+            assert!(inside(name).is_err(), "{name:?}");
+        }
+    }
+
+    #[test]
+    fn names_that_stay_inside_are_found() {
+        for (name, path) in [
+            ("a.bin", "a.bin"),
+            ("./b/a.bin", "b/a.bin"),
+            ("b\\a.bin", "b/a.bin"),
+            ("b/../a.bin", "a.bin"),
+        ] {
+            assert_eq!(inside(name).ok(), Some(PathBuf::from(path)), "{name:?}");
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Which bytes does a view of a glTF buffer show?
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use percent_encoding::percent_decode_str;
+
+use super::super::error::Fault;
+use super::super::files::Folder;
+use super::container::{MESHOPT, needs};
+use super::json::{Buffer, Document, View};
+
+/// The bytes of all buffers that could be read.
+pub(super) struct Buffers<'a> {
+    /// `None` for a buffer without bytes, which only compressed views may name.
+    buffers: Vec<Option<Bytes<'a>>>,
+    /// How many bytes all have together; what several name counts once.
+    pub(super) total: usize,
+}
+
+#[derive(Clone)]
+enum Bytes<'a> {
+    OfFile(&'a [u8]),
+    Read(Rc<Vec<u8>>),
+}
+
+impl Bytes<'_> {
+    fn get(&self) -> &[u8] {
+        match self {
+            Self::OfFile(bytes) => bytes,
+            Self::Read(bytes) => bytes,
+        }
+    }
+}
+
+impl<'a> Buffers<'a> {
+    /// Reads the buffers of a document; `binary` is the binary part of a `.glb`.
+    pub(super) fn read(
+        document: &Document,
+        binary: Option<&'a [u8]>,
+        folder: &mut dyn Folder,
+    ) -> Result<Self, Fault> {
+        let mut read: HashMap<&str, Rc<Vec<u8>>> = HashMap::new();
+        let mut buffers = Vec::with_capacity(document.buffers.len());
+        let mut total = binary.map_or(0, <[u8]>::len);
+        for (number, buffer) in document.buffers.iter().enumerate() {
+            let bytes = match (&buffer.uri, binary) {
+                (Some(uri), _) => {
+                    let bytes = match read.get(uri.as_str()) {
+                        Some(bytes) => Rc::clone(bytes),
+                        None => {
+                            let bytes = Rc::new(bytes_of(uri, number, folder)?);
+                            total += bytes.len();
+                            read.insert(uri, Rc::clone(&bytes));
+                            bytes
+                        }
+                    };
+                    Some(Bytes::Read(bytes))
+                }
+                (None, Some(binary)) if number == 0 => Some(Bytes::OfFile(binary)),
+                (None, _) => None,
+            };
+            if let Some(bytes) = &bytes {
+                check_length(buffer, number, bytes.get().len())?;
+            }
+            buffers.push(bytes);
+        }
+        Ok(Self { buffers, total })
+    }
+
+    /// The bytes of view `number`.
+    pub(super) fn view(&self, document: &Document, number: u32) -> Result<&[u8], Fault> {
+        let place = || format!("buffer view {number}");
+        let Some(view) = document.buffer_views.get(number as usize) else {
+            let count = document.buffer_views.len();
+            return Err(Fault::at(
+                place(),
+                format!("there are only {count} buffer views"),
+            ));
+        };
+        let Some(bytes) = self.buffers.get(view.buffer as usize) else {
+            let what = format!("names buffer {}, of {}", view.buffer, self.buffers.len());
+            return Err(Fault::at(place(), what));
+        };
+        let Some(bytes) = bytes else {
+            return Err(without_bytes(view));
+        };
+        let bytes = bytes.get();
+        range(bytes, view.byte_offset, view.byte_length).ok_or_else(|| {
+            let what = format!(
+                "bytes {} and {} more are beyond buffer {}, which has {}",
+                view.byte_offset,
+                view.byte_length,
+                view.buffer,
+                bytes.len()
+            );
+            Fault::at(place(), what)
+        })
+    }
+}
+
+fn range(bytes: &[u8], begin: u64, length: u64) -> Option<&[u8]> {
+    let end = usize::try_from(begin.checked_add(length)?).ok()?;
+    bytes.get(usize::try_from(begin).ok()?..end)
+}
+
+fn without_bytes(view: &View) -> Fault {
+    match MESHOPT
+        .iter()
+        .find(|name| view.extensions.contains_key(**name))
+    {
+        Some(name) => needs(name),
+        None => Fault::at(format!("buffer {}", view.buffer), "has no uri and no bytes"),
+    }
+}
+
+fn check_length(buffer: &Buffer, number: usize, found: usize) -> Result<(), Fault> {
+    if buffer.byte_length <= found as u64 {
+        return Ok(());
+    }
+    let what = format!("has {found} bytes, but should have {}", buffer.byte_length);
+    Err(Fault::at(format!("buffer {number}"), what))
+}
+
+fn bytes_of(uri: &str, number: usize, folder: &mut dyn Folder) -> Result<Vec<u8>, Fault> {
+    if let Some(inline) = uri.strip_prefix("data:") {
+        return bytes_of_inline(inline).map_err(|what| Fault::at(format!("buffer {number}"), what));
+    }
+    let name = percent_decode_str(uri).decode_utf8_lossy();
+    folder.read(&name, u64::MAX)
+}
+
+/// What follows `data:`: a type, maybe `;base64`, a comma, and the bytes.
+fn bytes_of_inline(inline: &str) -> Result<Vec<u8>, String> {
+    let Some((kind, text)) = inline.split_once(',') else {
+        return Err("its data URI has no comma".to_owned());
+    };
+    let bytes: Cow<'_, [u8]> = percent_decode_str(text).into();
+    if !kind.ends_with(";base64") {
+        return Ok(bytes.into_owned());
+    }
+    STANDARD
+        .decode(bytes)
+        .map_err(|error| format!("its data URI is no base64: {error}"))
+}

@@ -1,0 +1,140 @@
+//! Where in a glTF file are its JSON and its binary part, and can the file be read at all?
+
+use super::super::error::Fault;
+use super::super::text::shortened;
+use super::json::Document;
+
+const MAGIC: &[u8] = b"glTF";
+const JSON_CHUNK: u32 = u32::from_le_bytes(*b"JSON");
+const BINARY_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
+/// Magic, version and length.
+const HEADER_BYTES: usize = 12;
+
+/// What surfaces need of these is drawn, or they say nothing about surfaces.
+const KNOWN: [&str; 18] = [
+    "KHR_mesh_quantization",
+    "KHR_materials_unlit",
+    // Of materials, only what the core of glTF says is drawn.
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "KHR_lights_punctual",
+    // Textures are not drawn yet, nor is motion.
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
+    "EXT_texture_webp",
+    "KHR_animation_pointer",
+];
+pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
+pub(super) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// Whether nothing is lost that would be drawn if an extension were followed.
+pub(super) fn is_known(extension: &str) -> bool {
+    KNOWN.contains(&extension)
+}
+
+/// Whether an extension only packs bytes.
+pub(super) fn is_compression(extension: &str) -> bool {
+    extension == DRACO || MESHOPT.contains(&extension)
+}
+
+/// The JSON of a file, and the binary part of a `.glb`.
+pub(super) fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), Fault> {
+    let (json, binary) = if bytes.starts_with(MAGIC) {
+        chunks(bytes)?
+    } else {
+        (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None)
+    };
+    let document: Document = serde_json::from_slice(json).map_err(|error| {
+        let place = format!("JSON, line {} column {}", error.line(), error.column());
+        Fault::at(place, format!("is no glTF: {error}"))
+    })?;
+    if !document.asset.version.starts_with("2.") {
+        let version = shortened(&document.asset.version);
+        let what = format!("its version of glTF is {version:?}");
+        return Err(Fault::unsupported(what, "export it as glTF 2.0"));
+    }
+    match document
+        .extensions_required
+        .iter()
+        .find(|name| !is_known(name))
+    {
+        Some(name) => Err(needs(name)),
+        None => Ok((document, binary)),
+    }
+}
+
+/// Refuses a file that cannot be read without an extension.
+pub(super) fn needs(extension: &str) -> Fault {
+    let next = if extension == DRACO {
+        "take its compression off with `gltf-transform cp FILE OUT.glb`"
+    } else if MESHOPT.contains(&extension) {
+        "take its compression off with `gltfpack -i FILE -o OUT.glb -noq`"
+    } else {
+        "export it without this extension"
+    };
+    let what = format!("it needs the extension {}", shortened(extension));
+    Fault::unsupported(what, next)
+}
+
+fn word_at(bytes: &[u8], at: usize) -> Option<u32> {
+    let mut word = [0; 4];
+    word.copy_from_slice(bytes.get(at..at.checked_add(4)?)?);
+    Some(u32::from_le_bytes(word))
+}
+
+/// The first chunk, which is JSON, and the binary one after it.
+fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
+    let short = || {
+        Fault::at(
+            format!("byte {}", bytes.len()),
+            "the file ends in its header",
+        )
+    };
+    let version = word_at(bytes, 4).ok_or_else(short)?;
+    if version != 2 {
+        let what = format!("its version of binary glTF is {version}");
+        return Err(Fault::unsupported(what, "export it as glTF 2.0"));
+    }
+    let length = word_at(bytes, 8).ok_or_else(short)? as usize;
+    let Some(bytes) = bytes.get(..length) else {
+        let what = format!("{length} bytes are said to be there, {} are", bytes.len());
+        return Err(Fault::at("byte 8", what));
+    };
+    let mut at = HEADER_BYTES;
+    let json = chunk(bytes, &mut at, JSON_CHUNK)?.ok_or_else(|| {
+        Fault::at(
+            format!("byte {HEADER_BYTES}"),
+            "the first chunk is not JSON",
+        )
+    })?;
+    let binary = chunk(bytes, &mut at, BINARY_CHUNK)?;
+    Ok((json, binary))
+}
+
+/// The chunk at a place if it is of a kind; the place is then behind it.
+fn chunk<'a>(bytes: &'a [u8], at: &mut usize, kind: u32) -> Result<Option<&'a [u8]>, Fault> {
+    let (Some(length), Some(found)) = (word_at(bytes, *at), word_at(bytes, *at + 4)) else {
+        return Ok(None);
+    };
+    if found != kind {
+        return Ok(None);
+    }
+    let begin = *at + 8;
+    let end = begin.saturating_add(length as usize);
+    let Some(chunk) = bytes.get(begin..end) else {
+        let left = bytes.len() - begin;
+        let what = format!("a chunk of {length} bytes is said to follow, {left} do");
+        return Err(Fault::at(format!("byte {at}"), what));
+    };
+    *at = end;
+    Ok(Some(chunk))
+}

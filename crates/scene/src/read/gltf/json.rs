@@ -1,0 +1,154 @@
+//! What does the JSON of a glTF file say that a scene needs?
+//!
+//! Only this is read, so that a file is never refused for what is not drawn anyway. Source:
+//! Khronos, "glTF 2.0 Specification", section 5.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+/// Extensions by name; what they say matters for none that is read.
+type Extensions = BTreeMap<String, IgnoredAny>;
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Document {
+    pub(super) asset: Asset,
+    pub(super) scene: Option<u32>,
+    pub(super) scenes: Vec<SceneRoots>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) meshes: Vec<Mesh>,
+    pub(super) skins: Vec<Skin>,
+    pub(super) materials: Vec<Surface>,
+    pub(super) accessors: Vec<Accessor>,
+    pub(super) buffer_views: Vec<View>,
+    pub(super) buffers: Vec<Buffer>,
+    pub(super) textures: Vec<IgnoredAny>,
+    pub(super) animations: Vec<IgnoredAny>,
+    pub(super) extensions_used: Vec<String>,
+    pub(super) extensions_required: Vec<String>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Asset {
+    pub(super) version: String,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct SceneRoots {
+    pub(super) nodes: Vec<u32>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Node {
+    pub(super) name: Option<String>,
+    pub(super) children: Vec<u32>,
+    pub(super) mesh: Option<u32>,
+    pub(super) skin: Option<u32>,
+    pub(super) matrix: Option<Box<[f64; 16]>>,
+    pub(super) translation: Option<Box<[f64; 3]>>,
+    pub(super) rotation: Option<Box<[f64; 4]>>,
+    pub(super) scale: Option<Box<[f64; 3]>>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Mesh {
+    pub(super) name: Option<String>,
+    pub(super) primitives: Vec<Primitive>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Primitive {
+    pub(super) attributes: Attributes,
+    pub(super) indices: Option<u32>,
+    pub(super) material: Option<u32>,
+    pub(super) mode: Option<u32>,
+    pub(super) targets: Vec<IgnoredAny>,
+    pub(super) extensions: Extensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "UPPERCASE")]
+pub(super) struct Attributes {
+    pub(super) position: Option<u32>,
+    pub(super) normal: Option<u32>,
+    #[serde(rename = "COLOR_0")]
+    pub(super) colour: Option<u32>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Skin {
+    pub(super) inverse_bind_matrices: Option<u32>,
+    pub(super) joints: Vec<u32>,
+}
+
+/// What glTF calls a material.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Surface {
+    pub(super) name: Option<String>,
+    pub(super) pbr_metallic_roughness: BaseColour,
+    pub(super) alpha_mode: Option<String>,
+    pub(super) double_sided: bool,
+    pub(super) extensions: Extensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct BaseColour {
+    #[serde(rename = "baseColorFactor")]
+    pub(super) factor: Option<[f64; 4]>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Accessor {
+    pub(super) buffer_view: Option<u32>,
+    pub(super) byte_offset: u64,
+    pub(super) component_type: u32,
+    pub(super) normalized: bool,
+    pub(super) count: u64,
+    #[serde(rename = "type")]
+    pub(super) shape: String,
+    pub(super) sparse: Option<Box<Sparse>>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Sparse {
+    pub(super) count: u64,
+    pub(super) indices: SparsePart,
+    pub(super) values: SparsePart,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct SparsePart {
+    pub(super) buffer_view: u32,
+    pub(super) byte_offset: u64,
+    pub(super) component_type: u32,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct View {
+    pub(super) buffer: u32,
+    pub(super) byte_offset: u64,
+    pub(super) byte_length: u64,
+    pub(super) byte_stride: Option<u64>,
+    pub(super) extensions: Extensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Buffer {
+    pub(super) uri: Option<String>,
+    pub(super) byte_length: u64,
+}

@@ -1,0 +1,260 @@
+//! Which triangles is a glTF mesh made of?
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::super::error::Fault;
+use super::super::sound::count;
+use super::accessor::Accessors;
+use super::container::{DRACO, needs};
+use super::json::Primitive;
+use crate::source::{Repairs, SourceMesh};
+
+/// How many vertices and corners may be made of each byte of the buffers. Eight-bit strips give
+/// one; parts of meshes may also show the same bytes several times.
+const MOST_PER_BYTE: usize = 16;
+
+/// Reads meshes, all parts of one into one.
+pub(super) struct MeshReader<'a> {
+    pub(super) accessors: &'a Accessors<'a>,
+    /// For each material, whether its alpha has no meaning.
+    pub(super) opaque: Vec<bool>,
+    /// The number of the material of parts that have none.
+    pub(super) without_material: u32,
+    pub(super) repairs: Repairs,
+    /// Vertices and corners that were read.
+    pub(super) spent: usize,
+}
+
+/// What vertices are made of; parts with the same share them.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Streams {
+    positions: u32,
+    normals: Option<u32>,
+    colours: Option<u32>,
+    opaque: bool,
+}
+
+/// Where the vertices of some streams are in a mesh.
+#[derive(Clone, Copy)]
+struct Vertices {
+    first: usize,
+    count: usize,
+}
+
+impl MeshReader<'_> {
+    /// Reads mesh `number`; it may have no triangle.
+    pub(super) fn read(&mut self, number: u32) -> Result<SourceMesh, Fault> {
+        let meshes = &self.accessors.document.meshes;
+        let Some(said) = meshes.get(number as usize) else {
+            let what = format!("there are only {} meshes", meshes.len());
+            return Err(Fault::at(format!("mesh {number}"), what));
+        };
+        let mut mesh = SourceMesh::default();
+        let mut met = HashMap::new();
+        for (index, primitive) in said.primitives.iter().enumerate() {
+            let place = format!("mesh {number}, primitive {index}");
+            self.add(&mut mesh, &mut met, primitive, &place)?;
+        }
+        Ok(mesh)
+    }
+
+    fn add(
+        &mut self,
+        mesh: &mut SourceMesh,
+        met: &mut HashMap<Streams, Vertices>,
+        primitive: &Primitive,
+        place: &str,
+    ) -> Result<(), Fault> {
+        let material = primitive.material.unwrap_or(self.without_material);
+        let Some(opaque) = self.opaque.get(material as usize) else {
+            let what = format!("names material {material}, which is not there");
+            return Err(Fault::at(place, what));
+        };
+        let Some(positions) = primitive.attributes.position else {
+            count(&mut self.repairs, "primitives_without_positions", 1);
+            return Ok(());
+        };
+        let streams = Streams {
+            positions,
+            normals: primitive.attributes.normal,
+            colours: primitive.attributes.colour,
+            opaque: *opaque,
+        };
+        let is_bare = self.accessors.get(positions)?.buffer_view.is_none();
+        if is_bare && primitive.extensions.contains_key(DRACO) {
+            return Err(needs(DRACO));
+        }
+        let vertices = match met.get(&streams) {
+            Some(vertices) => *vertices,
+            None => self.add_vertices(mesh, streams, place)?,
+        };
+        met.insert(streams, vertices);
+        let corners = self.corners(primitive, vertices, place)?;
+        let before = mesh.triangles.len();
+        self.add_triangles(mesh, &corners, primitive.mode.unwrap_or(4))
+            .map_err(|what| Fault::at(place, what))?;
+        let added = mesh.triangles.len() - before;
+        mesh.materials.extend(std::iter::repeat_n(material, added));
+        Ok(())
+    }
+
+    /// Counts what is to be read, so that a small file cannot become a large scene.
+    fn spend(&mut self, elements: u64, place: &str) -> Result<(), Fault> {
+        let elements = usize::try_from(elements).unwrap_or(usize::MAX);
+        self.spent = self.spent.saturating_add(elements);
+        let bytes = self.accessors.buffers.total;
+        if self.spent <= bytes.saturating_mul(MOST_PER_BYTE) {
+            return Ok(());
+        }
+        let what = format!(
+            "{} vertices and corners are made of only {bytes} bytes up to here",
+            self.spent
+        );
+        let next = "share meshes between nodes instead of accessors between meshes";
+        Err(Fault::broken(place, what, next))
+    }
+
+    fn add_vertices(
+        &mut self,
+        mesh: &mut SourceMesh,
+        streams: Streams,
+        place: &str,
+    ) -> Result<Vertices, Fault> {
+        let first = mesh.positions.len();
+        self.spend(self.accessors.count(streams.positions)?, place)?;
+        let positions = self.accessors.rows::<3>(streams.positions, &[3])?;
+        let count = positions.len();
+        if u32::try_from(first + count).is_err() {
+            return Err(Fault::at(
+                place,
+                "the mesh has more vertices than 4294967295",
+            ));
+        }
+        self.check_lengths(streams, count)?;
+        for (index, position) in positions.into_iter().map(DVec3::from_array).enumerate() {
+            if !position.is_finite() {
+                let what = format!("element {index} is {position}, which is no place");
+                return Err(Fault::at(format!("accessor {}", streams.positions), what));
+            }
+            mesh.positions.push(position);
+        }
+        if let Some(number) = streams.normals {
+            let normals = self.accessors.rows::<3>(number, &[3])?.into_iter();
+            // Those without one are made of the triangles around them.
+            mesh.normals.resize(first, [0.0; 3]);
+            mesh.normals
+                .extend(normals.map(|normal| normal.map(|along| along as f32)));
+        }
+        if let Some(number) = streams.colours {
+            mesh.colours.resize(first, WHITE);
+            mesh.colours.extend(self.colours(number, streams.opaque)?);
+        }
+        fill(&mut mesh.normals, first + count, [0.0; 3]);
+        fill(&mut mesh.colours, first + count, WHITE);
+        Ok(Vertices { first, count })
+    }
+
+    /// Refuses streams of different lengths before they are read.
+    fn check_lengths(&self, streams: Streams, count: usize) -> Result<(), Fault> {
+        for number in [streams.normals, streams.colours].into_iter().flatten() {
+            let found = self.accessors.count(number)?;
+            if found != count as u64 {
+                let what = format!(
+                    "has {found} elements, but accessor {} has {count} positions",
+                    streams.positions
+                );
+                return Err(Fault::at(format!("accessor {number}"), what));
+            }
+        }
+        Ok(())
+    }
+
+    fn colours(&self, number: u32, opaque: bool) -> Result<Vec<[f32; 4]>, Fault> {
+        let colours = self.accessors.rows::<4>(number, &[3, 4])?;
+        let checked = colours.into_iter().enumerate().map(|(index, mut colour)| {
+            if colour.iter().any(|part| part.is_nan()) {
+                let what = format!("element {index} is a colour that is no number");
+                return Err(Fault::at(format!("accessor {number}"), what));
+            }
+            if opaque {
+                colour[3] = 1.0;
+            }
+            Ok(colour.map(|part| part.clamp(0.0, 1.0) as f32))
+        });
+        checked.collect()
+    }
+
+    /// The vertices of the mesh that a part names, in its order.
+    fn corners(
+        &mut self,
+        primitive: &Primitive,
+        vertices: Vertices,
+        place: &str,
+    ) -> Result<Vec<u32>, Fault> {
+        let first = vertices.first as u32;
+        let Some(number) = primitive.indices else {
+            self.spend(vertices.count as u64, place)?;
+            return Ok((first..first + vertices.count as u32).collect());
+        };
+        self.spend(self.accessors.count(number)?, place)?;
+        let mut corners = self.accessors.indices(number)?;
+        for (index, corner) in corners.iter_mut().enumerate() {
+            if *corner as usize >= vertices.count {
+                let what = format!(
+                    "element {index} is vertex {corner}, but {place} has {}",
+                    vertices.count
+                );
+                return Err(Fault::at(format!("accessor {number}"), what));
+            }
+            *corner += first;
+        }
+        Ok(corners)
+    }
+
+    fn add_triangles(
+        &mut self,
+        mesh: &mut SourceMesh,
+        corners: &[u32],
+        mode: u32,
+    ) -> Result<(), String> {
+        let triangles = &mut mesh.triangles;
+        let left_out = &mut self.repairs;
+        match mode {
+            0 => count(left_out, "points_left_out", corners.len()),
+            1 => count(left_out, "lines_left_out", corners.len() / 2),
+            2 => count(left_out, "lines_left_out", corners.len()),
+            3 => count(left_out, "lines_left_out", corners.len().saturating_sub(1)),
+            4 => {
+                let (whole, rest) = corners.as_chunks();
+                triangles.extend_from_slice(whole);
+                count(left_out, "corners_left_out", rest.len());
+            }
+            5 => {
+                let all = corners.windows(3).enumerate();
+                triangles.extend(all.map(|(index, at)| match index % 2 {
+                    0 => [at[0], at[1], at[2]],
+                    _ => [at[0], at[2], at[1]],
+                }));
+            }
+            6 => {
+                if let [middle, rim @ ..] = corners {
+                    let all = rim.windows(2);
+                    triangles.extend(all.map(|edge| [edge[0], edge[1], *middle]));
+                }
+            }
+            _ => return Err(format!("its mode is {mode}, which is none")),
+        }
+        Ok(())
+    }
+}
+
+const WHITE: [f32; 4] = [1.0; 4];
+
+/// Fills up a list that is not empty.
+fn fill<T: Clone>(list: &mut Vec<T>, length: usize, with: T) {
+    if !list.is_empty() {
+        list.resize(length, with);
+    }
+}

@@ -1,0 +1,133 @@
+//! How is a glTF file read?
+
+mod accessor;
+mod buffers;
+mod container;
+mod json;
+mod mesh;
+mod nodes;
+
+use std::collections::HashMap;
+
+use super::error::Fault;
+use super::files::Folder;
+use super::text::shortened;
+use crate::source::{Material, Repairs, Source, SourceObject};
+use accessor::Accessors;
+use buffers::Buffers;
+use json::{Document, Surface};
+use mesh::MeshReader;
+
+/// Reads a `.gltf` or `.glb` file; objects without a name are called `name` and a number.
+pub(super) fn read(bytes: &[u8], name: &str, folder: &mut dyn Folder) -> Result<Source, Fault> {
+    let (document, binary) = container::parse(bytes)?;
+    let accessors = Accessors {
+        document: &document,
+        buffers: Buffers::read(&document, binary, folder)?,
+    };
+    let mut scene = Source::default();
+    let mut materials: Vec<Material> = document.materials.iter().map(material).collect();
+    let mut meshes = MeshReader {
+        accessors: &accessors,
+        opaque: document
+            .materials
+            .iter()
+            .map(is_opaque)
+            .chain([true])
+            .collect(),
+        without_material: materials.len() as u32,
+        repairs: Repairs::new(),
+        spent: 0,
+    };
+    let mut object_of: HashMap<u32, usize> = HashMap::new();
+    for shown in nodes::shown(&accessors)? {
+        if let Some(object) = object_of.get(&shown.mesh) {
+            let object: &mut SourceObject = &mut scene.objects[*object];
+            object.placements.push(shown.world_from_mesh);
+            object.name = object_name(&document, shown.mesh, None, name);
+            continue;
+        }
+        scene.meshes.push(meshes.read(shown.mesh)?);
+        object_of.insert(shown.mesh, scene.objects.len());
+        let of_node = document.nodes[shown.node].name.as_deref();
+        scene.objects.push(SourceObject {
+            name: object_name(&document, shown.mesh, of_node, name),
+            mesh: scene.meshes.len() - 1,
+            placements: vec![shown.world_from_mesh],
+        });
+    }
+    let default = meshes.without_material;
+    if scene
+        .meshes
+        .iter()
+        .any(|mesh| mesh.materials.contains(&default))
+    {
+        materials.push(Material::default());
+    }
+    scene.repairs = meshes.repairs;
+    scene.materials = materials;
+    add_remarks(&mut scene, &document, object_of.keys());
+    Ok(scene)
+}
+
+/// The name of the only node that shows a mesh, else of the mesh, else one of the file's name.
+fn object_name(document: &Document, mesh: u32, of_node: Option<&str>, file: &str) -> String {
+    let of_mesh = document.meshes.get(mesh as usize);
+    let of_mesh = of_mesh.and_then(|mesh| mesh.name.as_deref());
+    let said = of_node.or(of_mesh).filter(|name| !name.is_empty());
+    said.map_or_else(|| format!("{file} {mesh}"), str::to_owned)
+}
+
+fn is_opaque(surface: &Surface) -> bool {
+    surface
+        .alpha_mode
+        .as_deref()
+        .is_none_or(|mode| mode == "OPAQUE")
+}
+
+fn material(surface: &Surface) -> Material {
+    let factor = surface.pbr_metallic_roughness.factor.unwrap_or([1.0; 4]);
+    let mut colour = factor.map(|part| part.clamp(0.0, 1.0) as f32);
+    if is_opaque(surface) {
+        colour[3] = 1.0;
+    }
+    Material {
+        name: surface.name.clone().unwrap_or_default(),
+        colour,
+        two_sided: surface.double_sided,
+        unlit: surface.extensions.contains_key("KHR_materials_unlit"),
+    }
+}
+
+/// Says what of the file's looks is not drawn.
+fn add_remarks<'a>(scene: &mut Source, document: &Document, meshes: impl Iterator<Item = &'a u32>) {
+    if !document.textures.is_empty() {
+        scene.remark(super::TEXTURES_REMARK);
+    }
+    let mut parts = meshes.flat_map(|mesh| &document.meshes[*mesh as usize].primitives);
+    if parts.any(|part| !part.targets.is_empty()) {
+        scene.remark("shapes that morph are shown at rest");
+    }
+    let is_skinned = |node: &json::Node| node.mesh.is_some() && node.skin.is_some();
+    if document.nodes.iter().any(is_skinned) {
+        scene.remark("skins are shown at rest");
+    }
+    if !document.animations.is_empty() {
+        scene.remark("animations are not played");
+    }
+    let all = document.extensions_used.iter();
+    let lost = all.filter(|name| !container::is_known(name) && !container::is_compression(name));
+    let lost: Vec<String> = lost.take(MOST_NAMED).map(|name| shortened(name)).collect();
+    if !lost.is_empty() {
+        scene.remark(format!(
+            "extensions that are not drawn: {}",
+            lost.join(", ")
+        ));
+    }
+}
+
+/// How many extensions a remark names.
+const MOST_NAMED: usize = 8;
+
+#[cfg(test)]
+mod tests;

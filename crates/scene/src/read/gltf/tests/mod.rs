@@ -1,0 +1,20 @@
+//! What of glTF is read, and what is refused?
+
+mod made;
+mod meshes;
+mod refused;
+mod scenes;
+
+use super::super::files::Nowhere;
+use super::read;
+use crate::source::Source;
+use made::Made;
+
+fn scene(made: &Made) -> Source {
+    read(&made.glb(), "a", &mut Nowhere).unwrap()
+}
+
+fn refusal(bytes: &[u8]) -> String {
+    let fault = read(bytes, "a", &mut Nowhere).unwrap_err();
+    fault.in_file("a.glb".as_ref()).to_string()
+}

@@ -1,0 +1,204 @@
+//! Is what breaks the format refused, with its place and what to do next?
+
+use serde_json::{Value, json};
+
+use super::made::{F32, Made, SQUARE, U8};
+use super::refusal;
+
+/// What is said of a good file after one change.
+fn refused(change: impl Fn(&mut Value)) -> String {
+    let mut made = Made::square();
+    change(&mut made.json);
+    refusal(&made.glb())
+}
+
+#[track_caller]
+fn assert_says(refused: &str, what: &str) {
+    assert!(
+        refused.starts_with("a.glb: ") && refused.contains(what),
+        "{refused}"
+    );
+    assert!(refused.contains("; "), "it says what to do next: {refused}");
+}
+
+#[test]
+fn counts_beyond_the_buffer_are_refused_by_accessor() {
+    for count in [5, u64::MAX] {
+        let said = refused(|json| json["accessors"][0]["count"] = json!(count));
+        assert_says(&said, "accessor 0: ");
+        assert_says(&said, "only 4 fit");
+    }
+    let said = refused(|json| json["accessors"][0]["byteOffset"] = json!(u64::MAX));
+    assert_says(&said, "accessor 0: 4 elements");
+    let said = refused(|json| json["bufferViews"][0]["byteLength"] = json!(u64::MAX));
+    assert_says(&said, "buffer view 0: ");
+    let said = refused(|json| json["buffers"][0]["byteLength"] = json!(1000));
+    assert_says(&said, "buffer 0: has 54 bytes, but should have 1000");
+    let said = refused(|json| json["bufferViews"][0]["byteStride"] = json!(4));
+    assert_says(&said, "its stride is 4");
+}
+
+#[test]
+fn elements_without_bytes_are_not_believed() {
+    let said = refused(|json| {
+        json["accessors"][0] =
+            json!({"componentType": F32, "type": "VEC3", "count": 4_000_000_000u32});
+    });
+    assert_says(&said, "accessor 0: its 4000000000 elements without bytes");
+}
+
+#[test]
+fn a_small_file_cannot_show_its_bytes_without_end() {
+    let said = refused(|json| {
+        let part = json["meshes"][0]["primitives"][0].clone();
+        json["meshes"][0]["primitives"] = json!(vec![part; 1000]);
+    });
+    assert_says(&said, "are made of only 54 bytes");
+}
+
+#[test]
+fn numbers_of_what_is_not_there_are_refused() {
+    type Change = fn(&mut Value);
+    let changes: [(Change, &str); 9] = [
+        (|j| j["scene"] = json!(1), "scene 1: "),
+        (|j| j["scenes"][0]["nodes"] = json!([7]), "node 7: "),
+        (|j| j["nodes"][0]["mesh"] = json!(7), "mesh 7: "),
+        (|j| j["nodes"][0]["skin"] = json!(7), "skin 7: "),
+        (
+            |j| j["meshes"][0]["primitives"][0]["material"] = json!(7),
+            "material 7",
+        ),
+        (
+            |j| j["meshes"][0]["primitives"][0]["indices"] = json!(7),
+            "accessor 7: ",
+        ),
+        (
+            |j| j["accessors"][0]["bufferView"] = json!(7),
+            "buffer view 7: ",
+        ),
+        (
+            |j| j["bufferViews"][0]["buffer"] = json!(7),
+            "names buffer 7",
+        ),
+        (
+            |j| j["meshes"][0]["primitives"][0]["mode"] = json!(7),
+            "its mode is 7",
+        ),
+    ];
+    for (change, what) in changes {
+        assert_says(&refused(change), what);
+    }
+}
+
+#[test]
+fn corners_out_of_range_and_odd_kinds_are_refused() {
+    let mut made = Made::empty();
+    let positions = made.positions(&SQUARE);
+    let indices = made.accessor(U8, "SCALAR", 3, &[0, 1, 4]);
+    made.primitive(json!({"attributes": {"POSITION": positions}, "indices": indices}));
+    assert_says(&refusal(&made.glb()), "accessor 1: element 2 is vertex 4");
+    let said = refused(|json| json["accessors"][1]["componentType"] = json!(5120));
+    assert_says(&said, "unsigned whole numbers");
+    let said = refused(|json| json["accessors"][0]["componentType"] = json!(5130));
+    assert_says(&said, "its component type is 5130");
+    let said = refused(|json| json["accessors"][0]["type"] = json!("VEC2"));
+    assert_says(&said, "its type is \"VEC2\"");
+}
+
+#[test]
+fn positions_that_are_no_place_are_refused_by_element() {
+    for bad in [f32::NAN, f32::INFINITY] {
+        let mut made = Made::empty();
+        let positions = made.positions(&[[0.0; 3], [bad, 0.0, 0.0], [1.0; 3]]);
+        made.primitive(json!({"attributes": {"POSITION": positions}}));
+        assert_says(&refusal(&made.glb()), "accessor 0: element 1");
+    }
+}
+
+#[test]
+fn nodes_in_circles_and_with_two_parents_are_refused() {
+    let said = refused(|json| json["nodes"] = json!([{"children": [1]}, {"children": [0]}]));
+    assert_says(&said, "node 0: is met twice");
+    let said = refused(|json| {
+        json["nodes"] = json!([{"children": [1, 2]}, {"children": [2]}, {"mesh": 0}]);
+    });
+    assert_says(&said, "node 2: is met twice");
+}
+
+#[test]
+fn transforms_that_are_none_are_refused() {
+    let said = refused(|json| json["nodes"][0]["rotation"] = json!([0, 0, 0, 0]));
+    assert_says(&said, "node 0: its rotation");
+    let said = refused(|json| {
+        json["nodes"][0]["matrix"] = json!([1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    });
+    assert_says(&said, "node 0: the last row");
+}
+
+#[test]
+fn extensions_that_are_needed_are_refused_by_name() {
+    for (name, next) in [
+        ("KHR_draco_mesh_compression", "gltf-transform cp"),
+        (
+            "EXT_meshopt_compression",
+            "gltfpack -i FILE -o OUT.glb -noq",
+        ),
+        ("VENDOR_odd", "export it without"),
+    ] {
+        let said = refused(|json| json["extensionsRequired"] = json!([name]));
+        assert_says(&said, name);
+        assert_says(&said, next);
+    }
+    let said = refused(|json| {
+        json["accessors"][0]["bufferView"] = Value::Null;
+        json["meshes"][0]["primitives"][0]["extensions"] =
+            json!({"KHR_draco_mesh_compression": {}});
+    });
+    assert_says(&said, "KHR_draco_mesh_compression");
+}
+
+#[test]
+fn other_versions_and_wrong_json_are_refused() {
+    let said = refused(|json| json["asset"]["version"] = json!("1.0"));
+    assert_says(
+        &said,
+        "\"1.0\", which is not supported; export it as glTF 2.0",
+    );
+    let said = refused(|json| json["nodes"] = json!({"0": {}}));
+    assert_says(&said, "JSON, line 1 column");
+    let said = refused(|json| json["accessors"][0]["count"] = json!(-1));
+    assert_says(&said, "JSON, line 1 column");
+    assert_says(&refusal(b"{"), "JSON, line 1 column");
+    let deep = "[".repeat(100_000);
+    assert_says(&refusal(format!("{{\"nodes\":{deep}").as_bytes()), "JSON");
+}
+
+#[test]
+fn missing_buffers_and_those_outside_the_folder_are_refused() {
+    let made = Made::square();
+    assert_says(
+        &refusal(&made.gltf("b.bin")),
+        "its file \"b.bin\" cannot be read",
+    );
+    for uri in [
+        "../b.bin",
+        "%2e%2e/b.bin",
+        "/etc/passwd",
+        "file:///etc/passwd",
+    ] {
+        assert_says(&refusal(&made.gltf(uri)), "does not lie in the folder");
+    }
+    assert_says(&refusal(&made.gltf("data:;base64,x")), "is no base64");
+    let bare = made.json.to_string();
+    assert_says(&refusal(bare.as_bytes()), "buffer 0: has no uri");
+}
+
+#[test]
+fn cut_binary_files_are_refused_by_byte() {
+    let whole = Made::square().glb();
+    assert_says(&refusal(&whole[..10]), "byte 10: ");
+    assert_says(&refusal(&whole[..whole.len() - 1]), "byte 8: ");
+    let mut long = whole;
+    long[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
+    assert_says(&refusal(&long), "byte 12: a chunk of 4294967295 bytes");
+}

@@ -1,0 +1,301 @@
+//! How is an OBJ file read?
+//!
+//! Its objects and groups become one mesh, so that surfaces stay closed between them. Faces are
+//! fans of triangles. Source: Wavefront, "Object Files (.obj)", version 3.0.
+
+mod mtl;
+
+use std::collections::{HashMap, HashSet};
+
+use glam::{DAffine3, DVec3};
+
+use super::colour::linear_from_rgba;
+use super::error::Fault;
+use super::files::Folder;
+use super::sound::count;
+use super::text::{Words, lines, shortened};
+use crate::source::{Material, Source, SourceMesh, SourceObject};
+use mtl::Library;
+
+/// Reads an OBJ file into one object called `name`.
+pub(super) fn read(bytes: &[u8], name: &str, folder: &mut dyn Folder) -> Result<Source, Fault> {
+    let mut reader = Reader {
+        scene: Source::default(),
+        mesh: SourceMesh::default(),
+        places: Vec::new(),
+        place_colours: Vec::new(),
+        normals: Vec::new(),
+        vertices: HashMap::new(),
+        library: Library::default(),
+        libraries: HashSet::new(),
+        material_numbers: HashMap::new(),
+        material: None,
+        folder,
+    };
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    for line in lines(bytes) {
+        reader.read_line(&mut Words::of(&line))?;
+    }
+    Ok(reader.finish(name))
+}
+
+struct Reader<'a> {
+    scene: Source,
+    mesh: SourceMesh,
+    /// What `v` lines say.
+    places: Vec<DVec3>,
+    /// Empty, or as long as `places`.
+    place_colours: Vec<[f32; 4]>,
+    /// What `vn` lines say.
+    normals: Vec<[f32; 3]>,
+    /// The vertex of the mesh for each place and normal.
+    vertices: HashMap<(u32, Option<u32>), u32>,
+    library: Library,
+    /// What `mtllib` lines name: each is read once.
+    libraries: HashSet<String>,
+    material_numbers: HashMap<String, u32>,
+    material: Option<u32>,
+    folder: &'a mut dyn Folder,
+}
+
+const WHITE: [f32; 4] = [1.0; 4];
+
+impl Reader<'_> {
+    fn read_line(&mut self, words: &mut Words<'_>) -> Result<(), Fault> {
+        match words.next() {
+            Some("v") => self.read_place(words),
+            Some("vn") => {
+                let normal = words.three("a part of a normal")?;
+                self.normals.push(normal.map(|along| along as f32));
+                Ok(())
+            }
+            Some("f" | "fo") => self.read_face(words),
+            Some("usemtl") => {
+                self.use_material(&words.rest());
+                Ok(())
+            }
+            Some("mtllib") => self.read_library(words),
+            Some("p") => {
+                let points = words.left();
+                count(&mut self.scene.repairs, "points_left_out", points);
+                Ok(())
+            }
+            Some("l") => {
+                let lines = words.left().saturating_sub(1);
+                count(&mut self.scene.repairs, "lines_left_out", lines);
+                Ok(())
+            }
+            Some("curv" | "curv2" | "surf") => {
+                let remark = "curves and free-form surfaces of OBJ are not drawn";
+                self.scene.remark(remark);
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// x, y and z, maybe followed by a weight, which has no meaning here, or by a colour.
+    fn read_place(&mut self, words: &mut Words<'_>) -> Result<(), Fault> {
+        let place = DVec3::from_array(words.three("a coordinate")?);
+        let mut more = Vec::new();
+        while let Some(number) = words.number_if_any("what follows coordinates")? {
+            more.push(number);
+        }
+        let colour = match more.as_slice() {
+            [red, green, blue] | [red, green, blue, _] => {
+                Some(linear_from_rgba([*red, *green, *blue, 1.0]))
+            }
+            _ => None,
+        };
+        if colour.is_some() || !self.place_colours.is_empty() {
+            self.place_colours.resize(self.places.len(), WHITE);
+            self.place_colours.push(colour.unwrap_or(WHITE));
+        }
+        self.places.push(place);
+        Ok(())
+    }
+
+    fn read_face(&mut self, words: &mut Words<'_>) -> Result<(), Fault> {
+        let mut first = None;
+        let mut before = None;
+        let mut corners = 0;
+        while let Some(word) = words.next() {
+            let next = self
+                .corner(word)
+                .map_err(|what| Fault::line(words.line, what))?;
+            corners += 1;
+            if let (Some(first), Some(before)) = (first, before) {
+                self.add_triangle([first, before, next]);
+            }
+            before = first.is_some().then_some(next);
+            first = first.or(Some(next));
+        }
+        let few = usize::from(corners < 3);
+        count(&mut self.scene.repairs, "faces_under_three_corners", few);
+        Ok(())
+    }
+
+    fn add_triangle(&mut self, triangle: [u32; 3]) {
+        let material = match self.material {
+            Some(material) => material,
+            None => self.use_material(""),
+        };
+        self.mesh.triangles.push(triangle);
+        self.mesh.materials.push(material);
+    }
+
+    /// The vertex of the mesh that `place`, `place/texture`, `place//normal` or
+    /// `place/texture/normal` is.
+    fn corner(&mut self, word: &str) -> Result<u32, String> {
+        let mut parts = word.split('/');
+        let place = index(parts.next().unwrap_or(""), self.places.len(), "vertex")?;
+        let normal = match parts.nth(1) {
+            None | Some("") => None,
+            Some(normal) => Some(index(normal, self.normals.len(), "normal")?),
+        };
+        let next = u32::try_from(self.mesh.positions.len())
+            .map_err(|_| "there are more vertices than 4294967295".to_owned())?;
+        let vertex = *self.vertices.entry((place, normal)).or_insert(next);
+        if vertex == next {
+            self.add_vertex(place, normal);
+        }
+        Ok(vertex)
+    }
+
+    fn add_vertex(&mut self, place: u32, normal: Option<u32>) {
+        let vertices = self.mesh.positions.len();
+        self.mesh.positions.push(self.places[place as usize]);
+        if normal.is_some() || !self.mesh.normals.is_empty() {
+            // Those without one are made of the faces around them.
+            self.mesh.normals.resize(vertices, [0.0; 3]);
+            let normal = normal.map_or([0.0; 3], |normal| self.normals[normal as usize]);
+            self.mesh.normals.push(normal);
+        }
+        let colour = self.place_colours.get(place as usize);
+        if colour.is_some() || !self.mesh.colours.is_empty() {
+            self.mesh.colours.resize(vertices, WHITE);
+            self.mesh.colours.push(colour.copied().unwrap_or(WHITE));
+        }
+    }
+
+    fn use_material(&mut self, name: &str) -> u32 {
+        let number = match self.material_numbers.get(name) {
+            Some(number) => *number,
+            None => {
+                let number = self.scene.materials.len() as u32;
+                let known = self.library.materials.get(name).cloned();
+                let lost = usize::from(known.is_none() && !name.is_empty());
+                count(&mut self.scene.repairs, "materials_not_found", lost);
+                self.scene.materials.push(known.unwrap_or_else(|| Material {
+                    name: name.to_owned(),
+                    two_sided: true,
+                    ..Material::default()
+                }));
+                self.material_numbers.insert(name.to_owned(), number);
+                number
+            }
+        };
+        self.material = Some(number);
+        number
+    }
+
+    /// The files of one line: their names have no blanks, unless it is one name.
+    fn read_library(&mut self, words: &Words<'_>) -> Result<(), Fault> {
+        let whole = words.rest();
+        if !self.libraries.insert(whole.clone()) {
+            return Ok(());
+        }
+        let file = match self.folder.read(&whole, u64::MAX) {
+            Err(Fault::Missing { .. }) if whole.contains(' ') => {
+                for name in whole.split(' ') {
+                    let file = self.folder.read(name, u64::MAX);
+                    self.add_library(name, file, words.line)?;
+                }
+                return Ok(());
+            }
+            file => file,
+        };
+        self.add_library(&whole, file, words.line)
+    }
+
+    fn add_library(
+        &mut self,
+        name: &str,
+        file: Result<Vec<u8>, Fault>,
+        line: usize,
+    ) -> Result<(), Fault> {
+        match file {
+            Ok(bytes) => {
+                self.library
+                    .read(&bytes)
+                    .map_err(|fault| in_library(name, fault))?;
+                if self.library.has_textures {
+                    self.scene.remark(super::TEXTURES_REMARK);
+                }
+            }
+            Err(Fault::Missing { reason, .. }) => {
+                let missing = "material_files_missing";
+                if !self.scene.repairs.contains_key(missing) {
+                    let name = shortened(name);
+                    self.scene.remark(format!(
+                        "the materials in {name:?}, named in line {line}, cannot be read \
+                         ({reason}): surfaces are white"
+                    ));
+                }
+                count(&mut self.scene.repairs, missing, 1);
+            }
+            Err(fault) => return Err(fault),
+        }
+        Ok(())
+    }
+
+    fn finish(mut self, name: &str) -> Source {
+        self.scene.objects.push(SourceObject {
+            name: name.to_owned(),
+            mesh: 0,
+            placements: vec![DAffine3::IDENTITY],
+        });
+        let unused = self.vertices_in_no_face();
+        count(&mut self.scene.repairs, "unused_vertices", unused);
+        self.scene.meshes.push(self.mesh);
+        self.scene
+    }
+
+    fn vertices_in_no_face(&self) -> usize {
+        let mut used = vec![false; self.places.len()];
+        for (place, _) in self.vertices.keys() {
+            used[*place as usize] = true;
+        }
+        used.iter().filter(|used| !**used).count()
+    }
+}
+
+/// The number, counted from 0, that a word names in a list: 1 is the first, -1 the last.
+fn index(word: &str, length: usize, what: &str) -> Result<u32, String> {
+    let Ok(number) = word.parse::<i64>() else {
+        return Err(format!("{:?} is no number of a {what}", shortened(word)));
+    };
+    let from_zero = if number < 0 {
+        (length as i64).checked_add(number)
+    } else {
+        number.checked_sub(1)
+    };
+    from_zero
+        .filter(|index| *index < length as i64)
+        .and_then(|index| u32::try_from(index).ok())
+        .ok_or_else(|| format!("names {what} {number}, but {length} stand before it"))
+}
+
+fn in_library(name: &str, fault: Fault) -> Fault {
+    match fault {
+        Fault::Broken { place, what, next } => Fault::Broken {
+            place: format!("its {:?}, {place}", shortened(name)),
+            what,
+            next,
+        },
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests;

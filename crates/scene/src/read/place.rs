@@ -1,0 +1,82 @@
+//! Where do the objects of a file stand in a world whose y axis points up?
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::error::Fault;
+use crate::source::{Source, SourceObject};
+
+/// Which axis of a file points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Up {
+    /// y, as in the world of a scene.
+    Y,
+    /// z: x stays, z becomes y, and y points away from the viewer.
+    Z,
+}
+
+/// Turns a file's world so that y points up.
+pub(super) fn turn_up(scene: &mut Source, up: Up) {
+    if up == Up::Y {
+        return;
+    }
+    let world_from_file = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y));
+    for object in &mut scene.objects {
+        for world_from_mesh in &mut object.placements {
+            *world_from_mesh = world_from_file * *world_from_mesh;
+        }
+    }
+}
+
+/// Refuses a scene with a vertex that stands nowhere: beyond what numbers can say.
+pub(super) fn check(scene: &Source) -> Result<(), Fault> {
+    let reach: Vec<DVec3> = scene
+        .meshes
+        .iter()
+        .map(|mesh| {
+            let all = mesh.positions.iter();
+            all.fold(DVec3::ZERO, |reach, position| reach.max(position.abs()))
+        })
+        .collect();
+    for object in &scene.objects {
+        let stands = |world_from_mesh: &DAffine3| {
+            let axes = world_from_mesh.matrix3;
+            let farthest =
+                DMat3::from_cols(axes.x_axis.abs(), axes.y_axis.abs(), axes.z_axis.abs());
+            let far = farthest * reach[object.mesh] + world_from_mesh.translation.abs();
+            far.is_finite()
+        };
+        if !object.placements.iter().all(stands) {
+            return Err(stands_nowhere(object));
+        }
+    }
+    Ok(())
+}
+
+fn stands_nowhere(object: &SourceObject) -> Fault {
+    let name = super::text::shortened(&object.name);
+    Fault::broken(
+        format!("object {name:?}"),
+        "is moved or scaled beyond what numbers can say",
+        "apply its transform where it was made, and export it again",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn z_becomes_y_without_a_mirror() {
+        let mut scene = Source::default();
+        scene.objects.push(SourceObject {
+            name: String::new(),
+            mesh: 0,
+            placements: vec![DAffine3::from_translation(DVec3::new(1.0, 2.0, 3.0))],
+        });
+        turn_up(&mut scene, Up::Z);
+        let world_from_mesh = scene.objects[0].placements[0];
+        let stands = world_from_mesh.transform_point3(DVec3::new(10.0, 20.0, 30.0));
+        assert_eq!(stands, DVec3::new(11.0, 33.0, -22.0));
+        assert_eq!(world_from_mesh.matrix3.determinant(), 1.0);
+    }
+}

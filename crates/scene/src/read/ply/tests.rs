@@ -1,0 +1,210 @@
+//! Is a PLY file read alike in all its encodings, and refused where it breaks?
+
+use super::super::mangle::cut_and_flip;
+use super::super::{SceneFormat, read_anything};
+use super::read;
+use crate::source::Source;
+
+const POSITIONS: [[f64; 3]; 5] = [
+    [10_000_000.001, 0.0, 0.0],
+    [10_000_001.002, 0.0, 0.0],
+    [10_000_001.0, 1.0, 0.0],
+    [10_000_000.0, 1.0, -0.003],
+    [0.0, 0.0, 9.0],
+];
+const FACES: [&[i32]; 2] = [&[0, 1, 2, 3], &[4, 1, 0]];
+
+#[derive(Clone, Copy)]
+enum Write {
+    Text,
+    Little,
+    Big,
+}
+
+/// A square and a triangle with normals and colours, with a list to be skipped.
+fn ply(encoding: Write) -> Vec<u8> {
+    let name = match encoding {
+        Write::Text => "ascii",
+        Write::Little => "binary_little_endian",
+        Write::Big => "binary_big_endian",
+    };
+    let header = format!(
+        "ply\r\nformat {name} 1.0\r\ncomment made\nelement other 1\nproperty list uchar short l\n\
+         element vertex 5\nproperty double x\nproperty float64 y\nproperty double z\n\
+         property char nx\nproperty short ny\nproperty float nz\n\
+         property uchar red\nproperty uchar green\nproperty uchar blue\nproperty ushort alpha\n\
+         element face 2\nproperty list uchar int vertex_indices\nend_header\r\n"
+    );
+    let mut file = header.into_bytes();
+    let mut put = |little: &[u8], text: String| match encoding {
+        Write::Text => file.extend(text.bytes().chain([b' '])),
+        Write::Little => file.extend(little),
+        Write::Big => file.extend(little.iter().rev()),
+    };
+    put(&[2], "2".into());
+    put(&7i16.to_le_bytes(), "7".into());
+    put(&(-8i16).to_le_bytes(), "-8\n".into());
+    for position in POSITIONS {
+        for along in position {
+            put(&along.to_le_bytes(), along.to_string());
+        }
+        put(&[0], "0".into());
+        put(&0i16.to_le_bytes(), "0".into());
+        put(&2f32.to_le_bytes(), "2.0".into());
+        for code in [255, 188, 0] {
+            put(&[code], code.to_string());
+        }
+        put(&u16::MAX.to_le_bytes(), format!("{}\n", u16::MAX));
+    }
+    for face in FACES {
+        put(&[face.len() as u8], face.len().to_string());
+        for corner in face {
+            put(&corner.to_le_bytes(), format!("{corner}\n"));
+        }
+    }
+    file
+}
+
+fn scene(bytes: &[u8]) -> Source {
+    read(bytes, "a").unwrap()
+}
+
+fn refusal(bytes: &[u8]) -> String {
+    let fault = read(bytes, "a").unwrap_err();
+    fault.in_file("a.ply".as_ref()).to_string()
+}
+
+fn text(elements: &str, rows: &str) -> Vec<u8> {
+    format!("ply\nformat ascii 1.0\n{elements}\nend_header\n{rows}").into_bytes()
+}
+
+const XYZ: &str = "property float x\nproperty float y\nproperty float z";
+const FACE: &str = "property list uchar int vertex_index";
+
+#[test]
+fn all_encodings_give_the_same_mesh() {
+    let [first, others @ ..] = [Write::Text, Write::Little, Write::Big].map(|e| scene(&ply(e)));
+    let mesh = &first.meshes[0];
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [4, 1, 0]]);
+    assert_eq!(mesh.positions[0].x, 10_000_000.001);
+    assert_eq!(mesh.normals[0], [0.0, 0.0, 2.0]);
+    let [red, green, blue, alpha] = mesh.colours[0];
+    assert_eq!([red, blue, alpha], [1.0, 0.0, 1.0]);
+    assert!((green - 0.503).abs() < 1e-3, "{green}");
+    assert!(first.materials[0].two_sided);
+    for other in &others {
+        let other = &other.meshes[0];
+        assert_eq!(other.positions, mesh.positions);
+        assert_eq!(other.normals, mesh.normals);
+        assert_eq!(other.colours, mesh.colours);
+        assert_eq!(other.triangles, mesh.triangles);
+    }
+}
+
+#[test]
+fn no_cut_and_no_flip_of_a_byte_panics() {
+    for encoding in [Write::Text, Write::Little, Write::Big] {
+        cut_and_flip(SceneFormat::Ply, &ply(encoding));
+    }
+}
+
+#[test]
+fn strips_of_triangles_turn_every_second_one() {
+    let elements = format!(
+        "element vertex 4\n{XYZ}\nelement tristrips 1\nproperty list int int vertex_indices"
+    );
+    let bytes = text(
+        &elements,
+        "0 0 0\n1 0 0\n0 1 0\n1 1 0\n8 0 1 2 3 -1 0 1 2\n",
+    );
+    let triangles = [[0, 1, 2], [1, 3, 2], [0, 1, 2]];
+    assert_eq!(scene(&bytes).meshes[0].triangles, triangles);
+}
+
+#[test]
+fn a_cut_file_is_refused_with_the_place() {
+    let whole = ply(Write::Little);
+    let cut = refusal(&whole[..whole.len() - 2]);
+    assert!(cut.contains("face 1 of 2: "), "{cut}");
+    let elements = format!("element vertex 2\n{XYZ}");
+    let cut = refusal(&text(&elements, "0 0 0\n1 0"));
+    assert!(cut.contains("element vertex, byte"), "{cut}");
+    let cut = refusal(&text(&elements, "0.5 0.5 0.5\n1 0"));
+    assert!(
+        cut.contains("line 9, vertex 1 of 2: the file ends here"),
+        "{cut}"
+    );
+    assert!(refusal(b"ply\nformat ascii 1.0\n").contains("before `end_header`"));
+}
+
+#[test]
+fn counts_beyond_the_file_are_refused() {
+    for count in ["3", "18446744073709551615"] {
+        let elements = format!("element vertex {count}\n{XYZ}");
+        let refused = refusal(&text(&elements, "0 0 0\n"));
+        assert!(refused.contains("are said to follow"), "{refused}");
+    }
+    let rowless = text("element vertex 18446744073709551615\nelement face 9", "");
+    assert!(refusal(&rowless).contains("rows without properties"));
+    let elements = format!("element vertex 1\n{XYZ}\nelement face 1\n{FACE}");
+    let long = refusal(&text(&elements, "0 0 0\n200 0 0 0\n"));
+    assert!(long.contains("has a list of 200 numbers"), "{long}");
+}
+
+#[test]
+fn the_wrong_end_first_is_refused() {
+    let little = String::from_utf8_lossy(&ply(Write::Little)[..60]).into_owned();
+    assert!(little.contains("binary_little_endian"));
+    let at = little.find("little").unwrap();
+    let mut wrong = ply(Write::Little);
+    wrong.splice(at..at + 6, *b"big");
+    assert!(!read_anything(SceneFormat::Ply, &wrong));
+}
+
+#[test]
+fn what_is_no_number_or_no_vertex_is_refused() {
+    let elements = format!("element vertex 3\n{XYZ}\nelement face 1\n{FACE}");
+    for (rows, place) in [
+        (
+            "0 0 0\n0 nan 0\n1 0 0\n3 0 1 2\n",
+            "line 11, vertex 1 of 3: has nan",
+        ),
+        (
+            "0 0 0\n0 1 0\n1 0 x\n3 0 1 2\n",
+            "line 12, vertex 2 of 3: has \"x\"",
+        ),
+        (
+            "0 0 0\n0 1 0\n1 0 0\n3 0 1 3\n",
+            "element face: a triangle has the corners [0, 1, 3]",
+        ),
+        (
+            "0 0 0\n0 1 0\n1 0 0\n3 0 1 -2\n",
+            "line 13, face 0 of 1: names the vertex -2",
+        ),
+    ] {
+        let refused = refusal(&text(&elements, rows));
+        assert!(refused.contains(place), "{refused}");
+    }
+}
+
+#[test]
+fn headers_without_meaning_are_refused_by_line() {
+    for (elements, what) in [
+        ("element vertex x", "line 3"),
+        ("property float x", "line 3"),
+        ("element vertex 1\nproperty half x", "line 4"),
+        ("element vertex 1\nproperty float x", "no x, y and z"),
+    ] {
+        let refused = refusal(&text(elements, "0 0 0\n"));
+        assert!(refused.contains(what), "{refused}");
+    }
+    assert!(refusal(b"plx").contains("begins with"));
+}
+
+#[test]
+fn points_alone_are_nothing_to_draw() {
+    let elements = format!("element vertex 2\n{XYZ}");
+    let bytes = text(&elements, "0 0 0\n1 1 1\n");
+    assert_eq!(scene(&bytes).repairs["points_left_out"], 2);
+    assert!(!read_anything(SceneFormat::Ply, &bytes));
+}

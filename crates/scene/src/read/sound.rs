@@ -1,0 +1,217 @@
+//! What of a mesh, as a file tells it, is left out or repaired?
+
+use std::collections::{HashMap, HashSet};
+
+use glam::DVec3;
+
+use crate::source::{Repairs, SourceMesh};
+
+/// Counts what was repaired under a name.
+pub(super) fn count(repairs: &mut Repairs, name: &str, times: usize) {
+    if times > 0 {
+        *repairs.entry(name.to_owned()).or_default() += times as u64;
+    }
+}
+
+/// Leaves out triangles without area, later copies of triangles, and vertices that no triangle
+/// names; makes normals unit vectors, those that are none from the triangles around them.
+///
+/// All lists of the mesh are as long as [`SourceMesh`] says and all numbers are in range.
+pub(super) fn make_sound(mesh: &mut SourceMesh, repairs: &mut Repairs) {
+    leave_out_triangles(mesh, repairs);
+    let unused = leave_out_unused_vertices(mesh);
+    count(repairs, "unused_vertices", unused);
+    count(repairs, "normals_made", make_normals(mesh));
+}
+
+/// A number for each vertex, the same for those at the same place.
+fn places(positions: &[DVec3]) -> Vec<u32> {
+    let mut of: HashMap<[u64; 3], u32> = HashMap::with_capacity(positions.len());
+    positions
+        .iter()
+        .map(|position| {
+            let next = of.len() as u32;
+            *of.entry(place_bits(*position)).or_insert(next)
+        })
+        .collect()
+}
+
+/// The bits of a position, the same for both zeros.
+pub(super) fn place_bits(position: DVec3) -> [u64; 3] {
+    // -0 + 0 is 0.
+    position.to_array().map(|along| (along + 0.0).to_bits())
+}
+
+fn leave_out_triangles(mesh: &mut SourceMesh, repairs: &mut Repairs) {
+    let place = places(&mesh.positions);
+    let mut met = HashSet::with_capacity(mesh.triangles.len());
+    let (mut flat, mut copies) = (0, 0);
+    let stays: Vec<bool> = mesh
+        .triangles
+        .iter()
+        .map(|triangle| {
+            let mut corners = triangle.map(|vertex| place[vertex as usize]);
+            if corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0] {
+                flat += 1;
+                return false;
+            }
+            let least = corners[0].min(corners[1]).min(corners[2]);
+            while corners[0] != least {
+                corners.rotate_left(1);
+            }
+            let new = met.insert(corners);
+            copies += usize::from(!new);
+            new
+        })
+        .collect();
+    if flat + copies > 0 {
+        keep(&mut mesh.triangles, &stays);
+        keep(&mut mesh.materials, &stays);
+    }
+    count(repairs, "zero_area_triangles", flat);
+    count(repairs, "duplicate_triangles", copies);
+}
+
+/// Keeps what is marked; of an empty list, nothing is to be kept.
+fn keep<T>(list: &mut Vec<T>, stays: &[bool]) {
+    let mut marks = stays.iter();
+    list.retain(|_| marks.next().copied().unwrap_or(false));
+}
+
+/// Gives how many were left out.
+fn leave_out_unused_vertices(mesh: &mut SourceMesh) -> usize {
+    let mut used = vec![false; mesh.positions.len()];
+    for vertex in mesh.triangles.iter().flatten() {
+        used[*vertex as usize] = true;
+    }
+    let unused = used.iter().filter(|used| !**used).count();
+    if unused == 0 {
+        return 0;
+    }
+    let mut next = 0;
+    let number: Vec<u32> = used
+        .iter()
+        .map(|used| {
+            let number = next;
+            next += u32::from(*used);
+            number
+        })
+        .collect();
+    for vertex in mesh.triangles.iter_mut().flatten() {
+        *vertex = number[*vertex as usize];
+    }
+    keep(&mut mesh.positions, &used);
+    keep(&mut mesh.normals, &used);
+    keep(&mut mesh.colours, &used);
+    unused
+}
+
+/// Makes normals unit vectors; gives how many had no direction and were made of triangles.
+fn make_normals(mesh: &mut SourceMesh) -> usize {
+    let mut without = vec![false; mesh.normals.len()];
+    for (normal, without) in mesh.normals.iter_mut().zip(&mut without) {
+        match unit(DVec3::from_array(normal.map(f64::from))) {
+            Some(of_file) => *normal = of_file,
+            None => *without = true,
+        }
+    }
+    let made = without.iter().filter(|without| **without).count();
+    if made == 0 {
+        return 0;
+    }
+    let mut sums = vec![DVec3::ZERO; mesh.normals.len()];
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+        let doubled_area = (b - a).cross(c - a);
+        for vertex in triangle {
+            sums[*vertex as usize] += doubled_area;
+        }
+    }
+    let all = mesh.normals.iter_mut().zip(&sums).zip(&without);
+    for ((normal, sum), _) in all.filter(|(_, without)| **without) {
+        *normal = unit(*sum).unwrap_or([0.0, 1.0, 0.0]);
+    }
+    made
+}
+
+fn unit(direction: DVec3) -> Option<[f32; 3]> {
+    let [x, y, z] = direction.try_normalize()?.to_array();
+    Some([x as f32, y as f32, z as f32])
+}
+
+/// Panics unless a mesh keeps what [`SourceMesh`] promises: for tests and fuzzing.
+pub(super) fn assert_sound(mesh: &SourceMesh, materials: usize) {
+    let vertices = mesh.positions.len();
+    assert!(mesh.positions.iter().all(|position| position.is_finite()));
+    assert!(mesh.normals.is_empty() || mesh.normals.len() == vertices);
+    assert!(mesh.colours.is_empty() || mesh.colours.len() == vertices);
+    assert!(mesh.materials.is_empty() || mesh.materials.len() == mesh.triangles.len());
+    assert!(!mesh.triangles.is_empty());
+    let mut named = mesh.triangles.iter().flatten();
+    assert!(named.all(|vertex| (*vertex as usize) < vertices));
+    let mut named = mesh.materials.iter();
+    assert!(named.all(|material| (*material as usize) < materials));
+    let length = |normal: &[f32; 3]| normal.iter().map(|along| along * along).sum::<f32>();
+    let mut lengths = mesh.normals.iter().map(length);
+    assert!(lengths.all(|length| (length - 1.0).abs() < 1e-4));
+    let mut parts = mesh.colours.iter().flatten();
+    assert!(parts.all(|part| (0.0..=1.0).contains(part)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> SourceMesh {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        SourceMesh {
+            positions: corners.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..SourceMesh::default()
+        }
+    }
+
+    #[test]
+    fn a_sound_mesh_stays_as_it_is() {
+        let mut mesh = square();
+        let mut repairs = Repairs::new();
+        make_sound(&mut mesh, &mut repairs);
+        assert_eq!(mesh.triangles, square().triangles);
+        assert!(repairs.is_empty());
+    }
+
+    #[test]
+    fn triangles_without_area_and_copies_are_left_out_and_counted() {
+        let mut mesh = square();
+        mesh.positions.push(mesh.positions[0] * -1.0);
+        mesh.positions.push(DVec3::splat(9.0));
+        mesh.materials = vec![0, 1, 2, 3, 4, 5];
+        // A copy turned, one over a vertex at the same place, one with two corners at one place,
+        // and the back of the first, which is another triangle.
+        let more = [[1, 2, 0], [4, 1, 2], [0, 4, 3], [2, 1, 0]];
+        mesh.triangles.extend(more);
+        let mut repairs = Repairs::new();
+        make_sound(&mut mesh, &mut repairs);
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [2, 1, 0]]);
+        assert_eq!(mesh.materials, [0, 1, 5]);
+        assert_eq!(mesh.positions.len(), 4);
+        let counts = [
+            ("duplicate_triangles".to_owned(), 2),
+            ("unused_vertices".to_owned(), 2),
+            ("zero_area_triangles".to_owned(), 1),
+        ];
+        assert_eq!(repairs, Repairs::from(counts));
+    }
+
+    #[test]
+    fn normals_without_direction_are_made_of_the_triangles_around() {
+        let mut mesh = square();
+        mesh.normals = vec![[0.0; 3], [0.0, 2.0, 0.0], [f32::NAN, 0.0, 0.0], [0.0; 3]];
+        let mut repairs = Repairs::new();
+        make_sound(&mut mesh, &mut repairs);
+        assert_eq!(mesh.normals[0], [0.0, 0.0, 1.0]);
+        assert_eq!(mesh.normals[1], [0.0, 1.0, 0.0]);
+        assert_eq!(mesh.normals[2], [0.0, 0.0, 1.0]);
+        assert_eq!(repairs["normals_made"], 3);
+    }
+}
