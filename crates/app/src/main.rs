@@ -75,6 +75,8 @@ enum Command {
 enum Prepare {
     /// Flat or 360° video, or a still picture.
     Video(commands::prepare::PrepareVideoArgs),
+    /// Meshes.
+    Scene(commands::scene::prepare::PrepareSceneArgs),
 }
 
 fn main() -> ExitCode {
@@ -92,6 +94,7 @@ fn main() -> ExitCode {
     }
     let result = match cli.command {
         Command::Prepare(Prepare::Video(args)) => commands::prepare::run(&args),
+        Command::Prepare(Prepare::Scene(args)) => commands::scene::prepare::run(&args),
         Command::Info(args) => commands::info::run(&args),
         Command::Verify(args) => commands::verify::run(&args),
         Command::Select(args) => commands::select::run(&args),

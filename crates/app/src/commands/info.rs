@@ -1,5 +1,6 @@
 //! What is in a pack?
 
+use crate::commands::scene::scene_info::SceneInfo;
 use crate::report::output;
 use clap::Args;
 use foveal_core::content::video::bytes::codec::Codec;
@@ -10,6 +11,7 @@ use foveal_core::content::video::grid::tile_grid::Cut;
 use foveal_core::units::counted;
 use foveal_core::view::surface::{Mapping, Projection};
 use foveal_media::pack::pack_file::PackFile;
+use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
 use foveal_media::sphere::{Coverage, face_size_for};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -278,6 +280,10 @@ fn is_softer(about: &Description) -> bool {
 }
 
 pub(crate) fn run(args: &InfoArgs) -> anyhow::Result<()> {
+    if is_scene_pack(&args.pack) {
+        let info = SceneInfo::new(&SceneFile::open(&args.pack)?);
+        return output::result(args.json, &info, &info.text());
+    }
     let info = PackInfo::new(&PackFile::open(&args.pack)?)?;
     output::result(args.json, &info, &info.text())
 }

@@ -8,6 +8,7 @@ pub(crate) mod info;
 pub(crate) mod perception;
 pub(crate) mod prepare;
 pub(crate) mod replay;
+pub(crate) mod scene;
 pub(crate) mod score;
 pub(crate) mod select;
 pub(crate) mod serve;

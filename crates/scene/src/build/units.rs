@@ -90,6 +90,7 @@ impl Place<'_> {
         };
         let replaces = group.coarse.iter().map(replaced).collect();
         let says = self.says(group, replaces);
+        let corners = says.clusters.iter().map(|it| it.vertices.len());
         Ok(BuiltUnit {
             level,
             payload: says.write(self.mesh.object.attributes)?,
@@ -99,6 +100,8 @@ impl Place<'_> {
                 centre: group.sphere.centre,
                 radius: group.sphere.radius,
                 error: group.error,
+                triangles: says.triangles() as u32,
+                vertices: corners.sum::<usize>() as u32,
                 needs,
             },
         })

@@ -1,7 +1,7 @@
 //! What does a pack say about its scene?
 
 use crate::content::mesh::payload::Attributes;
-use crate::pack::{PackError, TableEntry};
+use crate::pack::{Identity, PackError, TableEntry};
 use glam::{DAffine3, DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +31,12 @@ pub struct SceneDescription {
     pub units: Vec<u32>,
     /// Entries of a full page of the index, and rows of a full page of tables.
     pub page: u32,
+    /// How it was made, for who would make it again.
+    #[serde(default)]
+    pub identity: Identity,
+    /// What a person should know: what of the source's looks is not drawn.
+    #[serde(default)]
+    pub remarks: Vec<String>,
     /// What was repaired or left out of the source, by name.
     #[serde(default)]
     pub repairs: std::collections::BTreeMap<String, u64>,

@@ -15,7 +15,9 @@ pub const MOST_NEEDS: usize = 16;
 /// Bytes of a row before what differs in length.
 const FIXED_BYTES: usize = 24;
 /// What a unit takes on the GPU beside its vertices and triangles, in bytes.
-const GPU_BYTES_OF_UNIT: u64 = 512;
+const GPU_BYTES_OF_UNIT: u64 = 256;
+/// Bytes of a vertex on the GPU, and of its number in a cluster.
+const GPU_BYTES_OF_VERTEX: u64 = 16;
 
 /// What a unit is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,7 +44,8 @@ pub struct UnitRow {
     pub error: f32,
     /// Triangles that it shows.
     pub triangles: u32,
-    /// Vertices of these, those that came before included.
+    /// Vertices of all its clusters, those that came before and those of several clusters counted
+    /// in each.
     pub vertices: u32,
     /// The units that must be there first, at most 16, all with lower numbers; none that another of
     /// them needs in turn.
@@ -50,10 +53,12 @@ pub struct UnitRow {
 }
 
 impl UnitRow {
-    /// Bytes that it takes on the GPU, about.
+    /// Bytes that it takes on the GPU, at most.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
-        u64::from(self.vertices) * 12 + u64::from(self.triangles) * 4 + GPU_BYTES_OF_UNIT
+        u64::from(self.vertices) * GPU_BYTES_OF_VERTEX
+            + u64::from(self.triangles) * 4
+            + GPU_BYTES_OF_UNIT
     }
 
     fn write(&self, unit: u32) -> Vec<u8> {

@@ -1,0 +1,4 @@
+//! What the commands do with scenes.
+
+pub(crate) mod prepare;
+pub(crate) mod scene_info;

@@ -1,0 +1,118 @@
+//! What is in the pack of a scene?
+
+use crate::report::output;
+use foveal_core::content::demand::Content;
+use foveal_core::units::counted;
+use foveal_media::pack::scene_file::SceneFile;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+/// What `info` and `prepare` say of a scene.
+#[derive(Debug, Serialize)]
+pub(crate) struct SceneInfo {
+    kind: &'static str,
+    objects: usize,
+    placements: usize,
+    units: usize,
+    levels: u8,
+    pub(crate) bytes: u64,
+    /// Bytes of units, finest level first.
+    bytes_per_level: Vec<u64>,
+    bytes_by_kind: BytesByKind,
+    leaf_triangles: u64,
+    points: u64,
+    texels: u64,
+    /// Bytes of units a triangle of the finest level, and with index and table.
+    bytes_per_leaf: f64,
+    bytes_per_leaf_with_tables: f64,
+    repairs: BTreeMap<String, u64>,
+    remarks: Vec<String>,
+    centre: [f64; 3],
+    radius: f64,
+    source: Vec<String>,
+    source_bytes: u64,
+    generator: String,
+    /// How long preparing took, where this just did; null else.
+    pub(crate) seconds: Option<f64>,
+    /// The most memory that the program had by then, where this just prepared.
+    pub(crate) peak_memory_bytes: Option<u64>,
+}
+
+/// Bytes of units, by what they are made of.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct BytesByKind {
+    pub(crate) mesh: u64,
+    pub(crate) texture: u64,
+    pub(crate) points: u64,
+}
+
+impl SceneInfo {
+    pub(crate) fn new(file: &SceneFile) -> Self {
+        let (pack, scene) = (file.pack(), file.scene());
+        let about = pack.description();
+        let bytes_per_level = pack.index().bytes_per_level();
+        let mesh: u64 = bytes_per_level.iter().sum();
+        let tables: u64 = about.tables.iter().map(|it| it.bytes).sum();
+        let leaves = scene.finest_samples();
+        let per_leaf = |bytes: u64| bytes as f64 / leaves.max(1) as f64;
+        Self {
+            kind: "scene",
+            objects: about.objects.len(),
+            placements: about.objects.iter().map(|it| it.placements.len()).sum(),
+            units: pack.len(),
+            levels: pack.coarsest() + 1,
+            bytes: file.bytes(),
+            bytes_per_level,
+            bytes_by_kind: BytesByKind {
+                mesh,
+                ..BytesByKind::default()
+            },
+            leaf_triangles: leaves,
+            points: 0,
+            texels: 0,
+            bytes_per_leaf: per_leaf(mesh),
+            bytes_per_leaf_with_tables: per_leaf(mesh + tables + file.header().index_bytes),
+            repairs: about.repairs.clone(),
+            remarks: about.remarks.clone(),
+            centre: scene.bounds().centre.to_array(),
+            radius: scene.bounds().radius,
+            source: about.source.names.clone(),
+            source_bytes: about.source.bytes,
+            generator: about.generator.clone(),
+            seconds: None,
+            peak_memory_bytes: None,
+        }
+    }
+
+    pub(crate) fn text(&self) -> String {
+        let mut text = format!(
+            "{}: {}, {}, {} of {} from {}\n{}, {:.2} bytes each, {:.2} with index and table\n",
+            self.source.join(", "),
+            counted(self.objects, "object"),
+            counted(self.leaf_triangles, "triangle"),
+            counted(self.levels, "level"),
+            output::size(self.bytes),
+            output::size(self.source_bytes),
+            counted(self.units, "unit"),
+            self.bytes_per_leaf,
+            self.bytes_per_leaf_with_tables,
+        );
+        let [x, y, z] = self.centre;
+        let _ = writeln!(
+            text,
+            "round {x:.4}, {y:.4}, {z:.4}, radius {:.4}",
+            self.radius
+        );
+        for (level, bytes) in self.bytes_per_level.iter().enumerate() {
+            let _ = writeln!(text, "level {level}: {}", output::size(*bytes));
+        }
+        for (what, count) in &self.repairs {
+            let _ = writeln!(text, "{}: {count}", what.replace('_', " "));
+        }
+        for remark in &self.remarks {
+            let _ = writeln!(text, "{remark}");
+        }
+        text
+    }
+}
