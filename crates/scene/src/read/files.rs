@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 use super::error::{Fault, ReadError};
+use super::text::shortened;
 
 /// Where the files lie that a scene file names.
 pub(super) trait Folder {
@@ -46,7 +47,7 @@ impl OnDisk {
 impl Folder for OnDisk {
     fn read(&mut self, name: &str, most: u64) -> Result<Vec<u8>, Fault> {
         let missing = |reason: String| Fault::Missing {
-            name: name.to_owned(),
+            name: shortened(name),
             reason,
         };
         let path = self.folder.join(inside(name)?);
@@ -73,7 +74,7 @@ impl Folder for Nowhere {
     fn read(&mut self, name: &str, _most: u64) -> Result<Vec<u8>, Fault> {
         inside(name)?;
         Err(Fault::Missing {
-            name: name.to_owned(),
+            name: shortened(name),
             reason: "there are no files here".to_owned(),
         })
     }
@@ -117,7 +118,7 @@ fn inside(name: &str) -> Result<PathBuf, Fault> {
 
 fn leads_out(name: &str) -> Fault {
     Fault::broken(
-        format!("file {name:?}"),
+        format!("file {:?}", shortened(name)),
         "does not lie in the folder of this file",
         "put it there and name it without the way to it",
     )

@@ -186,7 +186,7 @@ fn found_instead(scene: &Source) -> String {
     let found: Vec<String> = what
         .iter()
         .filter(|(name, _)| count(name) > 0)
-        .map(|(name, what)| format!("{} {what}", count(name)))
+        .map(|(name, what)| format!("{what} ({})", count(name)))
         .collect();
     if found.is_empty() {
         "no surface stands in the scene".to_owned()
@@ -194,3 +194,6 @@ fn found_instead(scene: &Source) -> String {
         format!("the file has only {}", found.join(" and "))
     }
 }
+
+#[cfg(test)]
+mod tests;

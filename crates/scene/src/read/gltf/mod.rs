@@ -43,8 +43,10 @@ pub(super) fn read(bytes: &[u8], name: &str, folder: &mut dyn Folder) -> Result<
     for shown in nodes::shown(&accessors)? {
         if let Some(object) = object_of.get(&shown.mesh) {
             let object: &mut SourceObject = &mut scene.objects[*object];
+            if object.placements.len() == 1 {
+                object.name = object_name(&document, shown.mesh, None, name);
+            }
             object.placements.push(shown.world_from_mesh);
-            object.name = object_name(&document, shown.mesh, None, name);
             continue;
         }
         scene.meshes.push(meshes.read(shown.mesh)?);

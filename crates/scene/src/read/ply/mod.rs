@@ -89,6 +89,9 @@ const ALPHA: usize = 9;
 
 impl Reader {
     fn read_vertices(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
+        if !self.mesh.positions.is_empty() {
+            return Err(Fault::at("header", "there are two elements called vertex"));
+        }
         let slots = slots_of(element)?;
         let has = |wanted: core::ops::Range<usize>| {
             wanted.into_iter().all(|slot| slots.contains(&Some(slot)))
