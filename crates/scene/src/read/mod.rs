@@ -22,9 +22,6 @@ use crate::source::Source;
 use error::Fault;
 use files::{Folder, Nowhere, OnDisk};
 
-/// What is said of a file that has textures.
-const TEXTURES_REMARK: &str = "textures are not drawn yet";
-
 /// What is to be known of files beside what they say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReadOptions {

@@ -7,14 +7,14 @@ use super::accessor::Accessors;
 use super::json::{Document, Node};
 
 /// A mesh at a place.
-pub(super) struct Shown {
+pub(super) struct ShownMesh {
     pub(super) mesh: u32,
     pub(super) node: usize,
     pub(super) world_from_mesh: DAffine3,
 }
 
 /// What the nodes of the scene show, parents before children.
-pub(super) fn shown(accessors: &Accessors<'_>) -> Result<Vec<Shown>, Fault> {
+pub(super) fn shown(accessors: &Accessors<'_>) -> Result<Vec<ShownMesh>, Fault> {
     let document = accessors.document;
     let (order, world_from_node) = walk(document)?;
     let mut all = Vec::new();
@@ -26,7 +26,7 @@ pub(super) fn shown(accessors: &Accessors<'_>) -> Result<Vec<Shown>, Fault> {
             Some(skin) => world_from_skinned(accessors, skin, &world_from_node)?,
             None => None,
         };
-        all.push(Shown {
+        all.push(ShownMesh {
             mesh,
             node,
             world_from_mesh: rest.unwrap_or(world_from_node[node]),

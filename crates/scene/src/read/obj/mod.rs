@@ -230,7 +230,7 @@ impl Reader<'_> {
                     .read(&bytes)
                     .map_err(|fault| in_library(name, fault))?;
                 if self.library.has_textures {
-                    self.scene.remark(super::TEXTURES_REMARK);
+                    self.scene.remark_textures();
                 }
             }
             Err(Fault::Missing { reason, .. }) => {
