@@ -51,6 +51,11 @@ impl Source {
         }
     }
 
+    /// Says that the scene has textures.
+    pub(crate) fn remark_textures(&mut self) {
+        self.remark("textures are not drawn yet");
+    }
+
     /// Leaves out meshes without triangles, and the objects that show them.
     pub(crate) fn leave_out_empty(&mut self) {
         let mut next = 0;

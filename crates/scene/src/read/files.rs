@@ -1,20 +1,24 @@
 //! Where are the files that a scene names, and what is in them?
 
-use std::fs::File;
-use std::io::Read;
+use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
+use std::rc::Rc;
 
 use super::error::{Fault, ReadError};
+use super::text::shortened;
 
 /// Where the files lie that a scene file names.
 pub(super) trait Folder {
-    /// The first bytes of the file `name`, at most `most`; refused if it lies elsewhere.
-    fn read(&mut self, name: &str, most: u64) -> Result<Vec<u8>, Fault>;
+    /// The bytes of the file `name`, the same for all names of one file; refused if it lies
+    /// elsewhere.
+    fn read(&mut self, name: &str) -> Result<Rc<Vec<u8>>, Fault>;
 }
 
 /// The folder of a scene file.
 pub(super) struct OnDisk {
     folder: PathBuf,
+    /// What was read, by path without links: a file is read once, by however many names.
+    read: HashMap<PathBuf, Rc<Vec<u8>>>,
     /// Bytes read through it.
     pub(super) bytes: u64,
 }
@@ -28,13 +32,14 @@ impl OnDisk {
         };
         Self {
             folder: folder.to_owned(),
+            read: HashMap::new(),
             bytes: 0,
         }
     }
 
     /// All bytes of a scene file.
     pub(super) fn read_scene(&mut self, file: &Path) -> Result<Vec<u8>, ReadError> {
-        let bytes = read_regular(file, u64::MAX).map_err(|reason| ReadError::Open {
+        let bytes = read_regular(file).map_err(|reason| ReadError::Open {
             path: file.to_owned(),
             reason,
         })?;
@@ -44,9 +49,9 @@ impl OnDisk {
 }
 
 impl Folder for OnDisk {
-    fn read(&mut self, name: &str, most: u64) -> Result<Vec<u8>, Fault> {
+    fn read(&mut self, name: &str) -> Result<Rc<Vec<u8>>, Fault> {
         let missing = |reason: String| Fault::Missing {
-            name: name.to_owned(),
+            name: shortened(name),
             reason,
         };
         let path = self.folder.join(inside(name)?);
@@ -60,8 +65,12 @@ impl Folder for OnDisk {
         if !real.starts_with(folder) {
             return Err(leads_out(name));
         }
-        let bytes = read_regular(&real, most).map_err(missing)?;
+        if let Some(bytes) = self.read.get(&real) {
+            return Ok(Rc::clone(bytes));
+        }
+        let bytes = Rc::new(read_regular(&real).map_err(missing)?);
         self.bytes += bytes.len() as u64;
+        self.read.insert(real, Rc::clone(&bytes));
         Ok(bytes)
     }
 }
@@ -70,10 +79,10 @@ impl Folder for OnDisk {
 pub(super) struct Nowhere;
 
 impl Folder for Nowhere {
-    fn read(&mut self, name: &str, _most: u64) -> Result<Vec<u8>, Fault> {
+    fn read(&mut self, name: &str) -> Result<Rc<Vec<u8>>, Fault> {
         inside(name)?;
         Err(Fault::Missing {
-            name: name.to_owned(),
+            name: shortened(name),
             reason: "there are no files here".to_owned(),
         })
     }
@@ -85,10 +94,10 @@ pub(super) struct Files(pub(super) std::collections::BTreeMap<&'static str, Vec<
 
 #[cfg(test)]
 impl Folder for Files {
-    fn read(&mut self, name: &str, most: u64) -> Result<Vec<u8>, Fault> {
+    fn read(&mut self, name: &str) -> Result<Rc<Vec<u8>>, Fault> {
         match self.0.get(name) {
-            Some(bytes) => Ok(bytes.clone()),
-            None => Nowhere.read(name, most),
+            Some(bytes) => Ok(Rc::new(bytes.clone())),
+            None => Nowhere.read(name),
         }
     }
 }
@@ -117,24 +126,19 @@ fn inside(name: &str) -> Result<PathBuf, Fault> {
 
 fn leads_out(name: &str) -> Fault {
     Fault::broken(
-        format!("file {name:?}"),
+        format!("file {:?}", shortened(name)),
         "does not lie in the folder of this file",
         "put it there and name it without the way to it",
     )
 }
 
-/// The first bytes of a file; devices, pipes and folders, which may have no end, are refused.
-fn read_regular(path: &Path, most: u64) -> Result<Vec<u8>, String> {
+/// The bytes of a file; devices, pipes and folders, which may have no end, are refused.
+fn read_regular(path: &Path) -> Result<Vec<u8>, String> {
     let told = std::fs::metadata(path).map_err(|error| error.to_string())?;
     if !told.is_file() {
         return Err("it is no regular file".to_owned());
     }
-    let file = File::open(path).map_err(|error| error.to_string())?;
-    let mut bytes = Vec::new();
-    file.take(most)
-        .read_to_end(&mut bytes)
-        .map_err(|error| error.to_string())?;
-    Ok(bytes)
+    std::fs::read(path).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]

@@ -22,9 +22,6 @@ use crate::source::Source;
 use error::Fault;
 use files::{Folder, Nowhere, OnDisk};
 
-/// What is said of a file that has textures.
-const TEXTURES_REMARK: &str = "textures are not drawn yet";
-
 /// What is to be known of files beside what they say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReadOptions {
@@ -186,7 +183,7 @@ fn found_instead(scene: &Source) -> String {
     let found: Vec<String> = what
         .iter()
         .filter(|(name, _)| count(name) > 0)
-        .map(|(name, what)| format!("{} {what}", count(name)))
+        .map(|(name, what)| format!("{what} ({})", count(name)))
         .collect();
     if found.is_empty() {
         "no surface stands in the scene".to_owned()
@@ -194,3 +191,6 @@ fn found_instead(scene: &Source) -> String {
         format!("the file has only {}", found.join(" and "))
     }
 }
+
+#[cfg(test)]
+mod tests;

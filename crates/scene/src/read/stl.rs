@@ -166,7 +166,11 @@ mod tests {
     use super::super::{SceneFormat, read_anything};
     use super::*;
 
-    const TEXT: &str = "solid two\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 1 1 0\n  endloop\n endfacet\n facet normal 0 0 1\n  outer loop\n   VERTEX 0 0 0\n   vertex 1 1 0\n   vertex -0 1 0\n  endloop\n endfacet\nendsolid two\n";
+    const TEXT: &str = "solid two\n\
+        facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\n\
+        endfacet\n\
+        facet normal 0 0 1\nouter loop\nVERTEX 0 0 0\n\tvertex 1 1 0\nvertex -0 1 0\nendloop\n\
+        endfacet\nendsolid two\n";
 
     fn binary(triangles: &[[[f32; 3]; 3]]) -> Vec<u8> {
         let mut bytes = vec![b' '; HEADER_BYTES];
@@ -211,7 +215,7 @@ mod tests {
             cut.contains("byte 80: 2 triangles are said to follow, 1 do"),
             "{cut}"
         );
-        let cut = refusal(&TEXT.as_bytes()[..200]);
+        let cut = refusal(&TEXT.as_bytes()[..TEXT.len() - 20]);
         assert!(cut.contains("line "), "{cut}");
         assert!(refusal(b"").contains("at least 84 bytes"));
     }

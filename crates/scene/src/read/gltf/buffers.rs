@@ -1,7 +1,7 @@
 //! Which bytes does a view of a glTF buffer show?
 
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::HashSet;
 use std::rc::Rc;
 
 use base64::Engine;
@@ -21,7 +21,6 @@ pub(super) struct Buffers<'a> {
     pub(super) total: usize,
 }
 
-#[derive(Clone)]
 enum Bytes<'a> {
     OfFile(&'a [u8]),
     Read(Rc<Vec<u8>>),
@@ -43,21 +42,16 @@ impl<'a> Buffers<'a> {
         binary: Option<&'a [u8]>,
         folder: &mut dyn Folder,
     ) -> Result<Self, Fault> {
-        let mut read: HashMap<&str, Rc<Vec<u8>>> = HashMap::new();
+        let mut met = HashSet::new();
         let mut buffers = Vec::with_capacity(document.buffers.len());
         let mut total = binary.map_or(0, <[u8]>::len);
         for (number, buffer) in document.buffers.iter().enumerate() {
             let bytes = match (&buffer.uri, binary) {
                 (Some(uri), _) => {
-                    let bytes = match read.get(uri.as_str()) {
-                        Some(bytes) => Rc::clone(bytes),
-                        None => {
-                            let bytes = Rc::new(bytes_of(uri, number, folder)?);
-                            total += bytes.len();
-                            read.insert(uri, Rc::clone(&bytes));
-                            bytes
-                        }
-                    };
+                    let bytes = bytes_of(uri, number, folder)?;
+                    if met.insert(Rc::as_ptr(&bytes)) {
+                        total += bytes.len();
+                    }
                     Some(Bytes::Read(bytes))
                 }
                 (None, Some(binary)) if number == 0 => Some(Bytes::OfFile(binary)),
@@ -125,12 +119,14 @@ fn check_length(buffer: &Buffer, number: usize, found: usize) -> Result<(), Faul
     Err(Fault::at(format!("buffer {number}"), what))
 }
 
-fn bytes_of(uri: &str, number: usize, folder: &mut dyn Folder) -> Result<Vec<u8>, Fault> {
+fn bytes_of(uri: &str, number: usize, folder: &mut dyn Folder) -> Result<Rc<Vec<u8>>, Fault> {
     if let Some(inline) = uri.strip_prefix("data:") {
-        return bytes_of_inline(inline).map_err(|what| Fault::at(format!("buffer {number}"), what));
+        return bytes_of_inline(inline)
+            .map(Rc::new)
+            .map_err(|what| Fault::at(format!("buffer {number}"), what));
     }
     let name = percent_decode_str(uri).decode_utf8_lossy();
-    folder.read(&name, u64::MAX)
+    folder.read(&name)
 }
 
 /// What follows `data:`: a type, maybe `;base64`, a comma, and the bytes.

@@ -10,6 +10,12 @@ const BINARY_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
 /// Magic, version and length.
 const HEADER_BYTES: usize = 12;
 
+/// An object that says anything has more bytes: `{"mesh":0}`. Those that say nothing take a
+/// hundred times their bytes of memory.
+const LEAST_OBJECT_BYTES: usize = 10;
+/// So few take little memory whatever they say.
+const MOST_BARE: usize = 1000;
+
 /// What surfaces need of these is drawn, or they say nothing about surfaces.
 const KNOWN: [&str; 18] = [
     "KHR_mesh_quantization",
@@ -53,6 +59,11 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), Fault> {
     } else {
         (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None)
     };
+    let objects = json.iter().filter(|byte| **byte == b'{').count();
+    if objects > MOST_BARE && objects * LEAST_OBJECT_BYTES > json.len() {
+        let what = format!("{objects} objects in {} bytes say nothing", json.len());
+        return Err(Fault::at("JSON", what));
+    }
     let document: Document = serde_json::from_slice(json).map_err(|error| {
         let place = format!("JSON, line {} column {}", error.line(), error.column());
         Fault::at(place, format!("is no glTF: {error}"))

@@ -20,7 +20,7 @@ pub(super) struct Document {
     pub(super) nodes: Vec<Node>,
     pub(super) meshes: Vec<Mesh>,
     pub(super) skins: Vec<Skin>,
-    pub(super) materials: Vec<Surface>,
+    pub(super) materials: Vec<GltfMaterial>,
     pub(super) accessors: Vec<Accessor>,
     pub(super) buffer_views: Vec<View>,
     pub(super) buffers: Vec<Buffer>,
@@ -89,10 +89,10 @@ pub(super) struct Skin {
     pub(super) joints: Vec<u32>,
 }
 
-/// What glTF calls a material.
+/// A material, as glTF says it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
-pub(super) struct Surface {
+pub(super) struct GltfMaterial {
     pub(super) name: Option<String>,
     pub(super) pbr_metallic_roughness: BaseColour,
     pub(super) alpha_mode: Option<String>,

@@ -15,7 +15,7 @@ use super::text::shortened;
 use crate::source::{Material, Repairs, Source, SourceObject};
 use accessor::Accessors;
 use buffers::Buffers;
-use json::{Document, Surface};
+use json::{Document, GltfMaterial};
 use mesh::MeshReader;
 
 /// Reads a `.gltf` or `.glb` file; objects without a name are called `name` and a number.
@@ -43,8 +43,10 @@ pub(super) fn read(bytes: &[u8], name: &str, folder: &mut dyn Folder) -> Result<
     for shown in nodes::shown(&accessors)? {
         if let Some(object) = object_of.get(&shown.mesh) {
             let object: &mut SourceObject = &mut scene.objects[*object];
+            if object.placements.len() == 1 {
+                object.name = object_name(&document, shown.mesh, None, name);
+            }
             object.placements.push(shown.world_from_mesh);
-            object.name = object_name(&document, shown.mesh, None, name);
             continue;
         }
         scene.meshes.push(meshes.read(shown.mesh)?);
@@ -78,31 +80,30 @@ fn object_name(document: &Document, mesh: u32, of_node: Option<&str>, file: &str
     said.map_or_else(|| format!("{file} {mesh}"), str::to_owned)
 }
 
-fn is_opaque(surface: &Surface) -> bool {
-    surface
-        .alpha_mode
+fn is_opaque(said: &GltfMaterial) -> bool {
+    said.alpha_mode
         .as_deref()
         .is_none_or(|mode| mode == "OPAQUE")
 }
 
-fn material(surface: &Surface) -> Material {
-    let factor = surface.pbr_metallic_roughness.factor.unwrap_or([1.0; 4]);
+fn material(said: &GltfMaterial) -> Material {
+    let factor = said.pbr_metallic_roughness.factor.unwrap_or([1.0; 4]);
     let mut colour = factor.map(|part| part.clamp(0.0, 1.0) as f32);
-    if is_opaque(surface) {
+    if is_opaque(said) {
         colour[3] = 1.0;
     }
     Material {
-        name: surface.name.clone().unwrap_or_default(),
+        name: said.name.clone().unwrap_or_default(),
         colour,
-        two_sided: surface.double_sided,
-        unlit: surface.extensions.contains_key("KHR_materials_unlit"),
+        two_sided: said.double_sided,
+        unlit: said.extensions.contains_key("KHR_materials_unlit"),
     }
 }
 
 /// Says what of the file's looks is not drawn.
 fn add_remarks<'a>(scene: &mut Source, document: &Document, meshes: impl Iterator<Item = &'a u32>) {
     if !document.textures.is_empty() {
-        scene.remark(super::TEXTURES_REMARK);
+        scene.remark_textures();
     }
     let mut parts = meshes.flat_map(|mesh| &document.meshes[*mesh as usize].primitives);
     if parts.any(|part| !part.targets.is_empty()) {

@@ -7,14 +7,14 @@ use super::accessor::Accessors;
 use super::json::{Document, Node};
 
 /// A mesh at a place.
-pub(super) struct Shown {
+pub(super) struct ShownMesh {
     pub(super) mesh: u32,
     pub(super) node: usize,
     pub(super) world_from_mesh: DAffine3,
 }
 
 /// What the nodes of the scene show, parents before children.
-pub(super) fn shown(accessors: &Accessors<'_>) -> Result<Vec<Shown>, Fault> {
+pub(super) fn shown(accessors: &Accessors<'_>) -> Result<Vec<ShownMesh>, Fault> {
     let document = accessors.document;
     let (order, world_from_node) = walk(document)?;
     let mut all = Vec::new();
@@ -26,7 +26,7 @@ pub(super) fn shown(accessors: &Accessors<'_>) -> Result<Vec<Shown>, Fault> {
             Some(skin) => world_from_skinned(accessors, skin, &world_from_node)?,
             None => None,
         };
-        all.push(Shown {
+        all.push(ShownMesh {
             mesh,
             node,
             world_from_mesh: rest.unwrap_or(world_from_node[node]),
@@ -45,10 +45,10 @@ fn walk(document: &Document) -> Result<(Vec<usize>, Vec<DAffine3>), Fault> {
     let mut world_from_node = vec![DAffine3::IDENTITY; nodes.len()];
     let mut met = vec![false; nodes.len()];
     let mut order = Vec::new();
-    let mut next: Vec<(u32, DAffine3)> = Vec::new();
-    let roots = roots(document)?;
-    next.extend(roots.iter().rev().map(|root| (*root, DAffine3::IDENTITY)));
-    while let Some((number, world_from_parent)) = next.pop() {
+    // Each with its parent.
+    let mut next: Vec<(u32, Option<usize>)> = Vec::new();
+    next.extend(roots(document)?.iter().rev().map(|root| (*root, None)));
+    while let Some((number, parent)) = next.pop() {
         let node = number as usize;
         let Some(said) = nodes.get(node) else {
             let what = format!("is named, but there are only {} nodes", nodes.len());
@@ -59,10 +59,14 @@ fn walk(document: &Document) -> Result<(Vec<usize>, Vec<DAffine3>), Fault> {
             return Err(Fault::at(place(node), what));
         }
         met[node] = true;
-        world_from_node[node] = world_from_parent * parent_from_node(said, node)?;
+        let parent_from_node = parent_from_node(said, node)?;
+        world_from_node[node] = match parent {
+            Some(parent) => world_from_node[parent] * parent_from_node,
+            None => parent_from_node,
+        };
         order.push(node);
         let children = said.children.iter().rev();
-        next.extend(children.map(|child| (*child, world_from_node[node])));
+        next.extend(children.map(|child| (*child, Some(node))));
     }
     Ok((order, world_from_node))
 }

@@ -6,6 +6,7 @@
 mod mtl;
 
 use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
 
 use glam::{DAffine3, DVec3};
 
@@ -58,6 +59,8 @@ struct Reader<'a> {
     folder: &'a mut dyn Folder,
 }
 
+/// Each costs a search on the disk; exporters write one.
+const MOST_LIBRARIES: usize = 256;
 const WHITE: [f32; 4] = [1.0; 4];
 
 impl Reader<'_> {
@@ -205,10 +208,14 @@ impl Reader<'_> {
         if !self.libraries.insert(whole.clone()) {
             return Ok(());
         }
-        let file = match self.folder.read(&whole, u64::MAX) {
+        if self.libraries.len() > MOST_LIBRARIES {
+            let what = format!("more than {MOST_LIBRARIES} files of materials are named");
+            return Err(Fault::line(words.line, what));
+        }
+        let file = match self.folder.read(&whole) {
             Err(Fault::Missing { .. }) if whole.contains(' ') => {
-                for name in whole.split(' ') {
-                    let file = self.folder.read(name, u64::MAX);
+                for name in whole.split(' ').take(MOST_LIBRARIES) {
+                    let file = self.folder.read(name);
                     self.add_library(name, file, words.line)?;
                 }
                 return Ok(());
@@ -221,7 +228,7 @@ impl Reader<'_> {
     fn add_library(
         &mut self,
         name: &str,
-        file: Result<Vec<u8>, Fault>,
+        file: Result<Rc<Vec<u8>>, Fault>,
         line: usize,
     ) -> Result<(), Fault> {
         match file {
@@ -230,7 +237,7 @@ impl Reader<'_> {
                     .read(&bytes)
                     .map_err(|fault| in_library(name, fault))?;
                 if self.library.has_textures {
-                    self.scene.remark(super::TEXTURES_REMARK);
+                    self.scene.remark_textures();
                 }
             }
             Err(Fault::Missing { reason, .. }) => {

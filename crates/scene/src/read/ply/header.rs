@@ -74,17 +74,18 @@ pub(super) enum Encoding {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Header {
+pub(super) struct PlyHeader {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
     /// Where rows begin, in bytes.
     pub(super) end: usize,
     /// How many lines the header has.
     pub(super) lines: usize,
-    has_textures: bool,
+    /// Whether a comment names a picture, as MeshLab writes it.
+    pub(super) has_textures: bool,
 }
 
-impl Header {
+impl PlyHeader {
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, Fault> {
         if !bytes.starts_with(b"ply") {
             return Err(Fault::at("byte 0", "a PLY file begins with `ply`"));
@@ -168,11 +169,5 @@ impl Header {
             self.lines,
             format!("{words:?} has no meaning in a PLY header"),
         )
-    }
-
-    /// What of the file is not drawn.
-    pub(super) fn remarks(&self) -> Vec<String> {
-        let remark = super::super::TEXTURES_REMARK.to_owned();
-        self.has_textures.then_some(remark).into_iter().collect()
     }
 }

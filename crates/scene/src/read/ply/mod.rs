@@ -12,12 +12,12 @@ use super::colour::linear_from_rgba;
 use super::error::Fault;
 use super::sound::count;
 use crate::source::{Material, Repairs, Source, SourceMesh, SourceObject};
-use header::{Element, Header, Property, Scalar};
+use header::{Element, PlyHeader, Property, Scalar};
 use numbers::Numbers;
 
 /// Reads a PLY file into one object called `name`.
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<Source, Fault> {
-    let header = Header::parse(bytes)?;
+    let header = PlyHeader::parse(bytes)?;
     let mut numbers = Numbers::of(&header, bytes);
     let mut reader = Reader::default();
     for element in &header.elements {
@@ -34,7 +34,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Source, Fault> {
         count(&mut reader.repairs, "points_left_out", points);
         reader.mesh = SourceMesh::default();
     }
-    Ok(Source {
+    let mut scene = Source {
         objects: vec![SourceObject {
             name: name.to_owned(),
             mesh: 0,
@@ -46,9 +46,12 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Source, Fault> {
             ..Material::default()
         }],
         repairs: reader.repairs,
-        remarks: header.remarks(),
         ..Source::default()
-    })
+    };
+    if header.has_textures {
+        scene.remark_textures();
+    }
+    Ok(scene)
 }
 
 fn skip(element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
@@ -89,6 +92,9 @@ const ALPHA: usize = 9;
 
 impl Reader {
     fn read_vertices(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
+        if !self.mesh.positions.is_empty() {
+            return Err(Fault::at("header", "there are two elements called vertex"));
+        }
         let slots = slots_of(element)?;
         let has = |wanted: core::ops::Range<usize>| {
             wanted.into_iter().all(|slot| slots.contains(&Some(slot)))

@@ -2,7 +2,7 @@
 
 use super::super::error::Fault;
 use super::super::text::finite;
-use super::header::{Element, Encoding, Header, Property, Scalar};
+use super::header::{Element, Encoding, PlyHeader, Property, Scalar};
 
 /// The rows of a file, read number by number.
 pub(super) struct Numbers<'a> {
@@ -14,7 +14,7 @@ pub(super) struct Numbers<'a> {
 }
 
 impl<'a> Numbers<'a> {
-    pub(super) fn of(header: &Header, bytes: &'a [u8]) -> Self {
+    pub(super) fn of(header: &PlyHeader, bytes: &'a [u8]) -> Self {
         Self {
             encoding: header.encoding,
             bytes,

@@ -194,8 +194,12 @@ fn headers_without_meaning_are_refused_by_line() {
         ("property float x", "line 3"),
         ("element vertex 1\nproperty half x", "line 4"),
         ("element vertex 1\nproperty float x", "no x, y and z"),
+        (
+            &format!("element vertex 1\n{XYZ}\nproperty float w\nelement vertex 1\n{XYZ}"),
+            "two",
+        ),
     ] {
-        let refused = refusal(&text(elements, "0 0 0\n"));
+        let refused = refusal(&text(elements, "0 0 0 0\n0 0 0\n"));
         assert!(refused.contains(what), "{refused}");
     }
     assert!(refusal(b"plx").contains("begins with"));

@@ -102,7 +102,7 @@ fn corners_out_of_range_and_odd_kinds_are_refused() {
     let said = refused(|json| json["accessors"][0]["componentType"] = json!(5130));
     assert_says(&said, "its component type is 5130");
     let said = refused(|json| json["accessors"][0]["type"] = json!("VEC2"));
-    assert_says(&said, "its type is \"VEC2\"");
+    assert_says(&said, "its type is VEC2");
 }
 
 #[test]
@@ -169,6 +169,8 @@ fn other_versions_and_wrong_json_are_refused() {
     let said = refused(|json| json["accessors"][0]["count"] = json!(-1));
     assert_says(&said, "JSON, line 1 column");
     assert_says(&refusal(b"{"), "JSON, line 1 column");
+    let said = refused(|json| json["nodes"] = json!(vec![json!({}); 10_000]));
+    assert_says(&said, "JSON: 10");
     let deep = "[".repeat(100_000);
     assert_says(&refusal(format!("{{\"nodes\":{deep}").as_bytes()), "JSON");
 }

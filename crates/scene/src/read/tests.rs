@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use foveal_scene::read::{ReadError, ReadOptions, Up, is_scene_file, read};
 use glam::DVec3;
+
+use super::{ReadError, ReadOptions, Up, is_scene_file, read};
 
 /// A folder of its own, gone at the end.
 struct Folder(PathBuf);
@@ -95,7 +96,7 @@ fn files_that_are_not_there_or_are_none_are_refused() {
     let empty = folder.put("c.obj", "v 0 0 0\nv 1 1 1\nl 1 2\n");
     let refused = refusal(&empty);
     assert!(
-        refused.contains("nothing to draw: the file has only 1 lines"),
+        refused.contains("nothing to draw: the file has only lines (1)"),
         "{refused}"
     );
 }
