@@ -7,5 +7,6 @@
 #![forbid(unsafe_code)]
 
 pub mod build;
+pub mod cracks;
 pub mod read;
 pub mod source;

@@ -96,11 +96,8 @@ fn check(source: &Source, mesh: &SourceMesh) -> Result<(), &'static str> {
         return Err("material of a triangle out of range");
     }
     // Such that neither an extent nor its square overflows.
-    match mesh
-        .positions
-        .iter()
-        .all(|it| it.abs().max_element() <= 1e15)
-    {
+    let is_near = |it: &DVec3| it.is_finite() && it.abs().max_element() <= 1e15;
+    match mesh.positions.iter().all(is_near) {
         true => Ok(()),
         false => Err("position that is not finite, or beyond 1e15"),
     }

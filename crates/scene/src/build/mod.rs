@@ -14,7 +14,7 @@ mod sphere;
 mod units;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use crate::source::{Repairs, Source};
 use foveal_core::content::scene::description::{GRID_BITS, SceneObject};
@@ -96,7 +96,7 @@ pub enum BuildError {
 
 /// Turns a scene into units; `progress` hears how many triangles are done, of about how many.
 ///
-/// The result depends on the source and the bits alone. Takes about six seconds for a million
+/// The result depends on the source and the bits alone. Takes about three seconds for a million
 /// triangles on one thread, and about 200 bytes of memory for each triangle.
 ///
 /// # Errors

@@ -30,7 +30,7 @@ fn cells(rows: u32, columns: u32, at: impl Fn(u32, u32) -> u32) -> Vec<[u32; 3]>
 }
 
 /// A closed torus with bumps: twice `around` times `along` triangles.
-pub(super) fn torus(around: u32, along: u32) -> Source {
+pub(crate) fn torus(around: u32, along: u32) -> Source {
     let vertices = (0..around).flat_map(|u| (0..along).map(move |v| (u, v)));
     let position = |(u, v)| {
         let [u, v] = [
@@ -50,7 +50,7 @@ pub(super) fn torus(around: u32, along: u32) -> Source {
 }
 
 /// A sphere with a seam: normals lie askew, and colours differ, on its two sides.
-pub(super) fn sphere(around: u32, along: u32) -> Source {
+pub(crate) fn sphere(around: u32, along: u32) -> Source {
     let vertices = (0..=around).flat_map(|u| (0..=along).map(move |v| (u, v)));
     let mut mesh = SourceMesh::default();
     for (u, v) in vertices {
@@ -75,7 +75,7 @@ pub(super) fn sphere(around: u32, along: u32) -> Source {
 }
 
 /// An open sheet with waves.
-pub(super) fn sheet(side: u32) -> Source {
+pub(crate) fn sheet(side: u32) -> Source {
     let vertices = (0..=side).flat_map(|u| (0..=side).map(move |v| (u, v)));
     let position = |(u, v)| {
         let [x, z] = [u, v].map(|it: u32| f64::from(it) / f64::from(side));
@@ -90,7 +90,7 @@ pub(super) fn sheet(side: u32) -> Source {
 }
 
 /// A cube whose sides have two materials in turn; each side has vertices of its own.
-pub(super) fn two_materials(side: u32) -> Source {
+pub(crate) fn two_materials(side: u32) -> Source {
     let mut mesh = SourceMesh::default();
     for face in 0..6_u32 {
         let first = mesh.positions.len() as u32;
@@ -116,7 +116,7 @@ pub(super) fn two_materials(side: u32) -> Source {
 }
 
 /// Triangles that all share one edge, a zero-area one, and one twice.
-pub(super) fn fan(blades: u32) -> Source {
+pub(crate) fn fan(blades: u32) -> Source {
     let mut mesh = SourceMesh {
         positions: vec![DVec3::ZERO, DVec3::Y],
         ..Default::default()
@@ -131,7 +131,7 @@ pub(super) fn fan(blades: u32) -> Source {
 }
 
 /// Tetrahedra that lie about.
-pub(super) fn many_pieces(count: u32) -> Source {
+pub(crate) fn many_pieces(count: u32) -> Source {
     let mut mesh = SourceMesh::default();
     for piece in 0..count {
         let first = mesh.positions.len() as u32;
@@ -150,7 +150,7 @@ pub(super) fn many_pieces(count: u32) -> Source {
 }
 
 /// A triangle.
-pub(super) fn triangle() -> Source {
+pub(crate) fn triangle() -> Source {
     let mesh = SourceMesh {
         positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
         triangles: vec![[0, 1, 2]],

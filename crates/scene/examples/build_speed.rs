@@ -1,0 +1,188 @@
+//! How long does a mesh take to become units, and how large are they?
+//!
+//! `cargo run --release -p foveal-scene --example build_speed -- MESH.ply`: ASCII PLY, positions
+//! and triangles only. Without a file, a torus. Compares with meshoptimizer's own clusterlod.
+#![allow(clippy::print_stdout)]
+
+use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
+use foveal_scene::build::{BuildOptions, Built, build};
+use foveal_scene::source::{Source, SourceMesh, SourceObject};
+use glam::{DAffine3, DVec3};
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mesh = match std::env::args().nth(1) {
+        Some(path) => ply(&std::fs::read_to_string(path)?).ok_or("no ASCII PLY of triangles")?,
+        None => torus(1024, 512),
+    };
+    let object = SourceObject {
+        name: "mesh".to_owned(),
+        mesh: 0,
+        placements: vec![DAffine3::IDENTITY],
+    };
+    let source = Source {
+        objects: vec![object],
+        meshes: vec![mesh],
+        ..Default::default()
+    };
+    let rounds = std::env::args().nth(2).map_or(Ok(3), |it| it.parse())?;
+    let mut best = BTreeMap::<&str, f64>::new();
+    let mut keep = |name: &'static str, seconds: f64| {
+        let best = best.entry(name).or_insert(f64::INFINITY);
+        *best = best.min(seconds);
+    };
+    let mut last = Built::default();
+    for _ in 0..rounds {
+        for (name, jobs) in [("build, 1 thread", 1), ("build, 2 threads", 2)] {
+            let options = BuildOptions { bits: 14, jobs };
+            let start = Instant::now();
+            last = build(&source, &options, &|_, _| ())?;
+            keep(name, start.elapsed().as_secs_f64());
+        }
+        keep("clod_build", clod(&source.meshes[0]));
+        keep("decode units", decode(&last));
+        keep("decode index buffer", decode_indices(&source.meshes[0])?);
+    }
+    let triangles = source.meshes[0].triangles.len() as f64;
+    for (name, seconds) in best {
+        println!(
+            "{name}: {seconds:.3} s, {:.1} Mtri/s",
+            triangles / seconds / 1e6
+        );
+    }
+    sizes(&last);
+    Ok(())
+}
+
+fn sizes(built: &Built) {
+    let leaves: u64 = built.objects.iter().map(|it| it.leaf_triangles).sum();
+    let bytes: usize = built.units.iter().map(|it| it.payload.len()).sum();
+    let needs: usize = built.units.iter().map(|it| it.row.needs.len()).sum();
+    let roots = built
+        .units
+        .iter()
+        .filter(|it| it.row.needs.is_empty())
+        .count();
+    let count = built.units.len();
+    let parsed = built.units.iter().filter_map(|it| {
+        let object = &built.objects[usize::from(it.row.object)];
+        MeshUnit::parse(&it.payload, object.attributes).ok()
+    });
+    let parsed: Vec<MeshUnit> = parsed.collect();
+    let clusters: usize = parsed.iter().map(|it| it.clusters.len()).sum();
+    let triangles: usize = parsed.iter().map(MeshUnit::triangles).sum();
+    let new: usize = parsed.iter().map(|it| it.vertices.len()).sum();
+    let named = parsed.iter().flat_map(|it| &it.clusters);
+    let named: usize = named.map(|it| it.vertices.len()).sum();
+    println!(
+        "{:.3} bytes a leaf triangle, {bytes} bytes, {count} units, {roots} roots, {} levels",
+        bytes as f64 / leaves as f64,
+        built.levels
+    );
+    println!(
+        "{:.2} needs a unit, {:.2} triangles a cluster, {clusters} clusters, {triangles} triangles",
+        needs as f64 / count as f64,
+        triangles as f64 / clusters as f64,
+    );
+    println!("{new} new vertices, {named} names; {:?}", built.repairs);
+}
+
+/// Seconds in which meshoptimizer's clusterlod builds a mesh in clusters and groups of our sizes.
+fn clod(mesh: &SourceMesh) -> f64 {
+    let positions = mesh.positions.iter().map(|it| it.as_vec3().to_array());
+    let positions: Vec<[f32; 3]> = positions.collect();
+    let bytes = meshopt::typed_to_bytes(&positions[..]);
+    let Ok(vertices) = meshopt::VertexDataAdapter::new(bytes, 12, 0) else {
+        return f64::NAN;
+    };
+    let start = Instant::now();
+    let mut config = meshopt::clod_default_config(64);
+    config.partition_size = 4;
+    let mesh = meshopt::ClodMesh::new(mesh.triangles.as_flattened(), &vertices);
+    let mut groups = 0;
+    meshopt::clod_build(config, &mesh, |_, _| {
+        groups += 1;
+        groups - 1
+    });
+    start.elapsed().as_secs_f64()
+}
+
+fn decode(built: &Built) -> f64 {
+    let start = Instant::now();
+    let attributes = built
+        .objects
+        .first()
+        .map_or(Attributes::default(), |it| it.attributes);
+    let parsed = built.units.iter();
+    let parsed = parsed.map(|it| MeshUnit::parse(&it.payload, attributes));
+    let triangles: usize = parsed.flatten().map(|it| it.triangles()).sum();
+    let leaves: u64 = built.objects.iter().map(|it| it.leaf_triangles).sum();
+    // As seconds for the leaf triangles alone: of all triangles these are about half.
+    start.elapsed().as_secs_f64() * leaves as f64 / triangles as f64
+}
+
+fn decode_indices(mesh: &SourceMesh) -> Result<f64, meshopt::Error> {
+    let count = mesh.positions.len();
+    let indices = meshopt::optimize_vertex_cache(mesh.triangles.as_flattened(), count);
+    let bytes = meshopt::encode_index_buffer(&indices, count)?;
+    let start = Instant::now();
+    let decoded = meshopt::decode_index_buffer::<u32>(&bytes, indices.len())?;
+    let seconds = start.elapsed().as_secs_f64();
+    assert_eq!(
+        decoded.len(),
+        indices.len(),
+        "the codec returns what it was told"
+    );
+    Ok(seconds)
+}
+
+fn torus(around: u32, along: u32) -> SourceMesh {
+    let turn = |at: u32, of: u32| std::f64::consts::TAU * f64::from(at) / f64::from(of);
+    let vertices = (0..around).flat_map(|u| (0..along).map(move |v| (u, v)));
+    let position = |(u, v)| {
+        let (u, v) = (turn(u, around), turn(v, along));
+        let bump = 1.0 + 0.1 * (5.0 * u).sin() * (3.0 * v).cos();
+        let (ring, height) = (2.0 + bump * v.cos(), bump * v.sin());
+        DVec3::new(ring * u.cos(), height, ring * u.sin())
+    };
+    let at = |u: u32, v: u32| u % around * along + v % along;
+    let cells = (0..around).flat_map(|u| (0..along).map(move |v| (u, v)));
+    let pair = |(u, v)| {
+        let (b, c) = (at(u, v + 1), at(u + 1, v));
+        [[at(u, v), b, c], [c, b, at(u + 1, v + 1)]]
+    };
+    SourceMesh {
+        positions: vertices.map(position).collect(),
+        triangles: cells.flat_map(pair).collect(),
+        ..Default::default()
+    }
+}
+
+fn ply(text: &str) -> Option<SourceMesh> {
+    let (head, body) = text.split_once("end_header")?;
+    let count = |element: &str| {
+        let mut lines = head.lines();
+        let after = lines.find_map(|it| it.strip_prefix(element))?;
+        after.trim().parse::<usize>().ok()
+    };
+    let [vertices, faces] = [count("element vertex")?, count("element face")?];
+    let mut lines = body.lines().skip(1);
+    let numbers = |line: &str| {
+        let words = line.split_ascii_whitespace();
+        words
+            .filter_map(|it| it.parse::<f64>().ok())
+            .collect::<Vec<_>>()
+    };
+    let positions = lines.by_ref().take(vertices).map(numbers);
+    let positions = positions
+        .map(|it| DVec3::new(it[0], it[1], it[2]))
+        .collect();
+    let triangles = lines.take(faces).map(numbers);
+    let triangles = triangles.map(|it| [it[1], it[2], it[3]].map(|it| it as u32));
+    Some(SourceMesh {
+        positions,
+        triangles: triangles.collect(),
+        ..Default::default()
+    })
+}
