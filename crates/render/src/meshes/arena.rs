@@ -75,7 +75,8 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let count = (state >> 24) % 12 + 1;
             if let Some(start) = arena.take(count) {
-                let apart = |(at, length): &(u32, u32)| start + count <= *at || at + length <= start;
+                let apart =
+                    |(at, length): &(u32, u32)| start + count <= *at || at + length <= start;
                 assert!(taken.iter().all(apart) && start + count <= arena.length());
                 taken.push((start, count));
             } else {

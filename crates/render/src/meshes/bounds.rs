@@ -30,7 +30,9 @@ pub(crate) struct ClusterBounds {
 pub(crate) fn bounds_of(placed: &PlacedUnit) -> Vec<ClusterBounds> {
     let clusters = 0..placed.clusters.len();
     let triangles = |cluster| placed.triangles(cluster).collect::<Vec<_>>();
-    clusters.map(|it| bounds_of_cluster(&triangles(it))).collect()
+    clusters
+        .map(|it| bounds_of_cluster(&triangles(it)))
+        .collect()
 }
 
 /// The bounds of triangles.

@@ -160,11 +160,7 @@ fn entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
 }
 
 /// The pipeline that draws from outside, and the one that draws from both sides.
-fn pipelines(
-    gpu: &Gpu,
-    layout: &wgpu::BindGroupLayout,
-    draws: Draws,
-) -> [wgpu::RenderPipeline; 2] {
+fn pipelines(gpu: &Gpu, layout: &wgpu::BindGroupLayout, draws: Draws) -> [wgpu::RenderPipeline; 2] {
     let shader = shaders::draw_clusters();
     let device = &gpu.device;
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {

@@ -72,7 +72,9 @@ impl Placement {
         let eye = eye.transform_vector3(view.position - translation);
         // Beyond that, single precision tells too little of it.
         let is_known = eye.abs().max_element() < 1e7;
-        let [x, y, z] = if is_known { eye } else { DVec3::ZERO }.as_vec3().to_array();
+        let [x, y, z] = if is_known { eye } else { DVec3::ZERO }
+            .as_vec3()
+            .to_array();
         PlacementParams {
             view_from_grid: rows(linear, origin),
             normal_from_object: rows(normals, DVec3::ZERO),

@@ -27,6 +27,7 @@ pub(crate) struct Corner {
 pub(crate) struct OfCluster {
     pub(crate) flags: u32,
     pub(crate) level: u32,
+    pub(crate) refiner: u32,
 }
 
 fn linear_from_srgb(code: Vec3) -> Vec3 {
@@ -34,7 +35,7 @@ fn linear_from_srgb(code: Vec3) -> Vec3 {
     Vec3::select(code.cmple(Vec3::splat(0.040_45)), code / 12.92, curved)
 }
 
-pub(crate) fn srgb_from_linear(light: Vec3) -> Vec3 {
+fn srgb_from_linear(light: Vec3) -> Vec3 {
     let curved = 1.055 * light.powf(1.0 / 2.4) - 0.055;
     Vec3::select(light.cmple(Vec3::splat(0.003_130_8)), light * 12.92, curved)
 }
@@ -118,4 +119,8 @@ pub(super) fn draw_clusters(scene: &Scene, of_cluster: OfCluster, fragment: &Fra
     let face = fragment.face;
     let normal = normal_at(of_cluster.flags, corner.place, corner.normal, face);
     shaded(scene, of_cluster, corner.colour, normal).extend(1.0)
+}
+
+pub(super) fn draw_refiners(of_cluster: OfCluster) -> u32 {
+    of_cluster.refiner
 }

@@ -1,9 +1,7 @@
 //! Which mesh do the tests draw? A torus of 16 by 16 bent squares, whose parts can be refined.
 
 use foveal_core::content::mesh::octahedral::octahedral_from_direction;
-use foveal_core::content::mesh::payload::{
-    Attributes, Cluster, ClusterRef, MeshUnit, MeshVertex,
-};
+use foveal_core::content::mesh::payload::{Attributes, Cluster, ClusterRef, MeshUnit, MeshVertex};
 use foveal_core::content::scene::description::{Grid, SceneObject};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::units::Radians;
@@ -14,7 +12,7 @@ use glam::{DAffine3, DVec3};
 use std::f64::consts::TAU;
 
 /// Squares round the torus, either way.
-pub const SIDES: u16 = 16;
+const SIDES: u16 = 16;
 /// Squares of a cluster, either way: a side of the torus has four clusters.
 const PATCH: u16 = 4;
 /// Radius of the torus, and of its tube, in metres.
@@ -23,7 +21,7 @@ const RADII: [f64; 2] = [1.0, 0.42];
 const HALF: f64 = 1.5;
 const PLACES: f64 = 4095.0;
 
-/// The root of the torus, and its units that refine clusters.
+/// The root of the torus.
 pub const ROOT: UnitId = UnitId(0);
 
 /// A vertex of the torus; whole numbers are corners of squares.
@@ -34,9 +32,16 @@ fn vertex([u, v]: [f64; 2]) -> MeshVertex {
     let place = ring * RADII[0] + normal * RADII[1];
     let code = |it: f64| (127.5 + 110.0 * it) as u8;
     MeshVertex {
-        place: (place + HALF).to_array().map(|it| (it / (2.0 * HALF) * PLACES).round() as u16),
+        place: (place + HALF)
+            .to_array()
+            .map(|it| (it / (2.0 * HALF) * PLACES).round() as u16),
         normal: octahedral_from_direction(normal.as_vec3().to_array()),
-        colour: [code(a.sin()), code((2.0 * b).cos()), code((a + b).cos()), 255],
+        colour: [
+            code(a.sin()),
+            code((2.0 * b).cos()),
+            code((a + b).cos()),
+            255,
+        ],
     }
 }
 
@@ -52,7 +57,9 @@ fn corners(cluster: u16) -> impl Iterator<Item = [u16; 2]> {
 
 /// Both triangles of each square of a patch.
 fn halves() -> Vec<[u8; 3]> {
-    squares().flat_map(|[a, b, c, d]| [[a, d, c], [a, c, b]]).collect()
+    squares()
+        .flat_map(|[a, b, c, d]| [[a, d, c], [a, c, b]])
+        .collect()
 }
 
 /// The corners of the squares of a patch: first, along, beyond, across.
@@ -79,6 +86,21 @@ pub fn root() -> MeshUnit {
     }
 }
 
+/// A cluster of the root as a root of its own, every square a cluster.
+pub fn squares_of(cluster: u16) -> MeshUnit {
+    let square = |square: [u8; 4]| Cluster {
+        vertices: square.map(u16::from).to_vec(),
+        triangles: vec![[0, 3, 2], [0, 2, 1]],
+    };
+    MeshUnit {
+        vertices: corners(cluster)
+            .map(|it| vertex(it.map(|it| f64::from(it % SIDES))))
+            .collect(),
+        clusters: squares().map(square).collect(),
+        ..MeshUnit::default()
+    }
+}
+
 /// A unit in the place of clusters of the root: every square gets a fifth vertex in its middle.
 pub fn refinement(replaced: &[u8]) -> MeshUnit {
     let mut staying: Vec<u16> = Vec::new();
@@ -89,7 +111,10 @@ pub fn refinement(replaced: &[u8]) -> MeshUnit {
     }
     let mut unit = MeshUnit {
         replaces: (replaced.iter())
-            .map(|it| ClusterRef { need: 0, cluster: *it })
+            .map(|it| ClusterRef {
+                need: 0,
+                cluster: *it,
+            })
             .collect(),
         staying: staying.len() as u16,
         ..MeshUnit::default()
@@ -108,7 +133,9 @@ pub fn refinement(replaced: &[u8]) -> MeshUnit {
             let first = all[usize::from(a)].map(|it| f64::from(it) + 0.5);
             unit.vertices.push(vertex(first));
             let round = [[a, d], [d, c], [c, b], [b, a]];
-            cluster.triangles.extend(round.map(|[from, to]| [from, to, middle]));
+            cluster
+                .triangles
+                .extend(round.map(|[from, to]| [from, to, middle]));
         }
         unit.clusters.push(cluster);
     }

@@ -86,7 +86,9 @@ fn rounded(position: Vec4, size: [u32; 2]) -> [i64; 2] {
     let across = Vec2::new(position.x, position.y) / position.w;
     let half = DVec2::new(f64::from(size[0]), f64::from(size[1])) / 2.0;
     let place = (across.as_dvec2() * DVec2::new(1.0, -1.0) + 1.0) * half * PARTS;
-    let place = place.round().clamp(DVec2::splat(-FARTHEST), DVec2::splat(FARTHEST));
+    let place = place
+        .round()
+        .clamp(DVec2::splat(-FARTHEST), DVec2::splat(FARTHEST));
     place.to_array().map(|it| it as i64)
 }
 
@@ -100,12 +102,7 @@ fn is_top_left(a: [i64; 2], b: [i64; 2]) -> bool {
     (a[1] == b[1] && b[0] > a[0]) || b[1] < a[1]
 }
 
-fn fill(
-    corners: [Corner; 3],
-    size: [u32; 2],
-    sides: Sides,
-    mut draw: impl FnMut(Fragment),
-) {
+fn fill(corners: [Corner; 3], size: [u32; 2], sides: Sides, mut draw: impl FnMut(Fragment)) {
     let mut corners = corners;
     let mut places = corners.map(|corner| rounded(corner.position, size));
     let mut area = edge(places[0], places[1], places[2]);
