@@ -110,7 +110,7 @@ fn the_passes_of_meshes_are_valid_with_no_capability_that_a_browser_lacks() {
                 up,
                 tint,
                 coarsest,
-                unused,
+                culls,
                 unused_pair
             ]
         );

@@ -1,10 +1,10 @@
 //! What should be drawn of a scene's units?
 
 use super::code;
-use super::cull_clusters::cull_clusters;
+use super::cull_clusters::{cull_clusters, is_seen};
 use super::draw_clusters::{OfCluster, draw_clusters, draw_refiners, place_corner};
 use super::shared::raster::{Fragment, Sides, rasterise};
-use super::shared::scene::{Scene, triangles_of};
+use super::shared::scene::Scene;
 use crate::error::RenderError;
 use crate::image::RgbaImage;
 use crate::meshes::params::{BACKGROUND, SceneParams, SceneStyle, TWO_SIDED};
@@ -60,7 +60,7 @@ impl TwinScene {
     #[must_use]
     pub fn clusters_seen(&self, view: &EyeView, style: &SceneStyle) -> [usize; 2] {
         let scene = self.scene(view, style);
-        let seen = |it: &(DrawnCluster<'_>, u32)| cull_clusters(&scene, &it.0, it.1);
+        let seen = |it: &(DrawnCluster<'_>, u32)| is_seen(&scene, &it.0, it.1);
         [self.drawn().count(), self.drawn().filter(seen).count()]
     }
 
@@ -79,7 +79,7 @@ impl TwinScene {
             size: view.size,
             pixels: background.repeat(view.size[0] as usize * view.size[1] as usize),
         };
-        self.draw(&scene, view.size, style.culls, |of_cluster, fragment| {
+        self.draw(&scene, view.size, |of_cluster, fragment| {
             let colour = draw_clusters(&scene, of_cluster, fragment);
             image.set_pixel(fragment.pixel, code(colour));
         });
@@ -93,7 +93,7 @@ impl TwinScene {
         let scene = self.scene(view, style);
         let [columns, rows] = view.size.map(|side| side as usize);
         let mut ids = vec![u32::MAX; columns * rows];
-        self.draw(&scene, view.size, style.culls, |of_cluster, fragment| {
+        self.draw(&scene, view.size, |of_cluster, fragment| {
             let [x, y] = fragment.pixel.map(|it| it as usize);
             ids[y * columns + x] = draw_refiners(of_cluster);
         });
@@ -116,26 +116,18 @@ impl TwinScene {
     }
 
     /// Calls `each` for every pixel that a triangle covers in front of all before it.
-    fn draw(
-        &self,
-        scene: &Scene,
-        size: [u32; 2],
-        culls: bool,
-        mut each: impl FnMut(OfCluster, &Fragment),
-    ) {
+    fn draw(&self, scene: &Scene, size: [u32; 2], mut each: impl FnMut(OfCluster, &Fragment)) {
         let mut depths = vec![0.0; size[0] as usize * size[1] as usize];
         for (block, placement) in self.drawn() {
-            if culls && !cull_clusters(scene, &block, placement) {
-                continue;
-            }
             let of_cluster = self.of_cluster(scene, &block, placement);
             let sides = match of_cluster.flags & TWO_SIDED != 0 {
                 true => Sides::Both,
                 false => Sides::Front,
             };
-            for triangle in 0..triangles_of(&block) {
-                let corner = |k| place_corner(scene, &block, placement, 3 * triangle + k);
-                rasterise([0, 1, 2].map(corner), size, sides, |fragment| {
+            let corners = cull_clusters(scene, &block, placement);
+            let corner = |number| place_corner(scene, &block, placement, number);
+            for triangle in corners.as_chunks().0 {
+                rasterise(triangle.map(corner), size, sides, |fragment| {
                     let [x, y] = fragment.pixel.map(|it| it as usize);
                     let depth = &mut depths[y * size[0] as usize + x];
                     if fragment.depth > *depth {
