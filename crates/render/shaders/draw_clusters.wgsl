@@ -1,12 +1,14 @@
 // draw_clusters: which colour has each pixel of the nearest surface?
 //
 // Reads: placements, clusters, vertices, the clusters that are seen. Writes: sRGB codes, or the
-// units that would refine what is drawn. Size: as many corners as the largest cluster has, for each
-// cluster where it stands.
+// units that would refine what is drawn. Size: the corners that `cull_clusters` wrote.
 
 // The block of each cluster and its placement.
 @group(0) @binding(3) var<storage, read> shown: array<vec2u>;
 @group(0) @binding(4) var<storage, read> vertices: array<u32>;
+
+const VERTEX_BITS = 7u;
+const VERTEX_MASK = 127u;
 
 // Ambient light from below and from above, and light from the lamp; 1 shows a colour as it is.
 const GROUND = 0.35;
@@ -55,9 +57,12 @@ fn clip_from_view(place: vec3f) -> vec4f {
     return vec4f(across, scene.near, place.z);
 }
 
-fn corner_of(block: u32, placement: u32, counts: Counts, number: u32) -> Corner {
+@vertex
+fn place_corner(@builtin(vertex_index) number: u32) -> Corner {
+    let block = shown[number >> VERTEX_BITS].x;
+    let placement = shown[number >> VERTEX_BITS].y;
     let flags = placements[placement].flags;
-    let vertex = 3u * vertex_of(block, counts.vertices, number);
+    let vertex = 3u * words[block + HEAD_WORDS + (number & VERTEX_MASK)];
     let low = vertices[vertex];
     let high = vertices[vertex + 1u];
     let grid = vec3f(vec3u(low & 65535u, low >> 16u, high & 65535u));
@@ -70,32 +75,10 @@ fn corner_of(block: u32, placement: u32, counts: Counts, number: u32) -> Corner 
     }
     if ((flags & NORMALS) != 0u) {
         let normal = direction_from_octahedral(unpack4x8snorm(high).zw);
-        let turned = times(placements[placement].normal_from_object, vec4f(normal, 0.0));
-        corner.normal = unit(turned);
+        corner.normal = unit(times(placements[placement].normal_from_object, vec4f(normal, 0.0)));
     }
-    corner.of_cluster = vec3u(flags, counts.level, refiner_of(block));
+    corner.of_cluster = vec3u(flags, counts_of(block).level, refiner_of(block));
     return corner;
-}
-
-@vertex
-fn place_corner(
-    @builtin(vertex_index) index: u32,
-    @builtin(instance_index) instance: u32,
-) -> Corner {
-    let block = shown[instance].x;
-    let placement = shown[instance].y;
-    let counts = counts_of(block);
-    if (index >= 3u * counts.triangles) {
-        // Beyond the last triangle: all three corners in one place, which draws nothing.
-        var none: Corner;
-        none.position = vec4f(0.0, 0.0, 0.0, 1.0);
-        return none;
-    }
-    // In a mirror corners come the other way round.
-    let turn = index % 3u;
-    let mirrored = (placements[placement].flags & MIRRORED) != 0u && turn != 0u;
-    let number = select(index, index - turn + 3u - turn, mirrored);
-    return corner_of(block, placement, counts, number);
 }
 
 fn normal_at(flags: u32, place: vec3f, normal: vec3f, face: vec3f) -> vec3f {

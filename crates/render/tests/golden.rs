@@ -6,11 +6,12 @@
 
 mod common;
 
+use common::torus::{self, coming, coming_root, from_above};
 use common::*;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::{Eye, Surface};
-use foveal_render::{Gpu, Overlay};
+use foveal_render::{Gpu, Overlay, RgbaImage, SceneLayer, SceneStyle};
 use std::path::Path;
 
 /// Largest golden file in bytes.
@@ -48,15 +49,20 @@ fn assert_golden(
         write_png(&Path::new(&folder).join(format!("{name}.png")), &image);
     }
     let drawn = draw(view, 1.0);
+    assert_picture(name, &drawn);
+}
+
+/// Compares a picture with its golden.
+fn assert_picture(name: &str, drawn: &RgbaImage) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/{name}.png"));
     if std::env::var("FOVEAL_BLESS").is_ok_and(|v| v == "1") {
-        write_png(&path, &drawn);
+        write_png(&path, drawn);
     }
     assert!(
         std::fs::metadata(&path).unwrap().len() <= MOST_BYTES,
         "{name} is too large"
     );
-    let (worst, _) = difference(&drawn, &read_png(&path));
+    let (worst, _) = difference(drawn, &read_png(&path));
     assert!(
         worst <= 2,
         "{name} differs by {worst}; look at it, then bless it"
@@ -155,4 +161,22 @@ fn a_panorama_without_poles_at_the_corner_of_a_face_for_the_right_eye() {
     let tiles = fine_around(&scene.grid, right, [500.0, 120.0], [70.0, 45.0]);
     let view = of_right_eye(turned([45.0, 30.0, 0.0], 70.0, [96, 72]));
     assert_golden("panorama_right_eye", &scene, &tiles, &view, None);
+}
+
+#[test]
+fn a_torus_of_meshes_refined_in_part() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let objects = [torus::object(torus::ALL)];
+    let mut layer = SceneLayer::new(&gpu, &objects, 1 << 20).unwrap();
+    let (root, fine) = (torus::root(), torus::refinement(&[5, 6]));
+    layer.upload(&coming_root(&root)).unwrap();
+    layer.upload(&coming(1, &fine)).unwrap();
+    let tinted = SceneStyle {
+        tint: 0.5,
+        ..SceneStyle::default()
+    };
+    let view = from_above([96, 64]);
+    let plain = layer.picture(&view, &SceneStyle::default()).unwrap();
+    assert_picture("meshes", &plain);
+    assert_picture("meshes_levels", &layer.picture(&view, &tinted).unwrap());
 }

@@ -3,16 +3,20 @@
 
 mod common;
 
-use common::torus::{ALL, ROOT, coming, coming_root, from_above, object, refinement, root, view};
-use common::{read_png, write_png};
+use common::torus::{
+    ALL, ROOT, coming, coming_root, from_above, object, refinement, root, squares_of, view,
+};
+use common::{Seeded, write_png};
 use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::view::eye_view::EyeView;
+use foveal_render::gpu::readback::BytesBack;
+use foveal_render::meshes::unit_bytes;
 use foveal_render::twin::TwinScene;
-use foveal_render::{ComingUnit, Gpu, RgbaImage, SceneLayer, SceneStyle};
+use foveal_render::{ComingUnit, Gpu, RenderError, RgbaImage, SceneLayer, SceneStyle};
 use glam::{DAffine3, DVec3};
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
 const MOST_BYTES: u64 = 16 << 20;
@@ -85,10 +89,6 @@ fn assert_alike(name: &str, object: SceneObject, view: &EyeView, style: &SceneSt
     assert!(shown.count() > 500, "{name} shows next to nothing");
 }
 
-fn with(attributes: Attributes) -> SceneObject {
-    object(attributes)
-}
-
 #[test]
 fn a_torus_is_drawn_as_by_its_twin_whatever_its_vertices_have() {
     let flat = Attributes::default();
@@ -98,6 +98,336 @@ fn a_torus_is_drawn_as_by_its_twin_whatever_its_vertices_have() {
     };
     for (name, attributes) in [("flat", flat), ("normals", normals), ("all", ALL)] {
         let style = SceneStyle::default();
-        assert_alike(name, with(attributes), &from_above(SIZE), &style);
+        assert_alike(name, object(attributes), &from_above(SIZE), &style);
     }
+}
+
+#[test]
+fn a_torus_seen_from_both_sides_or_mirrored_or_unlit_is_drawn_as_by_its_twin() {
+    let styles = [SceneStyle::default(), cut_at(3.6)];
+    for style in styles {
+        let two_sided = SceneObject {
+            two_sided: true,
+            ..object(ALL)
+        };
+        let name = format!("two_sided_{}", style.near);
+        assert_alike(&name, two_sided, &from_above(SIZE), &style);
+        assert_alike(
+            &format!("cut_{}", style.near),
+            object(ALL),
+            &from_above(SIZE),
+            &style,
+        );
+    }
+    let bent =
+        DAffine3::from_cols_array(&[-0.9, 0.2, 0.0, 0.1, 0.7, -0.3, 0.0, 0.3, 1.1, 0.2, 0.1, 0.0]);
+    for (name, attributes) in [("mirrored", ALL), ("mirrored_flat", Attributes::default())] {
+        let mirrored = SceneObject {
+            placements: vec![bent.to_cols_array()],
+            ..object(attributes)
+        };
+        assert_alike(name, mirrored, &from_above(SIZE), &SceneStyle::default());
+    }
+    let unlit = SceneObject {
+        unlit: true,
+        ..object(ALL)
+    };
+    let tinted = SceneStyle {
+        tint: 0.4,
+        ..SceneStyle::default()
+    };
+    assert_alike("unlit", unlit, &from_above(SIZE), &tinted);
+}
+
+/// A style that cuts off what is nearer than `near` metres.
+fn cut_at(near: f64) -> SceneStyle {
+    SceneStyle {
+        near,
+        ..SceneStyle::default()
+    }
+}
+
+#[test]
+fn culling_leaves_clusters_out_and_the_picture_as_it_is() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let standing = |x: f64, y: f64| DAffine3::from_translation(DVec3::new(x, 0.0, y));
+    let places = [
+        (0.0, 0.0),
+        (3.0, -1.0),
+        (-40.0, 2.0),
+        (0.5, 30.0),
+        (1.0, -30.0),
+    ];
+    let torus = Torus::new(SceneObject {
+        placements: places.map(|(x, y)| standing(x, y).to_cols_array()).to_vec(),
+        ..object(ALL)
+    });
+    let twin = torus.in_memory();
+    let mut layer = torus.on_gpu(&gpu);
+    for (position, to) in [
+        ([0.3, 2.2, 3.6], [-4.0, -31.0]),
+        ([0.0, 0.1, 2.0], [20.0, 0.0]),
+        ([0.0, 0.0, 0.0], [0.0, 0.0]),
+        ([-39.0, 0.2, 4.0], [0.0, 40.0]),
+    ] {
+        let view = view(position, to, SIZE);
+        let [culls, draws_all] = [true, false].map(|culls| SceneStyle {
+            culls,
+            ..SceneStyle::default()
+        });
+        let all = layer.picture(&view, &draws_all).unwrap();
+        assert_eq!(layer.picture(&view, &culls).unwrap(), all);
+        assert_eq!(twin.picture(&view, &culls), twin.picture(&view, &draws_all));
+        let [drawn, seen] = twin.clusters_seen(&view, &culls);
+        assert!(seen * 3 < drawn * 2, "{seen} of {drawn} clusters are seen");
+    }
+    assert_eq!(layer.triangles_drawn(), 5 * (11 * 32 + 5 * 64));
+}
+
+#[test]
+fn clusters_that_show_their_backs_are_left_out_unless_both_sides_are_seen() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let units: Vec<MeshUnit> = (0..16).map(squares_of).collect();
+    for two_sided in [false, true] {
+        let torus = Torus {
+            objects: vec![SceneObject {
+                two_sided,
+                ..object(ALL)
+            }],
+            units: units.clone(),
+        };
+        let roots = units.iter().zip(0..).map(|(says, unit)| ComingUnit {
+            unit: UnitId(unit),
+            ..coming_root(says)
+        });
+        let mut layer = SceneLayer::new(&gpu, &torus.objects, MOST_BYTES).unwrap();
+        let mut twin = TwinScene::new(&torus.objects);
+        for root in roots {
+            layer.upload(&root).unwrap();
+            twin.upload(&root).unwrap();
+        }
+        let culls = SceneStyle::default();
+        let draws_all = SceneStyle {
+            culls: false,
+            ..culls
+        };
+        let view = from_above(SIZE);
+        let all = layer.picture(&view, &draws_all).unwrap();
+        assert_eq!(layer.picture(&view, &culls).unwrap(), all);
+        let twins = twin.picture(&view, &culls);
+        assert_eq!(twins, twin.picture(&view, &draws_all));
+        assert!(share_beyond(&all, &twins, 2) < 0.005);
+        let [drawn, seen] = twin.clusters_seen(&view, &culls);
+        assert_eq!(drawn, 256);
+        assert_eq!(seen < 180, !two_sided, "{seen} clusters are seen");
+    }
+}
+
+#[test]
+fn what_stands_far_from_the_origin_is_drawn_as_what_stands_there() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let far = DVec3::new(1.0e7, -2.0e6, 3.0e7);
+    let away = Torus::new(SceneObject {
+        placements: vec![DAffine3::from_translation(far).to_cols_array()],
+        ..object(ALL)
+    });
+    let near_view = from_above(SIZE);
+    let far_view = EyeView {
+        position: near_view.position + far,
+        ..near_view
+    };
+    let style = SceneStyle::default();
+    let there = away.on_gpu(&gpu).picture(&far_view, &style).unwrap();
+    let mut at_origin = Torus::new(object(ALL)).on_gpu(&gpu);
+    let here = at_origin.picture(&near_view, &style).unwrap();
+    assert!(share_beyond(&there, &here, 1) < 0.001);
+}
+
+#[test]
+fn a_refined_surface_has_no_hole_and_what_is_removed_is_drawn_coarsely_again() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let torus = Torus::new(SceneObject {
+        unlit: true,
+        colour: [1.0; 4],
+        ..object(Attributes::default())
+    });
+    let mut layer = torus.on_gpu(&gpu);
+    let style = SceneStyle::default();
+    let view = from_above(SIZE);
+    let fine = layer.picture(&view, &style).unwrap();
+    layer.remove(UnitId(2));
+    layer.retain(&HashSet::new());
+    let coarse = layer.picture(&view, &style).unwrap();
+    let mut only_root = SceneLayer::new(&gpu, &torus.objects, MOST_BYTES).unwrap();
+    only_root.upload(&coming_root(&torus.units[0])).unwrap();
+    assert_eq!(coarse, only_root.picture(&view, &style).unwrap());
+    // The new vertices lie outside the coarse squares, or in them: nothing is uncovered.
+    let (fine, coarse) = (fine.pixels.chunks(4), coarse.pixels.chunks(4));
+    assert!(fine.zip(coarse).all(|(fine, coarse)| fine[0] >= coarse[0]));
+}
+
+#[test]
+fn a_unit_stays_as_long_as_another_needs_it() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let torus = Torus::new(object(ALL));
+    let mut layer = torus.on_gpu(&gpu);
+    let style = SceneStyle::default();
+    let before = layer.picture(&from_above(SIZE), &style).unwrap();
+    layer.retain(&HashSet::from([UnitId(1), UnitId(2)]));
+    assert_eq!(layer.picture(&from_above(SIZE), &style).unwrap(), before);
+    layer.retain(&HashSet::from([UnitId(1)]));
+    let mut twin = torus.in_memory();
+    twin.remove(UnitId(2));
+    let drawn = layer.picture(&from_above(SIZE), &style).unwrap();
+    assert_ne!(drawn, before);
+    let expected = twin.picture(&from_above(SIZE), &style);
+    assert!(share_beyond(&drawn, &expected, 2) < 0.005);
+}
+
+#[test]
+fn units_come_and_go_as_long_as_their_bytes_fit() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let standing = |k: u32| DVec3::new(f64::from(k % 8) * 3.0 - 10.5, 0.0, -f64::from(k / 8) * 3.0);
+    let objects: Vec<SceneObject> = (0..48)
+        .map(|k| SceneObject {
+            placements: vec![DAffine3::from_translation(standing(k)).to_cols_array()],
+            ..object(ALL)
+        })
+        .collect();
+    let says = [root(), refinement(&[5, 6]), refinement(&[9, 13, 8])];
+    let most = 40 * unit_bytes(&says[0]);
+    let mut layer = SceneLayer::new(&gpu, &objects, most).unwrap();
+    let mut twin = TwinScene::new(&objects);
+    let mut there: BTreeMap<u32, u64> = BTreeMap::new();
+    let (mut seeded, mut refused) = (Seeded(7), 0);
+    for _ in 0..1500 {
+        let object = seeded.below(48) as u16;
+        let (first, which) = (3 * u32::from(object), seeded.below(3));
+        let unit = first + which;
+        if there.contains_key(&unit) {
+            // Refined roots stay.
+            if which != 0 || !(there.contains_key(&(first + 1)) || there.contains_key(&(first + 2)))
+            {
+                there.remove(&unit);
+                layer.remove(UnitId(unit));
+                twin.remove(UnitId(unit));
+            }
+            continue;
+        }
+        let needs = [UnitId(first)];
+        if which != 0 && !there.contains_key(&first) {
+            continue;
+        }
+        let says = &says[which as usize];
+        let coming = ComingUnit {
+            unit: UnitId(unit),
+            object,
+            level: u8::from(which == 0),
+            needs: &needs[..usize::from(which != 0)],
+            says,
+        };
+        let bytes = there.values().sum::<u64>() + unit_bytes(says);
+        match layer.upload(&coming) {
+            Ok(()) => {
+                assert!(bytes <= most);
+                twin.upload(&coming).unwrap();
+                there.insert(unit, unit_bytes(says));
+            }
+            Err(RenderError::NoRoom { .. }) => {
+                assert!(bytes > most, "{bytes} of {most} did not fit");
+                refused += 1;
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+    assert!(
+        refused > 10 && there.len() > 40,
+        "{refused} refused, {} there",
+        there.len()
+    );
+    let view = view([0.0, 12.0, 6.0], [0.0, -40.0], [320, 200]);
+    let style = SceneStyle::default();
+    let drawn = layer.picture(&view, &style).unwrap();
+    let expected = twin.picture(&view, &style);
+    look_at("many_gpu", &drawn);
+    look_at("many_twin", &expected);
+    let off = share_beyond(&drawn, &expected, 2);
+    assert!(off <= 0.02, "{off} of all pixels differ by more than 2");
+}
+
+#[test]
+fn pixels_name_the_units_that_would_refine_them() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let torus = Torus::new(object(ALL));
+    let (mut layer, mut twin) = (torus.on_gpu(&gpu), torus.in_memory());
+    let refiners = (0..16).map(|cluster| ((ROOT, cluster), UnitId(100 + u32::from(cluster))));
+    let refiners: HashMap<_, _> = refiners.filter(|((_, cluster), _)| *cluster != 2).collect();
+    layer.set_refiners(refiners.clone());
+    twin.set_refiners(refiners);
+    let style = SceneStyle::default();
+    let expected = twin.ids(&from_above(SIZE), &style);
+    let image = layer.ids(&from_above(SIZE), &style).unwrap();
+    let bytes = bytes_of(&gpu, image);
+    let drawn: Vec<u32> = bytes
+        .as_chunks()
+        .0
+        .iter()
+        .map(|it| u32::from_le_bytes(*it))
+        .collect();
+    let off = drawn.iter().zip(&expected).filter(|(a, b)| a != b).count();
+    assert!(off * 200 < drawn.len(), "{off} pixels differ");
+    let named: HashSet<u32> = drawn.into_iter().collect();
+    assert!(named.contains(&u32::MAX) && named.contains(&100) && named.len() > 6);
+    assert!(
+        !named.contains(&105),
+        "a cluster that is refined is not drawn"
+    );
+}
+
+/// The bytes of a picture of 4 bytes a pixel, whose rows are multiples of 256 bytes.
+fn bytes_of(gpu: &Gpu, image: &wgpu::Texture) -> Vec<u8> {
+    let row = image.width() * 4;
+    let buffer = BytesBack::buffer(gpu, u64::from(row * image.height()));
+    let mut encoder = gpu.encoder("units to read");
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(row),
+        rows_per_image: None,
+    };
+    encoder.copy_texture_to_buffer(
+        image.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout,
+        },
+        image.size(),
+    );
+    gpu.submit(encoder);
+    BytesBack::map(buffer).wait(gpu).unwrap()
+}
+
+#[test]
+fn a_unit_that_does_not_fit_to_what_is_there_is_refused_with_a_reason() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let torus = Torus::new(object(ALL));
+    let mut layer = SceneLayer::new(&gpu, &torus.objects, MOST_BYTES).unwrap();
+    let early = layer.upload(&coming(1, &torus.units[1])).unwrap_err();
+    assert!(
+        early.to_string().contains("unit 1, prerequisite"),
+        "{early}"
+    );
+    let stray = ComingUnit {
+        object: 7,
+        ..coming_root(&torus.units[0])
+    };
+    let stray = layer.upload(&stray).unwrap_err().to_string();
+    assert!(
+        stray.contains("object is 7; it must be less than 1"),
+        "{stray}"
+    );
+    layer.upload(&coming_root(&torus.units[0])).unwrap();
+    let again = coming(2, &torus.units[1]);
+    layer.upload(&coming(1, &torus.units[1])).unwrap();
+    let twice = layer.upload(&again).unwrap_err().to_string();
+    assert!(twice.contains("one that no other unit replaces"), "{twice}");
 }

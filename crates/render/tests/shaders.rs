@@ -3,10 +3,11 @@
 
 use foveal_core::view::surface::Projection;
 use foveal_render::importance::{BandParams, EyeParams};
+use foveal_render::meshes::params::{PlacementParams, SceneParams};
 use foveal_render::params::{BlurParams, Overlay, SparseParams, TileParams, ViewParams};
 use foveal_render::shaders::{
-    Shader, blur_halve, blur_radial, importance, interpolate_sparse, overlay, reconstruct,
-    reconstruct_textures,
+    Shader, blur_halve, blur_radial, cull_clusters, draw_clusters, importance, interpolate_sparse,
+    overlay, reconstruct, reconstruct_textures,
 };
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -85,6 +86,49 @@ fn the_blur_is_valid_with_no_capability_that_a_browser_lacks() {
             unused_pair
         ]
     );
+}
+
+#[test]
+fn the_passes_of_meshes_are_valid_with_no_capability_that_a_browser_lacks() {
+    let (draw, cull) = (draw_clusters(), cull_clusters());
+    for (name, text) in [(draw.name, draw.text), (cull.name, cull.text)] {
+        let module = naga::front::wgsl::parse_str(&text)
+            .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+        Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{name}: {e:?}"));
+        assert!(!text.contains("enable "), "{name}");
+        same_layout!(
+            module,
+            "Scene",
+            SceneParams,
+            [
+                clip_from_view,
+                field,
+                light,
+                near,
+                up,
+                tint,
+                coarsest,
+                culls,
+                unused_pair
+            ]
+        );
+        same_layout!(
+            module,
+            "Placement",
+            PlacementParams,
+            [
+                view_from_grid,
+                normal_from_object,
+                eye_in_grid,
+                colour,
+                flags,
+                unused,
+                unused_pair
+            ]
+        );
+    }
 }
 
 #[test]

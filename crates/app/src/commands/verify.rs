@@ -1,10 +1,12 @@
 //! Is every byte of a pack as it was written?
 
+use crate::commands::scene::verify::{Trials, run as verify_scene};
 use crate::report::output;
 use anyhow::anyhow;
 use clap::Args;
 use foveal_core::units::counted;
 use foveal_media::pack::pack_file::PackFile;
+use foveal_media::pack::scene_file::is_scene_pack;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -12,6 +14,16 @@ use std::path::PathBuf;
 pub(crate) struct VerifyArgs {
     /// The pack.
     pack: PathBuf,
+    /// Scenes: cut so many times as an eye would somewhere, and count cracks.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    cuts: u32,
+    /// Scenes: let units arrive in so many random orders, and count cracks on the way.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    orders: u32,
+    /// Scenes: show units whose prerequisites are missing; that there are cracks then shows that
+    /// they would be found.
+    #[arg(long)]
+    ignore_prerequisites: bool,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -29,6 +41,14 @@ struct Verified {
 const MOST_LISTED: usize = 20;
 
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
+    if is_scene_pack(&args.pack) {
+        let trials = Trials {
+            cuts: args.cuts,
+            orders: args.orders,
+            ignore_prerequisites: args.ignore_prerequisites,
+        };
+        return verify_scene(&args.pack, &trials, args.json);
+    }
     let file = PackFile::open(&args.pack)?;
     let bar = output::bar(Some(file.bytes()), output::Counting::Bytes);
     let damage = file.verify(|done, _| bar.set_position(done));

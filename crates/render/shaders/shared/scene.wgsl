@@ -11,7 +11,7 @@ struct Scene {
     up: vec3f,
     tint: f32,
     coarsest: f32,
-    unused: f32,
+    culls: u32,
     unused_pair: vec2f,
 }
 
@@ -71,9 +71,11 @@ fn refiner_of(block: u32) -> u32 {
     return words[block + 9u];
 }
 
-// The place of a corner's vertex among all vertices.
-fn vertex_of(block: u32, vertices: u32, corner: u32) -> u32 {
-    let triangle = words[block + HEAD_WORDS + vertices + corner / 3u];
-    let own = (triangle >> (8u * (corner % 3u))) & 255u;
-    return words[block + HEAD_WORDS + own];
+// Which of a cluster's vertices is at a corner of its triangles. In a mirror corners come the other
+// way round.
+fn vertex_at(block: u32, counts: Counts, mirrored: bool, corner: u32) -> u32 {
+    let turn = corner % 3u;
+    let taken = select(turn, (3u - turn) % 3u, mirrored);
+    let triangle = words[block + HEAD_WORDS + counts.vertices + corner / 3u];
+    return (triangle >> (8u * taken)) & 255u;
 }

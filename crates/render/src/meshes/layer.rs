@@ -20,8 +20,6 @@ use foveal_core::pack::unit::UnitId;
 use foveal_core::view::eye_view::EyeView;
 use std::collections::{HashMap, HashSet};
 
-/// Clusters that a workgroup of the culling pass looks at.
-const WORKGROUP: u32 = 64;
 /// Most workgroups along one side of a dispatch.
 const MOST_WORKGROUPS: u32 = 65_535;
 
@@ -49,7 +47,6 @@ pub struct SceneLayer {
     is_two_sided: Vec<bool>,
     /// Whether units came or went since the lists were made.
     is_stale: bool,
-    most_triangles: u32,
     triangles: u64,
     view: wgpu::Buffer,
     seen_placements: wgpu::Buffer,
@@ -79,7 +76,6 @@ impl SceneLayer {
             lists: [DrawList::new(gpu)?, DrawList::new(gpu)?],
             is_two_sided: objects.iter().map(|it| it.two_sided).collect(),
             is_stale: false,
-            most_triangles: 0,
             triangles: 0,
             view: written(gpu, "view of a scene", view_bytes, uniform),
             cull: Compute::new(gpu, &shaders::cull_clusters()),
@@ -102,9 +98,6 @@ impl SceneLayer {
             self.units.remove(coming.unit);
             return Err(error);
         }
-        let triangles = coming.says.clusters.iter().map(|it| it.triangles.len());
-        let most = triangles.max().unwrap_or(0) as u32;
-        self.most_triangles = self.most_triangles.max(most);
         self.is_stale = true;
         Ok(())
     }
@@ -211,7 +204,7 @@ impl SceneLayer {
         let image = image.unwrap_or_else(|| unit_image(&gpu, size));
         let pass = self.refiners.take();
         let mut pass = pass.unwrap_or_else(|| ClusterPass::new(&gpu, Draws::Refiners));
-        let bound = self.bind(&pass, style);
+        let bound = self.bind(&pass);
         pass.record((&gpu, &mut encoder), &image, listed(&self.lists, &bound));
         self.refiners = Some(pass);
         gpu.submit(encoder);
@@ -226,7 +219,7 @@ impl SceneLayer {
     ) -> Result<(), RenderError> {
         self.output.fit(&self.gpu, view.size)?;
         self.prepare(encoder, view, style)?;
-        let bound = self.bind(&self.colours, style);
+        let bound = self.bind(&self.colours);
         let lists = listed(&self.lists, &bound);
         self.colours
             .record((&self.gpu, encoder), &self.output.picture, lists);
@@ -250,22 +243,17 @@ impl SceneLayer {
         let placements = self.placements.seen_by(view);
         let bytes = bytemuck::cast_slice(&placements);
         queue.write_buffer(&self.seen_placements, 0, bytes);
-        for list in &self.lists {
-            let shown = if style.culls { 0 } else { list.count() };
-            list.begin(&self.gpu, self.most_triangles, shown);
-        }
-        if style.culls {
-            let lists = self.lists.iter().filter(|list| list.count() > 0);
-            let dispatches: Vec<_> = lists.map(|list| self.culling(list)).collect();
-            record(encoder, "cull_clusters", None, &dispatches);
-        }
+        self.lists.iter().for_each(|list| list.begin(&self.gpu));
+        let lists = self.lists.iter().filter(|list| list.count() > 0);
+        let dispatches: Vec<_> = lists.map(|list| self.culling(list)).collect();
+        record(encoder, "cull_clusters", None, &dispatches);
         Ok(())
     }
 
     /// Makes the lists of the clusters that are drawn of the units that are there.
     fn fill_lists(&mut self) -> Result<(), RenderError> {
         let mut clusters = [Vec::new(), Vec::new()];
-        self.triangles = 0;
+        let mut counts = [0_u64; 2];
         for drawn in self.units.drawn() {
             let Some(block) = self.memory.block(drawn.unit, drawn.cluster) else {
                 continue;
@@ -273,13 +261,14 @@ impl SceneLayer {
             let object = drawn.note.object;
             let placements = self.placements.of(object);
             let triangles = drawn.placed.clusters[drawn.cluster].triangles.len();
-            self.triangles += triangles as u64 * placements.len() as u64;
             let list = usize::from(self.is_two_sided[usize::from(object)]);
+            counts[list] += triangles as u64 * placements.len() as u64;
             clusters[list].extend(placements.map(|placement| [block, placement]));
         }
-        for (list, clusters) in self.lists.iter_mut().zip(clusters) {
-            list.fill(&self.gpu, &clusters)?;
+        for (k, list) in self.lists.iter_mut().enumerate() {
+            list.fill(&self.gpu, &clusters[k], counts[k])?;
         }
+        self.triangles = counts.iter().sum();
         Ok(())
     }
 
@@ -293,25 +282,18 @@ impl SceneLayer {
             (3, list.candidates()),
             (4, list.shown().as_entire_binding()),
             (5, list.arguments().as_entire_binding()),
+            (6, list.corners().as_entire_binding()),
         ];
-        let workgroups = list.count().div_ceil(WORKGROUP);
-        let across = workgroups.min(MOST_WORKGROUPS);
-        let size = [across * WORKGROUP, workgroups.div_ceil(across)];
-        self.cull.over(&self.gpu, size, [WORKGROUP, 1], &bindings)
+        let across = list.count().min(MOST_WORKGROUPS);
+        let size = [across, list.count().div_ceil(across)];
+        self.cull.over(&self.gpu, size, [1; 2], &bindings)
     }
 
     /// Binds what each list is drawn with.
-    fn bind(&self, pass: &ClusterPass, style: &SceneStyle) -> [wgpu::BindGroup; 2] {
+    fn bind(&self, pass: &ClusterPass) -> [wgpu::BindGroup; 2] {
         let [vertices, words] = self.memory.buffers();
         let buffers = [&self.view, &self.seen_placements, words, vertices];
-        [0, 1].map(|k| {
-            let list = &self.lists[k];
-            let shown = match style.culls {
-                true => list.shown().as_entire_binding(),
-                false => list.candidates(),
-            };
-            pass.bind(&self.gpu, buffers, shown)
-        })
+        [0, 1].map(|k| pass.bind(&self.gpu, buffers, self.lists[k].shown()))
     }
 }
 

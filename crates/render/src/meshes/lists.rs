@@ -3,16 +3,21 @@
 use crate::error::RenderError;
 use crate::gpu::buffers::{storage, written};
 use crate::gpu::device::Gpu;
+use crate::meshes::pool::most_bound;
 
 /// Bytes of a cluster in a list: its first word and its placement.
 const BYTES: u64 = 8;
-/// Bytes of what tells the GPU how much to draw.
-const ARGUMENT_BYTES: u64 = 16;
+/// Bytes of what tells the GPU how much to draw, and of what is counted beside.
+const ARGUMENT_BYTES: u64 = 24;
+/// Bytes of a triangle: of each corner which cluster and which of its vertices.
+const TRIANGLE_BYTES: u64 = 12;
 
-/// A list on the GPU: all clusters that may be seen, and those of them that a picture shows.
+/// A list on the GPU: all clusters that may be seen, and those of them that a picture shows with
+/// the corners of their triangles.
 pub(crate) struct DrawList {
     candidates: wgpu::Buffer,
     shown: wgpu::Buffer,
+    corners: wgpu::Buffer,
     arguments: wgpu::Buffer,
     count: u32,
 }
@@ -27,21 +32,32 @@ impl DrawList {
         Ok(Self {
             candidates: storage(gpu, "clusters that may be seen", BYTES)?,
             shown: storage(gpu, "clusters that are seen", BYTES)?,
+            corners: corner_buffer(gpu, TRIANGLE_BYTES)?,
             arguments: written(gpu, "how much is drawn", ARGUMENT_BYTES, usage),
             count: 0,
         })
     }
 
-    /// From now on these may be seen: the first word of each cluster and its placement.
+    /// From now on these may be seen: the first word of each cluster and its placement. They have
+    /// so many triangles together.
     ///
     /// # Errors
     /// More than the device binds.
-    pub(crate) fn fill(&mut self, gpu: &Gpu, clusters: &[[u32; 2]]) -> Result<(), RenderError> {
+    pub(crate) fn fill(
+        &mut self,
+        gpu: &Gpu,
+        clusters: &[[u32; 2]],
+        triangles: u64,
+    ) -> Result<(), RenderError> {
         let bytes = clusters.len() as u64 * BYTES;
         if bytes > self.candidates.size() {
-            let room = bytes.next_power_of_two();
+            let room = roomy(gpu, bytes);
             self.candidates = storage(gpu, "clusters that may be seen", room)?;
             self.shown = storage(gpu, "clusters that are seen", room)?;
+        }
+        let bytes = triangles * TRIANGLE_BYTES;
+        if bytes > self.corners.size() {
+            self.corners = corner_buffer(gpu, roomy(gpu, bytes))?;
         }
         self.count = clusters.len() as u32;
         let bytes = bytemuck::cast_slice(clusters);
@@ -49,10 +65,9 @@ impl DrawList {
         Ok(())
     }
 
-    /// Readies it for a picture of clusters of at most `triangles`, of which the first `shown` are
-    /// shown so far.
-    pub(crate) fn begin(&self, gpu: &Gpu, triangles: u32, shown: u32) {
-        let arguments = [3 * triangles, shown, 0, 0];
+    /// Readies it for a picture: nothing is shown so far, once.
+    pub(crate) fn begin(&self, gpu: &Gpu) {
+        let arguments = [0_u32, 1, 0, 0, 0, 0];
         let bytes = bytemuck::cast_slice(&arguments);
         gpu.queue.write_buffer(&self.arguments, 0, bytes);
     }
@@ -71,7 +86,12 @@ impl DrawList {
         &self.shown
     }
 
-    /// How much is drawn, as `draw_indirect` reads it.
+    /// The corners of the triangles that a picture shows, as its indices.
+    pub(crate) fn corners(&self) -> &wgpu::Buffer {
+        &self.corners
+    }
+
+    /// How much is drawn, as `draw_indexed_indirect` reads it.
     pub(crate) fn arguments(&self) -> &wgpu::Buffer {
         &self.arguments
     }
@@ -83,6 +103,26 @@ impl DrawList {
 
     /// Bytes of GPU memory.
     pub(crate) fn bytes(&self) -> u64 {
-        self.candidates.size() + self.shown.size() + self.arguments.size()
+        let buffers = [
+            &self.candidates,
+            &self.shown,
+            &self.corners,
+            &self.arguments,
+        ];
+        buffers.map(wgpu::Buffer::size).iter().sum()
     }
+}
+
+/// Room for `bytes` and some more, as far as the device binds it.
+fn roomy(gpu: &Gpu, bytes: u64) -> u64 {
+    bytes.max(bytes.next_power_of_two().min(most_bound(gpu)))
+}
+
+fn corner_buffer(gpu: &Gpu, bytes: u64) -> Result<wgpu::Buffer, RenderError> {
+    let (what, most) = ("triangles that may be seen", most_bound(gpu));
+    if bytes > most {
+        return Err(RenderError::TooMuch { what, bytes, most });
+    }
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDEX;
+    Ok(written(gpu, what, bytes, usage))
 }

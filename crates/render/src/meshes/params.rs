@@ -54,9 +54,9 @@ pub struct SceneParams {
     pub tint: f32,
     /// The coarsest level, at least 1.
     pub coarsest: f32,
+    /// 1 where clusters that cannot be seen are left out, else 0.
+    pub culls: u32,
     /// Keeps the size a multiple of sixteen.
-    pub unused: f32,
-    /// The same.
     pub unused_pair: [f32; 2],
 }
 
@@ -114,7 +114,7 @@ impl SceneParams {
             up: in_view(DVec3::Y),
             tint: style.tint,
             coarsest: f32::from(coarsest.max(1)),
-            unused: 0.0,
+            culls: u32::from(style.culls),
             unused_pair: [0.0; 2],
         }
     }

@@ -57,13 +57,13 @@ impl ClusterPass {
         &self,
         gpu: &Gpu,
         [view, placements, words, vertices]: [&wgpu::Buffer; 4],
-        shown: wgpu::BindingResource<'_>,
+        shown: &wgpu::Buffer,
     ) -> wgpu::BindGroup {
         let resources = [
             (0, view.as_entire_binding()),
             (1, placements.as_entire_binding()),
             (2, words.as_entire_binding()),
-            (3, shown),
+            (3, shown.as_entire_binding()),
             (4, vertices.as_entire_binding()),
         ];
         bind(gpu, "clusters", &self.layout, &resources)
@@ -107,7 +107,8 @@ impl ClusterPass {
             if list.count() > 0 {
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(0, bound, &[]);
-                pass.draw_indirect(list.arguments(), 0);
+                pass.set_index_buffer(list.corners().slice(..), wgpu::IndexFormat::Uint32);
+                pass.draw_indexed_indirect(list.arguments(), 0);
             }
         }
     }

@@ -1,8 +1,8 @@
-//! Which clusters can be seen? Twin of `shaders/cull_clusters.wgsl`.
+//! Which clusters can be seen, and which triangles have they? Twin of `shaders/cull_clusters.wgsl`.
 
-use super::shared::scene::{Scene, bounds_of, row};
+use super::shared::scene::{Scene, bounds_of, row, triangles_of, vertex_at};
 use crate::meshes::bounds::ClusterBounds;
-use crate::meshes::params::TWO_SIDED;
+use crate::meshes::params::{MIRRORED, TWO_SIDED};
 use crate::meshes::units::DrawnCluster;
 use glam::Vec4;
 
@@ -36,8 +36,21 @@ fn shows_back(scene: &Scene, placement: u32, bounds: &ClusterBounds) -> bool {
     away.dot(bounds.axis) >= bounds.spread * away.length() + bounds.radius
 }
 
-/// Whether a cluster can be seen where it stands.
-pub(super) fn cull_clusters(scene: &Scene, block: &DrawnCluster<'_>, placement: u32) -> bool {
+pub(super) fn is_seen(scene: &Scene, block: &DrawnCluster<'_>, placement: u32) -> bool {
     let bounds = bounds_of(block);
-    meets_field(scene, placement, &bounds) && !shows_back(scene, placement, &bounds)
+    let meets = meets_field(scene, placement, &bounds) && !shows_back(scene, placement, &bounds);
+    scene.params.culls == 0 || meets
+}
+
+/// The vertices at the corners of a cluster's triangles, by their numbers in it; none where it
+/// cannot be seen.
+pub(super) fn cull_clusters(scene: &Scene, block: &DrawnCluster<'_>, placement: u32) -> Vec<u32> {
+    if !is_seen(scene, block, placement) {
+        return Vec::new();
+    }
+    let mirrored = scene.placements[placement as usize].flags & MIRRORED != 0;
+    let corners = 0..3 * triangles_of(block);
+    corners
+        .map(|corner| vertex_at(block, mirrored, corner))
+        .collect()
 }

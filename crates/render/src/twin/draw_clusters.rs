@@ -4,7 +4,7 @@ use super::shared::ramp::ramp;
 use super::shared::raster::Fragment;
 use super::shared::scene::{Scene, times, vertex_of};
 use super::shared::wgsl::mix;
-use crate::meshes::params::{COLOURS, MIRRORED, NORMALS, TWO_SIDED, UNLIT};
+use crate::meshes::params::{COLOURS, NORMALS, TWO_SIDED, UNLIT};
 use crate::meshes::units::DrawnCluster;
 use foveal_core::content::mesh::octahedral;
 use glam::{Vec2, Vec3, Vec4};
@@ -27,6 +27,7 @@ pub(crate) struct Corner {
 pub(crate) struct OfCluster {
     pub(crate) flags: u32,
     pub(crate) level: u32,
+    pub(crate) refiner: u32,
 }
 
 fn linear_from_srgb(code: Vec3) -> Vec3 {
@@ -34,7 +35,7 @@ fn linear_from_srgb(code: Vec3) -> Vec3 {
     Vec3::select(code.cmple(Vec3::splat(0.040_45)), code / 12.92, curved)
 }
 
-pub(crate) fn srgb_from_linear(light: Vec3) -> Vec3 {
+fn srgb_from_linear(light: Vec3) -> Vec3 {
     let curved = 1.055 * light.powf(1.0 / 2.4) - 0.055;
     Vec3::select(light.cmple(Vec3::splat(0.003_130_8)), light * 12.92, curved)
 }
@@ -53,7 +54,13 @@ pub(super) fn clip_from_view(scene: &Scene, place: Vec3) -> Vec4 {
     Vec4::new(across.x, across.y, scene.params.near, place.z)
 }
 
-fn corner_of(scene: &Scene, block: &DrawnCluster<'_>, placement: u32, number: u32) -> Corner {
+/// Of a vertex of a cluster, by its number in it.
+pub(super) fn place_corner(
+    scene: &Scene,
+    block: &DrawnCluster<'_>,
+    placement: u32,
+    number: u32,
+) -> Corner {
     let placement = &scene.placements[placement as usize];
     let flags = placement.flags;
     let vertex = vertex_of(block, number);
@@ -70,25 +77,9 @@ fn corner_of(scene: &Scene, block: &DrawnCluster<'_>, placement: u32, number: u3
     }
     if flags & NORMALS != 0 {
         let normal = direction_from_octahedral(vertex.normal);
-        let turned = times(&placement.normal_from_object, normal.extend(0.0));
-        corner.normal = unit(turned);
+        corner.normal = unit(times(&placement.normal_from_object, normal.extend(0.0)));
     }
     corner
-}
-
-pub(super) fn place_corner(
-    scene: &Scene,
-    block: &DrawnCluster<'_>,
-    placement: u32,
-    index: u32,
-) -> Corner {
-    let turn = index % 3;
-    let mirrored = scene.placements[placement as usize].flags & MIRRORED != 0 && turn != 0;
-    let number = match mirrored {
-        true => index - turn + 3 - turn,
-        false => index,
-    };
-    corner_of(scene, block, placement, number)
 }
 
 fn normal_at(flags: u32, place: Vec3, normal: Vec3, face: Vec3) -> Vec3 {
@@ -118,4 +109,8 @@ pub(super) fn draw_clusters(scene: &Scene, of_cluster: OfCluster, fragment: &Fra
     let face = fragment.face;
     let normal = normal_at(of_cluster.flags, corner.place, corner.normal, face);
     shaded(scene, of_cluster, corner.colour, normal).extend(1.0)
+}
+
+pub(super) fn draw_refiners(of_cluster: OfCluster) -> u32 {
+    of_cluster.refiner
 }

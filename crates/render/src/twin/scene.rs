@@ -1,10 +1,10 @@
 //! What should be drawn of a scene's units?
 
 use super::code;
-use super::cull_clusters::cull_clusters;
-use super::draw_clusters::{OfCluster, draw_clusters, place_corner};
-use super::shared::raster::{Sides, rasterise};
-use super::shared::scene::{Scene, triangles_of};
+use super::cull_clusters::{cull_clusters, is_seen};
+use super::draw_clusters::{OfCluster, draw_clusters, draw_refiners, place_corner};
+use super::shared::raster::{Fragment, Sides, rasterise};
+use super::shared::scene::Scene;
 use crate::error::RenderError;
 use crate::image::RgbaImage;
 use crate::meshes::params::{BACKGROUND, SceneParams, SceneStyle, TWO_SIDED};
@@ -14,18 +14,13 @@ use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::view::eye_view::EyeView;
 use glam::Vec3;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// The units of a scene in main memory, and the pictures that are drawn of them.
 pub struct TwinScene {
     units: SceneUnits,
     placements: Placements,
-}
-
-/// A picture with the depth of each pixel.
-struct Target {
-    image: RgbaImage,
-    depths: Vec<f32>,
+    refiners: HashMap<(UnitId, u8), UnitId>,
 }
 
 impl TwinScene {
@@ -35,6 +30,7 @@ impl TwinScene {
         Self {
             units: SceneUnits::new(objects.len()),
             placements: Placements::new(objects),
+            refiners: HashMap::new(),
         }
     }
 
@@ -64,21 +60,44 @@ impl TwinScene {
     #[must_use]
     pub fn clusters_seen(&self, view: &EyeView, style: &SceneStyle) -> [usize; 2] {
         let scene = self.scene(view, style);
-        let seen = |it: &(DrawnCluster<'_>, u32)| cull_clusters(&scene, &it.0, it.1);
+        let seen = |it: &(DrawnCluster<'_>, u32)| is_seen(&scene, &it.0, it.1);
         [self.drawn().count(), self.drawn().filter(seen).count()]
+    }
+
+    /// From now on these are the units that would refine clusters, each by its unit and its number
+    /// in it: what [`Self::ids`] shows.
+    pub fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
+        self.refiners = refiners;
     }
 
     /// The picture that `view` shows.
     #[must_use]
     pub fn picture(&self, view: &EyeView, style: &SceneStyle) -> RgbaImage {
         let scene = self.scene(view, style);
-        let mut target = Target::new(view.size);
-        for (block, placement) in self.drawn() {
-            if !style.culls || cull_clusters(&scene, &block, placement) {
-                target.draw(&scene, &block, placement);
-            }
-        }
-        target.image
+        let background = code(Vec3::splat(BACKGROUND).extend(1.0));
+        let mut image = RgbaImage {
+            size: view.size,
+            pixels: background.repeat(view.size[0] as usize * view.size[1] as usize),
+        };
+        self.draw(&scene, view.size, |of_cluster, fragment| {
+            let colour = draw_clusters(&scene, of_cluster, fragment);
+            image.set_pixel(fragment.pixel, code(colour));
+        });
+        image
+    }
+
+    /// For each pixel of `view`, row by row, the unit that would refine the cluster that is drawn
+    /// there, by its number; 4294967295 where none would, and where nothing stands.
+    #[must_use]
+    pub fn ids(&self, view: &EyeView, style: &SceneStyle) -> Vec<u32> {
+        let scene = self.scene(view, style);
+        let [columns, rows] = view.size.map(|side| side as usize);
+        let mut ids = vec![u32::MAX; columns * rows];
+        self.draw(&scene, view.size, |of_cluster, fragment| {
+            let [x, y] = fragment.pixel.map(|it| it as usize);
+            ids[y * columns + x] = draw_refiners(of_cluster);
+        });
+        ids
     }
 
     fn scene(&self, view: &EyeView, style: &SceneStyle) -> Scene {
@@ -95,41 +114,37 @@ impl TwinScene {
             placements.map(move |placement| (block, placement))
         })
     }
-}
 
-impl Target {
-    /// A picture of nothing.
-    fn new(size: [u32; 2]) -> Self {
-        let background = code(Vec3::splat(BACKGROUND).extend(1.0));
-        let count = size[0] as usize * size[1] as usize;
-        let pixels = background.repeat(count);
-        Self {
-            image: RgbaImage { size, pixels },
-            depths: vec![0.0; count],
+    /// Calls `each` for every pixel that a triangle covers in front of all before it.
+    fn draw(&self, scene: &Scene, size: [u32; 2], mut each: impl FnMut(OfCluster, &Fragment)) {
+        let mut depths = vec![0.0; size[0] as usize * size[1] as usize];
+        for (block, placement) in self.drawn() {
+            let of_cluster = self.of_cluster(scene, &block, placement);
+            let sides = match of_cluster.flags & TWO_SIDED != 0 {
+                true => Sides::Both,
+                false => Sides::Front,
+            };
+            let corners = cull_clusters(scene, &block, placement);
+            let corner = |number| place_corner(scene, &block, placement, number);
+            for triangle in corners.as_chunks().0 {
+                rasterise(triangle.map(corner), size, sides, |fragment| {
+                    let [x, y] = fragment.pixel.map(|it| it as usize);
+                    let depth = &mut depths[y * size[0] as usize + x];
+                    if fragment.depth > *depth {
+                        *depth = fragment.depth;
+                        each(of_cluster, &fragment);
+                    }
+                });
+            }
         }
     }
 
-    fn draw(&mut self, scene: &Scene, block: &DrawnCluster<'_>, placement: u32) {
-        let of_cluster = OfCluster {
+    fn of_cluster(&self, scene: &Scene, block: &DrawnCluster<'_>, placement: u32) -> OfCluster {
+        let refiner = self.refiners.get(&(block.unit, block.cluster as u8));
+        OfCluster {
             flags: scene.placements[placement as usize].flags,
             level: u32::from(block.note.level),
-        };
-        let sides = match of_cluster.flags & TWO_SIDED != 0 {
-            true => Sides::Both,
-            false => Sides::Front,
-        };
-        let size = self.image.size;
-        for triangle in 0..triangles_of(block) {
-            let corner = |k| place_corner(scene, block, placement, 3 * triangle + k);
-            rasterise([0, 1, 2].map(corner), size, sides, |fragment| {
-                let [x, y] = fragment.pixel.map(|it| it as usize);
-                let depth = &mut self.depths[y * size[0] as usize + x];
-                if fragment.depth > *depth {
-                    *depth = fragment.depth;
-                    let colour = draw_clusters(scene, of_cluster, &fragment);
-                    self.image.set_pixel(fragment.pixel, code(colour));
-                }
-            });
+            refiner: refiner.map_or(u32::MAX, |unit| unit.0),
         }
     }
 }

@@ -12,7 +12,7 @@ use glam::{DAffine3, DVec3};
 use std::f64::consts::TAU;
 
 /// Squares round the torus, either way.
-pub const SIDES: u16 = 16;
+const SIDES: u16 = 16;
 /// Squares of a cluster, either way: a side of the torus has four clusters.
 const PATCH: u16 = 4;
 /// Radius of the torus, and of its tube, in metres.
@@ -21,7 +21,7 @@ const RADII: [f64; 2] = [1.0, 0.42];
 const HALF: f64 = 1.5;
 const PLACES: f64 = 4095.0;
 
-/// The root of the torus, and its units that refine clusters.
+/// The root of the torus.
 pub const ROOT: UnitId = UnitId(0);
 
 /// A vertex of the torus; whole numbers are corners of squares.
@@ -82,6 +82,21 @@ pub fn root() -> MeshUnit {
     MeshUnit {
         vertices: (0..SIDES).flat_map(at).collect(),
         clusters: (0..16).map(cluster).collect(),
+        ..MeshUnit::default()
+    }
+}
+
+/// A cluster of the root as a root of its own, every square a cluster.
+pub fn squares_of(cluster: u16) -> MeshUnit {
+    let square = |square: [u8; 4]| Cluster {
+        vertices: square.map(u16::from).to_vec(),
+        triangles: vec![[0, 3, 2], [0, 2, 1]],
+    };
+    MeshUnit {
+        vertices: corners(cluster)
+            .map(|it| vertex(it.map(|it| f64::from(it % SIDES))))
+            .collect(),
+        clusters: squares().map(square).collect(),
         ..MeshUnit::default()
     }
 }

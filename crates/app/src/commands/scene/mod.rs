@@ -2,3 +2,4 @@
 
 pub(crate) mod prepare;
 pub(crate) mod scene_info;
+pub(crate) mod verify;

@@ -22,11 +22,19 @@ pub(crate) fn triangles_of(block: &DrawnCluster<'_>) -> u32 {
     block.placed.clusters[block.cluster].triangles.len() as u32
 }
 
-pub(crate) fn vertex_of(block: &DrawnCluster<'_>, corner: u32) -> MeshVertex {
+/// Which of a cluster's vertices is at a corner of its triangles. In a mirror corners come the other
+/// way round.
+pub(crate) fn vertex_at(block: &DrawnCluster<'_>, mirrored: bool, corner: u32) -> u32 {
+    let turn = corner % 3;
+    let taken = if mirrored { (3 - turn) % 3 } else { turn };
+    let triangle = block.placed.clusters[block.cluster].triangles[corner as usize / 3];
+    u32::from(triangle[taken as usize])
+}
+
+/// A vertex of a cluster, by its number in it.
+pub(crate) fn vertex_of(block: &DrawnCluster<'_>, number: u32) -> MeshVertex {
     let cluster = &block.placed.clusters[block.cluster];
-    let triangle = cluster.triangles[corner as usize / 3];
-    let own = triangle[corner as usize % 3];
-    block.placed.vertices[usize::from(cluster.vertices[usize::from(own)])]
+    block.placed.vertices[usize::from(cluster.vertices[number as usize])]
 }
 
 /// A row of a matrix.
