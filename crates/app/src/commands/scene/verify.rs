@@ -5,7 +5,7 @@ use anyhow::anyhow;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::units::counted;
 use foveal_media::pack::scene_file::SceneFile;
-use foveal_scene::cracks::{CutReport, check_cuts};
+use foveal_scene::cracks::{CutReport, CutTrial, check_cuts};
 use serde::Serialize;
 use std::path::Path;
 
@@ -93,21 +93,20 @@ fn cuts_of(file: &SceneFile, trials: &Trials) -> anyhow::Result<Cuts> {
         .units()
         .map(|it| (pack.level_of(it), pack.row(it).clone()))
         .collect();
-    let mut payload_of = |unit: UnitId| file.read_mesh(unit);
+    let mut payload_of = |unit: UnitId| file.read_mesh(unit).map_err(anyhow::Error::from);
+    let trial = CutTrial {
+        cuts: trials.cuts,
+        orders: trials.orders,
+        seed: 1,
+        ignore_prerequisites: trials.ignore_prerequisites,
+    };
     let CutReport {
         source_odd_edges,
         odd_edges_max,
         cuts,
         orders,
         levels_in_cut_min,
-    } = check_cuts(
-        &pack.description().objects,
-        &rows,
-        &mut payload_of,
-        trials.cuts,
-        trials.orders,
-        trials.ignore_prerequisites,
-    )?;
+    } = check_cuts(&rows, &mut payload_of, &trial)?;
     Ok(Cuts {
         source_odd_edges,
         odd_edges_max,
