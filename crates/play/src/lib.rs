@@ -14,6 +14,7 @@ mod live;
 mod look;
 mod player;
 mod report;
+mod scene_player;
 mod step;
 
 pub use decoding::Decoding;
@@ -22,3 +23,4 @@ pub use live::{LiveOptions, LivePlayer, Stepped};
 pub use look::Look;
 pub use player::{Player, PlayerOptions};
 pub use report::FrameReport;
+pub use scene_player::{ScenePlayer, ScenePlayerOptions, SceneReport};

@@ -6,7 +6,7 @@ use super::BuildError;
 use crate::source::{Material, Source, SourceMesh, SourceObject};
 use foveal_core::content::mesh::octahedral::octahedral_from_direction;
 use foveal_core::content::mesh::payload::{Attributes, MeshVertex};
-use foveal_core::content::scene::description::{Grid, SceneObject};
+use foveal_core::content::scene::description::{Bounds, Grid, SceneObject};
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -59,6 +59,7 @@ pub(super) fn grid_mesh(
     let object = SceneObject {
         name: object.name.clone(),
         leaf_triangles: triangles.len() as u64,
+        bounds: bounds_of(&welder.vertices, &grid),
         grid,
         attributes: looks.attributes,
         colour: looks.colour,
@@ -234,4 +235,25 @@ fn codes_from_linear([r, g, b, alpha]: [f32; 4]) -> [u8; 4] {
         _ => 1.055 * light.powf(1.0 / 2.4) - 0.055,
     };
     [code(r), code(g), code(b), alpha].map(|it| (it.clamp(0.0, 1.0) * 255.0).round() as u8)
+}
+
+/// A small sphere round vertices.
+fn bounds_of(vertices: &[MeshVertex], grid: &Grid) -> Bounds {
+    let places: Vec<[f32; 3]> = vertices.iter().map(|it| it.place.map(f32::from)).collect();
+    let adapter = meshopt::PositionDataAdapter {
+        data: meshopt::typed_to_bytes(&places),
+        position_count: places.len(),
+        position_stride: size_of::<[f32; 3]>(),
+        position_offset: 0,
+    };
+    let sphere = meshopt::compute_sphere_bounds(adapter, None::<meshopt::RadiusDataAdapter<'_>>);
+    let on_grid = DVec3::from_array(sphere.center.map(f64::from));
+    let centre = DVec3::from_array(grid.origin) + grid.step * on_grid;
+    let reach = vertices
+        .iter()
+        .map(|it| (grid.at(it.place) - centre).length());
+    Bounds {
+        centre: centre.to_array(),
+        radius: reach.fold(0.0, f64::max),
+    }
 }

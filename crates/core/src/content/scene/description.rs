@@ -60,6 +60,8 @@ pub struct SceneObject {
     pub name: String,
     /// Triangles at the finest level.
     pub leaf_triangles: u64,
+    /// A small sphere round it, in its own space.
+    pub bounds: Bounds,
     /// The grid of its vertices.
     pub grid: Grid,
     /// What its vertices have.
@@ -73,6 +75,15 @@ pub struct SceneObject {
     pub unlit: bool,
     /// Where it stands: world from object, columns x, y, z and place; at least one.
     pub placements: Vec<[f64; 12]>,
+}
+
+/// A sphere round an object, in its own space.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Bounds {
+    /// The centre.
+    pub centre: [f64; 3],
+    /// The radius.
+    pub radius: f64,
 }
 
 /// Where the places of vertices lie.
@@ -148,6 +159,10 @@ impl SceneObject {
         }
         if !(step > 0.0 && step <= 1e12 && origin.iter().all(|it| it.abs() <= 1e15)) {
             return wrong("grid", format!("{:?}", self.grid), "a finite grid");
+        }
+        let Bounds { centre, radius } = self.bounds;
+        if !(radius >= 0.0 && radius <= 1e15 && centre.iter().all(|it| it.abs() <= 1e15)) {
+            return wrong("bounds", format!("{:?}", self.bounds), "a finite sphere");
         }
         if self.placements.is_empty() {
             return wrong("placements", "none".to_owned(), "at least one");

@@ -54,12 +54,13 @@ impl Scene {
             }
             first.push(stands.len() as u32);
         }
-        let roots = pack
-            .units()
-            .take_while(|it| pack.level_of(*it) == pack.coarsest());
-        let roots = first[roots.count()] as usize;
+        let spheres: Vec<Sphere> = objects
+            .iter()
+            .zip(&placed)
+            .flat_map(placed_bounds)
+            .collect();
         Self {
-            bounds: bounds(stands[..roots].iter().map(|it| it.sphere)),
+            bounds: bounds(&spheres),
             name: name.to_owned(),
             stands,
             first,
@@ -108,15 +109,27 @@ fn placements(object: &SceneObject) -> Vec<(DAffine3, f64)> {
     object.placements().map(scaled).collect()
 }
 
+/// The sphere round an object, wherever it stands.
+fn placed_bounds((object, placed): (&SceneObject, &Vec<(DAffine3, f64)>)) -> Vec<Sphere> {
+    let centre = DVec3::from_array(object.bounds.centre);
+    let at = |(world_from_object, scale): &(DAffine3, f64)| Sphere {
+        centre: world_from_object.transform_point3(centre),
+        radius: object.bounds.radius * scale,
+    };
+    placed.iter().map(at).collect()
+}
+
 /// A sphere round spheres: round the middle of the box that they fill.
-fn bounds(spheres: impl Iterator<Item = Sphere> + Clone) -> Sphere {
+fn bounds(spheres: &[Sphere]) -> Sphere {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for Sphere { centre, radius } in spheres.clone() {
-        low = low.min(centre - DVec3::splat(radius));
-        high = high.max(centre + DVec3::splat(radius));
+    for Sphere { centre, radius } in spheres {
+        low = low.min(centre - DVec3::splat(*radius));
+        high = high.max(centre + DVec3::splat(*radius));
     }
     let centre = (low + high) / 2.0;
-    let reach = spheres.map(|it| (it.centre - centre).length() + it.radius);
+    let reach = spheres
+        .iter()
+        .map(|it| (it.centre - centre).length() + it.radius);
     Sphere {
         centre,
         radius: reach.fold(0.0, f64::max),
