@@ -1,10 +1,10 @@
 //! What should be drawn of a scene's units?
 
-use super::code;
 use super::cull_clusters::{cull_clusters, is_seen};
 use super::draw_clusters::{OfCluster, draw_clusters, draw_refiners, place_corner};
 use super::shared::raster::{Fragment, Sides, rasterise};
 use super::shared::scene::{Scene, triangles_of};
+use super::shared::wgsl::code;
 use crate::error::RenderError;
 use crate::image::RgbaImage;
 use crate::meshes::params::{BACKGROUND, SceneParams, SceneStyle, TWO_SIDED};
