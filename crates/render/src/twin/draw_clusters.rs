@@ -1,7 +1,7 @@
 //! Which colour has each pixel of the nearest surface? Twin of `shaders/draw_clusters.wgsl`.
 
 use super::shared::ramp::ramp;
-use super::shared::raster::Fragment;
+use super::shared::raster::{Corner, Fragment};
 use super::shared::scene::{Scene, times, vertex_of};
 use super::shared::wgsl::mix;
 use crate::meshes::params::{COLOURS, NORMALS, TWO_SIDED, UNLIT};
@@ -12,15 +12,6 @@ use glam::{Vec2, Vec3, Vec4};
 const GROUND: f32 = 0.35;
 const SKY: f32 = 0.55;
 const LAMP: f32 = 0.5;
-
-/// What the corners of a triangle have, and what is between them.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Corner {
-    pub(crate) position: Vec4,
-    pub(crate) place: Vec3,
-    pub(crate) normal: Vec3,
-    pub(crate) colour: Vec3,
-}
 
 /// What all triangles of a cluster have.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,10 +1,10 @@
 //! What should be drawn of a scene's units?
 
-use super::code;
 use super::cull_clusters::{cull_clusters, is_seen};
 use super::draw_clusters::{OfCluster, draw_clusters, draw_refiners, place_corner};
 use super::shared::raster::{Fragment, Sides, rasterise};
-use super::shared::scene::Scene;
+use super::shared::scene::{Scene, triangles_of};
+use super::shared::wgsl::code;
 use crate::error::RenderError;
 use crate::image::RgbaImage;
 use crate::meshes::params::{BACKGROUND, SceneParams, SceneStyle, TWO_SIDED};
@@ -53,6 +53,14 @@ impl TwinScene {
     /// Takes all units away but those that are wanted, what these need, and roots.
     pub fn retain(&mut self, wanted: &HashSet<UnitId>) {
         self.units.retain(wanted);
+    }
+
+    /// Triangles of the clusters that a picture is drawn of, also of those that cannot be seen,
+    /// each where it stands.
+    #[must_use]
+    pub fn triangles_drawn(&self) -> u64 {
+        let triangles = |(block, _): (DrawnCluster<'_>, u32)| u64::from(triangles_of(&block));
+        self.drawn().map(triangles).sum()
     }
 
     /// Number of clusters that are drawn, and of those of them that can be seen, each where it

@@ -22,8 +22,8 @@ pub(crate) fn triangles_of(block: &DrawnCluster<'_>) -> u32 {
     block.placed.clusters[block.cluster].triangles.len() as u32
 }
 
-/// Which of a cluster's vertices is at a corner of its triangles. In a mirror corners come the other
-/// way round.
+/// Which of a cluster's vertices is at a corner of its triangles. In a mirror corners come the
+/// other way round.
 pub(crate) fn vertex_at(block: &DrawnCluster<'_>, mirrored: bool, corner: u32) -> u32 {
     let turn = corner % 3;
     let taken = if mirrored { (3 - turn) % 3 } else { turn };
