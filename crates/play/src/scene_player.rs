@@ -65,8 +65,6 @@ pub struct SceneReport {
     pub unit_bytes: u64,
     /// Bytes of the pages of index and table that tell of them.
     pub page_bytes: u64,
-    /// Triangles of what is drawn, in each place where it stands; 0 where no GPU draws.
-    pub triangles: u64,
     /// Whether more is wanted than is there.
     pub is_refining: bool,
     /// Time of choosing.
@@ -82,7 +80,9 @@ impl ScenePlayer {
     /// It cannot be drawn.
     pub fn new(file: Arc<SceneFile>, options: ScenePlayerOptions) -> Result<Self, PlayError> {
         let scene = Arc::clone(file.scene());
-        let drawer = Drawer::of_scene(&options.drawing, &scene, options.gpu_bytes)?;
+        // What draws may take an eighth more than units do.
+        let most = options.gpu_bytes - options.gpu_bytes / 8;
+        let drawer = Drawer::of_scene(&options.drawing, &scene, most)?;
         let spends = options.config.policy.spends_a_budget();
         let settings = SessionSettings {
             policy: options.config,
@@ -90,7 +90,7 @@ impl ScenePlayer {
             since: Some(Seconds(0.0)),
             zooms: false,
             bounds: Bounds {
-                gpu: options.gpu_bytes,
+                gpu: most,
                 ..Bounds::default()
             },
         };
@@ -177,7 +177,6 @@ impl ScenePlayer {
             units_by_level: self.session.figures.histogram.clone(),
             unit_bytes,
             page_bytes,
-            triangles: self.drawer.triangles_drawn(),
             is_refining: !self.session.is_settled(),
             choose,
             cpu: begun.elapsed(),

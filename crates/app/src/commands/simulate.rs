@@ -1,9 +1,12 @@
 //! What does an eye get from a pack, and what did that take?
 
+use crate::commands::scene;
+use crate::commands::scene::moving::parse_bytes;
 use crate::commands::score::ScoreReport;
 use crate::commands::simulate_score::{Baseline, RunScoring, ScoringOptions};
 use crate::gaze_source::{GazeChoice, GazeSource, interrupted, parse_gaze};
 use crate::options::decoding::{DecodingOptions, DeviceReport};
+use crate::options::link::parse_delay;
 use crate::options::policy::{PolicyOptions, Switch, ViewOptions};
 use crate::options::renderer::{RendererName, open_device};
 use crate::options::showing::{EyeName, InterpolationName, ShowingOptions};
@@ -15,12 +18,13 @@ use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::session::log::{SessionLogPart, sha256_hex};
-use foveal_core::units::counted;
+use foveal_core::units::{Seconds, counted};
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::picture::{Colour, Matrix};
 use foveal_core::view::surface::Projection;
 use foveal_media::pack::pack_file::PackFile;
+use foveal_media::pack::scene_file::is_scene_pack;
 use foveal_media::write::picture_from_rgba::picture_from_rgba;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use foveal_play::{FrameReport, Player, PlayerOptions};
@@ -35,7 +39,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Pictures {
+pub(crate) enum Pictures {
     /// One PNG a frame.
     Png,
     /// One video.
@@ -47,7 +51,7 @@ enum Pictures {
 #[derive(Clone, Debug, Args)]
 pub(crate) struct SimulateArgs {
     /// The pack.
-    pack: PathBuf,
+    pub(crate) pack: PathBuf,
     /// YAW,PITCH in degrees, center, scan, trace:FILE, head:FILE, udp:PORT, ws:URL or osc:PORT.
     ///
     /// The last three are live: frames are then played when they are due.
@@ -58,53 +62,65 @@ pub(crate) struct SimulateArgs {
         allow_hyphen_values = true
     )]
     #[arg(value_parser = parse_gaze)]
-    gaze: GazeChoice,
+    pub(crate) gaze: GazeChoice,
     #[command(flatten)]
-    policy: PolicyOptions,
+    pub(crate) policy: PolicyOptions,
     #[command(flatten)]
-    watching: Watching,
+    pub(crate) watching: Watching,
     #[command(flatten)]
-    view: ViewOptions,
+    pub(crate) view: ViewOptions,
     #[command(flatten)]
     showing: ShowingOptions,
     /// First frame to play; decoding starts at its group's key frame, without showing.
     #[arg(long, value_name = "N", default_value_t = 0)]
-    start: u32,
+    pub(crate) start: u32,
     /// Stop after this many frames (default: all).
     #[arg(long, value_name = "N")]
-    frames: Option<u32>,
+    pub(crate) frames: Option<u32>,
     /// Folder for pictures, frames.csv and session.jsonl; made if it is not there.
     #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    pub(crate) out: PathBuf,
     /// What pictures to write.
     #[arg(long, value_enum, default_value = "png")]
-    pictures: Pictures,
+    pub(crate) pictures: Pictures,
     /// Whose picture to write, of content for two eyes; both lie side by side.
     #[arg(long, value_enum, default_value = "left")]
     eye: EyeName,
     /// Write every Nth picture.
     #[arg(long, value_name = "N", default_value_t = 1)]
-    every: u32,
+    pub(crate) every: u32,
     /// Draw levels as colours, tile borders and the gaze over the pictures.
     #[arg(long)]
-    heat_map: bool,
+    pub(crate) heat_map: bool,
     /// What draws the pictures.
     #[arg(long, value_enum, default_value = "gpu")]
-    renderer: RendererName,
+    pub(crate) renderer: RendererName,
     /// Show a frame when its time is over, a coarser level standing in for tiles that are late;
     /// otherwise every frame is waited for.
     #[arg(long)]
-    paced: bool,
+    pub(crate) paced: bool,
     #[command(flatten)]
     decoding: DecodingOptions,
     /// Seed of the scan path.
     #[arg(long, default_value_t = 1)]
-    seed: u64,
+    pub(crate) seed: u64,
     #[command(flatten)]
-    scoring: ScoringOptions,
+    pub(crate) scoring: ScoringOptions,
+    /// Scenes: where the eye is: still, orbit or a file with t_s,x,y,z,yaw_deg,pitch_deg.
+    #[arg(long, value_name = "R", default_value = "still")]
+    pub(crate) route: String,
+    /// Scenes: bytes that can be spent in each interval, as 100KB, in the place of --link.
+    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
+    pub(crate) budget: Option<u64>,
+    /// Scenes: time from one picture to the next, in ms (default: 33.3).
+    #[arg(long, value_name = "MS", value_parser = parse_interval)]
+    pub(crate) interval: Option<Seconds>,
+    /// Scenes: most memory on the GPU.
+    #[arg(long, value_name = "BYTES", value_parser = parse_bytes, default_value = "256MB")]
+    pub(crate) gpu_memory: u64,
     /// Print one JSON object.
     #[arg(long)]
-    json: bool,
+    pub(crate) json: bool,
 }
 
 /// What a run took.
@@ -144,7 +160,18 @@ pub(crate) struct RunSummary {
 /// Most frames between two pictures.
 const MOST_EVERY: u32 = 10_000;
 
+/// Reads an interval, as 200ms.
+fn parse_interval(text: &str) -> anyhow::Result<Seconds> {
+    match parse_delay(text) {
+        Ok(interval) if interval.0 >= 0.001 => Ok(interval),
+        _ => bail!("\"{text}\": expected 1 to 10000 ms, as 200ms"),
+    }
+}
+
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
+    if is_scene_pack(&args.pack) {
+        return scene::simulate::run(args);
+    }
     args.check()?;
     let file = Arc::new(PackFile::open(&args.pack)?);
     let about = file.pack().description();
@@ -266,15 +293,17 @@ impl SimulateArgs {
 
     /// Checks the options that need no pack.
     fn check(&self) -> anyhow::Result<()> {
-        if !(1..=MOST_EVERY).contains(&self.every) {
-            bail!(out_of_range(
-                "--every",
-                self.every,
-                &format!("1 to {MOST_EVERY}")
-            ));
-        }
-        if self.frames == Some(0) {
-            bail!(out_of_range("--frames", 0, "at least 1"));
+        self.check_counts()?;
+        let of_scenes = [
+            (self.route != "still", "--route"),
+            (self.budget.is_some(), "--budget"),
+            (self.interval.is_some(), "--interval"),
+        ];
+        if let Some((_, option)) = of_scenes.into_iter().find(|(is_given, _)| *is_given) {
+            bail!(WrongUsage(format!(
+                "{option} is for scenes, and {} is a video",
+                self.pack.display()
+            )));
         }
         if self.renderer == RendererName::None && (self.heat_map || self.showing.blur == Switch::On)
         {
@@ -285,6 +314,21 @@ impl SimulateArgs {
         }
         if self.watching.system().is_none() {
             self.config()?;
+        }
+        Ok(())
+    }
+
+    /// Checks how many pictures are made and written.
+    pub(crate) fn check_counts(&self) -> anyhow::Result<()> {
+        if !(1..=MOST_EVERY).contains(&self.every) {
+            bail!(out_of_range(
+                "--every",
+                self.every,
+                &format!("1 to {MOST_EVERY}")
+            ));
+        }
+        if self.frames == Some(0) {
+            bail!(out_of_range("--frames", 0, "at least 1"));
         }
         Ok(())
     }

@@ -105,15 +105,6 @@ impl SceneDrawer {
         }
     }
 
-    /// Triangles of the clusters that the last picture drew; 0 before it, and where no GPU draws.
-    #[must_use]
-    pub fn triangles_drawn(&self) -> u64 {
-        match &self.engine {
-            Engine::Gpu(layer) => layer.triangles_drawn(),
-            Engine::Twin(_) | Engine::Nothing => 0,
-        }
-    }
-
     /// The layer on the GPU, where a GPU draws.
     pub fn layer(&mut self) -> Option<&mut SceneLayer> {
         match &mut self.engine {

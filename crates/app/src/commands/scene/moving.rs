@@ -25,7 +25,9 @@ pub(crate) fn route_of(text: &str) -> anyhow::Result<Route> {
         file => {
             let text = output::read_text(Path::new(file), "a route")?;
             parse_route(&text).with_context(|| {
-                format!("--route {file}: give still, orbit or a file with t_s,x,y,z,yaw_deg,pitch_deg")
+                format!(
+                    "--route {file}: give still, orbit or a file with t_s,x,y,z,yaw_deg,pitch_deg"
+                )
             })?
         }
     })
@@ -123,7 +125,10 @@ pub(crate) fn parse_bytes(text: &str) -> anyhow::Result<u64> {
     let units = [("KB", 1e3), ("MB", 1e6), ("GB", 1e9), ("B", 1.0)];
     let upper = text.trim().to_ascii_uppercase();
     let of_unit = |(name, unit): &(&str, f64)| Some((upper.strip_suffix(name)?.to_owned(), *unit));
-    let (number, unit) = units.iter().find_map(of_unit).unwrap_or((upper.clone(), 1.0));
+    let (number, unit) = units
+        .iter()
+        .find_map(of_unit)
+        .unwrap_or((upper.clone(), 1.0));
     let bytes = number.trim().parse::<f64>().map(|number| number * unit);
     match bytes {
         Ok(bytes) if (1.0..=1e15).contains(&bytes) => Ok(bytes as u64),

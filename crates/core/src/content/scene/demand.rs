@@ -77,9 +77,16 @@ impl SceneDemand {
 
     /// The largest of what `of` says of a unit as it is seen, over its places and all views.
     fn most(&self, unit: UnitId, sights: &[Sight], of: impl Fn(&Seen) -> f64) -> f64 {
+        let spends = self.config.policy.spends_a_budget();
         let stands = self.scene.stands(unit).iter();
         let seen = stands.flat_map(|stand| {
-            let seen = |sight: &Sight| sight.seen(&stand.sphere, stand.error);
+            // What a rule leaves coarse has too small an error; what is bought ends where triangles
+            // are no larger than pixels.
+            let error = match spends {
+                true => stand.error.max(stand.side),
+                false => stand.error,
+            };
+            let seen = move |sight: &Sight| sight.seen(&stand.sphere, error);
             sights.iter().filter_map(seen)
         });
         seen.map(|seen| of(&seen)).fold(0.0, f64::max)

@@ -4,6 +4,7 @@ use super::demand::SceneDemand;
 use super::description::SceneObject;
 use super::pack::ScenePack;
 use super::sight::Sphere;
+use super::unit_table::UnitRow;
 use crate::content::demand::{Content, Demand};
 use crate::content::head::ContentHead;
 use crate::content::policy::{HasTables, PolicyConfig};
@@ -30,6 +31,8 @@ pub struct Scene {
 pub(super) struct Stand {
     pub(super) sphere: Sphere,
     pub(super) error: f64,
+    /// Length of a side of the triangles that it is shown in place of, about.
+    pub(super) side: f64,
 }
 
 impl Scene {
@@ -50,6 +53,7 @@ impl Scene {
                         radius: f64::from(row.radius) * scale,
                     },
                     error: f64::from(row.error) * scale,
+                    side: coarse_side(row) * scale,
                 });
             }
             first.push(stands.len() as u32);
@@ -93,6 +97,14 @@ impl Scene {
         let at = unit.0 as usize;
         &self.stands[self.first[at] as usize..self.first[at + 1] as usize]
     }
+}
+
+/// Length of a side of the triangles that a unit is shown in place of: half as many as its own, over
+/// a disc of its sphere.
+fn coarse_side(row: &UnitRow) -> f64 {
+    let radius = f64::from(row.radius);
+    let triangles = f64::from(row.triangles.max(1));
+    libm::sqrt(2.0 * core::f64::consts::PI * radius * radius / triangles)
 }
 
 /// Where an object stands, and by how much lengths grow there at most.
