@@ -1,5 +1,6 @@
 //! Does a scene come back from its units?
 
+mod codecs;
 pub(crate) mod meshes;
 
 use super::{BuildOptions, Built, build};
