@@ -3,6 +3,7 @@
 use super::mesh::GridMesh;
 use super::numbering::Numbering;
 use meshopt::VertexDataAdapter;
+use rayon::prelude::*;
 use std::io::Cursor;
 
 /// Most triangles of a cluster.
@@ -52,8 +53,10 @@ pub(super) struct Part {
 
 impl Part {
     /// The part of a mesh that has these corners of triangles.
-    pub(super) fn new(mesh: &GridMesh, corners: impl Iterator<Item = u32>, count: usize) -> Self {
-        let mut numbering = Numbering::new(count);
+    ///
+    /// About so many vertices are expected.
+    pub(super) fn new(mesh: &GridMesh, corners: impl Iterator<Item = u32>, about: usize) -> Self {
+        let mut numbering = Numbering::new(about);
         let corners = corners.map(|it| numbering.number(it)).collect();
         let vertices = numbering.vertices;
         let place = |vertex: &u32| mesh.vertices[*vertex as usize].place.map(f32::from);
@@ -102,7 +105,8 @@ pub(super) fn of_source(mesh: &GridMesh) -> Vec<Cluster> {
         let along = |axis: usize| places.iter().map(|place| place[axis]).sum();
         [along(0), along(1), along(2)]
     };
-    let mut triangles: Vec<_> = mesh.triangles.iter().map(|it| (middle(it), *it)).collect();
+    let triangles = mesh.triangles.par_iter();
+    let mut triangles: Vec<_> = triangles.map(|it| (middle(it), *it)).collect();
     of_triangles(mesh, &mut triangles)
 }
 
@@ -110,9 +114,8 @@ pub(super) fn of_source(mesh: &GridMesh) -> Vec<Cluster> {
 /// few, so that many threads can work on them.
 fn of_triangles(mesh: &GridMesh, triangles: &mut [([u32; 3], [u32; 3])]) -> Vec<Cluster> {
     if triangles.len() <= PART {
-        // By number: as the source has them.
         let corners = triangles.iter().flat_map(|(_, corners)| *corners);
-        let part = Part::new(mesh, corners, 3 * triangles.len());
+        let part = Part::new(mesh, corners, triangles.len());
         return part.clusters(&part.corners);
     }
     let extent = |axis: usize| {
