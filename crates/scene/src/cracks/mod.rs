@@ -57,7 +57,7 @@ pub struct CutReport {
 /// triangles with three different places has it.
 pub fn odd_edges(triangles: impl Iterator<Item = [[u16; 3]; 3]>) -> u64 {
     let mut odd = HashMap::new();
-    for [a, b, c] in triangles.filter(|it| has_area(it)) {
+    for [a, b, c] in triangles.filter(has_area) {
         for edge in [edge(a, b), edge(b, c), edge(c, a)] {
             *odd.entry(edge).or_insert(false) ^= true;
         }

@@ -3,6 +3,18 @@
 //! A unit holds the fine clusters of one group and the vertices that lie inside it: each vertex of
 //! a mesh is sent once. The vertices that stay when the group is simplified are those of the
 //! coarse clusters, which came with units before. Normative: docs/formats/pack.md.
+//!
+//! In order, numbers little-endian:
+//!
+//! 1. Head: a byte with the version in its high four bits and which attributes there are in its low
+//!    ones (1: normals, 2: colours); the number of replaced clusters and that of clusters, a byte
+//!    each; the number of staying vertices and that of new ones, two bytes each.
+//! 2. A byte for each replaced cluster: which prerequisite times 16, plus its number there.
+//! 3. For each cluster: the number of its vertices, that of its triangles, and the length of its
+//!    stream: in one byte, or in two, of which the first adds 128 to the low seven bits.
+//! 4. For each cluster its triangles: meshoptimizer's meshlet codec, without vertices.
+//! 5. Bits, lowest first, up to a whole byte: which vertices clusters have, then where new ones lie.
+//! 6. Normals and colours: meshoptimizer's vertex codec, four bytes of each that there is.
 
 mod bits;
 #[cfg(test)]

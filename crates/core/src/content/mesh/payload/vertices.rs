@@ -1,6 +1,14 @@
 //! How are the vertices of a unit written?
 //!
-//! First which vertices each cluster has, then where the new ones lie; both as bits.
+//! First which vertices each cluster has, cluster by cluster in the order of their lists. Two
+//! numbers of low bits, four bits each: for vertices that stay and for those named again. Then for
+//! each vertex one of: a one and a Rice code, for one that stays, as the signed distance from one
+//! after the last such (from 0); a zero and a one, for the next new one; two zeros and a Rice code,
+//! for a new one out of turn, as the signed distance from one after the last such (from the first).
+//!
+//! Then where new vertices lie, if there are any: the first in three times 16 bits; three numbers
+//! of low bits, four bits each; for each other three Rice codes, the signed distances along the
+//! axes from where it is predicted. All distances wrap at 2^16; signed ones count 0, -1, 1, -2.
 
 use super::bits::{
     BitReader, BitWriter, best_low_bits, signed_from_unsigned, unsigned_from_signed,
@@ -154,33 +162,45 @@ fn predictors(clusters: &[Cluster], [staying, new]: [u16; 2]) -> Vec<[u16; 3]> {
     let mut from: Vec<[u16; 3]> = (0..new).map(|it| [it.saturating_sub(1); 3]).collect();
     let mut is_told = vec![false; usize::from(new)];
     for cluster in clusters {
-        let new_of = |corner: u8| cluster.vertices[usize::from(corner)].wrapping_sub(staying);
-        // The vertices of the cluster that no cluster before has, and no triangle yet.
-        let mut is_untold = [false; MOST_OF_CLUSTER];
-        for (vertex, is_untold) in cluster.vertices.iter().zip(&mut is_untold) {
-            let vertex = usize::from(vertex.wrapping_sub(staying));
-            if let Some(is_told) = is_told.get_mut(vertex) {
-                *is_untold = !*is_told;
-                *is_told = true;
-            }
-        }
-        let mut before = [0; 3];
-        for triangle in &cluster.triangles {
-            let [a, b, c] = *triangle;
-            if triangle.iter().any(|it| is_untold[usize::from(*it)]) {
-                for [at, one, other] in [[a, b, c], [b, c, a], [c, a, b]] {
-                    if core::mem::take(&mut is_untold[usize::from(at)]) {
-                        let vertex = new_of(at);
-                        let others = [one, other].map(new_of);
-                        let from = &mut from[usize::from(vertex)];
-                        *from = predictor(vertex, others, before.map(new_of)).unwrap_or(*from);
-                    }
-                }
-            }
-            before = *triangle;
-        }
+        let is_first = first_named(cluster, staying, &mut is_told);
+        tell(cluster, staying, is_first, &mut from);
     }
     from
+}
+
+/// Which vertices of a cluster are new and in no cluster before.
+fn first_named(cluster: &Cluster, staying: u16, is_told: &mut [bool]) -> [bool; MOST_OF_CLUSTER] {
+    let mut is_first = [false; MOST_OF_CLUSTER];
+    for (vertex, is_first) in cluster.vertices.iter().zip(&mut is_first) {
+        let new = usize::from(vertex.wrapping_sub(staying));
+        if let Some(is_told) = is_told.get_mut(new) {
+            *is_first = !core::mem::replace(is_told, true);
+        }
+    }
+    is_first
+}
+
+/// Tells the vertices that a cluster is the first to have from others of its triangles.
+fn tell(
+    cluster: &Cluster,
+    staying: u16,
+    mut is_untold: [bool; MOST_OF_CLUSTER],
+    from: &mut [[u16; 3]],
+) {
+    let new_of = |corner: u8| cluster.vertices[usize::from(corner)].wrapping_sub(staying);
+    let mut before = [0; 3];
+    for triangle in &cluster.triangles {
+        let [a, b, c] = *triangle;
+        for [at, one, other] in [[a, b, c], [b, c, a], [c, a, b]] {
+            if core::mem::take(&mut is_untold[usize::from(at)]) {
+                let vertex = new_of(at);
+                let found = predictor(vertex, [one, other].map(new_of), before.map(new_of));
+                let from = &mut from[usize::from(vertex)];
+                *from = found.unwrap_or(*from);
+            }
+        }
+        before = *triangle;
+    }
 }
 
 fn predictor(vertex: u16, [a, b]: [u16; 2], before: [u16; 3]) -> Option<[u16; 3]> {
