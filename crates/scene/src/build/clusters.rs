@@ -22,7 +22,7 @@ const PART: usize = 1 << 14;
 
 /// Triangles that are shown or hidden together.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Cluster {
+pub(super) struct GraphCluster {
     /// Vertices of the mesh.
     pub vertices: Vec<u32>,
     /// Triangles, by place in `vertices`.
@@ -33,7 +33,7 @@ pub(super) struct Cluster {
     pub stuck: u8,
 }
 
-impl Cluster {
+impl GraphCluster {
     /// The corners of its triangles, as vertices of the mesh.
     pub(super) fn corners(&self) -> impl Iterator<Item = u32> {
         let corners = self.triangles.as_flattened().iter();
@@ -68,7 +68,7 @@ impl Part {
     }
 
     /// The clusters that some of its triangles, named by corners, fall into.
-    pub(super) fn clusters(&self, corners: &[u32]) -> Vec<Cluster> {
+    pub(super) fn clusters(&self, corners: &[u32]) -> Vec<GraphCluster> {
         let positions = adapter(&self.positions);
         let meshlets = meshopt::build_meshlets_flex(
             corners, &positions, VERTICES, FEWEST, TRIANGLES, 0.0, SPLIT,
@@ -78,7 +78,7 @@ impl Part {
             let mut triangles = meshlet.triangles.to_vec();
             meshopt::optimize_meshlet_level(&mut vertices, &mut triangles, ORDER_LEVEL);
             let vertices = vertices.iter().map(|it| self.vertices[*it as usize]);
-            Cluster {
+            GraphCluster {
                 vertices: vertices.collect(),
                 triangles: triangles.as_chunks().0.to_vec(),
                 ..Default::default()
@@ -99,7 +99,7 @@ pub(super) fn adapter(positions: &[[f32; 3]]) -> VertexDataAdapter<'_> {
 }
 
 /// The clusters of a whole mesh.
-pub(super) fn of_source(mesh: &GridMesh) -> Vec<Cluster> {
+pub(super) fn of_source(mesh: &GridMesh) -> Vec<GraphCluster> {
     let middle = |triangle: &[u32; 3]| {
         let places = triangle.map(|it| mesh.vertices[it as usize].place.map(u32::from));
         let along = |axis: usize| places.iter().map(|place| place[axis]).sum();
@@ -112,7 +112,7 @@ pub(super) fn of_source(mesh: &GridMesh) -> Vec<Cluster> {
 
 /// The clusters of triangles, with their middles: halved along the longest axis until they are
 /// few, so that many threads can work on them.
-fn of_triangles(mesh: &GridMesh, triangles: &mut [([u32; 3], [u32; 3])]) -> Vec<Cluster> {
+fn of_triangles(mesh: &GridMesh, triangles: &mut [([u32; 3], [u32; 3])]) -> Vec<GraphCluster> {
     if triangles.len() <= PART {
         let corners = triangles.iter().flat_map(|(_, corners)| *corners);
         let part = Part::new(mesh, corners, triangles.len());

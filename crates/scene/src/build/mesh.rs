@@ -2,7 +2,7 @@
 //!
 //! All that follows is about the mesh on the grid: its errors, too, are measured from there.
 
-use super::BuildError;
+use super::built::BuildError;
 use super::numbering::IntegerMap;
 use crate::source::{Material, Source, SourceMesh, SourceObject};
 use foveal_core::content::mesh::octahedral::octahedral_from_direction;

@@ -13,16 +13,20 @@
 //! 3. For each cluster: the number of its vertices, that of its triangles, and the length of its
 //!    stream: in one byte, or in two, of which the first adds 128 to the low seven bits.
 //! 4. For each cluster its triangles: meshoptimizer's meshlet codec, without vertices.
-//! 5. Bits, lowest first, up to a whole byte: which vertices clusters have, then where new ones lie.
+//! 5. Bits, lowest first, up to a whole byte: which vertices clusters have, and where new ones lie,
+//!    as `payload/vertices.rs` says.
 //! 6. Normals and colours: meshoptimizer's vertex codec, four bytes of each that there is.
 
 mod bits;
+mod cluster;
 #[cfg(test)]
 mod tests;
 mod vertices;
 
 use crate::pack::PackError;
 use bits::{BitReader, BitWriter};
+use cluster::wrong;
+pub use cluster::{Cluster, MOST_OF_CLUSTER, MeshVertex};
 use meshoptimizer_rs::codec::{
     VertexEncoding, decode_meshlet_into, decode_vertex_buffer_into, encode_meshlet,
     encode_vertex_buffer,
@@ -35,8 +39,6 @@ const VERSION: u8 = 1;
 const HEAD_BYTES: usize = 7;
 /// Most clusters of a unit.
 pub const MOST_CLUSTERS: usize = 16;
-/// Most vertices, and most triangles, of a cluster.
-pub const MOST_OF_CLUSTER: usize = 128;
 
 /// A cluster that came with another unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -45,36 +47,6 @@ pub struct ClusterRef {
     pub need: u8,
     /// Its number there.
     pub cluster: u8,
-}
-
-/// A vertex on the grid of its object.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct MeshVertex {
-    /// Place on the grid.
-    pub place: [u16; 3],
-    /// Normal, octahedral; zeros where the object has none.
-    pub normal: [i8; 2],
-    /// Colour: red, green and blue as sRGB codes, and alpha; zeros where the object has none.
-    pub colour: [u8; 4],
-}
-
-impl MeshVertex {
-    /// A vertex that has a place alone.
-    fn at(place: [u16; 3]) -> Self {
-        Self {
-            place,
-            ..Default::default()
-        }
-    }
-}
-
-/// Triangles that are shown or hidden together.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Cluster {
-    /// The vertices by number: first those that stay, then the new ones of the unit.
-    pub vertices: Vec<u16>,
-    /// Triangles, by place in `vertices`, counter-clockwise seen from outside.
-    pub triangles: Vec<[u8; 3]>,
 }
 
 /// What one unit says.
@@ -329,14 +301,6 @@ impl<'a> Reader<'a> {
         })?;
         self.bytes = rest;
         Ok(taken)
-    }
-}
-
-fn wrong(what: &str, found: impl ToString, expected: impl ToString) -> PackError {
-    PackError {
-        field: format!("mesh unit, {what}"),
-        found: found.to_string(),
-        expected: expected.to_string(),
     }
 }
 

@@ -13,7 +13,7 @@
 use super::bits::{
     BitReader, BitWriter, best_low_bits, signed_from_unsigned, unsigned_from_signed,
 };
-use super::{Cluster, MOST_OF_CLUSTER, wrong};
+use super::cluster::{Cluster, MOST_OF_CLUSTER, wrong};
 use crate::pack::PackError;
 
 /// Bits of a number of low bits.
