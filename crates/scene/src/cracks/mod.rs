@@ -20,7 +20,7 @@ use foveal_core::view::random::Random;
 use parity::{Chains, Parity};
 
 /// How often a foveated cut with fewer than three levels is tried again with another threshold.
-const TRIES: u32 = 8;
+const TRIES: u32 = 32;
 
 /// Which cuts are checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,9 +111,9 @@ pub fn check_cuts<E: From<PackError>>(
 
 /// A cut as an eye somewhere needs it, with at least three levels where there are as many.
 fn foveated<'a>(chains: &'a Chains, rows: &[(u8, UnitRow)], random: &mut Random) -> Parity<'a> {
-    let scores = eyes::scores(rows, random);
     let mut best = Parity::new(chains);
     for _ in 0..TRIES {
+        let scores = eyes::scores(rows, random);
         let chosen = eyes::closed_above(rows, &scores, random);
         let mut parity = Parity::new(chains);
         chosen.into_iter().for_each(|unit| parity.insert(unit));
