@@ -19,7 +19,7 @@ use foveal_core::pack::unit::UnitId;
 use foveal_core::view::random::Random;
 use parity::{Chains, Parity};
 
-/// How often a foveated cut with fewer than three levels is tried again with another threshold.
+/// How often a foveated cut with fewer than three levels is tried again by another eye.
 const TRIES: u32 = 32;
 
 /// Which cuts are checked.
