@@ -1,6 +1,6 @@
 //! Which groups does a mesh become, from its source to its roots?
 
-use super::clusters::{self, Cluster};
+use super::clusters::{self, GraphCluster};
 use super::groups::{locked, partition};
 use super::mesh::GridMesh;
 use super::simplify::{Simplified, simplify};
@@ -32,7 +32,7 @@ pub(super) struct Group {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Graph {
     /// All clusters.
-    pub clusters: Vec<Cluster>,
+    pub clusters: Vec<GraphCluster>,
     /// The group that each cluster is a fine one of.
     pub group_of: Vec<u32>,
     /// All groups, finest first; the last are the roots.
@@ -77,7 +77,7 @@ pub(super) fn build(mesh: &GridMesh, step: &(dyn Fn(u64) + Sync)) -> Graph {
 }
 
 impl Graph {
-    fn cluster(&self, number: u32) -> &Cluster {
+    fn cluster(&self, number: u32) -> &GraphCluster {
         &self.clusters[number as usize]
     }
 
@@ -98,7 +98,7 @@ impl Graph {
             sphere,
         });
         self.clusters
-            .extend(it.clusters.into_iter().map(|cluster| Cluster {
+            .extend(it.clusters.into_iter().map(|cluster| GraphCluster {
                 made_by: Some(number),
                 ..cluster
             }));

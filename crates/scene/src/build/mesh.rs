@@ -2,13 +2,13 @@
 //!
 //! All that follows is about the mesh on the grid: its errors, too, are measured from there.
 
-use super::BuildError;
+use super::built::BuildError;
+use super::numbering::IntegerMap;
 use crate::source::{Material, Source, SourceMesh, SourceObject};
 use foveal_core::content::mesh::octahedral::octahedral_from_direction;
 use foveal_core::content::mesh::payload::{Attributes, MeshVertex};
 use foveal_core::content::scene::description::{Bounds, Grid, SceneObject};
 use glam::DVec3;
-use std::collections::HashMap;
 
 /// A mesh on the grid of its object.
 #[derive(Clone, Debug)]
@@ -126,10 +126,23 @@ fn grid_of(positions: &[DVec3], bits: u8) -> Grid {
 
 /// For each vertex the first with the same place.
 fn same_place(vertices: &[MeshVertex]) -> Vec<u32> {
-    let mut first = HashMap::with_capacity(vertices.len());
+    let mut first = IntegerMap::default();
+    first.reserve(vertices.len());
     let places = vertices.iter().zip(0_u32..);
-    let places = places.map(|(vertex, number)| *first.entry(vertex.place).or_insert(number));
-    places.collect()
+    let first = places.map(|(vertex, number)| {
+        // The place lies in the low bits.
+        let place = key(vertex) as u64 & ((1 << 48) - 1);
+        *first.entry(place).or_insert(number)
+    });
+    first.collect()
+}
+
+/// All of a vertex in one number.
+fn key(vertex: &MeshVertex) -> u128 {
+    let [x, y, z] = vertex.place.map(u128::from);
+    let [u, v] = vertex.normal.map(|it| u128::from(it as u8));
+    let colour = u128::from(u32::from_le_bytes(vertex.colour));
+    x | y << 16 | z << 32 | u << 48 | v << 56 | colour << 64
 }
 
 /// What the surface of a mesh looks like.
@@ -176,7 +189,7 @@ struct Welder<'a> {
     looks: &'a Looks<'a>,
     /// The vertices of the mesh as they were last welded: the material, and the number.
     last: Vec<Option<(u32, u32)>>,
-    numbers: HashMap<MeshVertex, u32>,
+    numbers: IntegerMap<u128, u32>,
     vertices: Vec<MeshVertex>,
 }
 
@@ -187,7 +200,7 @@ impl<'a> Welder<'a> {
             grid,
             looks,
             last: vec![None; mesh.positions.len()],
-            numbers: HashMap::with_capacity(mesh.positions.len()),
+            numbers: IntegerMap::default(),
             vertices: Vec::with_capacity(mesh.positions.len()),
         }
     }
@@ -202,7 +215,7 @@ impl<'a> Welder<'a> {
         }
         let vertex = self.vertex(at, material);
         let next = self.vertices.len() as u32;
-        let number = *self.numbers.entry(vertex).or_insert(next);
+        let number = *self.numbers.entry(key(&vertex)).or_insert(next);
         if number == next {
             self.vertices.push(vertex);
         }

@@ -1,6 +1,6 @@
 //! Which units does an eye somewhere near an object need?
 
-use super::Random;
+use super::random::Random;
 use foveal_core::content::scene::unit_table::UnitRow;
 use glam::{DVec3, Vec3};
 

@@ -4,21 +4,21 @@
 //! does whatever cut of units whose borders fit. Where they do not, edges have a triangle on one
 //! side only.
 
+mod edges;
 mod eyes;
 mod parity;
+mod random;
 #[cfg(test)]
 mod tests;
 
+pub use edges::odd_edges;
 use foveal_core::content::mesh::cut::MeshCut;
 use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::pack::PackError;
 use foveal_core::pack::unit::UnitId;
 use parity::{Chains, Parity};
-use std::collections::HashMap;
-
-/// A place on the grid of an object.
-type Place = [u16; 3];
+use random::Random;
 
 /// How often a foveated cut with fewer than three levels is tried again with another threshold.
 const TRIES: u32 = 8;
@@ -51,26 +51,6 @@ pub struct CutReport {
     pub orders: u32,
     /// Fewest levels that any foveated cut drew clusters of; 0 without cuts.
     pub levels_in_cut_min: u32,
-}
-
-/// Number of odd edges: an edge, named by its two places on the grid, is odd when an odd number of
-/// triangles with three different places has it.
-pub fn odd_edges(triangles: impl Iterator<Item = [[u16; 3]; 3]>) -> u64 {
-    let mut odd = HashMap::new();
-    for [a, b, c] in triangles.filter(|it| has_area(it)) {
-        for edge in [edge(a, b), edge(b, c), edge(c, a)] {
-            *odd.entry(edge).or_insert(false) ^= true;
-        }
-    }
-    odd.values().filter(|is_odd| **is_odd).count() as u64
-}
-
-fn has_area([a, b, c]: &[Place; 3]) -> bool {
-    a != b && b != c && c != a
-}
-
-fn edge(a: Place, b: Place) -> [Place; 2] {
-    [a.min(b), a.max(b)]
 }
 
 /// Counts odd edges of many cuts of a scene, given the level and row of each unit.
@@ -200,25 +180,4 @@ fn shuffled(count: usize, random: &mut Random) -> Vec<usize> {
         order.swap(place, random.below(place + 1));
     }
     order
-}
-
-/// SplitMix64 (Steele et al. 2014, "Fast splittable pseudorandom number generators").
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ mixed >> 31
-    }
-
-    /// From 0 to below 1.
-    fn unit_interval(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.next() % count as u64) as usize
-    }
 }
