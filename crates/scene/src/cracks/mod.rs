@@ -7,7 +7,6 @@
 mod edges;
 mod eyes;
 mod parity;
-mod random;
 #[cfg(test)]
 mod tests;
 
@@ -17,11 +16,11 @@ use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::pack::PackError;
 use foveal_core::pack::unit::UnitId;
+use foveal_core::view::random::Random;
 use parity::{Chains, Parity};
-use random::Random;
 
-/// How often a foveated cut with fewer than three levels is tried again with another threshold.
-const TRIES: u32 = 8;
+/// How often a foveated cut with fewer than three levels is tried again by another eye.
+const TRIES: u32 = 32;
 
 /// Which cuts are checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +71,7 @@ pub fn check_cuts<E: From<PackError>>(
     }
     let chains = Chains::new(&cut, rows);
     drop(cut);
-    let mut random = Random(trial.seed);
+    let mut random = Random::new(trial.seed);
     let mut report = CutReport {
         cuts: trial.cuts,
         orders: trial.orders,
@@ -112,9 +111,9 @@ pub fn check_cuts<E: From<PackError>>(
 
 /// A cut as an eye somewhere needs it, with at least three levels where there are as many.
 fn foveated<'a>(chains: &'a Chains, rows: &[(u8, UnitRow)], random: &mut Random) -> Parity<'a> {
-    let scores = eyes::scores(rows, random);
     let mut best = Parity::new(chains);
     for _ in 0..TRIES {
+        let scores = eyes::scores(rows, random);
         let chosen = eyes::closed_above(rows, &scores, random);
         let mut parity = Parity::new(chains);
         chosen.into_iter().for_each(|unit| parity.insert(unit));
@@ -131,9 +130,9 @@ fn foveated<'a>(chains: &'a Chains, rows: &[(u8, UnitRow)], random: &mut Random)
 /// A random set of units.
 fn any_set<'a>(chains: &'a Chains, random: &mut Random) -> Parity<'a> {
     let mut parity = Parity::new(chains);
-    let part = random.unit_interval();
+    let part = random.unit();
     for unit in 0..chains.units() {
-        if random.unit_interval() < part {
+        if random.unit() < part {
             parity.insert(unit);
         }
     }
@@ -167,7 +166,7 @@ fn order(rows: &[(u8, UnitRow)], random: &mut Random) -> Vec<usize> {
         free(root, &mut waits, &mut ready);
     }
     while !ready.is_empty() {
-        let unit = ready.swap_remove(random.below(ready.len()));
+        let unit = ready.swap_remove(below(ready.len(), random));
         order.push(unit);
         free(unit, &mut waits, &mut ready);
     }
@@ -177,7 +176,12 @@ fn order(rows: &[(u8, UnitRow)], random: &mut Random) -> Vec<usize> {
 fn shuffled(count: usize, random: &mut Random) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).collect();
     for place in (1..count).rev() {
-        order.swap(place, random.below(place + 1));
+        order.swap(place, below(place + 1, random));
     }
     order
+}
+
+/// A number from 0 to below `count`.
+fn below(count: usize, random: &mut Random) -> usize {
+    (random.unit() * count as f64) as usize
 }

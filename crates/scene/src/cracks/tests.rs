@@ -83,7 +83,7 @@ fn odd_edges_are_those_of_what_is_drawn() {
         let all = cut_of(&built, &rows, rows.len());
         let chains = super::Chains::new(&all, &rows);
         let mut parity = super::Parity::new(&chains);
-        let mut random = super::Random(3);
+        let mut random = super::Random::new(3);
         let order = super::order(&rows, &mut random);
         assert_eq!(order.len(), rows.len());
         for (place, unit) in order.into_iter().enumerate() {
