@@ -114,7 +114,10 @@ fn a_generated_corpus_of_damaged_scenes_never_panics() {
     let end = good.iter().rposition(|byte| *byte == b'}').unwrap() + 1;
     let chunks = good.iter().rposition(|byte| *byte == b' ').unwrap();
     for _ in 0..4000 {
-        let written = [damaged(&good[..end], &mut random), good[end..chunks].to_vec()];
+        let written = [
+            damaged(&good[..end], &mut random),
+            good[end..chunks].to_vec(),
+        ];
         let bad = [written.concat(), damaged(&good[chunks..], &mut random)];
         for mut bad in [bad.concat(), [&good[..chunks], &bad[1]].concat()] {
             let _ = parse_anything(&bad);
@@ -122,7 +125,10 @@ fn a_generated_corpus_of_damaged_scenes_never_panics() {
             accepted += usize::from(parse_anything(&bad));
         }
     }
-    assert!(accepted > 500, "only {accepted} of 8000 were read to the end");
+    assert!(
+        accepted > 500,
+        "only {accepted} of 8000 were read to the end"
+    );
 }
 
 #[test]
@@ -172,5 +178,7 @@ fn print() {
     let rows: Vec<UnitRow> = units().map(|(row, _)| row).to_vec();
     let hex = |b: &[u8]| b.iter().map(|x| format!("{x:02x}")).collect::<String>();
     println!("TABLE {}", hex(&write_units(&rows, 64, &numbers)));
-    for (_, u) in units() { println!("UNIT {}", hex(&u.write(ATTRIBUTES).unwrap())); }
+    for (_, u) in units() {
+        println!("UNIT {}", hex(&u.write(ATTRIBUTES).unwrap()));
+    }
 }

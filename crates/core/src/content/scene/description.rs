@@ -152,8 +152,13 @@ impl SceneDescription {
     /// The bytes are no JSON of a scene, it needs more than this program understands, or a number
     /// is out of range.
     pub fn parse(json: &[u8]) -> Result<Self, PackError> {
-        let wrong =
-            |error| PackError::new("description", error, "a scene, as docs/formats/pack.md says");
+        let wrong = |error| {
+            PackError::new(
+                "description",
+                error,
+                "a scene, as docs/formats/pack.md says",
+            )
+        };
         let needs: Needs = serde_json::from_slice(json).map_err(wrong)?;
         needs.check()?;
         let about: Self = serde_json::from_slice(json).map_err(wrong)?;

@@ -10,7 +10,8 @@ use crate::pack::{
 };
 use serde::Deserialize;
 
-/// Most units, each counted in every place where its object stands: a reader keeps a sphere of each.
+/// Most units, each counted in every place where its object stands: a reader keeps a sphere of
+/// each.
 const MOST_STANDS: u64 = 1 << 24;
 
 /// Description, index and table of units of a scene pack: everything but the chunks.
@@ -105,7 +106,9 @@ impl ScenePack {
                 let expected = format!("fewer than {objects}");
                 return wrong("object", row.object.to_string(), expected);
             }
-            stands += self.description.objects[usize::from(row.object)].placements.len() as u64;
+            stands += self.description.objects[usize::from(row.object)]
+                .placements
+                .len() as u64;
             if stands > MOST_STANDS {
                 let expected = format!("at most {MOST_STANDS}");
                 return wrong("units in all places", stands.to_string(), expected);
