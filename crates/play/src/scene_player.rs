@@ -4,6 +4,7 @@
 //! whoever plays gives.
 
 use crate::error::PlayError;
+use crate::step::decide;
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::PolicyConfig;
@@ -154,7 +155,7 @@ impl ScenePlayer {
         let (mut unit_bytes, mut page_bytes, mut choose) = (0, 0, Duration::ZERO);
         for round in 0..MOST_ROUNDS {
             let choosing = Instant::now();
-            let actions = self.session.step(&now);
+            let actions = decide(&mut self.session, &now);
             if round == 0 {
                 choose = choosing.elapsed();
             }

@@ -8,7 +8,7 @@ use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
 use foveal_core::pack::unit::UnitId;
 use foveal_scene::build::{BuildOptions, Built, build};
 use foveal_scene::cracks::{CutTrial, check_cuts};
-use foveal_scene::source::{Source, SourceMesh, SourceObject};
+use foveal_scene::source::{SourceMesh, SourceObject, SourceScene};
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         mesh: 0,
         placements: vec![DAffine3::IDENTITY],
     };
-    let source = Source {
+    let source = SourceScene {
         objects: vec![object],
         meshes: vec![mesh],
         ..Default::default()

@@ -1,6 +1,6 @@
 //! What draws a scene's units: the GPU, its CPU twin, or nothing?
 
-use crate::drawer::{DrawDevice, DrawnPicture};
+use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;

@@ -4,10 +4,10 @@
 
 use super::built::BuildError;
 use super::numbering::IntegerMap;
-use crate::source::{Material, Source, SourceMesh, SourceObject};
+use crate::source::{Material, SourceMesh, SourceObject, SourceScene};
 use foveal_core::content::mesh::octahedral::octahedral_from_direction;
 use foveal_core::content::mesh::payload::{Attributes, MeshVertex};
-use foveal_core::content::scene::description::{Bounds, Grid, SceneObject};
+use foveal_core::content::scene::description::{Grid, ObjectBounds, SceneObject};
 use glam::DVec3;
 
 /// A mesh on the grid of its object.
@@ -27,7 +27,7 @@ pub(super) struct GridMesh {
 
 /// Puts the mesh of an object on a grid.
 pub(super) fn grid_mesh(
-    source: &Source,
+    source: &SourceScene,
     object: &SourceObject,
     bits: u8,
 ) -> Result<GridMesh, BuildError> {
@@ -76,7 +76,7 @@ pub(super) fn grid_mesh(
     })
 }
 
-fn check(source: &Source, mesh: &SourceMesh) -> Result<(), &'static str> {
+fn check(source: &SourceScene, mesh: &SourceMesh) -> Result<(), &'static str> {
     let count = mesh.positions.len();
     let fits = |length: usize, all: usize| length == 0 || length == all;
     if u32::try_from(count).is_err() || u32::try_from(3 * mesh.triangles.len()).is_err() {
@@ -155,7 +155,7 @@ struct Looks<'a> {
 }
 
 impl<'a> Looks<'a> {
-    fn of(source: &'a Source, mesh: &SourceMesh) -> Self {
+    fn of(source: &'a SourceScene, mesh: &SourceMesh) -> Self {
         let materials = &source.materials[..];
         let first = mesh.materials.first().copied().unwrap_or(0);
         let mut used = vec![first];
@@ -251,7 +251,7 @@ fn codes_from_linear([r, g, b, alpha]: [f32; 4]) -> [u8; 4] {
 }
 
 /// A small sphere round vertices.
-fn bounds_of(vertices: &[MeshVertex], grid: &Grid) -> Bounds {
+fn bounds_of(vertices: &[MeshVertex], grid: &Grid) -> ObjectBounds {
     let places: Vec<[f32; 3]> = vertices.iter().map(|it| it.place.map(f32::from)).collect();
     let adapter = meshopt::PositionDataAdapter {
         data: meshopt::typed_to_bytes(&places),
@@ -265,7 +265,7 @@ fn bounds_of(vertices: &[MeshVertex], grid: &Grid) -> Bounds {
     let reach = vertices
         .iter()
         .map(|it| (grid.at(it.place) - centre).length());
-    Bounds {
+    ObjectBounds {
         centre: centre.to_array(),
         radius: reach.fold(0.0, f64::max),
     }

@@ -17,7 +17,7 @@ mod units;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use crate::source::{Repairs, Source};
+use crate::source::{Repairs, SourceScene};
 pub use built::{BuildError, BuildOptions, Built, BuiltUnit};
 use foveal_core::content::scene::description::GRID_BITS;
 use rayon::prelude::*;
@@ -37,7 +37,7 @@ const MOST_OBJECTS: usize = 4096;
 /// # Example
 /// ```
 /// use foveal_scene::build::{BuildOptions, build};
-/// use foveal_scene::source::{Source, SourceMesh, SourceObject};
+/// use foveal_scene::source::{SourceScene, SourceMesh, SourceObject};
 /// use glam::{DAffine3, DVec3};
 ///
 /// let mesh = SourceMesh {
@@ -47,13 +47,13 @@ const MOST_OBJECTS: usize = 4096;
 /// };
 /// let placements = vec![DAffine3::IDENTITY];
 /// let object = SourceObject { name: "triangle".to_owned(), mesh: 0, placements };
-/// let source = Source { objects: vec![object], meshes: vec![mesh], ..Default::default() };
+/// let source = SourceScene { objects: vec![object], meshes: vec![mesh], ..Default::default() };
 /// let built = build(&source, &BuildOptions::default(), &|_, _| ())?;
 /// assert_eq!(built.units.len(), 1);
 /// # Ok::<(), foveal_scene::build::BuildError>(())
 /// ```
 pub fn build(
-    source: &Source,
+    source: &SourceScene,
     options: &BuildOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Built, BuildError> {
@@ -70,7 +70,7 @@ pub fn build(
 }
 
 fn build_here(
-    source: &Source,
+    source: &SourceScene,
     options: &BuildOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Built, BuildError> {

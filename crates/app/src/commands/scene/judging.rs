@@ -23,7 +23,7 @@ use std::sync::Arc;
 /// How far a picture is from full detail: root mean square of the difference of linear luminance,
 /// over the mean.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Judged {
+pub(crate) struct JudgedFrame {
     /// In the disc round the gaze.
     pub(crate) fovea: f64,
     /// Over the whole picture.
@@ -35,7 +35,7 @@ pub(crate) struct Judge {
     whole: Option<ScenePlayer>,
     /// What the whole looks like, from the view that it was drawn for last.
     drawn: Option<(EyeView, RgbaImage)>,
-    last: Option<(EyeView, foveal_core::gaze::sample::GazeSample, Judged)>,
+    last: Option<(EyeView, foveal_core::gaze::sample::GazeSample, JudgedFrame)>,
     scoring: Option<Scoring>,
 }
 
@@ -87,7 +87,7 @@ impl Judge {
         player: &mut ScenePlayer,
         standing: &Standing,
         report: &SceneReport,
-    ) -> anyhow::Result<Option<Judged>> {
+    ) -> anyhow::Result<Option<JudgedFrame>> {
         let Some(whole) = &mut self.whole else {
             return Ok(None);
         };
@@ -116,7 +116,7 @@ impl Judge {
             Radians::from_degrees(FOVEA_DEG),
         );
         let pixels = test.pixels.len() / 4;
-        let judged = Judged {
+        let judged = JudgedFrame {
             fovea: error_over(fovea.into_iter(), &test.pixels, &reference.pixels),
             all: error_over(0..pixels, &test.pixels, &reference.pixels),
         };

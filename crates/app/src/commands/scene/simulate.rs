@@ -1,10 +1,10 @@
 //! What does an eye get from a scene, and what did that take?
 
-use crate::commands::scene::judging::{Judge, Judged};
+use crate::commands::scene::judging::{Judge, JudgedFrame};
 use crate::commands::scene::moving::{Mover, route_of};
 use crate::commands::scene::scene_info::BytesByKind;
 use crate::commands::score::ScoreReport;
-use crate::commands::simulate::{Pictures, SimulateArgs};
+use crate::commands::simulate_options::{SimulateArgs, WrittenPictures};
 use crate::options::renderer::open_device;
 use crate::report::output::{self, WrongUsage};
 use crate::report::picture_file::write_png;
@@ -69,7 +69,7 @@ struct Frame {
     report: SceneReport,
     /// Triangles of what is drawn, in each place where it stands; 0 where nothing draws.
     triangles: u64,
-    judged: Option<Judged>,
+    judged: Option<JudgedFrame>,
 }
 
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
@@ -108,7 +108,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         let standing = mover.at(time, &config.perception);
         let report = player.show(time, &standing.moment)?;
         let judged = judge.frame(&mut player, &standing, &report)?;
-        if args.pictures == Pictures::Png && frame.is_multiple_of(args.every) {
+        if args.pictures == WrittenPictures::Png && frame.is_multiple_of(args.every) {
             write_picture(&mut player, args, frame, &standing.view)?;
         }
         let head = if frame == 0 { player.head_bytes() } else { 0 };
@@ -141,7 +141,7 @@ impl SimulateArgs {
                 "--heat-map: marks tiles, and a scene has none",
             ),
             (
-                self.pictures == Pictures::Video,
+                self.pictures == WrittenPictures::Video,
                 "--pictures video: scenes are written as png, or none",
             ),
             (

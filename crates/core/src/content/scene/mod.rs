@@ -1,5 +1,6 @@
 //! Scenes: objects of units that stand in space.
 
+mod content;
 pub mod demand;
 pub mod description;
 pub mod pack;

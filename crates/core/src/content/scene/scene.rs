@@ -1,14 +1,9 @@
-//! What do selection and sessions learn of a scene?
+//! Where do the units of a scene stand in the world?
 
-use super::demand::SceneDemand;
 use super::description::SceneObject;
 use super::pack::ScenePack;
 use super::sight::Sphere;
 use super::unit_table::UnitRow;
-use crate::content::demand::{Content, Demand};
-use crate::content::head::ContentHead;
-use crate::content::policy::{HasTables, PolicyConfig};
-use crate::content::unit::Unit;
 use crate::pack::unit::UnitId;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
@@ -16,7 +11,7 @@ use std::sync::Arc;
 /// A scene: its pack, and where its units are in the world.
 #[derive(Debug)]
 pub struct Scene {
-    name: String,
+    pub(super) name: String,
     pack: Arc<ScenePack>,
     /// For each place where a unit stands: its sphere and the error of what it is shown in place
     /// of, in metres.
@@ -99,8 +94,8 @@ impl Scene {
     }
 }
 
-/// Length of a side of the triangles that a unit is shown in place of: half as many as its own, over
-/// a disc of its sphere.
+/// Length of a side of the triangles that a unit is shown in place of: half as many as its own,
+/// over a disc of its sphere.
 fn coarse_side(row: &UnitRow) -> f64 {
     let radius = f64::from(row.radius);
     let triangles = f64::from(row.triangles.max(1));
@@ -145,69 +140,5 @@ fn bounds(spheres: &[Sphere]) -> Sphere {
     Sphere {
         centre,
         radius: reach.fold(0.0, f64::max),
-    }
-}
-
-impl Content for Scene {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn unit(&self, unit: UnitId) -> Unit {
-        let row = self.pack.row(unit);
-        Unit {
-            level: self.pack.level_of(unit),
-            bytes: Some(self.pack.entry(unit).bytes),
-            samples: u64::from(row.triangles),
-            gpu_bytes: row.gpu_bytes(),
-            frames: 0..1,
-        }
-    }
-
-    fn needs(&self, unit: UnitId) -> &[UnitId] {
-        &self.pack.row(unit).needs
-    }
-
-    fn base(&self, _frame: u32) -> Vec<UnitId> {
-        let units = self.pack.units();
-        let is_root = |unit: &UnitId| self.pack.level_of(*unit) == self.coarsest();
-        units.take_while(is_root).collect()
-    }
-
-    fn coarsest(&self) -> u8 {
-        self.pack.coarsest()
-    }
-
-    fn direction(&self, unit: UnitId, eye: DVec3) -> DVec3 {
-        let first = self.stands(unit).first();
-        let towards = first.map(|it| it.sphere.centre - eye).unwrap_or_default();
-        towards.normalize_or(DVec3::NEG_Z)
-    }
-
-    fn finest_samples(&self) -> u64 {
-        let objects = self.pack.description().objects.iter();
-        objects.map(|it| it.leaf_triangles).sum()
-    }
-
-    fn has(&self) -> HasTables {
-        HasTables {
-            signatures: true,
-            cues: false,
-        }
-    }
-
-    fn demand(self: Arc<Self>, _head: &ContentHead, config: &PolicyConfig) -> Box<dyn Demand> {
-        Box::new(SceneDemand::new(self, config))
-    }
-
-    fn head(&self) -> ContentHead {
-        let about = [
-            ("units".to_owned(), self.pack.len().into()),
-            (
-                "objects".to_owned(),
-                self.pack.description().objects.len().into(),
-            ),
-        ];
-        ContentHead::of_kind("scene", about.into_iter().collect())
     }
 }

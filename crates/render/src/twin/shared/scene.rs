@@ -8,7 +8,7 @@ use foveal_core::content::mesh::payload::MeshVertex;
 use glam::{Vec3, Vec4};
 
 /// What a view shows, and objects where they stand.
-pub(crate) struct Scene {
+pub(crate) struct SceneInView {
     pub(crate) params: SceneParams,
     pub(crate) placements: Vec<PlacementParams>,
 }

@@ -4,13 +4,13 @@ mod codecs;
 pub(crate) mod meshes;
 
 use super::{BuildOptions, Built, build};
-use crate::source::Source;
+use crate::source::SourceScene;
 use foveal_core::content::mesh::cut::MeshCut;
 use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
 use foveal_core::pack::unit::UnitId;
 use meshes::{fan, many_pieces, sheet, sphere, torus, triangle, two_materials};
 
-fn built(source: &Source) -> Built {
+fn built(source: &SourceScene) -> Built {
     build(source, &BuildOptions::default(), &|_, _| ()).unwrap()
 }
 
@@ -37,7 +37,7 @@ fn sorted(triangles: impl Iterator<Item = [MeshVertex; 3]>) -> Vec<[MeshVertex; 
     turned
 }
 
-fn all_meshes() -> Vec<(&'static str, Source)> {
+fn all_meshes() -> Vec<(&'static str, SourceScene)> {
     vec![
         ("torus", torus(96, 48)),
         ("sphere", sphere(64, 32)),
@@ -236,7 +236,7 @@ fn what_has_no_area_is_left_out_and_counted() {
 
 #[test]
 fn a_source_that_contradicts_itself_is_refused() {
-    let broken: [fn(&mut Source); 6] = [
+    let broken: [fn(&mut SourceScene); 6] = [
         |it| it.meshes[0].triangles.push([0, 1, 3]),
         |it| it.meshes[0].normals.push([0.0; 3]),
         |it| it.meshes[0].materials.push(7),
