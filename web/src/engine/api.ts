@@ -95,14 +95,18 @@ export function firstPolicy(
 
 /** What is known of a pack once its beginning is there. */
 export interface PackFacts {
-  readonly projection: "flat" | "cube";
-  /** Pixels of the content, or of a face, at the finest level. */
+  /** Pictures, one or many, or what an eye flies through. */
+  readonly kind: "video" | "scene";
+  /** Null for a scene. */
+  readonly projection: "flat" | "cube" | null;
+  /** Pixels of the content, or of a face, at the finest level; zeros for a scene. */
   readonly size: readonly [number, number];
-  /** Faces of a cube, an eye; 1 for flat content. */
+  /** Faces of a cube, an eye; 1 for flat content, 0 for a scene. */
   readonly faces: number;
   /** Eyes with pictures of their own. */
   readonly eyes: 1 | 2;
   readonly levels: number;
+  /** Empty for a scene. */
   readonly codec: string;
   readonly frames: number;
   /** Length of a round. */
@@ -111,6 +115,8 @@ export interface PackFacts {
   readonly bytes: number;
   /** What the pack was made from. */
   readonly name: string;
+  /** Triangles of a scene at its finest; 0 for video. */
+  readonly triangles: number;
   /** What draws: without a graphics device, the processor draws the coarsest level. */
   readonly drawing: "gpu" | "software";
   /** The policies that this pack has the tables for. */
