@@ -12,7 +12,8 @@ impl WindowPlayer {
     pub(super) fn keys(&self) -> Vec<KeyLine> {
         let style = self.live.style();
         let does = |needs| match needs {
-            Needs::Nothing => true,
+            Needs::Nothing | Needs::Video => true,
+            Needs::Scene => false,
             Needs::Frames => !self.live.session().timeline().is_still(),
             Needs::Heard => self.sound.is_some(),
             Needs::TwoEyes => self.two_eyes,

@@ -133,6 +133,7 @@ impl WindowPlayer {
                 navigation.zoom_by(factor, middle, pane);
             }
             Action::Reset => navigation.reset(),
+            Action::Fly(towards) => navigation.step(towards, pane),
             Action::Policy(by) => self.next_policy(by, now),
             Action::Target(by) => self.next_target(by, now),
             Action::Blur | Action::Interpolation | Action::Textures => {
