@@ -5,7 +5,7 @@
 use crate::headset_eye::EyeRequest;
 use crate::looking::Looking;
 use crate::options::Options;
-use crate::pack_in_parts::PackInParts;
+use crate::pack_in_parts::{ContentInParts, PackInParts};
 use foveal_core::content::asked::{Detail, next_target};
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{Policy, PolicyConfig};
@@ -19,6 +19,7 @@ use foveal_core::session::unit_states::Piece;
 use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::flight::Steering;
 use foveal_core::view::navigation::{Pane, Shown};
 use foveal_core::view::surface::Screen;
 use foveal_render::{DrawDevice, Drawer, Gpu, Overlay, RenderError};
@@ -261,6 +262,23 @@ impl PagePlayer {
         Ok(())
     }
 
+    /// Flies, or no longer flies, through a scene along a direction of the head: to the right, up
+    /// and ahead, or against these where a number is negative.
+    pub fn fly(&mut self, towards: [f64; 3], is_held: bool, is_hurried: bool, now: Seconds) {
+        let pane = self.pane();
+        let navigation = &mut self.viewer.navigation;
+        let mut steering = navigation.steering().with(towards, is_held);
+        steering.is_hurried = is_hurried;
+        navigation.steer(steering, &pane, now);
+    }
+
+    /// Stays where it is in a scene.
+    pub fn stop_flying(&mut self, now: Seconds) {
+        let pane = self.pane();
+        let navigation = &mut self.viewer.navigation;
+        navigation.steer(Steering::default(), &pane, now);
+    }
+
     /// Whether the content moves.
     pub fn is_moving(&self) -> bool {
         self.viewer.is_moving(&self.session)
@@ -279,6 +297,7 @@ impl PagePlayer {
             0
         };
         let pane = self.pane();
+        self.viewer.navigation.fly_on(&pane, now);
         let moment = self.look(now, &pane);
         let actions = self
             .session
@@ -368,7 +387,11 @@ impl PagePlayer {
     /// The view of an eye of a headset, which levels follow from now on; `None` where the numbers
     /// are none of an eye.
     pub(crate) fn eye_view(&mut self, request: &EyeRequest, now: Seconds) -> Option<EyeView> {
-        let view = request.view()?;
+        let start = match &self.pack.content {
+            ContentInParts::Video(_) => None,
+            ContentInParts::Scene(_) => Some(self.shown().view.position),
+        };
+        let view = request.view(start)?;
         let right = usize::from(request.eye == foveal_core::view::surface::Eye::Right);
         self.eyes[right] = Some(view);
         self.asked = now.0;

@@ -288,8 +288,8 @@ impl Show {
     }
 
     /// Draws what an eye of a headset sees onto a canvas of its own size: x, y, z, w of its
-    /// orientation, then its tangents to the left, right, top and bottom. `false` before the first
-    /// picture.
+    /// orientation, its tangents to the left, right, top and bottom, then its place in metres from
+    /// where the head began. `false` before the first picture.
     #[wasm_bindgen(js_name = drawEye)]
     pub fn draw_eye(
         &mut self,
@@ -298,12 +298,15 @@ impl Show {
         eye: &[f64],
         now: f64,
     ) -> Outcome<bool> {
-        let &[x, y, z, w, left, right, up, down] = eye else {
-            return Err(refused("an eye is eight numbers"));
+        let &[x, y, z, w, left, right, up, down, ref position @ ..] = eye else {
+            return Err(refused("an eye is eleven numbers"));
         };
+        let position = position.try_into();
+        let position = position.map_err(|_| refused("an eye is eleven numbers"))?;
         let request = EyeRequest {
             eye: if is_right { Eye::Right } else { Eye::Left },
             size: [canvas.width(), canvas.height()],
+            position,
             orientation: [x, y, z, w],
             tangents: [left, right, up, down],
         };
@@ -340,6 +343,20 @@ impl Show {
     pub fn zoom(&mut self, factor: f64, x: f64, y: f64) {
         let pane = self.player.pane();
         self.player.viewer.navigation.zoom_by(factor, [x, y], &pane);
+    }
+
+    /// Flies, or no longer flies, through a scene along a direction of the head: to the right, up
+    /// and ahead.
+    pub fn fly(&mut self, towards: &[f64], is_held: bool, is_hurried: bool, now: f64) {
+        if let Ok(towards) = towards.try_into() {
+            self.player.fly(towards, is_held, is_hurried, Seconds(now));
+        }
+    }
+
+    /// Stays where it is in a scene.
+    #[wasm_bindgen(js_name = stopFlying)]
+    pub fn stop_flying(&mut self, now: f64) {
+        self.player.stop_flying(Seconds(now));
     }
 
     /// The head is turned to these degrees to the right, up and clockwise.

@@ -4,6 +4,7 @@
 
 use crate::needs::{Kind, ROW};
 use crate::options::Options;
+use crate::pack_in_parts::ContentInParts;
 use crate::page_player::{PagePlayer, flag};
 use foveal_core::content::payload::Payload;
 use foveal_core::content::video::Video;
@@ -19,6 +20,7 @@ use foveal_core::view::surface::{Projection, Screen};
 use std::collections::HashSet;
 use std::sync::Arc;
 
+mod scenes;
 mod standing_in;
 
 const SIZE: [u32; 2] = [512, 320];

@@ -1,7 +1,7 @@
 // What happens between a pack that is open and the controls around it?
 
 import { demoPolicy, type EngineApi, type GazeRecord, type PackFacts } from "../engine/api.ts";
-import type { PolicyName, Pose, Stats, Target, View } from "../engine/api.ts";
+import type { PolicyName, Pose, Stats, Target, Towards, View } from "../engine/api.ts";
 import type { Actions, Toggle } from "./actions.ts";
 import { type Tell, problemOf } from "./events.ts";
 import { listenForGaze } from "./gaze-socket.ts";
@@ -135,6 +135,14 @@ export class Viewing implements Actions {
   drag(dx: number, dy: number): void {
     const [x, y] = this.density();
     this.engine.drag(dx * x, dy * y);
+  }
+
+  fly(towards: Towards, isHeld: boolean, isHurried: boolean): void {
+    this.engine.fly(towards, isHeld, isHurried);
+  }
+
+  stopFlying(): void {
+    this.engine.stopFlying();
   }
 
   zoom(factor: number, place: readonly [number, number] | null): void {

@@ -5,7 +5,7 @@
 
 import { firstPolicy } from "./api.ts";
 import type { EngineProblem, PackFacts, Pixels, PolicyName, Pose, SoundPackets } from "./api.ts";
-import type { EyeRequest, GazeRecord, Stats, Target, View } from "./api.ts";
+import type { EyeRequest, GazeRecord, Stats, Target, Towards, View } from "./api.ts";
 import type { Calls, HostOptions, Tell } from "./calls.ts";
 import { Courier } from "./courier.ts";
 import { Poster, softwareSize } from "./poster.ts";
@@ -325,6 +325,14 @@ export class Host implements Calls {
     this.#do((show) => show.drag(dx * this.#scale, dy * this.#scale));
   }
 
+  fly(towards: Towards, isHeld: boolean, isHurried: boolean): void {
+    this.#do((show, now) => show.fly(new Float64Array(towards), isHeld, isHurried, now));
+  }
+
+  stopFlying(): void {
+    this.#do((show, now) => show.stopFlying(now));
+  }
+
   zoom(factor: number, [x, y]: readonly [number, number]): void {
     this.#do((show) => show.zoom(factor, x * this.#scale, y * this.#scale));
   }
@@ -473,7 +481,11 @@ export class Host implements Calls {
   /** Draws what an eye of a headset sees onto a canvas of its size. */
   drawEye(canvas: OffscreenCanvas, request: EyeRequest): boolean {
     if (!this.#show || this.#closed) return false;
-    const eye = new Float64Array([...request.orientation, ...request.tangents]);
+    const eye = new Float64Array([
+      ...request.orientation,
+      ...request.tangents,
+      ...request.position,
+    ]);
     const drawn = this.#show.drawEye(canvas, request.eye === "right", eye, seconds());
     // In a headset pictures of the page come late or never.
     if (drawn) this.#show.begin(seconds());
