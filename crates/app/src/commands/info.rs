@@ -80,6 +80,7 @@ pub(crate) struct PackInfo {
 pub(crate) enum MediaKind {
     Picture,
     Video,
+    Scene,
 }
 
 impl MediaKind {
