@@ -11,7 +11,7 @@ use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::demand::{SceneDemand, why_not};
 use foveal_core::content::scene::description::{
-    Bounds as ObjectBounds, Grid, KIND, SceneDescription, SceneObject, SceneSource,
+    Grid, KIND, ObjectBounds, SceneDescription, SceneObject, SceneSource,
 };
 use foveal_core::content::scene::pack::{ScenePack, begin_scene, chunk_name, finish_scene};
 use foveal_core::content::scene::unit_table::UnitRow;

@@ -2,7 +2,7 @@
 //! browser with this machine.
 
 use super::Scene;
-use super::description::{Grid, KIND, SceneDescription, SceneObject, SceneSource};
+use super::description::{Grid, KIND, ObjectBounds, SceneDescription, SceneObject, SceneSource};
 use super::pack::{ScenePack, begin_scene, chunk_name, finish_scene};
 use super::unit_table::UnitRow;
 use crate::content::mesh::payload::{Attributes, Cluster, MeshUnit, MeshVertex};
@@ -58,6 +58,10 @@ fn description() -> SceneDescription {
     let object = SceneObject {
         name: "scripted".to_owned(),
         leaf_triangles: u64::from(UNITS[0]),
+        bounds: ObjectBounds {
+            centre: [0.0; 3],
+            radius: 1.0,
+        },
         grid: Grid {
             origin: [-0.5; 3],
             step: 1.0 / f64::from(2.0 * HALF),
