@@ -20,6 +20,8 @@ const FOVEA_DEG: f64 = 2.5;
 const OVERDUE_S: f64 = 0.02;
 /// How soon to step again while what stands is refined, in seconds.
 const REFINED_S: f64 = 0.03;
+/// How soon to step again while the view moves by itself, in seconds.
+const UNDER_WAY_S: f64 = 1.0 / 60.0;
 
 /// What happens when a round of the content is over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -396,6 +398,7 @@ impl Viewer {
         }
         session.is_settled()
             && !session.waits_for_tables()
+            && !self.navigation.is_under_way()
             && self
                 .moment()
                 .is_some_and(|moment| !session.is_behind(moment))
@@ -415,7 +418,9 @@ impl Viewer {
         };
         let forgotten = self.pointer.forgotten().map(|at| at.0);
         let forgotten = forgotten.filter(|at| *at > now.0);
-        let times = changes.into_iter().chain(forgotten);
+        let under_way = self.navigation.is_under_way();
+        let under_way = under_way.then_some(now.0 + UNDER_WAY_S);
+        let times = changes.into_iter().chain(forgotten).chain(under_way);
         times.reduce(f64::min).map(Seconds)
     }
 }

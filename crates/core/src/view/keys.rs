@@ -1,6 +1,7 @@
 //! Which keys are there, and what do they do?
 //!
-//! One table for the window and the page: a key does the same in both. `docs/keys.md` and
+//! One table for the window and the page: a key does the same in both. In scenes some keys do
+//! something else than in video, as there one flies. `docs/keys.md` and
 //! `web/src/element/keys.ts` are made of it.
 
 use serde::Serialize;
@@ -23,8 +24,11 @@ pub enum Action {
     Move([f64; 2]),
     /// Come closer by this factor.
     Zoom(f64),
-    /// Back to the whole picture, or to the front of a sphere.
+    /// Back to the whole picture, to the front of a sphere, or to the start of a scene.
     Reset,
+    /// Fly through a scene while the key is held, to the right, up and ahead, or against these
+    /// where a number is negative.
+    Fly([f64; 3]),
     /// So many policies on, or back.
     Policy(i32),
     /// So many target scores on, or back.
@@ -73,6 +77,10 @@ pub enum Needs {
     Tiles,
     /// Tiles in an atlas, as levels are marked there.
     Atlas,
+    /// Video, stills included.
+    Video,
+    /// A scene to fly through.
+    Scene,
 }
 
 /// Where a key is heard.
@@ -141,7 +149,7 @@ const fn row(
 #[rustfmt::skip]
 pub const KEYS: &[Row] = {
     use Action::*;
-    use Needs::{Atlas, Frames, Heard, Nothing, Samples, Tiles, TwoEyes};
+    use Needs::{Atlas, Frames, Heard, Nothing, Samples, Scene, Tiles, TwoEyes, Video};
     use HeardIn::{Both, Window};
     &[
         row("H  ?", "keys, figures, nothing", Nothing, Both,
@@ -164,7 +172,7 @@ pub const KEYS: &[Row] = {
             &[key("+", Zoom(ZOOM)), key("=", Zoom(ZOOM))]),
         row("-", "farther", Nothing, Both,
             &[key("-", Zoom(1.0 / ZOOM)), key("_", Zoom(1.0 / ZOOM))]),
-        row("0", "whole picture, front of a sphere", Nothing, Both,
+        row("0", "whole picture, front of a sphere, start of a scene", Nothing, Both,
             &[key("0", Reset)]),
         row("P  Shift P", "next policy, the one before", Nothing, Both,
             &[key("p", Policy(1)), key("Shift+p", Policy(-1))]),
@@ -176,7 +184,7 @@ pub const KEYS: &[Row] = {
             &[key("l", Levels)]),
         row("B", "borders of tiles", Atlas, Window,
             &[key("b", Borders)]),
-        row("R", "radial blur", Nothing, Window,
+        row("R", "radial blur", Video, Window,
             &[key("r", Blur)]),
         row("I", "interpolation", Samples, Window,
             &[key("i", Interpolation)]),
@@ -184,7 +192,7 @@ pub const KEYS: &[Row] = {
             &[key("t", Textures)]),
         row("E", "left, right, both eyes", TwoEyes, Window,
             &[key("e", Eye)]),
-        row("S", "screenshot", Nothing, Window,
+        row("S", "screenshot", Video, Window,
             &[key("s", Screenshot)]),
         row("O", "figures", Nothing, Both,
             &[key("o", Figures)]),
@@ -194,16 +202,40 @@ pub const KEYS: &[Row] = {
             &[key("F1", Overlay), key("F11", FullScreen)]),
         row("Q  Esc", "quit", Nothing, Window,
             &[key("q", Quit), key("Escape", Quit)]),
+        row("W  S", "scenes: fly ahead, back; Shift: faster", Scene, Both,
+            &[key("w", Fly([0.0, 0.0, 1.0])), key("s", Fly([0.0, 0.0, -1.0]))]),
+        row("A  D", "scenes: fly left, right", Scene, Both,
+            &[key("a", Fly([-1.0, 0.0, 0.0])), key("d", Fly([1.0, 0.0, 0.0]))]),
+        row("E  C", "scenes: fly up, down", Scene, Both,
+            &[key("e", Fly([0.0, 1.0, 0.0])), key("c", Fly([0.0, -1.0, 0.0]))]),
+        row("Home", "scenes: back to the start", Scene, Both,
+            &[key("Home", Reset)]),
+        row("L", "scenes: coloured by level", Scene, Both,
+            &[key("l", Levels)]),
+        row("Shift S", "scenes: screenshot", Scene, Window,
+            &[key("Shift+s", Screenshot)]),
     ]
 };
 
-/// What a key does in the window, named as the web names it; `None` for keys that do nothing.
+/// What a key does in the window over video, named as the web names it; `None` for keys that do
+/// nothing.
 pub fn action_of(name: &str, with_shift: bool) -> Option<Action> {
+    action_by(name, with_shift, |row| row.needs != Needs::Scene)
+}
+
+/// The same in scenes: what keys do there comes before what they do over video.
+pub fn action_in_scene(name: &str, with_shift: bool) -> Option<Action> {
+    let own = action_by(name, with_shift, |row| row.needs == Needs::Scene);
+    own.or_else(|| action_of(name, with_shift))
+}
+
+fn action_by(name: &str, with_shift: bool, counts: impl Fn(&Row) -> bool) -> Option<Action> {
     let name = match name.chars().count() {
         1 => name.to_lowercase(),
         _ => name.to_owned(),
     };
-    let keys = || KEYS.iter().flat_map(|row| row.keys);
+    let rows = || KEYS.iter().filter(|row| counts(row));
+    let keys = || rows().flat_map(|row| row.keys);
     let find = |name: &str| keys().find(|key| key.key == name).map(|key| key.action);
     let shifted = with_shift.then(|| find(&format!("Shift+{name}"))).flatten();
     shifted.or_else(|| find(&name))
@@ -215,14 +247,28 @@ mod tests {
     use std::collections::BTreeSet;
 
     #[test]
-    fn every_key_is_listed_once() {
-        let keys: Vec<&str> = KEYS
-            .iter()
-            .flat_map(|row| row.keys)
-            .map(|k| k.key)
-            .collect();
-        let all: BTreeSet<&str> = keys.iter().copied().collect();
-        assert_eq!(all.len(), keys.len(), "{keys:?}");
+    fn every_key_is_listed_once_for_video_and_once_for_scenes() {
+        for of_scenes in [false, true] {
+            let rows = KEYS.iter();
+            let rows = rows.filter(|row| (row.needs == Needs::Scene) == of_scenes);
+            let keys: Vec<&str> = rows.flat_map(|row| row.keys).map(|k| k.key).collect();
+            let all: BTreeSet<&str> = keys.iter().copied().collect();
+            assert_eq!(all.len(), keys.len(), "{keys:?}");
+        }
+    }
+
+    #[test]
+    fn in_scenes_one_flies_by_keys_that_do_other_things_over_video() {
+        assert_eq!(action_of("s", false), Some(Action::Screenshot));
+        assert_eq!(action_of("w", false), None);
+        let back = Some(Action::Fly([0.0, 0.0, -1.0]));
+        assert_eq!(action_in_scene("s", false), back);
+        assert_eq!(action_in_scene("S", true), Some(Action::Screenshot));
+        let ahead = Some(Action::Fly([0.0, 0.0, 1.0]));
+        assert_eq!(action_in_scene("W", true), ahead, "with Shift faster");
+        assert_eq!(action_in_scene("Home", false), Some(Action::Reset));
+        assert_eq!(action_in_scene("P", true), Some(Action::Policy(-1)));
+        assert_eq!(action_in_scene("q", false), Some(Action::Quit));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 pub mod axes;
 pub mod eye_view;
+pub mod flight;
 pub mod frustum;
 pub mod head_pose;
 pub mod keys;

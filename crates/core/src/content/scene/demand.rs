@@ -12,6 +12,8 @@ use std::sync::Arc;
 
 /// Errors that cover less of the display, in pixels, are not seen.
 const ERROR_PIXELS: f64 = 1.0;
+/// Triangles with shorter sides on the display, in pixels, are not told apart from finer ones.
+const SIDE_PIXELS: f64 = 0.25;
 
 /// Why scenes are not chosen by a policy; `None` of those that they are chosen by.
 ///
@@ -81,9 +83,9 @@ impl SceneDemand {
         let stands = self.scene.stands(unit).iter();
         let seen = stands.flat_map(|stand| {
             // What a rule leaves coarse has too small an error; what is bought ends where triangles
-            // are no larger than pixels.
+            // cannot be told apart, by their shading either.
             let error = match spends {
-                true => stand.error.max(stand.side),
+                true => stand.error.max(stand.side * ERROR_PIXELS / SIDE_PIXELS),
                 false => stand.error,
             };
             let seen = move |sight: &Sight| sight.seen(&stand.sphere, error);

@@ -166,6 +166,15 @@ impl SceneDescription {
         Ok(about)
     }
 
+    /// Triangles at the finest level, each as often as it stands there.
+    #[must_use]
+    pub fn triangles(&self) -> u64 {
+        let objects = self.objects.iter();
+        objects
+            .map(|it| it.leaf_triangles.saturating_mul(it.placements.len() as u64))
+            .fold(0, u64::saturating_add)
+    }
+
     fn check(&self) -> Result<(), PackError> {
         let within = |field: &str, found: usize, most: usize| match (1..=most).contains(&found) {
             true => Ok(()),

@@ -5,6 +5,7 @@ pub mod demand;
 pub mod description;
 pub mod pack;
 pub mod scene;
+pub mod scripted;
 pub mod sight;
 pub mod unit_table;
 
