@@ -3,8 +3,8 @@
 use crate::commands::site::poster::{self, Poster};
 use crate::report::output;
 use foveal_core::view::surface::Projection;
-use foveal_media::pack::pack_file::PackFileError;
 use foveal_media::pack::pack_file::PackFile;
+use foveal_media::pack::pack_file::PackFileError;
 use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
 use foveal_render::DrawDevice;
 use std::path::Path;
