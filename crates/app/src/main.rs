@@ -37,13 +37,12 @@ enum Command {
     Select(commands::select::SelectArgs),
     /// Play a pack headless: pictures of what the eye gets, figures, and a log.
     Simulate(commands::simulate::SimulateArgs),
-    /// Watch a pack in a window.
+    /// Watch a pack in a window: video, or a scene to fly through.
     #[command(mut_arg("policy", |policy| {
-        policy
-            .help("How levels are chosen: by viewport, or with --demo by perceptual, if not given")
-            .default_value("viewport")
-            .default_value_if("demo", "true", "perceptual")
-            .hide_default_value(true)
+        policy.help(
+            "How levels are chosen: by viewport, or with --demo by perceptual, of scenes by \
+             eccentricity, if not given",
+        )
     }))]
     View(commands::view::ViewArgs),
     /// Prepare and play clips under several policies, and show in a page what was saved.

@@ -1,33 +1,52 @@
 //! How do units get decoded while a window goes on?
 //!
-//! One thread hands the decode pool a few tiles at a time, so that what is wanted can change at any
+//! One thread hands a decoder a few pieces at a time, so that what is wanted can change at any
 //! moment: work that has started is finished even if it is no longer wanted.
 
-use crate::decoding::Decoding;
 use crate::error::PlayError;
 use foveal_core::content::payload::Payload;
-use foveal_core::content::unit::{AssetId, UnitRef};
-use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_core::session::actions::{Cache, SessionEvent};
 use foveal_core::session::unit_states::Piece;
-use foveal_media::pack::pack_file::PackFile;
-use foveal_media::tiles::decode_pool::{DecodePool, DecodedTile};
 use std::collections::{HashSet, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Tiles under way for each decoding thread.
-const AHEAD: usize = 2;
 /// The window is not woken more often than this.
 const LEAST_SLEEP: Duration = Duration::from_millis(8);
+
+/// Who makes of a piece what is drawn.
+pub(crate) trait Decoder: Send {
+    /// Asks for a piece, after all that was asked for before.
+    fn request(&mut self, piece: Piece);
+
+    /// The next piece that is done, once it is; `None` where none is under way.
+    fn receive(&mut self) -> Option<Done>;
+}
+
+/// A piece that a decoder is done with.
+#[derive(Debug)]
+pub(crate) struct Done {
+    pub(crate) piece: Piece,
+    /// Frames decoded for it, those to catch up included.
+    pub(crate) frames: u32,
+    pub(crate) payload: Result<Payload, Failure>,
+}
+
+/// Why a piece has no payload.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// It is damaged: what a person should know.
+    Damaged(String),
+    /// The decoder does what it must not.
+    Wrong(PlayError),
+}
 
 /// Decodes what is wanted, in that order.
 #[derive(Debug)]
 pub(crate) struct DecodeFeed {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
-    file: Arc<PackFile>,
     tell: fn(&str),
     /// Damage was told of.
     told: bool,
@@ -44,34 +63,31 @@ struct Shared {
 struct State {
     queue: VecDeque<Piece>,
     under_way: HashSet<Piece>,
-    done: Vec<DecodedTile>,
+    done: Vec<Done>,
     stop: bool,
 }
 
 impl DecodeFeed {
-    /// Begins to decode a pack; `woken` is called when something is done, at most every 8 ms, and
-    /// `tell` with what a person should know.
+    /// Begins to decode, at most `most` pieces at once; `woken` is called when something is done,
+    /// at most every 8 ms, and `tell` with what a person should know.
     ///
     /// # Errors
-    /// Nothing decodes this pack, or no thread can be had.
+    /// No thread can be had.
     pub(crate) fn new(
-        file: &Arc<PackFile>,
-        decoding: Decoding,
+        decoder: Box<dyn Decoder>,
+        most: usize,
         tell: fn(&str),
         woken: impl Fn() + Send + 'static,
     ) -> Result<Self, PlayError> {
         let shared = Arc::new(Shared::default());
         let theirs = Arc::clone(&shared);
-        let pool = decoding.pool(Arc::clone(file))?;
-        let most = decoding.jobs.max(1) * AHEAD;
         let thread = std::thread::Builder::new()
             .name("decode feed".to_owned())
-            .spawn(move || theirs.work(pool, most, &woken))
+            .spawn(move || theirs.work(decoder, most, &woken))
             .map_err(PlayError::Thread)?;
         Ok(Self {
             shared,
             thread: Some(thread),
-            file: Arc::clone(file),
             tell,
             told: false,
         })
@@ -80,7 +96,7 @@ impl DecodeFeed {
     /// From now on these are wanted, in this order, and nothing else.
     pub(crate) fn want(&mut self, wanted: &[Piece]) {
         let mut state = self.shared.lock();
-        let done: HashSet<Piece> = state.done.iter().map(piece_of).collect();
+        let done: HashSet<Piece> = state.done.iter().map(|done| done.piece).collect();
         let under_way = &state.under_way;
         let missing = |wanted: &&Piece| !under_way.contains(wanted) && !done.contains(wanted);
         let queue = wanted.iter().filter(missing).copied().collect();
@@ -102,49 +118,21 @@ impl DecodeFeed {
         events.collect()
     }
 
-    fn event(
-        &mut self,
-        done: DecodedTile,
-        cache: &mut Cache<Payload>,
-    ) -> Result<SessionEvent, PlayError> {
-        let (piece, frames) = (piece_of(&done), done.decoded);
-        let tile = self.file.pack().tile_of(done.unit);
-        let path = self.file.path();
-        match done.picture {
-            Ok((picture, number)) if number == i64::from(done.frame) => {
-                cache.insert(piece, Payload::Picture(picture));
+    fn event(&mut self, done: Done, cache: &mut Cache<Payload>) -> Result<SessionEvent, PlayError> {
+        let Done { piece, frames, .. } = done;
+        match done.payload {
+            Ok(payload) => {
+                cache.insert(piece, payload);
                 Ok(SessionEvent::Decoded { piece, frames })
             }
-            Ok((_, number)) => Err(PlayError::WrongFrame {
-                path: path.to_owned(),
-                tile,
-                frame: done.frame,
-                number,
-            }),
-            Err(error) => {
+            Err(Failure::Wrong(error)) => Err(error),
+            Err(Failure::Damaged(what)) => {
                 if !std::mem::replace(&mut self.told, true) {
-                    let Tile { level, face, x, y } = tile;
-                    (self.tell)(&format!(
-                        "{}: level {level}, face {face}, column {x}, row {y} cannot be decoded at \
-                         frame {}; what there is else is shown ({error}; `foveal verify` lists all \
-                         damage)",
-                        path.display(),
-                        done.frame,
-                    ));
+                    (self.tell)(&what);
                 }
                 Ok(SessionEvent::Damaged { piece, frames })
             }
         }
-    }
-}
-
-fn piece_of(done: &DecodedTile) -> Piece {
-    Piece {
-        unit: UnitRef {
-            asset: AssetId(0),
-            unit: done.unit,
-        },
-        frame: done.frame,
     }
 }
 
@@ -164,14 +152,14 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn work(&self, mut pool: DecodePool, most: usize, woken: &impl Fn()) {
+    fn work(&self, mut decoder: Box<dyn Decoder>, most: usize, woken: &impl Fn()) {
         let mut woke = Instant::now();
-        while self.order(&mut pool, most) {
-            let Some(done) = pool.receive(None) else {
+        while self.order(&mut *decoder, most) {
+            let Some(done) = decoder.receive() else {
                 continue;
             };
             let mut state = self.lock();
-            state.under_way.remove(&piece_of(&done));
+            state.under_way.remove(&done.piece);
             state.done.push(done);
             let over = state.queue.is_empty() && state.under_way.is_empty();
             drop(state);
@@ -182,8 +170,8 @@ impl Shared {
         }
     }
 
-    /// Hands the pool what comes next, once there is something under way; `false` to stop.
-    fn order(&self, pool: &mut DecodePool, most: usize) -> bool {
+    /// Hands the decoder what comes next, once there is something under way; `false` to stop.
+    fn order(&self, decoder: &mut dyn Decoder, most: usize) -> bool {
         let mut state = self.lock();
         loop {
             if state.stop {
@@ -194,7 +182,7 @@ impl Shared {
                     break;
                 };
                 state.under_way.insert(piece);
-                pool.request(piece.unit.unit, piece.frame);
+                decoder.request(piece);
             }
             if !state.under_way.is_empty() {
                 return true;

@@ -12,13 +12,15 @@ mod error;
 mod feed;
 mod live;
 mod look;
+mod mesh_reader;
 mod player;
 mod report;
 mod step;
+mod tile_decoder;
 
 pub use decoding::Decoding;
 pub use error::PlayError;
-pub use live::{LiveOptions, LivePlayer, Stepped};
+pub use live::{LiveOptions, LivePack, LivePlayer, Stepped};
 pub use look::Look;
 pub use player::{Player, PlayerOptions};
 pub use report::FrameReport;

@@ -1,5 +1,6 @@
 //! Options that several commands take.
 
+pub(crate) mod bytes;
 pub(crate) mod codec;
 pub(crate) mod decoding;
 pub(crate) mod link;

@@ -24,7 +24,7 @@ pub struct Steering {
     /// Whether it goes back or on along the right, up and ahead of the head.
     held: [[bool; 2]; 3],
     /// Faster than usual.
-    pub is_hurried: bool,
+    is_hurried: bool,
 }
 
 impl Steering {
@@ -38,6 +38,12 @@ impl Steering {
             }
         }
         self
+    }
+
+    /// The same, faster than usual or not.
+    #[must_use]
+    pub fn hurried(self, is_hurried: bool) -> Self {
+        Self { is_hurried, ..self }
     }
 
     /// Whether it goes anywhere.
@@ -221,10 +227,7 @@ mod tests {
         let start = place(&flying());
         let usual = place(&flown(AHEAD, 0.5, 1)) - start;
         let mut eye = flying();
-        let steering = Steering {
-            is_hurried: true,
-            ..Steering::default().with(AHEAD, true)
-        };
+        let steering = Steering::default().with(AHEAD, true).hurried(true);
         eye.steer(steering, &pane(), Seconds(0.0));
         eye.fly_on(&pane(), Seconds(0.5));
         assert!((place(&eye) - start - HURRY * usual).length() < 1e-9);

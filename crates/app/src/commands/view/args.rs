@@ -2,6 +2,7 @@
 
 use crate::commands::view::keys;
 use crate::commands::view::looking::{WindowGaze, parse_window_gaze};
+use crate::options::bytes::parse_memory;
 use crate::options::decoding::DecodingOptions;
 use crate::options::link::{Link, parse_link};
 use crate::options::policy::{PolicyOptions, ViewOptions};
@@ -10,6 +11,7 @@ use clap::Args;
 use std::path::PathBuf;
 
 /// Space pauses, arrows and the mouse move, the wheel zooms, H lists all keys and then figures.
+/// Through scenes W, A, S and D fly, E and C go up and down, a drag turns the head.
 #[derive(Clone, Debug, Args)]
 #[command(after_help = keys::listed())]
 pub(crate) struct ViewArgs {
@@ -42,6 +44,9 @@ pub(crate) struct ViewArgs {
     /// eccentricity and perceptual may spend (default: no limit).
     #[arg(long, value_name = "L", value_parser = parse_link)]
     pub(super) link: Option<Link>,
+    /// Scenes: what units may take on the GPU, as 32MB or 1GB.
+    #[arg(long, value_name = "SIZE", default_value = "256MB", value_parser = parse_memory)]
+    pub(super) gpu_memory: u64,
     /// How gaze follows the head: free-viewing, search or a file that `gaze fit head` wrote.
     #[arg(long, value_name = "NAME|FILE.toml", default_value = "free-viewing")]
     pub(super) preset: String,
@@ -64,8 +69,9 @@ pub(crate) struct ViewArgs {
     /// over it (default: beside the pack, and for a script's the current folder).
     #[arg(long, value_name = "DIR")]
     pub(super) screenshots: Option<PathBuf>,
-    /// A file with one thing a line to happen by itself: SECONDS and key NAME, move X Y, leave,
-    /// drag DX DY, wheel STEPS, resize W H, screenshot FILE, settle or quit.
+    /// A file with one thing a line to happen by itself: SECONDS and key NAME, press NAME, release
+    /// NAME (keys that fly), move X Y, leave, drag DX DY, wheel STEPS, resize W H, screenshot FILE,
+    /// settle or quit.
     #[arg(long, value_name = "FILE")]
     pub(super) script: Option<PathBuf>,
     #[command(flatten)]

@@ -3,6 +3,7 @@
 use crate::commands::view::window_player::WindowPlayer;
 use foveal_core::content::asked::next_target;
 use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::scene::demand::why_not;
 use foveal_core::units::Seconds;
 
 impl WindowPlayer {
@@ -12,7 +13,8 @@ impl WindowPlayer {
             policy,
             ..self.live.session().policy_in_use().clone()
         };
-        self.live.session().can(&config)
+        let is_of_kind = !self.in_scene() || why_not(policy).is_none();
+        is_of_kind && self.live.session().can(&config)
     }
 
     /// Chooses by the next policy, or the one before, that the pack has the tables for.
@@ -44,7 +46,11 @@ impl WindowPlayer {
     /// Chooses for a higher score, or a lower one; policies that are gone to later do, too.
     pub(super) fn next_target(&mut self, by: i32, now: Seconds) {
         let policy = self.live.session().policy().policy;
-        if !policy.has_target() {
+        let chooses_for_one = match self.in_scene() {
+            true => policy == Policy::Acuity,
+            false => policy.has_target(),
+        };
+        if !chooses_for_one {
             return self.say(
                 format!("policy {} chooses for no score", policy.name()),
                 now,

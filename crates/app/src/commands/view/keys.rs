@@ -23,35 +23,46 @@ pub(crate) fn listed() -> String {
     format!("Keys:\n{}", KEYS.iter().map(line).collect::<String>())
 }
 
-/// What a key means; `None` for keys that mean nothing.
-pub(crate) fn action_of(key: &Key, with_shift: bool) -> Option<Action> {
+/// What a name on the web means over video, or in a scene.
+fn action_on_web(name: &str, with_shift: bool, in_scene: bool) -> Option<Action> {
+    match in_scene {
+        true => keys::action_in_scene(name, with_shift),
+        false => keys::action_of(name, with_shift),
+    }
+}
+
+/// What a key means over video, or in a scene; `None` for keys that mean nothing.
+pub(crate) fn action_of(key: &Key, with_shift: bool, in_scene: bool) -> Option<Action> {
     let name = match key {
         Key::Named(named) => NAMED.iter().find(|(.., key)| key == named)?.0,
         Key::Character(text) => text,
         _ => return None,
     };
-    keys::action_of(name, with_shift)
+    action_on_web(name, with_shift, in_scene)
 }
 
 /// What a key means that a script names: one character, or `space`, `Home`, `F11` and so on, all
 /// of them behind `Shift+` or not.
-pub(crate) fn action_named(name: &str) -> Option<Action> {
+pub(crate) fn action_named(name: &str, in_scene: bool) -> Option<Action> {
     let key = name.strip_prefix("Shift+").unwrap_or(name);
     let is_character = key.chars().count() == 1;
     let named = NAMED.iter().find(|(_, script, _)| *script == key);
     let web = named.map(|(web, ..)| *web);
     let web = web.or_else(|| is_character.then_some(key))?;
     let is_capital = is_character && key.chars().all(char::is_uppercase);
-    keys::action_of(web, is_capital || key != name)
+    action_on_web(web, is_capital || key != name, in_scene)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use foveal_core::view::keys::Needs;
 
     #[test]
     fn every_key_of_the_table_is_one_of_the_window_and_of_scripts() {
-        for key in KEYS.iter().flat_map(|row| row.keys) {
+        let of_row = |row: &'static keys::Row| row.keys.iter().map(move |key| (key, row.needs));
+        for (key, needs) in KEYS.iter().flat_map(of_row) {
+            let in_scene = needs == Needs::Scene;
             let name = key.key.strip_prefix("Shift+").unwrap_or(key.key);
             let with_shift = name != key.key;
             let named = NAMED.iter().find(|(web, ..)| *web == name);
@@ -59,17 +70,25 @@ mod tests {
                 Some((_, script, named)) => (*script, Key::Named(*named)),
                 None => (name, Key::Character(name.into())),
             };
-            assert_eq!(action_of(&pressed, with_shift), Some(key.action), "{name}");
+            assert_eq!(
+                action_of(&pressed, with_shift, in_scene),
+                Some(key.action),
+                "{name}"
+            );
             let script = if with_shift {
                 format!("Shift+{script}")
             } else {
                 script.to_owned()
             };
-            assert_eq!(action_named(&script), Some(key.action), "{script}");
+            assert_eq!(
+                action_named(&script, in_scene),
+                Some(key.action),
+                "{script}"
+            );
         }
-        assert_eq!(action_named("P"), Some(Action::Policy(-1)));
-        assert_eq!(action_named("ArrowLeft"), None);
-        assert_eq!(action_of(&Key::Character("x".into()), false), None);
+        assert_eq!(action_named("P", false), Some(Action::Policy(-1)));
+        assert_eq!(action_named("ArrowLeft", false), None);
+        assert_eq!(action_of(&Key::Character("x".into()), false, false), None);
     }
 
     #[test]

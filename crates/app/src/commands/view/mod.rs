@@ -2,7 +2,9 @@
 
 mod args;
 mod asking;
+mod draw_rate;
 mod keys;
+mod kinds;
 mod log_file;
 mod looking;
 mod opening;

@@ -27,7 +27,7 @@ pub(super) fn open_window(
     event_loop: &ActiveEventLoop,
 ) -> anyhow::Result<Arc<Window>> {
     let args = &ready.args;
-    let name = ready.file.path().file_name().unwrap_or_default();
+    let name = ready.pack.path().file_name().unwrap_or_default();
     let monitor = event_loop.primary_monitor().map(|monitor| monitor.size());
     let most = monitor.map_or(USUAL_SCREEN, |size| [size.width, size.height]);
     let share = (0..2)

@@ -1,22 +1,20 @@
 //! What is read before a window opens?
 
 use crate::commands::view::args::ViewArgs;
+use crate::commands::view::kinds::{check, open_pack, policy_of};
 use crate::commands::view::script::Script;
 use crate::commands::view::sound::samples::Samples;
 use crate::gaze_source::{ViewerModel, preset_of};
-use crate::options::policy::check_thresholds;
 use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, bail};
 use foveal_core::content::policy::Policy;
 use foveal_core::session::session::SessionSettings;
-use foveal_media::pack::pack_file::PackFile;
-use foveal_play::{Decoding, LiveOptions};
-use std::sync::Arc;
+use foveal_play::{Decoding, LiveOptions, LivePack};
 
 /// What was read before a window opens: whatever is wrong is said without one.
 pub(super) struct Ready {
     pub(super) args: ViewArgs,
-    pub(super) file: Arc<PackFile>,
+    pub(super) pack: LivePack,
     pub(super) watching: ViewerModel,
     pub(super) script: Script,
     pub(super) samples: Option<Samples>,
@@ -26,7 +24,11 @@ pub(super) struct Ready {
 impl Ready {
     pub(super) fn new(args: &ViewArgs) -> anyhow::Result<Self> {
         let decoding = args.decoding.decoding()?;
-        let file = Arc::new(PackFile::open(&args.pack)?);
+        let pack = open_pack(args)?;
+        let args = &ViewArgs {
+            policy: policy_of(args, &pack),
+            ..args.clone()
+        };
         if let Some(log) = &args.log {
             output::spare_inputs(log, [args.pack.as_path()])?;
         }
@@ -40,7 +42,7 @@ impl Ready {
         }
         // Says what is wrong with the options before a window is there.
         let config = args.policy.config()?;
-        check_thresholds(&config, &file.pack().description().grid(args.view.screen))?;
+        check(args, &pack)?;
         if args.link.is_some() && !config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
                 "--link: {} spends no budget; give --policy uniform, eccentricity or perceptual",
@@ -53,23 +55,24 @@ impl Ready {
                     .to_owned()
             ));
         }
-        let surface = file.pack().description().grid(args.view.screen).surface;
-        args.view.eye_view(&surface)?;
+        let in_scene = matches!(pack, LivePack::Scene(_));
         let script = args.script.as_ref().map(|path| {
             let text = output::read_text(path, "a script")?;
-            Script::parse(&text).with_context(|| format!("--script {}", path.display()))
+            Script::parse(&text, in_scene).with_context(|| format!("--script {}", path.display()))
         });
-        Ok(Self {
+        let ready = Self {
             watching: ViewerModel {
                 preset: preset_of(&args.preset)?,
                 late: args.link.unwrap_or_default().delay,
             },
             script: script.transpose()?.unwrap_or_default(),
-            samples: if args.mute { None } else { sound_of(&file) },
+            samples: if args.mute { None } else { sound_of(&pack) },
             args: args.clone(),
-            file,
+            pack,
             decoding,
-        })
+        };
+        ready.args.view.eye_view(&ready.surface())?;
+        Ok(ready)
     }
 
     /// How the pack is played for a session with these settings.
@@ -83,7 +86,10 @@ impl Ready {
 }
 
 /// The sound of a pack; one that is damaged is told of and left out.
-fn sound_of(file: &PackFile) -> Option<Samples> {
+fn sound_of(pack: &LivePack) -> Option<Samples> {
+    let LivePack::Video(file, _) = pack else {
+        return None;
+    };
     let damaged = |error: anyhow::Error| output::say(&format!("foveal: {error:#}; no sound"));
     Samples::of_pack(file).map_err(damaged).ok().flatten()
 }

@@ -10,8 +10,8 @@ use foveal_core::view::keys::Action;
 use std::path::PathBuf;
 
 /// What a line may say, for messages.
-const FORMS: &str = "SECONDS and one of: key NAME, move X Y, leave, drag DX DY, wheel STEPS, \
-                     resize W H, screenshot FILE, settle, quit";
+const FORMS: &str = "SECONDS and one of: key NAME, press NAME, release NAME, move X Y, leave, \
+                     drag DX DY, wheel STEPS, resize W H, screenshot FILE, settle, quit";
 /// Endings of pictures that no screenshot is.
 const OTHER_PICTURES: [&str; 6] = ["jpg", "jpeg", "webp", "gif", "bmp", "tiff"];
 /// Longest side of a window in pixels.
@@ -24,6 +24,8 @@ const MOST_LINES: usize = 100_000;
 pub(crate) enum Deed {
     /// What a key does.
     Key(Action),
+    /// A key that flies along a direction, held from now on, or let go.
+    Hold([f64; 3], bool),
     /// The pointer to a place in the window, in pixels.
     Move([f64; 2]),
     /// The pointer out of the window.
@@ -62,8 +64,8 @@ pub(crate) struct Script {
 }
 
 impl Script {
-    /// Reads a script; an error names the line.
-    pub(crate) fn parse(text: &str) -> anyhow::Result<Self> {
+    /// Reads a script of what happens over video, or in a scene; an error names the line.
+    pub(crate) fn parse(text: &str, in_scene: bool) -> anyhow::Result<Self> {
         let mut rest = Vec::new();
         let mut before = 0.0;
         for (number, line) in text.lines().enumerate() {
@@ -72,7 +74,7 @@ impl Script {
                 continue;
             }
             let here = || format!("line {}: \"{line}\"", number + 1);
-            let (at, deed) = parse_line(line).with_context(here)?;
+            let (at, deed) = parse_line(line, in_scene).with_context(here)?;
             if at < before {
                 bail!("{}: comes after {before} s; sort the lines by time", here());
             }
@@ -119,7 +121,7 @@ impl Script {
     }
 }
 
-fn parse_line(line: &str) -> anyhow::Result<(f64, Deed)> {
+fn parse_line(line: &str, in_scene: bool) -> anyhow::Result<(f64, Deed)> {
     let (at, rest) = line.split_once(char::is_whitespace).context(FORMS)?;
     let at: f64 = at.parse().ok().context(FORMS)?;
     if !(0.0..=1e7).contains(&at) {
@@ -135,11 +137,8 @@ fn parse_line(line: &str) -> anyhow::Result<(f64, Deed)> {
     };
     let nothing = |deed: Deed| given.is_empty().then_some(deed);
     let deed = match what {
-        "key" if given.is_empty() => None,
-        "key" => match action_named(given) {
-            None => bail!("no key {given} does anything; `foveal view --help` lists all keys"),
-            action => action.map(Deed::Key),
-        },
+        "key" | "press" | "release" if given.is_empty() => None,
+        "key" | "press" | "release" => Some(key_named(what, given, in_scene)?),
         "move" => pair().map(Deed::Move),
         "leave" => nothing(Deed::Leave),
         "drag" => pair().map(Deed::Drag),
@@ -154,6 +153,15 @@ fn parse_line(line: &str) -> anyhow::Result<(f64, Deed)> {
         _ => None,
     };
     Ok((at, deed.with_context(|| format!("expected {FORMS}"))?))
+}
+
+fn key_named(what: &str, name: &str, in_scene: bool) -> anyhow::Result<Deed> {
+    match (action_named(name, in_scene), what) {
+        (None, _) => bail!("no key {name} does anything; `foveal view --help` lists all keys"),
+        (Some(action), "key") => Ok(Deed::Key(action)),
+        (Some(Action::Fly(towards)), _) => Ok(Deed::Hold(towards, what == "press")),
+        _ => bail!("key {name} does all it does at once; write \"key {name}\""),
+    }
 }
 
 fn screenshot_named(name: &str) -> anyhow::Result<Option<Deed>> {
@@ -172,7 +180,7 @@ mod tests {
     #[test]
     fn a_script_happens_in_order_and_waits_for_the_picture() {
         let text = "# a demonstration\n0 key space\n\n0.5 settle\n0.5 screenshot a b.png\n1 quit";
-        let mut script = Script::parse(text).unwrap();
+        let mut script = Script::parse(text, false).unwrap();
         let mut next = |now: f64, picture| script.next(Seconds(now), picture);
         let shot = Deed::Screenshot("a b.png".into());
         assert!(matches!(next(0.0, PictureIs::Missing), Some(Deed::Key(_))));
@@ -188,11 +196,27 @@ mod tests {
     }
 
     #[test]
+    fn in_a_scene_keys_that_fly_are_held_and_let_go() {
+        let text = "0 press w\n1 release w\n1 key s\n2 key Shift+s";
+        let mut script = Script::parse(text, true).unwrap();
+        let deeds = [(); 4].map(|()| script.next(Seconds(9.0), PictureIs::There));
+        let ahead = [0.0, 0.0, 1.0];
+        let back = Action::Fly([0.0, 0.0, -1.0]);
+        assert_eq!(deeds[0], Some(Deed::Hold(ahead, true)));
+        assert_eq!(deeds[1], Some(Deed::Hold(ahead, false)));
+        assert_eq!(deeds[2], Some(Deed::Key(back)));
+        assert_eq!(deeds[3], Some(Deed::Key(Action::Screenshot)));
+    }
+
+    #[test]
     fn what_is_no_deed_is_refused_with_its_line() {
         for line in [
             "key space",
             "0",
             "0 key nothing",
+            "0 press",
+            "0 press h",
+            "0 press w",
             "x quit",
             "-1 quit",
             "nan quit",
@@ -208,10 +232,11 @@ mod tests {
             "0 dance",
             "1e9 quit",
         ] {
-            let error = Script::parse(&format!("0 settle\n{line}")).unwrap_err();
+            let error = Script::parse(&format!("0 settle\n{line}"), false).unwrap_err();
             assert!(error.to_string().starts_with("line 2"), "{line}: {error}");
         }
-        let unsorted = Script::parse("2 settle\n1 quit").unwrap_err().to_string();
+        let unsorted = Script::parse("2 settle\n1 quit", false);
+        let unsorted = unsorted.unwrap_err().to_string();
         assert!(unsorted.contains("sort"), "{unsorted}");
     }
 
@@ -229,7 +254,7 @@ mod tests {
                     .wrapping_add(1);
                 text.push_str(words[(state >> 33) as usize % words.len()]);
             }
-            let _ = Script::parse(&text);
+            let _ = Script::parse(&text, state % 2 == 0);
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::commands::view::screen::overlay::{KeyLine, Line};
 use crate::commands::view::styles::{interpolation, reconstruction};
 use crate::commands::view::window_player::WindowPlayer;
+use crate::report::output::size;
 use foveal_core::content::asked::score_told;
 use foveal_core::units::{Seconds, counted};
 use foveal_core::view::keys::{KEYS, Needs, Row};
@@ -12,14 +13,15 @@ impl WindowPlayer {
     pub(super) fn keys(&self) -> Vec<KeyLine> {
         let style = self.live.style();
         let does = |needs| match needs {
-            Needs::Nothing | Needs::Video => true,
-            Needs::Scene => false,
+            Needs::Nothing => true,
+            Needs::Video => !self.in_scene(),
+            Needs::Scene => self.in_scene(),
             Needs::Frames => !self.live.session().timeline().is_still(),
             Needs::Heard => self.sound.is_some(),
             Needs::TwoEyes => self.two_eyes,
             Needs::Samples => style.samples,
-            Needs::Tiles => !style.samples,
-            Needs::Atlas => !style.samples && !style.has_textures,
+            Needs::Tiles => !self.in_scene() && !style.samples,
+            Needs::Atlas => !self.in_scene() && !style.samples && !style.has_textures,
         };
         let here = KEYS.iter().filter(|row| does(row.needs));
         here.map(|Row { shown, says, .. }| (*shown, *says))
@@ -39,6 +41,38 @@ impl WindowPlayer {
 
     /// The figures, for people.
     pub(super) fn lines(&self, now: Seconds) -> Vec<Line> {
+        match self.in_scene() {
+            true => self.lines_of_scene(now),
+            false => self.lines_of_video(now),
+        }
+    }
+
+    fn lines_of_scene(&self, now: Seconds) -> Vec<Line> {
+        let session = self.live.session();
+        let (figures, config) = (&session.figures, session.policy_in_use());
+        let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
+        let finest = self.live.pack().content().finest_samples();
+        let told = [
+            ("policy", config.policy.name().to_owned()),
+            (
+                "drawn",
+                format!("{} pictures/s", self.draw_rate.per_second(now)),
+            ),
+            (
+                "triangles",
+                format!("{} of {finest}", self.live.triangles_drawn()),
+            ),
+            ("units by level", levels.join(" / ")),
+            ("GPU memory", size(figures.gpu_bytes)),
+            ("fetched", size(self.live.fetched_bytes())),
+            ("damaged", counted(figures.damaged_units, "unit")),
+        ];
+        let told = told.map(|(what, value)| (what.to_owned(), value));
+        let [.., recovered] = self.carried_on();
+        told.into_iter().chain([recovered]).collect()
+    }
+
+    fn lines_of_video(&self, now: Seconds) -> Vec<Line> {
         let [fps, upload] = self.live.session().figures.rates(now);
         let figures = &self.live.session().figures;
         let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();

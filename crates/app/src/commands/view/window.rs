@@ -1,45 +1,34 @@
 //! What does the system's window tell, and what is done about it?
 
-use crate::commands::view::keys::action_of;
+mod input;
+
 use crate::commands::view::log_file::LogFile;
 use crate::commands::view::looking::Looking;
-use crate::commands::view::opening::{USUAL_SCREEN, open_sound, open_window, usable};
+use crate::commands::view::opening::{USUAL_SCREEN, open_sound, open_window};
 use crate::commands::view::ready::Ready;
 use crate::commands::view::screen::overlay;
-use crate::commands::view::screen::screenshot;
 use crate::commands::view::screen::{self, Placed, Showing, WindowSurface};
-use crate::commands::view::script::{Deed, PictureIs};
+use crate::commands::view::script::PictureIs;
 use crate::commands::view::summary::Summary;
 use crate::commands::view::window_player::{Begin, WindowPlayer, Wish};
-use crate::options::showing::InterpolationName;
 use anyhow::{Context, anyhow, bail};
-use foveal_core::content::demand::Content;
-use foveal_core::content::policy::Policy;
-use foveal_core::content::video::Video;
-use foveal_core::session::bounds::Bounds;
 use foveal_core::session::session::SessionSettings;
-use foveal_core::units::{Radians, Seconds};
+use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::keys::{Action, ZOOM};
-use foveal_core::view::navigation::{Navigation, Pane};
+use foveal_core::view::navigation::Pane;
 use foveal_play::LivePlayer;
-use foveal_render::{DrawDevice, Drawer, RgbaImage, TileStyle};
+use foveal_render::{DrawDevice, RgbaImage};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
-use winit::dpi::PhysicalSize;
-use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
-use winit::window::{Fullscreen, Window, WindowId};
+use winit::window::{Window, WindowId};
 
 /// Tries to get another device when one was lost.
 const MOST_TRIES: u32 = 20;
 /// Time between those.
 const TRY_EVERY: Duration = Duration::from_millis(250);
-/// Pixels of a touchpad that are a step of a wheel.
-const WHEEL_PIXELS: f64 = 60.0;
-/// How long a window may take to become as large as it was told, in seconds.
-const RESIZE_S: f64 = 1.0;
 /// How long a surface that gave nothing is left alone, in seconds.
 const AGAIN_S: f64 = 0.02;
 
@@ -93,7 +82,6 @@ struct Open {
     window: Arc<Window>,
     screen: WindowSurface,
     player: WindowPlayer,
-    video: Arc<Video>,
     ready: Ready,
     size: [u32; 2],
     hidden: bool,
@@ -184,55 +172,40 @@ impl Open {
         (instance, proxy): (&wgpu::Instance, &EventLoopProxy<Wake>),
         begun: Instant,
     ) -> anyhow::Result<Self> {
-        let (args, file) = (&ready.args, Arc::clone(&ready.file));
-        let about = file.pack().description();
-        let grid = about.grid(args.view.screen);
-        let view = args.view.eye_view(&grid.surface)?;
-        let window = open_window(&ready, view.size, event_loop)?;
+        let args = &ready.args;
+        let surface = ready.surface();
+        let window = open_window(&ready, args.view.eye_view(&surface)?.size, event_loop)?;
         let screen = WindowSurface::open(instance, &window, waker(proxy))?;
-        let config = args.policy.config()?;
-        let style = TileStyle {
-            samples: config.policy == Policy::Sampled,
-            ..args.showing.showing(InterpolationName::Blended)
-        };
+        let config = ready.config()?;
         let device = DrawDevice::Gpu(screen.gpu().clone());
-        let video = file.video(args.view.screen)?;
-        let drawer = Drawer::new(&device, &video, style)?;
+        let drawer = ready.drawer(&device, ready.style(config.policy))?;
         let settings = SessionSettings {
-            policy: usable(&file, &video, config, args.link)?,
+            policy: config,
             bytes_per_s: args.link.map(|link| link.bytes_per_s),
             since: Some(Seconds(0.0)),
             zooms: true,
-            bounds: Bounds::default(),
+            bounds: ready.bounds(),
         };
-        let length = video.timeline().length();
-        let looking = Looking::open(
-            &args.gaze,
-            &grid.surface,
-            args.seed,
-            length,
-            &ready.watching,
-        )?;
+        let length = ready.pack.content().timeline().length();
+        let looking = Looking::open(&args.gaze, &surface, args.seed, length, &ready.watching)?;
         let begin = Begin {
             policy: args.policy.clone(),
-            navigation: Navigation::new(grid.surface, args.view.fov()?)
-                .facing(Radians::from_degrees(about.front_deg)),
+            navigation: ready.navigation()?,
             log: args.log.as_deref().map(LogFile::create).transpose()?,
             looking,
             sound: ready.samples.take().and_then(|it| open_sound(it, length)),
             once: args.once,
             paused: args.paused,
             eye: args.eye,
-            two_eyes: grid.surface.eyes > 1,
+            two_eyes: surface.eyes > 1,
         };
         let options = ready.live_options(settings);
-        let live = LivePlayer::new(file, &video, options, drawer, waker(proxy))?;
+        let live = LivePlayer::new(ready.pack.clone(), options, drawer, waker(proxy))?;
         let now = Seconds(begun.elapsed().as_secs_f64());
         let size = window.inner_size();
         Ok(Self {
             screen,
             player: WindowPlayer::new(live, begin, now),
-            video,
             ready,
             size: [size.width, size.height],
             hidden: false,
@@ -262,109 +235,6 @@ impl Open {
         };
         let pane = Pane::new(self.size, screen, self.ready.args.view.screen);
         Some(pane.part(self.player.eyes().len()))
-    }
-
-    fn event(&mut self, event: WindowEvent, now: Seconds) -> anyhow::Result<Wish> {
-        match event {
-            WindowEvent::CloseRequested | WindowEvent::Destroyed => return Ok(Wish::Quit),
-            WindowEvent::Resized(size) => self.resized([size.width, size.height]),
-            WindowEvent::ScaleFactorChanged { .. } => self.stale = true,
-            WindowEvent::Occluded(hidden) => {
-                self.hidden = hidden;
-                self.stale = true;
-            }
-            WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed => {
-                if let Some(action) = action_of(&event.logical_key, self.with_shift) {
-                    return self.act(action, now);
-                }
-            }
-            WindowEvent::ModifiersChanged(held) => self.with_shift = held.state().shift_key(),
-            WindowEvent::CursorMoved { position, .. } => self.point([position.x, position.y]),
-            WindowEvent::CursorLeft { .. } => self.player.viewer.pointer.leave(now),
-            WindowEvent::MouseInput {
-                state,
-                button: MouseButton::Left,
-                ..
-            } => {
-                self.dragging = state == ElementState::Pressed;
-            }
-            WindowEvent::MouseWheel { delta, .. } => self.wheel(match delta {
-                MouseScrollDelta::LineDelta(_, steps) => f64::from(steps),
-                MouseScrollDelta::PixelDelta(pixels) => pixels.y / WHEEL_PIXELS,
-            }),
-            WindowEvent::RedrawRequested => self.draw(now)?,
-            _ => {}
-        }
-        Ok(Wish::Nothing)
-    }
-
-    fn resized(&mut self, size: [u32; 2]) {
-        self.size = size;
-        self.resizing = None;
-        self.stale = true;
-        self.screen.resize(size);
-    }
-
-    fn point(&mut self, place: [f64; 2]) {
-        if self.dragging {
-            self.drag([0, 1].map(|k| place[k] - self.pointer[k]));
-        }
-        self.pointer = place;
-        // Both eyes' pictures show the same place of the content, each in its part.
-        let across = self.pane().map_or(1.0, |pane| f64::from(pane.size[0]));
-        let count = self.player.eyes().len() as f64;
-        let part = (place[0] / across).floor().clamp(0.0, count - 1.0);
-        self.player
-            .viewer
-            .pointer
-            .move_to([place[0] - part * across, place[1]]);
-    }
-
-    fn drag(&mut self, by: [f64; 2]) {
-        if let Some(pane) = self.pane() {
-            self.player.viewer.navigation.drag(by, &pane);
-        }
-    }
-
-    fn wheel(&mut self, steps: f64) {
-        if let Some(pane) = self.pane() {
-            let middle = pane.size.map(|side| f64::from(side) / 2.0);
-            let place = self.player.viewer.pointer.place().unwrap_or(middle);
-            let factor = ZOOM.powf(steps.clamp(-20.0, 20.0));
-            self.player.viewer.navigation.zoom_by(factor, place, &pane);
-        }
-    }
-
-    fn act(&mut self, action: Action, now: Seconds) -> anyhow::Result<Wish> {
-        self.stale = true;
-        let Some(pane) = self.pane() else {
-            return Ok(if action == Action::Quit {
-                Wish::Quit
-            } else {
-                Wish::Nothing
-            });
-        };
-        let wish = self.player.act(action, &pane, now);
-        match wish {
-            Wish::FullScreen => {
-                let full = self.window.fullscreen().is_some();
-                let wanted = (!full).then_some(Fullscreen::Borderless(None));
-                self.window.set_fullscreen(wanted);
-            }
-            Wish::Screenshot => {
-                let folder = self.ready.args.screenshots.as_deref();
-                let frame = self.player.live.session().shown_tick().unwrap_or(0);
-                let frame = self.player.live.session().timeline().frame_of(frame);
-                let path = screenshot::free_path(self.ready.file.path(), folder, frame);
-                let said = match self.screenshot(&pane, &path) {
-                    Ok(()) => path.display().to_string(),
-                    Err(error) => format!("no screenshot: {error:#}"),
-                };
-                self.player.say(said, now);
-            }
-            Wish::Quit | Wish::Nothing => {}
-        }
-        Ok(wish)
     }
 
     /// The picture as it is shown, without words.
@@ -430,32 +300,6 @@ impl Open {
         Ok(Wish::Nothing)
     }
 
-    fn perform(&mut self, deed: Deed, now: Seconds) -> anyhow::Result<Wish> {
-        match deed {
-            Deed::Key(action) => return self.act(action, now),
-            Deed::Move(place) => self.point(place),
-            Deed::Leave => self.player.viewer.pointer.leave(now),
-            Deed::Drag(by) => self.drag(by),
-            Deed::Wheel(steps) => self.wheel(steps),
-            Deed::Resize(size) => self.ask_size(size, now),
-            Deed::Screenshot(name) => {
-                let folder = self.ready.args.screenshots.as_deref();
-                let path = folder.map_or(name.clone(), |folder| folder.join(&name));
-                let pane = self
-                    .pane()
-                    .context("a window without pixels has no picture")?;
-                self.screenshot(&pane, &path)?;
-            }
-            Deed::Settle => {}
-            Deed::LoseDevice => {
-                self.screen.gpu().device.destroy();
-                self.stale = true;
-            }
-            Deed::Quit => return Ok(Wish::Quit),
-        }
-        Ok(Wish::Nothing)
-    }
-
     fn picture_is(&self, now: Seconds) -> PictureIs {
         let resizing = self.resizing.is_some_and(|until| now.0 < until);
         let nothing_to_show = self.pane().is_none();
@@ -465,22 +309,6 @@ impl Open {
             PictureIs::There
         } else {
             PictureIs::Missing
-        }
-    }
-
-    /// Asks for another size; no pixels at all are what a system gives a window that it hides.
-    fn ask_size(&mut self, size: [u32; 2], now: Seconds) {
-        if size.contains(&0) {
-            return self.resized(size);
-        }
-        let [w, h] = size;
-        match self.window.request_inner_size(PhysicalSize::new(w, h)) {
-            Some(size) => self.resized([size.width, size.height]),
-            None => {
-                let size = self.window.inner_size();
-                self.resized([size.width, size.height]);
-                self.resizing = (self.size != [w, h]).then_some(now.0 + RESIZE_S);
-            }
         }
     }
 
@@ -497,7 +325,7 @@ impl Open {
             let opened =
                 WindowSurface::open(instance, &self.window, waker(proxy)).and_then(|screen| {
                     let device = DrawDevice::Gpu(screen.gpu().clone());
-                    let drawer = Drawer::new(&device, &self.video, style)?;
+                    let drawer = self.ready.drawer(&device, style)?;
                     Ok((screen, drawer))
                 });
             match opened {

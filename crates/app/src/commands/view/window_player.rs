@@ -2,6 +2,7 @@
 //!
 //! Everything of a window but the window: time comes in as an argument, wishes as actions.
 
+use crate::commands::view::draw_rate::DrawRate;
 use crate::commands::view::log_file::LogFile;
 use crate::commands::view::looking::Looking;
 use crate::commands::view::screen::overlay::Told;
@@ -20,7 +21,7 @@ use foveal_core::units::Seconds;
 use foveal_core::view::keys::Action;
 use foveal_core::view::navigation::{Navigation, Pane, Shown};
 use foveal_core::view::surface::Eye;
-use foveal_play::{LivePlayer, Stepped};
+use foveal_play::{LivePack, LivePlayer, Stepped};
 use foveal_render::{Overlay, TileStyle};
 use std::time::Duration;
 
@@ -58,6 +59,7 @@ pub(crate) struct WindowPlayer {
     /// Where the sound begins once the frame of that time is on screen, and since when it waits.
     preroll: Option<(Seconds, Seconds)>,
     words: Words,
+    pub(super) draw_rate: DrawRate,
     levels: bool,
     borders: bool,
     /// How far picture and sound were from each other when frames were shown.
@@ -95,6 +97,7 @@ impl WindowPlayer {
             sound: begin.sound,
             preroll: None,
             words: Words::default(),
+            draw_rate: DrawRate::default(),
             levels: false,
             borders: false,
             drift: Drift::new(),
@@ -117,8 +120,17 @@ impl WindowPlayer {
         }
     }
 
+    /// Whether one flies through what is shown.
+    pub(super) fn in_scene(&self) -> bool {
+        matches!(self.live.pack(), LivePack::Scene(_))
+    }
+
     /// Does what was asked for, or says what the window must do.
     pub(crate) fn act(&mut self, action: Action, pane: &Pane, now: Seconds) -> Wish {
+        if let Some(why) = senseless_in_scenes(action).filter(|_| self.in_scene()) {
+            self.say(why.to_owned(), now);
+            return Wish::Nothing;
+        }
         let navigation = &mut self.viewer.navigation;
         match action {
             Action::Pause | Action::Skip(_) | Action::Step(_) | Action::First | Action::Last => {
@@ -214,6 +226,7 @@ impl WindowPlayer {
 
     /// Looks where the viewer looks and moves the session on. Returns whether to paint anew.
     pub(crate) fn step(&mut self, pane: &Pane, now: Seconds) -> anyhow::Result<bool> {
+        self.viewer.navigation.fly_on(pane, now);
         self.follow_sound(now);
         if self.viewer.stay_at_the_end(self.live.session(), now) {
             self.set_sound(now);
@@ -232,11 +245,11 @@ impl WindowPlayer {
         if self.live.session().is_hopeless() {
             bail!(
                 "{}: no frame has a whole coarsest level; `foveal verify` lists all damage",
-                self.live.path().display()
+                self.live.pack().path().display()
             );
         }
         let style = self.live.style();
-        let drawn_by_gaze = self.levels || style.samples || style.blurs;
+        let drawn_by_gaze = self.levels && !self.in_scene() || style.samples || style.blurs;
         changed |= self.viewer.stepped(moment, pane, drawn_by_gaze);
         Ok(changed || self.words.are_stale(now, self.is_moving()))
     }
@@ -305,6 +318,7 @@ impl WindowPlayer {
     /// What is to be shown was drawn at this time; `begun` is when it was chosen, if it was not
     /// there before.
     pub(crate) fn drawn(&mut self, begun: Option<Seconds>, at: Seconds) {
+        self.draw_rate.note(at);
         // What is drawn again while another frame is awaited tells nothing.
         if self.viewer.is_drawn(self.live.session()) {
             return;
@@ -381,5 +395,18 @@ impl WindowPlayer {
     /// Times that the sound device found too little to play.
     pub(crate) fn sound_gaps(&self) -> u64 {
         self.sound.as_ref().map_or(0, Sound::gaps)
+    }
+}
+
+/// Why a scene does not do what a key does over video; `None` of what it does.
+fn senseless_in_scenes(action: Action) -> Option<&'static str> {
+    match action {
+        Action::Pause | Action::Skip(_) | Action::Step(_) | Action::First | Action::Last => {
+            Some("a scene has no time")
+        }
+        Action::Blur | Action::Interpolation | Action::Textures | Action::Borders => {
+            Some("a scene has no tiles: that is for video")
+        }
+        _ => None,
     }
 }

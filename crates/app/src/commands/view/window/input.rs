@@ -1,0 +1,200 @@
+//! What does whoever sits before a window do with it, by hand or by a script?
+
+use super::Open;
+use crate::commands::view::keys::action_of;
+use crate::commands::view::screen::screenshot;
+use crate::commands::view::script::Deed;
+use crate::commands::view::window_player::Wish;
+use anyhow::Context;
+use foveal_core::units::Seconds;
+use foveal_core::view::flight::Steering;
+use foveal_core::view::keys::{Action, ZOOM};
+use winit::dpi::PhysicalSize;
+use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::window::Fullscreen;
+
+/// Pixels of a touchpad that are a step of a wheel.
+const WHEEL_PIXELS: f64 = 60.0;
+/// How long a window may take to become as large as it was told, in seconds.
+const RESIZE_S: f64 = 1.0;
+
+impl Open {
+    pub(super) fn event(&mut self, event: WindowEvent, now: Seconds) -> anyhow::Result<Wish> {
+        match event {
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => return Ok(Wish::Quit),
+            WindowEvent::Resized(size) => self.resized([size.width, size.height]),
+            WindowEvent::ScaleFactorChanged { .. } => self.stale = true,
+            WindowEvent::Occluded(hidden) => {
+                self.let_go(now);
+                self.hidden = hidden;
+                self.stale = true;
+            }
+            WindowEvent::Focused(false) => self.let_go(now),
+            WindowEvent::KeyboardInput { event, .. } => return self.key(&event, now),
+            WindowEvent::ModifiersChanged(held) => self.hold_shift(held.state().shift_key(), now),
+            WindowEvent::CursorMoved { position, .. } => self.point([position.x, position.y]),
+            WindowEvent::CursorLeft { .. } => self.player.viewer.pointer.leave(now),
+            WindowEvent::MouseInput {
+                state,
+                button: MouseButton::Left,
+                ..
+            } => {
+                self.dragging = state == ElementState::Pressed;
+            }
+            WindowEvent::MouseWheel { delta, .. } => self.wheel(match delta {
+                MouseScrollDelta::LineDelta(_, steps) => f64::from(steps),
+                MouseScrollDelta::PixelDelta(pixels) => pixels.y / WHEEL_PIXELS,
+            }),
+            WindowEvent::RedrawRequested => self.draw(now)?,
+            _ => {}
+        }
+        Ok(Wish::Nothing)
+    }
+
+    fn key(&mut self, event: &KeyEvent, now: Seconds) -> anyhow::Result<Wish> {
+        let is_pressed = event.state == ElementState::Pressed;
+        // What Shift makes of a key that is let go counts for nothing: it may not have been held.
+        let with_shift = self.with_shift && is_pressed;
+        match action_of(&event.logical_key, with_shift, self.ready.in_scene()) {
+            Some(Action::Fly(towards)) => self.hold(towards, is_pressed, now),
+            Some(action) if is_pressed => return self.act(action, now),
+            _ => {}
+        }
+        Ok(Wish::Nothing)
+    }
+
+    /// Flies along a direction from now on, or no longer.
+    fn hold(&mut self, towards: [f64; 3], is_held: bool, now: Seconds) {
+        let steering = self.player.viewer.navigation.steering();
+        self.steer(steering.with(towards, is_held), now);
+    }
+
+    fn hold_shift(&mut self, is_held: bool, now: Seconds) {
+        self.with_shift = is_held;
+        let steering = self.player.viewer.navigation.steering();
+        self.steer(steering.hurried(is_held), now);
+    }
+
+    /// Nobody holds a key of a window that others lie over.
+    fn let_go(&mut self, now: Seconds) {
+        self.steer(Steering::default(), now);
+    }
+
+    fn steer(&mut self, steering: Steering, now: Seconds) {
+        if let Some(pane) = self.pane() {
+            self.player.viewer.navigation.steer(steering, &pane, now);
+        }
+    }
+
+    fn resized(&mut self, size: [u32; 2]) {
+        self.size = size;
+        self.resizing = None;
+        self.stale = true;
+        self.screen.resize(size);
+    }
+
+    fn point(&mut self, place: [f64; 2]) {
+        if self.dragging {
+            self.drag([0, 1].map(|k| place[k] - self.pointer[k]));
+        }
+        self.pointer = place;
+        // Both eyes' pictures show the same place of the content, each in its part.
+        let across = self.pane().map_or(1.0, |pane| f64::from(pane.size[0]));
+        let count = self.player.eyes().len() as f64;
+        let part = (place[0] / across).floor().clamp(0.0, count - 1.0);
+        self.player
+            .viewer
+            .pointer
+            .move_to([place[0] - part * across, place[1]]);
+    }
+
+    fn drag(&mut self, by: [f64; 2]) {
+        if let Some(pane) = self.pane() {
+            self.player.viewer.navigation.drag(by, &pane);
+        }
+    }
+
+    fn wheel(&mut self, steps: f64) {
+        if let Some(pane) = self.pane() {
+            let middle = pane.size.map(|side| f64::from(side) / 2.0);
+            let place = self.player.viewer.pointer.place().unwrap_or(middle);
+            let factor = ZOOM.powf(steps.clamp(-20.0, 20.0));
+            self.player.viewer.navigation.zoom_by(factor, place, &pane);
+        }
+    }
+
+    fn act(&mut self, action: Action, now: Seconds) -> anyhow::Result<Wish> {
+        self.stale = true;
+        let Some(pane) = self.pane() else {
+            return Ok(if action == Action::Quit {
+                Wish::Quit
+            } else {
+                Wish::Nothing
+            });
+        };
+        let wish = self.player.act(action, &pane, now);
+        match wish {
+            Wish::FullScreen => {
+                let full = self.window.fullscreen().is_some();
+                let wanted = (!full).then_some(Fullscreen::Borderless(None));
+                self.window.set_fullscreen(wanted);
+            }
+            Wish::Screenshot => {
+                let folder = self.ready.args.screenshots.as_deref();
+                let frame = self.player.live.session().shown_tick().unwrap_or(0);
+                let frame = self.player.live.session().timeline().frame_of(frame);
+                let path = screenshot::free_path(self.ready.pack.path(), folder, frame);
+                let said = match self.screenshot(&pane, &path) {
+                    Ok(()) => path.display().to_string(),
+                    Err(error) => format!("no screenshot: {error:#}"),
+                };
+                self.player.say(said, now);
+            }
+            Wish::Quit | Wish::Nothing => {}
+        }
+        Ok(wish)
+    }
+
+    pub(super) fn perform(&mut self, deed: Deed, now: Seconds) -> anyhow::Result<Wish> {
+        match deed {
+            Deed::Key(action) => return self.act(action, now),
+            Deed::Hold(towards, is_held) => self.hold(towards, is_held, now),
+            Deed::Move(place) => self.point(place),
+            Deed::Leave => self.player.viewer.pointer.leave(now),
+            Deed::Drag(by) => self.drag(by),
+            Deed::Wheel(steps) => self.wheel(steps),
+            Deed::Resize(size) => self.ask_size(size, now),
+            Deed::Screenshot(name) => {
+                let folder = self.ready.args.screenshots.as_deref();
+                let path = folder.map_or(name.clone(), |folder| folder.join(&name));
+                let pane = self
+                    .pane()
+                    .context("a window without pixels has no picture")?;
+                self.screenshot(&pane, &path)?;
+            }
+            Deed::Settle => {}
+            Deed::LoseDevice => {
+                self.screen.gpu().device.destroy();
+                self.stale = true;
+            }
+            Deed::Quit => return Ok(Wish::Quit),
+        }
+        Ok(Wish::Nothing)
+    }
+
+    /// Asks for another size; no pixels at all are what a system gives a window that it hides.
+    fn ask_size(&mut self, size: [u32; 2], now: Seconds) {
+        if size.contains(&0) {
+            return self.resized(size);
+        }
+        let [w, h] = size;
+        match self.window.request_inner_size(PhysicalSize::new(w, h)) {
+            Some(size) => self.resized([size.width, size.height]),
+            None => {
+                let size = self.window.inner_size();
+                self.resized([size.width, size.height]);
+                self.resizing = (self.size != [w, h]).then_some(now.0 + RESIZE_S);
+            }
+        }
+    }
+}
