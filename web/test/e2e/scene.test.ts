@@ -161,7 +161,7 @@ test("one flies while a key is held", async () => {
   });
 });
 
-test("only the policies that scenes are chosen by are offered, and each shows the ring", async () => {
+test("only the policies that choose for scenes are offered, and each shows the ring", async () => {
   await on("view.html?pack=torus.foveal&demo", async (opened) => {
     const { page } = opened;
     await told(page, "settled");
@@ -192,7 +192,11 @@ test("a damaged unit is counted and told, and the coarser one stays", async () =
 });
 
 test("what is damaged before the units is said in a sentence that names it", async () => {
-  const places = [[70, "description"], [index + 9, "index"], [fileBytes - 9, "table units"]] as const;
+  const places = [
+    [70, "description"],
+    [index + 9, "index"],
+    [fileBytes - 9, "table units"],
+  ] as const;
   for (const [place, named] of places) {
     const work = async ({ page }: Opened): Promise<void> => {
       const alert = page.getByRole("alert");
