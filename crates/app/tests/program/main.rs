@@ -28,11 +28,8 @@ mod prepare;
 mod refusals;
 mod results;
 mod resume;
-<<<<<<< HEAD
 mod scene;
-=======
 mod scene_view;
->>>>>>> h5-view
 mod scenes;
 mod score;
 mod score_conditions;
