@@ -56,7 +56,7 @@ pub(crate) struct PackInParts {
 pub(crate) enum Head<'a> {
     /// The description of a video, as it is written.
     Video(&'a [u8]),
-    Scene(SceneDescription),
+    Scene(Box<SceneDescription>),
 }
 
 impl<'a> Head<'a> {
@@ -70,7 +70,7 @@ impl<'a> Head<'a> {
         };
         check_crc("description", description, header.description_crc)?;
         let head = match is_scene(description) {
-            true => Self::Scene(ScenePack::describe(&header, description)?),
+            true => Self::Scene(Box::new(ScenePack::describe(&header, description)?)),
             false => Self::Video(description),
         };
         Ok((header, head))
@@ -111,7 +111,7 @@ impl PackInParts {
             Head::Scene(about) => {
                 let index = rest.len().min(header.index_bytes as usize);
                 let (index, table) = rest.split_at(index);
-                let pack = Arc::new(ScenePack::new(&header, about, index, table)?);
+                let pack = Arc::new(ScenePack::new(&header, *about, index, table)?);
                 ContentInParts::Scene(Arc::new(Scene::new(name, pack)))
             }
         };

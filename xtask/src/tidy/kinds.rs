@@ -1,4 +1,4 @@
-//! Do core's choices and packs stay clear of what only video has?
+//! Do core's choices and packs stay clear of what only one kind of content has?
 
 use std::collections::BTreeMap;
 
@@ -14,15 +14,39 @@ const ROOMS: [&str; 3] = [
     "crates/core/src/pack",
 ];
 /// What only video is made of.
-const WORDS: [&str; 6] = ["tile", "tiles", "grid", "grids", "picture", "pictures"];
-const VIDEO: [&str; 2] = ["content", "video"];
+const OF_VIDEO: [&str; 6] = ["tile", "tiles", "grid", "grids", "picture", "pictures"];
+/// What only scenes are made of. (A session calls all its assets a scene.)
+const OF_SCENES: [&str; 14] = [
+    "mesh",
+    "meshes",
+    "triangle",
+    "triangles",
+    "cluster",
+    "clusters",
+    "meshlet",
+    "meshlets",
+    "point",
+    "points",
+    "texture",
+    "textures",
+    "vertex",
+    "vertices",
+];
+/// Names of the standard library that have such a word in them.
+const OF_THE_LIBRARY: [&str; 1] = ["partition_point"];
+/// The rooms of core that hold one kind of content each.
+const KINDS: [[&str; 2]; 3] = [
+    ["content", "video"],
+    ["content", "scene"],
+    ["content", "mesh"],
+];
 
-/// Identifiers and paths of core's general rooms that only video has a meaning for, counted for
+/// Identifiers and paths of core's general rooms that only one kind has a meaning for, counted for
 /// each file.
 pub(super) fn check(core: &Modules) -> Vec<Breach> {
     let mut met: BTreeMap<&str, (usize, Vec<String>, usize)> = BTreeMap::new();
     for (_, module) in core.iter().filter(|(_, module)| is_general(&module.file)) {
-        for (line, name) in of_video(&module.scope) {
+        for (line, name) in of_one_kind(&module.scope) {
             let (count, names, first) = met.entry(&module.file).or_insert((0, Vec::new(), line));
             *count += 1;
             *first = line.min(*first);
@@ -34,7 +58,7 @@ pub(super) fn check(core: &Modules) -> Vec<Breach> {
     met.into_iter()
         .map(|(file, (count, names, line))| {
             let message = format!(
-                "{count} times what only video has ({}): say what any content has, or move it",
+                "{count} times what only one kind has ({}): say what any content has, or move it",
                 names.join(", ")
             );
             Breach::new("kinds", file, Finding::new(file, line, message)).counting(count)
@@ -50,22 +74,28 @@ fn is_general(file: &str) -> bool {
 }
 
 /// Each such identifier or path, with its line; a path's is that of its file's first name.
-fn of_video(scope: &Scope) -> Vec<(usize, String)> {
-    let names = scope.names.iter().filter(|name| is_of_video(&name.text));
+fn of_one_kind(scope: &Scope) -> Vec<(usize, String)> {
+    let names = scope.names.iter().filter(|name| is_of_one_kind(&name.text));
     let mut found: Vec<_> = names.map(|name| (name.line, name.text.clone())).collect();
     let imports = scope.imports.iter().map(|import| &import.path);
     for path in imports.chain(&scope.paths) {
-        if path.windows(2).any(|pair| pair == VIDEO) {
-            let line = scope.names.iter().find(|name| name.text == VIDEO[1]);
+        let kind = KINDS
+            .iter()
+            .find(|kind| path.windows(2).any(|pair| pair == *kind));
+        if let Some([_, room]) = kind {
+            let line = scope.names.iter().find(|name| name.text == *room);
             found.push((line.map_or(1, |name| name.line), path.join("::")));
         }
     }
     found
 }
 
-fn is_of_video(identifier: &str) -> bool {
-    let words = words(identifier);
-    words.iter().any(|word| WORDS.contains(&word.as_str()))
+fn is_of_one_kind(identifier: &str) -> bool {
+    let is_of_one = |word: &String| {
+        let mut all = OF_VIDEO.iter().chain(&OF_SCENES);
+        all.any(|of_one| of_one == word)
+    };
+    !OF_THE_LIBRARY.contains(&identifier) && words(identifier).iter().any(is_of_one)
 }
 
 /// The words of `snake_case`, `CamelCase` or `CAPITALS`, in small letters.
@@ -128,16 +158,33 @@ mod tests {
     }
 
     #[test]
-    fn nor_do_they_name_the_room_of_video() {
-        assert_eq!(
-            told("session", "use crate::content::{video::Level, mesh};").len(),
-            1
-        );
-        assert_eq!(
-            told("session", "fn f() { crate::content::video::f() }").len(),
-            1
-        );
-        assert!(told("session", "use crate::content::mesh::Level; fn video() {}").is_empty());
+    fn nor_do_they_name_what_scenes_are_made_of() {
+        for text in [
+            "fn f(triangles: u64) {}",
+            "struct ClusterRef;",
+            "const MOST_POINTS: u8 = 1;",
+            "fn f() { g(x.texture_bytes) }",
+        ] {
+            for room in ["selection", "session", "pack"] {
+                assert_eq!(told(room, text).len(), 1, "{text}");
+            }
+            assert!(told("view", text).is_empty(), "{text}");
+        }
+        assert!(told("session", "fn scene(pointer: u8) { partition_point() }").is_empty());
+    }
+
+    #[test]
+    fn nor_do_they_name_the_room_of_a_kind() {
+        let each = [
+            "use crate::content::{video::Level, unit};",
+            "fn f() { crate::content::video::f() }",
+            "use crate::content::scene::Scene;",
+            "use crate::content::mesh::Level;",
+        ];
+        for text in each {
+            assert_eq!(told("session", text).len(), 1, "{text}");
+        }
+        assert!(told("session", "use crate::content::unit::Level; fn video() {}").is_empty());
     }
 
     #[test]

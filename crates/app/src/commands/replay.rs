@@ -4,12 +4,15 @@ use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use foveal_core::content::demand::Content;
+use foveal_core::content::scene::demand::why_not;
+use foveal_core::content::scene::description::KIND;
 use foveal_core::content::video::demand::VideoDemand;
 use foveal_core::session::log::{SessionFrame, SessionLogPart, sha256_hex};
 use foveal_core::session::log_of_parts::SessionLog;
 use foveal_core::units::counted;
 use foveal_core::view::surface::Screen;
 use foveal_media::pack::pack_file::PackFile;
+use foveal_media::pack::scene_file::SceneFile;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,8 +21,8 @@ use std::sync::Arc;
 pub(crate) struct ReplayArgs {
     /// The session.jsonl that simulate wrote, or what view --log did.
     log: PathBuf,
-    /// The pack that was played; needed where the policy weighed its units (default: the one that
-    /// the log names, beside the log, a folder above it, or here).
+    /// The pack that was played; needed for scenes, and where the policy weighed units of video
+    /// (default: the one that the log names, beside the log, a folder above it, or here).
     #[arg(long, value_name = "PACK")]
     pack: Option<PathBuf>,
     /// Print one JSON object.
@@ -37,8 +40,44 @@ struct Replayed {
     replay_sha256: String,
 }
 
+/// What the parts of a log were chosen on.
+fn is_of(log: &SessionLog, is_kind: impl Fn(&SessionLogPart) -> bool) -> bool {
+    let alone = |part: &SessionLogPart| part.head.more.is_empty() && is_kind(part);
+    log.parts.iter().all(alone)
+}
+
+/// The run selected again through the scene that it is of.
+fn replay_scene(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::Result<SessionLog> {
+    let name = log.parts.first().map_or("", |part| &part.head.pack);
+    let found = || pack_beside(path, name);
+    let Some(pack) = pack.map(Path::to_owned).or_else(found) else {
+        bail!(WrongUsage(format!(
+            "--pack is needed: this run went through a scene; give {name}"
+        )));
+    };
+    let file = SceneFile::open(&pack)?;
+    let scene = file.scene();
+    for part in &log.parts {
+        if part.head.content != scene.head() {
+            bail!(
+                "{}: has other units than the pack of the log, {}",
+                pack.display(),
+                part.head.pack
+            );
+        }
+        if let Some(why) = why_not(part.head.policy.policy) {
+            bail!(
+                "{}: was chosen by {}, which does not choose for scenes: {why}",
+                path.display(),
+                part.head.policy.policy.name()
+            );
+        }
+    }
+    Ok(log.replay(&|_, head, config| Arc::clone(scene).demand(head, config)))
+}
+
 /// The run selected again, on its pack where that is needed.
-fn replay(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::Result<SessionLog> {
+fn replay_video(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::Result<SessionLog> {
     let Some(weighed) = log.parts.iter().find(|part| part.needs_content()) else {
         return Ok(log.replay(&|_, head, config| Box::new(VideoDemand::of_head(head, config))));
     };
@@ -106,14 +145,14 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     let name = args.log.display();
     let text = output::read_text(&args.log, "the session.jsonl of a simulate")?;
     let log = SessionLog::parse(&text).with_context(|| name.to_string())?;
-    let is_video = |part: &SessionLogPart| {
-        let head = &part.head;
-        head.more.is_empty() && head.content.video().is_some()
+    let (path, pack) = (&args.log, args.pack.as_deref());
+    let again = if is_of(&log, |part| part.head.content.video().is_some()) {
+        replay_video(&log, path, pack)?
+    } else if is_of(&log, |part| part.head.content.other(KIND).is_some()) {
+        replay_scene(&log, path, pack)?
+    } else {
+        bail!("{name}: a log of several assets, or of another kind, is replayed by what played it");
     };
-    if !log.parts.iter().all(is_video) {
-        bail!("{name}: a log of a scene that is not one video is replayed by what played it");
-    }
-    let again = replay(&log, &args.log, args.pack.as_deref())?;
     let frames = |log: &SessionLog| -> Vec<SessionFrame> {
         let frames = log.parts.iter().flat_map(|part| &part.frames);
         frames.cloned().collect()

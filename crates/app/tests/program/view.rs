@@ -81,7 +81,12 @@ impl Drop for Display {
 }
 
 /// Opens a pack on a display of its own and lets a script run to its end; `None` without Xvfb.
-fn watched(folder: &Folder, pack: &str, script: &str, options: &[&str]) -> Option<Value> {
+pub(crate) fn watched(
+    folder: &Folder,
+    pack: &str,
+    script: &str,
+    options: &[&str],
+) -> Option<Value> {
     let display = Display::start()?;
     let ran: Ran = finish(display.view(folder, pack, script, options));
     assert_eq!(ran.code, Some(0), "{ran:?}");

@@ -1,7 +1,8 @@
 //! What part of the content does a window or a page show?
 //!
-//! Of a picture before the eye or around it a part; through a scene the eye moves. Zooming and turning change the content under a degree, never the eye: the window fills the same
-//! angles there as long as it keeps its pixels.
+//! Of a picture before the eye or around it a part; through a scene the eye moves. Zooming and
+//! turning change the content under a degree, never the eye: the window fills the same angles there
+//! as long as it keeps its pixels.
 
 #[cfg(test)]
 mod tests;
@@ -398,8 +399,7 @@ impl Navigation {
     /// Keeps flat content over the window, or in its middle where it is smaller.
     fn keep_inside(&mut self, size: [u32; 2], pane: &Pane) {
         let scale = self.scale(pane);
-        for k in 0..2 {
-            let side = f64::from(size[k]);
+        for (k, side) in size.map(f64::from).into_iter().enumerate() {
             let half = f64::from(pane.size[k]) / 2.0 / scale;
             self.centre[k] = if half * 2.0 >= side {
                 side / 2.0

@@ -107,7 +107,7 @@ fn a_damaged_unit_is_counted_and_the_coarser_one_stays() {
     file[entry.offset as usize] ^= 1;
     let mut player = open(&file, "full").unwrap();
     let refused = player.deliver_whole(last.0, &file[entry.offset as usize..][..4]);
-    assert!(refused.unwrap_err().contains("checksum"));
+    assert!(refused.unwrap_err().contains("CRC32C"));
     play(&file, &mut player, 0.0);
     assert_eq!(player.session.figures.damaged_units, 1);
 }

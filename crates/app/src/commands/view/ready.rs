@@ -1,7 +1,11 @@
 //! What is read before a window opens?
 
+mod checks;
+mod kinds;
+pub(super) mod opening;
+
 use crate::commands::view::args::ViewArgs;
-use crate::commands::view::kinds::{check, open_pack, policy_of};
+use crate::commands::view::ready::checks::{check, open_pack, policy_of};
 use crate::commands::view::script::Script;
 use crate::commands::view::sound::samples::Samples;
 use crate::gaze_source::{ViewerModel, preset_of};

@@ -4,8 +4,8 @@ mod input;
 
 use crate::commands::view::log_file::LogFile;
 use crate::commands::view::looking::Looking;
-use crate::commands::view::opening::{USUAL_SCREEN, open_sound, open_window};
 use crate::commands::view::ready::Ready;
+use crate::commands::view::ready::opening::{USUAL_SCREEN, open_sound, open_window};
 use crate::commands::view::screen::overlay;
 use crate::commands::view::screen::{self, Placed, Showing, WindowSurface};
 use crate::commands::view::script::PictureIs;

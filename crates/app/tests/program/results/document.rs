@@ -25,7 +25,7 @@ const TEXT: &str = include_str!("../../../../../docs/formats/results.md");
 const HEADER: [&str; 4] = ["key", "unit", "meaning", "when"];
 /// Whose unit another key tells.
 pub(super) const TOLD: &str = "as told";
-const UNITS: [&str; 34] = [
+const UNITS: [&str; 35] = [
     TOLD,
     "1/degree²",
     "1/minute",
@@ -47,6 +47,7 @@ const UNITS: [&str; 34] = [
     "frame number",
     "frames",
     "frames/s",
+    "m",
     "ms",
     "number",
     "path",

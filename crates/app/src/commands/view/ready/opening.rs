@@ -18,10 +18,10 @@ use winit::event_loop::ActiveEventLoop;
 use winit::window::{Fullscreen, Window};
 
 /// Pixels of a screen whose size nobody tells.
-pub(super) const USUAL_SCREEN: [u32; 2] = [1920, 1080];
+pub(in crate::commands::view) const USUAL_SCREEN: [u32; 2] = [1920, 1080];
 
 /// A window of `--view` pixels, or as large as the screen allows for a picture of `size`.
-pub(super) fn open_window(
+pub(in crate::commands::view) fn open_window(
     ready: &Ready,
     size: [u32; 2],
     event_loop: &ActiveEventLoop,
@@ -49,7 +49,7 @@ pub(super) fn open_window(
 
 /// The policy, or what stands in for it where a pack does not tell what its units add; for what is
 /// to spend a link nothing can.
-pub(super) fn usable(
+pub(in crate::commands::view) fn usable(
     file: &PackFile,
     video: &Video,
     config: PolicyConfig,
@@ -70,7 +70,7 @@ pub(super) fn usable(
 }
 
 /// The device that plays these samples; one that cannot be had is told of.
-pub(super) fn open_sound(samples: Samples, length: Seconds) -> Option<Sound> {
+pub(in crate::commands::view) fn open_sound(samples: Samples, length: Seconds) -> Option<Sound> {
     let quiet = |error: anyhow::Error| say(&format!("foveal: {error}; no sound"));
     Sound::open(samples, length).map_err(quiet).ok()
 }

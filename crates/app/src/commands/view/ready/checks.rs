@@ -1,0 +1,70 @@
+//! Which options does a pack of a kind take?
+
+use crate::commands::view::args::ViewArgs;
+use crate::options::policy::{PolicyOptions, check_thresholds};
+use crate::options::showing::InterpolationName;
+use crate::report::output::WrongUsage;
+use anyhow::bail;
+use foveal_core::content::policy::Policy;
+use foveal_core::content::scene::demand::why_not;
+use foveal_media::pack::pack_file::PackFile;
+use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
+use foveal_play::LivePack;
+use std::sync::Arc;
+
+/// Opens a pack of either kind.
+pub(super) fn open_pack(args: &ViewArgs) -> anyhow::Result<LivePack> {
+    if is_scene_pack(&args.pack) {
+        return Ok(LivePack::Scene(Arc::new(SceneFile::open(&args.pack)?)));
+    }
+    let file = Arc::new(PackFile::open(&args.pack)?);
+    let video = file.video(args.view.screen)?;
+    Ok(LivePack::Video(file, video))
+}
+
+/// The policy that was asked for, or the usual one of this kind.
+pub(super) fn policy_of(args: &ViewArgs, pack: &LivePack) -> PolicyOptions {
+    let usual = match (args.demo, pack) {
+        (false, _) => Policy::Viewport,
+        (true, LivePack::Video(..)) => Policy::Perceptual,
+        (true, LivePack::Scene(_)) => Policy::Eccentricity,
+    };
+    args.policy.under(args.policy.policy.unwrap_or(usual))
+}
+
+/// Says what is wrong with the options for this kind, before a window is there.
+pub(super) fn check(args: &ViewArgs, pack: &LivePack) -> anyhow::Result<()> {
+    let config = args.policy.config()?;
+    match pack {
+        LivePack::Video(file, _) => {
+            check_thresholds(&config, &file.pack().description().grid(args.view.screen))
+        }
+        LivePack::Scene(_) => check_scene(args, config.policy),
+    }
+}
+
+fn check_scene(args: &ViewArgs, policy: Policy) -> anyhow::Result<()> {
+    if let Some(why) = why_not(policy) {
+        let able = Policy::IN_TURN
+            .into_iter()
+            .filter(|it| why_not(*it).is_none());
+        let able: Vec<&str> = able.map(Policy::name).collect();
+        bail!(WrongUsage(format!(
+            "--policy {} does not choose for scenes: {why}; give one of {}",
+            policy.name(),
+            able.join(", ")
+        )));
+    }
+    let style = args.showing.showing(InterpolationName::Blended);
+    let of_tiles = [
+        (style.has_textures, "--reconstruction textures"),
+        (args.showing.interpolation.is_some(), "--interpolation"),
+        (style.blurs, "--blur on"),
+    ];
+    match of_tiles.iter().find(|(is_given, _)| *is_given) {
+        Some((_, option)) => bail!(WrongUsage(format!(
+            "{option} is for video, and this is a scene; leave it out"
+        ))),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,119 @@
+//! Does a window fly through a scene, and can what it showed be chosen again?
+
+use crate::support::{Folder, Rgb, done, json, refused};
+use crate::view::watched;
+use std::fmt::Write;
+
+/// A torus with bumps, of 2 x 96 x 48 triangles, as a pack.
+fn torus_pack(folder: &Folder) -> String {
+    let (around, across) = (96u32, 48u32);
+    let mut obj = String::new();
+    let turn = |k: u32, of: u32| std::f64::consts::TAU * f64::from(k) / f64::from(of);
+    for (i, j) in (0..around).flat_map(|i| (0..across).map(move |j| (i, j))) {
+        let (u, v) = (turn(i, around), turn(j, across));
+        let thick = 0.4 + 0.05 * (9.0 * u).sin() * (5.0 * v).cos();
+        let out = 1.0 + thick * v.cos();
+        let at = [out * u.cos(), out * u.sin(), thick * v.sin()];
+        writeln!(obj, "v {} {} {}", at[0], at[1], at[2]).unwrap();
+    }
+    for (i, j) in (0..around).flat_map(|i| (0..across).map(move |j| (i, j))) {
+        let at = |i: u32, j: u32| (i % around) * across + j % across + 1;
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        writeln!(obj, "f {a} {b} {c}\nf {a} {c} {d}").unwrap();
+    }
+    let mesh = folder.holding("torus.obj", obj.as_bytes());
+    let pack = folder.name("torus.foveal");
+    done(&["prepare", "scene", &mesh, "--out", &pack]);
+    pack
+}
+
+/// Share of the pixels that differ clearly from the one in the corner.
+fn covered(picture: &Rgb) -> f64 {
+    let corner = picture.at([0, 0]);
+    let differs = |at: &[u32; 2]| {
+        let pixel = picture.at(*at);
+        (0..3).any(|k| pixel[k].abs_diff(corner[k]) > 12)
+    };
+    let all = picture.places().count();
+    picture.places().filter(differs).count() as f64 / all as f64
+}
+
+#[test]
+fn a_window_flies_through_a_scene_and_the_log_is_replayed() {
+    let folder = Folder::new();
+    let pack = torus_pack(&folder);
+    let shots = folder.name("shots");
+    let log = folder.name("flight.jsonl");
+    let script = "0 settle\n0 screenshot start.png\n\
+                  0.1 press w\n0.6 release w\n0.6 settle\n0.6 screenshot near.png\n\
+                  0.7 drag 40 20\n0.7 settle\n0.7 screenshot turned.png\n\
+                  0.8 key l\n0.8 settle\n0.8 screenshot levels.png\n0.8 key l\n\
+                  0.9 key d\n0.9 wheel -2\n0.9 key space\n0.9 key r\n0.9 key j\n0.9 key m\n\
+                  1.0 key Home\n1.0 settle\n1.0 screenshot home.png\n\
+                  1.1 key p\n1.1 key h\n1.1 key h\n1.2 settle\n1.3 quit";
+    let options = [
+        "--view",
+        "480x300",
+        "--screenshots",
+        &shots,
+        "--log",
+        &log,
+        "--demo",
+    ];
+    let Some(summary) = watched(&folder, &pack, script, &options) else {
+        return;
+    };
+    assert_eq!(summary["damaged_tiles"], 0);
+    assert_eq!(summary["gpu_errors"], 0);
+    let shot = |name: &str| Rgb::read(&format!("{shots}/{name}.png"));
+    let [start, near, turned, levels, home] =
+        ["start", "near", "turned", "levels", "home"].map(shot);
+    let share = covered(&start);
+    assert!(
+        (0.1..0.6).contains(&share),
+        "the whole torus covers {share}"
+    );
+    assert!(
+        covered(&near) > share * 1.2,
+        "{} after {share}",
+        covered(&near)
+    );
+    for (name, other) in [("near", &start), ("turned", &near), ("levels", &turned)] {
+        assert!(shot(name).difference(other) > 30, "{name} is as before");
+    }
+    assert!(covered(&levels) > 0.1);
+    assert_eq!(home.size, start.size);
+    assert!(
+        (covered(&home) - share).abs() < 0.02,
+        "it is not back at the start"
+    );
+    let again = json(&["replay", &log]);
+    assert_eq!(again["same"], true, "{again}");
+    assert!(again["frames"].as_u64().unwrap() > 5, "{again}");
+}
+
+#[test]
+fn policies_and_options_that_are_for_video_are_refused_for_scenes() {
+    let folder = Folder::new();
+    let pack = torus_pack(&folder);
+    let works = "viewport, acuity, eccentricity, uniform, full, coarsest";
+    refused(
+        2,
+        &["view", &pack, "--policy", "grid"],
+        &["--policy grid", works],
+    );
+    refused(2, &["view", &pack, "--blur", "on"], &["--blur on", "video"]);
+    refused(
+        2,
+        &["view", &pack, "--gpu-memory", "much"],
+        &["--gpu-memory", "256MB"],
+    );
+    let script = folder.holding("script.txt", b"0 press h\n");
+    refused(
+        1,
+        &["view", &pack, "--script", &script],
+        &["key h does all it does at once"],
+    );
+    let log = folder.holding("log.jsonl", b"{}\n");
+    refused(1, &["replay", &log, "--pack", &pack], &["log.jsonl"]);
+}
