@@ -36,7 +36,7 @@ enum Command {
     /// What would be chosen, without content: levels, pixels, shares.
     Select(commands::select::SelectArgs),
     /// Play a pack headless: pictures of what the eye gets, figures, and a log.
-    Simulate(commands::simulate::SimulateArgs),
+    Simulate(commands::simulate_options::SimulateArgs),
     /// Watch a pack in a window: video, or a scene to fly through.
     #[command(mut_arg("policy", |policy| {
         policy.help(

@@ -1,6 +1,7 @@
 //! How good was it? Judges what the pipeline did; nothing here feeds it.
 
 pub mod bench_cases;
+pub mod disc_error;
 pub mod fft_importance;
 pub mod gaze;
 pub mod importance_bench;

@@ -15,6 +15,7 @@ mod look;
 mod mesh_reader;
 mod player;
 mod report;
+mod scene_player;
 mod step;
 mod tile_decoder;
 
@@ -24,3 +25,4 @@ pub use live::{LiveOptions, LivePack, LivePlayer, Stepped};
 pub use look::Look;
 pub use player::{Player, PlayerOptions};
 pub use report::FrameReport;
+pub use scene_player::{ScenePlayer, ScenePlayerOptions, SceneReport};

@@ -6,6 +6,11 @@ use foveal_core::session::actions::{Cache, Now, SessionAction};
 use foveal_core::session::session::Session;
 use foveal_render::Drawer;
 
+/// Moves a session on: what is to be done then.
+pub(crate) fn decide(session: &mut Session, now: &Now) -> Vec<SessionAction> {
+    session.step(now)
+}
+
 /// Moves a session on and draws what it shows; returns whether the picture changed, and what is
 /// left to do.
 pub(crate) fn step(
@@ -14,5 +19,5 @@ pub(crate) fn step(
     cache: &mut Cache<Payload>,
     drawer: &mut Drawer,
 ) -> Result<(bool, Vec<SessionAction>), PlayError> {
-    Ok(drawer.perform(session.step(now), cache)?)
+    Ok(drawer.perform(decide(session, now), cache)?)
 }

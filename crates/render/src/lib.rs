@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod blur;
+mod draw_device;
 mod drawer;
 mod error;
 mod frame;
@@ -27,7 +28,8 @@ pub use crate::tiles::sparse::Interpolation;
 pub use crate::tiles::store::TileStore;
 pub use crate::tiles::textures::{TextureRenderer, texture_bytes};
 pub use blur::RadialBlur;
-pub use drawer::{DrawDevice, Drawer, DrawnPicture};
+pub use draw_device::{DrawDevice, DrawnPicture};
+pub use drawer::Drawer;
 pub use error::RenderError;
 pub use frame::Renderer;
 pub use image::RgbaImage;

@@ -14,7 +14,9 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_render::gpu::readback::BytesBack;
 use foveal_render::meshes::unit_bytes;
 use foveal_render::twin::TwinScene;
-use foveal_render::{ComingUnit, Gpu, RenderError, RgbaImage, SceneLayer, SceneStyle};
+use foveal_render::{
+    ComingUnit, DrawDevice, Gpu, RenderError, RgbaImage, SceneDrawer, SceneLayer, SceneStyle,
+};
 use glam::{DAffine3, DVec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
@@ -181,7 +183,8 @@ fn culling_leaves_clusters_out_and_the_picture_as_it_is() {
         let [drawn, seen] = twin.clusters_seen(&view, &culls);
         assert!(seen * 3 < drawn * 2, "{seen} of {drawn} clusters are seen");
     }
-    assert_eq!(layer.triangles_drawn(), 5 * (11 * 32 + 5 * 64));
+    let triangles = [layer.triangles_drawn(), twin.triangles_drawn()];
+    assert_eq!(triangles, [5 * (11 * 32 + 5 * 64); 2]);
 }
 
 #[test]
@@ -430,4 +433,30 @@ fn a_unit_that_does_not_fit_to_what_is_there_is_refused_with_a_reason() {
     layer.upload(&coming(1, &torus.units[1])).unwrap();
     let twice = layer.upload(&again).unwrap_err().to_string();
     assert!(twice.contains("one that no other unit replaces"), "{twice}");
+}
+
+#[test]
+fn whatever_draws_is_given_the_same_units_and_shows_the_same_picture() {
+    let torus = Torus::new(object(ALL));
+    let view = from_above(SIZE);
+    let style = SceneStyle::default();
+    let gpu = DrawDevice::Gpu(Gpu::open_blocking().unwrap());
+    let pictures = [gpu, DrawDevice::Twin, DrawDevice::Nothing].map(|device| {
+        let mut drawer = SceneDrawer::new(&device, &torus.objects, MOST_BYTES).unwrap();
+        torus.coming().for_each(|it| drawer.upload(&it).unwrap());
+        drawer.keep(&HashSet::from([UnitId(2)]));
+        let draws_on_gpu = matches!(device, DrawDevice::Gpu(_));
+        assert_eq!(drawer.draw(&view, &style).unwrap().is_some(), draws_on_gpu);
+        assert_eq!(drawer.gpu_bytes() > 0, draws_on_gpu);
+        let picture = drawer.picture(&view, &style).unwrap();
+        let read = drawer.read(&view, &style).unwrap().is_some();
+        assert_eq!(read, picture.is_some());
+        let triangles = if read { 13 * 32 + 3 * 64 } else { 0 };
+        assert_eq!(drawer.triangles_drawn(), triangles);
+        picture
+    });
+    let [Some(drawn), Some(expected), None] = pictures else {
+        panic!("a device draws nothing, or nothing draws");
+    };
+    assert!(share_beyond(&drawn, &expected, 2) < 0.005);
 }

@@ -1,8 +1,8 @@
 //! 3D files in, units of a scene pack out.
 //!
-//! [`read`] turns files into a [`Source`](source::Source), [`build`] turns that into units that a
-//! viewer can fetch in any order. Nothing here is needed to play: payloads are decoded in
-//! `foveal-core`.
+//! [`read`] turns files into a [`SourceScene`](source::SourceScene), [`build`] turns that into
+//! units that a viewer can fetch in any order. Nothing here is needed to play: payloads are decoded
+//! in `foveal-core`.
 
 #![forbid(unsafe_code)]
 

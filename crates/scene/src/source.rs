@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 /// A scene as its files tell it: nothing is simplified or put on a grid yet.
 #[derive(Clone, Debug, Default)]
-pub struct Source {
+pub struct SourceScene {
     /// What stands in the scene.
     pub objects: Vec<SourceObject>,
     /// The meshes that objects show.
@@ -20,7 +20,7 @@ pub struct Source {
     pub bytes: u64,
 }
 
-impl Source {
+impl SourceScene {
     /// Puts all of another scene beside what stands here.
     pub(crate) fn append(&mut self, other: Self) {
         let (meshes, materials) = (self.meshes.len(), self.materials.len());

@@ -1,12 +1,15 @@
 //! What is a page told of a pack?
 
-use crate::pack_in_parts::PackInParts;
+use crate::pack_in_parts::{Head, PackInParts};
 use foveal_core::content::demand::Content;
 use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::scene::demand::why_not;
+use foveal_core::content::scene::description::SceneDescription;
+use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::sound::SOUND;
-use foveal_core::pack::{HEADER_BYTES, Header};
+use foveal_core::pack::{HEADER_BYTES, Header, PackError};
 use foveal_core::view::surface::{Projection, Screen};
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// Bytes from the beginning of a pack that hold its header and description, by its first 64.
 pub fn head_bytes(beginning: &[u8]) -> Result<u64, String> {
@@ -14,16 +17,42 @@ pub fn head_bytes(beginning: &[u8]) -> Result<u64, String> {
     Ok(header.data_offset().max(HEADER_BYTES as u64))
 }
 
+/// First byte and length of every stretch of the file that [`PackInParts::open`] needs beside the
+/// head.
+pub fn opening(head: &[u8]) -> Result<Vec<f64>, String> {
+    let stretches = Head::read(head).and_then(|(header, head)| head.stretches(&header));
+    let stretches = stretches.map_err(|error| error.to_string())?;
+    let stretches = stretches.iter();
+    Ok(stretches
+        .flat_map(|it| [it.start as f64, (it.end - it.start) as f64])
+        .collect())
+}
+
 /// The `PackFacts` of `web/src/engine/api.ts`, as JSON, of a pack that begins with these bytes;
 /// refuses what is no pack.
 pub fn about(head: &[u8]) -> Result<String, String> {
-    let pack = PackInParts::open(head, "", Screen::default()).map_err(|error| error.to_string())?;
-    let video = &pack.video;
+    let told = |error: PackError| error.to_string();
+    let (header, read) = Head::read(head).map_err(told)?;
+    let facts = match read {
+        Head::Video(_) => {
+            let pack = PackInParts::open(head, &[], "", Screen::default()).map_err(told)?;
+            let has_sound = pack.table_place(SOUND).is_some();
+            pack.video().map(|video| about_video(video, has_sound))
+        }
+        Head::Scene(about) => Some(about_scene(&about)),
+    };
+    let mut facts = facts.unwrap_or_default();
+    facts["bytes"] = header.file_bytes.into();
+    Ok(facts.to_string())
+}
+
+fn about_video(video: &Video, has_sound: bool) -> Value {
     let about = video.pack().description();
     let surface = video.grid().surface;
     let can = |policy: &Policy| PolicyConfig::new(*policy).is_met_by(video.has());
     let policies: Vec<Policy> = page_policies().filter(can).collect();
-    let facts = json!({
+    json!({
+        "kind": "video",
         "projection": match about.projection {
             Projection::Flat => "flat",
             Projection::Cube => "cube",
@@ -35,13 +64,32 @@ pub fn about(head: &[u8]) -> Result<String, String> {
         "codec": about.codec.name(),
         "frames": about.frames,
         "seconds": video.timeline().length().0,
-        "hasSound": pack.table_place(SOUND).is_some(),
-        "bytes": pack.header.file_bytes,
+        "hasSound": has_sound,
         "name": about.source.name,
         "policies": policies,
+        "triangles": 0,
         "fullRange": about.colour.full_range,
-    });
-    Ok(facts.to_string())
+    })
+}
+
+fn about_scene(about: &SceneDescription) -> Value {
+    let can = |policy: &Policy| why_not(*policy).is_none();
+    let policies: Vec<Policy> = page_policies().filter(can).collect();
+    json!({
+        "kind": "scene",
+        "projection": null,
+        "size": [0, 0],
+        "faces": 0,
+        "eyes": 1,
+        "levels": about.units.len(),
+        "codec": "",
+        "frames": 1,
+        "seconds": 1,
+        "hasSound": false,
+        "name": about.source.names.join(", "),
+        "policies": policies,
+        "triangles": about.triangles(),
+    })
 }
 
 /// The policies that a page can choose by.

@@ -29,7 +29,7 @@ mod pixel_canvas;
 #[cfg(target_arch = "wasm32")]
 mod show;
 
-pub use facts::{about, head_bytes};
+pub use facts::{about, head_bytes, opening};
 pub use needs::{Kind, ROW};
 pub use options::Options;
 pub use page_player::{PagePlayer, flag};

@@ -1,6 +1,8 @@
 //! Which bytes of the file are needed, in which order?
 
+use crate::pack_in_parts::ContentInParts;
 use crate::page_player::PagePlayer;
+use foveal_core::content::scene::Scene;
 use foveal_core::content::video::Video;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
 use foveal_core::content::video::units::VideoUnits;
@@ -26,6 +28,8 @@ pub enum Kind {
     Picture = 1,
     /// A unit that may be needed soon: only its bytes.
     Bytes = 2,
+    /// A unit whose chunk is handed over as it is.
+    Whole = 3,
 }
 
 /// Collects rows, each unit and page once.
@@ -108,7 +112,28 @@ impl Rows<'_> {
 impl PagePlayer {
     /// What is to be fetched and decoded now, first what matters most: [`ROW`] numbers each.
     pub fn needs(&self) -> Vec<f64> {
-        let video = &*self.pack.video;
+        match &self.pack.content {
+            ContentInParts::Video(video) => self.needs_of_video(video),
+            ContentInParts::Scene(scene) => self.needs_of_scene(scene),
+        }
+    }
+
+    /// The chunks of units, as the session asks for them: all that tells where they are is there.
+    fn needs_of_scene(&self, scene: &Scene) -> Vec<f64> {
+        let pack = scene.pack();
+        let asked = self.session.requested().iter().take(MOST_ROWS);
+        let row = |piece: &Piece| {
+            let unit = piece.unit.unit;
+            let entry = pack.entry(unit);
+            let (kind, number) = (f64::from(Kind::Whole as u8), f64::from(unit.0));
+            let (offset, bytes) = (entry.offset as f64, f64::from(entry.bytes));
+            let level = f64::from(pack.level_of(unit));
+            [kind, number, offset, bytes, 0.0, 0.0, 1.0, 0.0, 0.0, level]
+        };
+        asked.flat_map(row).collect()
+    }
+
+    fn needs_of_video(&self, video: &Video) -> Vec<f64> {
         let mut rows = Rows {
             video,
             rows: Vec::new(),

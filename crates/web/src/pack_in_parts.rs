@@ -1,42 +1,210 @@
 //! What is known of a pack that is loaded in parts?
 
+use crate::options::Options;
+use foveal_core::content::demand::Content;
+use foveal_core::content::mesh::payload::MeshUnit;
+use foveal_core::content::payload::Payload;
+use foveal_core::content::policy::Policy;
+use foveal_core::content::scene::Scene;
+use foveal_core::content::scene::demand::why_not;
+use foveal_core::content::scene::description::SceneDescription;
+use foveal_core::content::scene::pack::{ScenePack, is_scene};
+use foveal_core::content::scene::sight::Sphere;
 use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::pack::VideoPack;
-use foveal_core::pack::{HEADER_BYTES, Header, PackError};
-use foveal_core::units::counted;
+use foveal_core::pack::unit::UnitId;
+use foveal_core::pack::{HEADER_BYTES, Header, PackError, check_crc};
+use foveal_core::session::bounds::Bounds;
+use foveal_core::units::{Radians, counted};
+use foveal_core::view::navigation::Navigation;
 use foveal_core::view::surface::Screen;
+use foveal_render::{DrawDevice, Drawer, RenderError, TileStyle};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A pack of which header and description have been loaded.
+/// What a page keeps below of a video: its memory holds 4 GiB at most, of which decoded pictures
+/// may take a quarter, and phones have little more for graphics.
+const OF_VIDEO: Bounds = Bounds {
+    in_flight: 512 << 20,
+    cached: 1 << 30,
+    gpu: 2 << 30,
+};
+/// The same of a scene, whose units stay on the GPU as long as they are seen. Few are asked for at
+/// once, so that who turns away waits for little that is no longer wanted.
+const OF_SCENE: Bounds = Bounds {
+    in_flight: 8 << 20,
+    cached: 256 << 20,
+    gpu: 256 << 20,
+};
+
+/// What is in a pack, and what of it has to be loaded.
+#[derive(Clone)]
+pub(crate) enum ContentInParts {
+    /// Pages of the index and side tables come while it plays.
+    Video(Arc<Video>),
+    /// Index and table of units are there.
+    Scene(Arc<Scene>),
+}
+
+/// A pack of which all has been loaded that comes before its units.
 pub(crate) struct PackInParts {
     pub(crate) header: Header,
-    pub(crate) video: Arc<Video>,
+    pub(crate) content: ContentInParts,
+}
+
+/// The beginning of a pack.
+pub(crate) enum Head<'a> {
+    /// The description of a video, as it is written.
+    Video(&'a [u8]),
+    Scene(SceneDescription),
+}
+
+impl<'a> Head<'a> {
+    /// Header and description of a pack that begins with `head`.
+    pub(crate) fn read(head: &'a [u8]) -> Result<(Header, Self), PackError> {
+        let header = Header::parse(head)?;
+        let end = HEADER_BYTES + header.description_bytes as usize;
+        let Some(description) = head.get(HEADER_BYTES..end) else {
+            let found = format!("{} of the file", counted(head.len(), "byte"));
+            return Err(wrong("description", found, end));
+        };
+        check_crc("description", description, header.description_crc)?;
+        let head = match is_scene(description) {
+            true => Self::Scene(ScenePack::describe(&header, description)?),
+            false => Self::Video(description),
+        };
+        Ok((header, head))
+    }
+
+    /// The stretches of the file that are needed beside the head before a pack can be opened: of a
+    /// scene the index and the table of units.
+    pub(crate) fn stretches(&self, header: &Header) -> Result<Vec<Range<u64>>, PackError> {
+        let Self::Scene(about) = self else {
+            return Ok(Vec::new());
+        };
+        let table = about.units_table()?;
+        let table = table.offset..table.offset.saturating_add(table.bytes);
+        if table.end > header.file_bytes {
+            let within = format!("within {}", counted(header.file_bytes, "byte"));
+            return Err(wrong("tables.units", format!("bytes {table:?}"), within));
+        }
+        let index = header.index_offset..header.index_offset + header.index_bytes;
+        Ok(vec![index, table])
+    }
 }
 
 impl PackInParts {
     /// The pack that begins with `head`, called `name` in logs, flat content filling `screen`.
-    pub(crate) fn open(head: &[u8], name: &str, screen: Screen) -> Result<Self, PackError> {
-        let header = Header::parse(head)?;
-        let end = HEADER_BYTES + header.description_bytes as usize;
-        let Some(description) = head.get(HEADER_BYTES..end) else {
-            return Err(PackError {
-                field: "description".to_owned(),
-                found: format!("{} of the file", counted(head.len(), "byte")),
-                expected: format!("{end}"),
-            });
+    /// `rest` is what [`Head::stretches`] names, one after the other.
+    pub(crate) fn open(
+        head: &[u8],
+        rest: &[u8],
+        name: &str,
+        screen: Screen,
+    ) -> Result<Self, PackError> {
+        let (header, head) = Head::read(head)?;
+        let content = match head {
+            Head::Video(description) => {
+                let pack = Arc::new(VideoPack::begin(&header, description)?);
+                ContentInParts::Video(Arc::new(Video::new(name, pack, screen)))
+            }
+            Head::Scene(about) => {
+                let index = rest.len().min(header.index_bytes as usize);
+                let (index, table) = rest.split_at(index);
+                let pack = Arc::new(ScenePack::new(&header, about, index, table)?);
+                ContentInParts::Scene(Arc::new(Scene::new(name, pack)))
+            }
         };
-        let pack = VideoPack::begin(&header, description)?;
-        Ok(Self {
-            header,
-            video: Arc::new(Video::new(name, Arc::new(pack), screen)),
-        })
+        Ok(Self { header, content })
     }
 
-    /// Where a side table lies in the file; `None` where the pack has none of that name.
+    /// The video, where it is one.
+    pub(crate) fn video(&self) -> Option<&Arc<Video>> {
+        match &self.content {
+            ContentInParts::Video(video) => Some(video),
+            ContentInParts::Scene(_) => None,
+        }
+    }
+
+    /// What a session is told of.
+    pub(crate) fn content(&self) -> Arc<dyn Content> {
+        match &self.content {
+            ContentInParts::Video(video) => Arc::clone(video) as Arc<dyn Content>,
+            ContentInParts::Scene(scene) => Arc::clone(scene) as Arc<dyn Content>,
+        }
+    }
+
+    /// Where a viewer begins: flat content whole, a sphere towards its front, and a scene from
+    /// where all of it is seen.
+    pub(crate) fn navigation(&self, options: &Options) -> Navigation {
+        let field = Radians::from_degrees(options.field_deg);
+        match &self.content {
+            ContentInParts::Video(video) => {
+                let front = video.pack().description().front_deg;
+                let front = Radians::from_degrees(front);
+                Navigation::new(video.grid().surface, field).facing(front)
+            }
+            ContentInParts::Scene(scene) => {
+                let Sphere { centre, radius } = scene.bounds();
+                Navigation::through((centre, radius), field)
+            }
+        }
+    }
+
+    /// What a session keeps below.
+    pub(crate) fn bounds(&self) -> Bounds {
+        match &self.content {
+            ContentInParts::Video(_) => OF_VIDEO,
+            ContentInParts::Scene(_) => OF_SCENE,
+        }
+    }
+
+    /// What draws it; nothing is resident yet.
+    pub(crate) fn drawer(&self, device: &DrawDevice) -> Result<Drawer, RenderError> {
+        match &self.content {
+            ContentInParts::Video(video) => Drawer::new(device, video, TileStyle::default()),
+            ContentInParts::Scene(scene) => Drawer::of_scene(device, scene, OF_SCENE.gpu),
+        }
+    }
+
+    /// Why it is not chosen by a policy, whatever tables it has.
+    pub(crate) fn why_not(&self, policy: Policy) -> Option<&'static str> {
+        match &self.content {
+            ContentInParts::Video(_) => None,
+            ContentInParts::Scene(_) => why_not(policy),
+        }
+    }
+
+    /// Where a side table that comes later lies in the file; `None` where there is none of that
+    /// name.
     pub(crate) fn table_place(&self, name: &str) -> Option<Range<u64>> {
-        let table = self.video.table(name)?;
+        let table = self.video()?.table(name)?;
         let end = table.offset.checked_add(table.bytes)?;
         (end <= self.header.file_bytes).then_some(table.offset..end)
+    }
+
+    /// What a unit's chunk holds, where no decoder but this one reads it: of a scene.
+    pub(crate) fn payload(&self, unit: UnitId, chunk: &[u8]) -> Result<Payload, PackError> {
+        let field = || format!("chunk of unit {}", unit.0);
+        let ContentInParts::Scene(scene) = &self.content else {
+            return Err(wrong(&field(), "of a video", "of a scene"));
+        };
+        if unit.0 as usize >= scene.pack().len() {
+            return Err(wrong(&field(), "no such unit", "one of the pack"));
+        }
+        check_crc(&field(), chunk, scene.pack().entry(unit).crc32c)?;
+        let parsed = MeshUnit::parse(chunk, scene.object_of(unit).attributes);
+        parsed.map(Payload::Mesh).map_err(|source| PackError {
+            field: format!("{}: {}", field(), source.field),
+            ..source
+        })
+    }
+}
+
+fn wrong(field: &str, found: impl ToString, expected: impl ToString) -> PackError {
+    PackError {
+        field: field.to_owned(),
+        found: found.to_string(),
+        expected: expected.to_string(),
     }
 }

@@ -5,9 +5,8 @@
 use crate::headset_eye::EyeRequest;
 use crate::looking::Looking;
 use crate::options::Options;
-use crate::pack_in_parts::PackInParts;
+use crate::pack_in_parts::{ContentInParts, PackInParts};
 use foveal_core::content::asked::{Detail, next_target};
-use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::unit::{AssetId, UnitRef};
@@ -15,27 +14,18 @@ use foveal_core::gaze::sample::HeadPose;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::moment::Moment;
 use foveal_core::session::actions::{Cache, SessionAction, SessionEvent};
-use foveal_core::session::bounds::Bounds;
 use foveal_core::session::session::{Session, SessionSettings};
 use foveal_core::session::unit_states::Piece;
 use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
-use foveal_core::units::{Radians, Seconds};
+use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::navigation::{Navigation, Pane, Shown};
-use foveal_core::view::picture::Picture;
+use foveal_core::view::flight::Steering;
+use foveal_core::view::navigation::{Pane, Shown};
 use foveal_core::view::surface::Screen;
-use foveal_render::{DrawDevice, Drawer, Gpu, Overlay, RenderError, TileStyle};
-use std::sync::Arc;
+use foveal_render::{DrawDevice, Drawer, Gpu, Overlay, RenderError};
 
 /// A log grows no longer than this, in bytes.
 const MOST_LOG: usize = 64 << 20;
-/// What a page keeps below: its memory holds 4 GiB at most, of which decoded pictures may take a
-/// quarter, and phones have little more for graphics.
-const BOUNDS: Bounds = Bounds {
-    in_flight: 512 << 20,
-    cached: 1 << 30,
-    gpu: 2 << 30,
-};
 /// What a host is thought to bring before anything came from it, in bytes per second.
 const FIRST_GUESS: f64 = 1e6;
 /// How often a headset's eyes must ask for the levels to follow them, in seconds.
@@ -82,27 +72,29 @@ pub struct PagePlayer {
 }
 
 impl PagePlayer {
-    /// A session with a pack of which `head` is there; without a device the CPU twin draws.
-    pub fn new(head: &[u8], options: &Options, gpu: Option<Gpu>) -> Result<Self, String> {
-        let pack = PackInParts::open(head, &options.name, options.screen);
+    /// A session with a pack of which `head` is there, and `rest` as [`opening`](crate::opening)
+    /// asks for it; without a device the CPU twin draws.
+    pub fn new(
+        head: &[u8],
+        rest: &[u8],
+        options: &Options,
+        gpu: Option<Gpu>,
+    ) -> Result<Self, String> {
+        let pack = PackInParts::open(head, rest, &options.name, options.screen);
         let pack = pack.map_err(|error| error.to_string())?;
-        let (grid, about) = (*pack.video.grid(), pack.video.pack().description());
-        let front = Radians::from_degrees(about.front_deg);
         let device = gpu.map_or(DrawDevice::Twin, DrawDevice::Gpu);
-        let drawer = Drawer::new(&device, &pack.video, TileStyle::default());
-        let field = Radians::from_degrees(options.field_deg);
+        let drawer = pack.drawer(&device);
+        let navigation = pack.navigation(options);
         let detail = options.detail()?;
         let settings = SessionSettings {
             policy: detail.of(options.policy),
             bytes_per_s: Some(FIRST_GUESS),
             since: None,
             zooms: true,
-            bounds: BOUNDS,
+            bounds: pack.bounds(),
         };
-        let session = Session::new(vec![Arc::clone(&pack.video) as Arc<dyn Content>], settings);
-        if !session.can(session.policy()) {
-            return Err("the pack has no tables for this policy; prepare it again".to_owned());
-        }
+        let session = Session::new(vec![pack.content()], settings);
+        refuse_policy(&pack, &session, session.policy())?;
         let viewer = ViewerSettings {
             plays: !options.paused,
             at_end: match options.once {
@@ -119,7 +111,7 @@ impl PagePlayer {
             log: options.log.then(String::new),
             log_is_full: false,
             bytes_per_s: FIRST_GUESS,
-            viewer: Viewer::new(Navigation::new(grid.surface, field).facing(front), viewer),
+            viewer: Viewer::new(navigation, viewer),
             pack,
             looking: Looking::default(),
             size: options.size,
@@ -167,20 +159,21 @@ impl PagePlayer {
         self.viewer.hear(&self.session, Heard::InRound(heard), now);
     }
 
-    /// Chooses by another policy; `false` where the pack lacks what it needs.
-    pub fn set_policy(&mut self, policy: Policy) -> bool {
+    /// Chooses by another policy; says why where that cannot be.
+    pub fn set_policy(&mut self, policy: Policy) -> Result<(), String> {
         let config = self.detail.of(policy);
-        let can = self.session.can(&config);
-        if can {
-            self.session.change_policy(config);
-        }
-        can
+        refuse_policy(&self.pack, &self.session, &config)?;
+        self.session.change_policy(config);
+        Ok(())
     }
 
     /// Chooses at another detail.
     pub fn set_detail(&mut self, detail: Detail) {
         self.detail = detail;
-        self.set_policy(self.session.policy().policy);
+        let config = detail.of(self.session.policy().policy);
+        if self.session.can(&config) {
+            self.session.change_policy(config);
+        }
     }
 
     /// Goes so many target scores on, or back; what is chosen for then, or nothing where the policy
@@ -227,23 +220,22 @@ impl PagePlayer {
 
     /// Begins anew on another device.
     pub fn recover(&mut self, gpu: Gpu) -> Result<(), RenderError> {
-        let (device, style) = (DrawDevice::Gpu(gpu), TileStyle::default());
-        self.drawer = Drawer::new(&device, &self.pack.video, style)?;
+        self.drawer = self.pack.drawer(&DrawDevice::Gpu(gpu))?;
         self.session.take(SessionEvent::DeviceLost);
         Ok(())
     }
 
-    /// Takes the decoded picture of a frame of a unit, for which so many frames were decoded;
-    /// `None` where it is damaged.
-    pub fn deliver(&mut self, unit: u32, frame: u32, frames: u32, picture: Option<Picture>) {
+    /// Takes what was decoded of a frame of a unit, for which so many frames were decoded; `None`
+    /// where it is damaged.
+    pub fn deliver(&mut self, unit: u32, frame: u32, frames: u32, decoded: Option<Payload>) {
         let unit = UnitRef {
             asset: AssetId(0),
             unit: UnitId(unit),
         };
         let piece = Piece { unit, frame };
-        let event = match picture {
-            Some(picture) => {
-                self.cache.insert(piece, Payload::Picture(picture));
+        let event = match decoded {
+            Some(payload) => {
+                self.cache.insert(piece, payload);
                 SessionEvent::Decoded { piece, frames }
             }
             None => SessionEvent::Damaged { piece, frames },
@@ -251,12 +243,40 @@ impl PagePlayer {
         self.session.take(event);
     }
 
+    /// Reads a chunk that [`Kind::Whole`](crate::Kind::Whole) asked for; says what is damaged of
+    /// it, and has taken nothing then.
+    pub fn deliver_whole(&mut self, unit: u32, chunk: &[u8]) -> Result<(), String> {
+        let payload = self.pack.payload(UnitId(unit), chunk);
+        let payload = payload.map_err(|error| error.to_string())?;
+        self.deliver(unit, 0, 1, Some(payload));
+        Ok(())
+    }
+
     /// Takes a side table; the frames' times count from now on.
     pub fn add_table(&mut self, name: &str, bytes: Vec<u8>) -> Result<(), String> {
-        let added = self.pack.video.add_table(name, bytes);
-        added.map_err(|error| error.to_string())?;
-        self.session.take(SessionEvent::TableLoaded);
+        if let Some(video) = self.pack.video() {
+            let added = video.add_table(name, bytes);
+            added.map_err(|error| error.to_string())?;
+            self.session.take(SessionEvent::TableLoaded);
+        }
         Ok(())
+    }
+
+    /// Flies, or no longer flies, through a scene along a direction of the head: to the right, up
+    /// and ahead, or against these where a number is negative.
+    pub fn fly(&mut self, towards: [f64; 3], is_held: bool, is_hurried: bool, now: Seconds) {
+        let pane = self.pane();
+        let navigation = &mut self.viewer.navigation;
+        let mut steering = navigation.steering().with(towards, is_held);
+        steering.is_hurried = is_hurried;
+        navigation.steer(steering, &pane, now);
+    }
+
+    /// Stays where it is in a scene.
+    pub fn stop_flying(&mut self, now: Seconds) {
+        let pane = self.pane();
+        let navigation = &mut self.viewer.navigation;
+        navigation.steer(Steering::default(), &pane, now);
     }
 
     /// Whether the content moves.
@@ -277,6 +297,7 @@ impl PagePlayer {
             0
         };
         let pane = self.pane();
+        self.viewer.navigation.fly_on(&pane, now);
         let moment = self.look(now, &pane);
         let actions = self
             .session
@@ -366,7 +387,11 @@ impl PagePlayer {
     /// The view of an eye of a headset, which levels follow from now on; `None` where the numbers
     /// are none of an eye.
     pub(crate) fn eye_view(&mut self, request: &EyeRequest, now: Seconds) -> Option<EyeView> {
-        let view = request.view()?;
+        let start = match &self.pack.content {
+            ContentInParts::Video(_) => None,
+            ContentInParts::Scene(_) => Some(self.shown().view.position),
+        };
+        let view = request.view(start)?;
         let right = usize::from(request.eye == foveal_core::view::surface::Eye::Right);
         self.eyes[right] = Some(view);
         self.asked = now.0;
@@ -376,5 +401,20 @@ impl PagePlayer {
     /// What is to be shown was drawn in this many seconds.
     pub fn drawn(&mut self, seconds: f64) {
         self.viewer.drawn(&mut self.session, Some(Seconds(seconds)));
+    }
+}
+
+/// Says why a pack cannot be chosen by a policy.
+fn refuse_policy(
+    pack: &PackInParts,
+    session: &Session,
+    config: &PolicyConfig,
+) -> Result<(), String> {
+    if let Some(why) = pack.why_not(config.policy) {
+        return Err(format!("policy {}: {why}", config.policy.name()));
+    }
+    match session.can(config) {
+        true => Ok(()),
+        false => Err("the pack has no tables for this policy; prepare it again".to_owned()),
     }
 }

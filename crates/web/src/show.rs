@@ -10,7 +10,9 @@ use crate::page_player::PagePlayer;
 use crate::pixel_canvas::PixelCanvas;
 use foveal_core::content::asked;
 use foveal_core::content::asked::Detail;
+use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::Policy;
+use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::sound::SoundTable;
 use foveal_core::gaze::sample::HeadPose;
 use foveal_core::pack::unit::UnitId;
@@ -45,6 +47,13 @@ pub fn about(head: &[u8]) -> Outcome<String> {
     crate::facts::about(head).map_err(refused)
 }
 
+/// First byte and length of every stretch that [`Show::open`] needs beside the head.
+#[wasm_bindgen]
+#[allow(unreachable_pub, reason = "exported to the page")]
+pub fn opening(head: &[u8]) -> Outcome<Vec<f64>> {
+    crate::facts::opening(head).map_err(refused)
+}
+
 /// A pack on a canvas.
 #[wasm_bindgen]
 pub struct Show {
@@ -74,8 +83,13 @@ async fn open_gpu() -> Outcome<(Gpu, Arc<AtomicBool>)> {
 #[wasm_bindgen]
 impl Show {
     /// Opens a device, or none where `software` is asked for, and shows the pack that begins with
-    /// `head`.
-    pub async fn open(canvas: OffscreenCanvas, head: Vec<u8>, options: String) -> Outcome<Show> {
+    /// `head`, with what [`opening`] asks for in `rest`, one after the other.
+    pub async fn open(
+        canvas: OffscreenCanvas,
+        head: Vec<u8>,
+        rest: Vec<u8>,
+        options: String,
+    ) -> Outcome<Show> {
         let options = Options::parse(&options).map_err(refused)?;
         let (gpu, lost) = if options.software {
             (None, Arc::default())
@@ -83,7 +97,7 @@ impl Show {
             let (gpu, lost) = open_gpu().await?;
             (Some(gpu), lost)
         };
-        let player = PagePlayer::new(&head, &options, gpu).map_err(refused)?;
+        let player = PagePlayer::new(&head, &rest, &options, gpu).map_err(refused)?;
         let target = if options.software {
             Target::Pixels(PixelCanvas::new(canvas).map_err(refused)?)
         } else {
@@ -135,14 +149,16 @@ impl Show {
     /// Takes a page of the index.
     #[wasm_bindgen(js_name = addPage)]
     pub fn add_page(&self, page: u32, bytes: &[u8]) -> Outcome<()> {
-        let index = self.player.pack.video.pack().index();
+        let index = self.video()?.pack().index();
         index.add_page(page, bytes).map_err(refused)
     }
 
     /// A page of the index is damaged: what it tells of cannot be had.
     #[wasm_bindgen(js_name = failPage)]
     pub fn fail_page(&self, page: u32) {
-        self.player.pack.video.fail_page(page);
+        if let Some(video) = self.player.pack.video() {
+            video.fail_page(page);
+        }
     }
 
     /// First byte and length of a side table; nothing where there is none.
@@ -163,18 +179,20 @@ impl Show {
     /// A side table cannot be had.
     #[wasm_bindgen(js_name = failTable)]
     pub fn fail_table(&self, name: &str) {
-        self.player.pack.video.fail_table(name);
+        if let Some(video) = self.player.pack.video() {
+            video.fail_table(name);
+        }
     }
 
     /// Lengths of the access units at the end of a chunk; refuses a damaged one.
     pub fn lengths(&self, unit: u32, chunk: &[u8]) -> Outcome<Vec<u32>> {
-        let lengths = self.player.pack.video.lengths(UnitId(unit), chunk);
+        let lengths = self.video()?.lengths(UnitId(unit), chunk);
         lengths.map_err(refused)
     }
 
     /// Takes the planes of a frame of a unit, one after the other without gaps.
     pub fn deliver(&mut self, unit: u32, frame: u32, decoded: u32, planes: &[u8]) -> Outcome<()> {
-        let video = &self.player.pack.video;
+        let video = self.video()?;
         let [width, height] = video.grid().tile_size(video.pack().tile_of(UnitId(unit)));
         let sizes = [0, 1, 2].map(|plane| {
             let [w, h] = plane_size(width, height, plane);
@@ -193,8 +211,15 @@ impl Show {
             height,
             planes: [y, u, v].map(<[u8]>::to_vec),
         };
+        let picture = Payload::Picture(picture);
         self.player.deliver(unit, frame, decoded, Some(picture));
         Ok(())
+    }
+
+    /// Takes the chunk of a unit as it is; refuses a damaged one.
+    #[wasm_bindgen(js_name = deliverWhole)]
+    pub fn deliver_whole(&mut self, unit: u32, chunk: &[u8]) -> Outcome<()> {
+        self.player.deliver_whole(unit, chunk).map_err(refused)
     }
 
     /// A frame of a unit cannot be had.
@@ -263,8 +288,8 @@ impl Show {
     }
 
     /// Draws what an eye of a headset sees onto a canvas of its own size: x, y, z, w of its
-    /// orientation, then its tangents to the left, right, top and bottom. `false` before the first
-    /// picture.
+    /// orientation, its tangents to the left, right, top and bottom, then its place in metres from
+    /// where the head began. `false` before the first picture.
     #[wasm_bindgen(js_name = drawEye)]
     pub fn draw_eye(
         &mut self,
@@ -273,12 +298,15 @@ impl Show {
         eye: &[f64],
         now: f64,
     ) -> Outcome<bool> {
-        let &[x, y, z, w, left, right, up, down] = eye else {
-            return Err(refused("an eye is eight numbers"));
+        let &[x, y, z, w, left, right, up, down, ref position @ ..] = eye else {
+            return Err(refused("an eye is eleven numbers"));
         };
+        let position = position.try_into();
+        let position = position.map_err(|_| refused("an eye is eleven numbers"))?;
         let request = EyeRequest {
             eye: if is_right { Eye::Right } else { Eye::Left },
             size: [canvas.width(), canvas.height()],
+            position,
             orientation: [x, y, z, w],
             tangents: [left, right, up, down],
         };
@@ -315,6 +343,20 @@ impl Show {
     pub fn zoom(&mut self, factor: f64, x: f64, y: f64) {
         let pane = self.player.pane();
         self.player.viewer.navigation.zoom_by(factor, [x, y], &pane);
+    }
+
+    /// Flies, or no longer flies, through a scene along a direction of the head: to the right, up
+    /// and ahead.
+    pub fn fly(&mut self, towards: &[f64], is_held: bool, is_hurried: bool, now: f64) {
+        if let Ok(towards) = towards.try_into() {
+            self.player.fly(towards, is_held, is_hurried, Seconds(now));
+        }
+    }
+
+    /// Stays where it is in a scene.
+    #[wasm_bindgen(js_name = stopFlying)]
+    pub fn stop_flying(&mut self, now: f64) {
+        self.player.stop_flying(Seconds(now));
     }
 
     /// The head is turned to these degrees to the right, up and clockwise.
@@ -394,11 +436,7 @@ impl Show {
     #[wasm_bindgen(js_name = setPolicy)]
     pub fn set_policy(&mut self, name: &str) -> Outcome<()> {
         let policy: Policy = serde_json::from_value(name.into()).map_err(refused)?;
-        if self.player.set_policy(policy) {
-            return Ok(());
-        }
-        let what = "the pack has no tables for this policy; prepare it again";
-        Err(refused(what))
+        self.player.set_policy(policy).map_err(refused)
     }
 
     /// Chooses for a score, in JSON a number or `"none"`; the usual one where nothing is said.
@@ -451,8 +489,18 @@ impl Show {
     /// packet of a stretch of time and the packets; nothing where there is no sound yet.
     #[wasm_bindgen(js_name = soundPackets)]
     pub fn sound_packets(&self, from: f64, to: f64) -> Array {
-        let sound = self.player.pack.video.sound();
+        let video = self.player.pack.video();
+        let sound = video.and_then(|video| video.sound());
         sound.map_or_else(Array::new, |sound| stretch(sound, from, to))
+    }
+}
+
+impl Show {
+    fn video(&self) -> Outcome<&Video> {
+        let video = self.player.pack.video();
+        video
+            .map(|video| &**video)
+            .ok_or_else(|| refused("a scene has no such parts"))
     }
 }
 

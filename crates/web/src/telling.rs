@@ -49,6 +49,8 @@ impl PagePlayer {
             "wrongFrameTiles": figures.wrong_frame_units,
             "settled": self.is_settled(),
             "headDeg": [head.yaw.to_degrees(), head.pitch.to_degrees(), head.roll.to_degrees()],
+            "position": shown.view.position.to_array(),
+            "trianglesDrawn": self.drawer.triangles_drawn(),
             "zoom": self.viewer.navigation.zoom(),
             "fovDeg": self.viewer.navigation.field().to_degrees(),
             "scale": self.viewer.navigation.scale(&self.pane()),

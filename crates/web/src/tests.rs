@@ -4,7 +4,10 @@
 
 use crate::needs::{Kind, ROW};
 use crate::options::Options;
+use crate::pack_in_parts::ContentInParts;
 use crate::page_player::{PagePlayer, flag};
+use foveal_core::content::payload::Payload;
+use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile};
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::bytes::description::{Description, Source};
@@ -15,7 +18,9 @@ use foveal_core::units::Seconds;
 use foveal_core::view::picture::{Colour, Matrix, Picture};
 use foveal_core::view::surface::{Projection, Screen};
 use std::collections::HashSet;
+use std::sync::Arc;
 
+mod scenes;
 mod standing_in;
 
 const SIZE: [u32; 2] = [512, 320];
@@ -101,7 +106,7 @@ impl Host {
             r#"{{"name":"a","policy":"{policy}","size":{SIZE:?},"screenSize":{SIZE:?}{options}}}"#
         );
         let options = Options::parse(&text).unwrap();
-        PagePlayer::new(head, &options, None).unwrap()
+        PagePlayer::new(head, &[], &options, None).unwrap()
     }
 
     /// Answers everything that is asked for.
@@ -110,11 +115,11 @@ impl Host {
             let from = row.offset as usize;
             let bytes = &self.file[from..from + row.bytes as usize];
             if row.kind == Kind::Page as u8 {
-                let pack = player.pack.video.pack();
+                let pack = video(player).pack();
                 pack.index().add_page(row.number, bytes).unwrap();
             } else if row.kind == Kind::Picture as u8 {
                 let unit = UnitId(row.number);
-                let lengths = player.pack.video.lengths(unit, bytes).unwrap();
+                let lengths = video(player).lengths(unit, bytes).unwrap();
                 assert!(!lengths.is_empty() && lengths.iter().all(|length| *length == 5));
                 deliver(player, unit, row.frame);
             }
@@ -122,11 +127,15 @@ impl Host {
     }
 }
 
+fn video(player: &PagePlayer) -> &Arc<Video> {
+    player.pack.video().unwrap()
+}
+
 fn deliver(player: &mut PagePlayer, unit: UnitId, frame: u32) {
-    let video = &player.pack.video;
+    let video = video(player);
     let [w, h] = video.grid().tile_size(video.pack().tile_of(unit));
     let picture = Picture::filled(w, h, [100, 128, 128]);
-    player.deliver(unit.0, frame, 1, Some(picture));
+    player.deliver(unit.0, frame, 1, Some(Payload::Picture(picture)));
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -203,7 +212,7 @@ fn a_damaged_page_leaves_the_coarser_picture_and_settles() {
     let mut player = host.player(r#","paused":true"#);
     player.step(Seconds(0.0)).unwrap();
     let finest = rows(&player).iter().map(|row| row.number).max().unwrap();
-    player.pack.video.fail_page(finest);
+    video(&player).fail_page(finest);
     settle(&host, &mut player, 0.0);
     assert_eq!(player.session.figures.histogram[0], 0);
     assert!(player.session.figures.damaged_units > 0);
@@ -217,7 +226,7 @@ fn with_coarse_privacy_a_host_sees_blocks_and_never_which_tile_of_one() {
     player.viewer.navigation.zoom_by(6.0, [100.0, 60.0], &pane);
     player.step(Seconds(0.0)).unwrap();
     host.answer(&mut player);
-    let shelf = &player.pack.video;
+    let shelf = video(&player);
     let asked: Vec<Tile> = rows(&player)
         .iter()
         .filter(|row| row.level < 2)
@@ -253,7 +262,7 @@ fn while_it_plays_the_next_groups_are_asked_for_ahead() {
         .into_iter()
         .filter(|row| row.kind == Kind::Bytes as u8)
         .collect();
-    let shelf = &player.pack.video;
+    let shelf = video(&player);
     let groups: HashSet<u32> = ahead
         .iter()
         .map(|row| shelf.pack().frames_of(UnitId(row.number)).start)

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
-import { type Actions, actionOfKey } from "./actions.ts";
+import { type Actions, actionOfKey, endOfKey } from "./actions.ts";
 
-function done(key: string, withShift = false): string {
+function done(key: string, withShift = false, inScene = false, isEnd = false): string {
   const said: string[] = [];
   const say =
     (name: string) =>
@@ -11,6 +11,8 @@ function done(key: string, withShift = false): string {
   const actions: Actions = {
     gesture: say("gesture"),
     drag: say("drag"),
+    fly: say("fly"),
+    stopFlying: say("stopFlying"),
     zoom: say("zoom"),
     reset: say("reset"),
     pointer: say("pointer"),
@@ -21,7 +23,9 @@ function done(key: string, withShift = false): string {
     nextPolicy: say("nextPolicy"),
     nextTarget: say("nextTarget"),
   };
-  actionOfKey(key, withShift, 1600)?.(actions);
+  const pressed = { key, shiftKey: withShift };
+  const action = isEnd ? endOfKey(pressed, inScene) : actionOfKey(pressed, inScene, 1600);
+  action?.(actions);
   return said.join(", ");
 }
 
@@ -47,6 +51,15 @@ test("capital letters do what small ones do, but where Shift is in the table", (
   expect(done("P")).toBe("nextPolicy 1");
   expect(done("j")).toBe("nextTarget 1");
   expect(done("J", true)).toBe("nextTarget -1");
+});
+
+test("in scenes one flies while a key is held, with Shift faster", () => {
+  expect(done("w", false, true)).toBe("fly 0,0,1 true false");
+  expect(done("A", true, true)).toBe("fly -1,0,0 true true");
+  expect(done("s", false, true, true)).toBe("fly 0,0,-1 false false");
+  expect(done("Home", false, true)).toBe("reset");
+  expect(done("p", false, true)).toBe("nextPolicy 1");
+  expect([done("w"), done("Home"), done("w", false, false, true)]).toEqual(["", "seekShare 0", ""]);
 });
 
 test("signs that a keyboard has on Shift are found, and other keys do nothing", () => {

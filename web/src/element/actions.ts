@@ -1,5 +1,6 @@
 // What can a viewer do to what is shown, by hand, key or menu?
 
+import type { Towards } from "../engine/api.ts";
 import { KEYS } from "./keys.ts";
 
 /** Everything that input leads to; places are in CSS pixels of the stage. */
@@ -7,6 +8,10 @@ export interface Actions {
   /** The first touch, click or key: from now on the page may make sound. */
   gesture(): void;
   drag(dx: number, dy: number): void;
+  /** Flies through a scene, or no longer flies, to the right, up and ahead. */
+  fly(towards: Towards, isHeld: boolean, isHurried: boolean): void;
+  /** Stays where it is in a scene. */
+  stopFlying(): void;
   zoom(factor: number, place: readonly [number, number] | null): void;
   reset(): void;
   pointer(place: readonly [number, number] | null): void;
@@ -37,25 +42,50 @@ export type KeyRow = (typeof KEYS)[number];
 
 type Deed = KeyRow["keys"][number];
 
-/** What a key does to a stage of this width; null where it does nothing. */
+/** A key that is pressed or let go. */
+export interface Pressed {
+  readonly key: string;
+  readonly shiftKey: boolean;
+}
+
+/** What a pressed key does to a stage of this width; null where it does nothing. */
 export function actionOfKey(
-  key: string,
-  withShift: boolean,
+  pressed: Pressed,
+  inScene: boolean,
   width: number,
 ): ((actions: Actions) => void) | null {
-  const deed = deedOf(key, withShift);
-  return deed === null ? null : (actions) => perform(deed, actions, width);
+  const deed = deedIn(inScene, pressed);
+  return deed === null ? null : (actions) => perform(deed, actions, { ...pressed, width });
 }
 
-/** As `action_of` of crates/core/src/view/keys.rs. */
-function deedOf(key: string, withShift: boolean): Deed | null {
+/** What a key that is let go ends; null where it ends nothing. */
+export function endOfKey(pressed: Pressed, inScene: boolean): ((actions: Actions) => void) | null {
+  const deed = deedIn(inScene, pressed);
+  if (deed?.does !== "fly") return null;
+  return (actions) => actions.fly(deed.by, false, pressed.shiftKey);
+}
+
+/** As `action_of` and `action_in_scene` of crates/core/src/view/keys.rs. */
+function deedIn(inScene: boolean, pressed: Pressed): Deed | null {
+  const own = inScene ? deedOf(pressed, (row) => row.needs === "scene") : null;
+  return own ?? deedOf(pressed, (row) => row.needs !== "scene");
+}
+
+function deedOf({ key, shiftKey }: Pressed, counts: (row: KeyRow) => boolean): Deed | null {
   const name = key.length === 1 ? key.toLowerCase() : key;
-  const deeds: readonly Deed[] = KEYS.flatMap((row): readonly Deed[] => row.keys);
+  const rows: readonly KeyRow[] = KEYS.filter(counts);
+  const deeds: readonly Deed[] = rows.flatMap((row): readonly Deed[] => row.keys);
   const find = (wanted: string): Deed | undefined => deeds.find((deed) => deed.key === wanted);
-  return (withShift ? find(`Shift+${name}`) : undefined) ?? find(name) ?? null;
+  return (shiftKey ? find(`Shift+${name}`) : undefined) ?? find(name) ?? null;
 }
 
-function perform(deed: Deed, actions: Actions, width: number): void {
+/** How a deed is done: by a key with Shift or without, on a stage of this width. */
+interface Done {
+  readonly shiftKey: boolean;
+  readonly width: number;
+}
+
+function perform(deed: Deed, actions: Actions, { shiftKey, width }: Done): void {
   switch (deed.does) {
     case "pause":
       return actions.toggle("play");
@@ -69,6 +99,8 @@ function perform(deed: Deed, actions: Actions, width: number): void {
       return actions.seekShare(1);
     case "move":
       return actions.drag(deed.by[0] * width, deed.by[1] * width);
+    case "fly":
+      return actions.fly(deed.by, true, shiftKey);
     case "zoom":
       return actions.zoom(deed.by, null);
     case "reset":

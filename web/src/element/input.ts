@@ -1,6 +1,6 @@
 // How do pointers, wheels and keys on the stage become actions?
 
-import { type Actions, actionOfKey } from "./actions.ts";
+import { type Actions, actionOfKey, endOfKey } from "./actions.ts";
 
 /** How much closer a wheel brings for each pixel that it would have scrolled. */
 const WHEEL = 0.0015;
@@ -10,13 +10,21 @@ const PAGE = 400;
 
 type Place = readonly [number, number];
 
-/** Watches a stage until the signal ends it; keys are heard on `host`, which holds the stage. */
-export function watchInput(
-  stage: HTMLElement,
-  host: HTMLElement,
-  actions: Actions,
-  signal: AbortSignal,
-): void {
+/** No direction to fly in: only how fast changes. */
+const NOWHERE = [0, 0, 0] as const;
+
+/** Where input comes from. */
+export interface Heard {
+  readonly stage: HTMLElement;
+  /** Holds the stage, and hears the keys. */
+  readonly host: HTMLElement;
+  /** Whether the stage shows a scene. */
+  readonly inScene: boolean;
+}
+
+/** Watches a stage until the signal ends it. */
+export function watchInput(heard: Heard, actions: Actions, signal: AbortSignal): void {
+  const { stage, host, inScene } = heard;
   new Pointers(stage, actions).watch(signal);
   const wheel = (event: WheelEvent): void => {
     event.preventDefault();
@@ -29,13 +37,24 @@ export function watchInput(
   const key = (event: KeyboardEvent): void => {
     if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
     if (isOfControl(event)) return;
-    const action = actionOfKey(event.key, event.shiftKey, stage.clientWidth);
+    if (inScene && event.key === "Shift") return actions.fly(NOWHERE, false, true);
+    const action = actionOfKey(event, inScene, stage.clientWidth);
     if (action === null) return;
     event.preventDefault();
     actions.gesture();
     action(actions);
   };
   host.addEventListener("keydown", key, { signal });
+  if (!inScene) return;
+  const letGo = (event: KeyboardEvent): void => {
+    if (event.key === "Shift") actions.fly(NOWHERE, false, false);
+    else endOfKey(event, inScene)?.(actions);
+  };
+  host.addEventListener("keyup", letGo, { signal });
+  // A key that is let go elsewhere is not heard of.
+  for (const name of ["focusout", "contextmenu"] as const) {
+    host.addEventListener(name, () => actions.stopFlying(), { signal });
+  }
 }
 
 /** Whether a key belongs to the control that has the focus. */

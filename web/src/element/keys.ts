@@ -66,4 +66,22 @@ export const KEYS = [
   { shown: "F", says: "full screen", needs: "nothing", keys: [
     {"key":"f","does":"fullScreen"},
   ] },
+  { shown: "W  S", says: "scenes: fly ahead, back; Shift: faster", needs: "scene", keys: [
+    {"key":"w","does":"fly","by":[0.0,0.0,1.0]},
+    {"key":"s","does":"fly","by":[0.0,0.0,-1.0]},
+  ] },
+  { shown: "A  D", says: "scenes: fly left, right", needs: "scene", keys: [
+    {"key":"a","does":"fly","by":[-1.0,0.0,0.0]},
+    {"key":"d","does":"fly","by":[1.0,0.0,0.0]},
+  ] },
+  { shown: "E  C", says: "scenes: fly up, down", needs: "scene", keys: [
+    {"key":"e","does":"fly","by":[0.0,1.0,0.0]},
+    {"key":"c","does":"fly","by":[0.0,-1.0,0.0]},
+  ] },
+  { shown: "Home", says: "scenes: back to the start", needs: "scene", keys: [
+    {"key":"Home","does":"reset"},
+  ] },
+  { shown: "L", says: "scenes: coloured by level", needs: "scene", keys: [
+    {"key":"l","does":"levels"},
+  ] },
 ] as const;

@@ -22,10 +22,10 @@ export function laid(content: Content, drawn: Size, stage: Size): string {
   return `translate(${left.toFixed(3)}px, ${top.toFixed(3)}px) scale(${x}, ${y})`;
 }
 
-/** What a picture's scale grows with: a sphere's view has its angle along the larger side, flat
- *  content fits in. */
+/** What a picture's scale grows with: the view of a sphere or a scene has its angle along the
+ *  larger side, flat content fits in. */
 function reach({ projection, size }: Content, [width, height]: Size): number {
-  if (projection === "cube") return Math.max(width, height);
+  if (projection !== "flat") return Math.max(width, height);
   return Math.min(width / size[0], height / size[1]);
 }
 

@@ -20,8 +20,8 @@ export class Overlay {
   private readonly policies = element("select", { "aria-label": "Policy" });
   private readonly heat = element("input", { type: "checkbox" });
   private readonly values = new Map<string, HTMLElement>();
-  /** What says nothing of a picture, which is never late. */
-  private readonly ofVideo: HTMLElement[] = [];
+  /** What says something of some packs only. */
+  private readonly ofSome: { readonly part: HTMLElement; readonly of: Of }[] = [];
 
   constructor(choices: OverlayChoices) {
     const rows = element("dl");
@@ -30,10 +30,11 @@ export class Overlay {
       const term = element("dt", { title }, name);
       this.values.set(name, value);
       rows.append(term, value);
-      if (OF_VIDEO.has(name)) this.ofVideo.push(term, value);
+      const of = OF_SOME.get(name);
+      if (of !== undefined) this.ofSome.push({ part: term, of }, { part: value, of });
     }
     const late = element("p", {}, LATE);
-    this.ofVideo.push(late);
+    this.ofSome.push({ part: late, of: "frames" });
     this.policies.addEventListener("change", () => {
       const chosen = POLICIES.find((name) => name === this.policies.value);
       if (chosen !== undefined) choices.policy(chosen);
@@ -45,13 +46,15 @@ export class Overlay {
       rows,
       late,
       element("label", {}, "Policy ", this.policies),
-      element("label", {}, this.heat, " Colour tiles by level"),
+      element("label", {}, this.heat, " Colour by level"),
     );
   }
 
   /** Offers the policies that this pack has the tables for, and the figures that it has. */
   offer(pack: PackFacts): void {
-    for (const part of this.ofVideo) part.hidden = pack.frames === 1;
+    const [frames, scene] = [pack.frames > 1, pack.kind === "scene"];
+    const has = { frames, tiles: !scene, scene };
+    for (const { part, of } of this.ofSome) part.hidden = !has[of];
     this.policies.replaceChildren(...pack.policies.map((name) => element("option", {}, name)));
   }
 
@@ -78,7 +81,20 @@ const LATE =
   "A late picture came after its time. One that was left out never came: the next was due, and " +
   "time goes on. Many of either: the link or this device is slower than the video.";
 
-const OF_VIDEO: ReadonlySet<string> = new Set(["late pictures", "left-out pictures"]);
+/** Which packs have a figure: those with frames in time, of tiles, or of scenes. */
+type Of = "frames" | "tiles" | "scene";
+
+const OF_SOME: ReadonlyMap<string, Of> = new Map([
+  ["late pictures", "frames"],
+  ["left-out pictures", "frames"],
+  ["pixels shown", "tiles"],
+  ["tiles, finest first", "tiles"],
+  ["decoding a tile", "tiles"],
+  ["zoom", "tiles"],
+  ["triangles shown", "scene"],
+  ["units, finest first", "scene"],
+  ["sharpness", "scene"],
+]);
 
 /** Names, what they stand for, and values. */
 const FIGURES: readonly (readonly [string, string, (stats: Stats) => string])[] = [
@@ -95,6 +111,17 @@ const FIGURES: readonly (readonly [string, string, (stats: Stats) => string])[] 
     "Tiles on screen of each level",
     (s) => s.levels.slice(0, LEVELS).join(" · "),
   ],
+  [
+    "triangles shown",
+    "Of all triangles of the finest level",
+    (s) => `${percent(s.share)}, ${s.trianglesDrawn.toLocaleString("en")} drawn`,
+  ],
+  [
+    "units, finest first",
+    "Units on screen of each level",
+    (s) => s.levels.join(" · "),
+  ],
+  ["sharpness", "Whether all that is wanted is shown", (s) => sharpness(s)],
   [
     "fetched",
     "What the host sent since the page was opened",
@@ -119,13 +146,17 @@ const FIGURES: readonly (readonly [string, string, (stats: Stats) => string])[] 
   ],
   [
     "memory: bytes, GPU",
-    "Of the video's file in memory, and of tiles on the graphics device",
+    "Of the pack in memory, and of what is shown on the graphics device",
     (s) => `${bytes(s.cachedBytes)}, ${bytes(s.gpuBytes)}`,
   ],
   ["drawn by", "The graphics device, or the processor", (s) => s.drawing],
   [
     "zoom",
     "Closer than at the beginning",
-    (s) => `${s.zoom.toFixed(1)} ×, ${s.settled ? "all sharp" : "getting sharp"}`,
+    (s) => `${s.zoom.toFixed(1)} ×, ${sharpness(s)}`,
   ],
 ];
+
+function sharpness({ settled }: Stats): string {
+  return settled ? "all sharp" : "getting sharp";
+}

@@ -166,7 +166,9 @@ function does({ needs }: KeyRow, pack: PackFacts): boolean {
     case "heard":
       return pack.hasSound;
     case "atlas":
-      return pack.drawing === "gpu";
+      return pack.kind === "video" && pack.drawing === "gpu";
+    case "scene":
+      return pack.kind === "scene";
     case "nothing":
       return true;
   }

@@ -180,7 +180,8 @@ export class FovealView extends HTMLElement {
       const around = { host: this, shell, overlay, tell, signal };
       this.viewing = new Viewing(engine, around, settings);
       if (refused.length > 0) shell.say(refused.join(" "), "seen");
-      watchInput(shell.stage, this, this.viewing, signal);
+      const inScene = engine.pack.kind === "scene";
+      watchInput({ stage: shell.stage, host: this, inScene }, this.viewing, signal);
       engine.on("error", (problem) => {
         if (problem.fatal && !signal.aborted) this.fail(problem);
       });

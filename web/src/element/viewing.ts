@@ -1,7 +1,7 @@
 // What happens between a pack that is open and the controls around it?
 
 import { demoPolicy, type EngineApi, type GazeRecord, type PackFacts } from "../engine/api.ts";
-import type { PolicyName, Pose, Stats, Target, View } from "../engine/api.ts";
+import type { PolicyName, Pose, Stats, Target, Towards, View } from "../engine/api.ts";
 import type { Actions, Toggle } from "./actions.ts";
 import { type Tell, problemOf } from "./events.ts";
 import { listenForGaze } from "./gaze-socket.ts";
@@ -9,7 +9,7 @@ import { followDevice } from "./orientation.ts";
 import type { Overlay } from "./overlay.ts";
 import type { Shell } from "./shell.ts";
 import { Sound } from "./sound.ts";
-import { spokenTime } from "./words.ts";
+import { spokenTime, triangles } from "./words.ts";
 import { enterHeadset, hasHeadset } from "./xr.ts";
 
 /** What a viewing is given. */
@@ -135,6 +135,14 @@ export class Viewing implements Actions {
   drag(dx: number, dy: number): void {
     const [x, y] = this.density();
     this.engine.drag(dx * x, dy * y);
+  }
+
+  fly(towards: Towards, isHeld: boolean, isHurried: boolean): void {
+    this.engine.fly(towards, isHeld, isHurried);
+  }
+
+  stopFlying(): void {
+    this.engine.stopFlying();
   }
 
   zoom(factor: number, place: readonly [number, number] | null): void {
@@ -428,6 +436,7 @@ export function deviceSize(of: HTMLElement): readonly [number, number] {
 }
 
 function spokenFacts(pack: PackFacts): string {
+  if (pack.kind === "scene") return `Scene of ${triangles(pack.triangles)}`;
   const around = pack.projection === "cube" ? " all around" : "";
   if (pack.frames === 1) return `Picture${around}`;
   return `Video${around}, ${spokenTime(pack.seconds)}${pack.hasSound ? ", with sound" : ""}`;

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { bytes, clock, percent, rate, score, spokenTime } from "./words.ts";
+import { bytes, clock, percent, rate, score, spokenTime, triangles } from "./words.ts";
 
 test("a time is minutes and seconds, and hours where there are any", () => {
   const said = ["0:00", "0:05", "0:03", "1:05", "1:00:00", "1:02:05"];
@@ -28,6 +28,10 @@ test("a score is what is asked and, where that is known, what is expected", () =
   expect(score(9.5, 9.5612)).toBe("9.5 asked, 9.56 expected");
   expect(score(9, null)).toBe("9 asked");
   expect(score(null, 10)).toBe("none asked, 10.00 expected");
+});
+
+test("triangles are counted in groups of three digits", () => {
+  expect([1, 870_306].map(triangles)).toEqual(["1 triangle", "870,306 triangles"]);
 });
 
 test("a small share keeps its digits", () => {

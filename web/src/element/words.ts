@@ -56,6 +56,11 @@ export function score(target: number | null, expected: number | null): string {
   return `${target ?? "none"} asked${said}`;
 }
 
+/** A number of triangles, as "870,306 triangles". */
+export function triangles(count: number): string {
+  return `${count.toLocaleString("en")} triangle${count === 1 ? "" : "s"}`;
+}
+
 /** A share as a percentage, with two digits below one per cent. */
 export function percent(share: number): string {
   const value = 100 * share;

@@ -72,11 +72,12 @@ function draw(engine: EngineApi, target: XrTarget, views: readonly XRView[]): nu
 
 /** What an engine is asked to draw for a view. */
 export function eyeOf(view: XRView, size: readonly [number, number]): EyeRequest {
-  const { x, y, z, w } = view.transform.orientation;
+  const { orientation: { x, y, z, w }, position } = view.transform;
   const m = view.projectionMatrix;
   const [scaleX = 1, scaleY = 1, shiftX = 0, shiftY = 0] = [m[0], m[5], m[8], m[9]];
   return {
     eye: view.eye === "right" ? "right" : "left",
+    position: [position.x, position.y, position.z],
     orientation: [x, y, z, w],
     tangents: [
       (1 - shiftX) / scaleX,

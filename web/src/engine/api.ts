@@ -95,14 +95,18 @@ export function firstPolicy(
 
 /** What is known of a pack once its beginning is there. */
 export interface PackFacts {
-  readonly projection: "flat" | "cube";
-  /** Pixels of the content, or of a face, at the finest level. */
+  /** Pictures, one or many, or what an eye flies through. */
+  readonly kind: "video" | "scene";
+  /** Null for a scene. */
+  readonly projection: "flat" | "cube" | null;
+  /** Pixels of the content, or of a face, at the finest level; zeros for a scene. */
   readonly size: readonly [number, number];
-  /** Faces of a cube, an eye; 1 for flat content. */
+  /** Faces of a cube, an eye; 1 for flat content, 0 for a scene. */
   readonly faces: number;
   /** Eyes with pictures of their own. */
   readonly eyes: 1 | 2;
   readonly levels: number;
+  /** Empty for a scene. */
   readonly codec: string;
   readonly frames: number;
   /** Length of a round. */
@@ -111,6 +115,8 @@ export interface PackFacts {
   readonly bytes: number;
   /** What the pack was made from. */
   readonly name: string;
+  /** Triangles of a scene at its finest; 0 for video. */
+  readonly triangles: number;
   /** What draws: without a graphics device, the processor draws the coarsest level. */
   readonly drawing: "gpu" | "software";
   /** The policies that this pack has the tables for. */
@@ -132,9 +138,9 @@ export interface Stats {
   readonly time: number;
   /** The frame on screen. */
   readonly frame: number;
-  /** Pixels shown over all pixels of the finest level. */
+  /** Pixels shown over all pixels of the finest level; of a scene triangles. */
   readonly share: number;
-  /** Tiles on screen of each level, finest first. */
+  /** Tiles on screen of each level, finest first; of a scene units. */
   readonly levels: readonly number[];
   /** Bytes that came from the host. */
   readonly bytesFetched: number;
@@ -160,8 +166,12 @@ export interface Stats {
   readonly settled: boolean;
   /** Yaw, pitch and roll of the head in degrees. */
   readonly headDeg: readonly [number, number, number];
+  /** Where the eye is in a scene, in metres. */
+  readonly position: readonly [number, number, number];
+  /** Triangles that the last picture drew of a scene. */
+  readonly trianglesDrawn: number;
   readonly zoom: number;
-  /** How wide a sphere's view is, in degrees. */
+  /** How wide the view of a sphere or a scene is, in degrees. */
   readonly fovDeg: number;
   /** Display pixels over one pixel of the content, in the middle. */
   readonly scale: number;
@@ -197,9 +207,14 @@ export interface Pose {
   readonly rollDeg?: number;
 }
 
+/** To the right, up and ahead of a head. */
+export type Towards = readonly [number, number, number];
+
 /** A view of one eye of a headset, in the space of the content. */
 export interface EyeRequest {
   readonly eye: "left" | "right";
+  /** Where the eye is, in metres from where the head began. */
+  readonly position: readonly [number, number, number];
   /** Orientation of the eye: x, y, z, w as WebXR tells it (-z forward, +y up). */
   readonly orientation: readonly [number, number, number, number];
   /** Tangents to the left, right, top and bottom edge; right and top are positive outwards. */
@@ -277,13 +292,21 @@ export interface EngineApi {
   resize(width: number, height: number): void;
   /** Draws the content along by device pixels. */
   drag(dx: number, dy: number): void;
-  /** Comes closer by a factor; what is under the place stays there. */
+  /**
+   * Flies through a scene, or no longer flies, along a direction of the head: to the right, up and
+   * ahead, or against these where a number is negative.
+   */
+  fly(towards: Towards, isHeld: boolean, isHurried: boolean): void;
+  /** Stays where it is in a scene. */
+  stopFlying(): void;
+  /** Comes closer by a factor; what is under the place stays there, and in a scene the eye goes
+   *  ahead. */
   zoom(factor: number, place: readonly [number, number]): void;
   /** The head is turned by a sensor; the hand adds to it. */
   turn(pose: Pose | null): void;
-  /** Turns a sphere's view by hand; flat content stays as it is. */
+  /** Turns the view of a sphere or a scene by hand; flat content stays as it is. */
   look(view: View): void;
-  /** Back to the front of a sphere, or to the whole picture. */
+  /** Back to the front of a sphere, the whole picture, or the start of a scene. */
   reset(): void;
   /** Where the pointer is, or null when it left. */
   pointer(place: readonly [number, number] | null): void;

@@ -1,7 +1,7 @@
 // What does the page's side of an engine ask of the side that works?
 
 import type { EngineEvents, EngineOptions, Pixels, SoundPackets, Stats } from "./api.ts";
-import type { GazeRecord, PackFacts, PolicyName, Pose, Target, View } from "./api.ts";
+import type { GazeRecord, PackFacts, PolicyName, Pose, Target, Towards, View } from "./api.ts";
 
 /** What a host begins with. */
 export interface HostOptions {
@@ -37,6 +37,8 @@ export interface Answers {
 export interface Tells {
   resize(width: number, height: number): void;
   drag(dx: number, dy: number): void;
+  fly(towards: Towards, isHeld: boolean, isHurried: boolean): void;
+  stopFlying(): void;
   zoom(factor: number, place: readonly [number, number]): void;
   turn(pose: Pose | null): void;
   look(view: View): void;

@@ -5,7 +5,8 @@ import { configOf, isStills } from "./codecs.ts";
 import type { HostOptions, Tell } from "./calls.ts";
 import { type Chunk, Decoders, type PictureWant } from "./decoders.ts";
 import { type Failure, Loader } from "./loader.ts";
-import { isPage, type Need, needsOf, type UnitNeed } from "./needs.ts";
+import { isEarly, isPage, isWhole, type Need, needsOf } from "./needs.ts";
+import type { UnitNeed, WholeNeed } from "./needs.ts";
 import type { Want } from "./plan.ts";
 import { problem } from "./problem.ts";
 import { Stills } from "./stills.ts";
@@ -40,6 +41,8 @@ export class Courier {
   #needs: readonly Need[] = [];
   readonly #extra: Want[] = [];
   #headWaits: ((head: Uint8Array | EngineProblem) => void) | null = null;
+  /** Ends the wait of who opens the pack. */
+  #refuse: ((why: EngineProblem) => void) | null = null;
   #pumping = false;
   /** The module that reads bytes is there. */
   #reads = false;
@@ -87,11 +90,44 @@ export class Courier {
       return whole;
     });
     return new Promise((resolve, reject) => {
+      this.#refuse = (why) => this.#headWaits?.(why);
       this.#headWaits = (head) => {
         this.#headWaits = null;
+        this.#refuse = null;
         if (head instanceof Uint8Array) resolve(head);
         else reject(head);
       };
+      this.#order();
+      this.#pump();
+    });
+  }
+
+  /** What the pack needs beside its head before it can be opened, one after the other: `stretches`
+   *  are first bytes and lengths. */
+  rest(stretches: Float64Array): Promise<Uint8Array<ArrayBuffer>> {
+    const wants: Want[] = [];
+    for (let at = 0; at + 1 < stretches.length; at += 2) {
+      const [offset = 0, bytes = 0] = stretches.subarray(at, at + 2);
+      wants.push({ offset, bytes, early: false });
+    }
+    const missing = (want: Want): boolean => this.#loader.bytes.missing(want).length > 0;
+    if (wants.some(missing)) this.trips += 1;
+    this.#extra.push(...wants);
+    return new Promise((resolve, reject) => {
+      this.#refuse = reject;
+      this.#onBytes.push(() => {
+        if (wants.some(missing)) return false;
+        const whole = new Uint8Array(wants.reduce((sum, { bytes }) => sum + bytes, 0));
+        let at = 0;
+        for (const want of wants) {
+          whole.set(this.#loader.bytes.get(want) ?? [], at);
+          at += want.bytes;
+          this.#extra.splice(this.#extra.indexOf(want), 1);
+        }
+        this.#refuse = null;
+        resolve(whole);
+        return true;
+      });
       this.#order();
       this.#pump();
     });
@@ -105,6 +141,7 @@ export class Courier {
 
   /** Opens decoders for a pack. */
   async prepare(facts: PackFacts): Promise<void> {
+    if (facts.kind === "scene") return;
     const events = {
       picture: (want: PictureWant, decoded: number, planes: Uint8Array) => {
         try {
@@ -247,7 +284,7 @@ export class Courier {
     const wants = this.#needs.map((need) => ({
       offset: need.offset,
       bytes: need.bytes,
-      early: !isPage(need) && need.want === null,
+      early: isEarly(need),
     }));
     const extra = this.#extra.map((want) => this.#inFile(want));
     const [now, later] = [false, true].map((early) => extra.filter((w) => w.early === early));
@@ -290,11 +327,16 @@ export class Courier {
 
   #bring(show: Show): void {
     let pages = false;
+    const taken = new Set<Need>();
     const wants: PictureWant[] = [];
     const near = new Set<number>();
     for (const need of this.#needs) {
       if (isPage(need)) {
         pages = this.#readPage(show, need) || pages;
+        continue;
+      }
+      if (isWhole(need)) {
+        if (this.#takeWhole(show, need)) taken.add(need);
         continue;
       }
       near.add(need.unit);
@@ -304,10 +346,16 @@ export class Courier {
       this.#events.wake();
       return this.ask();
     }
+    if (taken.size > 0) {
+      this.#needs = this.#needs.filter((need) => !taken.has(need));
+      this.#events.wake();
+      // More may have been needed than was told at once.
+      if (this.#needs.length === 0) return this.ask();
+    }
     for (const unit of this.#chunks.keys()) {
       if (!near.has(unit)) this.#chunks.delete(unit);
     }
-    const plays = this.#needs.some((need) => !isPage(need) && need.want === null);
+    const plays = this.#needs.some(isEarly);
     if (this.#decoders instanceof Decoders) this.#decoders.want(wants, plays, near);
     else this.#decoders?.want(wants);
   }
@@ -331,6 +379,26 @@ export class Courier {
       this.#events.tell("error", problem("broken-pack", false, String(error)));
       this.#events.wake();
       return false;
+    }
+  }
+
+  /** Hands a unit's chunk over once it is there; whether nothing more is to be done for it. */
+  #takeWhole(show: Show, need: WholeNeed): boolean {
+    const shows = new Set([show, this.#poster ?? show]);
+    const fail = (): boolean => {
+      for (const one of shows) one.fail(need.whole, 0);
+      return true;
+    };
+    if (this.#damaged.has(need.offset)) return fail();
+    const bytes = this.#loader.bytes.get(need);
+    if (!bytes) return false;
+    try {
+      for (const one of shows) one.deliverWhole(need.whole, bytes);
+      return true;
+    } catch (error) {
+      if (this.#retry(need)) return false;
+      this.#events.tell("error", problem("broken-pack", false, String(error)));
+      return fail();
     }
   }
 
@@ -380,7 +448,7 @@ export class Courier {
     const answered = status > 0 ? `the host answered ${status}` : "";
     const detail = why === "not-found" ? `${this.#url}: ${answered}` : answered;
     const kind = why === "short" ? "broken-pack" : why;
-    const opening = this.#headWaits;
+    const opening = this.#refuse;
     if (kind === "no-ranges" || (opening && kind !== "network")) {
       const fatal = problem(kind, true, detail);
       this.#loader.close();

@@ -2,7 +2,7 @@
 
 import type { EngineApi, EngineEvents, EngineOptions, EyeRequest, PackFacts } from "./api.ts";
 import type { EngineProblem, GazeRecord, Pixels, PolicyName, Pose } from "./api.ts";
-import type { SoundPackets, Stats, Target, View } from "./api.ts";
+import type { SoundPackets, Stats, Target, Towards, View } from "./api.ts";
 import type { Answers, HostOptions, Tells } from "./calls.ts";
 import type { Host } from "./host.ts";
 import { type Side, startHere, startWorker } from "./sides.ts";
@@ -174,6 +174,14 @@ class PageEngine implements EngineApi {
 
   drag(dx: number, dy: number): void {
     this.#tell("drag", dx, dy);
+  }
+
+  fly(towards: Towards, isHeld: boolean, isHurried: boolean): void {
+    this.#tell("fly", towards, isHeld, isHurried);
+  }
+
+  stopFlying(): void {
+    this.#tell("stopFlying");
   }
 
   zoom(factor: number, place: readonly [number, number]): void {

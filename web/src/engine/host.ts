@@ -5,12 +5,12 @@
 
 import { firstPolicy } from "./api.ts";
 import type { EngineProblem, PackFacts, Pixels, PolicyName, Pose, SoundPackets } from "./api.ts";
-import type { EyeRequest, GazeRecord, Stats, Target, View } from "./api.ts";
+import type { EyeRequest, GazeRecord, Stats, Target, Towards, View } from "./api.ts";
 import type { Calls, HostOptions, Tell } from "./calls.ts";
 import { Courier } from "./courier.ts";
 import { Poster, softwareSize } from "./poster.ts";
 import { problem, problemOf } from "./problem.ts";
-import { about, Device, FLAG, loadWasm, Show } from "./wasm.ts";
+import { about, Device, FLAG, loadWasm, opening, Show } from "./wasm.ts";
 
 /** How often figures are told while something changes, in milliseconds. */
 const STATS_MS = 500;
@@ -37,14 +37,18 @@ async function findDevice(): Promise<string | null> {
 }
 
 function factsOf(head: Uint8Array, software: boolean): PackFacts {
-  let facts: PackFacts;
+  const facts = JSON.parse(about(head)) as PackFacts;
+  if (!software) return { ...facts, drawing: "gpu" };
+  return { ...facts, drawing: "software", policies: ["coarsest"] };
+}
+
+/** What `read` reads of a pack; throws what is wrong with that. */
+function readOf<T>(read: () => T): T {
   try {
-    facts = JSON.parse(about(head)) as PackFacts;
+    return read();
   } catch (error) {
     throw problem("broken-pack", true, String(error));
   }
-  if (!software) return { ...facts, drawing: "gpu" };
-  return { ...facts, drawing: "software", policies: ["coarsest"] };
 }
 
 export class Host implements Calls {
@@ -101,8 +105,11 @@ export class Host implements Calls {
     ]);
     this.#software = device === null;
     this.#device = device ?? "";
-    const facts = factsOf(head, this.#software);
-    await courier.prepare(facts);
+    const facts = readOf(() => factsOf(head, this.#software));
+    const [rest] = await Promise.all([
+      courier.rest(readOf(() => opening(head))),
+      courier.prepare(facts),
+    ]);
     this.#policy = this.#software ? "coarsest" : firstPolicy(options, facts);
     const told = {
       name: begin.name,
@@ -120,12 +127,12 @@ export class Host implements Calls {
       log: options.log ?? false,
     };
     if (begin.poster && !this.#software) {
-      this.#poster = await Poster.open(head, told, begin);
+      this.#poster = await Poster.open(head, rest, told, begin);
       courier.preview(this.#poster.show);
       this.#run();
     }
     try {
-      this.#show = await Show.open(begin.canvas, head, JSON.stringify(told));
+      this.#show = await Show.open(begin.canvas, head, rest, JSON.stringify(told));
     } catch (error) {
       const text = String(error);
       throw problem(/adapter|device/i.test(text) ? "no-webgpu" : "broken-pack", true, text);
@@ -318,6 +325,14 @@ export class Host implements Calls {
     this.#do((show) => show.drag(dx * this.#scale, dy * this.#scale));
   }
 
+  fly(towards: Towards, isHeld: boolean, isHurried: boolean): void {
+    this.#do((show, now) => show.fly(new Float64Array(towards), isHeld, isHurried, now));
+  }
+
+  stopFlying(): void {
+    this.#do((show, now) => show.stopFlying(now));
+  }
+
   zoom(factor: number, [x, y]: readonly [number, number]): void {
     this.#do((show) => show.zoom(factor, x * this.#scale, y * this.#scale));
   }
@@ -466,7 +481,11 @@ export class Host implements Calls {
   /** Draws what an eye of a headset sees onto a canvas of its size. */
   drawEye(canvas: OffscreenCanvas, request: EyeRequest): boolean {
     if (!this.#show || this.#closed) return false;
-    const eye = new Float64Array([...request.orientation, ...request.tangents]);
+    const eye = new Float64Array([
+      ...request.orientation,
+      ...request.tangents,
+      ...request.position,
+    ]);
     const drawn = this.#show.drawEye(canvas, request.eye === "right", eye, seconds());
     // In a headset pictures of the page come late or never.
     if (drawn) this.#show.begin(seconds());

@@ -17,10 +17,24 @@ export interface UnitNeed extends Stretch {
   readonly level: number;
 }
 
-export type Need = PageNeed | UnitNeed;
+/** A unit whose chunk is handed over as it is. */
+export interface WholeNeed extends Stretch {
+  readonly whole: number;
+}
+
+export type Need = PageNeed | UnitNeed | WholeNeed;
 
 export function isPage(need: Need): need is PageNeed {
   return "page" in need;
+}
+
+export function isWhole(need: Need): need is WholeNeed {
+  return "whole" in need;
+}
+
+/** Whether bytes are only fetched ahead, and nothing waits for them. */
+export function isEarly(need: Need): boolean {
+  return !isPage(need) && !isWhole(need) && need.want === null;
 }
 
 /** Rows as `crates/web/src/needs.rs` writes them. */
@@ -35,6 +49,10 @@ export function needsOf(rows: Float64Array): Need[] {
     ];
     if (kind === 0) {
       needs.push({ page: number, offset, bytes });
+      continue;
+    }
+    if (kind === 3) {
+      needs.push({ whole: number, offset, bytes });
       continue;
     }
     const want = { unit: number, frame, first, frames, width, height };

@@ -21,16 +21,18 @@ export class Poster {
     private readonly canvas: OffscreenCanvas,
   ) {}
 
-  /** Begins to show a pack by its beginning and the options of {@link Show.open}. */
+  /** Begins to show a pack by its beginning, what it needs beside that, and the options of
+   *  {@link Show.open}. */
   static async open(
     head: Uint8Array,
+    rest: Uint8Array,
     told: Readonly<Record<string, unknown>>,
     begin: HostOptions,
   ): Promise<Poster> {
     const size = softwareSize(begin.options.size);
     const canvas = new OffscreenCanvas(...size);
     const plain = { ...told, size, policy: "coarsest", software: true, paused: true, log: false };
-    const show = await Show.open(canvas, head, JSON.stringify(plain));
+    const show = await Show.open(canvas, head, rest, JSON.stringify(plain));
     if (begin.time > 0) show.seek(begin.time, 0);
     return new Poster(show, canvas);
   }

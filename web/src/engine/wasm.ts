@@ -1,6 +1,6 @@
 // How is the wasm module loaded, once in a thread?
 
-import init, { about, Device, headBytes, Show } from "../../pkg/foveal.js";
+import init, { about, Device, headBytes, opening, Show } from "../../pkg/foveal.js";
 
 let loaded: Promise<unknown> | null = null;
 
@@ -16,4 +16,4 @@ export const FLAG = { draw: 1, settled: 2, wants: 4, again: 8, ended: 16, hopele
 /** Numbers of a row of needs; `ROW` of `crates/web/src/needs.rs`. */
 export const ROW = 10;
 
-export { about, Device, headBytes, Show };
+export { about, Device, headBytes, opening, Show };

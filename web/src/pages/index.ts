@@ -14,8 +14,9 @@ function item(pack: Listed): HTMLElement {
     loading: "lazy",
   });
   const { seconds } = pack;
+  const still = pack.triangles === undefined ? "Picture" : "Scene";
   const length = seconds === null
-    ? "Picture"
+    ? still
     : element("span", { "aria-label": spokenTime(seconds) }, clock(seconds));
   const facts = element("p", {}, length, `, ${factsOf(pack)}, ${bytes(pack.bytes)}`);
   const address = `./view.html?pack=${encodeURIComponent(pack.file)}`;

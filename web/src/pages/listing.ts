@@ -1,5 +1,7 @@
 // What does `packs.json` say?
 
+import { triangles } from "../element/words.ts";
+
 /** A pack in the list; names are relative to the page. */
 export interface Listed {
   readonly name: string;
@@ -10,11 +12,14 @@ export interface Listed {
   readonly file: string;
   readonly poster: { readonly file: string; readonly width: number; readonly height: number };
   readonly bytes: number;
-  readonly projection: "flat" | "cube";
+  /** Null for a scene, as its width and height. */
+  readonly projection: "flat" | "cube" | null;
   readonly eyes: number;
-  readonly width: number;
-  readonly height: number;
-  /** Null for a picture. */
+  readonly width: number | null;
+  readonly height: number | null;
+  /** Of a scene, at its finest. */
+  readonly triangles?: number;
+  /** Null for what does not move. */
   readonly seconds: number | null;
   readonly sound: boolean;
 }
@@ -42,11 +47,12 @@ function isListed(one: unknown): one is Listed {
   const is = (of: object, type: "string" | "number" | "boolean", names: readonly string[]) =>
     names.every((name) => typeof (of as Record<string, unknown>)[name] === type);
   const { poster } = one as { poster?: unknown };
+  const isScene = "triangles" in one;
   const said = ["title", "description", "licence"].filter((name) => name in one);
   return (
     is(one, "string", said) &&
-    is(one, "string", ["name", "file", "projection"]) &&
-    is(one, "number", ["bytes", "eyes", "width", "height"]) &&
+    is(one, "string", ["name", "file", ...(isScene ? [] : ["projection"])]) &&
+    is(one, "number", ["bytes", "eyes", ...(isScene ? ["triangles"] : ["width", "height"])]) &&
     ((one as { seconds?: unknown }).seconds === null || is(one, "number", ["seconds"])) &&
     is(one, "boolean", ["sound"]) &&
     typeof poster === "object" &&
@@ -68,9 +74,10 @@ export function titleOf(pack: Listed): string {
 
 /** What a pack is, in a few words. */
 export function factsOf(pack: Listed): string {
+  const licence = pack.licence === undefined ? "" : `, ${pack.licence}`;
+  if (pack.triangles !== undefined) return `${triangles(pack.triangles)}${licence}`;
   const kind = pack.projection === "cube" ? "360°" : "flat";
   const eyes = pack.eyes === 2 ? ", 3D" : "";
   const sound = pack.sound ? ", sound" : "";
-  const licence = pack.licence === undefined ? "" : `, ${pack.licence}`;
   return `${kind}${eyes}, ${pack.width} × ${pack.height}${sound}${licence}`;
 }

@@ -8,13 +8,23 @@
 mod any_order;
 
 use any_order::Stage;
-use foveal_core::session::log::sha256_hex;
-use foveal_core::session::scripted::scripted_sessions;
+use foveal_core::content::demand::Content;
+use foveal_core::content::policy::PolicyConfig;
+use foveal_core::content::scene::demand::why_not;
+use foveal_core::content::scene::scripted::scripted_scene;
+use foveal_core::content::scripted::SCRIPTED_POLICIES;
+use foveal_core::session::log::{SessionLogPart, sha256_hex};
+use foveal_core::session::scripted::{scripted_flight, scripted_sessions};
+use std::sync::Arc;
 
 /// Schedules of sessions that are run.
 const SCHEDULES: u64 = 100;
 
-/// The first 64 bits of the SHA-256 of the scripted sessions' logs.
+/// The first 64 bits of the SHA-256 of the scripted sessions' logs, over pictures and through a
+/// scene.
+///
+/// # Panics
+/// The scripted scene is none.
 #[unsafe(no_mangle)]
 #[allow(
     unsafe_code,
@@ -23,9 +33,27 @@ const SCHEDULES: u64 = 100;
 pub extern "C" fn selection_hash() -> u64 {
     let logs: String = scripted_sessions()
         .iter()
+        .chain(&through_a_scene())
         .map(|session| session.write())
         .collect();
     hash_of(&logs)
+}
+
+/// What every policy of scenes chooses on a flight round one.
+fn through_a_scene() -> Vec<SessionLogPart> {
+    let scene = match scripted_scene() {
+        Ok(scene) => Arc::new(scene),
+        Err(error) => panic!("{error}"),
+    };
+    let bounds = scene.bounds();
+    let policies = SCRIPTED_POLICIES.into_iter();
+    let policies = policies.filter(|policy| why_not(*policy).is_none());
+    let flight = |policy| {
+        let content = Arc::clone(&scene) as Arc<dyn Content>;
+        let sphere = (bounds.centre, bounds.radius);
+        scripted_flight(content, sphere, PolicyConfig::new(policy))
+    };
+    policies.map(flight).collect()
 }
 
 /// The first 64 bits of the SHA-256 of what sessions do whose wishes are fulfilled in any order;

@@ -80,6 +80,7 @@ pub(crate) struct PackInfo {
 pub(crate) enum MediaKind {
     Picture,
     Video,
+    Scene,
 }
 
 impl MediaKind {
@@ -212,7 +213,7 @@ impl PackInfo {
                 output::size(*bytes),
                 self.quality_of(level),
                 match self.content {
-                    MediaKind::Picture => String::new(),
+                    MediaKind::Picture | MediaKind::Scene => String::new(),
                     MediaKind::Video => format!(", groups of {}", self.groups[level]),
                 }
             );

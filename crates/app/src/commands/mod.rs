@@ -13,6 +13,7 @@ pub(crate) mod score;
 pub(crate) mod select;
 pub(crate) mod serve;
 pub(crate) mod simulate;
+pub(crate) mod simulate_options;
 pub(crate) mod simulate_score;
 pub(crate) mod site;
 pub(crate) mod verify;

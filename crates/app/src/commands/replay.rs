@@ -151,9 +151,7 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     } else if is_of(&log, |part| part.head.content.other(KIND).is_some()) {
         replay_scene(&log, path, pack)?
     } else {
-        bail!(
-            "{name}: a log of more than one asset, or of another kind, is replayed by what played it"
-        );
+        bail!("{name}: a log of several assets, or of another kind, is replayed by what played it");
     };
     let frames = |log: &SessionLog| -> Vec<SessionFrame> {
         let frames = log.parts.iter().flat_map(|part| &part.frames);

@@ -1,18 +1,18 @@
 //! What does an eye get from a pack, and what did that take?
 
+use crate::commands::scene;
 use crate::commands::score::ScoreReport;
-use crate::commands::simulate_score::{Baseline, RunScoring, ScoringOptions};
-use crate::gaze_source::{GazeChoice, GazeSource, interrupted, parse_gaze};
-use crate::options::decoding::{DecodingOptions, DeviceReport};
-use crate::options::policy::{PolicyOptions, Switch, ViewOptions};
+use crate::commands::simulate_options::{SimulateArgs, WrittenPictures};
+use crate::commands::simulate_score::{Baseline, RunScoring};
+use crate::gaze_source::{GazeSource, interrupted};
+use crate::options::decoding::DeviceReport;
+use crate::options::policy::Switch;
 use crate::options::renderer::{RendererName, open_device};
-use crate::options::showing::{EyeName, InterpolationName, ShowingOptions};
-use crate::options::watching::Watching;
+use crate::options::showing::{EyeName, InterpolationName};
 use crate::report::output::{self, WrongUsage, out_of_range};
 use crate::report::picture_file::write_png;
 use crate::run::open_player::open_player;
 use anyhow::{Context, bail};
-use clap::{Args, ValueEnum};
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::session::log::{SessionLogPart, sha256_hex};
 use foveal_core::units::counted;
@@ -21,6 +21,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::picture::{Colour, Matrix};
 use foveal_core::view::surface::Projection;
 use foveal_media::pack::pack_file::PackFile;
+use foveal_media::pack::scene_file::is_scene_pack;
 use foveal_media::write::picture_from_rgba::picture_from_rgba;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use foveal_play::{FrameReport, Player, PlayerOptions};
@@ -29,83 +30,10 @@ use foveal_render::{Overlay, RgbaImage};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Pictures {
-    /// One PNG a frame.
-    Png,
-    /// One video.
-    Video,
-    /// None: only figures.
-    None,
-}
-
-#[derive(Clone, Debug, Args)]
-pub(crate) struct SimulateArgs {
-    /// The pack.
-    pack: PathBuf,
-    /// YAW,PITCH in degrees, center, scan, trace:FILE, head:FILE, udp:PORT, ws:URL or osc:PORT.
-    ///
-    /// The last three are live: frames are then played when they are due.
-    #[arg(
-        long,
-        value_name = "G",
-        default_value = "scan",
-        allow_hyphen_values = true
-    )]
-    #[arg(value_parser = parse_gaze)]
-    gaze: GazeChoice,
-    #[command(flatten)]
-    policy: PolicyOptions,
-    #[command(flatten)]
-    watching: Watching,
-    #[command(flatten)]
-    view: ViewOptions,
-    #[command(flatten)]
-    showing: ShowingOptions,
-    /// First frame to play; decoding starts at its group's key frame, without showing.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    start: u32,
-    /// Stop after this many frames (default: all).
-    #[arg(long, value_name = "N")]
-    frames: Option<u32>,
-    /// Folder for pictures, frames.csv and session.jsonl; made if it is not there.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
-    /// What pictures to write.
-    #[arg(long, value_enum, default_value = "png")]
-    pictures: Pictures,
-    /// Whose picture to write, of content for two eyes; both lie side by side.
-    #[arg(long, value_enum, default_value = "left")]
-    eye: EyeName,
-    /// Write every Nth picture.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    every: u32,
-    /// Draw levels as colours, tile borders and the gaze over the pictures.
-    #[arg(long)]
-    heat_map: bool,
-    /// What draws the pictures.
-    #[arg(long, value_enum, default_value = "gpu")]
-    renderer: RendererName,
-    /// Show a frame when its time is over, a coarser level standing in for tiles that are late;
-    /// otherwise every frame is waited for.
-    #[arg(long)]
-    paced: bool,
-    #[command(flatten)]
-    decoding: DecodingOptions,
-    /// Seed of the scan path.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    #[command(flatten)]
-    scoring: ScoringOptions,
-    /// Print one JSON object.
-    #[arg(long)]
-    json: bool,
-}
 
 /// What a run took.
 #[derive(Clone, Debug, Serialize)]
@@ -141,10 +69,10 @@ pub(crate) struct RunSummary {
     pub(crate) score: Option<ScoreReport>,
 }
 
-/// Most frames between two pictures.
-const MOST_EVERY: u32 = 10_000;
-
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
+    if is_scene_pack(&args.pack) {
+        return scene::simulate::run(args);
+    }
     args.check()?;
     let file = Arc::new(PackFile::open(&args.pack)?);
     let about = file.pack().description();
@@ -266,15 +194,17 @@ impl SimulateArgs {
 
     /// Checks the options that need no pack.
     fn check(&self) -> anyhow::Result<()> {
-        if !(1..=MOST_EVERY).contains(&self.every) {
-            bail!(out_of_range(
-                "--every",
-                self.every,
-                &format!("1 to {MOST_EVERY}")
-            ));
-        }
-        if self.frames == Some(0) {
-            bail!(out_of_range("--frames", 0, "at least 1"));
+        self.check_counts()?;
+        let of_scenes = [
+            (self.route != "still", "--route"),
+            (self.budget.is_some(), "--budget"),
+            (self.interval.is_some(), "--interval"),
+        ];
+        if let Some((_, option)) = of_scenes.into_iter().find(|(is_given, _)| *is_given) {
+            bail!(WrongUsage(format!(
+                "{option} is for scenes, and {} is a video",
+                self.pack.display()
+            )));
         }
         if self.renderer == RendererName::None && (self.heat_map || self.showing.blur == Switch::On)
         {
@@ -509,7 +439,7 @@ impl<'a> PictureSink<'a> {
 
     fn frame(&mut self, player: &mut Player, report: &FrameReport) -> anyhow::Result<()> {
         let frame = report.session.frame;
-        if self.args.pictures == Pictures::None
+        if self.args.pictures == WrittenPictures::None
             || !(frame - self.args.start).is_multiple_of(self.args.every)
         {
             return Ok(());
@@ -529,7 +459,7 @@ impl<'a> PictureSink<'a> {
             };
         }
         match picture {
-            Some(image) if self.args.pictures == Pictures::Png => {
+            Some(image) if self.args.pictures == WrittenPictures::Png => {
                 write_png(&self.args.out.join(format!("frame_{frame:05}.png")), &image)
             }
             Some(image) => self.append(&image),

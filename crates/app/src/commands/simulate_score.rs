@@ -14,7 +14,7 @@ use clap::Args;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Screen;
-use foveal_eval::score::Viewing;
+use foveal_eval::score::{Mode, Viewing};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_play::Decoding;
 use foveal_play::Look;
@@ -60,13 +60,9 @@ pub(crate) struct RunScoring {
 impl ScoringOptions {
     /// What scores a run, if it is to be scored.
     pub(crate) fn open(&self, beside: &Baseline<'_>) -> anyhow::Result<Option<RunScoring>> {
+        self.check(beside.drawing)?;
         if !self.score {
             return Ok(None);
-        }
-        if matches!(beside.drawing, DrawDevice::Nothing) {
-            bail!(output::WrongUsage(
-                "--score compares pictures; give --renderer gpu or cpu".to_owned()
-            ));
         }
         let options = PlayerOptions {
             config: PolicyConfig::new(Policy::Full),
@@ -96,6 +92,33 @@ impl ScoringOptions {
             last_gaze: LastGaze::new(&beside.view),
             viewing,
         }))
+    }
+}
+
+impl ScoringOptions {
+    /// Whether a score is asked for.
+    pub(crate) fn is_asked(&self) -> bool {
+        self.score
+    }
+
+    /// The display that was named, if any.
+    pub(crate) fn display(&self) -> Option<&str> {
+        self.score_display.as_deref()
+    }
+
+    /// As published, or right where that slips.
+    pub(crate) fn mode(&self) -> Mode {
+        self.score_mode.mode()
+    }
+
+    /// Refuses a score where nothing draws.
+    pub(crate) fn check(&self, drawing: &DrawDevice) -> anyhow::Result<()> {
+        if self.score && matches!(drawing, DrawDevice::Nothing) {
+            bail!(output::WrongUsage(
+                "--score compares pictures; give --renderer gpu or cpu".to_owned()
+            ));
+        }
+        Ok(())
     }
 }
 

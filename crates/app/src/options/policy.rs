@@ -372,15 +372,7 @@ impl ViewOptions {
     pub(crate) fn eye_view(&self, surface: &Surface) -> anyhow::Result<EyeView> {
         let fov = self.fov()?;
         let size = match self.view {
-            Some(size) if size.iter().any(|&side| side > MAX_VIEW_SIDE) => {
-                let range = format!("sides of 1 to {MAX_VIEW_SIDE}");
-                bail!(out_of_range(
-                    "--view",
-                    format!("{}x{}", size[0], size[1]),
-                    &range
-                ))
-            }
-            Some(size) => size,
+            Some(size) => self.size_or(size)?,
             None => self.default_size(surface)?,
         };
         Ok(match surface.projection {
@@ -396,6 +388,17 @@ impl ViewOptions {
                 }
             }
         })
+    }
+
+    /// The size that was asked for, or this one.
+    pub(crate) fn size_or(&self, usual: [u32; 2]) -> anyhow::Result<[u32; 2]> {
+        match self.view {
+            Some([w, h]) if w.max(h) > MAX_VIEW_SIDE => {
+                let range = format!("sides of 1 to {MAX_VIEW_SIDE}");
+                bail!(out_of_range("--view", format!("{w}x{h}"), &range))
+            }
+            size => Ok(size.unwrap_or(usual)),
+        }
     }
 
     /// Field of view of 360° content, along the larger side.

@@ -28,6 +28,7 @@ mod prepare;
 mod refusals;
 mod results;
 mod resume;
+mod scene;
 mod scene_view;
 mod scenes;
 mod score;

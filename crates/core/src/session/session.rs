@@ -305,8 +305,8 @@ impl Session {
         }
     }
 
-    /// Shows what came for the frame on screen, once all that it needs is there, and what waited for
-    /// it; `makes_room` where others may have to be evicted first.
+    /// Shows what came for the frame on screen, once all that it needs is there, and what waited
+    /// for it; `makes_room` where others may have to be evicted first.
     fn show_arrived(&mut self, piece: Piece, makes_room: bool) {
         let mut open = vec![piece];
         while let Some(piece) = open.pop() {

@@ -1,7 +1,8 @@
 //! What part of the content does a window or a page show?
 //!
-//! Of a picture before the eye or around it a part; through a scene the eye moves. Zooming and turning change the content under a degree, never the eye: the window fills the same
-//! angles there as long as it keeps its pixels.
+//! Of a picture before the eye or around it a part; through a scene the eye moves. Zooming and
+//! turning change the content under a degree, never the eye: the window fills the same angles there
+//! as long as it keeps its pixels.
 
 #[cfg(test)]
 mod tests;

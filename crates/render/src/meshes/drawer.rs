@@ -1,6 +1,6 @@
 //! What draws a scene's units: the GPU, its CPU twin, or nothing?
 
-use crate::drawer::{DrawDevice, DrawnPicture};
+use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
@@ -11,7 +11,7 @@ use crate::twin::TwinScene;
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::view::eye_view::EyeView;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Units of a scene and what draws them.
 pub struct SceneDrawer {
@@ -75,6 +75,27 @@ impl SceneDrawer {
         }
     }
 
+    /// From now on these are the units that would refine clusters, each by its unit and its number
+    /// in it: what an image of ids shows.
+    pub fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
+        match &mut self.engine {
+            Engine::Gpu(layer) => layer.set_refiners(refiners),
+            Engine::Twin(twin) => twin.set_refiners(refiners),
+            Engine::Nothing => {}
+        }
+    }
+
+    /// Triangles of the clusters that a picture is drawn of, also of those that cannot be seen,
+    /// each where it stands.
+    #[must_use]
+    pub fn triangles_drawn(&self) -> u64 {
+        match &self.engine {
+            Engine::Gpu(layer) => layer.triangles_drawn(),
+            Engine::Twin(twin) => twin.triangles_drawn(),
+            Engine::Nothing => 0,
+        }
+    }
+
     /// Bytes of GPU memory of units and tables.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
@@ -84,20 +105,20 @@ impl SceneDrawer {
         }
     }
 
-    /// Triangles of the clusters that the last picture drew; 0 before it, and where no GPU draws.
-    #[must_use]
-    pub fn triangles_drawn(&self) -> u64 {
-        match &self.engine {
-            Engine::Gpu(layer) => layer.triangles_drawn(),
-            Engine::Twin(_) | Engine::Nothing => 0,
-        }
-    }
-
     /// The layer on the GPU, where a GPU draws.
     pub fn layer(&mut self) -> Option<&mut SceneLayer> {
         match &mut self.engine {
             Engine::Gpu(layer) => Some(layer),
             Engine::Twin(_) | Engine::Nothing => None,
+        }
+    }
+
+    /// The units in main memory, where the twin draws.
+    #[must_use]
+    pub fn twin(&self) -> Option<&TwinScene> {
+        match &self.engine {
+            Engine::Twin(twin) => Some(twin),
+            Engine::Gpu(_) | Engine::Nothing => None,
         }
     }
 

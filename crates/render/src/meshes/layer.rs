@@ -58,7 +58,9 @@ pub struct SceneLayer {
 }
 
 impl SceneLayer {
-    /// No unit of these objects; units may take `most_bytes` of GPU memory.
+    /// No unit of these objects; units may take `most_bytes` of GPU memory, as
+    /// [`unit_bytes`](crate::meshes::unit_bytes) counts them. What lies between units may take an
+    /// eighth more, and tables some bytes for each triangle.
     ///
     /// # Errors
     /// The objects stand in more places than the device binds.

@@ -58,12 +58,14 @@ pub(crate) struct UnitMemory {
     vertices: Pool,
     words: Pool,
     spans: BTreeMap<UnitId, Span>,
+    used_bytes: u64,
     most_bytes: u64,
     refiners: HashMap<(UnitId, u8), UnitId>,
 }
 
 impl UnitMemory {
-    /// Memory that grows to `most_bytes`.
+    /// Memory for units of up to `most_bytes`; it takes up to an eighth more, so that what is free
+    /// seldom lies in too small pieces.
     ///
     /// # Errors
     /// The device binds next to nothing.
@@ -73,6 +75,7 @@ impl UnitMemory {
             vertices: Pool::new(gpu, VERTICES, VERTEX_BYTES, None)?,
             words: Pool::new(gpu, WORDS, WORD_BYTES, None)?,
             spans: BTreeMap::new(),
+            used_bytes: 0,
             most_bytes,
             refiners: HashMap::new(),
         })
@@ -88,6 +91,11 @@ impl UnitMemory {
         self.vertices.bytes() + self.words.bytes()
     }
 
+    /// Bytes that both pools may take.
+    fn most_taken(&self) -> u64 {
+        self.most_bytes + self.most_bytes / 8
+    }
+
     /// The first word of a cluster of a unit that is there.
     pub(crate) fn block(&self, unit: UnitId, cluster: usize) -> Option<u32> {
         self.spans.get(&unit)?.blocks.get(cluster).copied()
@@ -99,10 +107,19 @@ impl UnitMemory {
     /// # Errors
     /// It does not fit: nothing changed then.
     pub(crate) fn insert(&mut self, units: &SceneUnits, unit: UnitId) -> Result<(), RenderError> {
-        match self.place(units, unit) {
-            Some(()) => Ok(()),
-            None => self.pack(units),
+        let Some((_, placed)) = units.unit(unit) else {
+            return Ok(());
+        };
+        let bytes = self.used_bytes + placed_bytes(placed).iter().sum::<u64>();
+        let most = self.most_bytes;
+        if bytes > most {
+            return Err(RenderError::NoRoom { bytes, most });
         }
+        if self.place(units, unit).is_none() {
+            self.pack(units)?;
+        }
+        self.used_bytes = bytes;
+        Ok(())
     }
 
     /// Forgets a unit that no other needs.
@@ -111,7 +128,9 @@ impl UnitMemory {
             self.vertices.give_back(span.first, span.own);
             if let [first, .., end] = span.blocks[..] {
                 self.words.give_back(first, end - first);
+                self.used_bytes -= u64::from(end - first) * WORD_BYTES;
             }
+            self.used_bytes -= u64::from(span.own) * VERTEX_BYTES;
         }
     }
 
@@ -128,30 +147,27 @@ impl UnitMemory {
 
     /// Writes all units anew, one after the other, in pools of all that may be taken.
     fn pack(&mut self, units: &SceneUnits) -> Result<(), RenderError> {
-        let (mut vertices, mut words) = (0_u64, 0_u64);
+        let most_bound = most_bound(&self.gpu);
+        let mut needed = [0; 2];
         for (_, _, placed) in units.all() {
-            vertices += own_vertices(placed).len() as u64;
-            let clusters = placed.clusters.iter();
-            let each = clusters.map(|it| words_of(it.vertices.len(), it.triangles.len()));
-            words += u64::from(each.sum::<u32>());
+            let bytes = placed_bytes(placed);
+            needed = [0, 1].map(|k| needed[k] + bytes[k]);
         }
-        let needed = [vertices * VERTEX_BYTES, words * WORD_BYTES];
         let bytes = needed[0] + needed[1];
-        let (most, most_bound) = (self.most_bytes, most_bound(&self.gpu));
-        if bytes > most || needed.iter().any(|it| *it > most_bound) {
-            let most = most.min(2 * most_bound);
+        if needed.iter().any(|it| *it > most_bound) {
+            let most = 2 * most_bound;
             return Err(RenderError::NoRoom { bytes, most });
         }
+        let most = self.most_taken();
         let places = |needed: u64, place_bytes: u64| {
             let share = u128::from(most) * u128::from(needed) / u128::from(bytes.max(1));
             let share = (share as u64).min(most_bound);
             Some((share / place_bytes) as u32)
         };
-        let gpu = self.gpu.clone();
         let vertices = places(needed[0], VERTEX_BYTES);
-        self.vertices = Pool::new(&gpu, VERTICES, VERTEX_BYTES, vertices)?;
+        self.vertices = Pool::new(&self.gpu, VERTICES, VERTEX_BYTES, vertices)?;
         let words = places(needed[1], WORD_BYTES);
-        self.words = Pool::new(&gpu, WORDS, WORD_BYTES, words)?;
+        self.words = Pool::new(&self.gpu, WORDS, WORD_BYTES, words)?;
         self.spans.clear();
         for (unit, _, _) in units.all() {
             let placed = self.place(units, unit);
@@ -165,12 +181,11 @@ impl UnitMemory {
         let (note, placed) = units.unit(unit)?;
         let mut vertices = self.staying(units, note, placed)?;
         let own = own_vertices(placed);
-        let sizes = placed.clusters.iter();
-        let sizes = sizes.map(|it| words_of(it.vertices.len(), it.triangles.len()));
-        let [own_count, count] = [own.len() as u32, sizes.sum()];
-        let room = self.most_bytes.saturating_sub(self.words.bytes());
+        let [_, bytes] = placed_bytes(placed);
+        let [own_count, count] = [own.len() as u32, (bytes / WORD_BYTES) as u32];
+        let room = self.most_taken().saturating_sub(self.words.bytes());
         let first = self.vertices.take(&self.gpu, own_count, room)?;
-        let room = self.most_bytes.saturating_sub(self.vertices.bytes());
+        let room = self.most_taken().saturating_sub(self.vertices.bytes());
         let Some(block) = self.words.take(&self.gpu, count, room) else {
             self.vertices.give_back(first, own_count);
             return None;
@@ -225,6 +240,15 @@ impl UnitMemory {
         }
         places.into_iter().collect()
     }
+}
+
+/// Bytes of the vertices and of the clusters of a unit.
+fn placed_bytes(placed: &PlacedUnit) -> [u64; 2] {
+    let clusters = placed.clusters.iter();
+    let words = clusters.map(|it| words_of(it.vertices.len(), it.triangles.len()));
+    let words = u64::from(words.sum::<u32>());
+    let own = own_vertices(placed).len() as u64;
+    [own * VERTEX_BYTES, words * WORD_BYTES]
 }
 
 /// The vertices that came with a unit.

@@ -6,7 +6,7 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 use crate::TextureRenderer;
-use crate::drawer::{DrawDevice, DrawnPicture};
+use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 use crate::tiles::sampling::{GatheredSamples, Sampling, mask_shape};
 use crate::tiles::sparse::Interpolation;

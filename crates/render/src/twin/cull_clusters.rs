@@ -1,6 +1,6 @@
 //! Which clusters can be seen, and which triangles have they? Twin of `shaders/cull_clusters.wgsl`.
 
-use super::shared::scene::{Scene, bounds_of, row, triangles_of, vertex_at};
+use super::shared::scene::{SceneInView, bounds_of, row, triangles_of, vertex_at};
 use crate::meshes::bounds::ClusterBounds;
 use crate::meshes::params::{MIRRORED, TWO_SIDED};
 use crate::meshes::units::DrawnCluster;
@@ -11,7 +11,7 @@ fn reaches(plane: Vec4, bounds: &ClusterBounds) -> bool {
     away >= -bounds.radius * plane.truncate().length()
 }
 
-fn meets_field(scene: &Scene, placement: u32, bounds: &ClusterBounds) -> bool {
+fn meets_field(scene: &SceneInView, placement: u32, bounds: &ClusterBounds) -> bool {
     let right = row(scene.placements[placement as usize].view_from_grid[0]);
     let down = row(scene.placements[placement as usize].view_from_grid[1]);
     let forward = row(scene.placements[placement as usize].view_from_grid[2]);
@@ -26,7 +26,7 @@ fn meets_field(scene: &Scene, placement: u32, bounds: &ClusterBounds) -> bool {
         )
 }
 
-fn shows_back(scene: &Scene, placement: u32, bounds: &ClusterBounds) -> bool {
+fn shows_back(scene: &SceneInView, placement: u32, bounds: &ClusterBounds) -> bool {
     let eye = row(scene.placements[placement as usize].eye_in_grid);
     let is_two_sided = scene.placements[placement as usize].flags & TWO_SIDED != 0;
     if eye.w == 0.0 || is_two_sided {
@@ -36,7 +36,7 @@ fn shows_back(scene: &Scene, placement: u32, bounds: &ClusterBounds) -> bool {
     away.dot(bounds.axis) >= bounds.spread * away.length() + bounds.radius
 }
 
-pub(super) fn is_seen(scene: &Scene, block: &DrawnCluster<'_>, placement: u32) -> bool {
+pub(super) fn is_seen(scene: &SceneInView, block: &DrawnCluster<'_>, placement: u32) -> bool {
     let bounds = bounds_of(block);
     let meets = meets_field(scene, placement, &bounds) && !shows_back(scene, placement, &bounds);
     scene.params.culls == 0 || meets
@@ -44,7 +44,11 @@ pub(super) fn is_seen(scene: &Scene, block: &DrawnCluster<'_>, placement: u32) -
 
 /// The vertices at the corners of a cluster's triangles, by their numbers in it; none where it
 /// cannot be seen.
-pub(super) fn cull_clusters(scene: &Scene, block: &DrawnCluster<'_>, placement: u32) -> Vec<u32> {
+pub(super) fn cull_clusters(
+    scene: &SceneInView,
+    block: &DrawnCluster<'_>,
+    placement: u32,
+) -> Vec<u32> {
     if !is_seen(scene, block, placement) {
         return Vec::new();
     }

@@ -1,8 +1,8 @@
 //! Which colour has each pixel of the nearest surface? Twin of `shaders/draw_clusters.wgsl`.
 
 use super::shared::ramp::ramp;
-use super::shared::raster::Fragment;
-use super::shared::scene::{Scene, times, vertex_of};
+use super::shared::raster::{Corner, Fragment};
+use super::shared::scene::{SceneInView, times, vertex_of};
 use super::shared::wgsl::mix;
 use crate::meshes::params::{COLOURS, NORMALS, TWO_SIDED, UNLIT};
 use crate::meshes::units::DrawnCluster;
@@ -12,15 +12,6 @@ use glam::{Vec2, Vec3, Vec4};
 const GROUND: f32 = 0.35;
 const SKY: f32 = 0.55;
 const LAMP: f32 = 0.5;
-
-/// What the corners of a triangle have, and what is between them.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Corner {
-    pub(crate) position: Vec4,
-    pub(crate) place: Vec3,
-    pub(crate) normal: Vec3,
-    pub(crate) colour: Vec3,
-}
 
 /// What all triangles of a cluster have.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,7 +39,7 @@ fn unit(direction: Vec3) -> Vec3 {
     direction / direction.length().max(1e-18)
 }
 
-pub(super) fn clip_from_view(scene: &Scene, place: Vec3) -> Vec4 {
+pub(super) fn clip_from_view(scene: &SceneInView, place: Vec3) -> Vec4 {
     let [x, y, z, w] = scene.params.clip_from_view;
     let across = place.truncate() * Vec2::new(x, y) + place.z * Vec2::new(z, w);
     Vec4::new(across.x, across.y, scene.params.near, place.z)
@@ -56,7 +47,7 @@ pub(super) fn clip_from_view(scene: &Scene, place: Vec3) -> Vec4 {
 
 /// Of a vertex of a cluster, by its number in it.
 pub(super) fn place_corner(
-    scene: &Scene,
+    scene: &SceneInView,
     block: &DrawnCluster<'_>,
     placement: u32,
     number: u32,
@@ -89,12 +80,12 @@ fn normal_at(flags: u32, place: Vec3, normal: Vec3, face: Vec3) -> Vec3 {
     if turns { -own } else { own }
 }
 
-fn light_on(scene: &Scene, normal: Vec3) -> f32 {
+fn light_on(scene: &SceneInView, normal: Vec3) -> f32 {
     let ambient = mix(GROUND, SKY, 0.5 + 0.5 * normal.dot(scene.params.up.into()));
     ambient + LAMP * normal.dot(scene.params.light.into()).max(0.0)
 }
 
-fn shaded(scene: &Scene, of_cluster: OfCluster, colour: Vec3, normal: Vec3) -> Vec3 {
+fn shaded(scene: &SceneInView, of_cluster: OfCluster, colour: Vec3, normal: Vec3) -> Vec3 {
     let light = match of_cluster.flags & UNLIT != 0 {
         true => 1.0,
         false => light_on(scene, normal),
@@ -104,7 +95,11 @@ fn shaded(scene: &Scene, of_cluster: OfCluster, colour: Vec3, normal: Vec3) -> V
     mix(code, of_level, scene.params.tint)
 }
 
-pub(super) fn draw_clusters(scene: &Scene, of_cluster: OfCluster, fragment: &Fragment) -> Vec4 {
+pub(super) fn draw_clusters(
+    scene: &SceneInView,
+    of_cluster: OfCluster,
+    fragment: &Fragment,
+) -> Vec4 {
     let corner = fragment.corner;
     let face = fragment.face;
     let normal = normal_at(of_cluster.flags, corner.place, corner.normal, face);

@@ -27,6 +27,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Projection;
 use glam::{Mat3, Vec2, Vec3, Vec4};
 use shared::screen::View;
+use shared::wgsl::code;
 
 /// The picture that `view` shows of the resident tiles.
 #[must_use]
@@ -141,11 +142,4 @@ fn for_every_pixel(size: [u32; 2], mut draw: impl FnMut([u32; 2], Vec2)) {
             draw([x, y], Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
         }
     }
-}
-
-/// What an rgba8 target makes of a colour.
-fn code(colour: Vec4) -> [u8; 4] {
-    (colour.clamp(Vec4::ZERO, Vec4::ONE) * 255.0)
-        .to_array()
-        .map(|c| (c + 0.5) as u8)
 }

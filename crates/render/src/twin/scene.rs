@@ -1,10 +1,10 @@
 //! What should be drawn of a scene's units?
 
-use super::code;
 use super::cull_clusters::{cull_clusters, is_seen};
 use super::draw_clusters::{OfCluster, draw_clusters, draw_refiners, place_corner};
 use super::shared::raster::{Fragment, Sides, rasterise};
-use super::shared::scene::Scene;
+use super::shared::scene::{SceneInView, triangles_of};
+use super::shared::wgsl::code;
 use crate::error::RenderError;
 use crate::image::RgbaImage;
 use crate::meshes::params::{BACKGROUND, SceneParams, SceneStyle, TWO_SIDED};
@@ -55,6 +55,14 @@ impl TwinScene {
         self.units.retain(wanted);
     }
 
+    /// Triangles of the clusters that a picture is drawn of, also of those that cannot be seen,
+    /// each where it stands.
+    #[must_use]
+    pub fn triangles_drawn(&self) -> u64 {
+        let triangles = |(block, _): (DrawnCluster<'_>, u32)| u64::from(triangles_of(&block));
+        self.drawn().map(triangles).sum()
+    }
+
     /// Number of clusters that are drawn, and of those of them that can be seen, each where it
     /// stands.
     #[must_use]
@@ -100,8 +108,8 @@ impl TwinScene {
         ids
     }
 
-    fn scene(&self, view: &EyeView, style: &SceneStyle) -> Scene {
-        Scene {
+    fn scene(&self, view: &EyeView, style: &SceneStyle) -> SceneInView {
+        SceneInView {
             params: SceneParams::new(view, style, self.units.coarsest()),
             placements: self.placements.seen_by(view),
         }
@@ -116,7 +124,12 @@ impl TwinScene {
     }
 
     /// Calls `each` for every pixel that a triangle covers in front of all before it.
-    fn draw(&self, scene: &Scene, size: [u32; 2], mut each: impl FnMut(OfCluster, &Fragment)) {
+    fn draw(
+        &self,
+        scene: &SceneInView,
+        size: [u32; 2],
+        mut each: impl FnMut(OfCluster, &Fragment),
+    ) {
         let mut depths = vec![0.0; size[0] as usize * size[1] as usize];
         for (block, placement) in self.drawn() {
             let of_cluster = self.of_cluster(scene, &block, placement);
@@ -139,7 +152,12 @@ impl TwinScene {
         }
     }
 
-    fn of_cluster(&self, scene: &Scene, block: &DrawnCluster<'_>, placement: u32) -> OfCluster {
+    fn of_cluster(
+        &self,
+        scene: &SceneInView,
+        block: &DrawnCluster<'_>,
+        placement: u32,
+    ) -> OfCluster {
         let refiner = self.refiners.get(&(block.unit, block.cluster as u8));
         OfCluster {
             flags: scene.placements[placement as usize].flags,

@@ -147,6 +147,7 @@ pub fn object(attributes: Attributes) -> SceneObject {
     SceneObject {
         name: "torus".to_owned(),
         leaf_triangles: 1024,
+        bounds: Default::default(),
         grid: Grid {
             origin: [-HALF; 3],
             step: 2.0 * HALF / PLACES,

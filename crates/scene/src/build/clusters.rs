@@ -3,6 +3,7 @@
 use super::mesh::GridMesh;
 use super::numbering::Numbering;
 use meshopt::VertexDataAdapter;
+use rayon::prelude::*;
 use std::io::Cursor;
 
 /// Most triangles of a cluster.
@@ -21,7 +22,7 @@ const PART: usize = 1 << 14;
 
 /// Triangles that are shown or hidden together.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Cluster {
+pub(super) struct GraphCluster {
     /// Vertices of the mesh.
     pub vertices: Vec<u32>,
     /// Triangles, by place in `vertices`.
@@ -32,7 +33,7 @@ pub(super) struct Cluster {
     pub stuck: u8,
 }
 
-impl Cluster {
+impl GraphCluster {
     /// The corners of its triangles, as vertices of the mesh.
     pub(super) fn corners(&self) -> impl Iterator<Item = u32> {
         let corners = self.triangles.as_flattened().iter();
@@ -52,8 +53,10 @@ pub(super) struct Part {
 
 impl Part {
     /// The part of a mesh that has these corners of triangles.
-    pub(super) fn new(mesh: &GridMesh, corners: impl Iterator<Item = u32>, count: usize) -> Self {
-        let mut numbering = Numbering::new(count);
+    ///
+    /// About so many vertices are expected.
+    pub(super) fn new(mesh: &GridMesh, corners: impl Iterator<Item = u32>, about: usize) -> Self {
+        let mut numbering = Numbering::new(about);
         let corners = corners.map(|it| numbering.number(it)).collect();
         let vertices = numbering.vertices;
         let place = |vertex: &u32| mesh.vertices[*vertex as usize].place.map(f32::from);
@@ -65,7 +68,7 @@ impl Part {
     }
 
     /// The clusters that some of its triangles, named by corners, fall into.
-    pub(super) fn clusters(&self, corners: &[u32]) -> Vec<Cluster> {
+    pub(super) fn clusters(&self, corners: &[u32]) -> Vec<GraphCluster> {
         let positions = adapter(&self.positions);
         let meshlets = meshopt::build_meshlets_flex(
             corners, &positions, VERTICES, FEWEST, TRIANGLES, 0.0, SPLIT,
@@ -75,7 +78,7 @@ impl Part {
             let mut triangles = meshlet.triangles.to_vec();
             meshopt::optimize_meshlet_level(&mut vertices, &mut triangles, ORDER_LEVEL);
             let vertices = vertices.iter().map(|it| self.vertices[*it as usize]);
-            Cluster {
+            GraphCluster {
                 vertices: vertices.collect(),
                 triangles: triangles.as_chunks().0.to_vec(),
                 ..Default::default()
@@ -96,23 +99,23 @@ pub(super) fn adapter(positions: &[[f32; 3]]) -> VertexDataAdapter<'_> {
 }
 
 /// The clusters of a whole mesh.
-pub(super) fn of_source(mesh: &GridMesh) -> Vec<Cluster> {
+pub(super) fn of_source(mesh: &GridMesh) -> Vec<GraphCluster> {
     let middle = |triangle: &[u32; 3]| {
         let places = triangle.map(|it| mesh.vertices[it as usize].place.map(u32::from));
         let along = |axis: usize| places.iter().map(|place| place[axis]).sum();
         [along(0), along(1), along(2)]
     };
-    let mut triangles: Vec<_> = mesh.triangles.iter().map(|it| (middle(it), *it)).collect();
+    let triangles = mesh.triangles.par_iter();
+    let mut triangles: Vec<_> = triangles.map(|it| (middle(it), *it)).collect();
     of_triangles(mesh, &mut triangles)
 }
 
 /// The clusters of triangles, with their middles: halved along the longest axis until they are
 /// few, so that many threads can work on them.
-fn of_triangles(mesh: &GridMesh, triangles: &mut [([u32; 3], [u32; 3])]) -> Vec<Cluster> {
+fn of_triangles(mesh: &GridMesh, triangles: &mut [([u32; 3], [u32; 3])]) -> Vec<GraphCluster> {
     if triangles.len() <= PART {
-        // By number: as the source has them.
         let corners = triangles.iter().flat_map(|(_, corners)| *corners);
-        let part = Part::new(mesh, corners, 3 * triangles.len());
+        let part = Part::new(mesh, corners, triangles.len());
         return part.clusters(&part.corners);
     }
     let extent = |axis: usize| {

@@ -1,10 +1,10 @@
 //! Which groups does a mesh become, from its source to its roots?
 
-use super::clusters::{self, Cluster};
+use super::clusters::{self, GraphCluster};
 use super::groups::{locked, partition};
 use super::mesh::GridMesh;
 use super::simplify::{Simplified, simplify};
-use super::sphere::Sphere;
+use super::sphere::LocalSphere;
 use foveal_core::content::mesh::payload::MOST_CLUSTERS;
 use rayon::prelude::*;
 
@@ -25,14 +25,14 @@ pub(super) struct Group {
     /// How far the coarse clusters are from the source, in the object's space.
     pub error: f32,
     /// Encloses the fine clusters, and the spheres of the groups that were simplified to them.
-    pub sphere: Sphere,
+    pub sphere: LocalSphere,
 }
 
 /// A mesh at all levels.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Graph {
     /// All clusters.
-    pub clusters: Vec<Cluster>,
+    pub clusters: Vec<GraphCluster>,
     /// The group that each cluster is a fine one of.
     pub group_of: Vec<u32>,
     /// All groups, finest first; the last are the roots.
@@ -77,7 +77,7 @@ pub(super) fn build(mesh: &GridMesh, step: &(dyn Fn(u64) + Sync)) -> Graph {
 }
 
 impl Graph {
-    fn cluster(&self, number: u32) -> &Cluster {
+    fn cluster(&self, number: u32) -> &GraphCluster {
         &self.clusters[number as usize]
     }
 
@@ -89,7 +89,7 @@ impl Graph {
         let own = (f64::from(it.error) * mesh.object.grid.step) as f32;
         let finer = fine.iter().filter_map(|it| self.made_by(*it));
         let error = finer.map(|it| it.error).fold(own, f32::max);
-        let sphere = Sphere::round(&self.spheres(mesh, &fine));
+        let sphere = LocalSphere::round(&self.spheres(mesh, &fine));
         self.groups.push(Group {
             level,
             fine,
@@ -98,7 +98,7 @@ impl Graph {
             sphere,
         });
         self.clusters
-            .extend(it.clusters.into_iter().map(|cluster| Cluster {
+            .extend(it.clusters.into_iter().map(|cluster| GraphCluster {
                 made_by: Some(number),
                 ..cluster
             }));
@@ -125,7 +125,7 @@ impl Graph {
     }
 
     /// What a sphere round clusters must enclose: vertices of the source, and spheres of groups.
-    fn spheres(&self, mesh: &GridMesh, fine: &[u32]) -> Vec<Sphere> {
+    fn spheres(&self, mesh: &GridMesh, fine: &[u32]) -> Vec<LocalSphere> {
         let mut spheres = Vec::new();
         for cluster in fine {
             match self.made_by(*cluster) {
@@ -143,7 +143,7 @@ impl Graph {
 
     /// Clusters that no group is simplified from any more are roots.
     fn add_roots(&mut self, mesh: &GridMesh, level: u8, ended: &[u32]) {
-        let sphere = Sphere::round(&self.spheres(mesh, ended));
+        let sphere = LocalSphere::round(&self.spheres(mesh, ended));
         for fine in ended.chunks(MOST_CLUSTERS) {
             self.groups.push(Group {
                 level,
@@ -165,9 +165,9 @@ impl Graph {
     }
 }
 
-fn point(mesh: &GridMesh, vertex: u32) -> Sphere {
+fn point(mesh: &GridMesh, vertex: u32) -> LocalSphere {
     let place = mesh.vertices[vertex as usize].place;
-    Sphere {
+    LocalSphere {
         centre: place.map(|it| (f64::from(it) * mesh.object.grid.step) as f32),
         radius: 0.0,
     }

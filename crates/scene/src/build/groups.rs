@@ -1,6 +1,6 @@
 //! Which clusters are simplified together?
 
-use super::clusters::{Cluster, adapter};
+use super::clusters::{GraphCluster, adapter};
 use super::mesh::GridMesh;
 use super::numbering::Numbering;
 
@@ -8,7 +8,11 @@ use super::numbering::Numbering;
 const CLUSTERS: usize = 4;
 
 /// Clusters in groups of about four that share borders, by number.
-pub(super) fn partition(mesh: &GridMesh, clusters: &[Cluster], active: &[u32]) -> Vec<Vec<u32>> {
+pub(super) fn partition(
+    mesh: &GridMesh,
+    clusters: &[GraphCluster],
+    active: &[u32],
+) -> Vec<Vec<u32>> {
     if active.len() <= CLUSTERS {
         return vec![active.to_vec()];
     }
@@ -44,7 +48,7 @@ pub(super) fn partition(mesh: &GridMesh, clusters: &[Cluster], active: &[u32]) -
 }
 
 /// Whether each vertex lies, by its place, in more than one group.
-pub(super) fn locked(mesh: &GridMesh, clusters: &[Cluster], groups: &[Vec<u32>]) -> Vec<bool> {
+pub(super) fn locked(mesh: &GridMesh, clusters: &[GraphCluster], groups: &[Vec<u32>]) -> Vec<bool> {
     const NONE: u32 = u32::MAX;
     const SEVERAL: u32 = u32::MAX - 1;
     let mut group_of = vec![NONE; mesh.vertices.len()];

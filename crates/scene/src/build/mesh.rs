@@ -2,13 +2,13 @@
 //!
 //! All that follows is about the mesh on the grid: its errors, too, are measured from there.
 
-use super::BuildError;
-use crate::source::{Material, Source, SourceMesh, SourceObject};
+use super::built::BuildError;
+use super::numbering::IntegerMap;
+use crate::source::{Material, SourceMesh, SourceObject, SourceScene};
 use foveal_core::content::mesh::octahedral::octahedral_from_direction;
 use foveal_core::content::mesh::payload::{Attributes, MeshVertex};
-use foveal_core::content::scene::description::{Grid, SceneObject};
+use foveal_core::content::scene::description::{Grid, ObjectBounds, SceneObject};
 use glam::DVec3;
-use std::collections::HashMap;
 
 /// A mesh on the grid of its object.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub(super) struct GridMesh {
 
 /// Puts the mesh of an object on a grid.
 pub(super) fn grid_mesh(
-    source: &Source,
+    source: &SourceScene,
     object: &SourceObject,
     bits: u8,
 ) -> Result<GridMesh, BuildError> {
@@ -59,6 +59,7 @@ pub(super) fn grid_mesh(
     let object = SceneObject {
         name: object.name.clone(),
         leaf_triangles: triangles.len() as u64,
+        bounds: bounds_of(&welder.vertices, &grid),
         grid,
         attributes: looks.attributes,
         colour: looks.colour,
@@ -75,7 +76,7 @@ pub(super) fn grid_mesh(
     })
 }
 
-fn check(source: &Source, mesh: &SourceMesh) -> Result<(), &'static str> {
+fn check(source: &SourceScene, mesh: &SourceMesh) -> Result<(), &'static str> {
     let count = mesh.positions.len();
     let fits = |length: usize, all: usize| length == 0 || length == all;
     if u32::try_from(count).is_err() || u32::try_from(3 * mesh.triangles.len()).is_err() {
@@ -125,10 +126,23 @@ fn grid_of(positions: &[DVec3], bits: u8) -> Grid {
 
 /// For each vertex the first with the same place.
 fn same_place(vertices: &[MeshVertex]) -> Vec<u32> {
-    let mut first = HashMap::with_capacity(vertices.len());
+    let mut first = IntegerMap::default();
+    first.reserve(vertices.len());
     let places = vertices.iter().zip(0_u32..);
-    let places = places.map(|(vertex, number)| *first.entry(vertex.place).or_insert(number));
-    places.collect()
+    let first = places.map(|(vertex, number)| {
+        // The place lies in the low bits.
+        let place = key(vertex) as u64 & ((1 << 48) - 1);
+        *first.entry(place).or_insert(number)
+    });
+    first.collect()
+}
+
+/// All of a vertex in one number.
+fn key(vertex: &MeshVertex) -> u128 {
+    let [x, y, z] = vertex.place.map(u128::from);
+    let [u, v] = vertex.normal.map(|it| u128::from(it as u8));
+    let colour = u128::from(u32::from_le_bytes(vertex.colour));
+    x | y << 16 | z << 32 | u << 48 | v << 56 | colour << 64
 }
 
 /// What the surface of a mesh looks like.
@@ -141,7 +155,7 @@ struct Looks<'a> {
 }
 
 impl<'a> Looks<'a> {
-    fn of(source: &'a Source, mesh: &SourceMesh) -> Self {
+    fn of(source: &'a SourceScene, mesh: &SourceMesh) -> Self {
         let materials = &source.materials[..];
         let first = mesh.materials.first().copied().unwrap_or(0);
         let mut used = vec![first];
@@ -175,7 +189,7 @@ struct Welder<'a> {
     looks: &'a Looks<'a>,
     /// The vertices of the mesh as they were last welded: the material, and the number.
     last: Vec<Option<(u32, u32)>>,
-    numbers: HashMap<MeshVertex, u32>,
+    numbers: IntegerMap<u128, u32>,
     vertices: Vec<MeshVertex>,
 }
 
@@ -186,7 +200,7 @@ impl<'a> Welder<'a> {
             grid,
             looks,
             last: vec![None; mesh.positions.len()],
-            numbers: HashMap::with_capacity(mesh.positions.len()),
+            numbers: IntegerMap::default(),
             vertices: Vec::with_capacity(mesh.positions.len()),
         }
     }
@@ -201,7 +215,7 @@ impl<'a> Welder<'a> {
         }
         let vertex = self.vertex(at, material);
         let next = self.vertices.len() as u32;
-        let number = *self.numbers.entry(vertex).or_insert(next);
+        let number = *self.numbers.entry(key(&vertex)).or_insert(next);
         if number == next {
             self.vertices.push(vertex);
         }
@@ -234,4 +248,25 @@ fn codes_from_linear([r, g, b, alpha]: [f32; 4]) -> [u8; 4] {
         _ => 1.055 * light.powf(1.0 / 2.4) - 0.055,
     };
     [code(r), code(g), code(b), alpha].map(|it| (it.clamp(0.0, 1.0) * 255.0).round() as u8)
+}
+
+/// A small sphere round vertices.
+fn bounds_of(vertices: &[MeshVertex], grid: &Grid) -> ObjectBounds {
+    let places: Vec<[f32; 3]> = vertices.iter().map(|it| it.place.map(f32::from)).collect();
+    let adapter = meshopt::PositionDataAdapter {
+        data: meshopt::typed_to_bytes(&places),
+        position_count: places.len(),
+        position_stride: size_of::<[f32; 3]>(),
+        position_offset: 0,
+    };
+    let sphere = meshopt::compute_sphere_bounds(adapter, None::<meshopt::RadiusDataAdapter<'_>>);
+    let on_grid = DVec3::from_array(sphere.center.map(f64::from));
+    let centre = DVec3::from_array(grid.origin) + grid.step * on_grid;
+    let reach = vertices
+        .iter()
+        .map(|it| (grid.at(it.place) - centre).length());
+    ObjectBounds {
+        centre: centre.to_array(),
+        radius: reach.fold(0.0, f64::max),
+    }
 }

@@ -4,6 +4,7 @@
 //! clusters whose borders stay; the coarse clusters are grouped anew, until one is left (Karis et
 //! al. 2021, "A deep dive into Nanite virtualized geometry"). Each group becomes a unit.
 
+mod built;
 mod clusters;
 mod graph;
 mod groups;
@@ -16,83 +17,14 @@ mod units;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use crate::source::{Repairs, Source};
-use foveal_core::content::scene::description::{GRID_BITS, SceneObject};
-use foveal_core::content::scene::unit_table::UnitRow;
-use foveal_core::pack::PackError;
+use crate::source::{Repairs, SourceScene};
+pub use built::{BuildError, BuildOptions, Built, BuiltUnit};
+use foveal_core::content::scene::description::GRID_BITS;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Most objects of a scene.
 const MOST_OBJECTS: usize = 4096;
-
-/// How a scene is built.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BuildOptions {
-    /// Bits of a place along the largest extent of an object: 10 to 16.
-    pub bits: u8,
-    /// Number of threads; changes no byte.
-    pub jobs: usize,
-}
-
-impl Default for BuildOptions {
-    fn default() -> Self {
-        Self { bits: 14, jobs: 1 }
-    }
-}
-
-/// A unit with what is told of it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BuiltUnit {
-    /// Its level, 0 the finest; all roots have the coarsest.
-    pub level: u8,
-    /// What is told of it before it is fetched.
-    pub row: UnitRow,
-    /// What is fetched.
-    pub payload: Vec<u8>,
-}
-
-/// A scene as units.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Built {
-    /// What stands in the scene.
-    pub objects: Vec<SceneObject>,
-    /// All units; the place of one is its number. Coarsest level first, within a level by object,
-    /// then along a curve through space.
-    pub units: Vec<BuiltUnit>,
-    /// Number of levels.
-    pub levels: u8,
-    /// What was repaired or left out: that of the source and that of the build.
-    pub repairs: Repairs,
-}
-
-/// Why a scene cannot be built.
-#[derive(Debug, thiserror::Error)]
-pub enum BuildError {
-    /// A number of bits that no grid has.
-    #[error("bits of the grid: {0}; choose 10 to 16")]
-    Bits(u8),
-    /// Nothing that has an area.
-    #[error("scene: no triangle with an area; choose files with meshes")]
-    Empty,
-    /// More than a pack can tell of.
-    #[error("scene: {0} objects; at most 4096 fit")]
-    Objects(usize),
-    /// A source that contradicts itself.
-    #[error("object {object}, {what}; mend the file")]
-    Source {
-        /// Name of the object.
-        object: String,
-        /// What is wrong with it.
-        what: &'static str,
-    },
-    /// The threads did not start.
-    #[error("threads: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
-    /// A unit could not be written.
-    #[error("unit: {0}")]
-    Unit(#[from] PackError),
-}
 
 /// Turns a scene into units; `progress` hears how many triangles are done, of about how many.
 ///
@@ -105,7 +37,7 @@ pub enum BuildError {
 /// # Example
 /// ```
 /// use foveal_scene::build::{BuildOptions, build};
-/// use foveal_scene::source::{Source, SourceMesh, SourceObject};
+/// use foveal_scene::source::{SourceScene, SourceMesh, SourceObject};
 /// use glam::{DAffine3, DVec3};
 ///
 /// let mesh = SourceMesh {
@@ -115,13 +47,13 @@ pub enum BuildError {
 /// };
 /// let placements = vec![DAffine3::IDENTITY];
 /// let object = SourceObject { name: "triangle".to_owned(), mesh: 0, placements };
-/// let source = Source { objects: vec![object], meshes: vec![mesh], ..Default::default() };
+/// let source = SourceScene { objects: vec![object], meshes: vec![mesh], ..Default::default() };
 /// let built = build(&source, &BuildOptions::default(), &|_, _| ())?;
 /// assert_eq!(built.units.len(), 1);
 /// # Ok::<(), foveal_scene::build::BuildError>(())
 /// ```
 pub fn build(
-    source: &Source,
+    source: &SourceScene,
     options: &BuildOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Built, BuildError> {
@@ -138,7 +70,7 @@ pub fn build(
 }
 
 fn build_here(
-    source: &Source,
+    source: &SourceScene,
     options: &BuildOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Built, BuildError> {

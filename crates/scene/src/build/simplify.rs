@@ -1,6 +1,6 @@
 //! What does a group of clusters look like with half the triangles?
 
-use super::clusters::{Cluster, Part, adapter};
+use super::clusters::{GraphCluster, Part, adapter};
 use super::mesh::GridMesh;
 use foveal_core::content::mesh::octahedral::direction_from_octahedral;
 use meshopt::SimplifyOptions;
@@ -19,7 +19,7 @@ const COLOUR_WEIGHT: f32 = 0.5;
 /// A group with about half the triangles.
 pub(super) struct Simplified {
     /// The coarse clusters.
-    pub clusters: Vec<Cluster>,
+    pub clusters: Vec<GraphCluster>,
     /// How far they are from the fine ones, in steps of the grid.
     pub error: f32,
     /// Whether attributes were let go of where they jump.
@@ -27,7 +27,11 @@ pub(super) struct Simplified {
 }
 
 /// Simplifies a group, given whether each vertex of the mesh stays; none where it is stuck.
-pub(super) fn simplify(mesh: &GridMesh, fine: &[&Cluster], locked: &[bool]) -> Option<Simplified> {
+pub(super) fn simplify(
+    mesh: &GridMesh,
+    fine: &[&GraphCluster],
+    locked: &[bool],
+) -> Option<Simplified> {
     let count = fine.iter().map(|it| it.vertices.len()).sum();
     let part = Part::new(mesh, fine.iter().flat_map(|it| it.corners()), count);
     let group = Group {

@@ -3,28 +3,28 @@
 /// A sphere in an object's space, from the origin of its grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
-pub(super) struct Sphere {
+pub(super) struct LocalSphere {
     /// Its centre.
     pub centre: [f32; 3],
     /// Its radius.
     pub radius: f32,
 }
 
-impl Sphere {
+impl LocalSphere {
     /// A small sphere that encloses all of these, of which there is at least one: exactly so with
     /// these rounded numbers.
-    pub(super) fn round(spheres: &[Sphere]) -> Self {
+    pub(super) fn round(spheres: &[LocalSphere]) -> Self {
         let bytes = meshopt::typed_to_bytes(spheres);
         let centres = meshopt::PositionDataAdapter {
             data: bytes,
             position_count: spheres.len(),
-            position_stride: size_of::<Sphere>(),
+            position_stride: size_of::<LocalSphere>(),
             position_offset: 0,
         };
         let radii = meshopt::RadiusDataAdapter {
             data: bytes,
             radius_count: spheres.len(),
-            radius_stride: size_of::<Sphere>(),
+            radius_stride: size_of::<LocalSphere>(),
             radius_offset: 12,
         };
         let centre = meshopt::compute_sphere_bounds(centres, Some(radii)).center;

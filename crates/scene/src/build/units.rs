@@ -1,7 +1,6 @@
 //! Which unit does each group become, and in which order?
 
-use super::BuildError;
-use super::BuiltUnit;
+use super::built::{BuildError, BuiltUnit};
 use super::graph::{Graph, Group};
 use super::mesh::GridMesh;
 use super::numbering::Numbering;

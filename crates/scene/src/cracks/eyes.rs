@@ -1,7 +1,7 @@
 //! Which units does an eye somewhere near an object need?
 
-use super::Random;
 use foveal_core::content::scene::unit_table::UnitRow;
+use foveal_core::view::random::Random;
 use glam::{DVec3, Vec3};
 
 /// Minimum angle of resolution in the fovea, in degrees.
@@ -33,15 +33,11 @@ pub(super) fn scores(rows: &[(u8, UnitRow)], random: &mut Random) -> Vec<f64> {
 
 /// An eye that looks at some point of a sphere from up to three radii away.
 fn eye(root: &UnitRow, random: &mut Random) -> Eye {
-    let mut direction = || {
-        let mut along = || 2.0 * random.unit_interval() - 1.0;
-        DVec3::new(along(), along(), along())
-    };
     let centre = Vec3::from_array(root.centre).as_dvec3();
     let radius = f64::from(root.radius);
-    let seen = centre + 0.5 * radius * direction();
-    let away = direction().normalize_or(DVec3::Z);
-    let at = centre + radius * (0.6 + 2.4 * random.unit_interval()) * away;
+    let seen = centre + 0.8 * radius * random.unit() * random.direction();
+    let away = random.direction();
+    let at = centre + radius * (0.6 + 2.4 * random.unit()) * away;
     Eye {
         at,
         gaze: (seen - at).normalize_or(-away),
@@ -75,7 +71,7 @@ pub(super) fn closed_above(
     if scores.is_empty() {
         return Vec::new();
     }
-    let threshold = scores[random.below(scores.len())];
+    let threshold = scores[(random.unit() * scores.len() as f64) as usize];
     let mut chosen: Vec<bool> = scores.iter().map(|it| *it >= threshold).collect();
     for (unit, (_, row)) in rows.iter().enumerate().rev() {
         chosen[unit] |= row.needs.is_empty();

@@ -4,24 +4,23 @@
 //! does whatever cut of units whose borders fit. Where they do not, edges have a triangle on one
 //! side only.
 
+mod edges;
 mod eyes;
 mod parity;
 #[cfg(test)]
 mod tests;
 
+pub use edges::odd_edges;
 use foveal_core::content::mesh::cut::MeshCut;
 use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::pack::PackError;
 use foveal_core::pack::unit::UnitId;
+use foveal_core::view::random::Random;
 use parity::{Chains, Parity};
-use std::collections::HashMap;
 
-/// A place on the grid of an object.
-type Place = [u16; 3];
-
-/// How often a foveated cut with fewer than three levels is tried again with another threshold.
-const TRIES: u32 = 8;
+/// How often a foveated cut with fewer than three levels is tried again by another eye.
+const TRIES: u32 = 32;
 
 /// Which cuts are checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,26 +52,6 @@ pub struct CutReport {
     pub levels_in_cut_min: u32,
 }
 
-/// Number of odd edges: an edge, named by its two places on the grid, is odd when an odd number of
-/// triangles with three different places has it.
-pub fn odd_edges(triangles: impl Iterator<Item = [[u16; 3]; 3]>) -> u64 {
-    let mut odd = HashMap::new();
-    for [a, b, c] in triangles.filter(|it| has_area(it)) {
-        for edge in [edge(a, b), edge(b, c), edge(c, a)] {
-            *odd.entry(edge).or_insert(false) ^= true;
-        }
-    }
-    odd.values().filter(|is_odd| **is_odd).count() as u64
-}
-
-fn has_area([a, b, c]: &[Place; 3]) -> bool {
-    a != b && b != c && c != a
-}
-
-fn edge(a: Place, b: Place) -> [Place; 2] {
-    [a.min(b), a.max(b)]
-}
-
 /// Counts odd edges of many cuts of a scene, given the level and row of each unit.
 ///
 /// Each unit is decoded once. A hundred cuts and two hundred orders of a mesh with a quarter of a
@@ -92,7 +71,7 @@ pub fn check_cuts<E: From<PackError>>(
     }
     let chains = Chains::new(&cut, rows);
     drop(cut);
-    let mut random = Random(trial.seed);
+    let mut random = Random::new(trial.seed);
     let mut report = CutReport {
         cuts: trial.cuts,
         orders: trial.orders,
@@ -132,9 +111,9 @@ pub fn check_cuts<E: From<PackError>>(
 
 /// A cut as an eye somewhere needs it, with at least three levels where there are as many.
 fn foveated<'a>(chains: &'a Chains, rows: &[(u8, UnitRow)], random: &mut Random) -> Parity<'a> {
-    let scores = eyes::scores(rows, random);
     let mut best = Parity::new(chains);
     for _ in 0..TRIES {
+        let scores = eyes::scores(rows, random);
         let chosen = eyes::closed_above(rows, &scores, random);
         let mut parity = Parity::new(chains);
         chosen.into_iter().for_each(|unit| parity.insert(unit));
@@ -151,9 +130,9 @@ fn foveated<'a>(chains: &'a Chains, rows: &[(u8, UnitRow)], random: &mut Random)
 /// A random set of units.
 fn any_set<'a>(chains: &'a Chains, random: &mut Random) -> Parity<'a> {
     let mut parity = Parity::new(chains);
-    let part = random.unit_interval();
+    let part = random.unit();
     for unit in 0..chains.units() {
-        if random.unit_interval() < part {
+        if random.unit() < part {
             parity.insert(unit);
         }
     }
@@ -187,7 +166,7 @@ fn order(rows: &[(u8, UnitRow)], random: &mut Random) -> Vec<usize> {
         free(root, &mut waits, &mut ready);
     }
     while !ready.is_empty() {
-        let unit = ready.swap_remove(random.below(ready.len()));
+        let unit = ready.swap_remove(below(ready.len(), random));
         order.push(unit);
         free(unit, &mut waits, &mut ready);
     }
@@ -197,28 +176,12 @@ fn order(rows: &[(u8, UnitRow)], random: &mut Random) -> Vec<usize> {
 fn shuffled(count: usize, random: &mut Random) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).collect();
     for place in (1..count).rev() {
-        order.swap(place, random.below(place + 1));
+        order.swap(place, below(place + 1, random));
     }
     order
 }
 
-/// SplitMix64 (Steele et al. 2014, "Fast splittable pseudorandom number generators").
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ mixed >> 31
-    }
-
-    /// From 0 to below 1.
-    fn unit_interval(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.next() % count as u64) as usize
-    }
+/// A number from 0 to below `count`.
+fn below(count: usize, random: &mut Random) -> usize {
+    (random.unit() * count as f64) as usize
 }

@@ -4,7 +4,7 @@
 //! symmetric difference of their borders. So a cluster that appears or goes turns the parity of
 //! its border alone.
 
-use super::{Place, edge, has_area};
+use super::edges::{Place, edge, has_area};
 use foveal_core::content::mesh::cut::{MeshCut, PlacedUnit};
 use foveal_core::content::scene::unit_table::UnitRow;
 use std::collections::HashMap;

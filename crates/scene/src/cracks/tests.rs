@@ -3,7 +3,7 @@
 use super::{CutReport, CutTrial, check_cuts, odd_edges};
 use crate::build::tests::meshes::{many_pieces, sheet, sphere, torus, two_materials};
 use crate::build::{BuildOptions, Built, build};
-use crate::source::Source;
+use crate::source::SourceScene;
 use foveal_core::content::mesh::cut::MeshCut;
 use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::scene::unit_table::UnitRow;
@@ -17,7 +17,7 @@ const TRIAL: CutTrial = CutTrial {
     ignore_prerequisites: false,
 };
 
-fn built(source: &Source) -> Built {
+fn built(source: &SourceScene) -> Built {
     build(source, &BuildOptions::default(), &|_, _| ()).unwrap()
 }
 
@@ -83,7 +83,7 @@ fn odd_edges_are_those_of_what_is_drawn() {
         let all = cut_of(&built, &rows, rows.len());
         let chains = super::Chains::new(&all, &rows);
         let mut parity = super::Parity::new(&chains);
-        let mut random = super::Random(3);
+        let mut random = super::Random::new(3);
         let order = super::order(&rows, &mut random);
         assert_eq!(order.len(), rows.len());
         for (place, unit) in order.into_iter().enumerate() {

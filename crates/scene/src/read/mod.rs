@@ -18,7 +18,7 @@ use std::path::Path;
 pub use error::ReadError;
 pub use place::Up;
 
-use crate::source::Source;
+use crate::source::SourceScene;
 use error::Fault;
 use files::{Folder, Nowhere, OnDisk};
 
@@ -86,11 +86,11 @@ pub fn is_scene_file(file: &Path) -> bool {
 /// # std::fs::remove_file(&file)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn read(inputs: &[&Path], options: &ReadOptions) -> Result<Source, ReadError> {
+pub fn read(inputs: &[&Path], options: &ReadOptions) -> Result<SourceScene, ReadError> {
     if inputs.is_empty() {
         return Err(ReadError::NoFile);
     }
-    let mut scene = Source::default();
+    let mut scene = SourceScene::default();
     for path in inputs {
         let format = SceneFormat::of(path).ok_or_else(|| ReadError::UnknownEnding {
             path: (*path).to_owned(),
@@ -117,7 +117,7 @@ pub fn read(inputs: &[&Path], options: &ReadOptions) -> Result<Source, ReadError
 }
 
 /// Reads any bytes as a format, with no files beside them; `true` if they are a scene. Panics if
-/// that scene breaks what [`Source`] promises: for fuzzing and tests.
+/// that scene breaks what [`SourceScene`] promises: for fuzzing and tests.
 pub fn read_anything(format: SceneFormat, bytes: &[u8]) -> bool {
     let file = SceneFile {
         name: "anything",
@@ -149,7 +149,7 @@ struct SceneFile<'a> {
 }
 
 impl SceneFile<'_> {
-    fn read(&self, folder: &mut dyn Folder) -> Result<Source, Fault> {
+    fn read(&self, folder: &mut dyn Folder) -> Result<SourceScene, Fault> {
         let mut scene = match self.format {
             SceneFormat::Gltf => gltf::read(self.bytes, self.name, folder),
             SceneFormat::Obj => obj::read(self.bytes, self.name, folder),
@@ -172,7 +172,7 @@ impl SceneFile<'_> {
 }
 
 /// What a scene without triangles has, for the message that refuses it.
-fn found_instead(scene: &Source) -> String {
+fn found_instead(scene: &SourceScene) -> String {
     let count = |name: &str| scene.repairs.get(name).copied().unwrap_or(0);
     let what = [
         ("points_left_out", "points"),

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::error::Fault;
-use crate::source::{Source, SourceObject};
+use crate::source::{SourceObject, SourceScene};
 
 /// Which axis of a file points up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub enum Up {
 }
 
 /// Turns a file's world so that y points up.
-pub(super) fn turn_up(scene: &mut Source, up: Up) {
+pub(super) fn turn_up(scene: &mut SourceScene, up: Up) {
     if up == Up::Y {
         return;
     }
@@ -28,7 +28,7 @@ pub(super) fn turn_up(scene: &mut Source, up: Up) {
 }
 
 /// Refuses a scene with a vertex that stands nowhere: beyond what numbers can say.
-pub(super) fn check(scene: &Source) -> Result<(), Fault> {
+pub(super) fn check(scene: &SourceScene) -> Result<(), Fault> {
     let reach: Vec<DVec3> = scene
         .meshes
         .iter()
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn z_becomes_y_without_a_mirror() {
-        let mut scene = Source::default();
+        let mut scene = SourceScene::default();
         scene.objects.push(SourceObject {
             name: String::new(),
             mesh: 0,

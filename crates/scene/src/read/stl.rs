@@ -10,7 +10,7 @@ use glam::{DAffine3, DVec3};
 use super::error::Fault;
 use super::sound::{count, place_bits};
 use super::text::{Words, lines, shortened};
-use crate::source::{Material, Repairs, Source, SourceMesh, SourceObject};
+use crate::source::{Material, Repairs, SourceMesh, SourceObject, SourceScene};
 
 const HEADER_BYTES: usize = 80;
 const FIRST_TRIANGLE: usize = HEADER_BYTES + 4;
@@ -19,14 +19,14 @@ const TRIANGLE_BYTES: usize = 50;
 const NORMAL_BYTES: usize = 12;
 
 /// Reads an STL file into one object called `name`.
-pub(super) fn read(bytes: &[u8], name: &str) -> Result<Source, Fault> {
+pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     let mut solid = Solid::default();
     if is_text(bytes) {
         solid.read_text(bytes)?;
     } else {
         solid.read_binary(bytes)?;
     }
-    Ok(Source {
+    Ok(SourceScene {
         objects: vec![SourceObject {
             name: name.to_owned(),
             mesh: 0,
@@ -38,7 +38,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Source, Fault> {
             ..Material::default()
         }],
         repairs: solid.repairs,
-        ..Source::default()
+        ..SourceScene::default()
     })
 }
 

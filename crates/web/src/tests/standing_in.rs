@@ -62,7 +62,7 @@ fn stats(player: &PagePlayer) -> serde_json::Value {
 fn logged(player: &PagePlayer) -> Vec<Policy> {
     let text = player.log();
     let log = SessionLog::parse(text).unwrap();
-    let video = &player.pack.video;
+    let video = video(player);
     let again = log.replay(&|_, head, config| Arc::clone(video).demand(head, config));
     assert_eq!(again.write(), text);
     log.parts
@@ -88,7 +88,7 @@ fn acuity_stands_in_until_the_signatures_are_there_and_the_log_replays() {
     player.add_table(SIGNATURES, bytes).unwrap();
     // What was shown is paid: there is no step back to the coarsest level.
     player.step(Seconds(now)).unwrap();
-    let pack = player.pack.video.pack();
+    let pack = video(&player).pack();
     let wanted = player.session.wanted().unwrap().1;
     let level = |piece: &Piece| pack.tile_of(piece.unit.unit).level;
     assert!(wanted.iter().any(|piece| level(piece) < 2));
@@ -124,7 +124,7 @@ fn a_damaged_table_leaves_what_stands_in_and_it_settles() {
     let mut player = demo(&host, "perceptual", "");
     look(&host, &mut player, 0.0);
     let name = SIGNATURES.to_owned();
-    player.pack.video.fail_table(&name);
+    video(&player).fail_table(&name);
     settle(&host, &mut player, 9.0);
     assert!(player.session.figures.histogram[..2].iter().sum::<u32>() > 0);
 }
@@ -138,6 +138,6 @@ fn a_slope_has_no_target_and_a_key_asks_for_a_score_in_its_place() {
     player.next_target(-1).unwrap();
     assert_eq!(stats(&player)["target"], 9.75);
     settle(&host, &mut player, 1.0);
-    assert!(player.set_policy(Policy::Viewport));
+    player.set_policy(Policy::Viewport).unwrap();
     assert_eq!(player.next_target(1), None);
 }

@@ -11,7 +11,7 @@ use foveal_core::units::counted;
 use foveal_media::pack::scene_file::{SceneFile, write_scene};
 use foveal_scene::build::{BuildOptions, Built, build};
 use foveal_scene::read::{ReadOptions, Up, read};
-use foveal_scene::source::Source;
+use foveal_scene::source::SourceScene;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -109,7 +109,7 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
 }
 
 impl PrepareSceneArgs {
-    fn read(&self) -> anyhow::Result<Source> {
+    fn read(&self) -> anyhow::Result<SourceScene> {
         let inputs: Vec<&Path> = self.inputs.iter().map(PathBuf::as_path).collect();
         let options = ReadOptions {
             up: self.up.map(|up| match up {
@@ -120,7 +120,7 @@ impl PrepareSceneArgs {
         Ok(read(&inputs, &options)?)
     }
 
-    fn build(&self, source: &Source, jobs: usize) -> anyhow::Result<Built> {
+    fn build(&self, source: &SourceScene, jobs: usize) -> anyhow::Result<Built> {
         let options = BuildOptions {
             bits: self.bits,
             jobs,
@@ -134,7 +134,12 @@ impl PrepareSceneArgs {
         Ok(built?)
     }
 
-    fn description(&self, source: &Source, built: &Built, identity: Identity) -> SceneDescription {
+    fn description(
+        &self,
+        source: &SourceScene,
+        built: &Built,
+        identity: Identity,
+    ) -> SceneDescription {
         let mut units = vec![0; usize::from(built.levels)];
         for unit in &built.units {
             units[usize::from(unit.level)] += 1;
@@ -218,7 +223,7 @@ impl PrepareSceneArgs {
     }
 
     /// Says what the work would take, by building a part of it.
-    fn estimate(&self, source: &Source, begun: Instant, jobs: usize) -> anyhow::Result<()> {
+    fn estimate(&self, source: &SourceScene, begun: Instant, jobs: usize) -> anyhow::Result<()> {
         let read_s = begun.elapsed().as_secs_f64();
         let placed = source.objects.iter().map(|object| object.mesh);
         let meshes = placed.map(|mesh| source.meshes[mesh].triangles.len() as u64);

@@ -158,8 +158,13 @@ impl LastGaze {
 
     /// Its place in a frame, 0 the middle of the first pixel.
     pub(crate) fn at(&mut self, report: &FrameReport) -> [f64; 2] {
-        let place = report.view.place(report.gaze.gaze_in_content);
-        match place.filter(|_| report.gaze.valid) {
+        self.in_view(&report.view, &report.gaze)
+    }
+
+    /// Its place in a picture of a view.
+    pub(crate) fn in_view(&mut self, view: &EyeView, gaze: &GazeSample) -> [f64; 2] {
+        let place = view.place(gaze.gaze_in_content);
+        match place.filter(|_| gaze.valid) {
             Some(place) => self.gaze_px = place.map(|at| at - 0.5),
             None => self.unseen += 1,
         }

@@ -2,13 +2,12 @@
 
 use crate::commands::site::about::AboutOptions;
 use crate::commands::site::listing::{GENERATOR, Listed, Listing};
+use crate::commands::site::site_pack::SitePack;
 use crate::commands::site::{About, LISTING, Site, SiteFile};
 use crate::report::output::{self, Counting};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 use foveal_core::units::counted;
-use foveal_core::view::surface::Projection;
-use foveal_media::pack::pack_file::PackFile;
 use serde::Serialize;
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
@@ -73,20 +72,11 @@ pub(crate) fn run(command: &Export) -> anyhow::Result<()> {
     output::result(args.json, &exported, &exported.text())
 }
 
-/// Tells of flat packs that are larger than the file that they were made from.
+/// Tells of packs that are larger than the file that they were made from.
 fn tell_growth(packs: &[PathBuf]) -> anyhow::Result<()> {
     for path in packs {
-        let file = PackFile::open(path)?;
-        let source = file.pack().description().source.bytes;
-        let is_flat = file.pack().grid().surface.projection == Projection::Flat;
-        if is_flat && source > 0 && file.bytes() > source {
-            output::say(&format!(
-                "foveal: {}: {}, and its source {}; flat video on an ordinary link mostly costs \
-                 more bytes as a pack (docs/concepts/policies.md says what gains)",
-                path.display(),
-                output::size(file.bytes()),
-                output::size(source)
-            ));
+        if let Some(said) = SitePack::open(path)?.growth() {
+            output::say(&said);
         }
     }
     Ok(())
@@ -96,7 +86,7 @@ fn tell_growth(packs: &[PathBuf]) -> anyhow::Result<()> {
 /// told.
 fn tell_damage(packs: &[PathBuf]) -> anyhow::Result<()> {
     for pack in packs {
-        let file = PackFile::open(pack)?;
+        let file = SitePack::open(pack)?;
         let bar = output::bar(Some(file.bytes()), Counting::Bytes);
         let damage = file.verify(|done, _| bar.set_position(done));
         bar.finish_and_clear();

@@ -4,6 +4,8 @@ use crate::commands::info::{MediaKind, seconds_of};
 use crate::commands::site::about::AboutPack;
 use crate::commands::site::pack_names::ENDING;
 use crate::commands::site::poster::Poster;
+use crate::commands::site::site_pack::SitePack;
+use foveal_core::content::scene::description::SceneDescription;
 use foveal_core::view::surface::Projection;
 use foveal_media::pack::pack_file::PackFile;
 use serde::Serialize;
@@ -43,16 +45,66 @@ pub(crate) struct Listed {
     pub(crate) file: String,
     pub(crate) poster: ListedPoster,
     bytes: u64,
+    #[serde(flatten)]
+    shows: Shows,
+}
+
+/// What is to be seen.
+#[derive(Clone, Debug, Serialize)]
+struct Shows {
     content: MediaKind,
-    projection: Projection,
+    /// Null for a scene.
+    projection: Option<Projection>,
     eyes: u8,
-    /// Pixels of the source.
-    width: u32,
-    height: u32,
-    /// Null for a picture.
+    /// Pixels of the source; null for a scene.
+    width: Option<u32>,
+    height: Option<u32>,
+    /// Null for a picture and a scene.
     fps: Option<f64>,
     seconds: Option<f64>,
     sound: bool,
+    /// Of a scene at its finest, each where it stands.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    triangles: Option<u64>,
+}
+
+impl Shows {
+    fn of(file: &SitePack) -> anyhow::Result<Self> {
+        match file {
+            SitePack::Video(file) => Self::of_video(file),
+            SitePack::Scene(file) => Ok(Self::of_scene(file.pack().description())),
+        }
+    }
+
+    fn of_video(file: &PackFile) -> anyhow::Result<Self> {
+        let about = file.pack().description();
+        let [width, height] = about.source.size.map(Some);
+        Ok(Self {
+            content: MediaKind::of(about),
+            projection: Some(about.projection),
+            eyes: about.eyes,
+            width,
+            height,
+            fps: (!about.is_still()).then_some(about.fps()),
+            seconds: seconds_of(file)?,
+            sound: about.tables.iter().any(|table| table.name == "sound"),
+            triangles: None,
+        })
+    }
+
+    fn of_scene(about: &SceneDescription) -> Self {
+        Self {
+            content: MediaKind::Scene,
+            projection: None,
+            eyes: 1,
+            width: None,
+            height: None,
+            fps: None,
+            seconds: None,
+            sound: false,
+            triangles: Some(about.triangles()),
+        }
+    }
 }
 
 /// The picture that stands for a pack in a list.
@@ -66,12 +118,10 @@ pub(crate) struct ListedPoster {
 impl Listed {
     pub(super) fn new(
         name: &str,
-        file: &PackFile,
+        file: &SitePack,
         poster: &Poster,
         said: AboutPack,
     ) -> anyhow::Result<Self> {
-        let about = file.pack().description();
-        let [width, height] = about.source.size;
         Ok(Self {
             name: name.to_owned(),
             title: said.title.unwrap_or_else(|| name.to_owned()),
@@ -84,14 +134,7 @@ impl Listed {
                 height: poster.size[1],
             },
             bytes: file.bytes(),
-            content: MediaKind::of(about),
-            projection: about.projection,
-            eyes: about.eyes,
-            width,
-            height,
-            fps: (!about.is_still()).then_some(about.fps()),
-            seconds: seconds_of(file)?,
-            sound: about.tables.iter().any(|table| table.name == "sound"),
+            shows: Shows::of(file)?,
         })
     }
 }

@@ -8,18 +8,18 @@ pub(crate) mod export;
 mod listing;
 mod pack_names;
 mod poster;
+mod site_pack;
 
 pub(crate) use about::About;
 
 use crate::web_files::web_files;
 use anyhow::{Context, bail};
-use foveal_media::pack::pack_file::PackFile;
 use listing::{Listed, Listing};
 use pack_names::names_of;
+use site_pack::SitePack;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// The list that the pages read.
 pub(crate) const LISTING: &str = "packs.json";
@@ -58,8 +58,8 @@ impl Site {
     pub(crate) fn of(packs: &[PathBuf], about: &About) -> anyhow::Result<Self> {
         let names = names_of(packs)?;
         about.check(&names)?;
-        let opened = packs.iter().map(|pack| PackFile::open(pack));
-        let opened = opened.collect::<Result<Vec<PackFile>, _>>()?;
+        let opened = packs.iter().map(|pack| SitePack::open(pack));
+        let opened = opened.collect::<Result<Vec<SitePack>, _>>()?;
         if web_files().is_empty() {
             bail!("this program was built without its pages; build it with `make build`");
         }
@@ -75,8 +75,8 @@ impl Site {
         let mut listed = Vec::new();
         for (name, file) in names.into_iter().zip(opened) {
             let path = file.path().to_owned();
-            let file = Arc::new(file);
-            let poster = poster::poster(Arc::clone(&file), &drawing)
+            let poster = file
+                .poster(&drawing)
                 .with_context(|| format!("{}: no poster can be drawn", path.display()))?;
             let one = Listed::new(&name, &file, &poster, about.of(&name))?;
             files.insert(one.poster.file.clone(), SiteFile::Bytes(poster.jpeg.into()));

@@ -7,16 +7,28 @@ use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
 use crate::options::renderer::{RendererName, open_device};
 use crate::run::open_player::open_player;
 use anyhow::Context;
+use foveal_core::content::demand::{Content, Demand};
+use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{Policy, PolicyConfig};
-use foveal_core::units::Radians;
+use foveal_core::content::scene::Scene;
+use foveal_core::content::scene::demand::SceneDemand;
+use foveal_core::content::unit::{AssetId, UnitRef};
+use foveal_core::gaze::sample::GazeSample;
+use foveal_core::pack::unit::UnitId;
+use foveal_core::perception::moment::Moment;
+use foveal_core::session::unit_states::Piece;
+use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::route::Route;
 use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
 use foveal_media::pack::pack_file::PackFile;
+use foveal_media::pack::scene_file::SceneFile;
 use foveal_play::Decoding;
 use foveal_play::PlayerOptions;
-use foveal_render::{DrawDevice, TileStyle};
+use foveal_render::{DrawDevice, Drawer, RgbaImage, TileStyle};
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Columns of a poster: twice what a list shows, for dense screens.
@@ -25,6 +37,10 @@ const WIDTH: u32 = 640;
 const MOST_HEIGHT: u32 = 960;
 /// Field of view of a sphere's poster, in degrees.
 const FIELD_DEG: f64 = 100.0;
+/// Field of view of a scene's poster, in degrees.
+const SCENE_FIELD_DEG: f64 = 60.0;
+/// Bytes on the GPU of what a poster shows of a scene, at most.
+const MOST_GPU_BYTES: u64 = 256 << 20;
 /// JPEG quality, 1 to 100.
 const QUALITY: u8 = 82;
 /// A clip often begins in black: the poster is taken this part of its length later.
@@ -41,8 +57,8 @@ pub(super) fn drawing() -> DrawDevice {
     open_device(RendererName::Gpu).unwrap_or(DrawDevice::Twin)
 }
 
-/// Draws the poster of a pack.
-pub(super) fn poster(file: Arc<PackFile>, drawing: &DrawDevice) -> anyhow::Result<Poster> {
+/// Draws the poster of a video or picture.
+pub(super) fn of_video(file: Arc<PackFile>, drawing: &DrawDevice) -> anyhow::Result<Poster> {
     let about = file.pack().description();
     let (surface, frame) = (about.grid(Screen::default()).surface, about.frames / LATER);
     let view = view(&surface, Radians::from_degrees(about.front_deg));
@@ -67,7 +83,57 @@ pub(super) fn poster(file: Arc<PackFile>, drawing: &DrawDevice) -> anyhow::Resul
         player.show(frame, &look)?
     };
     let picture = player.drawer().picture(&view, None)?;
-    let picture = picture.context("nothing draws")?;
+    encoded(&picture.context("nothing draws")?)
+}
+
+/// Draws the poster of a scene: all of it, as fine as the poster can show, damaged units left out.
+pub(super) fn of_scene(file: &SceneFile, drawing: &DrawDevice) -> anyhow::Result<Poster> {
+    let scene = file.scene();
+    let view = towards(scene);
+    let ahead = GazeSample {
+        gaze_in_content: view.axes.forward,
+        ..GazeSample::at(Seconds(0.0), Radians(0.0), Radians(0.0))
+    };
+    let config = PolicyConfig::new(Policy::Viewport);
+    let mut demand = SceneDemand::new(Arc::clone(scene), &config);
+    let wanted = demand.needed(0, &Moment::new(ahead, vec![view])).units;
+    let mut drawer = Drawer::of_scene(drawing, scene, MOST_GPU_BYTES)?;
+    let mut missing = HashSet::new();
+    for unit in wanted {
+        let is_alone = scene.needs(unit).iter().any(|need| missing.contains(need));
+        match file.read_mesh(unit) {
+            Ok(mesh) if !is_alone => drawer.upload(piece(unit), Payload::Mesh(mesh))?,
+            _ => drop(missing.insert(unit)),
+        }
+    }
+    let picture = drawer.picture(&view, None)?;
+    encoded(&picture.context("nothing draws")?)
+}
+
+fn piece(unit: UnitId) -> Piece {
+    let asset = AssetId(0);
+    Piece {
+        unit: UnitRef { asset, unit },
+        frame: 0,
+    }
+}
+
+/// What a viewer of a scene sees who has just opened it.
+fn towards(scene: &Scene) -> EyeView {
+    let size = [WIDTH, WIDTH * 9 / 16];
+    let field = Field::across(Radians::from_degrees(SCENE_FIELD_DEG), size);
+    let bounds = scene.bounds();
+    let pose = Route::Still.pose(Seconds(0.0), (bounds.centre, bounds.radius), &field);
+    EyeView {
+        position: pose.position,
+        axes: pose.axes,
+        field,
+        size,
+        eye: Eye::Left,
+    }
+}
+
+fn encoded(picture: &RgbaImage) -> anyhow::Result<Poster> {
     let mut jpeg = Vec::new();
     let mut encoder = Encoder::new(&mut jpeg, QUALITY);
     encoder.set_sampling_factor(SamplingFactor::R_4_2_0);

@@ -1,27 +1,16 @@
-//! What of a window is different for video and for scenes?
+//! Which kind of pack is to be seen, and what can be asked of it?
 
 use crate::commands::view::args::ViewArgs;
-use crate::commands::view::opening::usable;
-use crate::commands::view::ready::Ready;
 use crate::options::policy::{PolicyOptions, check_thresholds};
 use crate::options::showing::InterpolationName;
 use crate::report::output::WrongUsage;
 use anyhow::bail;
-use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::policy::Policy;
 use foveal_core::content::scene::demand::why_not;
-use foveal_core::session::bounds::Bounds;
-use foveal_core::units::Radians;
-use foveal_core::view::navigation::Navigation;
-use foveal_core::view::surface::Surface;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
 use foveal_play::LivePack;
-use foveal_render::{DrawDevice, Drawer, RenderError, TileStyle};
 use std::sync::Arc;
-
-/// Pixels of a face of the sphere round the viewer that stands for a scene where nothing but
-/// directions and a window's usual size come from it.
-const AROUND: u32 = 1024;
 
 /// Opens a pack of either kind.
 pub(super) fn open_pack(args: &ViewArgs) -> anyhow::Result<LivePack> {
@@ -77,81 +66,5 @@ fn check_scene(args: &ViewArgs, policy: Policy) -> anyhow::Result<()> {
             "{option} is for video, and this is a scene; leave it out"
         ))),
         None => Ok(()),
-    }
-}
-
-impl Ready {
-    /// Whether one flies through what is shown.
-    pub(super) fn in_scene(&self) -> bool {
-        matches!(self.pack, LivePack::Scene(_))
-    }
-
-    /// The surface that a picture lies on; round a scene one that nothing lies on.
-    pub(super) fn surface(&self) -> Surface {
-        match &self.pack {
-            LivePack::Video(file, _) => {
-                file.pack()
-                    .description()
-                    .grid(self.args.view.screen)
-                    .surface
-            }
-            LivePack::Scene(_) => Surface::cube(AROUND),
-        }
-    }
-
-    /// Where a viewer begins.
-    pub(super) fn navigation(&self) -> anyhow::Result<Navigation> {
-        let fov = self.args.view.fov()?;
-        Ok(match &self.pack {
-            LivePack::Video(file, _) => {
-                let front = file.pack().description().front_deg;
-                Navigation::new(self.surface(), fov).facing(Radians::from_degrees(front))
-            }
-            LivePack::Scene(file) => {
-                let bounds = file.scene().bounds();
-                Navigation::through((bounds.centre, bounds.radius), fov)
-            }
-        })
-    }
-
-    /// What chooses first.
-    pub(super) fn config(&self) -> anyhow::Result<PolicyConfig> {
-        let config = self.args.policy.config()?;
-        match &self.pack {
-            LivePack::Video(file, video) => usable(file, video, config, self.args.link),
-            LivePack::Scene(_) => Ok(config),
-        }
-    }
-
-    /// What a session keeps below.
-    pub(super) fn bounds(&self) -> Bounds {
-        let usual = Bounds::default();
-        match &self.pack {
-            LivePack::Video(..) => usual,
-            LivePack::Scene(_) => Bounds {
-                gpu: self.args.gpu_memory,
-                ..usual
-            },
-        }
-    }
-
-    /// How tiles are shown at first.
-    pub(super) fn style(&self, policy: Policy) -> TileStyle {
-        TileStyle {
-            samples: policy == Policy::Sampled,
-            ..self.args.showing.showing(InterpolationName::Blended)
-        }
-    }
-
-    /// What draws the pack, tiles like this.
-    pub(super) fn drawer(
-        &self,
-        device: &DrawDevice,
-        style: TileStyle,
-    ) -> Result<Drawer, RenderError> {
-        match &self.pack {
-            LivePack::Video(_, video) => Drawer::new(device, video, style),
-            LivePack::Scene(file) => Drawer::of_scene(device, file.scene(), self.args.gpu_memory),
-        }
     }
 }

@@ -2,12 +2,10 @@
 
 mod args;
 mod asking;
-mod draw_rate;
 mod keys;
 mod kinds;
 mod log_file;
 mod looking;
-mod opening;
 mod ready;
 mod screen;
 mod script;

@@ -9,7 +9,12 @@ use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, bail};
 use foveal_core::content::policy::Policy;
 use foveal_core::session::session::SessionSettings;
+use foveal_core::view::surface::Surface;
 use foveal_play::{Decoding, LiveOptions, LivePack};
+
+/// Pixels of a face of the sphere round the viewer that stands for a scene where nothing but
+/// directions and a window's usual size come from it.
+const AROUND: u32 = 1024;
 
 /// What was read before a window opens: whatever is wrong is said without one.
 pub(super) struct Ready {
@@ -73,6 +78,24 @@ impl Ready {
         };
         ready.args.view.eye_view(&ready.surface())?;
         Ok(ready)
+    }
+
+    /// Whether one flies through what is shown.
+    pub(super) fn in_scene(&self) -> bool {
+        matches!(self.pack, LivePack::Scene(_))
+    }
+
+    /// The surface that a picture lies on; round a scene one that nothing lies on.
+    pub(super) fn surface(&self) -> Surface {
+        match &self.pack {
+            LivePack::Video(file, _) => {
+                file.pack()
+                    .description()
+                    .grid(self.args.view.screen)
+                    .surface
+            }
+            LivePack::Scene(_) => Surface::cube(AROUND),
+        }
     }
 
     /// How the pack is played for a session with these settings.

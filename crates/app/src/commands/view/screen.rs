@@ -328,6 +328,7 @@ fn configuration(
     config.present_mode = wgpu::PresentMode::Fifo;
     Ok(config)
 }
+pub(crate) mod draw_rate;
 pub(crate) mod overlay;
 pub(crate) mod screenshot;
 pub(crate) mod words;

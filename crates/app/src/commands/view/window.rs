@@ -1,10 +1,12 @@
 //! What does the system's window tell, and what is done about it?
 
+mod beginning;
 mod input;
+mod opening;
 
+use self::opening::{USUAL_SCREEN, open_sound, open_window};
 use crate::commands::view::log_file::LogFile;
 use crate::commands::view::looking::Looking;
-use crate::commands::view::opening::{USUAL_SCREEN, open_sound, open_window};
 use crate::commands::view::ready::Ready;
 use crate::commands::view::screen::overlay;
 use crate::commands::view::screen::{self, Placed, Showing, WindowSurface};

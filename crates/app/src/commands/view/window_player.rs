@@ -2,9 +2,9 @@
 //!
 //! Everything of a window but the window: time comes in as an argument, wishes as actions.
 
-use crate::commands::view::draw_rate::DrawRate;
 use crate::commands::view::log_file::LogFile;
 use crate::commands::view::looking::Looking;
+use crate::commands::view::screen::draw_rate::DrawRate;
 use crate::commands::view::screen::overlay::Told;
 use crate::commands::view::screen::words::{Page, Words};
 use crate::commands::view::sound::Sound;

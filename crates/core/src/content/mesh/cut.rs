@@ -10,6 +10,9 @@ use crate::pack::PackError;
 use crate::pack::unit::UnitId;
 use std::collections::{BTreeMap, HashMap};
 
+#[cfg(test)]
+mod tests;
+
 /// A cluster of a unit that is there.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PlacedCluster {

@@ -3,8 +3,30 @@
 //! A unit holds the fine clusters of one group and the vertices that lie inside it: each vertex of
 //! a mesh is sent once. The vertices that stay when the group is simplified are those of the
 //! coarse clusters, which came with units before. Normative: docs/formats/pack.md.
+//!
+//! In order, numbers little-endian:
+//!
+//! 1. Head: a byte with the version in its high four bits and which attributes there are in its low
+//!    ones (1: normals, 2: colours); the number of replaced clusters and that of clusters, a byte
+//!    each; the number of staying vertices and that of new ones, two bytes each.
+//! 2. A byte for each replaced cluster: which prerequisite times 16, plus its number there.
+//! 3. For each cluster: the number of its vertices, that of its triangles, and the length of its
+//!    stream: in one byte, or in two, of which the first adds 128 to the low seven bits.
+//! 4. For each cluster its triangles: meshoptimizer's meshlet codec, without vertices.
+//! 5. Bits, lowest first, up to a whole byte: which vertices clusters have, and where new ones lie,
+//!    as `payload/vertices.rs` says.
+//! 6. Normals and colours: meshoptimizer's vertex codec, four bytes of each that there is.
+
+mod bits;
+mod cluster;
+#[cfg(test)]
+mod tests;
+mod vertices;
 
 use crate::pack::PackError;
+use bits::{BitReader, BitWriter};
+use cluster::wrong;
+pub use cluster::{Cluster, MOST_OF_CLUSTER, MeshVertex};
 use meshoptimizer_rs::codec::{
     VertexEncoding, decode_meshlet_into, decode_vertex_buffer_into, encode_meshlet,
     encode_vertex_buffer,
@@ -14,13 +36,9 @@ use meshoptimizer_rs::{Error, Workspace};
 /// Version of the layout.
 const VERSION: u8 = 1;
 /// Bytes before the list of replaced clusters.
-const HEAD_BYTES: usize = 8;
-/// Bytes that tell of a cluster before its stream.
-const CLUSTER_BYTES: usize = 4;
+const HEAD_BYTES: usize = 7;
 /// Most clusters of a unit.
 pub const MOST_CLUSTERS: usize = 16;
-/// Most vertices, and most triangles, of a cluster.
-pub const MOST_OF_CLUSTER: usize = 128;
 
 /// A cluster that came with another unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -29,26 +47,6 @@ pub struct ClusterRef {
     pub need: u8,
     /// Its number there.
     pub cluster: u8,
-}
-
-/// A vertex on the grid of its object.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct MeshVertex {
-    /// Place on the grid.
-    pub place: [u16; 3],
-    /// Normal, octahedral; zeros where the object has none.
-    pub normal: [i8; 2],
-    /// Colour: red, green and blue as sRGB codes, and alpha; zeros where the object has none.
-    pub colour: [u8; 4],
-}
-
-/// Triangles that are shown or hidden together.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Cluster {
-    /// The vertices by number: first those that stay, then the new ones of the unit.
-    pub vertices: Vec<u16>,
-    /// Triangles, by place in `vertices`, counter-clockwise seen from outside.
-    pub triangles: Vec<[u8; 3]>,
 }
 
 /// What one unit says.
@@ -79,9 +77,10 @@ impl Attributes {
         u8::from(self.normals) | u8::from(self.colours) << 1
     }
 
-    /// Bytes of a vertex before it is compressed.
+    /// Bytes of what a vertex has beside a place, before they are compressed.
     fn stride(self) -> usize {
-        if self.colours { 12 } else { 8 }
+        // The codec takes multiples of four.
+        4 * (usize::from(self.normals) + usize::from(self.colours))
     }
 }
 
@@ -97,17 +96,12 @@ impl MeshUnit {
         if let Some(count) = counts.iter().find(|count| **count > MOST_CLUSTERS) {
             return Err(most("clusters", *count, MOST_CLUSTERS));
         }
-        let vertices = u16::try_from(self.vertices.len());
-        let vertices =
-            vertices.map_err(|_| most("vertices", self.vertices.len(), usize::from(u16::MAX)))?;
-        let mut bytes = vec![
-            VERSION,
-            attributes.flags(),
-            counts[0] as u8,
-            counts[1] as u8,
-        ];
+        let new = u16::try_from(self.vertices.len());
+        let new = new.map_err(|_| most("vertices", self.vertices.len(), usize::from(u16::MAX)))?;
+        let mut bytes = vec![VERSION << 4 | attributes.flags()];
+        bytes.extend(counts.map(|it| it as u8));
         bytes.extend(self.staying.to_le_bytes());
-        bytes.extend(vertices.to_le_bytes());
+        bytes.extend(new.to_le_bytes());
         let replaced = self.replaces.iter();
         bytes.extend(replaced.map(|it| it.need << 4 | (it.cluster & 15)));
         let mut workspace = Workspace::default();
@@ -117,35 +111,44 @@ impl MeshUnit {
             if let Some(side) = sides.iter().find(|side| **side > MOST_OF_CLUSTER) {
                 return Err(most("cluster", *side, MOST_OF_CLUSTER));
             }
-            let named: Vec<u32> = cluster.vertices.iter().map(|it| u32::from(*it)).collect();
             let corners = cluster.triangles.as_flattened();
-            let stream = encode_meshlet(&named, corners, &mut workspace).map_err(refused)?;
+            if let Some(corner) = corners.iter().find(|it| usize::from(**it) >= sides[0]) {
+                return Err(wrong("corner", corner, format!("fewer than {}", sides[0])));
+            }
+            let stream = encode_meshlet(&[], corners, &mut workspace).map_err(refused)?;
             bytes.extend(sides.map(|side| side as u8));
-            bytes.extend((stream.len() as u16).to_le_bytes());
+            write_length(stream.len(), &mut bytes);
             streams.extend(stream);
         }
         bytes.extend(streams);
-        bytes.extend(self.write_vertices(attributes, &mut workspace)?);
+        let places: Vec<_> = self.vertices.iter().map(|it| it.place).collect();
+        let mut writer = BitWriter::default();
+        vertices::write_names(&self.clusters, self.staying, &mut writer);
+        vertices::write_places(&self.clusters, self.staying, &places, &mut writer);
+        bytes.extend(writer.finish());
+        bytes.extend(self.write_attributes(attributes, &mut workspace)?);
         Ok(bytes)
     }
 
-    fn write_vertices(
+    fn write_attributes(
         &self,
         attributes: Attributes,
         workspace: &mut Workspace,
     ) -> Result<Vec<u8>, PackError> {
-        if self.vertices.is_empty() {
+        let (count, stride) = (self.vertices.len(), attributes.stride());
+        if count * stride == 0 {
             return Ok(Vec::new());
         }
-        let mut raw = Vec::with_capacity(self.vertices.len() * attributes.stride());
+        let mut raw = Vec::with_capacity(count * stride);
         for vertex in &self.vertices {
-            raw.extend(vertex.place.iter().flat_map(|it| it.to_le_bytes()));
-            raw.extend(vertex.normal.map(|it| it as u8));
+            if attributes.normals {
+                raw.extend(vertex.normal.map(|it| it as u8));
+                raw.extend([0; 2]);
+            }
             if attributes.colours {
                 raw.extend(vertex.colour);
             }
         }
-        let (count, stride) = (self.vertices.len(), attributes.stride());
         let encoding = VertexEncoding::DEFAULT;
         encode_vertex_buffer(&raw, count, stride, encoding, workspace).map_err(refused)
     }
@@ -160,37 +163,34 @@ impl MeshUnit {
     pub fn parse(bytes: &[u8], attributes: Attributes) -> Result<Self, PackError> {
         let mut reader = Reader { bytes };
         let head = reader.take(HEAD_BYTES, "head")?;
-        if head[0] != VERSION {
-            return Err(wrong("version", head[0], VERSION));
+        if head[0] >> 4 != VERSION {
+            return Err(wrong("version", head[0] >> 4, VERSION));
         }
-        if head[1] != attributes.flags() {
-            return Err(wrong("attributes", head[1], attributes.flags()));
+        if head[0] & 15 != attributes.flags() {
+            return Err(wrong("attributes", head[0] & 15, attributes.flags()));
         }
-        let [replaces, clusters] = [head[2], head[3]].map(usize::from);
+        let [replaces, clusters] = [head[1], head[2]].map(usize::from);
         if replaces > MOST_CLUSTERS || clusters > MOST_CLUSTERS {
             return Err(wrong("clusters", replaces.max(clusters), "at most 16"));
         }
-        let [staying, new] = [4, 6].map(|at| u16::from_le_bytes([head[at], head[at + 1]]));
-        let named = u32::from(staying) + u32::from(new);
+        let [staying, new] = [3, 5].map(|at| u16::from_le_bytes([head[at], head[at + 1]]));
         let replaced = reader.take(replaces, "replaced clusters")?.iter();
         let replaced = replaced.map(|it| ClusterRef {
             need: it >> 4,
             cluster: it & 15,
         });
-        let about = reader.take(clusters * CLUSTER_BYTES, "clusters")?;
-        let mut workspace = Workspace::default();
-        let mut of_cluster = |about: &[u8]| {
-            let length = usize::from(u16::from_le_bytes([about[2], about[3]]));
-            let stream = reader.take(length, "cluster")?;
-            parse_cluster([about[0], about[1]], stream, named, &mut workspace)
-        };
-        let parsed = about.chunks_exact(CLUSTER_BYTES).map(&mut of_cluster);
-        let clusters = parsed.collect::<Result<_, _>>()?;
         let replaces = replaced.collect();
+        let mut workspace = Workspace::default();
+        let mut clusters = parse_clusters(&mut reader, clusters, &mut workspace)?;
+        let mut bits = BitReader::new(reader.bytes);
+        vertices::read_names(&mut clusters, [staying, new], &mut bits)?;
+        let places = vertices::read_places(&clusters, [staying, new], &mut bits)?;
+        let rest = bits.rest();
+        let rest = rest.ok_or_else(|| wrong("vertices", "the end", "more bytes"))?;
         Ok(Self {
             replaces,
             staying,
-            vertices: parse_vertices(reader.bytes, new, attributes, &mut workspace)?,
+            vertices: parse_attributes(rest, &places, attributes, &mut workspace)?,
             clusters,
         })
     }
@@ -203,65 +203,88 @@ impl MeshUnit {
     }
 }
 
+/// Reads so many clusters, whose vertices are not known yet.
+fn parse_clusters(
+    reader: &mut Reader<'_>,
+    count: usize,
+    workspace: &mut Workspace,
+) -> Result<Vec<Cluster>, PackError> {
+    let mut about = [([0; 2], 0); MOST_CLUSTERS];
+    for about in &mut about[..count] {
+        let sides = reader.take(2, "cluster")?;
+        *about = ([sides[0], sides[1]], read_length(reader)?);
+    }
+    let parse = |(sides, length): &([u8; 2], usize)| {
+        parse_cluster(*sides, reader.take(*length, "cluster")?, workspace)
+    };
+    about[..count].iter().map(parse).collect()
+}
+
 fn parse_cluster(
     [vertices, triangles]: [u8; 2],
     stream: &[u8],
-    named: u32,
     workspace: &mut Workspace,
 ) -> Result<Cluster, PackError> {
     let [vertices, triangles] = [vertices, triangles].map(usize::from);
     if vertices.max(triangles) > MOST_OF_CLUSTER {
         return Err(wrong("cluster", vertices.max(triangles), "at most 128"));
     }
-    let mut names = [0; 2 * MOST_OF_CLUSTER];
     let mut corners = [0; 3 * MOST_OF_CLUSTER];
-    let (names, corners) = (&mut names[..2 * vertices], &mut corners[..3 * triangles]);
-    decode_meshlet_into(names, vertices, 2, corners, triangles, 3, stream, workspace)
+    let corners = &mut corners[..3 * triangles];
+    decode_meshlet_into(&mut [], 0, 2, corners, triangles, 3, stream, workspace)
         .map_err(refused)?;
-    let names = names.chunks_exact(2);
-    let cluster = Cluster {
-        vertices: names.map(|it| u16::from_le_bytes([it[0], it[1]])).collect(),
-        triangles: corners.as_chunks().0.to_vec(),
-    };
-    let beyond = |vertex: &&u16| u32::from(**vertex) >= named;
-    if let Some(vertex) = cluster.vertices.iter().find(beyond) {
-        return Err(wrong("vertex", vertex, format!("fewer than {named}")));
-    }
     let beyond = |corner: &&u8| usize::from(**corner) >= vertices;
     match corners.iter().find(beyond) {
         Some(corner) => Err(wrong("corner", corner, format!("fewer than {vertices}"))),
-        None => Ok(cluster),
+        None => Ok(Cluster {
+            vertices: vec![0; vertices],
+            triangles: corners.as_chunks().0.to_vec(),
+        }),
     }
 }
 
-fn parse_vertices(
+fn parse_attributes(
     stream: &[u8],
-    count: u16,
+    places: &[[u16; 3]],
     attributes: Attributes,
     workspace: &mut Workspace,
 ) -> Result<Vec<MeshVertex>, PackError> {
-    let (count, stride) = (usize::from(count), attributes.stride());
-    if count == 0 {
+    let mut vertices: Vec<_> = places.iter().map(|place| MeshVertex::at(*place)).collect();
+    let (count, stride) = (places.len(), attributes.stride());
+    if count * stride == 0 {
         return match stream.len() {
-            0 => Ok(Vec::new()),
-            found => Err(wrong("bytes after the clusters", found, 0)),
+            0 => Ok(vertices),
+            found => Err(wrong("bytes after the vertices", found, 0)),
         };
-    }
-    // A block of 16 takes at least two bits a byte of a vertex: no more is made of fewer bytes.
-    if stream.len() < count.div_ceil(16).div_ceil(4) {
-        return Err(wrong("vertices", count, "as many as there are bytes for"));
     }
     let mut raw = vec![0; count * stride];
     decode_vertex_buffer_into(&mut raw, count, stride, stream, workspace).map_err(refused)?;
-    let vertices = raw.chunks_exact(stride).map(|it| MeshVertex {
-        place: [0, 2, 4].map(|at| u16::from_le_bytes([it[at], it[at + 1]])),
-        normal: [it[6] as i8, it[7] as i8],
-        colour: match attributes.colours {
-            true => [it[8], it[9], it[10], it[11]],
-            false => [0; 4],
-        },
-    });
-    Ok(vertices.collect())
+    for (vertex, raw) in vertices.iter_mut().zip(raw.chunks_exact(stride)) {
+        if attributes.normals {
+            vertex.normal = [raw[0] as i8, raw[1] as i8];
+        }
+        if let (true, Some(colour)) = (attributes.colours, raw.last_chunk()) {
+            vertex.colour = *colour;
+        }
+    }
+    Ok(vertices)
+}
+
+/// Writes a length below 2^14: in one byte where it is below 2^7.
+fn write_length(length: usize, bytes: &mut Vec<u8>) {
+    if length < 0x80 {
+        return bytes.push(length as u8);
+    }
+    bytes.extend([length as u8 & 0x7f | 0x80, (length >> 7) as u8]);
+}
+
+fn read_length(reader: &mut Reader<'_>) -> Result<usize, PackError> {
+    let first = usize::from(reader.take(1, "length")?[0]);
+    if first < 0x80 {
+        return Ok(first);
+    }
+    let second = usize::from(reader.take(1, "length")?[0]);
+    Ok(first & 0x7f | second << 7)
 }
 
 /// Bytes that are read from the front.
@@ -278,14 +301,6 @@ impl<'a> Reader<'a> {
         })?;
         self.bytes = rest;
         Ok(taken)
-    }
-}
-
-fn wrong(what: &str, found: impl ToString, expected: impl ToString) -> PackError {
-    PackError {
-        field: format!("mesh unit, {what}"),
-        found: found.to_string(),
-        expected: expected.to_string(),
     }
 }
 

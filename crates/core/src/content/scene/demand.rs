@@ -1,7 +1,7 @@
 //! Which units of a scene does one viewer want?
 
 use super::Scene;
-use super::sight::{Seen, Sight};
+use super::sight::{SeenError, Sight};
 use crate::content::demand::{Chosen, Content, Demand, Offer, Record};
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::pack::sha256_hex;
@@ -12,6 +12,8 @@ use std::sync::Arc;
 
 /// Errors that cover less of the display, in pixels, are not seen.
 const ERROR_PIXELS: f64 = 1.0;
+/// Triangles with shorter sides on the display, in pixels, are not told apart from finer ones.
+const SIDE_PIXELS: f64 = 0.25;
 
 /// Why scenes are not chosen by a policy; `None` of those that they are chosen by.
 ///
@@ -76,17 +78,24 @@ impl SceneDemand {
     }
 
     /// The largest of what `of` says of a unit as it is seen, over its places and all views.
-    fn most(&self, unit: UnitId, sights: &[Sight], of: impl Fn(&Seen) -> f64) -> f64 {
+    fn most(&self, unit: UnitId, sights: &[Sight], of: impl Fn(&SeenError) -> f64) -> f64 {
+        let spends = self.config.policy.spends_a_budget();
         let stands = self.scene.stands(unit).iter();
         let seen = stands.flat_map(|stand| {
-            let seen = |sight: &Sight| sight.seen(&stand.sphere, stand.error);
+            // What a rule leaves coarse has too small an error; what is bought ends where triangles
+            // cannot be told apart, by their shading either.
+            let error = match spends {
+                true => stand.error.max(stand.side * ERROR_PIXELS / SIDE_PIXELS),
+                false => stand.error,
+            };
+            let seen = move |sight: &Sight| sight.seen(&stand.sphere, error);
             sights.iter().filter_map(seen)
         });
         seen.map(|seen| of(&seen)).fold(0.0, f64::max)
     }
 
     /// How much larger the error is that is shown without a unit than the policy allows.
-    fn excess(&self, seen: &Seen) -> f64 {
+    fn excess(&self, seen: &SeenError) -> f64 {
         let pixels = seen.error_pixels / ERROR_PIXELS;
         match self.config.policy {
             Policy::Acuity => {
@@ -98,7 +107,7 @@ impl SceneDemand {
     }
 
     /// What a unit is worth to a viewer who sees it so, per policy that spends a budget.
-    fn value(&self, seen: &Seen) -> f64 {
+    fn value(&self, seen: &SeenError) -> f64 {
         if seen.error_pixels < ERROR_PIXELS {
             return 0.0;
         }
@@ -153,7 +162,7 @@ impl SceneDemand {
 }
 
 /// The smallest angle that is told apart where a unit is seen best, in degrees.
-fn smallest_angle_deg(acuity: &AcuityModel, seen: &Seen) -> f64 {
+fn smallest_angle_deg(acuity: &AcuityModel, seen: &SeenError) -> f64 {
     0.5 / acuity.best_acuity(seen.eccentricity).0
 }
 

@@ -60,6 +60,8 @@ pub struct SceneObject {
     pub name: String,
     /// Triangles at the finest level.
     pub leaf_triangles: u64,
+    /// A small sphere round it, in its own space.
+    pub bounds: ObjectBounds,
     /// The grid of its vertices.
     pub grid: Grid,
     /// What its vertices have.
@@ -73,6 +75,15 @@ pub struct SceneObject {
     pub unlit: bool,
     /// Where it stands: world from object, columns x, y, z and place; at least one.
     pub placements: Vec<[f64; 12]>,
+}
+
+/// A sphere round an object, in its own space.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObjectBounds {
+    /// The centre.
+    pub centre: [f64; 3],
+    /// The radius.
+    pub radius: f64,
 }
 
 /// Where the places of vertices lie.
@@ -108,21 +119,60 @@ impl SceneObject {
     }
 }
 
+/// The fields that are read before all others, which a later version may write otherwise.
+#[derive(Deserialize)]
+struct Needs {
+    kind: Option<String>,
+    #[serde(default)]
+    needs: Vec<String>,
+}
+
+impl Needs {
+    fn check(&self) -> Result<(), PackError> {
+        let shown = |name: &str| name.chars().take(64).collect::<String>();
+        let kind = self.kind.as_deref().unwrap_or("none");
+        if kind != KIND {
+            return Err(PackError::new("description.kind", shown(kind), KIND));
+        }
+        match self.needs.iter().find(|name| *name != KIND) {
+            None => Ok(()),
+            Some(name) => Err(PackError::new(
+                "description.needs",
+                shown(name),
+                "nothing but scene; a newer foveal wrote this pack: update foveal",
+            )),
+        }
+    }
+}
+
 impl SceneDescription {
     /// Reads a description.
     ///
     /// # Errors
-    /// The bytes are no JSON of a scene, or a number is out of range.
+    /// The bytes are no JSON of a scene, it needs more than this program understands, or a number
+    /// is out of range.
     pub fn parse(json: &[u8]) -> Result<Self, PackError> {
-        let about: Self = serde_json::from_slice(json).map_err(|error| {
+        let wrong = |error| {
             PackError::new(
                 "description",
                 error,
                 "a scene, as docs/formats/pack.md says",
             )
-        })?;
+        };
+        let needs: Needs = serde_json::from_slice(json).map_err(wrong)?;
+        needs.check()?;
+        let about: Self = serde_json::from_slice(json).map_err(wrong)?;
         about.check()?;
         Ok(about)
+    }
+
+    /// Triangles at the finest level, each as often as it stands there.
+    #[must_use]
+    pub fn triangles(&self) -> u64 {
+        let objects = self.objects.iter();
+        objects
+            .map(|it| it.leaf_triangles.saturating_mul(it.placements.len() as u64))
+            .fold(0, u64::saturating_add)
     }
 
     fn check(&self) -> Result<(), PackError> {
@@ -132,6 +182,9 @@ impl SceneDescription {
         };
         within("objects", self.objects.len(), MOST_OBJECTS)?;
         within("units", self.units.len(), MOST_LEVELS)?;
+        if self.units.last() == Some(&0) {
+            return Err(PackError::new("units", "no roots", "at least one"));
+        }
         within("page", self.page as usize, 1 << 12)?;
         self.objects.iter().try_for_each(SceneObject::check)
     }
@@ -148,6 +201,10 @@ impl SceneObject {
         }
         if !(step > 0.0 && step <= 1e12 && origin.iter().all(|it| it.abs() <= 1e15)) {
             return wrong("grid", format!("{:?}", self.grid), "a finite grid");
+        }
+        let ObjectBounds { centre, radius } = self.bounds;
+        if !(radius >= 0.0 && radius <= 1e15 && centre.iter().all(|it| it.abs() <= 1e15)) {
+            return wrong("bounds", format!("{:?}", self.bounds), "a finite sphere");
         }
         if self.placements.is_empty() {
             return wrong("placements", "none".to_owned(), "at least one");

@@ -10,6 +10,10 @@ use crate::pack::{
 };
 use serde::Deserialize;
 
+/// Most units, each counted in every place where its object stands: a reader keeps a sphere of
+/// each.
+const MOST_STANDS: u64 = 1 << 24;
+
 /// Description, index and table of units of a scene pack: everything but the chunks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScenePack {
@@ -92,6 +96,7 @@ impl ScenePack {
 
     fn check_rows(&self) -> Result<(), PackError> {
         let objects = self.description.objects.len();
+        let mut stands = 0;
         for (unit, row) in (0..).map(UnitId).zip(&self.rows) {
             let wrong = |what: &str, found: String, expected: String| {
                 let field = format!("table {UNITS}, unit {}, {what}", unit.0);
@@ -100,6 +105,13 @@ impl ScenePack {
             if usize::from(row.object) >= objects {
                 let expected = format!("fewer than {objects}");
                 return wrong("object", row.object.to_string(), expected);
+            }
+            stands += self.description.objects[usize::from(row.object)]
+                .placements
+                .len() as u64;
+            if stands > MOST_STANDS {
+                let expected = format!("at most {MOST_STANDS}");
+                return wrong("units in all places", stands.to_string(), expected);
             }
             let is_root = self.level_of(unit) == self.coarsest();
             if is_root != row.needs.is_empty() {

@@ -1,13 +1,9 @@
-//! What do selection and sessions learn of a scene?
+//! Where do the units of a scene stand in the world?
 
-use super::demand::SceneDemand;
 use super::description::SceneObject;
 use super::pack::ScenePack;
 use super::sight::Sphere;
-use crate::content::demand::{Content, Demand};
-use crate::content::head::ContentHead;
-use crate::content::policy::{HasTables, PolicyConfig};
-use crate::content::unit::Unit;
+use super::unit_table::UnitRow;
 use crate::pack::unit::UnitId;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
@@ -15,7 +11,7 @@ use std::sync::Arc;
 /// A scene: its pack, and where its units are in the world.
 #[derive(Debug)]
 pub struct Scene {
-    name: String,
+    pub(super) name: String,
     pack: Arc<ScenePack>,
     /// For each place where a unit stands: its sphere and the error of what it is shown in place
     /// of, in metres.
@@ -30,6 +26,8 @@ pub struct Scene {
 pub(super) struct Stand {
     pub(super) sphere: Sphere,
     pub(super) error: f64,
+    /// Length of a side of the triangles that it is shown in place of, about.
+    pub(super) side: f64,
 }
 
 impl Scene {
@@ -50,16 +48,18 @@ impl Scene {
                         radius: f64::from(row.radius) * scale,
                     },
                     error: f64::from(row.error) * scale,
+                    side: coarse_side(row) * scale,
                 });
             }
             first.push(stands.len() as u32);
         }
-        let roots = pack
-            .units()
-            .take_while(|it| pack.level_of(*it) == pack.coarsest());
-        let roots = first[roots.count()] as usize;
+        let spheres: Vec<Sphere> = objects
+            .iter()
+            .zip(&placed)
+            .flat_map(placed_bounds)
+            .collect();
         Self {
-            bounds: bounds(stands[..roots].iter().map(|it| it.sphere)),
+            bounds: bounds(&spheres),
             name: name.to_owned(),
             stands,
             first,
@@ -94,6 +94,14 @@ impl Scene {
     }
 }
 
+/// Length of a side of the triangles that a unit is shown in place of: half as many as its own,
+/// over a disc of its sphere.
+fn coarse_side(row: &UnitRow) -> f64 {
+    let radius = f64::from(row.radius);
+    let triangles = f64::from(row.triangles.max(1));
+    libm::sqrt(2.0 * core::f64::consts::PI * radius * radius / triangles)
+}
+
 /// Where an object stands, and by how much lengths grow there at most.
 fn placements(object: &SceneObject) -> Vec<(DAffine3, f64)> {
     let scaled = |it: DAffine3| {
@@ -108,81 +116,29 @@ fn placements(object: &SceneObject) -> Vec<(DAffine3, f64)> {
     object.placements().map(scaled).collect()
 }
 
+/// The sphere round an object, wherever it stands.
+fn placed_bounds((object, placed): (&SceneObject, &Vec<(DAffine3, f64)>)) -> Vec<Sphere> {
+    let centre = DVec3::from_array(object.bounds.centre);
+    let at = |(world_from_object, scale): &(DAffine3, f64)| Sphere {
+        centre: world_from_object.transform_point3(centre),
+        radius: object.bounds.radius * scale,
+    };
+    placed.iter().map(at).collect()
+}
+
 /// A sphere round spheres: round the middle of the box that they fill.
-fn bounds(spheres: impl Iterator<Item = Sphere> + Clone) -> Sphere {
+fn bounds(spheres: &[Sphere]) -> Sphere {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for Sphere { centre, radius } in spheres.clone() {
-        low = low.min(centre - DVec3::splat(radius));
-        high = high.max(centre + DVec3::splat(radius));
+    for Sphere { centre, radius } in spheres {
+        low = low.min(centre - DVec3::splat(*radius));
+        high = high.max(centre + DVec3::splat(*radius));
     }
     let centre = (low + high) / 2.0;
-    let reach = spheres.map(|it| (it.centre - centre).length() + it.radius);
+    let reach = spheres
+        .iter()
+        .map(|it| (it.centre - centre).length() + it.radius);
     Sphere {
         centre,
         radius: reach.fold(0.0, f64::max),
-    }
-}
-
-impl Content for Scene {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn unit(&self, unit: UnitId) -> Unit {
-        let row = self.pack.row(unit);
-        Unit {
-            level: self.pack.level_of(unit),
-            bytes: Some(self.pack.entry(unit).bytes),
-            samples: u64::from(row.triangles),
-            gpu_bytes: row.gpu_bytes(),
-            frames: 0..1,
-        }
-    }
-
-    fn needs(&self, unit: UnitId) -> &[UnitId] {
-        &self.pack.row(unit).needs
-    }
-
-    fn base(&self, _frame: u32) -> Vec<UnitId> {
-        let units = self.pack.units();
-        let is_root = |unit: &UnitId| self.pack.level_of(*unit) == self.coarsest();
-        units.take_while(is_root).collect()
-    }
-
-    fn coarsest(&self) -> u8 {
-        self.pack.coarsest()
-    }
-
-    fn direction(&self, unit: UnitId, eye: DVec3) -> DVec3 {
-        let first = self.stands(unit).first();
-        let towards = first.map(|it| it.sphere.centre - eye).unwrap_or_default();
-        towards.normalize_or(DVec3::NEG_Z)
-    }
-
-    fn finest_samples(&self) -> u64 {
-        let objects = self.pack.description().objects.iter();
-        objects.map(|it| it.leaf_triangles).sum()
-    }
-
-    fn has(&self) -> HasTables {
-        HasTables {
-            signatures: true,
-            cues: false,
-        }
-    }
-
-    fn demand(self: Arc<Self>, _head: &ContentHead, config: &PolicyConfig) -> Box<dyn Demand> {
-        Box::new(SceneDemand::new(self, config))
-    }
-
-    fn head(&self) -> ContentHead {
-        let about = [
-            ("units".to_owned(), self.pack.len().into()),
-            (
-                "objects".to_owned(),
-                self.pack.description().objects.len().into(),
-            ),
-        ];
-        ContentHead::of_kind("scene", about.into_iter().collect())
     }
 }

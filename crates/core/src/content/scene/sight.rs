@@ -36,7 +36,7 @@ pub struct Sight {
 
 /// How a sphere and an error in it are seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct SeenError {
     /// The error in pixels of the display: what Cesium and Nanite go by.
     pub error_pixels: f64,
     /// The error as an angle at the eye.
@@ -64,11 +64,11 @@ impl Sight {
     /// How a sphere is seen, and an error of a surface in it, in metres; `None` where it is out of
     /// view by more than the margin.
     #[must_use]
-    pub fn seen(&self, sphere: &Sphere, error: f64) -> Option<Seen> {
+    pub fn seen(&self, sphere: &Sphere, error: f64) -> Option<SeenError> {
         let towards = sphere.centre - self.eye;
         let distance = towards.length();
         if distance <= sphere.radius {
-            return Some(Seen {
+            return Some(SeenError {
                 error_pixels: f64::INFINITY,
                 error: Radians(FRAC_PI_2),
                 eccentricity: self.spread.effective(Radians(0.0)),
@@ -86,7 +86,7 @@ impl Sight {
         let angle = error / (distance - sphere.radius);
         let eccentricity = self.glance.eccentricity(nearest);
         let across = Radians(radius.0 * scale).to_degrees();
-        Some(Seen {
+        Some(SeenError {
             error_pixels: angle * self.pixels,
             error: Radians(angle * scale),
             eccentricity: self.spread.effective(eccentricity),

@@ -18,6 +18,8 @@ const FIXED_BYTES: usize = 24;
 const GPU_BYTES_OF_UNIT: u64 = 256;
 /// Bytes of a vertex on the GPU, and of its number in a cluster.
 const GPU_BYTES_OF_VERTEX: u64 = 16;
+/// Bytes of a triangle on the GPU, and of its corners in the list of what is drawn.
+const GPU_BYTES_OF_TRIANGLE: u64 = 16;
 
 /// What a unit is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,7 +59,7 @@ impl UnitRow {
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
         u64::from(self.vertices) * GPU_BYTES_OF_VERTEX
-            + u64::from(self.triangles) * 4
+            + u64::from(self.triangles) * GPU_BYTES_OF_TRIANGLE
             + GPU_BYTES_OF_UNIT
     }
 

@@ -3,13 +3,21 @@
 //! What a GPU does between the steps of a drawing pass: it cuts triangles off at the least depth,
 //! rounds corners to 1/256 of a pixel, and gives a pixel on a common edge to one of two triangles.
 
-use crate::twin::draw_clusters::Corner;
 use glam::{DVec2, Vec2, Vec3, Vec4};
 
 /// Parts of a pixel that corners are rounded to.
 const PARTS: f64 = 256.0;
 /// Farthest place of a corner that is told from others, in parts of a pixel.
 const FARTHEST: f64 = (1_u64 << 29) as f64;
+
+/// What the corners of a triangle have, and what is between them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Corner {
+    pub(crate) position: Vec4,
+    pub(crate) place: Vec3,
+    pub(crate) normal: Vec3,
+    pub(crate) colour: Vec3,
+}
 
 /// A pixel that a triangle covers.
 #[derive(Clone, Copy, Debug)]

@@ -8,7 +8,7 @@ use foveal_core::content::mesh::payload::MeshVertex;
 use glam::{Vec3, Vec4};
 
 /// What a view shows, and objects where they stand.
-pub(crate) struct Scene {
+pub(crate) struct SceneInView {
     pub(crate) params: SceneParams,
     pub(crate) placements: Vec<PlacementParams>,
 }
@@ -22,8 +22,8 @@ pub(crate) fn triangles_of(block: &DrawnCluster<'_>) -> u32 {
     block.placed.clusters[block.cluster].triangles.len() as u32
 }
 
-/// Which of a cluster's vertices is at a corner of its triangles. In a mirror corners come the other
-/// way round.
+/// Which of a cluster's vertices is at a corner of its triangles. In a mirror corners come the
+/// other way round.
 pub(crate) fn vertex_at(block: &DrawnCluster<'_>, mirrored: bool, corner: u32) -> u32 {
     let turn = corner % 3;
     let taken = if mirrored { (3 - turn) % 3 } else { turn };

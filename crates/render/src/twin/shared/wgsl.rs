@@ -44,3 +44,10 @@ pub(crate) fn texture_sample_level(levels: &[RgbaImage], place: Vec2, level: f32
         mix(finer, texture_sample(coarser, place), level - low)
     })
 }
+
+/// What an rgba8 target makes of a colour.
+pub(crate) fn code(colour: Vec4) -> [u8; 4] {
+    (colour.clamp(Vec4::ZERO, Vec4::ONE) * 255.0)
+        .to_array()
+        .map(|c| (c + 0.5) as u8)
+}

@@ -1,16 +1,16 @@
 //! Which meshes are builds tried on?
 
-use crate::source::{Material, Source, SourceMesh, SourceObject};
+use crate::source::{Material, SourceMesh, SourceObject, SourceScene};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::TAU;
 
-fn source(mesh: SourceMesh, materials: Vec<Material>) -> Source {
+fn source(mesh: SourceMesh, materials: Vec<Material>) -> SourceScene {
     let object = SourceObject {
         name: "object".to_owned(),
         mesh: 0,
         placements: vec![DAffine3::IDENTITY],
     };
-    Source {
+    SourceScene {
         objects: vec![object],
         meshes: vec![mesh],
         materials,
@@ -30,7 +30,7 @@ fn cells(rows: u32, columns: u32, at: impl Fn(u32, u32) -> u32) -> Vec<[u32; 3]>
 }
 
 /// A closed torus with bumps: twice `around` times `along` triangles.
-pub(crate) fn torus(around: u32, along: u32) -> Source {
+pub(crate) fn torus(around: u32, along: u32) -> SourceScene {
     let vertices = (0..around).flat_map(|u| (0..along).map(move |v| (u, v)));
     let position = |(u, v)| {
         let [u, v] = [
@@ -50,7 +50,7 @@ pub(crate) fn torus(around: u32, along: u32) -> Source {
 }
 
 /// A sphere with a seam: normals lie askew, and colours differ, on its two sides.
-pub(crate) fn sphere(around: u32, along: u32) -> Source {
+pub(crate) fn sphere(around: u32, along: u32) -> SourceScene {
     let vertices = (0..=around).flat_map(|u| (0..=along).map(move |v| (u, v)));
     let mut mesh = SourceMesh::default();
     for (u, v) in vertices {
@@ -75,7 +75,7 @@ pub(crate) fn sphere(around: u32, along: u32) -> Source {
 }
 
 /// An open sheet with waves.
-pub(crate) fn sheet(side: u32) -> Source {
+pub(crate) fn sheet(side: u32) -> SourceScene {
     let vertices = (0..=side).flat_map(|u| (0..=side).map(move |v| (u, v)));
     let position = |(u, v)| {
         let [x, z] = [u, v].map(|it: u32| f64::from(it) / f64::from(side));
@@ -90,7 +90,7 @@ pub(crate) fn sheet(side: u32) -> Source {
 }
 
 /// A cube whose sides have two materials in turn; each side has vertices of its own.
-pub(crate) fn two_materials(side: u32) -> Source {
+pub(crate) fn two_materials(side: u32) -> SourceScene {
     let mut mesh = SourceMesh::default();
     for face in 0..6_u32 {
         let first = mesh.positions.len() as u32;
@@ -116,7 +116,7 @@ pub(crate) fn two_materials(side: u32) -> Source {
 }
 
 /// Triangles that all share one edge, a zero-area one, and one twice.
-pub(crate) fn fan(blades: u32) -> Source {
+pub(crate) fn fan(blades: u32) -> SourceScene {
     let mut mesh = SourceMesh {
         positions: vec![DVec3::ZERO, DVec3::Y],
         ..Default::default()
@@ -131,7 +131,7 @@ pub(crate) fn fan(blades: u32) -> Source {
 }
 
 /// Tetrahedra that lie about.
-pub(crate) fn many_pieces(count: u32) -> Source {
+pub(crate) fn many_pieces(count: u32) -> SourceScene {
     let mut mesh = SourceMesh::default();
     for piece in 0..count {
         let first = mesh.positions.len() as u32;
@@ -150,7 +150,7 @@ pub(crate) fn many_pieces(count: u32) -> Source {
 }
 
 /// A triangle.
-pub(crate) fn triangle() -> Source {
+pub(crate) fn triangle() -> SourceScene {
     let mesh = SourceMesh {
         positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
         triangles: vec![[0, 1, 2]],

@@ -65,7 +65,7 @@ pub(super) struct Mesh {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Primitive {
-    pub(super) attributes: Attributes,
+    pub(super) attributes: GltfAttributes,
     pub(super) indices: Option<u32>,
     pub(super) material: Option<u32>,
     pub(super) mode: Option<u32>,
@@ -75,7 +75,7 @@ pub(super) struct Primitive {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "UPPERCASE")]
-pub(super) struct Attributes {
+pub(super) struct GltfAttributes {
     pub(super) position: Option<u32>,
     pub(super) normal: Option<u32>,
     #[serde(rename = "COLOR_0")]

@@ -12,20 +12,24 @@ use std::collections::HashMap;
 use super::error::Fault;
 use super::files::Folder;
 use super::text::shortened;
-use crate::source::{Material, Repairs, Source, SourceObject};
+use crate::source::{Material, Repairs, SourceObject, SourceScene};
 use accessor::Accessors;
 use buffers::Buffers;
 use json::{Document, GltfMaterial};
 use mesh::MeshReader;
 
 /// Reads a `.gltf` or `.glb` file; objects without a name are called `name` and a number.
-pub(super) fn read(bytes: &[u8], name: &str, folder: &mut dyn Folder) -> Result<Source, Fault> {
+pub(super) fn read(
+    bytes: &[u8],
+    name: &str,
+    folder: &mut dyn Folder,
+) -> Result<SourceScene, Fault> {
     let (document, binary) = container::parse(bytes)?;
     let accessors = Accessors {
         document: &document,
         buffers: Buffers::read(&document, binary, folder)?,
     };
-    let mut scene = Source::default();
+    let mut scene = SourceScene::default();
     let mut materials: Vec<Material> = document.materials.iter().map(material).collect();
     let mut meshes = MeshReader {
         accessors: &accessors,
@@ -101,7 +105,11 @@ fn material(said: &GltfMaterial) -> Material {
 }
 
 /// Says what of the file's looks is not drawn.
-fn add_remarks<'a>(scene: &mut Source, document: &Document, meshes: impl Iterator<Item = &'a u32>) {
+fn add_remarks<'a>(
+    scene: &mut SourceScene,
+    document: &Document,
+    meshes: impl Iterator<Item = &'a u32>,
+) {
     if !document.textures.is_empty() {
         scene.remark_textures();
     }

@@ -15,13 +15,17 @@ use super::error::Fault;
 use super::files::Folder;
 use super::sound::count;
 use super::text::{Words, lines, shortened};
-use crate::source::{Material, Source, SourceMesh, SourceObject};
+use crate::source::{Material, SourceMesh, SourceObject, SourceScene};
 use mtl::Library;
 
 /// Reads an OBJ file into one object called `name`.
-pub(super) fn read(bytes: &[u8], name: &str, folder: &mut dyn Folder) -> Result<Source, Fault> {
+pub(super) fn read(
+    bytes: &[u8],
+    name: &str,
+    folder: &mut dyn Folder,
+) -> Result<SourceScene, Fault> {
     let mut reader = Reader {
-        scene: Source::default(),
+        scene: SourceScene::default(),
         mesh: SourceMesh::default(),
         places: Vec::new(),
         place_colours: Vec::new(),
@@ -41,7 +45,7 @@ pub(super) fn read(bytes: &[u8], name: &str, folder: &mut dyn Folder) -> Result<
 }
 
 struct Reader<'a> {
-    scene: Source,
+    scene: SourceScene,
     mesh: SourceMesh,
     /// What `v` lines say.
     places: Vec<DVec3>,
@@ -256,7 +260,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn finish(mut self, name: &str) -> Source {
+    fn finish(mut self, name: &str) -> SourceScene {
         self.scene.objects.push(SourceObject {
             name: name.to_owned(),
             mesh: 0,

@@ -6,7 +6,7 @@ use super::super::files::{Files, Nowhere};
 use super::super::mangle::cut_and_flip;
 use super::super::{SceneFormat, read_anything};
 use super::read;
-use crate::source::Source;
+use crate::source::SourceScene;
 
 const MTL: &str = "newmtl dull red\nKd 0.5 0 0\nd 0.25\nnewmtl grey\nKd 1\nmap_Kd a.png\n";
 const SQUARE: &str = "\
@@ -18,7 +18,7 @@ fn files(mtl: &str) -> Files {
     Files(BTreeMap::from([("a.mtl", mtl.as_bytes().to_vec())]))
 }
 
-fn scene(text: &str) -> Source {
+fn scene(text: &str) -> SourceScene {
     read(text.as_bytes(), "a", &mut files(MTL)).unwrap()
 }
 

@@ -11,12 +11,12 @@ use glam::{DAffine3, DVec3};
 use super::colour::linear_from_rgba;
 use super::error::Fault;
 use super::sound::count;
-use crate::source::{Material, Repairs, Source, SourceMesh, SourceObject};
+use crate::source::{Material, Repairs, SourceMesh, SourceObject, SourceScene};
 use header::{Element, PlyHeader, Property, Scalar};
 use numbers::Numbers;
 
 /// Reads a PLY file into one object called `name`.
-pub(super) fn read(bytes: &[u8], name: &str) -> Result<Source, Fault> {
+pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     let header = PlyHeader::parse(bytes)?;
     let mut numbers = Numbers::of(&header, bytes);
     let mut reader = Reader::default();
@@ -34,7 +34,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Source, Fault> {
         count(&mut reader.repairs, "points_left_out", points);
         reader.mesh = SourceMesh::default();
     }
-    let mut scene = Source {
+    let mut scene = SourceScene {
         objects: vec![SourceObject {
             name: name.to_owned(),
             mesh: 0,
@@ -46,7 +46,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Source, Fault> {
             ..Material::default()
         }],
         repairs: reader.repairs,
-        ..Source::default()
+        ..SourceScene::default()
     };
     if header.has_textures {
         scene.remark_textures();

@@ -3,7 +3,7 @@
 use super::super::mangle::cut_and_flip;
 use super::super::{SceneFormat, read_anything};
 use super::read;
-use crate::source::Source;
+use crate::source::SourceScene;
 
 const POSITIONS: [[f64; 3]; 5] = [
     [10_000_000.001, 0.0, 0.0],
@@ -65,7 +65,7 @@ fn ply(encoding: Write) -> Vec<u8> {
     file
 }
 
-fn scene(bytes: &[u8]) -> Source {
+fn scene(bytes: &[u8]) -> SourceScene {
     read(bytes, "a").unwrap()
 }
 

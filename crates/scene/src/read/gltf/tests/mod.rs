@@ -7,10 +7,10 @@ mod scenes;
 
 use super::super::files::Nowhere;
 use super::read;
-use crate::source::Source;
+use crate::source::SourceScene;
 use made::Made;
 
-fn scene(made: &Made) -> Source {
+fn scene(made: &Made) -> SourceScene {
     read(&made.glb(), "a", &mut Nowhere).unwrap()
 }
 

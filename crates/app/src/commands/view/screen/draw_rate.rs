@@ -10,11 +10,11 @@ const MOST: usize = 512;
 
 /// When pictures were drawn lately.
 #[derive(Clone, Debug, Default)]
-pub(super) struct DrawRate(VecDeque<f64>);
+pub(crate) struct DrawRate(VecDeque<f64>);
 
 impl DrawRate {
     /// A picture was drawn.
-    pub(super) fn note(&mut self, at: Seconds) {
+    pub(crate) fn note(&mut self, at: Seconds) {
         if self.0.len() == MOST {
             self.0.pop_front();
         }
@@ -22,7 +22,7 @@ impl DrawRate {
     }
 
     /// Pictures in the second before `now`.
-    pub(super) fn per_second(&self, now: Seconds) -> usize {
+    pub(crate) fn per_second(&self, now: Seconds) -> usize {
         let lately = |at: &&f64| now.0 - **at < WINDOW_S;
         self.0.iter().filter(lately).count()
     }

@@ -1,0 +1,154 @@
+//! Where does a viewer of a scene stand and look, at any time?
+
+use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
+use crate::report::output::{self, WrongUsage};
+use anyhow::{Context, bail};
+use foveal_core::content::scene::sight::Sphere;
+use foveal_core::gaze::read::route::parse_route;
+use foveal_core::gaze::sample::{GazeSample, HeadPose};
+use foveal_core::perception::moment::Moment;
+use foveal_core::perception::parameters::Parameters;
+use foveal_core::units::Seconds;
+use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::route::{EyePose, Route};
+use foveal_core::view::surface::{Screen, Surface};
+use std::path::Path;
+
+/// How far a gaze stays from the route's forward, in degrees.
+const MOST_GAZE_DEG: f64 = 20.0;
+
+/// Reads the value of `--route`.
+pub(crate) fn route_of(text: &str) -> anyhow::Result<Route> {
+    Ok(match text {
+        "still" => Route::Still,
+        "orbit" => Route::Orbit,
+        file => {
+            let text = output::read_text(Path::new(file), "a route")?;
+            parse_route(&text).with_context(|| {
+                format!(
+                    "--route {file}: give still, orbit or a file with t_s,x,y,z,yaw_deg,pitch_deg"
+                )
+            })?
+        }
+    })
+}
+
+/// Somebody who moves along a route and looks round.
+pub(crate) struct Mover {
+    route: Route,
+    gaze: GazeSource,
+    bounds: Sphere,
+    view: EyeView,
+}
+
+/// What is so of a viewer when a picture is shown.
+pub(crate) struct Standing {
+    /// What is shown.
+    pub(crate) view: EyeView,
+    /// Where the eye does look, in the world.
+    pub(crate) gaze: GazeSample,
+    /// What was known of that in time.
+    pub(crate) moment: Moment,
+}
+
+impl Mover {
+    /// Along `route` with a gaze that counts from its forward, for so long.
+    pub(crate) fn new(
+        (route, bounds): (Route, Sphere),
+        choice: &GazeChoice,
+        seed: u64,
+        length: Seconds,
+        viewer: &ViewerModel,
+    ) -> anyhow::Result<Self> {
+        match choice {
+            GazeChoice::Head(_) | GazeChoice::Live(_) => bail!(WrongUsage(
+                "--gaze: a scene is simulated with YAW,PITCH, center, scan or trace:FILE; a live \
+                 gaze is for `foveal view`, a head for --route"
+                    .to_owned()
+            )),
+            GazeChoice::At(at) if at.iter().any(|it| it.abs() > MOST_GAZE_DEG) => {
+                bail!(output::out_of_range(
+                    "--gaze",
+                    format!("{},{}", at[0], at[1]),
+                    "at most 20 degrees from the route's forward"
+                ))
+            }
+            GazeChoice::At(_) | GazeChoice::Scan | GazeChoice::Trace(_) => {}
+        }
+        // A gaze wanders over what lies within 20 degrees of straight ahead.
+        let mut reach = Surface::flat([1000, 1000], Screen::default());
+        reach.tangents = [MOST_GAZE_DEG.to_radians().tan(); 2];
+        Ok(Self {
+            gaze: GazeSource::new(choice, &reach, seed, length, viewer)?,
+            route,
+            bounds,
+            view: EyeView::filling(&reach, [1, 1]),
+        })
+    }
+
+    /// The same through this view, wherever it is.
+    pub(crate) fn through(self, view: EyeView) -> Self {
+        Self { view, ..self }
+    }
+
+    /// The viewer at a time; times must not decrease.
+    pub(crate) fn at(&mut self, time: Seconds, parameters: &Parameters) -> Standing {
+        let look = self.gaze.look(time);
+        let sphere = (self.bounds.centre, self.bounds.radius);
+        let pose = self.route.pose(time, sphere, &self.view.field);
+        let view = pose.view(&self.view);
+        let expected = &look.expected;
+        Standing {
+            gaze: in_world(&look.gaze, &pose),
+            moment: Moment {
+                gaze: in_world(&expected.gaze, &pose),
+                head: HeadPose::of(&pose.axes),
+                state: parameters.eye_state(expected.event, expected.since_saccade),
+                views: vec![view],
+                behind_sound: None,
+            },
+            view,
+        }
+    }
+}
+
+/// A gaze that counts from straight ahead, in the world.
+fn in_world(gaze: &GazeSample, pose: &EyePose) -> GazeSample {
+    GazeSample {
+        gaze_in_content: pose.world_from_head(gaze.gaze_in_content).normalize(),
+        ..*gaze
+    }
+}
+
+/// Bytes as people write them: `100KB`, `32MB`, `1GB`, or a number alone.
+pub(crate) fn parse_bytes(text: &str) -> anyhow::Result<u64> {
+    let units = [("KB", 1e3), ("MB", 1e6), ("GB", 1e9), ("B", 1.0)];
+    let upper = text.trim().to_ascii_uppercase();
+    let of_unit = |(name, unit): &(&str, f64)| Some((upper.strip_suffix(name)?.to_owned(), *unit));
+    let (number, unit) = units
+        .iter()
+        .find_map(of_unit)
+        .unwrap_or((upper.clone(), 1.0));
+    let bytes = number.trim().parse::<f64>().map(|number| number * unit);
+    match bytes {
+        Ok(bytes) if (1.0..=1e15).contains(&bytes) => Ok(bytes as u64),
+        _ => bail!("\"{text}\": expected bytes as 100KB, 32MB or 1GB"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_are_read_as_people_write_them() {
+        let read = |text| parse_bytes(text).ok();
+        assert_eq!(read("100KB"), Some(100_000));
+        assert_eq!(read("32mb"), Some(32_000_000));
+        assert_eq!(read("1.5 GB"), Some(1_500_000_000));
+        assert_eq!(read("512"), Some(512));
+        for text in ["", "KB", "-1MB", "1TB", "nan", "0"] {
+            assert_eq!(read(text), None, "{text}");
+        }
+    }
+}

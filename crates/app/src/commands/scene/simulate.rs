@@ -1,0 +1,310 @@
+//! What does an eye get from a scene, and what did that take?
+
+use crate::commands::scene::judging::{Judge, JudgedFrame};
+use crate::commands::scene::moving::{Mover, route_of};
+use crate::commands::scene::scene_info::BytesByKind;
+use crate::commands::score::ScoreReport;
+use crate::commands::simulate_options::{SimulateArgs, WrittenPictures};
+use crate::options::renderer::open_device;
+use crate::report::output::{self, WrongUsage};
+use crate::report::picture_file::write_png;
+use anyhow::{Context, bail};
+use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::scene::demand::why_not;
+use foveal_core::session::log::sha256_hex;
+use foveal_core::units::{Seconds, counted};
+use foveal_core::view::axes::Axes;
+use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::eye_view::Field;
+use foveal_media::pack::scene_file::SceneFile;
+use foveal_play::{ScenePlayer, ScenePlayerOptions, SceneReport};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Pixels of a view that is not given.
+const VIEW: [u32; 2] = [1280, 800];
+/// Frames that are made where no number is given.
+const FRAMES: u32 = 120;
+/// Frames a second where no interval is given.
+const RATE: f64 = 30.0;
+
+/// What a run took.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct SceneSummary {
+    policy: &'static str,
+    frames: usize,
+    /// All bytes: head, pages of index and table, units.
+    bytes: u64,
+    /// Bytes until the first picture.
+    first_picture_bytes: u64,
+    /// Bytes until the fovea was within 1 % of full detail, and when; null where it never was, or
+    /// nothing draws.
+    bytes_to_fovea: Option<u64>,
+    seconds_to_fovea: Option<f64>,
+    /// The same error in the last frame, in the fovea and over the whole picture.
+    error_fovea: Option<f64>,
+    error_all: Option<f64>,
+    /// Units on screen in the last frame, by level.
+    units_by_level: Vec<u32>,
+    bytes_by_kind: BytesByKind,
+    triangles_mean: f64,
+    cpu_ms_per_frame: f64,
+    choose_ms_per_frame: f64,
+    gpu_bytes: u64,
+    /// Null: packs of scenes do not tell what units add.
+    detail_share_mean: Option<f64>,
+    damaged_units: u64,
+    log_sha256: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    score: Option<ScoreReport>,
+}
+
+/// A frame of the run.
+struct Frame {
+    time: Seconds,
+    bytes: u64,
+    report: SceneReport,
+    /// Triangles of what is drawn, in each place where it stands; 0 where nothing draws.
+    triangles: u64,
+    judged: Option<JudgedFrame>,
+}
+
+pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
+    args.check_scene()?;
+    let file = Arc::new(SceneFile::open(&args.pack)?);
+    let config = args.scene_config()?;
+    let view = args.scene_view()?;
+    let drawing = open_device(args.renderer)?;
+    let link = args.watching.link();
+    let interval = args.interval.map_or(1.0 / RATE, |interval| interval.0);
+    let bytes_per_s = match args.budget {
+        Some(budget) => budget as f64 / interval,
+        None => link.bytes_per_s,
+    };
+    let options = ScenePlayerOptions {
+        config: config.clone(),
+        drawing: drawing.clone(),
+        bytes_per_s,
+        gpu_bytes: args.gpu_memory,
+        tell: output::say,
+    };
+    let mut player = ScenePlayer::new(Arc::clone(&file), options)?;
+    let frames = args.frames.unwrap_or(FRAMES);
+    let length = Seconds(f64::from(frames) * interval);
+    let route = (route_of(&args.route)?, player.scene().bounds());
+    let viewer = args.watching.viewer()?;
+    let mut mover = Mover::new(route, &args.gaze, args.seed, length, &viewer)?.through(view);
+    let fps = (frames > 1).then_some(1.0 / interval);
+    let mut judge = Judge::open(&args.scoring, &file, &view, &drawing, fps)?;
+    std::fs::create_dir_all(&args.out)
+        .with_context(|| format!("--out {}: the folder cannot be made", args.out.display()))?;
+    let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
+    let mut shown = Vec::new();
+    for frame in 0..frames {
+        let time = Seconds(f64::from(frame) * interval);
+        let standing = mover.at(time, &config.perception);
+        let report = player.show(time, &standing.moment)?;
+        let judged = judge.frame(&mut player, &standing, &report)?;
+        if args.pictures == WrittenPictures::Png && frame.is_multiple_of(args.every) {
+            write_picture(&mut player, args, frame, &standing.view)?;
+        }
+        let head = if frame == 0 { player.head_bytes() } else { 0 };
+        shown.push(Frame {
+            time: Seconds(time.0 + link.delay.0),
+            bytes: head + report.unit_bytes + report.page_bytes,
+            report,
+            triangles: player.drawer().triangles_drawn(),
+            judged,
+        });
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let log = player.log().to_owned();
+    output::write_whole(&args.out.join("session.jsonl"), log.as_bytes())?;
+    output::write_whole(&args.out.join("frames.csv"), csv(&shown).as_bytes())?;
+    let score = judge.score(args.gaze.as_judged())?;
+    let summary = summarise(config.policy, &shown, &mut player, score);
+    output::result(args.json, &summary, &summary.text(&args.out))
+}
+
+impl SimulateArgs {
+    fn check_scene(&self) -> anyhow::Result<()> {
+        self.check_counts()?;
+        let is_video = [
+            (self.start > 0, "--start: a scene has no frames in time"),
+            (self.paced, "--paced: a scene has no frames in time"),
+            (
+                self.heat_map,
+                "--heat-map: marks tiles, and a scene has none",
+            ),
+            (
+                self.pictures == WrittenPictures::Video,
+                "--pictures video: scenes are written as png, or none",
+            ),
+            (
+                self.budget.is_some() && self.watching.link.is_some(),
+                "--budget, --link: give one of them",
+            ),
+        ];
+        match is_video.into_iter().find(|(is_given, _)| *is_given) {
+            Some((_, why)) => bail!(WrongUsage(why.to_owned())),
+            None => Ok(()),
+        }
+    }
+
+    /// The policy, where scenes are chosen by it.
+    fn scene_config(&self) -> anyhow::Result<PolicyConfig> {
+        let config = self
+            .policy
+            .config_of(self.policy.policy.unwrap_or(Policy::Acuity))?;
+        let name = config.policy.name();
+        if let Some(why) = why_not(config.policy) {
+            let others = Policy::ALL
+                .into_iter()
+                .filter(|policy| why_not(*policy).is_none());
+            let others: Vec<&str> = others.map(Policy::name).collect();
+            bail!(WrongUsage(format!(
+                "--policy {name}: {why}; scenes are chosen by {}",
+                others.join(", ")
+            )));
+        }
+        let is_limited = self.watching.link.is_some() || self.budget.is_some();
+        if is_limited && !config.policy.spends_a_budget() {
+            bail!(WrongUsage(format!(
+                "--link, --budget: {name} spends no budget; give --policy uniform or eccentricity"
+            )));
+        }
+        Ok(config)
+    }
+
+    /// The view, before anybody stands anywhere.
+    fn scene_view(&self) -> anyhow::Result<EyeView> {
+        let size = self.view.size_or(VIEW)?;
+        Ok(EyeView {
+            position: Default::default(),
+            axes: Axes::FRONT,
+            field: Field::of_larger_side(self.view.fov()?, size),
+            size,
+            eye: Default::default(),
+        })
+    }
+}
+
+fn write_picture(
+    player: &mut ScenePlayer,
+    args: &SimulateArgs,
+    frame: u32,
+    view: &EyeView,
+) -> anyhow::Result<()> {
+    match player.picture(view)? {
+        Some(image) => write_png(&args.out.join(format!("frame_{frame:05}.png")), &image),
+        None => Ok(()),
+    }
+}
+
+fn summarise(
+    policy: Policy,
+    frames: &[Frame],
+    player: &mut ScenePlayer,
+    score: Option<ScoreReport>,
+) -> SceneSummary {
+    let count = frames.len().max(1) as f64;
+    let bytes: Vec<u64> = frames
+        .iter()
+        .scan(0, |sum, frame| {
+            *sum += frame.bytes;
+            Some(*sum)
+        })
+        .collect();
+    let is_there = |frame: &Frame| frame.judged.is_some_and(|judged| judged.fovea <= 0.01);
+    let there = frames.iter().position(is_there);
+    let last = frames.last();
+    let judged = last.and_then(|frame| frame.judged);
+    let mean = |of: &dyn Fn(&Frame) -> f64| frames.iter().map(of).sum::<f64>() / count;
+    let ms = |duration: Duration| duration.as_secs_f64() * 1e3;
+    SceneSummary {
+        policy: policy.name(),
+        frames: frames.len(),
+        bytes: bytes.last().copied().unwrap_or_default(),
+        first_picture_bytes: bytes.first().copied().unwrap_or_default(),
+        bytes_to_fovea: there.map(|at| bytes[at]),
+        seconds_to_fovea: there.map(|at| frames[at].time.0),
+        error_fovea: judged.map(|it| it.fovea),
+        error_all: judged.map(|it| it.all),
+        units_by_level: last.map_or_else(Vec::new, |it| it.report.units_by_level.clone()),
+        bytes_by_kind: BytesByKind {
+            mesh: frames.iter().map(|frame| frame.report.unit_bytes).sum(),
+            ..BytesByKind::default()
+        },
+        triangles_mean: mean(&|frame| frame.triangles as f64),
+        cpu_ms_per_frame: mean(&|frame| ms(frame.report.cpu)),
+        choose_ms_per_frame: mean(&|frame| ms(frame.report.choose)),
+        gpu_bytes: player.drawer().gpu_bytes(),
+        detail_share_mean: None,
+        damaged_units: player.damaged_units(),
+        log_sha256: sha256_hex(player.log().as_bytes()),
+        score,
+    }
+}
+
+impl SceneSummary {
+    fn text(&self, out: &Path) -> String {
+        let mut text = format!(
+            "{} under {}: {} ({} until the first picture), {:.0} triangles and {:.1} ms of \
+             processor time a frame, {} on the GPU\n",
+            counted(self.frames, "frame"),
+            self.policy,
+            output::size(self.bytes),
+            output::size(self.first_picture_bytes),
+            self.triangles_mean,
+            self.cpu_ms_per_frame,
+            output::size(self.gpu_bytes),
+        );
+        if let (Some(fovea), Some(all)) = (self.error_fovea, self.error_all) {
+            let _ = writeln!(
+                text,
+                "off full detail by {:.2} % in the fovea and {:.2} % over the picture at the end",
+                100.0 * fovea,
+                100.0 * all
+            );
+        }
+        if let (Some(bytes), Some(seconds)) = (self.bytes_to_fovea, self.seconds_to_fovea) {
+            let bytes = output::size(bytes);
+            let _ = writeln!(
+                text,
+                "the fovea was within 1 % after {bytes}, {seconds:.2} s"
+            );
+        }
+        if let Some(score) = &self.score {
+            text += &score.text();
+        }
+        let _ = write!(text, "written to {}", out.display());
+        text
+    }
+}
+
+fn csv(frames: &[Frame]) -> String {
+    let mut text =
+        "frame,t_s,bytes,units,triangles,choose_ms,cpu_ms,error_fovea,error_all\n".to_owned();
+    for (number, frame) in frames.iter().enumerate() {
+        let report = &frame.report;
+        let [fovea, all] = match frame.judged {
+            Some(judged) => [judged.fovea, judged.all].map(|it| it.to_string()),
+            None => Default::default(),
+        };
+        let _ = writeln!(
+            text,
+            "{number},{},{},{},{},{:.3},{:.3},{fovea},{all}",
+            frame.time.0,
+            frame.bytes,
+            report.units_by_level.iter().sum::<u32>(),
+            frame.triangles,
+            report.choose.as_secs_f64() * 1e3,
+            report.cpu.as_secs_f64() * 1e3,
+        );
+    }
+    text
+}

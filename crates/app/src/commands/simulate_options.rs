@@ -1,0 +1,129 @@
+//! What can a person ask of a simulation?
+
+use crate::commands::scene::moving::parse_bytes;
+use crate::commands::simulate_score::ScoringOptions;
+use crate::gaze_source::{GazeChoice, parse_gaze};
+use crate::options::decoding::DecodingOptions;
+use crate::options::link::parse_delay;
+use crate::options::policy::{PolicyOptions, ViewOptions};
+use crate::options::renderer::RendererName;
+use crate::options::showing::{EyeName, ShowingOptions};
+use crate::options::watching::Watching;
+use crate::report::output::out_of_range;
+use anyhow::bail;
+use clap::{Args, ValueEnum};
+use foveal_core::units::Seconds;
+use std::path::PathBuf;
+
+/// Most frames between two pictures.
+const MOST_EVERY: u32 = 10_000;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum WrittenPictures {
+    /// One PNG a frame.
+    Png,
+    /// One video.
+    Video,
+    /// None: only figures.
+    None,
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct SimulateArgs {
+    /// The pack.
+    pub(crate) pack: PathBuf,
+    /// YAW,PITCH in degrees, center, scan, trace:FILE, head:FILE, udp:PORT, ws:URL or osc:PORT.
+    ///
+    /// The last three are live: frames are then played when they are due.
+    #[arg(
+        long,
+        value_name = "G",
+        default_value = "scan",
+        allow_hyphen_values = true
+    )]
+    #[arg(value_parser = parse_gaze)]
+    pub(crate) gaze: GazeChoice,
+    #[command(flatten)]
+    pub(crate) policy: PolicyOptions,
+    #[command(flatten)]
+    pub(crate) watching: Watching,
+    #[command(flatten)]
+    pub(crate) view: ViewOptions,
+    #[command(flatten)]
+    pub(crate) showing: ShowingOptions,
+    /// First frame to play; decoding starts at its group's key frame, without showing.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) start: u32,
+    /// Stop after this many frames (default: all).
+    #[arg(long, value_name = "N")]
+    pub(crate) frames: Option<u32>,
+    /// Folder for pictures, frames.csv and session.jsonl; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// What pictures to write.
+    #[arg(long, value_enum, default_value = "png")]
+    pub(crate) pictures: WrittenPictures,
+    /// Whose picture to write, of content for two eyes; both lie side by side.
+    #[arg(long, value_enum, default_value = "left")]
+    pub(crate) eye: EyeName,
+    /// Write every Nth picture.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) every: u32,
+    /// Draw levels as colours, tile borders and the gaze over the pictures.
+    #[arg(long)]
+    pub(crate) heat_map: bool,
+    /// What draws the pictures.
+    #[arg(long, value_enum, default_value = "gpu")]
+    pub(crate) renderer: RendererName,
+    /// Show a frame when its time is over, a coarser level standing in for tiles that are late;
+    /// otherwise every frame is waited for.
+    #[arg(long)]
+    pub(crate) paced: bool,
+    #[command(flatten)]
+    pub(crate) decoding: DecodingOptions,
+    /// Seed of the scan path.
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) scoring: ScoringOptions,
+    /// Scenes: where the eye is: still, orbit or a file with t_s,x,y,z,yaw_deg,pitch_deg.
+    #[arg(long, value_name = "R", default_value = "still")]
+    pub(crate) route: String,
+    /// Scenes: bytes that can be spent in each interval, as 100KB, in the place of --link.
+    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
+    pub(crate) budget: Option<u64>,
+    /// Scenes: time from one picture to the next, in ms (default: 33.3).
+    #[arg(long, value_name = "MS", value_parser = parse_interval)]
+    pub(crate) interval: Option<Seconds>,
+    /// Scenes: most memory on the GPU.
+    #[arg(long, value_name = "BYTES", value_parser = parse_bytes, default_value = "256MB")]
+    pub(crate) gpu_memory: u64,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+impl SimulateArgs {
+    /// Checks how many pictures are made and written.
+    pub(crate) fn check_counts(&self) -> anyhow::Result<()> {
+        if !(1..=MOST_EVERY).contains(&self.every) {
+            bail!(out_of_range(
+                "--every",
+                self.every,
+                &format!("1 to {MOST_EVERY}")
+            ));
+        }
+        if self.frames == Some(0) {
+            bail!(out_of_range("--frames", 0, "at least 1"));
+        }
+        Ok(())
+    }
+}
+
+/// Reads an interval, as 200ms.
+fn parse_interval(text: &str) -> anyhow::Result<Seconds> {
+    match parse_delay(text) {
+        Ok(interval) if interval.0 >= 0.001 => Ok(interval),
+        _ => bail!("\"{text}\": expected 1 to 10000 ms, as 200ms"),
+    }
+}

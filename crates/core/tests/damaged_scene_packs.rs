@@ -1,0 +1,184 @@
+//! Can the bytes of a scene, of one of its units or of a route make their readers panic?
+
+// A test that cannot go on panics.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod scene_packs;
+
+use foveal_core::content::mesh::cut::MeshCut;
+use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
+use foveal_core::content::scene::description::SceneDescription;
+use foveal_core::content::scene::pack::parse_anything;
+use foveal_core::content::scene::unit_table::{UnitRow, read_units, write_units};
+use foveal_core::gaze::read::route;
+use foveal_core::pack::UnitNumbers;
+use foveal_core::pack::paged_table::PageDirectory;
+use foveal_core::pack::unit::UnitId;
+use foveal_core::view::random::Random;
+use scene_packs::{ATTRIBUTES, pack_of, repair_checksums, units};
+
+fn bytes_of_hex(hex: &str) -> Vec<u8> {
+    let digits: Vec<u8> = hex.bytes().filter(u8::is_ascii_hexdigit).collect();
+    let byte = |pair: &[u8]| u8::from_str_radix(core::str::from_utf8(pair).unwrap(), 16).unwrap();
+    digits.chunks(2).map(byte).collect()
+}
+
+/// One to four bytes of these become any others.
+fn damaged(good: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut bad = good.to_vec();
+    for _ in 0..1 + (random.unit() * 4.0) as usize {
+        let place = (random.unit() * bad.len() as f64) as usize;
+        bad[place] = (random.unit() * 256.0) as u8;
+    }
+    bad
+}
+
+#[test]
+fn a_table_of_units_is_that_of_the_test_vector() {
+    let vector = bytes_of_hex(TABLE);
+    let numbers = UnitNumbers::in_pages_of(64, &[1, 1]).unwrap();
+    let rows: Vec<UnitRow> = units().map(|(row, _)| row).to_vec();
+    assert_eq!(write_units(&rows, 64, &numbers), vector);
+    let directory = PageDirectory::parse(&vector, 2, vector.len() as u64).unwrap();
+    let read = (0..directory.len()).flat_map(|page| {
+        let place = directory.place(page);
+        let bytes = &vector[place.start as usize..place.end as usize];
+        read_units(&directory, page, bytes).unwrap()
+    });
+    assert_eq!(read.collect::<Vec<_>>(), rows);
+}
+
+#[test]
+fn units_of_a_mesh_are_those_of_the_test_vectors() {
+    for ((_, says), vector) in units().into_iter().zip([ROOT, FINER].map(bytes_of_hex)) {
+        assert_eq!(says.write(ATTRIBUTES), Ok(vector.clone()));
+        assert_eq!(MeshUnit::parse(&vector, ATTRIBUTES), Ok(says));
+    }
+}
+
+#[test]
+fn the_finer_unit_of_the_vectors_takes_the_place_of_the_root() {
+    let [(_, root), (row, finer)] = units();
+    let mut cut = MeshCut::default();
+    assert!(cut.insert(UnitId(1), &row.needs, &finer).is_err());
+    cut.insert(UnitId(0), &[], &root).unwrap();
+    cut.insert(UnitId(1), &row.needs, &finer).unwrap();
+    let drawn: Vec<UnitId> = cut.drawn().map(|(unit, ..)| unit).collect();
+    assert_eq!(drawn, [UnitId(1)]);
+}
+
+#[test]
+fn a_scene_that_needs_more_than_this_program_knows_is_refused() {
+    let json = |change: fn(&mut SceneDescription)| {
+        let pack = pack_of(|_| ());
+        let end = pack[64..].iter().position(|byte| *byte == b' ').unwrap();
+        let mut about = SceneDescription::parse(&pack[64..64 + end]).unwrap();
+        change(&mut about);
+        let json = serde_json::to_vec(&about).unwrap();
+        SceneDescription::parse(&json).map_err(|error| error.field)
+    };
+    assert!(json(|_| ()).is_ok());
+    let field = |field: &str| Err(field.to_owned());
+    let refused: [(fn(&mut SceneDescription), &str); 4] = [
+        (
+            |it| it.needs.push("textures".to_owned()),
+            "description.needs",
+        ),
+        (|it| it.kind = "points".to_owned(), "description.kind"),
+        (|it| it.units = vec![1, 0], "units"),
+        (|it| it.page = 0, "page"),
+    ];
+    for (change, expected) in refused {
+        assert_eq!(json(change), field(expected));
+    }
+}
+
+#[test]
+fn a_truncated_scene_is_refused() {
+    let good = pack_of(|_| ());
+    assert!(parse_anything(&good));
+    for length in (0..good.len()).step_by(7) {
+        assert!(!parse_anything(&good[..length]), "{length}");
+    }
+}
+
+#[test]
+fn a_generated_corpus_of_damaged_scenes_never_panics() {
+    let good = pack_of(|_| ());
+    let mut repaired = good.clone();
+    repair_checksums(&mut repaired);
+    assert_eq!(repaired, good, "a good pack is right as it is");
+    let mut random = Random::new(5);
+    let mut accepted = 0;
+    // Most of the pack is room in its description: damage what is written.
+    let end = good.iter().rposition(|byte| *byte == b'}').unwrap() + 1;
+    let chunks = good.iter().rposition(|byte| *byte == b' ').unwrap();
+    for _ in 0..4000 {
+        let written = [
+            damaged(&good[..end], &mut random),
+            good[end..chunks].to_vec(),
+        ];
+        let bad = [written.concat(), damaged(&good[chunks..], &mut random)];
+        for mut bad in [bad.concat(), [&good[..chunks], &bad[1]].concat()] {
+            let _ = parse_anything(&bad);
+            repair_checksums(&mut bad);
+            accepted += usize::from(parse_anything(&bad));
+        }
+    }
+    assert!(
+        accepted > 500,
+        "only {accepted} of 8000 were read to the end"
+    );
+}
+
+#[test]
+fn a_generated_corpus_of_damaged_units_never_panics() {
+    let mut random = Random::new(6);
+    for (_, says) in units() {
+        for colours in [false, true] {
+            let attributes = Attributes {
+                normals: true,
+                colours,
+            };
+            let good = says.write(attributes).unwrap();
+            for length in 0..good.len() {
+                assert!(MeshUnit::parse(&good[..length], attributes).is_err());
+            }
+            for _ in 0..4000 {
+                let bad = damaged(&good, &mut random);
+                if let Ok(unit) = MeshUnit::parse(&bad, attributes) {
+                    let mut cut = MeshCut::default();
+                    let _ = cut.insert(UnitId(0), &[], &unit);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_generated_corpus_of_damaged_routes_never_panics() {
+    let good = b"t_s,x,y,z,yaw_deg,pitch_deg\n0,0,1.6,3,0,0\n4,0,1.6,1,0,-20\n";
+    let mut random = Random::new(7);
+    assert!(route::parse_anything(good));
+    let mut refused = 0;
+    for _ in 0..5000 {
+        refused += usize::from(!route::parse_anything(&damaged(good, &mut random)));
+    }
+    assert!(refused > 1000, "only {refused} of 5000 were refused");
+}
+
+// The vectors of docs/formats/pack.md.
+const TABLE: &str = "";
+const ROOT: &str = "";
+const FINER: &str = "";
+
+#[test]
+fn print() {
+    let numbers = UnitNumbers::in_pages_of(64, &[1, 1]).unwrap();
+    let rows: Vec<UnitRow> = units().map(|(row, _)| row).to_vec();
+    let hex = |b: &[u8]| b.iter().map(|x| format!("{x:02x}")).collect::<String>();
+    println!("TABLE {}", hex(&write_units(&rows, 64, &numbers)));
+    for (_, u) in units() {
+        println!("UNIT {}", hex(&u.write(ATTRIBUTES).unwrap()));
+    }
+}

@@ -1,0 +1,245 @@
+//! What happens between a gaze and a picture of a scene, step by step?
+//!
+//! Choose, fetch, parse, draw: steps come one by one, as fast as they can be made, at times that
+//! whoever plays gives.
+
+use crate::error::PlayError;
+use crate::step::decide;
+use foveal_core::content::demand::Content;
+use foveal_core::content::payload::Payload;
+use foveal_core::content::policy::PolicyConfig;
+use foveal_core::content::scene::Scene;
+use foveal_core::content::unit::UnitRef;
+use foveal_core::pack::unit::UnitId;
+use foveal_core::perception::moment::Moment;
+use foveal_core::session::actions::{Cache, Now, Pace, SessionAction, SessionEvent};
+use foveal_core::session::bounds::Bounds;
+use foveal_core::session::session::{Session, SessionSettings};
+use foveal_core::session::unit_states::Piece;
+use foveal_core::units::Seconds;
+use foveal_core::view::eye_view::EyeView;
+use foveal_media::pack::scene_file::SceneFile;
+use foveal_render::{DrawDevice, Drawer, RgbaImage};
+use std::collections::HashSet;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Rounds in which what came is shown and more is asked for, at one time: where little may be under
+/// way at once, more takes another round.
+const MOST_ROUNDS: u32 = 10_000;
+
+/// How a scene is played.
+#[derive(Clone)]
+pub struct ScenePlayerOptions {
+    /// The policy with its parameters.
+    pub config: PolicyConfig,
+    /// What draws.
+    pub drawing: DrawDevice,
+    /// What a link brings, for policies that spend a budget; infinite for content at hand.
+    pub bytes_per_s: f64,
+    /// Bytes that units may take on the GPU.
+    pub gpu_bytes: u64,
+    /// Told what a person should know and no error is.
+    pub tell: fn(&str),
+}
+
+/// Plays a scene under one policy, without a window.
+pub struct ScenePlayer {
+    file: Arc<SceneFile>,
+    session: Session,
+    cache: Cache<Payload>,
+    drawer: Drawer,
+    /// Units that were needed so far, and the pages of index and table that told of them.
+    fetched: HashSet<UnitId>,
+    pages: [HashSet<u32>; 2],
+    log: String,
+    damaged: u64,
+    tell: fn(&str),
+}
+
+/// What a step was, and what it took.
+#[derive(Clone, Debug)]
+pub struct SceneReport {
+    /// Number of units on screen of each level, finest first.
+    pub units_by_level: Vec<u32>,
+    /// Bytes of units that this run had not needed before.
+    pub unit_bytes: u64,
+    /// Bytes of the pages of index and table that tell of them.
+    pub page_bytes: u64,
+    /// Whether more is wanted than is there.
+    pub is_refining: bool,
+    /// Time of choosing.
+    pub choose: Duration,
+    /// Time of choosing, parsing and handing what is new to what draws.
+    pub cpu: Duration,
+}
+
+impl ScenePlayer {
+    /// A player of an open scene.
+    ///
+    /// # Errors
+    /// It cannot be drawn.
+    pub fn new(file: Arc<SceneFile>, options: ScenePlayerOptions) -> Result<Self, PlayError> {
+        let scene = Arc::clone(file.scene());
+        // What draws may take an eighth more than units do.
+        let most = options.gpu_bytes - options.gpu_bytes / 8;
+        let drawer = Drawer::of_scene(&options.drawing, &scene, most)?;
+        let spends = options.config.policy.spends_a_budget();
+        let settings = SessionSettings {
+            policy: options.config,
+            bytes_per_s: spends.then_some(options.bytes_per_s),
+            since: Some(Seconds(0.0)),
+            zooms: false,
+            bounds: Bounds {
+                gpu: most,
+                ..Bounds::default()
+            },
+        };
+        Ok(Self {
+            session: Session::new(vec![scene as Arc<dyn Content>], settings),
+            cache: Cache::default(),
+            drawer,
+            fetched: HashSet::new(),
+            pages: Default::default(),
+            log: String::new(),
+            damaged: 0,
+            tell: options.tell,
+            file,
+        })
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> &Arc<Scene> {
+        self.file.scene()
+    }
+
+    /// What draws what the last step showed.
+    pub fn drawer(&mut self) -> &mut Drawer {
+        &mut self.drawer
+    }
+
+    /// The session log so far.
+    #[must_use]
+    pub fn log(&self) -> &str {
+        &self.log
+    }
+
+    /// Units that could not be read so far; coarser ones stand in for them.
+    #[must_use]
+    pub fn damaged_units(&self) -> u64 {
+        self.damaged
+    }
+
+    /// Bytes that come before any unit and page: header, description, directory of the table.
+    #[must_use]
+    pub fn head_bytes(&self) -> u64 {
+        self.file.pack().head_bytes(self.file.header())
+    }
+
+    /// Chooses, fetches and hands to what draws what a viewer gets who looks so at `time`, until
+    /// which the link has brought what is spent.
+    ///
+    /// # Errors
+    /// A root is damaged, or the device was lost.
+    pub fn show(&mut self, time: Seconds, moment: &Moment) -> Result<SceneReport, PlayError> {
+        let begun = Instant::now();
+        let now = Now {
+            wall: time,
+            media: Seconds(0.0),
+            pace: Pace::Standing,
+            drawing: Seconds(0.0),
+            until: time,
+            moment: moment.clone(),
+        };
+        let (mut unit_bytes, mut page_bytes, mut choose) = (0, 0, Duration::ZERO);
+        for round in 0..MOST_ROUNDS {
+            let choosing = Instant::now();
+            let actions = decide(&mut self.session, &now);
+            if round == 0 {
+                choose = choosing.elapsed();
+            }
+            self.perform(actions)?;
+            let wanted = self.session.requested().to_vec();
+            if wanted.is_empty() {
+                break;
+            }
+            for piece in wanted {
+                let unit = piece.unit.unit;
+                page_bytes += self.load_pages(unit);
+                if self.fetched.insert(unit) {
+                    unit_bytes += u64::from(self.file.pack().entry(unit).bytes);
+                }
+                self.fetch(piece)?;
+            }
+        }
+        self.drawer.settle()?;
+        Ok(SceneReport {
+            units_by_level: self.session.figures.histogram.clone(),
+            unit_bytes,
+            page_bytes,
+            is_refining: !self.session.is_settled(),
+            choose,
+            cpu: begun.elapsed(),
+        })
+    }
+
+    fn perform(&mut self, actions: Vec<SessionAction>) -> Result<(), PlayError> {
+        let (_, left) = self.drawer.perform(actions, &mut self.cache)?;
+        for action in left {
+            if let SessionAction::Log(lines) = action {
+                self.log.push_str(&lines);
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads and parses a unit; a finer one that is damaged leaves the coarser ones.
+    fn fetch(&mut self, piece: Piece) -> Result<(), PlayError> {
+        let unit = piece.unit.unit;
+        let event = match self.file.read_mesh(unit) {
+            Ok(mesh) => {
+                self.cache.insert(piece, Payload::Mesh(mesh));
+                SessionEvent::Decoded { piece, frames: 1 }
+            }
+            Err(error) if self.scene().needs(unit).is_empty() => return Err(error.into()),
+            Err(error) => {
+                if self.damaged == 0 {
+                    let more = "a coarser level is shown; `foveal verify` lists all damage";
+                    (self.tell)(&format!("{error}; {more}"));
+                }
+                self.damaged += 1;
+                SessionEvent::Damaged { piece, frames: 1 }
+            }
+        };
+        self.session.take(event);
+        Ok(())
+    }
+
+    /// Bytes of the pages that tell of a unit and were not loaded before.
+    fn load_pages(&mut self, unit: UnitId) -> u64 {
+        let pages = self
+            .file
+            .pack()
+            .pages_of(unit)
+            .into_iter()
+            .zip(&mut self.pages);
+        let new = pages.filter_map(|((page, bytes), loaded)| loaded.insert(page).then_some(bytes));
+        new.sum()
+    }
+
+    /// The units on screen.
+    #[must_use]
+    pub fn shown(&self) -> Vec<UnitRef> {
+        let resident = self.session.states().resident();
+        resident.into_iter().map(|piece| piece.unit).collect()
+    }
+
+    /// The picture that a view shows; `None` when nothing draws.
+    ///
+    /// # Errors
+    /// The picture is larger than the device draws.
+    pub fn picture(&mut self, view: &EyeView) -> Result<Option<RgbaImage>, PlayError> {
+        Ok(self.drawer.picture(view, None)?)
+    }
+}

@@ -1,0 +1,170 @@
+//! Does a page play a scene by ranges, and say what is wrong with one?
+
+use super::*;
+use crate::facts::{about, head_bytes, opening};
+use foveal_core::content::demand::Content;
+use foveal_core::content::policy::Policy;
+use foveal_core::content::scene::scripted::{scripted_scene, scripted_scene_file};
+use foveal_core::session::log_of_parts::SessionLog;
+
+/// What a page fetched before it opens a pack.
+fn beginning(file: &[u8]) -> (Vec<u8>, Vec<u8>) {
+    let head = file[..head_bytes(file).unwrap() as usize].to_vec();
+    let rest = opening(&head).unwrap();
+    let stretches = rest.chunks_exact(2);
+    let rest = stretches.map(|it| &file[it[0] as usize..(it[0] + it[1]) as usize]);
+    let rest = rest.collect::<Vec<_>>().concat();
+    (head, rest)
+}
+
+fn open(file: &[u8], policy: &str) -> Result<PagePlayer, String> {
+    let text = format!(
+        r#"{{"name":"a","policy":"{policy}","size":[640,400],"screenSize":[1920,1080],"log":true}}"#
+    );
+    let (head, rest) = beginning(file);
+    PagePlayer::new(&head, &rest, &Options::parse(&text).unwrap(), None)
+}
+
+/// Answers everything that is asked for; returns how many units that were.
+fn answer(file: &[u8], player: &mut PagePlayer) -> usize {
+    let rows = rows(player);
+    for row in &rows {
+        assert_eq!(row.kind, Kind::Whole as u8);
+        let from = row.offset as usize;
+        let chunk = &file[from..from + row.bytes as usize];
+        if player.deliver_whole(row.number, chunk).is_err() {
+            player.deliver(row.number, 0, 0, None);
+        }
+    }
+    rows.len()
+}
+
+/// Steps and answers until nothing is missing; how many units came.
+fn play(file: &[u8], player: &mut PagePlayer, from: f64) -> usize {
+    let mut units = 0;
+    for round in 0..50 {
+        let told = player
+            .step(Seconds(from + 0.05 * f64::from(round)))
+            .unwrap();
+        if told & flag::SETTLED != 0 {
+            return units;
+        }
+        units += answer(file, player);
+    }
+    panic!("it does not settle");
+}
+
+#[test]
+fn a_scene_asks_for_its_roots_first_and_settles_on_what_is_seen() {
+    let file = scripted_scene_file().unwrap();
+    let mut player = open(&file, "viewport").unwrap();
+    player.step(Seconds(0.0)).unwrap();
+    let first = rows(&player);
+    assert_eq!(first[..2].iter().map(|it| it.level).min(), Some(3), "roots");
+    let units = play(&file, &mut player, 0.0);
+    assert!(units > 2 && player.session.figures.damaged_units == 0);
+    let before = player.session.figures.histogram.clone();
+    player
+        .viewer
+        .navigation
+        .zoom_by(3.0, [0.0; 2], &player.pane());
+    play(&file, &mut player, 9.0);
+    assert!(rows(&player).is_empty());
+    let after = &player.session.figures.histogram;
+    assert!(after[0] > before[0], "{before:?} then {after:?}");
+}
+
+#[test]
+fn a_key_that_is_held_flies_on_until_it_is_let_go() {
+    let file = scripted_scene_file().unwrap();
+    let mut player = open(&file, "coarsest").unwrap();
+    play(&file, &mut player, 0.0);
+    let place = |player: &PagePlayer| player.shown().view.position;
+    let start = place(&player);
+    player.fly([0.0, 0.0, 1.0], true, false, Seconds(10.0));
+    let told = player.step(Seconds(10.1)).unwrap();
+    assert_eq!(told & (flag::AGAIN | flag::DRAW), flag::AGAIN | flag::DRAW);
+    let usual = start.z - place(&player).z;
+    assert!(usual > 0.0);
+    player.fly([0.0; 3], false, true, Seconds(10.1));
+    player.step(Seconds(10.2)).unwrap();
+    assert!(start.z - place(&player).z > 3.0 * usual, "Shift is faster");
+    player.fly([0.0, 0.0, 1.0], false, false, Seconds(10.2));
+    let there = place(&player);
+    player.step(Seconds(12.0)).unwrap();
+    assert_eq!(place(&player), there);
+}
+
+#[test]
+fn a_damaged_unit_is_counted_and_the_coarser_one_stays() {
+    let mut file = scripted_scene_file().unwrap();
+    let whole = open(&file, "viewport").unwrap();
+    let last = scripted_scene().unwrap().pack().units().last().unwrap();
+    let ContentInParts::Scene(scene) = &whole.pack.content else {
+        panic!("it is a scene");
+    };
+    let entry = scene.pack().entry(last);
+    file[entry.offset as usize] ^= 1;
+    let mut player = open(&file, "full").unwrap();
+    let refused = player.deliver_whole(last.0, &file[entry.offset as usize..][..4]);
+    assert!(refused.unwrap_err().contains("checksum"));
+    play(&file, &mut player, 0.0);
+    assert_eq!(player.session.figures.damaged_units, 1);
+}
+
+#[test]
+fn what_is_damaged_before_the_units_is_named() {
+    let file = scripted_scene_file().unwrap();
+    let header = Header::parse(&file).unwrap();
+    let places = [
+        (HEADER_BYTES, "description"),
+        (header.index_offset as usize, "index"),
+        (file.len() - 1, "table"),
+    ];
+    for (place, named) in places {
+        let mut bad = file.clone();
+        bad[place] ^= 1;
+        let head = &bad[..head_bytes(&bad).unwrap() as usize];
+        let told = match opening(head) {
+            Ok(_) => open(&bad, "viewport").map(|_| ()).unwrap_err(),
+            Err(told) => told,
+        };
+        assert!(told.contains(named), "byte {place}: {told}");
+    }
+}
+
+#[test]
+fn only_the_policies_of_scenes_are_offered_and_taken() {
+    let file = scripted_scene_file().unwrap();
+    let (head, _) = beginning(&file);
+    let facts: serde_json::Value = serde_json::from_str(&about(&head).unwrap()).unwrap();
+    assert_eq!(facts["kind"], "scene");
+    assert_eq!(facts["triangles"], 256);
+    let offered: Vec<Policy> = serde_json::from_value(facts["policies"].clone()).unwrap();
+    assert_eq!(offered[0], Policy::Viewport);
+    for policy in Policy::ALL {
+        let mut player = open(&file, "viewport").unwrap();
+        let taken = player.set_policy(policy).is_ok();
+        let on_page = policy.facts().on_page;
+        assert_eq!(taken && on_page, offered.contains(&policy), "{policy:?}");
+    }
+    assert!(open(&file, "perceptual").is_err());
+}
+
+#[test]
+fn the_log_of_a_flight_replays() {
+    let file = scripted_scene_file().unwrap();
+    let mut player = open(&file, "acuity").unwrap();
+    play(&file, &mut player, 0.0);
+    player.fly([1.0, 0.0, 1.0], true, false, Seconds(9.0));
+    for round in 0..20 {
+        player.step(Seconds(9.0 + 0.1 * f64::from(round))).unwrap();
+        answer(&file, &mut player);
+    }
+    let text = player.log();
+    let log = SessionLog::parse(text).unwrap();
+    assert!(log.parts[0].frames.len() > 5);
+    let content = player.pack.content();
+    let again = log.replay(&|_, head, config| Arc::clone(&content).demand(head, config));
+    assert_eq!(again.write(), text);
+}
