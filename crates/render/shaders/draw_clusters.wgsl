@@ -81,10 +81,12 @@ fn place_corner(@builtin(vertex_index) number: u32) -> Corner {
     return corner;
 }
 
+// The face turned to the viewer; a vertex' normal is turned to that side where both are seen.
 fn normal_at(flags: u32, place: vec3f, normal: vec3f, face: vec3f) -> vec3f {
+    let seen = select(face, -face, dot(face, place) > 0.0);
     let has_normals = (flags & NORMALS) != 0u && dot(normal, normal) > 0.0;
-    let own = unit(select(face, normal, has_normals));
-    let turns = dot(own, place) > 0.0 && (!has_normals || (flags & TWO_SIDED) != 0u);
+    let own = unit(select(seen, normal, has_normals));
+    let turns = (flags & TWO_SIDED) != 0u && dot(own, seen) < 0.0;
     return select(own, -own, turns);
 }
 

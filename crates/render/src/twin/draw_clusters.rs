@@ -73,10 +73,12 @@ pub(super) fn place_corner(
     corner
 }
 
+// The face turned to the viewer; a vertex' normal is turned to that side where both are seen.
 fn normal_at(flags: u32, place: Vec3, normal: Vec3, face: Vec3) -> Vec3 {
+    let seen = if face.dot(place) > 0.0 { -face } else { face };
     let has_normals = flags & NORMALS != 0 && normal.dot(normal) > 0.0;
-    let own = unit(if has_normals { normal } else { face });
-    let turns = own.dot(place) > 0.0 && (!has_normals || flags & TWO_SIDED != 0);
+    let own = unit(if has_normals { normal } else { seen });
+    let turns = flags & TWO_SIDED != 0 && own.dot(seen) < 0.0;
     if turns { -own } else { own }
 }
 
