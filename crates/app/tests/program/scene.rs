@@ -36,14 +36,14 @@ pub(crate) fn torus(around: u32, across: u32) -> String {
 pub(crate) fn torus_pack(folder: &Folder) -> String {
     let source = folder.holding("torus.obj", torus(128, 64).as_bytes());
     let pack = folder.name("torus.foveal");
-    let done = json(&["prepare", "scene", &source, "--out", &pack, "--json"]);
+    let done = json(&["prepare", "scene", &source, "--out", &pack]);
     assert_eq!(done["leaf_triangles"], 16384, "{done}");
     pack
 }
 
 fn simulate(folder: &Folder, pack: &str, more: &[&str]) -> Value {
     let out = folder.name("out");
-    let mut arguments = vec!["simulate", pack, "--out", &out, "--json"];
+    let mut arguments = vec!["simulate", pack, "--out", &out];
     arguments.extend(["--view", "320x200", "--renderer", "cpu"]);
     arguments.extend(more);
     json(&arguments)
@@ -58,7 +58,7 @@ fn refused(arguments: &[&str]) -> (Option<i32>, String) {
 fn a_torus_is_prepared_told_of_and_closed_in_every_cut_and_order() {
     let folder = Folder::new();
     let pack = torus_pack(&folder);
-    let told = json(&["info", &pack, "--json"]);
+    let told = json(&["info", &pack]);
     assert_eq!(
         (&told["kind"], &told["objects"]),
         (&"scene".into(), &1.into())
@@ -71,7 +71,7 @@ fn a_torus_is_prepared_told_of_and_closed_in_every_cut_and_order() {
         told["bytes_per_leaf_with_tables"].as_f64().unwrap() < 8.0,
         "{told}"
     );
-    let tried = json(&["verify", &pack, "--cuts", "20", "--orders", "10", "--json"]);
+    let tried = json(&["verify", &pack, "--cuts", "20", "--orders", "10"]);
     for (what, expected) in [("ok", Value::from(true)), ("source_odd_edges", 0.into())] {
         assert_eq!(tried[what], expected, "{tried}");
     }
@@ -98,21 +98,19 @@ fn the_same_files_make_the_same_pack_on_any_number_of_threads_and_only_once() {
     let source = folder.holding("t.obj", torus(48, 24).as_bytes());
     let packs = ["1", "2"].map(|jobs| {
         let pack = folder.name(&format!("{jobs}.foveal"));
-        let done = json(&[
-            "prepare", "scene", &source, "--out", &pack, "--jobs", jobs, "--json",
-        ]);
+        let done = json(&["prepare", "scene", &source, "--out", &pack, "--jobs", jobs]);
         assert_eq!(done["already_there"], false);
         std::fs::read(pack).unwrap()
     });
     assert!(packs[0] == packs[1]);
     let pack = folder.name("1.foveal");
-    let again = json(&["prepare", "scene", &source, "--out", &pack, "--json"]);
+    let again = json(&["prepare", "scene", &source, "--out", &pack]);
     assert_eq!(again["already_there"], true);
     let (code, stderr) = refused(&["prepare", "scene", &source, "--out", &pack, "--bits", "12"]);
     assert_eq!(code, Some(2));
     assert!(stderr.contains("--force"), "{stderr}");
     let forced = [
-        "prepare", "scene", &source, "--out", &pack, "--bits", "12", "--force", "--json",
+        "prepare", "scene", &source, "--out", &pack, "--bits", "12", "--force",
     ];
     assert_eq!(json(&forced)["already_there"], false);
 }
@@ -224,7 +222,7 @@ fn every_flipped_byte_of_a_scene_is_found() {
     let folder = Folder::new();
     let source = folder.holding("t.obj", torus(12, 8).as_bytes());
     let pack = folder.name("t.foveal");
-    json(&["prepare", "scene", &source, "--out", &pack, "--json"]);
+    json(&["prepare", "scene", &source, "--out", &pack]);
     let good = std::fs::read(&pack).unwrap();
     for place in (0..good.len()).step_by(good.len() / 60) {
         let mut bad = good.clone();

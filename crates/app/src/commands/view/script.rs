@@ -254,7 +254,7 @@ mod tests {
                     .wrapping_add(1);
                 text.push_str(words[(state >> 33) as usize % words.len()]);
             }
-            let _ = Script::parse(&text, state % 2 == 0);
+            let _ = Script::parse(&text, state.is_multiple_of(2));
         }
     }
 }
