@@ -25,7 +25,7 @@ pub fn units() -> [(UnitRow, MeshUnit); 2] {
     };
     let fan = Cluster {
         vertices: vec![0, 1, 2, 3, 4],
-        triangles: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
+        triangles: vec![[0, 1, 4], [4, 1, 2], [4, 2, 3], [4, 3, 0]],
     };
     let root = MeshUnit {
         vertices: corners.map(vertex).to_vec(),
