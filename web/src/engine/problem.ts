@@ -9,13 +9,13 @@ const SENTENCES: Readonly<Record<Kind, string>> = {
     "This browser gives no WebGPU, by which pictures are drawn; a current Chrome, Edge, Safari " +
     "or Firefox on a machine with a graphics device does.",
   "no-ranges":
-    "This host does not serve parts of files (byte ranges), so the video cannot be shown from " +
+    "This host does not serve parts of files (byte ranges), so nothing can be shown from " +
     "it; put the file on a host that does, as object stores and most web servers do.",
-  "not-found": "There is no video at this address.",
+  "not-found": "There is no pack at this address.",
   network: "The host cannot be reached; trying again.",
   "broken-pack":
-    "The video's file cannot be read; whoever keeps the site may copy it to the host again, or " +
-    "export the site again with the program that prepared it.",
+    "The file that the host sends cannot be read; whoever keeps the site may copy it there " +
+    "again, or export the site again with the program that prepared it.",
   codec:
     "This browser cannot decode this video; whoever keeps the site may prepare it with --codec " +
     "vp9, which all browsers decode.",

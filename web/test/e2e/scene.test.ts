@@ -92,9 +92,12 @@ function apart(a: readonly number[], b: readonly number[]): number {
 /** Whether the ring is where a viewer sees it who has just come: round an empty middle. */
 function showsRing(picture: PNG): boolean {
   const [middle, corner] = [picture.at(0.5, 0.5), picture.at(0.02, 0.04)];
-  // The ring reaches 0.65 to 1.35 of what fills four fifths of the height at 1.35.
-  const ring = picture.at(0.5, 0.5 - (0.4 * 1) / 1.35);
-  return apart(ring, middle) > 40 && apart(middle, corner) < 4;
+  const share = picture.height / picture.width;
+  const steps = Array.from({ length: 40 }, (_, step) => 0.03 + 0.01 * step);
+  const hasPart = ([x, y]: readonly [number, number]): boolean =>
+    steps.some((far) => apart(picture.at(0.5 + x * share * far, 0.5 + y * far), middle) > 40);
+  const around = [[1, 0], [-1, 0], [0, 1], [0, -1]] as const;
+  return apart(middle, corner) < 4 && around.every(hasPart);
 }
 
 test("the list leads to a scene, which comes by ranges alone until it is sharp", async () => {
@@ -205,6 +208,34 @@ test("what is damaged before the units is said in a sentence that names it", asy
     };
     await on("view.html?pack=torus.foveal", work, [place]);
   }
+});
+
+test("the program selects what the page's log of a flight says", async () => {
+  await on("view.html?pack=none.foveal", async ({ page }) => {
+    await page.evaluate("import('./foveal-view.js').then((it) => (window.Engine = it.Engine))");
+    for (const policy of ["viewport", "acuity", "uniform"] as const) {
+      const log = await page.evaluate(async (policy) => {
+        const options = { src: "torus.foveal", size: [640, 400], log: true } as const;
+        const engine = await window.Engine.open(document.body, { ...options, policy });
+        await engine.pixels();
+        engine.pointer([100, 200]);
+        engine.fly([1, 0, 1], true, true);
+        await new Promise((done) => setTimeout(done, 500));
+        engine.stopFlying();
+        engine.drag(50, 20);
+        await engine.pixels();
+        const log = await engine.sessionLog();
+        engine.close();
+        return log;
+      }, policy);
+      const file = join(folder, "log.jsonl");
+      await writeFile(file, log);
+      const words = ["replay", file, "--pack", join(folder, "torus.foveal"), "--json"];
+      const { stdout } = await run(inject("program"), words);
+      const { same } = JSON.parse(stdout) as { same: boolean };
+      expect([policy, same, log.split("\n").length > 5]).toEqual([policy, true, true]);
+    }
+  });
 });
 
 test("the page draws what the program draws, but for what JPEG leaves", async () => {
