@@ -59,7 +59,7 @@ fn rows() -> Vec<UnitRow> {
                 error: if level == 0 {
                     f32::INFINITY
                 } else {
-                    (width * 0.2) as f32
+                    (width * 0.6) as f32
                 },
                 triangles: 256,
                 vertices: 200,
