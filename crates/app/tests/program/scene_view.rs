@@ -45,7 +45,8 @@ fn a_window_flies_through_a_scene_and_the_log_is_replayed() {
     let shots = folder.name("shots");
     let log = folder.name("flight.jsonl");
     let script = "0 settle\n0 screenshot start.png\n\
-                  0.1 press w\n0.6 release w\n0.6 settle\n0.6 screenshot near.png\n\
+                  0.1 press w\n0.6 release w\n0.6 key w\n0.6 key w\n0.6 key w\n\
+                  0.6 settle\n0.6 screenshot near.png\n\
                   0.7 drag 40 20\n0.7 settle\n0.7 screenshot turned.png\n\
                   0.8 key l\n0.8 settle\n0.8 screenshot levels.png\n0.8 key l\n\
                   0.9 key d\n0.9 wheel -2\n0.9 key space\n0.9 key r\n0.9 key j\n0.9 key m\n\
