@@ -267,9 +267,8 @@ impl PagePlayer {
     pub fn fly(&mut self, towards: [f64; 3], is_held: bool, is_hurried: bool, now: Seconds) {
         let pane = self.pane();
         let navigation = &mut self.viewer.navigation;
-        let mut steering = navigation.steering().with(towards, is_held);
-        steering.is_hurried = is_hurried;
-        navigation.steer(steering, &pane, now);
+        let steering = navigation.steering().with(towards, is_held);
+        navigation.steer(steering.hurried(is_hurried), &pane, now);
     }
 
     /// Stays where it is in a scene.

@@ -164,7 +164,7 @@ test("one flies while a key is held", async () => {
   });
 });
 
-test("only the policies that choose for scenes are offered, and each shows the ring", async () => {
+test("only the policies of scenes are offered, and each shows the ring", async () => {
   await on("view.html?pack=torus.foveal&demo", async (opened) => {
     const { page } = opened;
     await told(page, "settled");
@@ -195,12 +195,9 @@ test("a damaged unit is counted and told, and the coarser one stays", async () =
 });
 
 test("what is damaged before the units is said in a sentence that names it", async () => {
-  const places = [
-    [70, "description"],
-    [index + 9, "index"],
-    [fileBytes - 9, "table units"],
-  ] as const;
-  for (const [place, named] of places) {
+  const tail = [[index + 9, "index"], [fileBytes - 9, "table units"]] as const;
+  const parts = [[70, "description"], ...tail] as const;
+  for (const [place, named] of parts) {
     const work = async ({ page }: Opened): Promise<void> => {
       const alert = page.getByRole("alert");
       await alert.waitFor({ state: "visible" });

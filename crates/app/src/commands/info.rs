@@ -80,7 +80,6 @@ pub(crate) struct PackInfo {
 pub(crate) enum MediaKind {
     Picture,
     Video,
-    Scene,
 }
 
 impl MediaKind {

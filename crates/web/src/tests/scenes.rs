@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::facts::{about, head_bytes, opening};
-use foveal_core::content::demand::Content;
 use foveal_core::content::policy::Policy;
 use foveal_core::content::scene::scripted::{scripted_scene, scripted_scene_file};
 use foveal_core::session::log_of_parts::SessionLog;

@@ -1,6 +1,6 @@
 //! What does a list of packs say of each?
 
-use crate::commands::info::{MediaKind, seconds_of};
+use crate::commands::info::seconds_of;
 use crate::commands::site::about::AboutPack;
 use crate::commands::site::pack_names::ENDING;
 use crate::commands::site::poster::Poster;
@@ -49,10 +49,19 @@ pub(crate) struct Listed {
     shows: Shows,
 }
 
+/// What a pack of a list is.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum ListedKind {
+    Picture,
+    Video,
+    Scene,
+}
+
 /// What is to be seen.
 #[derive(Clone, Debug, Serialize)]
 struct Shows {
-    content: MediaKind,
+    content: ListedKind,
     /// Null for a scene.
     projection: Option<Projection>,
     eyes: u8,
@@ -80,7 +89,10 @@ impl Shows {
         let about = file.pack().description();
         let [width, height] = about.source.size.map(Some);
         Ok(Self {
-            content: MediaKind::of(about),
+            content: match about.is_still() {
+                true => ListedKind::Picture,
+                false => ListedKind::Video,
+            },
             projection: Some(about.projection),
             eyes: about.eyes,
             width,
@@ -94,7 +106,7 @@ impl Shows {
 
     fn of_scene(about: &SceneDescription) -> Self {
         Self {
-            content: MediaKind::Scene,
+            content: ListedKind::Scene,
             projection: None,
             eyes: 1,
             width: None,

@@ -203,7 +203,7 @@ impl SceneObject {
             return wrong("grid", format!("{:?}", self.grid), "a finite grid");
         }
         let ObjectBounds { centre, radius } = self.bounds;
-        if !(radius >= 0.0 && radius <= 1e15 && centre.iter().all(|it| it.abs() <= 1e15)) {
+        if !((0.0..=1e15).contains(&radius) && centre.iter().all(|it| it.abs() <= 1e15)) {
             return wrong("bounds", format!("{:?}", self.bounds), "a finite sphere");
         }
         if self.placements.is_empty() {

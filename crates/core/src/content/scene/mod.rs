@@ -4,7 +4,11 @@ mod content;
 pub mod demand;
 pub mod description;
 pub mod pack;
-pub mod scene;
+#[allow(
+    clippy::module_inception,
+    reason = "the room of scenes holds one type of that name"
+)]
+mod scene;
 pub mod scripted;
 pub mod sight;
 pub mod unit_table;
