@@ -172,7 +172,7 @@ pub const KEYS: &[Row] = {
             &[key("+", Zoom(ZOOM)), key("=", Zoom(ZOOM))]),
         row("-", "farther", Nothing, Both,
             &[key("-", Zoom(1.0 / ZOOM)), key("_", Zoom(1.0 / ZOOM))]),
-        row("0", "whole picture, front of a sphere, start of a scene", Nothing, Both,
+        row("0", "whole picture, a sphere's front, a scene's start", Nothing, Both,
             &[key("0", Reset)]),
         row("P  Shift P", "next policy, the one before", Nothing, Both,
             &[key("p", Policy(1)), key("Shift+p", Policy(-1))]),
