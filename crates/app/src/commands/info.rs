@@ -212,7 +212,7 @@ impl PackInfo {
                 output::size(*bytes),
                 self.quality_of(level),
                 match self.content {
-                    MediaKind::Picture | MediaKind::Scene => String::new(),
+                    MediaKind::Picture => String::new(),
                     MediaKind::Video => format!(", groups of {}", self.groups[level]),
                 }
             );
