@@ -66,9 +66,10 @@ impl Judge {
             gpu_bytes: u64::MAX / 4,
             tell: output::say,
         };
-        let whole = draws
-            .then(|| ScenePlayer::new(Arc::clone(file), all))
-            .transpose()?;
+        let whole = match draws {
+            true => Some(ScenePlayer::new(Arc::clone(file), all)?),
+            false => None,
+        };
         let scoring = options
             .is_asked()
             .then(|| Scoring::open(options, view, fps))
