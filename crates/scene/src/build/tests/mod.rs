@@ -229,7 +229,7 @@ fn what_has_no_area_is_left_out_and_counted() {
     let built = built(&fan(12));
     assert_eq!(built.repairs.get("zero_area_triangles"), Some(&1));
     assert_eq!(built.objects[0].leaf_triangles, 13);
-    let nothing = Source::default();
+    let nothing = SourceScene::default();
     let refused = build(&nothing, &BuildOptions::default(), &|_, _| ());
     assert!(matches!(refused, Err(super::BuildError::Empty)));
 }
