@@ -101,7 +101,8 @@ fn a_scene_that_needs_more_than_this_program_knows_is_refused() {
     };
     assert!(json(|_| ()).is_ok());
     let field = |field: &str| Err(field.to_owned());
-    let refused: [(fn(&mut SceneDescription), &str); 4] = [
+    type Change = fn(&mut SceneDescription);
+    let refused: [(Change, &str); 4] = [
         (
             |it| it.needs.push("textures".to_owned()),
             "description.needs",

@@ -5,7 +5,7 @@ use foveal_core::content::mesh::payload::{Attributes, MOST_CLUSTERS, MOST_OF_CLU
 use foveal_core::pack::unit::UnitId;
 
 /// Reads bytes as a unit of every kind of object, and stands it where it can stand alone.
-pub fn parse_anything(data: &[u8]) {
+pub(crate) fn parse_anything(data: &[u8]) {
     for [normals, colours] in [[false, false], [true, false], [false, true], [true, true]] {
         let attributes = Attributes { normals, colours };
         let Ok(unit) = MeshUnit::parse(data, attributes) else {

@@ -12,7 +12,7 @@ use foveal_core::pack::HEADER_BYTES;
 use foveal_core::pack::unit::UnitId;
 
 /// A square of two triangles, and the same with a vertex in its middle.
-pub fn units() -> [(UnitRow, MeshUnit); 2] {
+pub(crate) fn units() -> [(UnitRow, MeshUnit); 2] {
     let vertex = |place: [u16; 3]| MeshVertex {
         place,
         normal: [0, 127],
@@ -57,7 +57,7 @@ pub fn units() -> [(UnitRow, MeshUnit); 2] {
 }
 
 /// What the vertices of these units have.
-pub const ATTRIBUTES: Attributes = Attributes {
+pub(crate) const ATTRIBUTES: Attributes = Attributes {
     normals: true,
     colours: false,
 };
@@ -97,7 +97,7 @@ fn description() -> SceneDescription {
 }
 
 /// A pack of these units; `change` may alter its description.
-pub fn pack_of(change: impl Fn(&mut SceneDescription)) -> Vec<u8> {
+pub(crate) fn pack_of(change: impl Fn(&mut SceneDescription)) -> Vec<u8> {
     let mut description = description();
     change(&mut description);
     let mut builder = begin_scene(&description);
@@ -113,7 +113,7 @@ pub fn pack_of(change: impl Fn(&mut SceneDescription)) -> Vec<u8> {
 }
 
 /// Makes the checksums right that lie before table and units, as far as lengths allow it.
-pub fn repair_checksums(pack: &mut [u8]) {
+pub(crate) fn repair_checksums(pack: &mut [u8]) {
     repair_table(pack);
     let description = HEADER_BYTES..HEADER_BYTES + (word(pack, 12) as usize).min(1 << 20);
     seal(pack, description, 16);
