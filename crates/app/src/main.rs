@@ -74,7 +74,7 @@ enum Command {
 enum Prepare {
     /// Flat or 360° video, or a still picture.
     Video(commands::prepare::PrepareVideoArgs),
-    /// Meshes.
+    /// 3D meshes: glTF, OBJ, PLY and STL files of one scene.
     Scene(commands::scene::prepare::PrepareSceneArgs),
 }
 

@@ -1,8 +1,8 @@
 //! What can a person ask of a simulation?
 
-use crate::commands::scene::moving::parse_bytes;
 use crate::commands::simulate_score::ScoringOptions;
 use crate::gaze_source::{GazeChoice, parse_gaze};
+use crate::options::bytes::{parse_budget, parse_memory};
 use crate::options::decoding::DecodingOptions;
 use crate::options::link::parse_delay;
 use crate::options::policy::{PolicyOptions, ViewOptions};
@@ -54,7 +54,7 @@ pub(crate) struct SimulateArgs {
     /// First frame to play; decoding starts at its group's key frame, without showing.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) start: u32,
-    /// Stop after this many frames (default: all).
+    /// Stop after this many frames (default: all; of scenes those of the route, of a still one 120).
     #[arg(long, value_name = "N")]
     pub(crate) frames: Option<u32>,
     /// Folder for pictures, frames.csv and session.jsonl; made if it is not there.
@@ -86,17 +86,18 @@ pub(crate) struct SimulateArgs {
     pub(crate) seed: u64,
     #[command(flatten)]
     pub(crate) scoring: ScoringOptions,
-    /// Scenes: where the eye is: still, orbit or a file with t_s,x,y,z,yaw_deg,pitch_deg.
+    /// Scenes: where the eye is: still, orbit or a file with t_s,x,y,z,yaw_deg,pitch_deg. A gaze
+    /// counts from where the route looks, and stays within 20 degrees of it.
     #[arg(long, value_name = "R", default_value = "still")]
     pub(crate) route: String,
     /// Scenes: bytes that can be spent in each interval, as 100KB, in the place of --link.
-    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
+    #[arg(long, value_name = "BYTES", value_parser = parse_budget)]
     pub(crate) budget: Option<u64>,
     /// Scenes: time from one picture to the next, in ms (default: 33.3).
     #[arg(long, value_name = "MS", value_parser = parse_interval)]
     pub(crate) interval: Option<Seconds>,
     /// Scenes: most memory on the GPU.
-    #[arg(long, value_name = "BYTES", value_parser = parse_bytes, default_value = "256MB")]
+    #[arg(long, value_name = "BYTES", value_parser = parse_memory, default_value = "256MB")]
     pub(crate) gpu_memory: u64,
     /// Print one JSON object.
     #[arg(long)]

@@ -3,7 +3,20 @@
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 use foveal_core::content::policy::Policy;
+use foveal_media::pack::scene_file::is_scene_pack;
 use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+/// Options of `simulate` that say how tiles are decoded and shown.
+const OF_TILES: [&str; 7] = [
+    "blur",
+    "reconstruction",
+    "screen",
+    "eye",
+    "decoder",
+    "jobs",
+    "preset",
+];
 
 /// A line for each option that was given to `simulate` or `select` for another policy.
 pub(crate) fn unused_options(matches: &ArgMatches) -> Vec<String> {
@@ -14,13 +27,20 @@ pub(crate) fn unused_options(matches: &ArgMatches) -> Vec<String> {
     if given.value_source("preset") == Some(ValueSource::CommandLine) {
         return Vec::new();
     }
+    let pack = given.try_get_one::<PathBuf>("pack").ok().flatten();
+    let is_scene = name == "simulate" && pack.is_some_and(|pack| is_scene_pack(pack));
     let policy = given.get_one::<Policy>("policy").copied();
     let is_given = |id| {
         let known = given.try_contains_id(id).is_ok();
         known && given.value_source(id) == Some(ValueSource::CommandLine)
     };
     let is_of_acuity = ["slope", "acuity", "safety_disc"].into_iter().any(is_given);
-    let policy = policy.unwrap_or(match is_of_acuity || name == "select" {
+    let of_tiles = OF_TILES.into_iter().filter(|id| is_scene && is_given(id));
+    let of_tiles = of_tiles.map(|id| {
+        let option = id.replace('_', "-");
+        format!("foveal: --{option} changes nothing for a scene; it is for video")
+    });
+    let policy = policy.unwrap_or(match is_of_acuity || is_scene || name == "select" {
         true => Policy::Acuity,
         false => Policy::Perceptual,
     });
@@ -43,5 +63,6 @@ pub(crate) fn unused_options(matches: &ArgMatches) -> Vec<String> {
                 names.join(", "),
             )
         })
+        .chain(of_tiles)
         .collect()
 }

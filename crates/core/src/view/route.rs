@@ -65,6 +65,18 @@ impl Route {
     }
 }
 
+impl Route {
+    /// How long it takes; `None` of one that goes nowhere.
+    #[must_use]
+    pub fn length(&self) -> Option<Seconds> {
+        match self {
+            Self::Still => None,
+            Self::Orbit => Some(Seconds(ORBIT_S)),
+            Self::Along(waypoints) => waypoints.last().map(|it| it.time),
+        }
+    }
+}
+
 impl EyePose {
     /// A view from here.
     #[must_use]

@@ -51,14 +51,28 @@ pub enum PackFileError {
 /// What to do about bytes that are no pack of this version.
 fn advice(path: &Path, error: &PackError) -> String {
     match error.field.as_str() {
-        "magic" => format!(
-            "; if it is a video, make a pack of it: `foveal prepare video {} --out PACK`",
-            path.display()
-        ),
+        "magic" => {
+            let (what, kind) = match is_mesh(path) {
+                true => ("mesh", "scene"),
+                false => ("video", "video"),
+            };
+            let path = path.display();
+            format!(
+                "; if it is a {what}, make a pack of it: `foveal prepare {kind} {path} --out PACK`"
+            )
+        }
         // The error itself says what to do.
         "version" | "description.kind" => String::new(),
         _ => "; if it was copied, copy it again, else prepare it again from its source".to_owned(),
     }
+}
+
+/// Whether a name ends as those of meshes do.
+fn is_mesh(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    ["glb", "gltf", "obj", "ply", "stl"]
+        .iter()
+        .any(|it| ending == *it)
 }
 
 /// An open file that begins with the header of a pack and is as long as that says.

@@ -111,7 +111,9 @@ fn grid_of(positions: &[DVec3], bits: u8) -> Grid {
         .iter()
         .fold(none, |(least, most), it| (least.min(*it), most.max(*it)));
     let extent = (most - least).max_element();
-    let steps = f64::from((1_u32 << bits) - 1);
+    // An even number: the middle of a symmetric mesh, where seams often lie, is a place, and no
+    // rounding parts what meets there.
+    let steps = f64::from((1_u32 << bits) - 2);
     let is_extended = extent / steps > 0.0 && extent.is_finite();
     Grid {
         origin: if positions.is_empty() {

@@ -12,7 +12,6 @@ use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::route::{EyePose, Route};
 use foveal_core::view::surface::{Screen, Surface};
-use std::path::Path;
 
 /// How far a gaze stays from the route's forward, in degrees.
 const MOST_GAZE_DEG: f64 = 20.0;
@@ -23,12 +22,10 @@ pub(crate) fn route_of(text: &str) -> anyhow::Result<Route> {
         "still" => Route::Still,
         "orbit" => Route::Orbit,
         file => {
-            let text = output::read_text(Path::new(file), "a route")?;
-            parse_route(&text).with_context(|| {
-                format!(
-                    "--route {file}: give still, orbit or a file with t_s,x,y,z,yaw_deg,pitch_deg"
-                )
-            })?
+            let forms = "give still, orbit or a file with t_s,x,y,z,yaw_deg,pitch_deg";
+            let text = std::fs::read_to_string(file)
+                .with_context(|| format!("--route {file}: no such file can be read; {forms}"))?;
+            parse_route(&text).with_context(|| format!("--route {file}: no route; {forms}"))?
         }
     })
 }
@@ -117,38 +114,5 @@ fn in_world(gaze: &GazeSample, pose: &EyePose) -> GazeSample {
     GazeSample {
         gaze_in_content: pose.world_from_head(gaze.gaze_in_content).normalize(),
         ..*gaze
-    }
-}
-
-/// Bytes as people write them: `100KB`, `32MB`, `1GB`, or a number alone.
-pub(crate) fn parse_bytes(text: &str) -> anyhow::Result<u64> {
-    let units = [("KB", 1e3), ("MB", 1e6), ("GB", 1e9), ("B", 1.0)];
-    let upper = text.trim().to_ascii_uppercase();
-    let of_unit = |(name, unit): &(&str, f64)| Some((upper.strip_suffix(name)?.to_owned(), *unit));
-    let (number, unit) = units
-        .iter()
-        .find_map(of_unit)
-        .unwrap_or((upper.clone(), 1.0));
-    let bytes = number.trim().parse::<f64>().map(|number| number * unit);
-    match bytes {
-        Ok(bytes) if (1.0..=1e15).contains(&bytes) => Ok(bytes as u64),
-        _ => bail!("\"{text}\": expected bytes as 100KB, 32MB or 1GB"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bytes_are_read_as_people_write_them() {
-        let read = |text| parse_bytes(text).ok();
-        assert_eq!(read("100KB"), Some(100_000));
-        assert_eq!(read("32mb"), Some(32_000_000));
-        assert_eq!(read("1.5 GB"), Some(1_500_000_000));
-        assert_eq!(read("512"), Some(512));
-        for text in ["", "KB", "-1MB", "1TB", "nan", "0"] {
-            assert_eq!(read(text), None, "{text}");
-        }
     }
 }

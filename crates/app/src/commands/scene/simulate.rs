@@ -26,7 +26,7 @@ use std::time::Duration;
 
 /// Pixels of a view that is not given.
 const VIEW: [u32; 2] = [1280, 800];
-/// Frames that are made where no number is given.
+/// Frames that are made of who stands still where no number is given.
 const FRAMES: u32 = 120;
 /// Frames a second where no interval is given.
 const RATE: f64 = 30.0;
@@ -92,9 +92,13 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         tell: output::say,
     };
     let mut player = ScenePlayer::new(Arc::clone(&file), options)?;
-    let frames = args.frames.unwrap_or(FRAMES);
+    let route = route_of(&args.route)?;
+    let of_route = route
+        .length()
+        .map(|length| (length.0 / interval).ceil().max(1.0) as u32);
+    let frames = args.frames.or(of_route).unwrap_or(FRAMES);
     let length = Seconds(f64::from(frames) * interval);
-    let route = (route_of(&args.route)?, player.scene().bounds());
+    let route = (route, player.scene().bounds());
     let viewer = args.watching.viewer()?;
     let mut mover = Mover::new(route, &args.gaze, args.seed, length, &viewer)?.through(view);
     let fps = (frames > 1).then_some(1.0 / interval);
@@ -276,6 +280,13 @@ impl SceneSummary {
             let _ = writeln!(
                 text,
                 "the fovea was within 1 % after {bytes}, {seconds:.2} s"
+            );
+        }
+        if self.damaged_units > 0 {
+            let _ = writeln!(
+                text,
+                "{}, also in what it is compared with; `foveal verify` lists all damage",
+                counted(self.damaged_units, "damaged unit")
             );
         }
         if let Some(score) = &self.score {

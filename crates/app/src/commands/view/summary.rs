@@ -1,6 +1,7 @@
 //! What is said when a window was closed?
 
 use crate::commands::view::window_player::WindowPlayer;
+use crate::report::output;
 use foveal_core::units::counted;
 use serde::Serialize;
 
@@ -28,6 +29,9 @@ pub(crate) struct Summary {
     sound_ms_p95: Option<f64>,
     /// Times that the sound device found too little to play.
     sound_gaps: u64,
+    /// Whether it was a scene, which has no frames in time.
+    #[serde(skip)]
+    is_scene: bool,
 }
 
 impl Summary {
@@ -52,11 +56,20 @@ impl Summary {
             sound_ms_max: drift.map(|[worst, _]| worst),
             sound_ms_p95: drift.map(|[_, p95]| p95),
             sound_gaps: player.sound_gaps(),
+            is_scene: player.in_scene(),
         }
     }
 
     /// For people.
     pub(crate) fn text(&self) -> String {
+        if self.is_scene {
+            return format!(
+                "{} on the GPU at the end, {}, {}",
+                output::size(self.gpu_bytes),
+                counted(self.damaged_tiles, "damaged unit"),
+                counted(self.lost_devices, "lost device"),
+            );
+        }
         format!(
             "{} shown, {} late for decoding, {} for drawing, {} incomplete, {} left out\n\
              {}, {}, {}",

@@ -121,7 +121,7 @@ impl WindowPlayer {
     }
 
     /// Whether one flies through what is shown.
-    pub(super) fn in_scene(&self) -> bool {
+    pub(crate) fn in_scene(&self) -> bool {
         matches!(self.live.pack(), LivePack::Scene(_))
     }
 
