@@ -128,7 +128,7 @@ impl ScenePlayer {
     /// Units that could not be read so far; coarser ones stand in for them.
     #[must_use]
     pub fn damaged_units(&self) -> u64 {
-        self.damaged
+        self.damaged + self.drawer.refused_units()
     }
 
     /// Bytes that come before any unit and page: header, description, directory of the table.

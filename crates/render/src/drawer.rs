@@ -23,6 +23,8 @@ use std::sync::Arc;
 pub struct Drawer {
     device: DrawDevice,
     layer: Layer,
+    /// Units that did not fit to what is there.
+    refused: u64,
 }
 
 /// A kind of content, and how it is drawn.
@@ -45,6 +47,7 @@ impl Drawer {
         Ok(Self {
             device: device.clone(),
             layer: Layer::Tiles(Box::new(tiles)),
+            refused: 0,
         })
     }
 
@@ -62,6 +65,7 @@ impl Drawer {
         Ok(Self {
             device: device.clone(),
             layer: Layer::Scene(Box::new(drawer), Arc::clone(scene)),
+            refused: 0,
         })
     }
 
@@ -189,7 +193,11 @@ impl Drawer {
                 }
                 SessionAction::Upload(piece) => {
                     if let Some(payload) = cache.take(piece) {
-                        self.upload(piece, payload)?;
+                        match self.upload(piece, payload) {
+                            // What is damaged so that it does not fit is left coarse.
+                            Err(RenderError::Unit(_)) => self.refused += 1,
+                            other => other?,
+                        }
                         changed = true;
                     }
                 }
@@ -202,6 +210,13 @@ impl Drawer {
             }
         }
         Ok((changed, left))
+    }
+
+    /// Units of a scene that did not fit to those that were there: they are damaged, and so are
+    /// those that need them; coarser ones are shown.
+    #[must_use]
+    pub fn refused_units(&self) -> u64 {
+        self.refused
     }
 
     /// Resident units that hold another frame than the one shown.
@@ -233,7 +248,7 @@ impl Drawer {
     ) -> Result<Option<&wgpu::Texture>, RenderError> {
         match &mut self.layer {
             Layer::Tiles(tiles) => tiles.draw(view, marks),
-            Layer::Scene(scene, _) => scene.draw(view, &style_of(marks)),
+            Layer::Scene(drawer, scene) => drawer.draw(view, &style_of(scene, marks)),
         }
     }
 
@@ -249,7 +264,7 @@ impl Drawer {
     ) -> Result<Option<DrawnPicture>, RenderError> {
         match &mut self.layer {
             Layer::Tiles(tiles) => tiles.read(view, marks),
-            Layer::Scene(scene, _) => scene.read(view, &style_of(marks)),
+            Layer::Scene(drawer, scene) => drawer.read(view, &style_of(scene, marks)),
         }
     }
 }
@@ -269,7 +284,7 @@ impl Drawer {
     ) -> Result<Option<RgbaImage>, RenderError> {
         match &mut self.layer {
             Layer::Tiles(tiles) => tiles.picture(view, marks),
-            Layer::Scene(scene, _) => scene.picture(view, &style_of(marks)),
+            Layer::Scene(drawer, scene) => drawer.picture(view, &style_of(scene, marks)),
         }
     }
 
@@ -297,10 +312,14 @@ impl Drawer {
     }
 }
 
+/// Depth from which on a scene is drawn, in shares of its radius.
+const NEAR: f64 = 1e-4;
+
 /// How a scene is drawn with these marks: of them it has the colours of levels.
-fn style_of(marks: Option<&Overlay>) -> SceneStyle {
+fn style_of(scene: &Scene, marks: Option<&Overlay>) -> SceneStyle {
     SceneStyle {
         tint: marks.map_or(0.0, |marks| marks.heat),
+        near: (scene.bounds().radius * NEAR).max(f64::from(f32::MIN_POSITIVE)),
         ..SceneStyle::default()
     }
 }

@@ -18,6 +18,8 @@ pub struct SourceScene {
     pub remarks: Vec<String>,
     /// Bytes of all files that were read, with those that they name.
     pub bytes: u64,
+    /// SHA-256 of each of these files, in hexadecimal, in the order in which they were read.
+    pub hashes: Vec<String>,
 }
 
 impl SourceScene {
@@ -34,6 +36,7 @@ impl SourceScene {
             mesh
         }));
         self.materials.extend(other.materials);
+        self.hashes.extend(other.hashes);
         for (name, times) in other.repairs {
             *self.repairs.entry(name).or_default() += times;
         }

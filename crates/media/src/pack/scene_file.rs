@@ -128,6 +128,22 @@ impl SceneFile {
         })
     }
 
+    /// Refuses a unit that shows something else than the table tells of it.
+    fn check_row(&self, unit: UnitId, mesh: &MeshUnit) -> Result<(), PackFileError> {
+        let row = self.pack().row(unit);
+        let corners: usize = mesh.clusters.iter().map(|it| it.vertices.len()).sum();
+        let says = [mesh.triangles(), corners];
+        let told = [row.triangles, row.vertices].map(|it| it as usize);
+        match says == told {
+            true => Ok(()),
+            false => Err(self.open.format(PackError {
+                field: format!("unit {}, triangles and vertices", unit.0),
+                found: format!("{says:?}"),
+                expected: format!("{told:?}, as the table tells"),
+            })),
+        }
+    }
+
     /// Reads every byte and checks it: `progress` is told how many bytes are done of how many.
     /// Returns what is damaged, nothing if all is well.
     pub fn verify(&self, mut progress: impl FnMut(u64, u64)) -> Vec<PackFileError> {
@@ -137,7 +153,8 @@ impl SceneFile {
         }
         let mut done = 0;
         for unit in self.pack().units() {
-            damage.extend(self.read_mesh(unit).err());
+            let checked = self.read_mesh(unit).and_then(|mesh| self.check_row(unit, &mesh));
+            damage.extend(checked.err());
             done += u64::from(self.pack().entry(unit).bytes);
             progress(done, self.bytes());
         }

@@ -1,5 +1,6 @@
 //! Where are the files that a scene names, and what is in them?
 
+use foveal_core::pack::sha256_hex;
 use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
 use std::rc::Rc;
@@ -21,6 +22,8 @@ pub(super) struct OnDisk {
     read: HashMap<PathBuf, Rc<Vec<u8>>>,
     /// Bytes read through it.
     pub(super) bytes: u64,
+    /// SHA-256 of each file that was read, in order.
+    pub(super) hashes: Vec<String>,
 }
 
 impl OnDisk {
@@ -34,6 +37,7 @@ impl OnDisk {
             folder: folder.to_owned(),
             read: HashMap::new(),
             bytes: 0,
+            hashes: Vec::new(),
         }
     }
 
@@ -43,8 +47,15 @@ impl OnDisk {
             path: file.to_owned(),
             reason,
         })?;
-        self.bytes += bytes.len() as u64;
+        self.count(&bytes);
         Ok(bytes)
+    }
+}
+
+impl OnDisk {
+    fn count(&mut self, bytes: &[u8]) {
+        self.bytes += bytes.len() as u64;
+        self.hashes.push(sha256_hex(bytes));
     }
 }
 
@@ -69,7 +80,7 @@ impl Folder for OnDisk {
             return Ok(Rc::clone(bytes));
         }
         let bytes = Rc::new(read_regular(&real).map_err(missing)?);
-        self.bytes += bytes.len() as u64;
+        self.count(&bytes);
         self.read.insert(real, Rc::clone(&bytes));
         Ok(bytes)
     }

@@ -111,6 +111,7 @@ pub fn read(inputs: &[&Path], options: &ReadOptions) -> Result<SourceScene, Read
             .read(&mut folder)
             .map_err(|fault| fault.in_file(path))?;
         one.bytes = folder.bytes;
+        one.hashes = folder.hashes;
         scene.append(one);
     }
     Ok(scene)

@@ -24,8 +24,8 @@ use std::sync::Arc;
 /// over the mean.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JudgedFrame {
-    /// In the disc round the gaze.
-    pub(crate) fovea: f64,
+    /// In the disc round the gaze; `None` where no pixel lies in it.
+    pub(crate) fovea: Option<f64>,
     /// Over the whole picture.
     pub(crate) all: f64,
 }
@@ -118,7 +118,8 @@ impl Judge {
         );
         let pixels = test.pixels.len() / 4;
         let judged = JudgedFrame {
-            fovea: error_over(fovea.into_iter(), &test.pixels, &reference.pixels),
+            fovea: (!fovea.is_empty())
+                .then(|| error_over(fovea.into_iter(), &test.pixels, &reference.pixels)),
             all: error_over(0..pixels, &test.pixels, &reference.pixels),
         };
         if let Some(scoring) = &mut self.scoring {

@@ -3,10 +3,10 @@
 use crate::commands::scene::scene_info::SceneInfo;
 use crate::report::output::{self, WrongUsage, out_of_range};
 use crate::run::pack_place::pack_at;
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::{Args, ValueEnum};
 use foveal_core::content::scene::description::{GRID_BITS, KIND, SceneDescription, SceneSource};
-use foveal_core::pack::{Identity, sha256_hex};
+use foveal_core::pack::Identity;
 use foveal_core::units::counted;
 use foveal_media::pack::scene_file::{SceneFile, write_scene};
 use foveal_scene::build::{BuildOptions, Built, build};
@@ -89,11 +89,11 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
         .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
     args.refuse_to_overwrite_inputs(out)?;
     let there = pack_at(out)?.is_some();
-    let identity = args.identity()?;
+    let source = args.read()?;
+    let identity = args.identity(&source);
     if there && !args.force {
         return args.say_what_is_there(out, &identity);
     }
-    let source = args.read()?;
     source.remarks.iter().for_each(|remark| output::say(remark));
     let built = args.build(&source, jobs)?;
     let description = args.description(&source, &built, identity);
@@ -164,18 +164,14 @@ impl PrepareSceneArgs {
     }
 
     /// What must be the same for a pack to be the one that is asked for.
-    fn identity(&self) -> anyhow::Result<Identity> {
-        let mut hashes = Vec::new();
-        for input in &self.inputs {
-            let bytes = std::fs::read(input);
-            let bytes = bytes.with_context(|| format!("{}: cannot be read", input.display()))?;
-            hashes.push(sha256_hex(&bytes));
-        }
-        Ok(Identity {
+    fn identity(&self, source: &SourceScene) -> Identity {
+        let names = self.inputs.iter().filter_map(|input| input.file_name());
+        let names: Vec<String> = names.map(|it| it.to_string_lossy().into_owned()).collect();
+        Identity {
             program: format!("foveal {}", env!("CARGO_PKG_VERSION")),
-            input: hashes.join(" "),
+            input: format!("{} {}", names.join(" "), source.hashes.join(" ")),
             settings: format!("bits {}, up {:?}, page {PAGE}", self.bits, self.up),
-        })
+        }
     }
 
     fn say_what_is_there(&self, out: &Path, identity: &Identity) -> anyhow::Result<()> {

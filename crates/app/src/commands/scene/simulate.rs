@@ -223,7 +223,10 @@ fn summarise(
             Some(*sum)
         })
         .collect();
-    let is_there = |frame: &Frame| frame.judged.is_some_and(|judged| judged.fovea <= 0.01);
+    let is_there = |frame: &Frame| {
+        let fovea = frame.judged.and_then(|judged| judged.fovea);
+        fovea.is_some_and(|fovea| fovea <= 0.01)
+    };
     let there = frames.iter().position(is_there);
     let last = frames.last();
     let judged = last.and_then(|frame| frame.judged);
@@ -236,7 +239,7 @@ fn summarise(
         first_picture_bytes: bytes.first().copied().unwrap_or_default(),
         bytes_to_fovea: there.map(|at| bytes[at]),
         seconds_to_fovea: there.map(|at| frames[at].time.0),
-        error_fovea: judged.map(|it| it.fovea),
+        error_fovea: judged.and_then(|it| it.fovea),
         error_all: judged.map(|it| it.all),
         units_by_level: last.map_or_else(Vec::new, |it| it.report.units_by_level.clone()),
         bytes_by_kind: BytesByKind {
@@ -303,7 +306,10 @@ fn csv(frames: &[Frame]) -> String {
     for (number, frame) in frames.iter().enumerate() {
         let report = &frame.report;
         let [fovea, all] = match frame.judged {
-            Some(judged) => [judged.fovea, judged.all].map(|it| it.to_string()),
+            Some(judged) => [
+                judged.fovea.map_or_else(String::new, |it| it.to_string()),
+                judged.all.to_string(),
+            ],
             None => Default::default(),
         };
         let _ = writeln!(
