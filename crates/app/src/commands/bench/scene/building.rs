@@ -1,7 +1,7 @@
 //! How long do building units and decoding them take?
 
-use super::Conditions;
-use super::row::{Row, Turns, thread_ms_each};
+use super::conditions::BenchConditions;
+use super::row::{BenchRow, Turns, thread_ms_each};
 use super::subject::Subject;
 use crate::commands::bench::processor_time::cpu_seconds;
 use crate::report::output;
@@ -22,7 +22,10 @@ fn seconds(work: impl FnOnce() -> anyhow::Result<()>) -> anyhow::Result<[f64; 2]
 }
 
 /// Building and encoding units, against meshoptimizer's own clusterlod, which encodes nothing.
-pub(super) fn build(subject: &Subject, conditions: &Conditions) -> anyhow::Result<Vec<Row>> {
+pub(super) fn build(
+    subject: &Subject,
+    conditions: &BenchConditions,
+) -> anyhow::Result<Vec<BenchRow>> {
     let Some(source) = &subject.source else {
         output::say(&format!(
             "{}: a pack does not tell how it was built",
@@ -69,7 +72,10 @@ pub(super) fn build(subject: &Subject, conditions: &Conditions) -> anyhow::Resul
 }
 
 /// Decoding all units, against meshoptimizer's decoder of the triangles of the whole mesh.
-pub(super) fn decode(subject: &Subject, conditions: &Conditions) -> anyhow::Result<Vec<Row>> {
+pub(super) fn decode(
+    subject: &Subject,
+    conditions: &BenchConditions,
+) -> anyhow::Result<Vec<BenchRow>> {
     let file = &subject.file;
     let mut units = Vec::new();
     for unit in file.pack().units() {

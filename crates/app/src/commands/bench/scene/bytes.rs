@@ -1,7 +1,7 @@
 //! How large is a pack, what of it is needed first, and is every cut of it closed?
 
-use super::Conditions;
-use super::row::{Row, Turns};
+use super::conditions::BenchConditions;
+use super::row::{BenchRow, Turns};
 use super::subject::Subject;
 use foveal_core::content::demand::Content;
 use foveal_core::pack::unit::UnitId;
@@ -18,7 +18,7 @@ const TRIAL: CutTrial = CutTrial {
 };
 
 /// Odd edges over all cuts and orders.
-pub(super) fn closed(subject: &Subject, _: &Conditions) -> anyhow::Result<Vec<Row>> {
+pub(super) fn closed(subject: &Subject, _: &BenchConditions) -> anyhow::Result<Vec<BenchRow>> {
     let file = &subject.file;
     let pack = file.pack();
     let rows = pack
@@ -39,7 +39,7 @@ pub(super) fn closed(subject: &Subject, _: &Conditions) -> anyhow::Result<Vec<Ro
 }
 
 /// Bytes a triangle of the finest level, against codecs for the whole mesh on the same grid.
-pub(super) fn of_leaves(subject: &Subject, _: &Conditions) -> anyhow::Result<Vec<Row>> {
+pub(super) fn of_leaves(subject: &Subject, _: &BenchConditions) -> anyhow::Result<Vec<BenchRow>> {
     let (pack, header) = (subject.file.pack(), subject.file.header());
     let units: u64 = pack.index().bytes_per_level().iter().sum();
     let tables: u64 = pack.description().tables.iter().map(|it| it.bytes).sum();
@@ -64,7 +64,10 @@ pub(super) fn of_leaves(subject: &Subject, _: &Conditions) -> anyhow::Result<Vec
 }
 
 /// Bytes until there is a picture, of those of the whole pack.
-pub(super) fn first_picture(subject: &Subject, _: &Conditions) -> anyhow::Result<Vec<Row>> {
+pub(super) fn first_picture(
+    subject: &Subject,
+    _: &BenchConditions,
+) -> anyhow::Result<Vec<BenchRow>> {
     let file = &subject.file;
     let pack = file.pack();
     let mut pages = [BTreeSet::new(), BTreeSet::new()];

@@ -1,8 +1,8 @@
 //! How long does choosing take: by a rule in a scene, and within a budget?
 
-use super::Conditions;
+use super::conditions::BenchConditions;
 use super::place::{Extent, looking};
-use super::row::{Row, Turns, thread_ms_each};
+use super::row::{BenchRow, Turns, thread_ms_each};
 use super::subject::Subject;
 use anyhow::Context;
 use foveal_core::content::asked::Detail;
@@ -31,7 +31,10 @@ const GAZES: [[f64; 2]; 5] = [
 const ACROSS_DEG: f64 = 100.0;
 
 /// A cut of so many clusters by `acuity`.
-pub(super) fn choose(subject: &Subject, conditions: &Conditions) -> anyhow::Result<Vec<Row>> {
+pub(super) fn choose(
+    subject: &Subject,
+    conditions: &BenchConditions,
+) -> anyhow::Result<Vec<BenchRow>> {
     let extent = Extent::of(subject);
     let clusters = clusters(subject)?;
     let copies = CLUSTERS.div_ceil(clusters.max(1));
@@ -105,7 +108,10 @@ fn beside_each_other(subject: &Subject, extent: &Extent, copies: usize) -> anyho
 }
 
 /// 2,000 steps of 100,000 units with prerequisites, against the same without.
-pub(super) fn select(subject: &Subject, conditions: &Conditions) -> anyhow::Result<Vec<Row>> {
+pub(super) fn select(
+    subject: &Subject,
+    conditions: &BenchConditions,
+) -> anyhow::Result<Vec<BenchRow>> {
     let moments = [1, 2].map(|moment| {
         let values = (0..UNITS).map(|unit| scene_value_at(unit, moment));
         values.collect::<Vec<f64>>()

@@ -1,8 +1,8 @@
 //! How much is drawn under `acuity`, against `viewport`?
 
-use super::Conditions;
+use super::conditions::BenchConditions;
 use super::place::{Extent, looking};
-use super::row::{Row, Turns};
+use super::row::{BenchRow, Turns};
 use super::subject::Subject;
 use crate::commands::score::{DeviceName, Engine, LastGaze, display_of_view, from_image};
 use crate::report::output;
@@ -25,7 +25,7 @@ const ACROSS_DEG: [f64; 2] = [60.0, 100.0];
 /// A player of the scene under a policy, with all at hand.
 pub(super) fn player(
     subject: &Subject,
-    conditions: &Conditions,
+    conditions: &BenchConditions,
     config: PolicyConfig,
     gpu_bytes: u64,
 ) -> anyhow::Result<ScenePlayer> {
@@ -40,7 +40,10 @@ pub(super) fn player(
 }
 
 /// Triangles that are drawn and how long that takes, through a narrow and a wide view.
-pub(super) fn triangles(subject: &Subject, conditions: &Conditions) -> anyhow::Result<Vec<Row>> {
+pub(super) fn triangles(
+    subject: &Subject,
+    conditions: &BenchConditions,
+) -> anyhow::Result<Vec<BenchRow>> {
     if matches!(conditions.drawing, DrawDevice::Nothing) {
         output::say("triangles: nothing draws; give --renderer gpu or cpu");
         return Ok(Vec::new());
@@ -61,10 +64,10 @@ pub(super) fn triangles(subject: &Subject, conditions: &Conditions) -> anyhow::R
 
 fn through(
     subject: &Subject,
-    conditions: &Conditions,
+    conditions: &BenchConditions,
     moment: &Moment,
     across: f64,
-) -> anyhow::Result<[Row; 2]> {
+) -> anyhow::Result<[BenchRow; 2]> {
     let view = moment.views[0];
     let showing = |policy| {
         let mut player = player(subject, conditions, Detail::Usual.of(policy), u64::MAX / 4)?;

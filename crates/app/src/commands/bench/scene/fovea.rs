@@ -1,7 +1,7 @@
 //! How many bytes come before the fovea is sharp?
 
-use super::Conditions;
-use super::row::{Row, Turns};
+use super::conditions::BenchConditions;
+use super::row::{BenchRow, Turns};
 use super::subject::Subject;
 use crate::commands::scene::judging::Judge;
 use crate::commands::scene::moving::Mover;
@@ -40,8 +40,8 @@ const ACROSS_DEG: f64 = 90.0;
 /// Bytes under `eccentricity` against `uniform`, gaze by gaze.
 pub(super) fn bytes_to_fovea(
     subject: &Subject,
-    conditions: &Conditions,
-) -> anyhow::Result<Vec<Row>> {
+    conditions: &BenchConditions,
+) -> anyhow::Result<Vec<BenchRow>> {
     if matches!(conditions.drawing, DrawDevice::Nothing) {
         output::say("fovea: nothing draws; give --renderer gpu or cpu");
         return Ok(Vec::new());
@@ -65,7 +65,7 @@ pub(super) fn bytes_to_fovea(
 /// Bytes that came until the fovea was sharp, or all, and whether it was.
 fn bytes_of(
     subject: &Subject,
-    conditions: &Conditions,
+    conditions: &BenchConditions,
     policy: Policy,
     gaze: [f64; 2],
 ) -> anyhow::Result<(f64, bool)> {

@@ -1,9 +1,9 @@
 //! How much memory do preparing and playing take?
 
-use super::Conditions;
+use super::conditions::BenchConditions;
 use super::drawing::player;
 use super::place::SIZE;
-use super::row::{Row, Turns};
+use super::row::{BenchRow, Turns};
 use super::subject::Subject;
 use crate::report::output;
 use foveal_core::content::asked::Detail;
@@ -26,7 +26,10 @@ const GPU_BYTES: u64 = 32_000_000;
 const SECONDS: u32 = 12;
 
 /// The peak of preparing on one thread, and of the GPU while playing.
-pub(super) fn memory(subject: &Subject, conditions: &Conditions) -> anyhow::Result<Vec<Row>> {
+pub(super) fn memory(
+    subject: &Subject,
+    conditions: &BenchConditions,
+) -> anyhow::Result<Vec<BenchRow>> {
     let mut rows = Vec::new();
     if let (Some(source), Some(peak)) = (&subject.source, subject.prepare_peak) {
         let decoded: f64 = source.meshes.iter().map(decoded_bytes).sum();
@@ -58,7 +61,7 @@ fn decoded_bytes(mesh: &SourceMesh) -> f64 {
     bytes as f64
 }
 
-fn most_gpu_bytes(subject: &Subject, conditions: &Conditions) -> anyhow::Result<f64> {
+fn most_gpu_bytes(subject: &Subject, conditions: &BenchConditions) -> anyhow::Result<f64> {
     let mut player = player(
         subject,
         conditions,

@@ -5,6 +5,7 @@
 mod building;
 mod bytes;
 mod choosing;
+mod conditions;
 mod drawing;
 mod fovea;
 mod memory;
@@ -17,8 +18,9 @@ use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage, out_of_range};
 use anyhow::{Context, bail};
 use clap::Args;
+use conditions::BenchConditions;
 use foveal_render::DrawDevice;
-use row::Row;
+use row::BenchRow;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use subject::Subject;
@@ -47,13 +49,7 @@ pub(crate) struct SceneBenchArgs {
     json: bool,
 }
 
-/// What all rows are measured under.
-struct Conditions {
-    runs: usize,
-    drawing: DrawDevice,
-}
-
-type Measure = fn(&Subject, &Conditions) -> anyhow::Result<Vec<Row>>;
+type Measure = fn(&Subject, &BenchConditions) -> anyhow::Result<Vec<BenchRow>>;
 
 /// A row, or a few of one kind.
 struct Measured {
@@ -96,7 +92,7 @@ const fn with_pictures(name: &'static str, measure: Measure) -> Measured {
 #[derive(Debug, Serialize)]
 struct Report {
     machine: Machine,
-    rows: Vec<Row>,
+    rows: Vec<BenchRow>,
 }
 
 pub(super) fn run(args: &SceneBenchArgs) -> anyhow::Result<()> {
@@ -105,7 +101,7 @@ pub(super) fn run(args: &SceneBenchArgs) -> anyhow::Result<()> {
     }
     let asked = args.rows()?;
     let draws = asked.iter().any(|it| it.draws);
-    let conditions = Conditions {
+    let conditions = BenchConditions {
         runs: args.runs,
         drawing: if draws {
             open_device(args.renderer)?
@@ -152,9 +148,9 @@ impl SceneBenchArgs {
     fn measure(
         &self,
         asked: &[&Measured],
-        conditions: &Conditions,
+        conditions: &BenchConditions,
         folder: &Path,
-    ) -> anyhow::Result<Vec<Row>> {
+    ) -> anyhow::Result<Vec<BenchRow>> {
         let subjects: Vec<Option<&Path>> = match self.inputs.is_empty() {
             true => vec![None],
             false => self.inputs.iter().map(|it| Some(it.as_path())).collect(),

@@ -10,7 +10,7 @@ type Range = [f64; 2];
 
 /// One thing that was measured, ours beside the baseline.
 #[derive(Debug, Serialize)]
-pub(super) struct Row {
+pub(super) struct BenchRow {
     /// Name of the file.
     content: String,
     what: String,
@@ -68,11 +68,16 @@ impl Turns {
     }
 
     /// The row of these runs.
-    pub(super) fn row(self, content: &str, what: impl Into<String>, unit: &'static str) -> Row {
+    pub(super) fn row(
+        self,
+        content: &str,
+        what: impl Into<String>,
+        unit: &'static str,
+    ) -> BenchRow {
         let runs = self.ours.len();
         let (ours, of_ours) = median(self.ours).unwrap_or_default();
         let baseline = median(self.baseline);
-        Row {
+        BenchRow {
             content: content.to_owned(),
             what: what.into(),
             ours,
@@ -92,7 +97,7 @@ impl Turns {
     }
 }
 
-impl Row {
+impl BenchRow {
     /// The same with what is asked of it.
     pub(super) fn asked(mut self, asked: impl Into<String>) -> Self {
         self.asked = Some(asked.into());
@@ -130,7 +135,7 @@ pub(super) fn thread_ms_each(mut work: impl FnMut() -> anyhow::Result<()>) -> an
 }
 
 /// The rows as a table.
-pub(super) fn table(rows: &[Row]) -> String {
+pub(super) fn table(rows: &[BenchRow]) -> String {
     let head = ["", "ours", "baseline", "unit", "ratio", "asked"].map(str::to_owned);
     let told = rows.iter().map(|row| {
         let of = |median: f64, [least, most]: Range| match least == most {
