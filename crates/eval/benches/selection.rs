@@ -2,7 +2,10 @@
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use foveal_core::selection::greedy::{Catalog, CatalogError, Misfit, Rule};
-use foveal_eval::bench_cases::{BUDGET_BYTES, LEVELS, UNITS, large_catalog, values_at};
+use foveal_eval::bench_cases::{
+    BUDGET_BYTES, LEVELS, SCENE_BUDGET_BYTES, UNITS, large_catalog, scene_catalog, scene_value_at,
+    values_at,
+};
 
 /// Values of many units at a moment, with their units.
 fn values(units: impl Iterator<Item = u32>, moment: u32) -> Vec<(u32, [f64; LEVELS])> {
@@ -58,8 +61,38 @@ fn selection(criterion: &mut Criterion) -> Result<(), CatalogError> {
     Ok(())
 }
 
+fn selection_of_scenes(criterion: &mut Criterion) -> Result<(), CatalogError> {
+    let mut group = criterion.benchmark_group("selection, 100,000 units of a scene");
+    let moments = [1, 2].map(|moment| {
+        let values = (0..UNITS).map(|unit| scene_value_at(unit, moment));
+        values.collect::<Vec<f64>>()
+    });
+    for (name, needs) in [
+        ("two prerequisites a unit", true),
+        ("no prerequisites", false),
+    ] {
+        let mut catalog = scene_catalog(Rule::default(), needs)?;
+        catalog.refresh();
+        group.bench_function(format!("heap and pops of 2,000 steps, {name}"), |bencher| {
+            bencher.iter(|| catalog.select(SCENE_BUDGET_BYTES));
+        });
+        let mut turn = 0;
+        group.bench_function(format!("tick, all units changed, {name}"), |bencher| {
+            bencher.iter(|| {
+                turn = 1 - turn;
+                for (unit, value) in (0..).zip(&moments[turn]) {
+                    catalog.set_values(unit, &[*value]);
+                }
+                catalog.select(SCENE_BUDGET_BYTES)
+            });
+        });
+    }
+    group.finish();
+    Ok(())
+}
+
 fn run(criterion: &mut Criterion) {
-    if let Err(error) = selection(criterion) {
+    if let Err(error) = selection(criterion).and_then(|()| selection_of_scenes(criterion)) {
         eprintln!("{error}");
     }
 }

@@ -38,6 +38,16 @@ fn thread_cpu_ms() -> Option<f64> {
     Some(nanoseconds / 1e6)
 }
 
+/// Milliseconds that this thread has run for, or where the system does not say, that have passed
+/// since `begun`; with the clock.
+#[must_use]
+pub fn thread_ms(begun: Instant) -> (f64, Clock) {
+    match thread_cpu_ms() {
+        Some(ms) => (ms, Clock::ThreadCpu),
+        None => (begun.elapsed().as_secs_f64() * 1000.0, Clock::Wall),
+    }
+}
+
 /// Runs `work` once to warm up and `runs` times by the clock.
 pub(crate) fn timed(name: &str, runs: usize, work: impl FnMut()) -> TimedRow {
     timed_parts(name, runs, 1, work)

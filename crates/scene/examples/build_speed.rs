@@ -6,10 +6,12 @@
 
 use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
 use foveal_core::pack::unit::UnitId;
+use foveal_scene::baseline::clod_build;
 use foveal_scene::build::{BuildOptions, Built, build};
 use foveal_scene::cracks::{CutTrial, check_cuts};
-use foveal_scene::source::{SourceMesh, SourceObject, SourceScene};
-use glam::{DAffine3, DVec3};
+use foveal_scene::generate::{alone, torus};
+use foveal_scene::source::{SourceMesh, SourceScene};
+use glam::DVec3;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -18,16 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Some(path) => ply(&std::fs::read_to_string(path)?).ok_or("no ASCII PLY of triangles")?,
         None => torus(1024, 512),
     };
-    let object = SourceObject {
-        name: "mesh".to_owned(),
-        mesh: 0,
-        placements: vec![DAffine3::IDENTITY],
-    };
-    let source = SourceScene {
-        objects: vec![object],
-        meshes: vec![mesh],
-        ..Default::default()
-    };
+    let source = alone("mesh", mesh);
     let rounds = std::env::args().nth(2).map_or(Ok(3), |it| it.parse())?;
     let mut best = BTreeMap::<&str, f64>::new();
     let mut keep = |name: &'static str, seconds: f64| {
@@ -47,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
         }
         let before = processor_seconds();
-        keep("clod_build", clod(&source.meshes[0]));
+        keep("clod_build", clod(&source));
         keep("clod_build, processor", processor_seconds() - before);
     }
     let (indices, encoded) = encoded_indices(&source.meshes[0])?;
@@ -132,23 +125,11 @@ fn cracks(built: &Built, ignore_prerequisites: bool) -> Result<(), Box<dyn std::
     Ok(())
 }
 
-/// Seconds in which meshoptimizer's clusterlod builds a mesh in clusters and groups of our sizes.
-fn clod(mesh: &SourceMesh) -> f64 {
-    let positions = mesh.positions.iter().map(|it| it.as_vec3().to_array());
-    let positions: Vec<[f32; 3]> = positions.collect();
-    let bytes = meshopt::typed_to_bytes(&positions[..]);
-    let Ok(vertices) = meshopt::VertexDataAdapter::new(bytes, 12, 0) else {
-        return f64::NAN;
-    };
+/// Seconds in which meshoptimizer's clusterlod builds a scene in clusters and groups of our sizes.
+fn clod(source: &SourceScene) -> f64 {
     let start = Instant::now();
-    let mut config = meshopt::clod_default_config(64);
-    config.partition_size = 4;
-    let mesh = meshopt::ClodMesh::new(mesh.triangles.as_flattened(), &vertices);
-    let mut groups = 0;
-    meshopt::clod_build(config, &mesh, |_, _| {
-        groups += 1;
-        groups - 1
-    });
+    let groups = clod_build(source);
+    assert!(groups > 0, "the mesh has triangles");
     start.elapsed().as_secs_f64()
 }
 
@@ -174,28 +155,6 @@ fn encoded_indices(mesh: &SourceMesh) -> Result<(usize, Vec<u8>), meshopt::Error
         indices.len(),
         meshopt::encode_index_buffer(&indices, count)?,
     ))
-}
-
-fn torus(around: u32, along: u32) -> SourceMesh {
-    let turn = |at: u32, of: u32| std::f64::consts::TAU * f64::from(at) / f64::from(of);
-    let vertices = (0..around).flat_map(|u| (0..along).map(move |v| (u, v)));
-    let position = |(u, v)| {
-        let (u, v) = (turn(u, around), turn(v, along));
-        let bump = 1.0 + 0.1 * (5.0 * u).sin() * (3.0 * v).cos();
-        let (ring, height) = (2.0 + bump * v.cos(), bump * v.sin());
-        DVec3::new(ring * u.cos(), height, ring * u.sin())
-    };
-    let at = |u: u32, v: u32| u % around * along + v % along;
-    let cells = (0..around).flat_map(|u| (0..along).map(move |v| (u, v)));
-    let pair = |(u, v)| {
-        let (b, c) = (at(u, v + 1), at(u + 1, v));
-        [[at(u, v), b, c], [c, b, at(u + 1, v + 1)]]
-    };
-    SourceMesh {
-        positions: vertices.map(position).collect(),
-        triangles: cells.flat_map(pair).collect(),
-        ..Default::default()
-    }
 }
 
 fn ply(text: &str) -> Option<SourceMesh> {

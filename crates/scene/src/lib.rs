@@ -6,7 +6,9 @@
 
 #![forbid(unsafe_code)]
 
+pub mod baseline;
 pub mod build;
 pub mod cracks;
+pub mod generate;
 pub mod read;
 pub mod source;

@@ -58,6 +58,15 @@ pub(crate) struct RunScoring {
 }
 
 impl ScoringOptions {
+    /// No score is asked for.
+    pub(crate) fn unasked() -> Self {
+        Self {
+            score: false,
+            score_display: None,
+            score_mode: ModeName::Compat,
+        }
+    }
+
     /// What scores a run, if it is to be scored.
     pub(crate) fn open(&self, beside: &Baseline<'_>) -> anyhow::Result<Option<RunScoring>> {
         self.check(beside.drawing)?;

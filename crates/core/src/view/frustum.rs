@@ -17,6 +17,11 @@ pub(crate) struct Frustum {
     borders: [f64; 4],
     /// The normals, outward, of the planes through the eye and these borders.
     planes: [DVec3; 4],
+    /// The same of the borders moved outward by the margin.
+    moved_planes: [DVec3; 4],
+    /// Whether the moved borders to the sides, and those up and down, still bound less than half of
+    /// all directions.
+    bounds: [bool; 2],
     margin: f64,
     /// Angle from ahead to what is a margin beyond the farthest corner.
     farthest: f64,
@@ -28,7 +33,10 @@ impl Frustum {
         let across = field.left.abs().max(field.right.abs());
         let down = field.up.abs().max(field.down.abs());
         let borders = [field.left, field.right, field.up, field.down].map(libm::atan);
+        let moved = borders.map(|border| border + margin.0);
         Self {
+            moved_planes: outward(&view.axes, moved),
+            bounds: [moved[0] + moved[1] < PI, moved[2] + moved[3] < PI],
             axes: view.axes,
             borders,
             planes: outward(&view.axes, borders),
@@ -45,11 +53,30 @@ impl Frustum {
         }
         let within = libm::sin(radius.0.min(FRAC_PI_2)) + ROUNDING;
         // What is reached lies before all planes through borders that are moved by the margin.
-        let moved = self.borders.map(|border| border + self.margin);
-        let [left, right, up, low] = outward(&self.axes, moved).map(|plane| plane.dot(centre));
-        let across = moved[0] + moved[1] < PI && left.max(right) > within;
-        let down = moved[2] + moved[3] < PI && up.max(low) > within;
-        across || down
+        self.beyond_moved(centre) > within
+    }
+
+    /// Whether nothing is reached within the angle of this sine from a direction, as
+    /// [`Self::is_missed_by`] says it; `None` where that takes the angle to tell.
+    pub(crate) fn is_surely_missed(&self, centre: DVec3, sine: f64) -> Option<bool> {
+        if self.is_wide() {
+            return None;
+        }
+        let over = self.beyond_moved(centre) - (sine + ROUNDING);
+        // Far more than the sine of an arc sine is off.
+        (over.abs() > ROUNDING / 2.0).then_some(over > 0.0)
+    }
+
+    /// Sine of the angle by which a direction is beyond the plane of a border moved by the margin.
+    fn beyond_moved(&self, centre: DVec3) -> f64 {
+        let [left, right, up, low] = self.moved_planes.map(|plane| plane.dot(centre));
+        let across = if self.bounds[0] {
+            left.max(right)
+        } else {
+            -1.0
+        };
+        let down = if self.bounds[1] { up.max(low) } else { -1.0 };
+        across.max(down)
     }
 
     /// Whether a direction is in view or at most a margin beside it.

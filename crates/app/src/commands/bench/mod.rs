@@ -5,6 +5,7 @@ mod gpu;
 mod perception;
 mod prepare;
 mod processor_time;
+mod scene;
 mod score;
 mod video;
 
@@ -21,6 +22,8 @@ pub(crate) enum Bench {
     /// Scoring foveated video of 1920x1080 at 30 frames a second, against the clear text of the
     /// same equations.
     Score(score::ScoreBenchArgs),
+    /// A scene's bytes, building, decoding, choosing, drawing and memory, each against a baseline.
+    Scene(scene::SceneBenchArgs),
 }
 
 pub(crate) fn run(command: &Bench) -> anyhow::Result<()> {
@@ -29,5 +32,6 @@ pub(crate) fn run(command: &Bench) -> anyhow::Result<()> {
         Bench::Video(args) => video::run(args),
         Bench::Prepare(args) => prepare::run(args),
         Bench::Score(args) => score::run(args),
+        Bench::Scene(args) => scene::run(args),
     }
 }

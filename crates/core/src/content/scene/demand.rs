@@ -1,6 +1,8 @@
 //! Which units of a scene does one viewer want?
 
 use super::Scene;
+use super::rough_look::{RoughError, RoughLook, is_above_one};
+use super::scene::Stand;
 use super::sight::{SeenError, Sight};
 use crate::content::demand::{Chosen, Content, Demand, Offer, Record};
 use crate::content::policy::{Policy, PolicyConfig};
@@ -8,6 +10,7 @@ use crate::pack::sha256_hex;
 use crate::pack::unit::UnitId;
 use crate::perception::acuity::AcuityModel;
 use crate::perception::moment::Moment;
+use crate::units::Radians;
 use std::sync::Arc;
 
 /// Errors that cover less of the display, in pixels, are not seen.
@@ -99,7 +102,7 @@ impl SceneDemand {
         let pixels = seen.error_pixels / ERROR_PIXELS;
         match self.config.policy {
             Policy::Acuity => {
-                let allowed = smallest_angle_deg(&self.config.acuity, seen);
+                let allowed = smallest_angle_deg(&self.config.acuity, seen.eccentricity);
                 pixels.min(seen.error.to_degrees() / allowed)
             }
             _ => pixels,
@@ -123,23 +126,71 @@ impl SceneDemand {
 
     /// Which units a rule wants, with all that these need.
     fn wanted(&self, moment: &Moment) -> Vec<bool> {
-        let units = self.scene.pack().len();
         let sights = self.sights(moment);
+        self.closed(|unit| match self.config.policy {
+            Policy::Full => true,
+            Policy::Coarsest => false,
+            _ => {
+                let stands = self.scene.stands(unit);
+                sights
+                    .iter()
+                    .any(|sight| stands.iter().any(|stand| self.exceeds(stand, sight)))
+            }
+        })
+    }
+
+    /// The roots, what is `wanted` by itself, and all that these need. What something else needs
+    /// is not asked for.
+    fn closed(&self, wanted_itself: impl Fn(UnitId) -> bool) -> Vec<bool> {
+        let pack = self.scene.pack();
+        let units = pack.len();
         let mut wanted = vec![false; units];
-        for unit in (0..units as u32).rev().map(UnitId) {
-            let is_wanted = unit.0 < self.roots
-                || match self.config.policy {
-                    Policy::Full => true,
-                    Policy::Coarsest => false,
-                    _ => self.most(unit, &sights, |seen| self.excess(seen)) > 1.0,
-                };
-            if is_wanted || wanted[unit.0 as usize] {
-                wanted[unit.0 as usize] = true;
-                let needs = self.scene.needs(unit).iter();
+        wanted[..self.roots as usize].fill(true);
+        for unit in (self.roots as usize..units).rev() {
+            let is_wanted = wanted[unit] || wanted_itself(UnitId(unit as u32));
+            if is_wanted {
+                wanted[unit] = true;
+                let needs = pack.rows()[unit].needs.iter();
                 needs.for_each(|need| wanted[need.0 as usize] = true);
             }
         }
         wanted
+    }
+
+    /// Whether the error that is shown without a unit in one of its places is larger than the
+    /// policy allows: [`Self::excess`] above 1, mostly without working it out.
+    fn exceeds(&self, stand: &Stand, sight: &Sight) -> bool {
+        let Stand { sphere, error, .. } = stand;
+        if sight.is_surely_within(sphere, *error, ERROR_PIXELS) {
+            return false;
+        }
+        let sure = match sight.look(sphere, *error) {
+            RoughLook::Missed => return false,
+            RoughLook::Seen(rough) => self.rough_excess(&rough, sight).and_then(is_above_one),
+            RoughLook::Unsure => None,
+        };
+        sure.unwrap_or_else(|| {
+            let seen = sight.seen(sphere, *error);
+            seen.is_some_and(|seen| self.excess(&seen) > 1.0)
+        })
+    }
+
+    /// The least and the largest that [`Self::excess`] may be; `None` where the eye's model does
+    /// not tell that by two eccentricities.
+    fn rough_excess(&self, rough: &RoughError, sight: &Sight) -> Option<[f64; 2]> {
+        let pixels = rough.error.0 * sight.pixels / ERROR_PIXELS;
+        match (self.config.policy, &self.config.acuity) {
+            (Policy::Acuity, AcuityModel::Linear { slope, .. }) if *slope >= 0.0 => {
+                let excess = |eccentricity| {
+                    let allowed = smallest_angle_deg(&self.config.acuity, eccentricity);
+                    pixels.min(rough.error.to_degrees() / allowed)
+                };
+                let [least, most] = rough.eccentricity;
+                Some([excess(most), excess(least)])
+            }
+            (Policy::Acuity, _) => None,
+            _ => Some([pixels; 2]),
+        }
     }
 
     fn chosen(&self, is_chosen: &[bool]) -> Chosen {
@@ -161,9 +212,9 @@ impl SceneDemand {
     }
 }
 
-/// The smallest angle that is told apart where a unit is seen best, in degrees.
-fn smallest_angle_deg(acuity: &AcuityModel, seen: &SeenError) -> f64 {
-    0.5 / acuity.best_acuity(seen.eccentricity).0
+/// The smallest angle that is told apart at an eccentricity, in degrees.
+fn smallest_angle_deg(acuity: &AcuityModel, eccentricity: Radians) -> f64 {
+    0.5 / acuity.best_acuity(eccentricity).0
 }
 
 impl Demand for SceneDemand {
@@ -227,5 +278,75 @@ impl Demand for SceneDemand {
             .map(|(n, is)| *is || n < roots)
             .collect();
         self.chosen(&is_chosen)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::content::scene::scripted::scripted_scene;
+    use crate::gaze::sample::GazeSample;
+    use crate::units::Seconds;
+    use crate::view::axes::Axes;
+    use crate::view::eye_view::{EyeView, Field};
+    use crate::view::random::Random;
+    use glam::DVec3;
+
+    /// Through one or two views, near and far, narrow and wide, magnified and not, of a sure gaze
+    /// and of one that is not.
+    fn any_moment(random: &mut Random) -> Moment {
+        let mut any = || random.unit() * 2.0 - 1.0;
+        let size = [200 + (any().abs() * 4000.0) as u32, 700];
+        let mut field = Field::across(Radians::from_degrees(95.0 + 75.0 * any()), size);
+        if any() > 0.7 {
+            field.at_eye = Some([0.4, 0.4, 0.3, 0.3]);
+        }
+        let axes = Axes::from_yaw_pitch_roll(Radians(3.0 * any()), Radians(any()), Radians(any()));
+        let view = EyeView {
+            position: DVec3::new(any(), any(), any()) * 6.0 * any().abs(),
+            axes,
+            field,
+            size,
+            eye: Default::default(),
+        };
+        let gaze = GazeSample {
+            gaze_in_content: axes.at([any() * 0.8, any() * 0.6]).normalize(),
+            spread: Radians((any() * 0.1).max(0.0)),
+            ..GazeSample::at(Seconds(0.0), Radians(0.0), Radians(0.0))
+        };
+        let beside = EyeView {
+            position: view.position + DVec3::X * 0.06,
+            ..view
+        };
+        let views = [vec![view], vec![view, beside], Vec::new()];
+        Moment::new(gaze, views[(any().abs() * 2.2) as usize].clone())
+    }
+
+    #[test]
+    fn what_is_chosen_by_rough_looks_is_what_is_chosen_by_working_all_out() {
+        let scene = Arc::new(scripted_scene().unwrap());
+        let mut random = Random::new(11);
+        let (mut chosen, mut left) = (0, 0);
+        for round in 0..900 {
+            let policy = [Policy::Acuity, Policy::Viewport][round % 2];
+            let acuity = [
+                AcuityModel::LINEAR,
+                AcuityModel::linear(0.0),
+                AcuityModel::Watson,
+            ];
+            let config = PolicyConfig {
+                acuity: acuity[round / 2 % 3],
+                ..PolicyConfig::new(policy)
+            };
+            let demand = SceneDemand::new(Arc::clone(&scene), &config);
+            let moment = any_moment(&mut random);
+            let sights = demand.sights(&moment);
+            let plain =
+                demand.closed(|unit| demand.most(unit, &sights, |seen| demand.excess(seen)) > 1.0);
+            assert_eq!(demand.wanted(&moment), plain, "{config:?} {moment:?}");
+            chosen += plain.iter().filter(|is| **is).count();
+            left += plain.iter().filter(|is| !**is).count();
+        }
+        assert!(chosen > 10_000 && left > 10_000, "{chosen} {left}");
     }
 }

@@ -4,6 +4,7 @@ mod content;
 pub mod demand;
 pub mod description;
 pub mod pack;
+mod rough_look;
 #[allow(
     clippy::module_inception,
     reason = "the room of scenes holds one type of that name"

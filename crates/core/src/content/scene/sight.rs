@@ -26,12 +26,12 @@ pub struct Sphere {
 /// What one view shows a viewer of a scene at one moment.
 #[derive(Debug)]
 pub struct Sight {
-    glance: Glance,
-    spread: SpreadTable,
-    frustum: Option<Frustum>,
-    eye: DVec3,
+    pub(super) glance: Glance,
+    pub(super) spread: SpreadTable,
+    pub(super) frustum: Option<Frustum>,
+    pub(super) eye: DVec3,
     /// Pixels of the display at unit distance.
-    pixels: f64,
+    pub(super) pixels: f64,
 }
 
 /// How a sphere and an error in it are seen.

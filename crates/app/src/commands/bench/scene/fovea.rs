@@ -1,0 +1,107 @@
+//! How many bytes come before the fovea is sharp?
+
+use super::conditions::BenchConditions;
+use super::row::{BenchRow, Turns};
+use super::subject::Subject;
+use crate::commands::scene::judging::Judge;
+use crate::commands::scene::moving::Mover;
+use crate::commands::simulate_score::ScoringOptions;
+use crate::gaze_source::{GazeChoice, ViewerModel};
+use crate::report::output;
+use foveal_core::content::asked::Detail;
+use foveal_core::content::policy::Policy;
+use foveal_core::units::{Radians, Seconds};
+use foveal_core::view::axes::Axes;
+use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::route::Route;
+use foveal_play::{ScenePlayer, ScenePlayerOptions};
+use foveal_render::DrawDevice;
+use std::sync::Arc;
+
+/// Where the eye looks, in degrees to the right and up.
+const GAZES: [[f64; 2]; 5] = [
+    [0.0, 0.0],
+    [8.0, 4.0],
+    [-9.0, 6.0],
+    [12.0, -7.0],
+    [-5.0, -11.0],
+];
+/// What a link brings: 40 Mbit/s.
+const BYTES_PER_S: f64 = 5e6;
+/// Seconds between two pictures.
+const INTERVAL: f64 = 1.0 / 60.0;
+/// Pictures after which a fovea that is not sharp will not become so.
+const MOST_FRAMES: u32 = 1200;
+/// The largest error of a sharp fovea, as a share of its light.
+const SHARP: f64 = 0.01;
+const SIZE: [u32; 2] = [1280, 800];
+const ACROSS_DEG: f64 = 90.0;
+
+/// Bytes under `eccentricity` against `uniform`, gaze by gaze.
+pub(super) fn bytes_to_fovea(
+    subject: &Subject,
+    conditions: &BenchConditions,
+) -> anyhow::Result<Vec<BenchRow>> {
+    if matches!(conditions.drawing, DrawDevice::Nothing) {
+        output::say("fovea: nothing draws; give --renderer gpu or cpu");
+        return Ok(Vec::new());
+    }
+    let mut turns = Turns::default();
+    let mut missed = 0.0;
+    for gaze in GAZES {
+        let mut bytes = |policy| {
+            let (bytes, is_sharp) = bytes_of(subject, conditions, policy, gaze)?;
+            missed += f64::from(u8::from(!is_sharp));
+            anyhow::Ok(bytes)
+        };
+        turns.ours.push(bytes(Policy::Eccentricity)?);
+        turns.baseline.push(bytes(Policy::Uniform)?);
+    }
+    let what = "until the fovea is sharp, eccentricity against uniform, 40 Mbit/s, 5 gazes";
+    let row = turns.row(&subject.name, what, "bytes");
+    Ok(vec![row.with("never_sharp", missed)])
+}
+
+/// Bytes that came until the fovea was sharp, or all, and whether it was.
+fn bytes_of(
+    subject: &Subject,
+    conditions: &BenchConditions,
+    policy: Policy,
+    gaze: [f64; 2],
+) -> anyhow::Result<(f64, bool)> {
+    let config = Detail::Usual.of(policy);
+    let view = EyeView {
+        position: Default::default(),
+        axes: Axes::FRONT,
+        field: Field::of_larger_side(Radians::from_degrees(ACROSS_DEG), SIZE),
+        size: SIZE,
+        eye: Default::default(),
+    };
+    let options = ScenePlayerOptions {
+        config: config.clone(),
+        drawing: conditions.drawing.clone(),
+        bytes_per_s: BYTES_PER_S,
+        gpu_bytes: u64::MAX / 4,
+        tell: output::say,
+    };
+    let mut player = ScenePlayer::new(Arc::clone(&subject.file), options)?;
+    let route = (Route::Still, player.scene().bounds());
+    let length = Seconds(f64::from(MOST_FRAMES) * INTERVAL);
+    let viewer = ViewerModel::default();
+    let mover = Mover::new(route, &GazeChoice::At(gaze), 1, length, &viewer)?;
+    let mut mover = mover.through(view);
+    let unasked = ScoringOptions::unasked();
+    let mut judge = Judge::open(&unasked, &subject.file, &view, &conditions.drawing, None)?;
+    let mut bytes = player.head_bytes();
+    for frame in 0..MOST_FRAMES {
+        let time = Seconds(f64::from(frame) * INTERVAL);
+        let standing = mover.at(time, &config.perception);
+        let report = player.show(time, &standing.moment)?;
+        bytes += report.unit_bytes + report.page_bytes;
+        let judged = judge.frame(&mut player, &standing, &report)?;
+        if judged.is_some_and(|judged| judged.fovea <= SHARP) {
+            return Ok((bytes as f64, true));
+        }
+    }
+    Ok((bytes as f64, false))
+}
