@@ -153,7 +153,9 @@ impl SceneFile {
         }
         let mut done = 0;
         for unit in self.pack().units() {
-            let checked = self.read_mesh(unit).and_then(|mesh| self.check_row(unit, &mesh));
+            let checked = self
+                .read_mesh(unit)
+                .and_then(|mesh| self.check_row(unit, &mesh));
             damage.extend(checked.err());
             done += u64::from(self.pack().entry(unit).bytes);
             progress(done, self.bytes());

@@ -99,7 +99,10 @@ fn bytes_of(
         let report = player.show(time, &standing.moment)?;
         bytes += report.unit_bytes + report.page_bytes;
         let judged = judge.frame(&mut player, &standing, &report)?;
-        if judged.is_some_and(|judged| judged.fovea <= SHARP) {
+        if judged
+            .and_then(|judged| judged.fovea)
+            .is_some_and(|fovea| fovea <= SHARP)
+        {
             return Ok((bytes as f64, true));
         }
     }
