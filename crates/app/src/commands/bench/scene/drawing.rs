@@ -75,13 +75,14 @@ fn through(
         anyhow::Ok(player)
     };
     let [mut acuity, mut viewport] = [showing(Policy::Acuity)?, showing(Policy::Viewport)?];
-    let drawn = |player: &mut ScenePlayer| player.drawer().triangles_drawn() as f64;
-    let counts = Turns::once(drawn(&mut acuity), Some(drawn(&mut viewport)));
     let times = Turns::take(
         conditions.runs,
         || drawing_ms(&mut acuity, &view),
         || drawing_ms(&mut viewport, &view),
     )?;
+    // What is drawn is known once it was.
+    let drawn = |player: &mut ScenePlayer| player.drawer().triangles_drawn() as f64;
+    let counts = Turns::once(drawn(&mut acuity), Some(drawn(&mut viewport)));
     let picture = picture(&mut acuity, &view)?;
     drop((acuity, viewport));
     let whole = self::picture(&mut showing(Policy::Full)?, &view)?;
