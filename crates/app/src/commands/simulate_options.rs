@@ -54,7 +54,8 @@ pub(crate) struct SimulateArgs {
     /// First frame to play; decoding starts at its group's key frame, without showing.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) start: u32,
-    /// Stop after this many frames (default: all; of scenes those of the route, of a still one 120).
+    /// Stop after this many frames (default: all; of a scene those of its route, of a still one
+    /// 120).
     #[arg(long, value_name = "N")]
     pub(crate) frames: Option<u32>,
     /// Folder for pictures, frames.csv and session.jsonl; made if it is not there.
