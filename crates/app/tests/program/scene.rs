@@ -195,7 +195,7 @@ fn what_a_scene_cannot_do_is_said() {
         (["--route", "nowhere.csv"], "nowhere.csv"),
         (["--gaze", "40,0"], "20 degrees"),
         (["--start", "3"], "no frames in time"),
-        (["--gpu-memory", "lots"], "32MB"),
+        (["--gpu-memory", "lots"], "256MB"),
     ] {
         let (code, stderr) = refused(&["simulate", &pack, "--out", &out, more[0], more[1]]);
         assert!(
