@@ -9,7 +9,6 @@ use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::PolicyConfig;
 use foveal_core::content::scene::Scene;
-use foveal_core::content::unit::UnitRef;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::moment::Moment;
 use foveal_core::session::actions::{Cache, Now, Pace, SessionAction, SessionEvent};
@@ -66,8 +65,6 @@ pub struct SceneReport {
     pub unit_bytes: u64,
     /// Bytes of the pages of index and table that tell of them.
     pub page_bytes: u64,
-    /// Whether more is wanted than is there.
-    pub is_refining: bool,
     /// Time of choosing.
     pub choose: Duration,
     /// Time of choosing, parsing and handing what is new to what draws.
@@ -178,7 +175,6 @@ impl ScenePlayer {
             units_by_level: self.session.figures.histogram.clone(),
             unit_bytes,
             page_bytes,
-            is_refining: !self.session.is_settled(),
             choose,
             cpu: begun.elapsed(),
         })
@@ -226,13 +222,6 @@ impl ScenePlayer {
             .zip(&mut self.pages);
         let new = pages.filter_map(|((page, bytes), loaded)| loaded.insert(page).then_some(bytes));
         new.sum()
-    }
-
-    /// The units on screen.
-    #[must_use]
-    pub fn shown(&self) -> Vec<UnitRef> {
-        let resident = self.session.states().resident();
-        resident.into_iter().map(|piece| piece.unit).collect()
     }
 
     /// The picture that a view shows; `None` when nothing draws.

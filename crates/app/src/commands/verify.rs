@@ -5,7 +5,7 @@ use crate::report::output;
 use anyhow::anyhow;
 use clap::Args;
 use foveal_core::units::counted;
-use foveal_media::pack::pack_file::PackFile;
+use foveal_media::pack::pack_file::{PackFile, PackFileError};
 use foveal_media::pack::scene_file::is_scene_pack;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -40,6 +40,12 @@ struct Verified {
 /// Most damaged places that are listed.
 const MOST_LISTED: usize = 20;
 
+/// The damaged places that are listed, in words.
+pub(crate) fn listed(damage: &[PackFileError]) -> Vec<String> {
+    let first = damage.iter().take(MOST_LISTED);
+    first.map(ToString::to_string).collect()
+}
+
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
     if is_scene_pack(&args.pack) {
         let trials = Trials {
@@ -58,11 +64,7 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
         ok: damage.is_empty(),
         bytes: file.bytes(),
         units: file.pack().units().count(),
-        damage: damage
-            .iter()
-            .take(MOST_LISTED)
-            .map(ToString::to_string)
-            .collect(),
+        damage: listed(&damage),
     };
     if verified.ok {
         let text = format!(

@@ -64,7 +64,8 @@ impl Judge {
             drawing: drawing.clone(),
             bytes_per_s: f64::INFINITY,
             gpu_bytes: u64::MAX / 4,
-            tell: output::say,
+            // What is damaged, the player that is judged has told.
+            tell: |_| (),
         };
         let whole = match draws {
             true => Some(ScenePlayer::new(Arc::clone(file), all)?),

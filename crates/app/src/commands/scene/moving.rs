@@ -24,7 +24,7 @@ pub(crate) fn route_of(text: &str) -> anyhow::Result<Route> {
         file => {
             let forms = "give still, orbit or a file with t_s,x,y,z,yaw_deg,pitch_deg";
             let text = std::fs::read_to_string(file)
-                .with_context(|| format!("--route {file}: no such file can be read; {forms}"))?;
+                .with_context(|| format!("--route {file}: cannot be read; {forms}"))?;
             parse_route(&text).with_context(|| format!("--route {file}: no route; {forms}"))?
         }
     })

@@ -1,5 +1,6 @@
 //! Is the pack of a scene as it was written, and closed however it arrives?
 
+use crate::commands::verify::listed;
 use crate::report::output;
 use anyhow::anyhow;
 use foveal_core::pack::unit::UnitId;
@@ -36,9 +37,6 @@ struct Cuts {
     levels_in_cut_min: u32,
 }
 
-/// Most damaged places that are listed.
-const MOST_LISTED: usize = 20;
-
 pub(crate) fn run(path: &Path, trials: &Trials, json: bool) -> anyhow::Result<()> {
     let file = SceneFile::open(path)?;
     let bar = output::bar(Some(file.bytes()), output::Counting::Bytes);
@@ -51,11 +49,7 @@ pub(crate) fn run(path: &Path, trials: &Trials, json: bool) -> anyhow::Result<()
         ok: is_whole && cuts.is_none_or(|it| it.odd_edges_max <= it.source_odd_edges),
         bytes: file.bytes(),
         units: file.pack().len(),
-        damage: damage
-            .iter()
-            .take(MOST_LISTED)
-            .map(ToString::to_string)
-            .collect(),
+        damage: listed(&damage),
         cuts,
     };
     let told = cuts.map_or_else(String::new, |it| {
