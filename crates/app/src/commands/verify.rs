@@ -1,11 +1,12 @@
 //! Is every byte of a pack as it was written?
 
 use crate::commands::scene::verify::{Trials, run as verify_scene};
+use crate::report::damage::listed;
 use crate::report::output;
 use anyhow::anyhow;
 use clap::Args;
 use foveal_core::units::counted;
-use foveal_media::pack::pack_file::{PackFile, PackFileError};
+use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::is_scene_pack;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -35,15 +36,6 @@ struct Verified {
     bytes: u64,
     units: usize,
     damage: Vec<String>,
-}
-
-/// Most damaged places that are listed.
-const MOST_LISTED: usize = 20;
-
-/// The damaged places that are listed, in words.
-pub(crate) fn listed(damage: &[PackFileError]) -> Vec<String> {
-    let first = damage.iter().take(MOST_LISTED);
-    first.map(ToString::to_string).collect()
 }
 
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {

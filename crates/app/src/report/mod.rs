@@ -2,6 +2,7 @@
 
 pub(crate) mod called;
 pub(crate) mod colour_ramp;
+pub(crate) mod damage;
 pub(crate) mod fault;
 pub(crate) mod html;
 pub(crate) mod output;

@@ -1,6 +1,6 @@
 //! Is the pack of a scene as it was written, and closed however it arrives?
 
-use crate::commands::verify::listed;
+use crate::report::damage::listed;
 use crate::report::output;
 use anyhow::anyhow;
 use foveal_core::pack::unit::UnitId;
