@@ -106,6 +106,7 @@ impl MeshUnit {
         bytes.extend(replaced.map(|it| it.need << 4 | (it.cluster & 15)));
         let mut workspace = Workspace::default();
         let mut streams = Vec::new();
+        let mut clusters = Vec::with_capacity(self.clusters.len());
         for cluster in &self.clusters {
             let sides = [cluster.vertices.len(), cluster.triangles.len()];
             if let Some(side) = sides.iter().find(|side| **side > MOST_OF_CLUSTER) {
@@ -116,15 +117,22 @@ impl MeshUnit {
                 return Err(wrong("corner", corner, format!("fewer than {}", sides[0])));
             }
             let stream = encode_meshlet(&[], corners, &mut workspace).map_err(refused)?;
-            bytes.extend(sides.map(|side| side as u8));
+            let sides = sides.map(|side| side as u8);
+            bytes.extend(sides);
             write_length(stream.len(), &mut bytes);
+            // Places are predicted along triangles, and the codec may turn these: as they are read.
+            let Cluster { triangles, .. } = parse_cluster(sides, &stream, &mut workspace)?;
+            clusters.push(Cluster {
+                vertices: cluster.vertices.clone(),
+                triangles,
+            });
             streams.extend(stream);
         }
         bytes.extend(streams);
         let places: Vec<_> = self.vertices.iter().map(|it| it.place).collect();
         let mut writer = BitWriter::default();
-        vertices::write_names(&self.clusters, self.staying, &mut writer);
-        vertices::write_places(&self.clusters, self.staying, &places, &mut writer);
+        vertices::write_names(&clusters, self.staying, &mut writer);
+        vertices::write_places(&clusters, self.staying, &places, &mut writer);
         bytes.extend(writer.finish());
         bytes.extend(self.write_attributes(attributes, &mut workspace)?);
         Ok(bytes)

@@ -88,6 +88,25 @@ fn the_largest_and_the_emptiest_unit_come_back() {
     }
 }
 
+/// The codec turns triangles, and a turned one predicts other places where a corner is doubled.
+#[test]
+fn places_come_back_where_a_cluster_names_a_vertex_twice() {
+    let places = [[0; 3], [0; 3], [0, 0, 1], [0; 3], [0; 3]];
+    for corners in (0..216_u8).map(|it| [it / 36, it / 6 % 6, it % 6]) {
+        let unit = MeshUnit {
+            vertices: places.map(MeshVertex::at).to_vec(),
+            clusters: vec![Cluster {
+                vertices: vec![0, 3, 0, 3, 0, 2],
+                triangles: vec![corners, [1, 2, 2]],
+            }],
+            ..MeshUnit::default()
+        };
+        let bytes = unit.write(Attributes::default()).unwrap();
+        let back = MeshUnit::parse(&bytes, Attributes::default()).unwrap();
+        assert_eq!(turned(back), turned(unit));
+    }
+}
+
 #[test]
 fn more_than_fits_is_not_written() {
     let cluster = Cluster {
