@@ -61,7 +61,7 @@ fn rows() -> Vec<UnitRow> {
                 } else {
                     (width * 0.6) as f32
                 },
-                triangles: 256,
+                samples: 256,
                 vertices: 200,
                 needs: needs.into_iter().map(UnitId).collect(),
                 ..UnitRow::default()

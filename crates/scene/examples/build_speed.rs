@@ -84,7 +84,7 @@ fn sizes(built: &Built) {
     let count = built.units.len();
     let parsed = built.units.iter().filter_map(|it| {
         let object = &built.objects[usize::from(it.row.object)];
-        MeshUnit::parse(&it.payload, object.attributes).ok()
+        MeshUnit::parse(&it.payload, object.attributes, &it.row.replaces).ok()
     });
     let parsed: Vec<MeshUnit> = parsed.collect();
     let clusters: usize = parsed.iter().map(|it| it.clusters.len()).sum();
@@ -111,7 +111,7 @@ fn cracks(built: &Built, ignore_prerequisites: bool) -> Result<(), Box<dyn std::
     let mut payload_of = |unit: UnitId| {
         let unit = &built.units[unit.0 as usize];
         let object = &built.objects[usize::from(unit.row.object)];
-        MeshUnit::parse(&unit.payload, object.attributes)
+        MeshUnit::parse(&unit.payload, object.attributes, &unit.row.replaces)
     };
     let trial = CutTrial {
         cuts: 100,
@@ -140,7 +140,7 @@ fn decode(built: &Built) -> f64 {
         .first()
         .map_or(Attributes::default(), |it| it.attributes);
     let parsed = built.units.iter();
-    let parsed = parsed.map(|it| MeshUnit::parse(&it.payload, attributes));
+    let parsed = parsed.map(|it| MeshUnit::parse(&it.payload, attributes, &it.row.replaces));
     let triangles: usize = parsed.flatten().map(|it| it.triangles()).sum();
     let leaves: u64 = built.objects.iter().map(|it| it.leaf_triangles).sum();
     // As seconds for the leaf triangles alone: of all triangles these are about half.

@@ -166,8 +166,10 @@ mod tests {
         let built = build(&source, &BuildOptions::default(), &|_, _| ()).unwrap();
         let rows: Vec<UnitRow> = built.units.iter().map(|it| it.row.clone()).collect();
         let attributes = [built.objects[0].attributes];
-        let mut payload_of =
-            |unit: UnitId| MeshUnit::parse(&built.units[unit.0 as usize].payload, attributes[0]);
+        let mut payload_of = |unit: UnitId| {
+            let unit = &built.units[unit.0 as usize];
+            MeshUnit::parse(&unit.payload, attributes[0], &unit.row.replaces)
+        };
         let meshes = finest_meshes::<PackError>(&rows, &attributes, &mut payload_of).unwrap();
         assert_eq!(meshes[0].triangles.len(), source.meshes[0].triangles.len());
         assert_eq!(meshes[0].vertices.len(), source.meshes[0].positions.len());

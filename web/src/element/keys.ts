@@ -43,7 +43,7 @@ export const KEYS = [
     {"key":"-","does":"zoom","by":0.8},
     {"key":"_","does":"zoom","by":0.8},
   ] },
-  { shown: "0", says: "whole picture, a sphere's front, a scene's start", needs: "nothing", keys: [
+  { shown: "0", says: "whole picture, front of a sphere, start", needs: "nothing", keys: [
     {"key":"0","does":"reset"},
   ] },
   { shown: "P  Shift P", says: "next policy, the one before", needs: "nothing", keys: [

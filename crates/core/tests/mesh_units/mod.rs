@@ -8,7 +8,7 @@ use foveal_core::pack::unit::UnitId;
 pub(crate) fn parse_anything(data: &[u8]) {
     for [normals, colours] in [[false, false], [true, false], [false, true], [true, true]] {
         let attributes = Attributes { normals, colours };
-        let Ok(unit) = MeshUnit::parse(data, attributes) else {
+        let Ok(unit) = MeshUnit::parse(data, attributes, &[]) else {
             continue;
         };
         assert!(unit.clusters.len() <= MOST_CLUSTERS);
@@ -22,7 +22,7 @@ pub(crate) fn parse_anything(data: &[u8]) {
         let again = unit
             .write(attributes)
             .expect("what was read can be written");
-        let again = MeshUnit::parse(&again, attributes).expect("what was written can be read");
+        let again = MeshUnit::parse(&again, attributes, &[]).expect("what was written can be read");
         assert_eq!(turned(again), turned(unit.clone()));
         let mut cut = MeshCut::default();
         if cut.insert(UnitId(0), &[], &unit).is_ok() {

@@ -10,6 +10,7 @@ use foveal_core::content::scene::pack::{begin_scene, chunk_name, finish_scene};
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::pack::HEADER_BYTES;
 use foveal_core::pack::unit::UnitId;
+use foveal_core::perception::measures::contrast::Signature;
 
 /// A square of two triangles, and the same with a vertex in its middle.
 pub(crate) fn units() -> [(UnitRow, MeshUnit); 2] {
@@ -41,18 +42,25 @@ pub(crate) fn units() -> [(UnitRow, MeshUnit); 2] {
         vertices: vec![vertex([500, 500, 20])],
         clusters: vec![fan],
     };
-    let row = |error, triangles, vertices, needs| UnitRow {
+    let row = |error, samples, vertices, needs| UnitRow {
         centre: [0.5, 0.5, 0.0],
         radius: 1.0,
         error,
-        triangles,
+        samples,
         vertices,
         needs,
         ..UnitRow::default()
     };
     [
         (row(f32::INFINITY, 2, 4, vec![]), root),
-        (row(0.03125, 4, 5, vec![UnitId(0)]), finer),
+        (
+            UnitRow {
+                signature: Signature::from_bytes([1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]),
+                replaces: finer.replaces.clone(),
+                ..row(0.03125, 4, 5, vec![UnitId(0)])
+            },
+            finer,
+        ),
     ]
 }
 

@@ -119,7 +119,7 @@ impl SceneFile {
     pub fn read_mesh(&self, unit: UnitId) -> Result<MeshUnit, PackFileError> {
         let bytes = self.read_chunk(unit)?;
         let attributes = self.scene.object_of(unit).attributes;
-        let parsed = MeshUnit::parse(&bytes, attributes);
+        let parsed = MeshUnit::parse(&bytes, attributes, &self.pack().row(unit).replaces);
         parsed.map_err(|source| {
             self.open.format(PackError {
                 field: format!("unit {}: {}", unit.0, source.field),
@@ -133,7 +133,7 @@ impl SceneFile {
         let row = self.pack().row(unit);
         let corners: usize = mesh.clusters.iter().map(|it| it.vertices.len()).sum();
         let says = [mesh.triangles(), corners];
-        let told = [row.triangles, row.vertices].map(|it| it as usize);
+        let told = [row.samples, row.vertices].map(|it| it as usize);
         match says == told {
             true => Ok(()),
             false => Err(self.open.format(PackError {

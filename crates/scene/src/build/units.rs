@@ -99,9 +99,11 @@ impl Place<'_> {
                 centre: group.sphere.centre,
                 radius: group.sphere.radius,
                 error: group.error,
-                triangles: says.triangles() as u32,
+                samples: says.triangles() as u32,
                 vertices: corners.sum::<usize>() as u32,
                 needs,
+                replaces: says.replaces,
+                ..UnitRow::default()
             },
         })
     }

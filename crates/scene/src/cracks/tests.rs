@@ -29,7 +29,7 @@ fn rows(built: &Built) -> Vec<(u8, UnitRow)> {
 fn parsed(built: &Built, unit: UnitId) -> Result<MeshUnit, PackError> {
     let unit = &built.units[unit.0 as usize];
     let object = &built.objects[usize::from(unit.row.object)];
-    MeshUnit::parse(&unit.payload, object.attributes)
+    MeshUnit::parse(&unit.payload, object.attributes, &unit.row.replaces)
 }
 
 fn checked(built: &Built, trial: &CutTrial) -> CutReport {

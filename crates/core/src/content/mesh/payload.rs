@@ -2,20 +2,20 @@
 //!
 //! A unit holds the fine clusters of one group and the vertices that lie inside it: each vertex of
 //! a mesh is sent once. The vertices that stay when the group is simplified are those of the
-//! coarse clusters, which came with units before. Normative: docs/formats/pack.md.
+//! coarse clusters, which came with units before; which these are, the table of units tells.
+//! Normative: docs/formats/pack.md.
 //!
 //! In order, numbers little-endian:
 //!
 //! 1. Head: a byte with the version in its high four bits and which attributes there are in its low
-//!    ones (1: normals, 2: colours); the number of replaced clusters and that of clusters, a byte
-//!    each; the number of staying vertices and that of new ones, two bytes each.
-//! 2. A byte for each replaced cluster: which prerequisite times 16, plus its number there.
-//! 3. For each cluster: the number of its vertices, that of its triangles, and the length of its
+//!    ones (1: normals, 2: colours); the number of clusters, a byte; the number of staying vertices
+//!    and that of new ones, two bytes each.
+//! 2. For each cluster: the number of its vertices, that of its triangles, and the length of its
 //!    stream: in one byte, or in two, of which the first adds 128 to the low seven bits.
-//! 4. For each cluster its triangles: meshoptimizer's meshlet codec, without vertices.
-//! 5. Bits, lowest first, up to a whole byte: which vertices clusters have, and where new ones lie,
+//! 3. For each cluster its triangles: meshoptimizer's meshlet codec, without vertices.
+//! 4. Bits, lowest first, up to a whole byte: which vertices clusters have, and where new ones lie,
 //!    as `payload/vertices.rs` says.
-//! 6. Normals and colours: meshoptimizer's vertex codec, four bytes of each that there is.
+//! 5. Normals and colours: meshoptimizer's vertex codec, four bytes of each that there is.
 
 mod bits;
 mod cluster;
@@ -24,6 +24,7 @@ mod tests;
 mod vertices;
 
 use crate::pack::PackError;
+use crate::pack::unit::UnitId;
 use bits::{BitReader, BitWriter};
 use cluster::wrong;
 pub use cluster::{Cluster, MOST_OF_CLUSTER, MeshVertex};
@@ -34,9 +35,9 @@ use meshoptimizer_rs::codec::{
 use meshoptimizer_rs::{Error, Workspace};
 
 /// Version of the layout.
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
 /// Bytes before the list of replaced clusters.
-const HEAD_BYTES: usize = 7;
+const HEAD_BYTES: usize = 6;
 /// Most clusters of a unit.
 pub const MOST_CLUSTERS: usize = 16;
 
@@ -47,6 +48,29 @@ pub struct ClusterRef {
     pub need: u8,
     /// Its number there.
     pub cluster: u8,
+}
+
+impl ClusterRef {
+    /// As the table of units tells it: the prerequisite times 16, plus the number there.
+    #[must_use]
+    pub fn to_byte(self) -> u8 {
+        self.need << 4 | (self.cluster & 15)
+    }
+
+    /// The cluster that such a byte tells. Every byte is one.
+    #[must_use]
+    pub fn from_byte(byte: u8) -> Self {
+        Self {
+            need: byte >> 4,
+            cluster: byte & 15,
+        }
+    }
+
+    /// Whether it came with one of these units.
+    #[must_use]
+    pub fn is_of(&self, needs: &[UnitId]) -> bool {
+        usize::from(self.need) < needs.len()
+    }
 }
 
 /// What one unit says.
@@ -98,12 +122,9 @@ impl MeshUnit {
         }
         let new = u16::try_from(self.vertices.len());
         let new = new.map_err(|_| most("vertices", self.vertices.len(), usize::from(u16::MAX)))?;
-        let mut bytes = vec![VERSION << 4 | attributes.flags()];
-        bytes.extend(counts.map(|it| it as u8));
+        let mut bytes = vec![VERSION << 4 | attributes.flags(), counts[1] as u8];
         bytes.extend(self.staying.to_le_bytes());
         bytes.extend(new.to_le_bytes());
-        let replaced = self.replaces.iter();
-        bytes.extend(replaced.map(|it| it.need << 4 | (it.cluster & 15)));
         let mut workspace = Workspace::default();
         let mut streams = Vec::new();
         let mut clusters = Vec::with_capacity(self.clusters.len());
@@ -161,14 +182,19 @@ impl MeshUnit {
         encode_vertex_buffer(&raw, count, stride, encoding, workspace).map_err(refused)
     }
 
-    /// Reads the unit of an object whose vertices have these attributes.
+    /// Reads the unit of an object whose vertices have these attributes, which is shown in place of
+    /// these clusters.
     ///
     /// Every number of a cluster is in range then; whether the replaced clusters exist shows where
     /// they are looked up. Takes at most some hundred bytes for each byte that is read.
     ///
     /// # Errors
     /// The bytes are no such unit.
-    pub fn parse(bytes: &[u8], attributes: Attributes) -> Result<Self, PackError> {
+    pub fn parse(
+        bytes: &[u8],
+        attributes: Attributes,
+        replaces: &[ClusterRef],
+    ) -> Result<Self, PackError> {
         let mut reader = Reader { bytes };
         let head = reader.take(HEAD_BYTES, "head")?;
         if head[0] >> 4 != VERSION {
@@ -177,17 +203,15 @@ impl MeshUnit {
         if head[0] & 15 != attributes.flags() {
             return Err(wrong("attributes", head[0] & 15, attributes.flags()));
         }
-        let [replaces, clusters] = [head[1], head[2]].map(usize::from);
-        if replaces > MOST_CLUSTERS || clusters > MOST_CLUSTERS {
-            return Err(wrong("clusters", replaces.max(clusters), "at most 16"));
+        let clusters = usize::from(head[1]);
+        if clusters.max(replaces.len()) > MOST_CLUSTERS {
+            return Err(wrong(
+                "clusters",
+                clusters.max(replaces.len()),
+                "at most 16",
+            ));
         }
-        let [staying, new] = [3, 5].map(|at| u16::from_le_bytes([head[at], head[at + 1]]));
-        let replaced = reader.take(replaces, "replaced clusters")?.iter();
-        let replaced = replaced.map(|it| ClusterRef {
-            need: it >> 4,
-            cluster: it & 15,
-        });
-        let replaces = replaced.collect();
+        let [staying, new] = [2, 4].map(|at| u16::from_le_bytes([head[at], head[at + 1]]));
         let mut workspace = Workspace::default();
         let mut clusters = parse_clusters(&mut reader, clusters, &mut workspace)?;
         let mut bits = BitReader::new(reader.bytes);
@@ -196,7 +220,7 @@ impl MeshUnit {
         let rest = bits.rest();
         let rest = rest.ok_or_else(|| wrong("vertices", "the end", "more bytes"))?;
         Ok(Self {
-            replaces,
+            replaces: replaces.to_vec(),
             staying,
             vertices: parse_attributes(rest, &places, attributes, &mut workspace)?,
             clusters,

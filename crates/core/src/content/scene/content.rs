@@ -20,7 +20,7 @@ impl Content for Scene {
         Unit {
             level: self.pack().level_of(unit),
             bytes: Some(self.pack().entry(unit).bytes),
-            samples: u64::from(row.triangles),
+            samples: u64::from(row.samples),
             gpu_bytes: row.gpu_bytes(),
             frames: 0..1,
         }

@@ -201,7 +201,7 @@ impl SceneDemand {
         for unit in &units {
             per_level[usize::from(pack.level_of(*unit))] += 1;
         }
-        let samples = units.iter().map(|it| u64::from(pack.row(*it).triangles));
+        let samples = units.iter().map(|it| u64::from(pack.row(*it).samples));
         let places: Vec<u8> = units.iter().flat_map(|it| it.0.to_le_bytes()).collect();
         let record = Record {
             per_level,

@@ -2,6 +2,7 @@
 
 use super::description::{KIND, SceneDescription};
 use super::unit_table::{UNITS, UNITS_VERSION, UnitRow, read_units, write_units};
+use crate::content::mesh::payload::MeshUnit;
 use crate::pack::paged_table::PageDirectory;
 use crate::pack::unit::UnitId;
 use crate::pack::{
@@ -233,7 +234,13 @@ impl SceneDescription {
     pub fn units_table(&self) -> Result<&TableEntry, PackError> {
         let mut tables = self.tables.iter();
         let table = tables.find(|table| table.name == UNITS);
-        let wrong = |found: String| PackError::new("tables.units", found, "version 1");
+        let wrong = |found: String| {
+            PackError::new(
+                "tables.units",
+                found,
+                format!("version {UNITS_VERSION}; prepare the scene again"),
+            )
+        };
         let table = table.ok_or_else(|| wrong("none".to_owned()))?;
         match table.version {
             UNITS_VERSION => Ok(table),
@@ -308,7 +315,8 @@ pub fn parse_anything(data: &[u8]) -> bool {
         let entry = pack.entry(unit);
         let object = &pack.description().objects[usize::from(pack.row(unit).object)];
         if let Some(chunk) = part(entry.offset, u64::from(entry.bytes)) {
-            let _ = crate::content::mesh::payload::MeshUnit::parse(chunk, object.attributes);
+            let replaces = &pack.row(unit).replaces;
+            let _ = MeshUnit::parse(chunk, object.attributes, replaces);
         }
     }
     pack.check_coverage(&header).is_ok()

@@ -98,7 +98,7 @@ impl Scene {
 /// over a disc of its sphere.
 fn coarse_side(row: &UnitRow) -> f64 {
     let radius = f64::from(row.radius);
-    let triangles = f64::from(row.triangles.max(1));
+    let triangles = f64::from(row.samples.max(1));
     libm::sqrt(2.0 * core::f64::consts::PI * radius * radius / triangles)
 }
 

@@ -117,7 +117,7 @@ fn row(unit: u32, before: &[UnitRow]) -> UnitRow {
         centre: [0, 1, 2].map(moved),
         radius,
         error: parent.map_or(f32::INFINITY, |_| radius / 4.0),
-        triangles: 1,
+        samples: 1,
         vertices: 3,
         needs: parent.map(|(unit, _)| unit).into_iter().collect(),
         ..UnitRow::default()

@@ -2,18 +2,22 @@
 //!
 //! The side table `units`, in pages; `docs/formats/pack.md` is normative.
 
+use crate::content::mesh::payload::{ClusterRef, MOST_CLUSTERS};
 use crate::pack::paged_table::{PageDirectory, write_pages};
 use crate::pack::unit::UnitId;
 use crate::pack::{PackError, UnitNumbers, u32_at};
+use crate::perception::measures::contrast::Signature;
 
 /// Name of the side table.
 pub const UNITS: &str = "units";
 /// Version of its layout.
-pub const UNITS_VERSION: u32 = 1;
+pub const UNITS_VERSION: u32 = 2;
 /// Most prerequisites of a unit.
 pub const MOST_NEEDS: usize = 16;
+/// Bytes of a row before its signature.
+const SPHERE_BYTES: usize = 24;
 /// Bytes of a row before what differs in length.
-const FIXED_BYTES: usize = 24;
+const FIXED_BYTES: usize = SPHERE_BYTES + Signature::BYTES;
 /// What a unit takes on the GPU beside its vertices and triangles, in bytes.
 const GPU_BYTES_OF_UNIT: u64 = 256;
 /// Bytes of a vertex on the GPU, and of its number in a cluster.
@@ -44,14 +48,19 @@ pub struct UnitRow {
     /// How far what it is shown in place of is from the source, in the object's space; of a root
     /// infinite. No prerequisite's is smaller.
     pub error: f32,
-    /// Triangles that it shows.
-    pub triangles: u32,
+    /// What it adds to what it is shown in place of, both drawn so that [`Self::error`] is a pixel;
+    /// of a root nothing.
+    pub signature: Signature,
+    /// Samples that it shows: triangles of a mesh.
+    pub samples: u32,
     /// Vertices of all its clusters, those that came before and those of several clusters counted
     /// in each.
     pub vertices: u32,
     /// The units that must be there first, at most 16, all with lower numbers; none that another of
     /// them needs in turn.
     pub needs: Vec<UnitId>,
+    /// Of a mesh the coarse clusters in whose place it is shown, at most 16.
+    pub replaces: Vec<ClusterRef>,
 }
 
 impl UnitRow {
@@ -59,7 +68,7 @@ impl UnitRow {
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
         u64::from(self.vertices) * GPU_BYTES_OF_VERTEX
-            + u64::from(self.triangles) * GPU_BYTES_OF_TRIANGLE
+            + u64::from(self.samples) * GPU_BYTES_OF_TRIANGLE
             + GPU_BYTES_OF_UNIT
     }
 
@@ -69,11 +78,14 @@ impl UnitRow {
         let [x, y, z] = self.centre;
         let numbers = [x, y, z, self.radius, self.error];
         bytes.extend(numbers.iter().flat_map(|it| it.to_le_bytes()));
-        push_varint(&mut bytes, self.triangles);
+        bytes.extend(self.signature.to_bytes());
+        push_varint(&mut bytes, self.samples);
         push_varint(&mut bytes, self.vertices);
         for UnitId(need) in &self.needs {
             push_varint(&mut bytes, unit - need);
         }
+        bytes.push(self.replaces.len() as u8);
+        bytes.extend(self.replaces.iter().map(|it| it.to_byte()));
         bytes
     }
 
@@ -84,7 +96,7 @@ impl UnitRow {
             Err(PackError::new(&field, found, expected))
         };
         let Some((fixed, mut rest)) = bytes.split_at_checked(FIXED_BYTES) else {
-            return wrong("row", format!("{} bytes", bytes.len()), "24 and more");
+            return wrong("row", format!("{} bytes", bytes.len()), "36 and more");
         };
         if fixed[0] != 0 {
             return wrong("kind", fixed[0].to_string(), "0, a mesh");
@@ -99,6 +111,8 @@ impl UnitRow {
             error: number(20),
             ..Self::default()
         };
+        let (_, signature) = fixed.split_at(SPHERE_BYTES);
+        let signature = signature.first_chunk().copied().unwrap_or_default();
         let is_placed = row.centre.iter().all(|it| it.is_finite()) && row.radius.is_finite();
         if !(is_placed && row.radius >= 0.0 && row.error >= 0.0) {
             return wrong("sphere, error", format!("{row:?}"), "a sphere and an error");
@@ -114,7 +128,7 @@ impl UnitRow {
                 "a number of 32 bits",
             )),
         };
-        let (triangles, vertices) = (next("triangles")?, next("vertices")?);
+        let (samples, vertices) = (next("samples")?, next("vertices")?);
         let mut needs = Vec::with_capacity(count.min(MOST_NEEDS));
         for _ in 0..count.min(MOST_NEEDS + 1) {
             let back = next("needs")?;
@@ -123,14 +137,34 @@ impl UnitRow {
                 _ => return wrong("needs", format!("{back} back"), "at most 16 units before"),
             }
         }
+        let (replaces, rest) = match read_replaces(rest) {
+            Some((replaces, rest)) if replaces.iter().all(|it| it.is_of(&needs)) => {
+                (replaces, rest)
+            }
+            _ => {
+                let found = format!("{:?}", rest.first());
+                return wrong("replaces", found, "at most 16 clusters of what it needs");
+            }
+        };
         let row = Self {
-            triangles,
+            signature: Signature::from_bytes(signature),
+            samples,
             vertices,
             needs,
+            replaces,
             ..row
         };
         Ok((row, rest))
     }
+}
+
+/// The clusters that a row tells of, and what is behind them.
+fn read_replaces(bytes: &[u8]) -> Option<(Vec<ClusterRef>, &[u8])> {
+    let (count, rest) = bytes.split_first()?;
+    let count = usize::from(*count);
+    let (clusters, rest) = rest.split_at_checked(count)?;
+    let clusters = clusters.iter().copied().map(ClusterRef::from_byte);
+    (count <= MOST_CLUSTERS).then(|| (clusters.collect(), rest))
 }
 
 fn push_varint(bytes: &mut Vec<u8>, mut value: u32) {
@@ -201,9 +235,11 @@ mod tests {
             centre: [unit as f32, -1.5, 2.0],
             radius: 10.0 / (unit + 1) as f32,
             error: if unit == 0 { f32::INFINITY } else { 0.1 },
-            triangles: unit * 97,
+            samples: unit * 97,
             vertices: unit * 31,
+            signature: Signature::from_bytes([unit as u8; Signature::BYTES]),
             needs: (0..unit.min(3)).map(UnitId).collect(),
+            replaces: (0..unit.min(3) as u8).map(ClusterRef::from_byte).collect(),
             ..UnitRow::default()
         };
         (0..40).map(row).collect()

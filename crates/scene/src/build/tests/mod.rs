@@ -17,7 +17,7 @@ fn built(source: &SourceScene) -> Built {
 fn parsed(built: &Built, unit: usize) -> MeshUnit {
     let unit = &built.units[unit];
     let attributes = built.objects[usize::from(unit.row.object)].attributes;
-    MeshUnit::parse(&unit.payload, attributes).unwrap()
+    MeshUnit::parse(&unit.payload, attributes, &unit.row.replaces).unwrap()
 }
 
 fn full_cut(built: &Built) -> MeshCut {

@@ -80,7 +80,8 @@ pub(super) fn decode(
     let mut units = Vec::new();
     for unit in file.pack().units() {
         let attributes = file.scene().object_of(unit).attributes;
-        units.push((file.read_chunk(unit)?, attributes));
+        let replaces = &file.pack().row(unit).replaces;
+        units.push((file.read_chunk(unit)?, attributes, replaces));
     }
     let meshes = subject.finest.iter().map(WholeMesh::encode);
     let meshes = meshes.collect::<Result<Vec<_>, _>>()?;
@@ -91,8 +92,9 @@ pub(super) fn decode(
             let mut triangles = 0;
             let ms = thread_ms_each(|| {
                 triangles = 0;
-                for (payload, attributes) in &units {
-                    triangles += black_box(MeshUnit::parse(payload, *attributes)?).triangles();
+                for (payload, attributes, replaces) in &units {
+                    let parsed = MeshUnit::parse(payload, *attributes, replaces)?;
+                    triangles += black_box(parsed).triangles();
                 }
                 Ok(())
             })?;

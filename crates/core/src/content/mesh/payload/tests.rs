@@ -55,7 +55,10 @@ fn a_unit_comes_back() {
     for attributes in all_attributes() {
         let unit = unit(attributes);
         let bytes = unit.write(attributes).unwrap();
-        assert_eq!(MeshUnit::parse(&bytes, attributes).unwrap(), unit);
+        assert_eq!(
+            MeshUnit::parse(&bytes, attributes, &unit.replaces).unwrap(),
+            unit
+        );
     }
 }
 
@@ -82,7 +85,7 @@ fn the_largest_and_the_emptiest_unit_come_back() {
     for unit in [large, MeshUnit::default()] {
         let bytes = unit.write(Attributes::default()).unwrap();
         assert_eq!(
-            MeshUnit::parse(&bytes, Attributes::default()).unwrap(),
+            MeshUnit::parse(&bytes, Attributes::default(), &unit.replaces).unwrap(),
             unit
         );
     }
@@ -102,7 +105,7 @@ fn places_come_back_where_a_cluster_names_a_vertex_twice() {
             ..MeshUnit::default()
         };
         let bytes = unit.write(Attributes::default()).unwrap();
-        let back = MeshUnit::parse(&bytes, Attributes::default()).unwrap();
+        let back = MeshUnit::parse(&bytes, Attributes::default(), &unit.replaces).unwrap();
         assert_eq!(turned(back), turned(unit));
     }
 }
@@ -133,14 +136,14 @@ fn no_flipped_bit_and_no_cut_panics() {
         for length in 0..bytes.len() {
             // A byte too few is a byte of a stream too few: only what fills up the last is spare.
             assert!(
-                MeshUnit::parse(&bytes[..length], attributes).is_err(),
+                MeshUnit::parse(&bytes[..length], attributes, &[]).is_err(),
                 "{length}"
             );
         }
         for bit in 0..8 * bytes.len() {
             let mut flipped = bytes.clone();
             flipped[bit / 8] ^= 1 << (bit % 8);
-            if let Ok(unit) = MeshUnit::parse(&flipped, attributes) {
+            if let Ok(unit) = MeshUnit::parse(&flipped, attributes, &[]) {
                 in_range(&unit);
             }
         }
@@ -168,9 +171,9 @@ fn other_attributes_and_bytes_after_the_end_are_refused() {
         normals: true,
         ..plain
     };
-    assert!(MeshUnit::parse(&bytes, other).is_err());
+    assert!(MeshUnit::parse(&bytes, other, &[]).is_err());
     bytes.push(0);
-    assert!(MeshUnit::parse(&bytes, plain).is_err());
+    assert!(MeshUnit::parse(&bytes, plain, &[]).is_err());
 }
 
 proptest! {
@@ -180,7 +183,7 @@ proptest! {
             let whole = unit(attributes).write(attributes).unwrap();
             let mut mixed = whole[..head * whole.len() / 3].to_vec();
             mixed.extend(&bytes);
-            if let Ok(unit) = MeshUnit::parse(&mixed, attributes) {
+            if let Ok(unit) = MeshUnit::parse(&mixed, attributes, &[]) {
                 in_range(&unit);
             }
         }
@@ -204,7 +207,7 @@ proptest! {
             clusters: vec![Cluster { vertices, triangles }; 2],
         };
         let bytes = unit.write(Attributes::default()).unwrap();
-        let back = MeshUnit::parse(&bytes, Attributes::default()).unwrap();
+        let back = MeshUnit::parse(&bytes, Attributes::default(), &unit.replaces).unwrap();
         prop_assert_eq!(turned(back), turned(unit));
     }
 }
