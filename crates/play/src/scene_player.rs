@@ -87,6 +87,7 @@ impl ScenePlayer {
             bytes_per_s: spends.then_some(options.bytes_per_s),
             since: Some(Seconds(0.0)),
             zooms: false,
+            measures: !matches!(options.drawing, DrawDevice::Nothing),
             bounds: Bounds {
                 gpu: most,
                 ..Bounds::default()
@@ -150,7 +151,12 @@ impl ScenePlayer {
             moment: moment.clone(),
         };
         let (mut unit_bytes, mut page_bytes, mut choose) = (0, 0, Duration::ZERO);
+        let mut has_measured = false;
         for round in 0..MOST_ROUNDS {
+            if !has_measured && self.session.shown_tick().is_some() {
+                self.drawer.measure_now(&mut self.session, moment)?;
+                has_measured = true;
+            }
             let choosing = Instant::now();
             let actions = decide(&mut self.session, &now);
             if round == 0 {

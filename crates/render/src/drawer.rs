@@ -12,7 +12,9 @@ use foveal_core::content::scene::Scene;
 use foveal_core::content::unit::UnitRef;
 use foveal_core::content::video::Video;
 use foveal_core::gaze::sample::GazeSample;
+use foveal_core::perception::moment::Moment;
 use foveal_core::session::actions::{Cache, SessionAction};
+use foveal_core::session::session::Session;
 use foveal_core::session::unit_states::Piece;
 use foveal_core::view::eye_view::EyeView;
 #[cfg(not(target_arch = "wasm32"))]
@@ -61,7 +63,8 @@ impl Drawer {
         most_bytes: u64,
     ) -> Result<Self, RenderError> {
         let objects = &scene.pack().description().objects;
-        let drawer = SceneDrawer::new(device, objects, most_bytes)?;
+        let mut drawer = SceneDrawer::new(device, objects, most_bytes)?;
+        drawer.set_refiners(scene.refiners());
         Ok(Self {
             device: device.clone(),
             layer: Layer::Scene(Box::new(drawer), Arc::clone(scene)),
@@ -123,6 +126,18 @@ impl Drawer {
         match &self.layer {
             Layer::Tiles(_) => 0,
             Layer::Scene(scene, _) => scene.triangles_drawn(),
+        }
+    }
+
+    /// Tells a session what parts of the view units would refine, where it chooses by that: what was
+    /// measured since the last call. Begins to measure what is drawn now, where that is due.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    pub fn measure(&mut self, session: &mut Session, moment: &Moment) -> Result<(), RenderError> {
+        match &mut self.layer {
+            Layer::Tiles(_) => Ok(()),
+            Layer::Scene(drawer, scene) => drawer.measure(session, moment, &style_of(scene, None)),
         }
     }
 
@@ -285,6 +300,23 @@ impl Drawer {
         match &mut self.layer {
             Layer::Tiles(tiles) => tiles.picture(view, marks),
             Layer::Scene(drawer, scene) => drawer.picture(view, &style_of(scene, marks)),
+        }
+    }
+
+    /// [`Self::measure`], waiting for what is drawn now.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    pub fn measure_now(
+        &mut self,
+        session: &mut Session,
+        moment: &Moment,
+    ) -> Result<(), RenderError> {
+        match &mut self.layer {
+            Layer::Tiles(_) => Ok(()),
+            Layer::Scene(drawer, scene) => {
+                drawer.measure_now(session, moment, &style_of(scene, None))
+            }
         }
     }
 

@@ -90,6 +90,8 @@ pub struct Session {
     damaged: Option<u64>,
     /// Something was uploaded or evicted that is not counted yet.
     uncounted: bool,
+    /// Whether footprints are under way.
+    expects_footprints: bool,
 }
 
 /// A piece that was decoded, or found damaged, with as many frames as that took.
@@ -169,6 +171,7 @@ impl Session {
             lead: 0.0,
             damaged: None,
             uncounted: false,
+            expects_footprints: false,
         }
     }
 
@@ -204,6 +207,11 @@ impl Session {
     /// There must be such an asset.
     pub fn see(&mut self, asset: AssetId, footprints: Footprints) {
         self.run.see(asset, footprints);
+    }
+
+    /// Whether [`Self::see`] is about to be told more.
+    pub fn expect_footprints(&mut self, is_expected: bool) {
+        self.expects_footprints = is_expected;
     }
 
     /// Whether what is chosen depends on what [`Self::see`] is told.
