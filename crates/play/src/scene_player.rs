@@ -9,6 +9,8 @@ use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::PolicyConfig;
 use foveal_core::content::scene::Scene;
+use foveal_core::content::scene::worth::detail_share;
+use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::moment::Moment;
 use foveal_core::session::actions::{Cache, Now, Pace, SessionAction, SessionEvent};
@@ -216,6 +218,19 @@ impl ScenePlayer {
         };
         self.session.take(event);
         Ok(())
+    }
+
+    /// Share of the detail that a viewer could see who looks so, hidden or not, that is on screen.
+    #[must_use]
+    pub fn detail_share(&self, moment: &Moment) -> f64 {
+        let states = self.session.states();
+        detail_share(self.scene(), moment, |unit| {
+            let asset = AssetId(0);
+            states.is_resident(Piece {
+                unit: UnitRef { asset, unit },
+                frame: 0,
+            })
+        })
     }
 
     /// Bytes of the pages that tell of a unit and were not loaded before.

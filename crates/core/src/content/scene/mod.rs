@@ -13,6 +13,6 @@ mod scene;
 pub mod scripted;
 pub mod sight;
 pub mod unit_table;
-mod worth;
+pub mod worth;
 
 pub use scene::Scene;
