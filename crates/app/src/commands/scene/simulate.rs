@@ -304,7 +304,7 @@ impl SceneSummary {
 
 fn csv(frames: &[Frame]) -> String {
     let mut text =
-        "frame,t_s,bytes,units,triangles,choose_ms,cpu_ms,error_fovea,error_all,detail_share\n"
+        "frame,t_s,bytes,units,triangles,choose_ms,cpu_ms,detail_share,error_fovea,error_all\n"
             .to_owned();
     for (number, frame) in frames.iter().enumerate() {
         let report = &frame.report;
@@ -317,7 +317,7 @@ fn csv(frames: &[Frame]) -> String {
         };
         let _ = writeln!(
             text,
-            "{number},{},{},{},{},{:.3},{:.3},{fovea},{all},{}",
+            "{number},{},{},{},{},{:.3},{:.3},{},{fovea},{all}",
             frame.time.0,
             frame.bytes,
             report.units_by_level.iter().sum::<u32>(),
