@@ -14,6 +14,7 @@ mod live;
 mod look;
 mod mesh_reader;
 mod player;
+mod rendered_worth;
 mod report;
 mod scene_player;
 mod step;

@@ -4,10 +4,11 @@
 //! whoever plays gives.
 
 use crate::error::PlayError;
+use crate::rendered_worth::RenderedWorth;
 use crate::step::decide;
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
-use foveal_core::content::policy::PolicyConfig;
+use foveal_core::content::policy::{ImportanceSource, PolicyConfig};
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::worth::detail_share;
 use foveal_core::content::unit::{AssetId, UnitRef};
@@ -53,6 +54,8 @@ pub struct ScenePlayer {
     /// Units that were needed so far, and the pages of index and table that told of them.
     fetched: HashSet<UnitId>,
     pages: [HashSet<u32>; 2],
+    /// What measures worth by pictures, where that is asked for.
+    rendered: Option<RenderedWorth>,
     log: String,
     damaged: u64,
     tell: fn(&str),
@@ -83,6 +86,13 @@ impl ScenePlayer {
         // What draws may take an eighth more than units do.
         let most = options.gpu_bytes - options.gpu_bytes / 8;
         let drawer = Drawer::of_scene(&options.drawing, &scene, most)?;
+        let is_rendered = options.config.importance == ImportanceSource::Rendered;
+        let rendered = match &options.drawing {
+            DrawDevice::Gpu(gpu) if is_rendered => {
+                Some(RenderedWorth::new(&file, gpu, &options.config.perception))
+            }
+            _ => None,
+        };
         let spends = options.config.policy.spends_a_budget();
         let settings = SessionSettings {
             policy: options.config,
@@ -101,6 +111,7 @@ impl ScenePlayer {
             drawer,
             fetched: HashSet::new(),
             pages: Default::default(),
+            rendered,
             log: String::new(),
             damaged: 0,
             tell: options.tell,
@@ -156,7 +167,7 @@ impl ScenePlayer {
         let mut has_measured = false;
         for round in 0..MOST_ROUNDS {
             if !has_measured && self.session.shown_tick().is_some() {
-                self.drawer.measure_now(&mut self.session, moment)?;
+                self.measure(moment)?;
                 has_measured = true;
             }
             let choosing = Instant::now();
@@ -186,6 +197,15 @@ impl ScenePlayer {
             choose,
             cpu: begun.elapsed(),
         })
+    }
+
+    /// Tells the session what parts of the view units would refine.
+    fn measure(&mut self, moment: &Moment) -> Result<(), PlayError> {
+        match &mut self.rendered {
+            Some(rendered) => self.session.see(AssetId(0), rendered.footprints(moment)?),
+            None => self.drawer.measure_now(&mut self.session, moment)?,
+        }
+        Ok(())
     }
 
     fn perform(&mut self, actions: Vec<SessionAction>) -> Result<(), PlayError> {

@@ -141,6 +141,21 @@ impl Drawer {
         }
     }
 
+    /// The image of units that would refine what a view shows of a scene, as
+    /// [`SceneLayer::ids`](crate::SceneLayer::ids) draws it; `None` of a video, and where no GPU
+    /// draws.
+    ///
+    /// # Errors
+    /// The picture is larger than the device draws.
+    pub fn ids(&mut self, view: &EyeView) -> Result<Option<&wgpu::Texture>, RenderError> {
+        let Layer::Scene(drawer, scene) = &mut self.layer else {
+            return Ok(None);
+        };
+        let style = style_of(scene, None);
+        let layer = drawer.layer();
+        layer.map(|layer| layer.ids(view, &style)).transpose()
+    }
+
     /// Moves what follows the gaze: the samples and the blur.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use crate::options::renderer::open_device;
 use crate::report::output::{self, WrongUsage};
 use crate::report::picture_file::write_png;
 use anyhow::{Context, bail};
-use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::policy::{ImportanceSource, Policy, PolicyConfig};
 use foveal_core::content::scene::demand::why_not;
 use foveal_core::session::log::sha256_hex;
 use foveal_core::units::{Seconds, counted};
@@ -18,6 +18,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::eye_view::Field;
 use foveal_media::pack::scene_file::SceneFile;
 use foveal_play::{ScenePlayer, ScenePlayerOptions, SceneReport};
+use foveal_render::DrawDevice;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -79,6 +80,13 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let config = args.scene_config()?;
     let view = args.scene_view()?;
     let drawing = open_device(args.renderer)?;
+    let is_rendered = config.importance == ImportanceSource::Rendered;
+    if is_rendered && !matches!(drawing, DrawDevice::Gpu(_)) {
+        bail!(WrongUsage(format!(
+            "--importance rendered: a GPU draws levels, and {} draws here; give --renderer gpu",
+            drawing.name()
+        )));
+    }
     let link = args.watching.link();
     let interval = args.interval.map_or(1.0 / RATE, |interval| interval.0);
     let bytes_per_s = match args.budget {

@@ -67,7 +67,7 @@ impl SceneDemand {
             roots: scene.base(0).len() as u32,
             held: vec![false; units],
             values: vec![0.0; units],
-            worth: SceneWorth::new(&scene, &config.perception),
+            worth: SceneWorth::new(&scene, &config.perception, config.importance),
             // No unit tells its texture: acuity at a slope that keeps the score for any.
             config: match config.policy {
                 Policy::Acuity => config.without_signatures(),

@@ -9,6 +9,7 @@ use super::Scene;
 use super::scene::Stand;
 use super::sight::{SeenExtent, Sight};
 use super::unit_table::UnitRow;
+use crate::content::policy::ImportanceSource;
 use crate::pack::unit::UnitId;
 use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
@@ -20,6 +21,7 @@ use crate::units::Radians;
 #[derive(Debug)]
 pub(super) struct SceneWorth {
     parameters: Parameters,
+    importance: ImportanceSource,
     of_steps: StepWorth,
     /// For each unit the areas of the spheres of those that need it, in object space.
     needed_by: Vec<f64>,
@@ -29,7 +31,11 @@ pub(super) struct SceneWorth {
 
 impl SceneWorth {
     /// The worth of the units of this scene to an eye with these parameters.
-    pub(super) fn new(scene: &Scene, parameters: &Parameters) -> Self {
+    pub(super) fn new(
+        scene: &Scene,
+        parameters: &Parameters,
+        importance: ImportanceSource,
+    ) -> Self {
         let rows = scene.pack().rows();
         let mut needed_by = vec![0.0; rows.len()];
         for row in rows {
@@ -37,18 +43,11 @@ impl SceneWorth {
                 needed_by[need.0 as usize] += area(row);
             }
         }
-        // What a unit changes is morphed from what was there: nothing pops.
-        let parameters = match parameters.model {
-            Model::Default => Parameters {
-                lambda: 0.0,
-                lambda_suppressed: 0.0,
-                ..*parameters
-            },
-            Model::Paper => *parameters,
-        };
+        let parameters = parameters_of_morphs(parameters);
         Self {
             of_steps: StepWorth::new(&parameters),
             parameters,
+            importance,
             needed_by,
             footprints: None,
         }
@@ -62,6 +61,9 @@ impl SceneWorth {
     /// What each unit is worth, as it is seen.
     pub(super) fn values(&self, scene: &Scene, sights: &[Sight]) -> Vec<f64> {
         let rows = scene.pack().rows();
+        if self.importance == ImportanceSource::Rendered {
+            return self.rendered(rows.len());
+        }
         let mut values = vec![0.0; rows.len()];
         let extents = self.footprints.as_ref().map(|it| self.extents(scene, it));
         for (unit, row) in (0..).map(UnitId).zip(rows) {
@@ -76,6 +78,17 @@ impl SceneWorth {
                 scene.stands(unit).iter().map(value)
             });
             values[at] = seen.fold(0.0, f64::max);
+        }
+        values
+    }
+
+    /// What pictures of levels say that each unit is worth, which footprints tell as numbers.
+    fn rendered(&self, units: usize) -> Vec<f64> {
+        let mut values = vec![0.0; units];
+        for footprint in self.footprints.iter().flat_map(Footprints::list) {
+            if let Some(value) = values.get_mut(footprint.unit.0 as usize) {
+                *value = f64::from(f32::from_bits(footprint.area));
+            }
         }
         values
     }
@@ -134,11 +147,25 @@ impl SceneWorth {
     }
 }
 
+/// The same for steps that are morphed from what was there: nothing pops. The published model stays
+/// as it is.
+#[must_use]
+pub fn parameters_of_morphs(parameters: &Parameters) -> Parameters {
+    match parameters.model {
+        Model::Default => Parameters {
+            lambda: 0.0,
+            lambda_suppressed: 0.0,
+            ..*parameters
+        },
+        Model::Paper => *parameters,
+    }
+}
+
 /// Share of the detail that an eye can see of a scene, hidden or not, that these units show: of what
 /// all are worth. 1 where none is worth anything. Takes some microseconds for each unit.
 #[must_use]
 pub fn detail_share(scene: &Scene, moment: &Moment, shows: impl Fn(UnitId) -> bool) -> f64 {
-    let worth = SceneWorth::new(scene, &Parameters::default());
+    let worth = SceneWorth::new(scene, &Parameters::default(), ImportanceSource::Signatures);
     let sight = |glance| Sight::new(&glance, Radians(0.0));
     let sights: Vec<Sight> = moment.glances().map(sight).collect();
     let values = worth.values(scene, &sights);
@@ -212,7 +239,8 @@ mod tests {
     #[test]
     fn what_nothing_shows_is_worth_nothing_and_what_is_near_the_gaze_is_worth_more() {
         let scene = scripted_scene().unwrap();
-        let mut worth = SceneWorth::new(&scene, &Parameters::default());
+        let mut worth =
+            SceneWorth::new(&scene, &Parameters::default(), ImportanceSource::Signatures);
         // Detail of several cycles a degree.
         let last = scene.pack().len() - 1;
         let of = |worth: &SceneWorth| worth.values(&scene, &[sight(&scene)]);
@@ -230,7 +258,7 @@ mod tests {
     #[test]
     fn units_that_refine_what_is_not_drawn_share_what_it_would_refine() {
         let scene = scripted_scene().unwrap();
-        let worth = SceneWorth::new(&scene, &Parameters::default());
+        let worth = SceneWorth::new(&scene, &Parameters::default(), ImportanceSource::Signatures);
         let rows = scene.pack().rows();
         let first = rows.iter().position(|row| !row.needs.is_empty()).unwrap();
         let seen = Footprints::new(vec![footprint(first as u32, 16)]);
