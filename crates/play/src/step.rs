@@ -19,5 +19,5 @@ pub(crate) fn step(
     cache: &mut Cache<Payload>,
     drawer: &mut Drawer,
 ) -> Result<(bool, Vec<SessionAction>), PlayError> {
-    Ok(drawer.perform(decide(session, now), cache)?)
+    Ok(drawer.perform(decide(session, now), cache, now)?)
 }

@@ -6,6 +6,7 @@ mod drawer;
 mod layer;
 mod lists;
 mod memory;
+pub(crate) mod morphs;
 pub mod params;
 mod pass;
 pub(crate) mod placements;
