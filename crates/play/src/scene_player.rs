@@ -26,6 +26,9 @@ use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+#[cfg(test)]
+mod tests;
+
 /// Rounds in which what came is shown and more is asked for, at one time: where little may be under
 /// way at once, more takes another round.
 const MOST_ROUNDS: u32 = 10_000;
@@ -175,7 +178,7 @@ impl ScenePlayer {
             if round == 0 {
                 choose = choosing.elapsed();
             }
-            self.perform(actions)?;
+            self.perform(actions, &now)?;
             let wanted = self.session.requested().to_vec();
             if wanted.is_empty() {
                 break;
@@ -208,8 +211,8 @@ impl ScenePlayer {
         Ok(())
     }
 
-    fn perform(&mut self, actions: Vec<SessionAction>) -> Result<(), PlayError> {
-        let (_, left) = self.drawer.perform(actions, &mut self.cache)?;
+    fn perform(&mut self, actions: Vec<SessionAction>, now: &Now) -> Result<(), PlayError> {
+        let (_, left) = self.drawer.perform(actions, &mut self.cache, now)?;
         for action in left {
             if let SessionAction::Log(lines) = action {
                 self.log.push_str(&lines);
@@ -265,11 +268,20 @@ impl ScenePlayer {
         new.sum()
     }
 
-    /// The picture that a view shows; `None` when nothing draws.
+    /// The picture that a view shows; `None` when nothing draws. What a viewer would see change
+    /// comes gradually: in a picture soon after [`Self::show`] it is on its way.
     ///
     /// # Errors
     /// The picture is larger than the device draws.
     pub fn picture(&mut self, view: &EyeView) -> Result<Option<RgbaImage>, PlayError> {
         Ok(self.drawer.picture(view, None)?)
+    }
+
+    /// The same with everything that came in its place.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn picture_in_place(&mut self, view: &EyeView) -> Result<Option<RgbaImage>, PlayError> {
+        Ok(self.drawer.picture_in_place(view)?)
     }
 }

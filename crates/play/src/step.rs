@@ -20,7 +20,7 @@ pub(crate) fn step(
     drawer: &mut Drawer,
 ) -> Result<(bool, Vec<SessionAction>), PlayError> {
     drawer.measure(session, &now.moment)?;
-    let performed = drawer.perform(decide(session, now), cache)?;
+    let performed = drawer.perform(decide(session, now), cache, now)?;
     // What came is measured while the next picture is awaited.
     drawer.measure(session, &now.moment)?;
     Ok(performed)

@@ -2,6 +2,7 @@
 
 use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
+use crate::meshes::morphs::Morphs;
 use crate::meshes::{ComingUnit, SceneDrawer, SceneStyle};
 use crate::tiles::drawer::{TileDrawer, TileStyle};
 use crate::{Overlay, RgbaImage};
@@ -9,16 +10,21 @@ use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::PolicyConfig;
 use foveal_core::content::scene::Scene;
+use foveal_core::content::scene::showing::StepWitness;
 use foveal_core::content::unit::UnitRef;
 use foveal_core::content::video::Video;
 use foveal_core::gaze::sample::GazeSample;
+use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::moment::Moment;
-use foveal_core::session::actions::{Cache, SessionAction};
+use foveal_core::session::actions::{Cache, Now, SessionAction};
 use foveal_core::session::session::Session;
 use foveal_core::session::unit_states::Piece;
+use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
 #[cfg(not(target_arch = "wasm32"))]
 use foveal_core::view::picture::Picture;
+#[cfg(not(target_arch = "wasm32"))]
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Resident units of an asset and what draws them.
@@ -27,12 +33,21 @@ pub struct Drawer {
     layer: Layer,
     /// Units that did not fit to what is there.
     refused: u64,
+    on_the_way: OnTheWay,
 }
 
 /// A kind of content, and how it is drawn.
 enum Layer {
     Tiles(Box<TileDrawer>),
     Scene(Box<SceneDrawer>, Arc<Scene>),
+}
+
+/// Units of a scene on their way, as what draws has them.
+#[derive(Default)]
+struct OnTheWay {
+    morphs: Morphs,
+    /// When they were moved last.
+    at: Seconds,
 }
 
 impl Drawer {
@@ -50,6 +65,7 @@ impl Drawer {
             device: device.clone(),
             layer: Layer::Tiles(Box::new(tiles)),
             refused: 0,
+            on_the_way: OnTheWay::default(),
         })
     }
 
@@ -69,6 +85,7 @@ impl Drawer {
             device: device.clone(),
             layer: Layer::Scene(Box::new(drawer), Arc::clone(scene)),
             refused: 0,
+            on_the_way: OnTheWay::default(),
         })
     }
 
@@ -204,8 +221,11 @@ impl Drawer {
         }
     }
 
-    /// Does what of a session's actions is drawing, with the payloads that were kept for it.
-    /// Returns whether the picture changed, and what is left to do.
+    /// Does what of a session's actions is drawing, with the payloads that were kept for it, for a
+    /// viewer at this moment. Returns whether the picture changed, and what is left to do.
+    ///
+    /// What a viewer would see change in a scene comes gradually over a fifth of a second:
+    /// [`Self::is_morphing`] until then.
     ///
     /// # Errors
     /// A piece is not what its unit should be, or the device was lost.
@@ -213,8 +233,9 @@ impl Drawer {
         &mut self,
         actions: Vec<SessionAction>,
         cache: &mut Cache<Payload>,
+        now: &Now,
     ) -> Result<(bool, Vec<SessionAction>), RenderError> {
-        let (mut changed, mut left) = (false, Vec::new());
+        let (mut changed, mut left, mut came) = (false, Vec::new(), Vec::new());
         for action in actions {
             match action {
                 SessionAction::BeginFrame(frame) => {
@@ -224,9 +245,10 @@ impl Drawer {
                 SessionAction::Upload(piece) => {
                     if let Some(payload) = cache.take(piece) {
                         match self.upload(piece, payload) {
+                            Ok(()) => came.push(piece.unit.unit),
                             // What is damaged so that it does not fit is left coarse.
                             Err(RenderError::Unit(_)) => self.refused += 1,
-                            other => other?,
+                            Err(other) => return Err(other),
                         }
                         changed = true;
                     }
@@ -239,7 +261,39 @@ impl Drawer {
                 other => left.push(other),
             }
         }
+        changed |= self.morph(&came, now);
         Ok((changed, left))
+    }
+
+    /// Moves on what is on its way in a scene, with the units that `came`; whether there is any.
+    fn morph(&mut self, came: &[UnitId], now: &Now) -> bool {
+        let (Layer::Scene(drawer, scene), OnTheWay { morphs, at }) =
+            (&mut self.layer, &mut self.on_the_way)
+        else {
+            return false;
+        };
+        let was_any = morphs.is_any();
+        if !was_any && came.is_empty() {
+            return false;
+        }
+        let witness = StepWitness::new(&now.moment);
+        morphs.advance(&witness, now.wall);
+        for unit in came {
+            morphs.begin(scene, *unit, &witness, now.wall);
+        }
+        *at = now.wall;
+        let changes = was_any || morphs.is_any();
+        if changes {
+            drawer.morph(&morphs.shares(*at));
+        }
+        changes
+    }
+
+    /// Whether units of a scene are on their way to their places: the picture changes by itself
+    /// until they are there.
+    #[must_use]
+    pub fn is_morphing(&self) -> bool {
+        self.on_the_way.morphs.is_any()
     }
 
     /// Units of a scene that did not fit to those that were there: they are damaged, and so are
@@ -333,6 +387,22 @@ impl Drawer {
                 drawer.measure_now(session, moment, &style_of(scene, None))
             }
         }
+    }
+
+    /// [`Self::picture`] with every unit of a scene in its place already.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn picture_in_place(&mut self, view: &EyeView) -> Result<Option<RgbaImage>, RenderError> {
+        if let Layer::Scene(drawer, _) = &mut self.layer {
+            drawer.morph(&BTreeMap::new());
+        }
+        let picture = self.picture(view, None);
+        if let Layer::Scene(drawer, _) = &mut self.layer {
+            let OnTheWay { morphs, at } = &self.on_the_way;
+            drawer.morph(&morphs.shares(*at));
+        }
+        picture
     }
 
     /// Waits until what was uploaded is where it is drawn from.

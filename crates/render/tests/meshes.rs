@@ -6,7 +6,7 @@ mod common;
 use common::torus::{
     ALL, ROOT, coming, coming_root, from_above, object, refinement, root, squares_of, view,
 };
-use common::{Seeded, write_png};
+use common::{Seeded, share_beyond, write_png};
 use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::gaze::sample::GazeSample;
@@ -28,14 +28,6 @@ use std::path::Path;
 
 const MOST_BYTES: u64 = 16 << 20;
 const SIZE: [u32; 2] = [192, 128];
-
-/// Share of pixels of which a channel differs by more than `most`.
-fn share_beyond(a: &RgbaImage, b: &RgbaImage, most: u8) -> f64 {
-    assert_eq!(a.size, b.size);
-    let pixels = a.pixels.chunks(4).zip(b.pixels.chunks(4));
-    let off = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > most));
-    off.count() as f64 / (a.pixels.len() / 4) as f64
-}
 
 /// Writes a picture to look at, where `FOVEAL_LARGE` names a folder.
 fn look_at(name: &str, image: &RgbaImage) {

@@ -13,7 +13,7 @@ use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::gaze::sample::HeadPose;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::moment::Moment;
-use foveal_core::session::actions::{Cache, SessionAction, SessionEvent};
+use foveal_core::session::actions::{Cache, Now, SessionAction, SessionEvent};
 use foveal_core::session::session::{Session, SessionSettings};
 use foveal_core::session::unit_states::Piece;
 use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
@@ -300,12 +300,12 @@ impl PagePlayer {
         self.viewer.navigation.fly_on(&pane, now);
         let moment = self.look(now, &pane);
         self.drawer.measure(&mut self.session, &moment)?;
-        let actions = self
-            .session
-            .step(&self.viewer.now(&self.session, &moment, now));
-        let (mut changed, wants) = self.obey(actions)?;
+        let step = self.viewer.now(&self.session, &moment, now);
+        let actions = self.session.step(&step);
+        let (mut changed, wants) = self.obey(actions, &step)?;
         // What came is measured while the next picture is awaited.
         self.drawer.measure(&mut self.session, &moment)?;
+        self.viewer.set_morphing(self.drawer.is_morphing());
         changed |= self.viewer.stepped(moment, &pane, self.levels_shown);
         if changed && self.session.shown_tick().is_some() {
             told |= flag::DRAW;
@@ -327,8 +327,12 @@ impl PagePlayer {
 
     /// Does what the session asks for; tells whether the picture changed, and whether other units
     /// are wanted.
-    fn obey(&mut self, actions: Vec<SessionAction>) -> Result<(bool, bool), RenderError> {
-        let (changed, left) = self.drawer.perform(actions, &mut self.cache)?;
+    fn obey(
+        &mut self,
+        actions: Vec<SessionAction>,
+        step: &Now,
+    ) -> Result<(bool, bool), RenderError> {
+        let (changed, left) = self.drawer.perform(actions, &mut self.cache, step)?;
         let mut wants = false;
         for action in left {
             match action {

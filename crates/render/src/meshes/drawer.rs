@@ -15,7 +15,7 @@ use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::moment::Moment;
 use foveal_core::session::session::Session;
 use foveal_core::view::eye_view::EyeView;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Units of a scene and what draws them.
 pub struct SceneDrawer {
@@ -79,6 +79,16 @@ impl SceneDrawer {
         match &mut self.engine {
             Engine::Gpu(layer) => layer.retain(wanted),
             Engine::Twin(twin) => twin.retain(wanted),
+            Engine::Nothing => {}
+        }
+    }
+
+    /// From now on the new vertices of these units have gone so much of their way from the coarse
+    /// surface, 0 to 1, and all others are in their places.
+    pub fn morph(&mut self, shares: &BTreeMap<UnitId, f64>) {
+        match &mut self.engine {
+            Engine::Gpu(layer) => layer.morph(shares),
+            Engine::Twin(twin) => twin.morph(shares),
             Engine::Nothing => {}
         }
     }

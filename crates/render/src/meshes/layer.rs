@@ -20,7 +20,7 @@ use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::glance::Glance;
 use foveal_core::view::eye_view::EyeView;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Most workgroups along one side of a dispatch.
 const MOST_WORKGROUPS: u32 = 65_535;
@@ -125,6 +125,14 @@ impl SceneLayer {
             self.memory.remove(unit);
             self.is_stale = true;
         }
+    }
+
+    /// From now on the new vertices of these units have gone so much of their way from the coarse
+    /// surface, 0 to 1, and all others are in their places. Writes what moves to the GPU: twelve
+    /// bytes a vertex.
+    pub fn morph(&mut self, shares: &BTreeMap<UnitId, f64>) {
+        let moved = self.units.morph(shares);
+        self.memory.rewrite(&self.units, &moved);
     }
 
     /// From now on these are the units that would refine clusters, each by its unit and its number

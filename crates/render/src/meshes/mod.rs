@@ -8,6 +8,7 @@ mod layer;
 mod lists;
 mod measuring;
 mod memory;
+pub(crate) mod morphs;
 pub mod params;
 mod pass;
 pub(crate) mod placements;

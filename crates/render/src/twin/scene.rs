@@ -20,7 +20,7 @@ use foveal_core::perception::footprints::Footprint;
 use foveal_core::perception::glance::Glance;
 use foveal_core::view::eye_view::EyeView;
 use glam::Vec3;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// The units of a scene in main memory, and the pictures that are drawn of them.
 pub struct TwinScene {
@@ -59,6 +59,12 @@ impl TwinScene {
     /// Takes all units away but those that are wanted, what these need, and roots.
     pub fn retain(&mut self, wanted: &HashSet<UnitId>) {
         self.units.retain(wanted);
+    }
+
+    /// From now on the new vertices of these units have gone so much of their way from the coarse
+    /// surface, 0 to 1, and all others are in their places.
+    pub fn morph(&mut self, shares: &BTreeMap<UnitId, f64>) {
+        self.units.morph(shares);
     }
 
     /// Triangles of the clusters that a picture is drawn of, also of those that cannot be seen,

@@ -101,13 +101,9 @@ impl SceneDemand {
 
     /// How much larger the error is that is shown without a unit than the policy allows.
     fn excess(&self, seen: &SeenError) -> f64 {
-        let pixels = seen.error_pixels / ERROR_PIXELS;
         match self.config.policy {
-            Policy::Acuity => {
-                let allowed = smallest_angle_deg(&self.config.acuity, seen.eccentricity);
-                pixels.min(seen.error.to_degrees() / allowed)
-            }
-            _ => pixels,
+            Policy::Acuity => acuity_excess(seen, &self.config.acuity),
+            _ => seen.error_pixels / ERROR_PIXELS,
         }
     }
 
@@ -212,6 +208,14 @@ impl SceneDemand {
         };
         Chosen { units, record }
     }
+}
+
+/// How much larger an error is than a pixel, or than what is told apart at its eccentricity: the
+/// less of both.
+pub(super) fn acuity_excess(seen: &SeenError, acuity: &AcuityModel) -> f64 {
+    let allowed = smallest_angle_deg(acuity, seen.eccentricity);
+    let pixels = seen.error_pixels / ERROR_PIXELS;
+    pixels.min(seen.error.to_degrees() / allowed)
 }
 
 /// The smallest angle that is told apart at an eccentricity, in degrees.

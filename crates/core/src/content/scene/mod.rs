@@ -11,6 +11,7 @@ mod rough_look;
 )]
 mod scene;
 pub mod scripted;
+pub mod showing;
 pub mod sight;
 pub mod unit_table;
 pub mod worth;

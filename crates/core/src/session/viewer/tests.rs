@@ -347,6 +347,20 @@ fn a_view_that_moves_is_drawn_anew_and_a_gaze_where_it_is_seen() {
 }
 
 #[test]
+fn a_picture_that_changes_by_itself_is_stepped_soon_until_it_does_not() {
+    let mut trial = Trial::over(1, AtEnd::GoesRound);
+    trial.viewer.begin(Seconds(0.0));
+    trial.play(0.0, 0.5);
+    trial.viewer.set_morphing(true);
+    assert!(!trial.viewer.is_settled(&trial.session));
+    let next = trial.viewer.next_step(&trial.session, Seconds(0.5));
+    assert!(next.is_some_and(|next| next.0 < 0.52), "{next:?}");
+    trial.viewer.set_morphing(false);
+    assert!(trial.viewer.is_settled(&trial.session));
+    assert_eq!(trial.viewer.next_step(&trial.session, Seconds(0.5)), None);
+}
+
+#[test]
 fn a_still_never_moves() {
     let mut trial = Trial::over(1, AtEnd::GoesRound);
     trial.viewer.begin(Seconds(0.0));
