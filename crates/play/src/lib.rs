@@ -25,5 +25,6 @@ pub use error::PlayError;
 pub use live::{LiveOptions, LivePack, LivePlayer, Stepped};
 pub use look::Look;
 pub use player::{Player, PlayerOptions};
+pub use rendered_worth::worth_both_ways;
 pub use report::FrameReport;
 pub use scene_player::{ScenePlayer, ScenePlayerOptions, SceneReport};

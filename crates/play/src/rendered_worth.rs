@@ -5,7 +5,9 @@
 //! are levels, and as many passes over them.
 
 use crate::error::PlayError;
+use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
+use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::worth::parameters_of_morphs;
 use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::pack::unit::UnitId;
@@ -135,4 +137,32 @@ impl RenderedWorth {
         };
         Ok(&mut self.importance.insert(fitting).1)
     }
+}
+
+/// What the units of a scene are worth at a moment: by signatures and footprints in a picture of its
+/// roots, and by pictures of all its levels. Of roots nothing.
+///
+/// # Errors
+/// A unit is damaged, or the device was lost.
+pub fn worth_both_ways(
+    file: &Arc<SceneFile>,
+    gpu: &Gpu,
+    moment: &Moment,
+) -> Result<[Vec<f64>; 2], PlayError> {
+    let config = PolicyConfig::new(Policy::Perceptual);
+    let mut rendered = RenderedWorth::new(file, gpu, &config.perception);
+    let scene = Arc::clone(file.scene());
+    let mut drawer = Drawer::of_scene(&DrawDevice::Gpu(gpu.clone()), &scene, MOST_BYTES)?;
+    rendered.upload_level(&mut drawer, scene.pack().coarsest())?;
+    let mut demand = Arc::clone(&scene).demand(&scene.head(), &config);
+    demand.see(&drawer.footprints(moment)?);
+    demand.begin(0, moment, None);
+    let by_signatures = demand.offers().into_iter().map(|offer| offer.value);
+    let roots = scene.base(0).len();
+    let by_signatures = std::iter::repeat_n(0.0, roots).chain(by_signatures);
+    let worths = match moment.views.first() {
+        Some(view) => rendered.worths(moment, view)?,
+        None => vec![0.0; scene.pack().len()],
+    };
+    Ok([by_signatures.collect(), worths])
 }

@@ -15,6 +15,8 @@ use foveal_core::content::unit::UnitRef;
 use foveal_core::content::video::Video;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
+#[cfg(not(target_arch = "wasm32"))]
+use foveal_core::perception::footprints::Footprints;
 use foveal_core::perception::moment::Moment;
 use foveal_core::session::actions::{Cache, Now, SessionAction};
 use foveal_core::session::session::Session;
@@ -386,6 +388,18 @@ impl Drawer {
             Layer::Scene(drawer, scene) => {
                 drawer.measure_now(session, moment, &style_of(scene, None))
             }
+        }
+    }
+
+    /// What parts of the view units of a scene would refine of what is drawn now; of a video none.
+    /// Blocks.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    pub fn footprints(&mut self, moment: &Moment) -> Result<Footprints, RenderError> {
+        match &mut self.layer {
+            Layer::Tiles(_) => Ok(Footprints::default()),
+            Layer::Scene(drawer, scene) => drawer.footprints(moment, &style_of(scene, None)),
         }
     }
 

@@ -12,6 +12,8 @@ use crate::twin::TwinScene;
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::content::unit::AssetId;
 use foveal_core::pack::unit::UnitId;
+#[cfg(not(target_arch = "wasm32"))]
+use foveal_core::perception::footprints::Footprints;
 use foveal_core::perception::moment::Moment;
 use foveal_core::session::session::Session;
 use foveal_core::view::eye_view::EyeView;
@@ -180,13 +182,24 @@ impl SceneDrawer {
     ) -> Result<(), RenderError> {
         let is_shown = session.needs_footprints() && session.shown_tick().is_some();
         if is_shown && self.measuring.is_due(moment) {
-            self.begin_measuring(moment, style)?;
-            self.poll(true)?;
-            if let Some(footprints) = self.measuring.finish()? {
-                session.see(AssetId(0), footprints);
-            }
+            session.see(AssetId(0), self.footprints(moment, style)?);
         }
         Ok(())
+    }
+
+    /// What parts of the view units would refine of what is drawn now. Blocks.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn footprints(
+        &mut self,
+        moment: &Moment,
+        style: &SceneStyle,
+    ) -> Result<Footprints, RenderError> {
+        self.begin_measuring(moment, style)?;
+        self.poll(true)?;
+        Ok(self.measuring.finish()?.unwrap_or_default())
     }
 
     fn begin_measuring(&mut self, moment: &Moment, style: &SceneStyle) -> Result<(), RenderError> {
