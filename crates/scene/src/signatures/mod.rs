@@ -5,6 +5,8 @@
 
 mod lit;
 mod side_view;
+#[cfg(test)]
+mod tests;
 
 use foveal_core::content::mesh::payload::MeshVertex;
 use foveal_core::content::scene::description::SceneObject;
