@@ -12,7 +12,9 @@ mod rough_look;
 )]
 mod scene;
 pub mod scripted;
+pub mod showing;
 pub mod sight;
 pub mod unit_table;
+pub mod worth;
 
 pub use scene::Scene;
