@@ -3,6 +3,7 @@
 mod content;
 pub mod demand;
 pub mod description;
+pub mod lighting;
 pub mod pack;
 mod rough_look;
 #[allow(
