@@ -16,6 +16,8 @@ mod mesh_reader;
 mod player;
 mod report;
 mod scene_player;
+#[cfg(test)]
+mod scene_player_tests;
 mod step;
 mod tile_decoder;
 
