@@ -17,6 +17,8 @@ mod player;
 mod rendered_worth;
 mod report;
 mod scene_player;
+#[cfg(test)]
+mod scene_player_tests;
 mod step;
 mod tile_decoder;
 

@@ -26,9 +26,6 @@ use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-#[cfg(test)]
-mod tests;
-
 /// Rounds in which what came is shown and more is asked for, at one time: where little may be under
 /// way at once, more takes another round.
 const MOST_ROUNDS: u32 = 10_000;

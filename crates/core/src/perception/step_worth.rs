@@ -7,8 +7,9 @@ use crate::perception::eye::{Seen, share_of_octave_below};
 use crate::perception::gain::band_gain;
 use crate::perception::measures::contrast::Signature;
 use crate::perception::measures::signature::band_steps;
-use crate::perception::parameters::{EyeState, Parameters};
+use crate::perception::parameters::{EyeState, Model, Parameters};
 use crate::perception::sensitivity_table::SensitivityTable;
+use crate::perception::visible_loss::DIFFERENCE_EXPONENT;
 use crate::units::{Cpd, Ppd, Radians};
 use std::sync::OnceLock;
 
@@ -44,10 +45,23 @@ impl SeenPlace {
     }
 }
 
+/// How what is finer than the pixels of a display is drawn on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DrawnFiner {
+    /// Not at all: a filter takes it out.
+    Filtered,
+    /// As noise: each pixel shows what lies in its middle, and detail is seen as the finest that the
+    /// display shows.
+    Sampled,
+}
+
 /// Values steps by their signatures.
 #[derive(Clone, Debug)]
 pub struct StepWorth {
     parameters: Parameters,
+    drawn: DrawnFiner,
+    /// Power of the seen difference that counts, in thresholds.
+    exponent: f64,
     /// What a steady or landed eye sees, and what a jumping one does; made when first asked for.
     seen: [OnceLock<SensitivityTable>; 2],
 }
@@ -58,7 +72,25 @@ impl StepWorth {
     pub fn new(parameters: &Parameters) -> Self {
         Self {
             parameters: *parameters,
+            drawn: DrawnFiner::Filtered,
+            exponent: 1.0,
             seen: Default::default(),
+        }
+    }
+
+    /// The same, where differences count as the judge of pictures counts them, by
+    /// [`DIFFERENCE_EXPONENT`]: what is below the threshold hardly counts, and what is clearly seen
+    /// comes first.
+    #[must_use]
+    pub fn of_seen_differences(parameters: &Parameters, drawn: DrawnFiner) -> Self {
+        let exponent = match parameters.model {
+            Model::Default => DIFFERENCE_EXPONENT,
+            Model::Paper => 1.0,
+        };
+        Self {
+            drawn,
+            exponent,
+            ..Self::new(parameters)
         }
     }
 
@@ -70,8 +102,12 @@ impl StepWorth {
         let mut gain = weights.acuity * place.acuity.0 + weights.constant;
         for band in band_steps(signature, ppd) {
             if band.difference > 0.0 {
-                let seen = self.seen(band.cpd, place, state);
-                gain += band_gain(&weights, seen, self.parameters.omega, &band);
+                let seen = self.seen(self.shown(band.cpd, place), place, state);
+                let of_band = band_gain(&weights, seen, self.parameters.omega, &band);
+                gain += match self.exponent {
+                    1.0 => of_band,
+                    exponent => libm::pow(of_band.max(0.0), exponent),
+                };
             }
         }
         gain
@@ -86,6 +122,15 @@ impl StepWorth {
         }
         let ppd = ppd.0.min(2.0 * place.display.0);
         area_deg2 * ppd * ppd
+    }
+
+    /// The frequency at which a band is seen.
+    fn shown(&self, band: Cpd, place: &SeenPlace) -> Cpd {
+        match self.drawn {
+            DrawnFiner::Filtered => band,
+            // The octave that ends at the display's limit.
+            DrawnFiner::Sampled => Cpd(band.0.min(place.display.0 / core::f64::consts::SQRT_2)),
+        }
     }
 
     fn seen(&self, frequency: Cpd, place: &SeenPlace, state: EyeState) -> Seen {

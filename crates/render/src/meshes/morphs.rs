@@ -30,7 +30,8 @@ impl Morphs {
         !self.begun.is_empty()
     }
 
-    /// A unit comes: on its way from `now` on, where somebody sees it and there was a picture before.
+    /// A unit comes: on its way from `now` on, where somebody sees that and there was a picture
+    /// before.
     pub(crate) fn begin(
         &mut self,
         scene: &Scene,

@@ -27,8 +27,8 @@ const TRIES: u32 = 32;
 /// Which cuts are checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CutTrial {
-    /// Number of foveated cuts, each by another eye; each is checked as it stands, and while some of
-    /// its units come from the surface that they are shown in place of.
+    /// Number of foveated cuts, each by another eye; each is checked as it stands, and while some
+    /// of its units come from the surface that they are shown in place of.
     pub cuts: u32,
     /// Number of random orders of arrival, each checked after every unit once all roots are there.
     pub orders: u32,

@@ -20,8 +20,8 @@ use foveal_play::{ScenePlayer, ScenePlayerOptions, SceneReport};
 use foveal_render::{DrawDevice, RgbaImage};
 use std::sync::Arc;
 
-/// How far what came is from full detail, once it is in its place: root mean square of the difference of linear luminance,
-/// over the mean.
+/// How far what came is from full detail, once it is in its place: root mean square of the
+/// difference of linear luminance, over the mean.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JudgedFrame {
     /// In the disc round the gaze; `None` where no pixel lies in it.

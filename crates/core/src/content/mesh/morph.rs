@@ -123,19 +123,27 @@ impl<'a> Surface<'a> {
     /// The point nearest to a place; `None` where there is no triangle.
     fn nearest(&self, place: [u16; 3]) -> Option<Found> {
         let from = point(place);
-        let mut least = f64::INFINITY;
-        let mut near = Vec::new();
-        for triangle in &self.triangles {
+        let to_box = |triangle: &Triangle| {
             let within = from.clamp(triangle.low, triangle.high);
-            if within.distance_squared(from) > least + AS_NEAR {
-                continue;
-            }
-            let shares = nearest_of(triangle.places, from);
-            let [a, b, c] = [0, 1, 2].map(|k| triangle.places[k] * shares[k]);
-            let distance = (a + b + c).distance_squared(from);
-            if distance <= least + AS_NEAR {
-                near.push((distance, (triangle.corners, whole_shares(shares))));
+            within.distance_squared(from)
+        };
+        let bounds: Vec<f64> = self.triangles.iter().map(to_box).collect();
+        let nearest_box = bounds
+            .iter()
+            .copied()
+            .zip(0..)
+            .reduce(|a, b| match b.0 < a.0 {
+                true => b,
+                false => a,
+            });
+        // One that is probably near rules most others out.
+        let mut least = self.point(nearest_box?.1, from).0;
+        let mut near = Vec::new();
+        for (number, bound) in bounds.into_iter().enumerate() {
+            if bound <= least + AS_NEAR {
+                let (distance, point) = self.point(number, from);
                 least = least.min(distance);
+                near.push((distance, point));
             }
         }
         let nearest = near.iter().find(|(distance, _)| *distance == least)?.1;
@@ -148,6 +156,17 @@ impl<'a> Surface<'a> {
             },
             as_near: as_near.map(|it| it.1).collect(),
         })
+    }
+
+    /// The square of the distance of a place from a triangle, and the point there.
+    fn point(&self, triangle: usize, from: DVec3) -> (f64, Point) {
+        let Triangle {
+            corners, places, ..
+        } = &self.triangles[triangle];
+        let shares = nearest_of(*places, from);
+        let [a, b, c] = [0, 1, 2].map(|k| places[k] * shares[k]);
+        let point = (*corners, whole_shares(shares));
+        ((a + b + c).distance_squared(from), point)
     }
 
     /// Where a vertex starts. Where attributes jump there, it has those most like its own.

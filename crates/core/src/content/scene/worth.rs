@@ -14,7 +14,7 @@ use crate::pack::unit::UnitId;
 use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
 use crate::perception::parameters::{Model, Parameters};
-use crate::perception::step_worth::{SeenPlace, StepWorth};
+use crate::perception::step_worth::{DrawnFiner, SeenPlace, StepWorth};
 use crate::units::Radians;
 
 /// Values the units of a scene for one viewer.
@@ -45,7 +45,7 @@ impl SceneWorth {
         }
         let parameters = parameters_of_morphs(parameters);
         Self {
-            of_steps: StepWorth::new(&parameters),
+            of_steps: StepWorth::of_seen_differences(&parameters, DrawnFiner::Sampled),
             parameters,
             importance,
             needed_by,
@@ -251,7 +251,7 @@ mod tests {
             worth.see(&Footprints::new(vec![footprint(last as u32, least)]));
             of(&worth)[last]
         };
-        let found = [0, 80, 400].map(&mut at);
+        let found = [0, 320, 640].map(&mut at);
         assert!(found.is_sorted_by(|a, b| a > b), "{found:?}");
     }
 

@@ -1,19 +1,24 @@
 //! Does what comes glide into its place before an open eye, and jump there before a closed one?
 
-use super::*;
+use crate::scene_player::{ScenePlayer, ScenePlayerOptions};
 use foveal_core::content::mesh::payload::{Attributes, Cluster, ClusterRef, MeshUnit, MeshVertex};
-use foveal_core::content::policy::Policy;
+use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::description::{
     Grid, KIND, ObjectBounds, SceneDescription, SceneObject,
 };
 use foveal_core::content::scene::pack::{begin_scene, chunk_name, finish_scene};
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::gaze::sample::GazeSample;
+use foveal_core::pack::unit::UnitId;
+use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::EyeState;
-use foveal_core::units::Radians;
+use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::Axes;
-use foveal_core::view::eye_view::Field;
+use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_media::pack::scene_file::SceneFile;
+use foveal_render::{DrawDevice, RgbaImage};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A square of two triangles, and in its place a roof of four.
 fn roof() -> Vec<u8> {
