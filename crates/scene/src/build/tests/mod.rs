@@ -11,17 +11,17 @@ use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
 use foveal_core::pack::unit::UnitId;
 use meshes::{all_meshes, fan, sphere, torus, triangle, two_materials};
 
-pub(crate) fn built(source: &SourceScene) -> Built {
+fn built(source: &SourceScene) -> Built {
     build(source, &BuildOptions::default(), &|_, _| ()).unwrap()
 }
 
-pub(crate) fn parsed(built: &Built, unit: usize) -> MeshUnit {
+fn parsed(built: &Built, unit: usize) -> MeshUnit {
     let unit = &built.units[unit];
     let attributes = built.objects[usize::from(unit.row.object)].attributes;
     MeshUnit::parse(&unit.payload, attributes, &unit.row.replaces).unwrap()
 }
 
-pub(crate) fn full_cut(built: &Built) -> MeshCut {
+fn full_cut(built: &Built) -> MeshCut {
     let mut cut = MeshCut::default();
     for number in 0..built.units.len() {
         let (id, needs) = (UnitId(number as u32), &built.units[number].row.needs);
