@@ -112,6 +112,7 @@ impl Player {
             bytes_per_s: spends.then_some(options.bytes_per_s),
             since: Some(Seconds(0.0)),
             zooms: false,
+            measures: false,
             bounds: Bounds::default(),
         };
         let grid = video.grid();

@@ -15,7 +15,11 @@ use foveal_core::content::unit::UnitRef;
 use foveal_core::content::video::Video;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
+#[cfg(not(target_arch = "wasm32"))]
+use foveal_core::perception::footprints::Footprints;
+use foveal_core::perception::moment::Moment;
 use foveal_core::session::actions::{Cache, Now, SessionAction};
+use foveal_core::session::session::Session;
 use foveal_core::session::unit_states::Piece;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
@@ -77,7 +81,8 @@ impl Drawer {
         most_bytes: u64,
     ) -> Result<Self, RenderError> {
         let objects = &scene.pack().description().objects;
-        let drawer = SceneDrawer::new(device, objects, most_bytes)?;
+        let mut drawer = SceneDrawer::new(device, objects, most_bytes)?;
+        drawer.set_refiners(scene.refiners());
         Ok(Self {
             device: device.clone(),
             layer: Layer::Scene(Box::new(drawer), Arc::clone(scene)),
@@ -141,6 +146,33 @@ impl Drawer {
             Layer::Tiles(_) => 0,
             Layer::Scene(scene, _) => scene.triangles_drawn(),
         }
+    }
+
+    /// Tells a session what parts of the view units would refine, where it chooses by that: what was
+    /// measured since the last call. Begins to measure what is drawn now, where that is due.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    pub fn measure(&mut self, session: &mut Session, moment: &Moment) -> Result<(), RenderError> {
+        match &mut self.layer {
+            Layer::Tiles(_) => Ok(()),
+            Layer::Scene(drawer, scene) => drawer.measure(session, moment, &style_of(scene, None)),
+        }
+    }
+
+    /// The image of units that would refine what a view shows of a scene, as
+    /// [`SceneLayer::ids`](crate::SceneLayer::ids) draws it; `None` of a video, and where no GPU
+    /// draws.
+    ///
+    /// # Errors
+    /// The picture is larger than the device draws.
+    pub fn ids(&mut self, view: &EyeView) -> Result<Option<&wgpu::Texture>, RenderError> {
+        let Layer::Scene(drawer, scene) = &mut self.layer else {
+            return Ok(None);
+        };
+        let style = style_of(scene, None);
+        let layer = drawer.layer();
+        layer.map(|layer| layer.ids(view, &style)).transpose()
     }
 
     /// Moves what follows the gaze: the samples and the blur.
@@ -339,6 +371,35 @@ impl Drawer {
         match &mut self.layer {
             Layer::Tiles(tiles) => tiles.picture(view, marks),
             Layer::Scene(drawer, scene) => drawer.picture(view, &style_of(scene, marks)),
+        }
+    }
+
+    /// [`Self::measure`], waiting for what is drawn now.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    pub fn measure_now(
+        &mut self,
+        session: &mut Session,
+        moment: &Moment,
+    ) -> Result<(), RenderError> {
+        match &mut self.layer {
+            Layer::Tiles(_) => Ok(()),
+            Layer::Scene(drawer, scene) => {
+                drawer.measure_now(session, moment, &style_of(scene, None))
+            }
+        }
+    }
+
+    /// What parts of the view units of a scene would refine of what is drawn now; of a video none.
+    /// Blocks.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    pub fn footprints(&mut self, moment: &Moment) -> Result<Footprints, RenderError> {
+        match &mut self.layer {
+            Layer::Tiles(_) => Ok(Footprints::default()),
+            Layer::Scene(drawer, scene) => drawer.footprints(moment, &style_of(scene, None)),
         }
     }
 

@@ -91,6 +91,7 @@ impl PagePlayer {
             bytes_per_s: Some(FIRST_GUESS),
             since: None,
             zooms: true,
+            measures: pack.video().is_none(),
             bounds: pack.bounds(),
         };
         let session = Session::new(vec![pack.content()], settings);
@@ -298,9 +299,12 @@ impl PagePlayer {
         let pane = self.pane();
         self.viewer.navigation.fly_on(&pane, now);
         let moment = self.look(now, &pane);
+        self.drawer.measure(&mut self.session, &moment)?;
         let step = self.viewer.now(&self.session, &moment, now);
         let actions = self.session.step(&step);
         let (mut changed, wants) = self.obey(actions, &step)?;
+        // What came is measured while the next picture is awaited.
+        self.drawer.measure(&mut self.session, &moment)?;
         self.viewer.set_morphing(self.drawer.is_morphing());
         changed |= self.viewer.stepped(moment, &pane, self.levels_shown);
         if changed && self.session.shown_tick().is_some() {

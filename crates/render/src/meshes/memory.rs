@@ -144,6 +144,12 @@ impl UnitMemory {
         }
     }
 
+    /// One more than the largest number of a unit that refines something.
+    pub(crate) fn refining_units(&self) -> u32 {
+        let units = self.refiners.values().map(|unit| unit.0 + 1);
+        units.max().unwrap_or_default()
+    }
+
     /// Writes all units anew, one after the other, in pools of all that may be taken.
     fn pack(&mut self, units: &SceneUnits) -> Result<(), RenderError> {
         let most_bound = most_bound(&self.gpu);

@@ -100,7 +100,7 @@ fn build_here(
     progress(all, all);
     let permissive = graphs.iter().map(|graph| graph.permissive).sum();
     count(&mut repairs, "permissive_groups", permissive);
-    let (units, levels) = units::write(&meshes, &graphs)?;
+    let (units, levels) = units::write(&meshes, &graphs, options.signatures)?;
     Ok(Built {
         objects: meshes.into_iter().map(|mesh| mesh.object).collect(),
         units,

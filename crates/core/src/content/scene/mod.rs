@@ -3,6 +3,7 @@
 mod content;
 pub mod demand;
 pub mod description;
+pub mod lighting;
 pub mod pack;
 mod rough_look;
 #[allow(
@@ -14,5 +15,6 @@ pub mod scripted;
 pub mod showing;
 pub mod sight;
 pub mod unit_table;
+pub mod worth;
 
 pub use scene::Scene;

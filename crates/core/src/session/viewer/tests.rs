@@ -91,6 +91,7 @@ impl Trial {
             bytes_per_s: None,
             since: None,
             zooms: false,
+            measures: false,
         };
         let video: Arc<dyn Content> = Arc::new(video(frames));
         let surface = Surface::flat(SIZE, Screen::default());
