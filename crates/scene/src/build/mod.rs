@@ -20,6 +20,7 @@ pub(crate) mod tests;
 use crate::source::{Repairs, SourceScene};
 pub use built::{BuildError, BuildOptions, Built, BuiltUnit};
 use foveal_core::content::scene::description::GRID_BITS;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -100,7 +101,9 @@ fn build_here(
     progress(all, all);
     let permissive = graphs.iter().map(|graph| graph.permissive).sum();
     count(&mut repairs, "permissive_groups", permissive);
-    let (units, levels) = units::write(&meshes, &graphs, options.signatures)?;
+    let light = DVec3::from_array(source.look().light);
+    let light = options.signatures.then_some(light);
+    let (units, levels) = units::write(&meshes, &graphs, light)?;
     Ok(Built {
         objects: meshes.into_iter().map(|mesh| mesh.object).collect(),
         units,

@@ -10,6 +10,7 @@ use foveal_core::content::mesh::payload::MeshVertex;
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::perception::measures::contrast::Signature;
 use foveal_core::perception::measures::step_contrast::StepContrast;
+use glam::DVec3;
 use lit::{LitSurface, LitTriangle};
 use side_view::{FARTHEST, Raster, Side, Window};
 
@@ -31,9 +32,9 @@ pub(crate) struct StepMeasure {
 }
 
 impl StepMeasure {
-    pub(crate) fn new(object: &SceneObject) -> Self {
+    pub(crate) fn new(object: &SceneObject, light: DVec3) -> Self {
         Self {
-            surface: LitSurface::new(object),
+            surface: LitSurface::new(object, light),
             step: object.grid.step,
         }
     }

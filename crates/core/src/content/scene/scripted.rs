@@ -85,6 +85,7 @@ fn description() -> SceneDescription {
         objects: vec![object],
         units: UNITS.to_vec(),
         page: 16,
+        look: Default::default(),
         identity: Default::default(),
         remarks: Vec::new(),
         repairs: Default::default(),
