@@ -2,11 +2,15 @@
 
 mod codecs;
 pub(crate) mod meshes;
+mod textures;
 
+use super::mesh::GridMesh;
+use super::textures::ShownImages;
 use super::{BuildOptions, Built, build};
 use crate::source::SourceScene;
 use foveal_core::content::mesh::cut::MeshCut;
 use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
+use foveal_core::content::scene::unit_table::UnitKind;
 use foveal_core::pack::unit::UnitId;
 use meshes::{fan, many_pieces, sheet, sphere, torus, triangle, two_materials};
 
@@ -14,8 +18,16 @@ fn built(source: &SourceScene) -> Built {
     build(source, &BuildOptions::default(), &|_, _| ()).unwrap()
 }
 
+fn grid_mesh(source: &SourceScene) -> GridMesh {
+    let shown = ShownImages::new(source);
+    super::mesh::grid_mesh(source, &source.objects[0], 14, &shown).unwrap()
+}
+
 fn parsed(built: &Built, unit: usize) -> MeshUnit {
     let unit = &built.units[unit];
+    if unit.row.kind == UnitKind::Image {
+        return MeshUnit::default();
+    }
     let attributes = built.objects[usize::from(unit.row.object)].attributes;
     MeshUnit::parse(&unit.payload, attributes, &unit.row.replaces).unwrap()
 }
@@ -46,6 +58,7 @@ fn all_meshes() -> Vec<(&'static str, SourceScene)> {
         ("fan", fan(40)),
         ("pieces", many_pieces(1000)),
         ("triangle", triangle()),
+        ("textured", textures::sphere_with([48, 24], [700, 300])),
     ]
 }
 
@@ -53,7 +66,7 @@ fn all_meshes() -> Vec<(&'static str, SourceScene)> {
 fn the_full_cut_is_the_source_on_its_grid() {
     for (name, source) in all_meshes() {
         let built = built(&source);
-        let mesh = super::mesh::grid_mesh(&source, &source.objects[0], 14).unwrap();
+        let mesh = grid_mesh(&source);
         let vertex = |it: u32| mesh.vertices[it as usize];
         let source = sorted(mesh.triangles.iter().map(|it| it.map(vertex)));
         let cut = full_cut(&built);
@@ -73,7 +86,7 @@ fn the_full_cut_is_the_source_on_its_grid() {
 fn each_vertex_is_sent_once() {
     for (name, source) in all_meshes() {
         let built = built(&source);
-        let mesh = super::mesh::grid_mesh(&source, &source.objects[0], 14).unwrap();
+        let mesh = grid_mesh(&source);
         let units = 0..built.units.len();
         let sent: usize = units.map(|it| parsed(&built, it).vertices.len()).sum();
         let mut used = mesh.triangles.as_flattened().to_vec();
@@ -148,7 +161,17 @@ fn spheres_enclose_what_units_show() {
 #[test]
 fn the_number_of_threads_changes_no_byte() {
     for (name, source) in [("torus", torus(256, 128)), ("sphere", sphere(64, 32))] {
-        let with = |jobs| build(&source, &BuildOptions { bits: 14, jobs }, &|_, _| ()).unwrap();
+        let with = |jobs| {
+            build(
+                &source,
+                &BuildOptions {
+                    jobs,
+                    ..Default::default()
+                },
+                &|_, _| (),
+            )
+            .unwrap()
+        };
         let one = with(1);
         assert!(one == with(3), "{name}");
         assert!(one == with(1), "{name}");
@@ -250,7 +273,10 @@ fn a_source_that_contradicts_itself_is_refused() {
         let refused = build(&source, &BuildOptions::default(), &|_, _| ());
         assert!(refused.is_err(), "{number}");
     }
-    let options = BuildOptions { bits: 17, jobs: 1 };
+    let options = BuildOptions {
+        bits: 17,
+        ..Default::default()
+    };
     assert!(build(&triangle(), &options, &|_, _| ()).is_err());
 }
 

@@ -37,7 +37,11 @@ pub(super) fn build(
     let bits = bits.map_or(*GRID_BITS.start(), |it| it.grid.bits);
     let ours = |jobs| {
         seconds(|| {
-            let options = BuildOptions { bits, jobs };
+            let options = BuildOptions {
+                bits,
+                jobs,
+                exact: false,
+            };
             black_box(build_units(source, &options, &|_, _| ())?);
             Ok(())
         })
