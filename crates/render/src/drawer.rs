@@ -3,6 +3,7 @@
 use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 use crate::meshes::{ComingUnit, SceneDrawer, SceneStyle};
+use crate::pages::ComingPage;
 use crate::tiles::drawer::{TileDrawer, TileStyle};
 use crate::{Overlay, RgbaImage};
 use foveal_core::content::demand::Content;
@@ -60,8 +61,8 @@ impl Drawer {
         scene: &Arc<Scene>,
         most_bytes: u64,
     ) -> Result<Self, RenderError> {
-        let objects = &scene.pack().description().objects;
-        let drawer = SceneDrawer::new(device, objects, most_bytes)?;
+        let about = scene.pack().description();
+        let drawer = SceneDrawer::new(device, &about.objects, &about.textures, most_bytes)?;
         Ok(Self {
             device: device.clone(),
             layer: Layer::Scene(Box::new(drawer), Arc::clone(scene)),
@@ -161,6 +162,16 @@ impl Drawer {
                     needs: scene.needs(unit),
                     says: &says,
                 })
+            }
+            (Layer::Scene(drawer, scene), Payload::Image(says)) => {
+                let unit = piece.unit.unit;
+                let is_there = drawer.upload_page(&ComingPage {
+                    unit,
+                    needs: scene.needs(unit),
+                    says: &says,
+                })?;
+                self.refused += u64::from(!is_there);
+                Ok(())
             }
             _ => Err(RenderError::OtherKind),
         }

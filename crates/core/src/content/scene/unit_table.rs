@@ -22,7 +22,7 @@ const FIXED_BYTES: usize = SPHERE_BYTES + Signature::BYTES;
 /// What a unit takes on the GPU beside its vertices and triangles, in bytes.
 const GPU_BYTES_OF_UNIT: u64 = 256;
 /// Bytes of a vertex on the GPU, and of its number in a cluster.
-const GPU_BYTES_OF_VERTEX: u64 = 16;
+const GPU_BYTES_OF_VERTEX: u64 = 20;
 /// Bytes of a triangle on the GPU, and of its corners in the list of what is drawn.
 const GPU_BYTES_OF_TRIANGLE: u64 = 16;
 
