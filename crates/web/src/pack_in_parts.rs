@@ -193,12 +193,7 @@ impl PackInParts {
             return Err(wrong(&field(), "no such unit", "one of the pack"));
         }
         check_crc(&field(), chunk, scene.pack().entry(unit).crc32c)?;
-        let replaces = &scene.pack().row(unit).replaces;
-        let parsed = MeshUnit::parse(chunk, scene.object_of(unit).attributes, replaces);
-        parsed.map(Payload::Mesh).map_err(|source| PackError {
-            field: format!("{}: {}", field(), source.field),
-            ..source
-        })
+        scene.pack().payload(unit, chunk)
     }
 }
 
