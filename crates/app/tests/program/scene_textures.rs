@@ -7,18 +7,18 @@ use std::f64::consts::{PI, TAU};
 /// Sides of the sphere's net: columns and rows of squares.
 const NET: [u32; 2] = [48, 24];
 
-/// Columns of blue, green and red, a third of a turn each, with fine waves from top to bottom.
+/// Blue at the left, a narrow column of green, red at the right, with waves from top to bottom.
 fn picture(size: [u32; 2]) -> Vec<u8> {
     let [columns, rows] = size;
     let texel = |column: u32, row: u32| {
         let wave = 200 + (40.0 * (f64::from(row) / 3.0).sin()) as u32;
-        [0, 1, 2].map(|k| {
-            if 3 * column / columns == 2 - k {
-                wave as u8
-            } else {
-                12
-            }
-        })
+        let turned = 20 * column / columns;
+        let strong = if turned < 9 {
+            2
+        } else {
+            usize::from(turned < 11)
+        };
+        core::array::from_fn::<u8, 3, _>(|k| if k == strong { wave as u8 } else { 12 })
     };
     let all = (0..rows).flat_map(|row| (0..columns).map(move |column| texel(column, row)));
     let mut bytes = Vec::new();
@@ -154,7 +154,7 @@ fn simulate(folder: &Folder, pack: &str, more: &[&str]) -> Value {
     json(&arguments)
 }
 
-/// Which of red, green and blue are strong in the middle of each third of a picture's middle row.
+/// Which of red, green and blue are strong at the left, in the middle and at the right of a picture.
 fn thirds(folder: &Folder) -> [[bool; 3]; 3] {
     let picture = Rgb::read(&folder.name("out/frame_00000.png"));
     [60, 120, 180].map(|x| picture.at([x, 120]).map(|code| code > 100))
@@ -191,7 +191,7 @@ fn a_textured_sphere_is_prepared_verified_chosen_and_drawn() {
     assert_eq!([sharp, coarse, chosen], [expected; 3]);
     assert_eq!(full["error_all"], 0.0);
     let all = [&coarsest, &acuity, &full].map(|run| run["bytes"].as_u64().unwrap());
-    assert!(all.is_sorted() && 2 * all[1] < all[2], "{all:?}");
+    assert!(all.is_sorted() && 5 * all[1] < 4 * all[2], "{all:?}");
     assert!(acuity["error_fovea"].as_f64() < coarsest["error_fovea"].as_f64());
     assert!(acuity["bytes_by_kind"]["texture"].as_u64().unwrap() > 0);
     let link = [
@@ -231,7 +231,7 @@ fn an_obj_has_the_picture_that_its_materials_name_and_a_missing_one_leaves_the_c
     let done = json(&["prepare", "scene", &source, "--out", &pack, "--exact"]);
     assert_eq!(
         (&done["texels"], &done["repairs"]),
-        (&180_000.into(), &json_of!({})),
+        (&180_000.into(), &json_of!({"unused_vertices": 2})),
         "{done}"
     );
     simulate(&folder, &pack, &["--policy", "full", "--frames", "1"]);
@@ -265,7 +265,7 @@ fn every_flipped_byte_of_a_textured_scene_is_found() {
         let mut bad = good.clone();
         bad[place] ^= 0x20;
         std::fs::write(&pack, &bad).unwrap();
-        let Ran { code, stderr, .. } = finish(command(["verify", &pack]));
+        let Ran { code, stderr, .. } = finish(command(&["verify", &pack]));
         assert!(
             code == Some(1) && !stderr.contains("panicked"),
             "byte {place}: {stderr}"
