@@ -129,6 +129,7 @@ fn settings(policy: Policy, bytes_per_s: Option<f64>, gpu: u64) -> SessionSettin
         bytes_per_s,
         since: None,
         zooms: false,
+        measures: false,
         bounds: Bounds {
             gpu,
             ..Bounds::default()

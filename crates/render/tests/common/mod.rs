@@ -347,3 +347,11 @@ pub fn detail_around(surface: &Surface, face: u32, place: [f64; 2]) -> [f64; 3] 
     yuv[2] = 128.0 + 50.0 * (d.y * 3.0).cos();
     yuv
 }
+
+/// Share of pixels of which a channel differs by more than `most`.
+pub fn share_beyond(a: &RgbaImage, b: &RgbaImage, most: u8) -> f64 {
+    assert_eq!(a.size, b.size);
+    let pixels = a.pixels.chunks(4).zip(b.pixels.chunks(4));
+    let off = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > most));
+    off.count() as f64 / (a.pixels.len() / 4) as f64
+}

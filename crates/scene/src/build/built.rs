@@ -14,6 +14,8 @@ pub struct BuildOptions {
     pub jobs: usize,
     /// Whether textures keep every texel as it is.
     pub exact: bool,
+    /// Whether it is measured what units add: without, their signatures are zeros.
+    pub signatures: bool,
 }
 
 impl Default for BuildOptions {
@@ -22,6 +24,7 @@ impl Default for BuildOptions {
             bits: 14,
             jobs: 1,
             exact: false,
+            signatures: true,
         }
     }
 }

@@ -107,7 +107,7 @@ fn build_here(
     count(&mut repairs, "permissive_groups", permissive);
     let pages = pages::write(source, &shown, &mut meshes, options.exact)?;
     count(&mut repairs, "missing_images", shown.missing + pages.broken);
-    let (units, levels) = units::write(&meshes, &graphs, &pages.all)?;
+    let (units, levels) = units::write(&meshes, &graphs, &pages.all, options.signatures)?;
     Ok(Built {
         objects: meshes.into_iter().map(|mesh| mesh.object).collect(),
         textures: pages.textures,

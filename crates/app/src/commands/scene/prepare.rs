@@ -128,6 +128,7 @@ impl PrepareSceneArgs {
             bits: self.bits,
             jobs,
             exact: self.exact,
+            ..BuildOptions::default()
         };
         let bar = output::bar(Some(1), output::Counting::Frames);
         let built = build(source, &options, &|done, all| {

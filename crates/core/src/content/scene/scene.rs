@@ -4,8 +4,10 @@ use super::description::{SceneObject, most_growth};
 use super::pack::ScenePack;
 use super::sight::Sphere;
 use super::unit_table::{OF_ALL, UnitKind, UnitRow};
+use crate::content::mesh::payload::ClusterRef;
 use crate::pack::unit::UnitId;
 use glam::{DAffine3, DVec3};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A scene: its pack, and where its units are in the world.
@@ -93,6 +95,19 @@ impl Scene {
     #[must_use]
     pub fn object_of(&self, unit: UnitId) -> &SceneObject {
         &self.pack.description().objects[usize::from(self.pack.row(unit).object)]
+    }
+
+    /// The unit that refines each cluster that one does, by the cluster's unit and its number there.
+    #[must_use]
+    pub fn refiners(&self) -> HashMap<(UnitId, u8), UnitId> {
+        let units = (0..).map(UnitId).zip(self.pack.rows());
+        let refiners = units.flat_map(|(unit, row)| {
+            let cluster =
+                |it: &ClusterRef| Some((*row.needs.get(usize::from(it.need))?, it.cluster));
+            let clusters = row.replaces.iter().filter_map(cluster);
+            clusters.map(move |cluster| (cluster, unit))
+        });
+        refiners.collect()
     }
 
     pub(super) fn stands(&self, unit: UnitId) -> &[Stand] {

@@ -37,6 +37,16 @@ pub enum UnitKind {
 }
 
 impl UnitKind {
+    /// How many of the pixels that a signature was measured in an error is wide.
+    #[must_use]
+    pub fn pixels_of_error(self) -> f64 {
+        match self {
+            Self::Mesh => 1.0,
+            // Those of a page are its texels, its error the side of the coarser level's.
+            Self::Image => 2.0,
+        }
+    }
+
     fn to_byte(self) -> u8 {
         match self {
             Self::Mesh => 0,

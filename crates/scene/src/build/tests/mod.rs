@@ -2,7 +2,8 @@
 
 mod codecs;
 pub(crate) mod meshes;
-mod textures;
+mod signatures;
+pub(crate) mod textures;
 
 use super::mesh::GridMesh;
 use super::textures::ShownImages;
@@ -12,10 +13,16 @@ use foveal_core::content::mesh::cut::MeshCut;
 use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
 use foveal_core::content::scene::unit_table::UnitKind;
 use foveal_core::pack::unit::UnitId;
-use meshes::{fan, many_pieces, sheet, sphere, torus, triangle, two_materials};
+use meshes::{all_meshes, fan, sphere, torus, triangle, two_materials};
 
-fn built(source: &SourceScene) -> Built {
+pub(crate) fn built(source: &SourceScene) -> Built {
     build(source, &BuildOptions::default(), &|_, _| ()).unwrap()
+}
+
+fn all() -> Vec<(&'static str, SourceScene)> {
+    let mut all = all_meshes();
+    all.push(("textured", textures::sphere_with([48, 24], [700, 300])));
+    all
 }
 
 fn grid_mesh(source: &SourceScene) -> GridMesh {
@@ -23,7 +30,7 @@ fn grid_mesh(source: &SourceScene) -> GridMesh {
     super::mesh::grid_mesh(source, &source.objects[0], 14, &shown).unwrap()
 }
 
-fn parsed(built: &Built, unit: usize) -> MeshUnit {
+pub(crate) fn parsed(built: &Built, unit: usize) -> MeshUnit {
     let unit = &built.units[unit];
     if unit.row.kind == UnitKind::Image {
         return MeshUnit::default();
@@ -32,7 +39,7 @@ fn parsed(built: &Built, unit: usize) -> MeshUnit {
     MeshUnit::parse(&unit.payload, attributes, &unit.row.replaces).unwrap()
 }
 
-fn full_cut(built: &Built) -> MeshCut {
+pub(crate) fn full_cut(built: &Built) -> MeshCut {
     let mut cut = MeshCut::default();
     for number in 0..built.units.len() {
         let (id, needs) = (UnitId(number as u32), &built.units[number].row.needs);
@@ -49,22 +56,9 @@ fn sorted(triangles: impl Iterator<Item = [MeshVertex; 3]>) -> Vec<[MeshVertex; 
     turned
 }
 
-fn all_meshes() -> Vec<(&'static str, SourceScene)> {
-    vec![
-        ("torus", torus(96, 48)),
-        ("sphere", sphere(64, 32)),
-        ("sheet", sheet(60)),
-        ("cube", two_materials(16)),
-        ("fan", fan(40)),
-        ("pieces", many_pieces(1000)),
-        ("triangle", triangle()),
-        ("textured", textures::sphere_with([48, 24], [700, 300])),
-    ]
-}
-
 #[test]
 fn the_full_cut_is_the_source_on_its_grid() {
-    for (name, source) in all_meshes() {
+    for (name, source) in all() {
         let built = built(&source);
         let mesh = grid_mesh(&source);
         let vertex = |it: u32| mesh.vertices[it as usize];
@@ -84,7 +78,7 @@ fn the_full_cut_is_the_source_on_its_grid() {
 
 #[test]
 fn each_vertex_is_sent_once() {
-    for (name, source) in all_meshes() {
+    for (name, source) in all() {
         let built = built(&source);
         let mesh = grid_mesh(&source);
         let units = 0..built.units.len();
@@ -114,7 +108,7 @@ fn errors_and_spheres_never_shrink_towards_the_root() {
         let square = |axis: usize| (f64::from(a[axis]) - f64::from(b[axis])).powi(2);
         [0, 1, 2].map(square).iter().sum::<f64>().sqrt()
     };
-    for (name, source) in all_meshes() {
+    for (name, source) in all() {
         let built = built(&source);
         for (number, unit) in built.units.iter().enumerate() {
             assert_eq!(
@@ -140,7 +134,7 @@ fn errors_and_spheres_never_shrink_towards_the_root() {
 
 #[test]
 fn spheres_enclose_what_units_show() {
-    for (name, source) in all_meshes() {
+    for (name, source) in all() {
         let built = built(&source);
         let step = built.objects[0].grid.step;
         for (unit, placed) in full_cut(&built).units() {
@@ -162,15 +156,11 @@ fn spheres_enclose_what_units_show() {
 fn the_number_of_threads_changes_no_byte() {
     for (name, source) in [("torus", torus(256, 128)), ("sphere", sphere(64, 32))] {
         let with = |jobs| {
-            build(
-                &source,
-                &BuildOptions {
-                    jobs,
-                    ..Default::default()
-                },
-                &|_, _| (),
-            )
-            .unwrap()
+            let options = BuildOptions {
+                jobs,
+                ..Default::default()
+            };
+            build(&source, &options, &|_, _| ()).unwrap()
         };
         let one = with(1);
         assert!(one == with(3), "{name}");

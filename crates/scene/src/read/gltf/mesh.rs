@@ -7,8 +7,7 @@ use glam::DVec3;
 use super::super::error::Fault;
 use super::super::sound::count;
 use super::accessor::Accessors;
-use super::container::{DRACO, needs};
-use super::json::Primitive;
+use super::json::{GltfAttributes, Primitive};
 use crate::source::{Repairs, SourceMesh};
 
 /// How many vertices and corners may be made of each byte of the buffers. Eight-bit strips give
@@ -58,7 +57,7 @@ impl MeshReader<'_> {
         let mut met = HashMap::new();
         for (index, primitive) in said.primitives.iter().enumerate() {
             let place = format!("mesh {number}, primitive {index}");
-            self.add(&mut mesh, &mut met, primitive, &place)?;
+            self.add(&mut mesh, &mut met, (primitive, &said.weights), &place)?;
         }
         Ok(mesh)
     }
@@ -67,7 +66,7 @@ impl MeshReader<'_> {
         &mut self,
         mesh: &mut SourceMesh,
         met: &mut HashMap<Streams, Vertices>,
-        primitive: &Primitive,
+        (primitive, weights): (&Primitive, &[f64]),
         place: &str,
     ) -> Result<(), Fault> {
         let material = primitive.material.unwrap_or(self.without_material);
@@ -87,15 +86,20 @@ impl MeshReader<'_> {
             uvs: uv_set.and_then(|set| primitive.attributes.uvs(set)),
             opaque: *opaque,
         };
-        let is_bare = self.accessors.get(positions)?.buffer_view.is_none();
-        if is_bare && primitive.extensions.contains_key(DRACO) {
-            return Err(needs(DRACO));
-        }
-        let vertices = match met.get(&streams) {
+        // Parts with other shapes have other vertices at rest.
+        let moves = moves(primitive, weights);
+        let known = met.get(&streams).filter(|_| moves.is_empty());
+        let vertices = match known {
             Some(vertices) => *vertices,
-            None => self.add_vertices(mesh, streams, place)?,
+            None => {
+                let vertices = self.add_vertices(mesh, streams, place)?;
+                self.add_shapes(mesh, vertices, &moves, place)?;
+                vertices
+            }
         };
-        met.insert(streams, vertices);
+        if moves.is_empty() {
+            met.insert(streams, vertices);
+        }
         let corners = self.corners(primitive, vertices, place)?;
         let before = mesh.triangles.len();
         self.add_triangles(mesh, &corners, primitive.mode.unwrap_or(4))
@@ -110,7 +114,8 @@ impl MeshReader<'_> {
         let elements = usize::try_from(elements).unwrap_or(usize::MAX);
         self.spent = self.spent.saturating_add(elements);
         let bytes = self.accessors.buffers.total;
-        if self.spent <= bytes.saturating_mul(MOST_PER_BYTE) {
+        let unpacked = self.accessors.buffers.unpacked as usize;
+        if self.spent <= bytes.saturating_mul(MOST_PER_BYTE).saturating_add(unpacked) {
             return Ok(());
         }
         let what = format!(
@@ -164,6 +169,44 @@ impl MeshReader<'_> {
         fill(&mut mesh.uvs, first + count, [0.0; 2]);
         fill(&mut mesh.colours, first + count, WHITE);
         Ok(Vertices { first, count })
+    }
+
+    /// Moves vertices as the shapes of a mesh at rest do.
+    fn add_shapes(
+        &mut self,
+        mesh: &mut SourceMesh,
+        vertices: Vertices,
+        moves: &[(&GltfAttributes, f64)],
+        place: &str,
+    ) -> Result<(), Fault> {
+        let Vertices { first, count } = vertices;
+        for (shape, weight) in moves {
+            for number in [shape.position, shape.normal].into_iter().flatten() {
+                let found = self.accessors.count(number)?;
+                if found != count as u64 {
+                    let what = format!("has {found} elements, but moves {count} vertices");
+                    return Err(Fault::at(format!("accessor {number}"), what));
+                }
+                self.spend(found, place)?;
+            }
+            if let Some(number) = shape.position {
+                let steps = self.accessors.rows::<3>(number, &[3])?;
+                for (position, step) in mesh.positions[first..].iter_mut().zip(steps) {
+                    *position += DVec3::from_array(step) * *weight;
+                    if !position.is_finite() {
+                        let what = "moves a vertex to where no place is";
+                        return Err(Fault::at(format!("accessor {number}"), what));
+                    }
+                }
+            }
+            if let (Some(number), false) = (shape.normal, mesh.normals.is_empty()) {
+                let steps = self.accessors.rows::<3>(number, &[3])?;
+                for (normal, step) in mesh.normals[first..].iter_mut().zip(steps) {
+                    *normal = [0, 1, 2].map(|k| normal[k] + (step[k] * *weight) as f32);
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Refuses streams of different lengths before they are read.
@@ -274,6 +317,12 @@ impl MeshReader<'_> {
         }
         Ok(())
     }
+}
+
+/// The shapes that a part has at rest, and how much of each.
+fn moves<'a>(primitive: &'a Primitive, weights: &[f64]) -> Vec<(&'a GltfAttributes, f64)> {
+    let all = primitive.targets.iter().zip(weights.iter().copied());
+    all.filter(|(_, weight)| *weight != 0.0).collect()
 }
 
 const WHITE: [f32; 4] = [1.0; 4];

@@ -3,8 +3,10 @@
 mod accessor;
 mod buffers;
 mod container;
+mod draco;
 mod json;
 mod mesh;
+mod meshopt;
 mod nodes;
 mod textures;
 
@@ -26,10 +28,13 @@ pub(super) fn read(
     name: &str,
     folder: &mut dyn Folder,
 ) -> Result<SourceScene, Fault> {
-    let (document, binary) = container::parse(bytes)?;
+    let (mut document, binary) = container::parse(bytes)?;
+    let mut buffers = Buffers::read(&document, binary, folder)?;
+    meshopt::unpack(&mut document, &mut buffers)?;
+    draco::unpack(&mut document, &mut buffers)?;
     let accessors = Accessors {
         document: &document,
-        buffers: Buffers::read(&document, binary, folder)?,
+        buffers,
     };
     let mut scene = SourceScene::default();
     let mut materials = materials(&accessors, folder, &mut scene)?;
@@ -147,7 +152,7 @@ fn add_remarks<'a>(
         scene.remark("animations are not played");
     }
     let all = document.extensions_used.iter();
-    let lost = all.filter(|name| !container::is_known(name) && !container::is_compression(name));
+    let lost = all.filter(|name| !container::is_known(name));
     let lost: Vec<String> = lost.take(MOST_NAMED).map(|name| shortened(name)).collect();
     if !lost.is_empty() {
         scene.remark(format!(

@@ -12,6 +12,7 @@ mod memory;
 mod place;
 mod row;
 mod subject;
+mod worth;
 
 use crate::commands::demo::machine::Machine;
 use crate::options::renderer::{RendererName, open_device};
@@ -32,7 +33,7 @@ pub(crate) struct SceneBenchArgs {
     #[arg(value_name = "FILE|PACK")]
     inputs: Vec<PathBuf>,
     /// Rows to measure, by number or name: closed, bytes, build, decode, choose, triangles,
-    /// selection, first-picture, fovea, memory (default: all).
+    /// selection, first-picture, worth, fovea, memory (default: all).
     #[arg(long, value_name = "ROW,..", value_delimiter = ',')]
     only: Vec<String>,
     /// Turns of what is timed; 1 to 100.
@@ -60,7 +61,7 @@ struct Measured {
 }
 
 /// All rows; they are numbered from 1.
-const ROWS: [Measured; 10] = [
+const ROWS: [Measured; 11] = [
     without_pictures("closed", bytes::closed),
     without_pictures("bytes", bytes::of_leaves),
     without_pictures("build", building::build),
@@ -69,6 +70,7 @@ const ROWS: [Measured; 10] = [
     with_pictures("triangles", drawing::triangles),
     without_pictures("selection", choosing::select),
     without_pictures("first-picture", bytes::first_picture),
+    with_pictures("worth", worth::worth),
     with_pictures("fovea", fovea::bytes_to_fovea),
     with_pictures("memory", memory::memory),
 ];

@@ -2,6 +2,7 @@
 
 mod made;
 mod meshes;
+mod packed;
 mod refused;
 mod scenes;
 
