@@ -42,7 +42,7 @@ fn finest(built: &Built, units: &[MeshUnit]) -> Vec<[MeshVertex; 3]> {
 }
 
 fn twin(built: &Built, units: &[MeshUnit]) -> TwinScene {
-    let mut twin = TwinScene::new(&built.objects);
+    let mut twin = TwinScene::new(&built.objects, &built.textures);
     for ((number, unit), says) in (0..).zip(&built.units).zip(units) {
         let coming = ComingUnit {
             unit: UnitId(number),

@@ -4,6 +4,7 @@ use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 use crate::meshes::morphs::Morphs;
 use crate::meshes::{ComingUnit, SceneDrawer, SceneStyle};
+use crate::pages::ComingPage;
 use crate::tiles::drawer::{TileDrawer, TileStyle};
 use crate::{Overlay, RgbaImage};
 use foveal_core::content::demand::Content;
@@ -80,8 +81,8 @@ impl Drawer {
         scene: &Arc<Scene>,
         most_bytes: u64,
     ) -> Result<Self, RenderError> {
-        let objects = &scene.pack().description().objects;
-        let mut drawer = SceneDrawer::new(device, objects, most_bytes)?;
+        let about = scene.pack().description();
+        let mut drawer = SceneDrawer::new(device, &about.objects, &about.textures, most_bytes)?;
         drawer.set_refiners(scene.refiners());
         Ok(Self {
             device: device.clone(),
@@ -210,6 +211,16 @@ impl Drawer {
                     needs: scene.needs(unit),
                     says: &says,
                 })
+            }
+            (Layer::Scene(drawer, scene), Payload::Image(says)) => {
+                let unit = piece.unit.unit;
+                let is_there = drawer.upload_page(&ComingPage {
+                    unit,
+                    needs: scene.needs(unit),
+                    says: &says,
+                })?;
+                self.refused += u64::from(!is_there);
+                Ok(())
             }
             _ => Err(RenderError::OtherKind),
         }

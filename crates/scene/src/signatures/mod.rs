@@ -8,6 +8,7 @@ mod side_view;
 
 use foveal_core::content::mesh::payload::MeshVertex;
 use foveal_core::content::scene::description::SceneObject;
+use foveal_core::content::scene::lighting::LAMP_DIRECTION;
 use foveal_core::perception::measures::contrast::Signature;
 use foveal_core::perception::measures::step_contrast::StepContrast;
 use glam::DVec3;
@@ -159,7 +160,7 @@ pub fn side_looks(
     triangles: &[[MeshVertex; 3]],
     pixel: f64,
 ) -> Vec<SideLook> {
-    let surface = LitSurface::new(object);
+    let surface = LitSurface::new(object, LAMP_DIRECTION);
     let triangles = triangles.iter().map(|it| surface.triangle(it)).collect();
     let step = [Vec::new(), triangles];
     let extent = Extent::of(&step);
