@@ -142,6 +142,17 @@ impl ScenePlayer {
         self.damaged + self.drawer.refused_units()
     }
 
+    /// The units that were needed so far.
+    pub fn fetched(&self) -> impl Iterator<Item = UnitId> {
+        self.fetched.iter().copied()
+    }
+
+    /// The pack.
+    #[must_use]
+    pub fn file(&self) -> &SceneFile {
+        &self.file
+    }
+
     /// Bytes that come before any unit and page: header, description, directory of the table.
     #[must_use]
     pub fn head_bytes(&self) -> u64 {
@@ -221,9 +232,9 @@ impl ScenePlayer {
     /// Reads and parses a unit; a finer one that is damaged leaves the coarser ones.
     fn fetch(&mut self, piece: Piece) -> Result<(), PlayError> {
         let unit = piece.unit.unit;
-        let event = match self.file.read_mesh(unit) {
-            Ok(mesh) => {
-                self.cache.insert(piece, Payload::Mesh(mesh));
+        let event = match self.file.read_unit(unit) {
+            Ok(payload) => {
+                self.cache.insert(piece, payload);
                 SessionEvent::Decoded { piece, frames: 1 }
             }
             Err(error) if self.scene().needs(unit).is_empty() => return Err(error.into()),

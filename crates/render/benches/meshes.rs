@@ -28,7 +28,7 @@ fn main() -> Result<(), RenderError> {
         placements: placements.map(|it| it.to_cols_array()).collect(),
         ..object(ALL)
     }];
-    let mut layer = SceneLayer::new(&gpu, &objects, 16 << 20)?;
+    let mut layer = SceneLayer::new(&gpu, &objects, &[], 16 << 20)?;
     let (root, fine) = (root(), refinement(&Vec::from_iter(0..16)));
     layer.upload(&coming_root(&root))?;
     layer.upload(&coming(1, &fine))?;

@@ -4,6 +4,7 @@ use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 use crate::meshes::morphs::Morphs;
 use crate::meshes::{ComingUnit, SceneDrawer, SceneStyle};
+use crate::pages::ComingPage;
 use crate::tiles::drawer::{TileDrawer, TileStyle};
 use crate::{Overlay, RgbaImage};
 use foveal_core::content::demand::Content;
@@ -80,8 +81,8 @@ impl Drawer {
         scene: &Arc<Scene>,
         most_bytes: u64,
     ) -> Result<Self, RenderError> {
-        let objects = &scene.pack().description().objects;
-        let mut drawer = SceneDrawer::new(device, objects, most_bytes)?;
+        let about = scene.pack().description();
+        let mut drawer = SceneDrawer::new(device, &about.objects, &about.textures, most_bytes)?;
         drawer.set_refiners(scene.refiners());
         Ok(Self {
             device: device.clone(),
@@ -211,6 +212,16 @@ impl Drawer {
                     says: &says,
                 })
             }
+            (Layer::Scene(drawer, scene), Payload::Image(says)) => {
+                let unit = piece.unit.unit;
+                let is_there = drawer.upload_page(&ComingPage {
+                    unit,
+                    needs: scene.needs(unit),
+                    says: &says,
+                })?;
+                self.refused += u64::from(!is_there);
+                Ok(())
+            }
             _ => Err(RenderError::OtherKind),
         }
     }
@@ -246,8 +257,9 @@ impl Drawer {
                 }
                 SessionAction::Upload(piece) => {
                     if let Some(payload) = cache.take(piece) {
+                        let may_move = matches!(payload, Payload::Mesh(_));
                         match self.upload(piece, payload) {
-                            Ok(()) => came.push(piece.unit.unit),
+                            Ok(()) => came.extend(may_move.then_some(piece.unit.unit)),
                             // What is damaged so that it does not fit is left coarse.
                             Err(RenderError::Unit(_)) => self.refused += 1,
                             Err(other) => return Err(other),

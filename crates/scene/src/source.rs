@@ -1,8 +1,10 @@
 //! What was read of 3D files?
 
+use foveal_core::content::images::wrap::Wrap;
 use foveal_core::content::scene::description::SceneLook;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine2, DAffine3, DVec3};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A scene as its files tell it: nothing is simplified or put on a grid yet.
 #[derive(Clone, Debug, Default)]
@@ -13,6 +15,8 @@ pub struct SourceScene {
     pub meshes: Vec<SourceMesh>,
     /// What surfaces look like; triangles name them by number.
     pub materials: Vec<Material>,
+    /// Pictures on surfaces; materials name them by number.
+    pub images: Vec<SourceImage>,
     /// What was repaired or left out on reading, by name.
     pub repairs: Repairs,
     /// What is seen where nothing stands, in linear light; `None` where no file says it.
@@ -31,6 +35,7 @@ impl SourceScene {
     /// Puts all of another scene beside what stands here.
     pub(crate) fn append(&mut self, other: Self) {
         let (meshes, materials) = (self.meshes.len(), self.materials.len());
+        let images = self.images.len();
         self.objects
             .extend(other.objects.into_iter().map(|object| SourceObject {
                 mesh: object.mesh + meshes,
@@ -40,7 +45,14 @@ impl SourceScene {
             mesh.shift_materials(materials as u32);
             mesh
         }));
-        self.materials.extend(other.materials);
+        self.materials
+            .extend(other.materials.into_iter().map(|mut material| {
+                if let Some(texture) = &mut material.texture {
+                    texture.image += images;
+                }
+                material
+            }));
+        self.images.extend(other.images);
         self.hashes.extend(other.hashes);
         for (name, times) in other.repairs {
             *self.repairs.entry(name).or_default() += times;
@@ -69,11 +81,6 @@ impl SourceScene {
         if !self.remarks.contains(&remark) {
             self.remarks.push(remark);
         }
-    }
-
-    /// Says that the scene has textures.
-    pub(crate) fn remark_textures(&mut self) {
-        self.remark("textures are not drawn yet");
     }
 
     /// Leaves out meshes without triangles, and the objects that show them.
@@ -112,7 +119,7 @@ pub struct SourceObject {
     pub placements: Vec<DAffine3>,
 }
 
-/// A mesh of triangles. Vertices that differ only in normal or colour share their position
+/// A mesh of triangles. Vertices that differ in anything else share their position
 /// exactly, so that the surface is closed where the file's is.
 #[derive(Clone, Debug, Default)]
 pub struct SourceMesh {
@@ -123,6 +130,9 @@ pub struct SourceMesh {
     /// Colours, one a vertex: linear light, red, green, blue and alpha from 0 to 1; empty where the
     /// file has none.
     pub colours: Vec<[f32; 4]>,
+    /// Places on the material's texture, one a vertex: [0, 0] is its top left and [1, 1] its bottom
+    /// right corner; finite; empty where the file has none.
+    pub uvs: Vec<[f32; 2]>,
     /// Triangles by numbers of vertices, all in range, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
     /// The material of each triangle; empty where all have material 0 of the scene, or there is
@@ -154,6 +164,30 @@ pub struct Material {
     pub two_sided: bool,
     /// Whether no light falls on it.
     pub unlit: bool,
+    /// What its colour is multiplied with.
+    pub texture: Option<MaterialTexture>,
+}
+
+/// How a material shows a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MaterialTexture {
+    /// Number of the picture.
+    pub image: usize,
+    /// What lies beside it.
+    pub wrap: [Wrap; 2],
+    /// Places on the picture from those of vertices.
+    pub picture_from_uv: DAffine2,
+    /// Where the picture's alpha is less, nothing is drawn; without, all of it is.
+    pub cutoff: Option<f32>,
+}
+
+/// A picture as its file has it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SourceImage {
+    /// Its name, for people.
+    pub name: String,
+    /// Bytes of a JPEG or PNG; what is neither, or broken, is left out when units are built.
+    pub bytes: Arc<[u8]>,
 }
 
 impl Default for Material {
@@ -163,6 +197,7 @@ impl Default for Material {
             colour: [1.0; 4],
             two_sided: false,
             unlit: false,
+            texture: None,
         }
     }
 }

@@ -4,6 +4,7 @@ pub mod asked;
 pub mod calibration;
 pub mod demand;
 pub mod head;
+pub mod images;
 pub mod mesh;
 pub mod payload;
 pub mod policies;

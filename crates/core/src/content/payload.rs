@@ -1,5 +1,6 @@
 //! What does a decoder make of a unit?
 
+use crate::content::images::payload::ImagePage;
 use crate::content::mesh::payload::MeshUnit;
 use crate::view::picture::Picture;
 
@@ -10,4 +11,6 @@ pub enum Payload {
     Picture(Picture),
     /// Clusters of a mesh.
     Mesh(MeshUnit),
+    /// A page of a texture.
+    Image(ImagePage),
 }

@@ -2,13 +2,15 @@
 
 use crate::pack::open_pack::{OpenPack, PackFileError};
 use crate::pack::pack_writer::PackWriter;
+use foveal_core::content::images::shape::BORDER;
 use foveal_core::content::mesh::payload::MeshUnit;
+use foveal_core::content::payload::Payload;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::description::SceneDescription;
 use foveal_core::content::scene::pack::{
     ScenePack, begin_scene, chunk_name, finish_scene, is_scene,
 };
-use foveal_core::content::scene::unit_table::UnitRow;
+use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::pack::{Header, PackError, check_crc};
 use std::path::Path;
@@ -112,32 +114,49 @@ impl SceneFile {
         checked.map(|()| bytes).map_err(|it| self.open.format(it))
     }
 
-    /// A unit of a mesh, read and parsed.
+    /// A unit, read and parsed.
+    ///
+    /// # Errors
+    /// It cannot be read, or is damaged.
+    pub fn read_unit(&self, unit: UnitId) -> Result<Payload, PackFileError> {
+        let bytes = self.read_chunk(unit)?;
+        let read = self.pack().payload(unit, &bytes);
+        read.map_err(|source| self.open.format(source))
+    }
+
+    /// A unit of a mesh, read and parsed; of what is no mesh, one that has no triangle.
     ///
     /// # Errors
     /// It cannot be read, or is damaged.
     pub fn read_mesh(&self, unit: UnitId) -> Result<MeshUnit, PackFileError> {
-        let bytes = self.read_chunk(unit)?;
-        let attributes = self.scene.object_of(unit).attributes;
-        let parsed = MeshUnit::parse(&bytes, attributes, &self.pack().row(unit).replaces);
-        parsed.map_err(|source| {
-            self.open.format(PackError {
-                field: format!("unit {}: {}", unit.0, source.field),
-                ..source
-            })
-        })
+        if self.pack().row(unit).kind != UnitKind::Mesh {
+            return Ok(MeshUnit::default());
+        }
+        match self.read_unit(unit)? {
+            Payload::Mesh(mesh) => Ok(mesh),
+            _ => Ok(MeshUnit::default()),
+        }
     }
 
     /// Refuses a unit that shows something else than the table tells of it.
-    fn check_row(&self, unit: UnitId, mesh: &MeshUnit) -> Result<(), PackFileError> {
+    fn check_row(&self, unit: UnitId, payload: &Payload) -> Result<(), PackFileError> {
         let row = self.pack().row(unit);
-        let corners: usize = mesh.clusters.iter().map(|it| it.vertices.len()).sum();
-        let says = [mesh.triangles(), corners];
+        let says = match payload {
+            Payload::Mesh(mesh) => {
+                let corners = mesh.clusters.iter().map(|it| it.vertices.len());
+                [mesh.triangles(), corners.sum()]
+            }
+            Payload::Image(page) => {
+                let inner = page.picture.size.map(|side| (side - 2 * BORDER) as usize);
+                [inner[0] * inner[1], 0]
+            }
+            Payload::Picture(_) => return Ok(()),
+        };
         let told = [row.samples, row.vertices].map(|it| it as usize);
         match says == told {
             true => Ok(()),
             false => Err(self.open.format(PackError {
-                field: format!("unit {}, triangles and vertices", unit.0),
+                field: format!("unit {}, samples and vertices", unit.0),
                 found: format!("{says:?}"),
                 expected: format!("{told:?}, as the table tells"),
             })),
@@ -154,8 +173,8 @@ impl SceneFile {
         let mut done = 0;
         for unit in self.pack().units() {
             let checked = self
-                .read_mesh(unit)
-                .and_then(|mesh| self.check_row(unit, &mesh));
+                .read_unit(unit)
+                .and_then(|payload| self.check_row(unit, &payload));
             damage.extend(checked.err());
             done += u64::from(self.pack().entry(unit).bytes);
             progress(done, self.bytes());

@@ -15,8 +15,9 @@ use crate::meshes::params::{PlacementParams, SceneParams, SceneStyle};
 use crate::meshes::pass::{ClusterPass, Draws, UNITS_FORMAT};
 use crate::meshes::placements::Placements;
 use crate::meshes::units::{ComingUnit, SceneUnits};
+use crate::pages::{ComingPage, PageLayer};
 use crate::shaders;
-use foveal_core::content::scene::description::SceneObject;
+use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::glance::Glance;
 use foveal_core::view::eye_view::EyeView;
@@ -34,7 +35,7 @@ const MOST_WORKGROUPS: u32 = 65_535;
 /// # fn show(about: &SceneDescription, root: &ComingUnit<'_>, view: &EyeView)
 /// # -> Result<(), foveal_render::RenderError> {
 /// let gpu = Gpu::open_blocking()?;
-/// let mut layer = SceneLayer::new(&gpu, &about.objects, 256 << 20)?;
+/// let mut layer = SceneLayer::new(&gpu, &about.objects, &about.textures, 256 << 20)?;
 /// layer.upload(root)?;
 /// let image = layer.picture(view, &SceneStyle::default())?;
 /// # Ok(()) }
@@ -43,6 +44,7 @@ pub struct SceneLayer {
     gpu: Gpu,
     units: SceneUnits,
     memory: UnitMemory,
+    pages: PageLayer,
     placements: Placements,
     /// Clusters that are seen from outside, and from both sides.
     lists: [DrawList; 2],
@@ -61,14 +63,20 @@ pub struct SceneLayer {
 }
 
 impl SceneLayer {
-    /// No unit of these objects; units may take `most_bytes` of GPU memory, as
+    /// No unit of these objects and textures; units may take `most_bytes` of GPU memory, as
     /// [`unit_bytes`](crate::meshes::unit_bytes) counts them. What lies between units may take an
     /// eighth more, and tables some bytes for each triangle.
     ///
     /// # Errors
     /// The objects stand in more places than the device binds.
-    pub fn new(gpu: &Gpu, objects: &[SceneObject], most_bytes: u64) -> Result<Self, RenderError> {
-        let placements = Placements::new(objects);
+    pub fn new(
+        gpu: &Gpu,
+        objects: &[SceneObject],
+        textures: &[SceneTexture],
+        most_bytes: u64,
+    ) -> Result<Self, RenderError> {
+        let pages = PageLayer::new(gpu, textures, objects, most_bytes)?;
+        let placements = Placements::new(objects, pages.table());
         let bytes = placements.count() * size_of::<PlacementParams>();
         let view_bytes = size_of::<SceneParams>() as u64;
         let uniform = wgpu::BufferUsages::UNIFORM;
@@ -76,6 +84,7 @@ impl SceneLayer {
             gpu: gpu.clone(),
             units: SceneUnits::new(objects.len()),
             memory: UnitMemory::new(gpu, most_bytes)?,
+            pages,
             seen_placements: storage(gpu, "placements of objects", bytes as u64)?,
             placements,
             lists: [DrawList::new(gpu)?, DrawList::new(gpu)?],
@@ -108,6 +117,18 @@ impl SceneLayer {
         Ok(())
     }
 
+    /// Adds a page of a texture after the page that it lies in; one that is there stays as it is.
+    /// `false` where there is no room for it: the coarser page is shown.
+    ///
+    /// # Errors
+    /// It does not fit to what is there: nothing changed then.
+    pub fn upload_page(&mut self, coming: &ComingPage<'_>) -> Result<bool, RenderError> {
+        let room = self.memory.room_beside();
+        let is_there = self.pages.upload(coming, room)?;
+        self.memory.set_beside(self.pages.bytes());
+        Ok(is_there)
+    }
+
     /// Takes a unit away; what it replaced is drawn again.
     ///
     /// # Panics
@@ -125,10 +146,11 @@ impl SceneLayer {
             self.memory.remove(unit);
             self.is_stale = true;
         }
+        self.pages.retain(wanted);
     }
 
     /// From now on the new vertices of these units have gone so much of their way from the coarse
-    /// surface, 0 to 1, and all others are in their places. Writes what moves to the GPU: twelve
+    /// surface, 0 to 1, and all others are in their places. Writes what moves to the GPU: sixteen
     /// bytes a vertex.
     pub fn morph(&mut self, shares: &BTreeMap<UnitId, f64>) {
         let moved = self.units.morph(shares);
@@ -146,7 +168,7 @@ impl SceneLayer {
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
         let lists: u64 = self.lists.iter().map(DrawList::bytes).sum();
-        self.memory.bytes() + lists + self.seen_placements.size()
+        self.memory.bytes() + self.pages.bytes() + lists + self.seen_placements.size()
     }
 
     /// Triangles of the clusters that the last picture was drawn of, also of those that cannot be
@@ -281,6 +303,7 @@ impl SceneLayer {
             self.fill_lists()?;
             self.is_stale = false;
         }
+        self.pages.settle();
         let queue = &self.gpu.queue;
         let params = SceneParams::new(view, style, self.units.coarsest());
         queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&params));
@@ -337,7 +360,7 @@ impl SceneLayer {
     fn bind(&self, pass: &ClusterPass) -> [wgpu::BindGroup; 2] {
         let [vertices, words] = self.memory.buffers();
         let buffers = [&self.view, &self.seen_placements, words, vertices];
-        [0, 1].map(|k| pass.bind(&self.gpu, buffers, self.lists[k].shown()))
+        [0, 1].map(|k| pass.bind(&self.gpu, buffers, self.lists[k].shown(), &self.pages))
     }
 }
 

@@ -83,11 +83,14 @@ pub struct PlacementParams {
     pub eye_in_grid: [f32; 4],
     /// Colour of the object in linear light.
     pub colour: [f32; 4],
-    /// What holds of the object: `NORMALS`, `COLOURS`, `UNLIT`, `MIRRORED` and `TWO_SIDED`.
+    /// Place on its textures of [0, 0] on the grid of them, then the distance of its places.
+    pub uv_from_grid: [f32; 4],
+    /// What holds of the object: `NORMALS`, `COLOURS`, `UNLIT`, `MIRRORED`, `TWO_SIDED` and
+    /// `TEXTURED`.
     pub flags: u32,
+    /// Where the list of its textures begins in the table of pages.
+    pub textures: u32,
     /// Keeps the size a multiple of sixteen.
-    pub unused: u32,
-    /// The same.
     pub unused_pair: [u32; 2],
 }
 
@@ -101,6 +104,8 @@ pub(crate) const UNLIT: u32 = 4;
 pub(crate) const MIRRORED: u32 = 8;
 /// It is seen from both sides.
 pub(crate) const TWO_SIDED: u32 = 16;
+/// Its vertices have places on textures.
+pub(crate) const TEXTURED: u32 = 32;
 
 impl SceneParams {
     /// What `view` shows of clusters of levels up to `coarsest`.

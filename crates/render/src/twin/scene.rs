@@ -1,8 +1,11 @@
 //! What should be drawn of a scene's units?
 
 use super::cull_clusters::{cull_clusters, is_seen};
-use super::draw_clusters::{OfCluster, draw_clusters, draw_refiners, place_corner};
+use super::draw_clusters::{
+    OfCluster, draw_clusters, draw_refiners, place_corner, texture_of_corner, texture_on,
+};
 use super::footprints::footprints;
+use super::shared::pages::TwinPages;
 use super::shared::raster::{Fragment, Sides, rasterise};
 use super::shared::scene::{SceneInView, triangles_of};
 use super::shared::wgsl::code;
@@ -14,27 +17,32 @@ use crate::meshes::footprints::{
 use crate::meshes::params::{SceneParams, SceneStyle, TWO_SIDED};
 use crate::meshes::placements::Placements;
 use crate::meshes::units::{ComingUnit, DrawnCluster, SceneUnits};
-use foveal_core::content::scene::description::SceneObject;
+use crate::pages::ComingPage;
+use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::footprints::Footprint;
 use foveal_core::perception::glance::Glance;
 use foveal_core::view::eye_view::EyeView;
+use glam::Vec4;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// The units of a scene in main memory, and the pictures that are drawn of them.
 pub struct TwinScene {
     units: SceneUnits,
     placements: Placements,
+    pages: TwinPages,
     refiners: HashMap<(UnitId, u8), UnitId>,
 }
 
 impl TwinScene {
-    /// No unit of these objects.
+    /// No unit of these objects and textures.
     #[must_use]
-    pub fn new(objects: &[SceneObject]) -> Self {
+    pub fn new(objects: &[SceneObject], textures: &[SceneTexture]) -> Self {
+        let pages = TwinPages::new(textures, objects);
         Self {
             units: SceneUnits::new(objects.len()),
-            placements: Placements::new(objects),
+            placements: Placements::new(objects, &pages.table),
+            pages,
             refiners: HashMap::new(),
         }
     }
@@ -45,6 +53,14 @@ impl TwinScene {
     /// It does not fit to what is there: nothing changed then.
     pub fn upload(&mut self, coming: &ComingUnit<'_>) -> Result<(), RenderError> {
         self.units.insert(coming).map(|_| ())
+    }
+
+    /// Adds a page of a texture after the page that it lies in.
+    ///
+    /// # Errors
+    /// It does not fit to what is there: nothing changed then.
+    pub fn upload_page(&mut self, coming: &ComingPage<'_>) -> Result<(), RenderError> {
+        self.pages.upload(coming)
     }
 
     /// Takes a unit away.
@@ -58,6 +74,7 @@ impl TwinScene {
     /// Takes all units away but those that are wanted, what these need, and roots.
     pub fn retain(&mut self, wanted: &HashSet<UnitId>) {
         self.units.retain(wanted);
+        self.pages.retain(wanted);
     }
 
     /// From now on the new vertices of these units have gone so much of their way from the coarse
@@ -98,8 +115,8 @@ impl TwinScene {
             size: view.size,
             pixels: background.repeat(view.size[0] as usize * view.size[1] as usize),
         };
-        self.draw(&scene, view.size, |of_cluster, fragment| {
-            let colour = draw_clusters(&scene, of_cluster, fragment);
+        self.draw(&scene, view.size, |of_cluster, fragment, texture| {
+            let colour = draw_clusters(&scene, of_cluster, fragment, texture);
             image.set_pixel(fragment.pixel, code(colour));
         });
         image
@@ -112,7 +129,7 @@ impl TwinScene {
         let scene = self.scene(view, style);
         let [columns, rows] = view.size.map(|side| side as usize);
         let mut ids = vec![u32::MAX; columns * rows];
-        self.draw(&scene, view.size, |of_cluster, fragment| {
+        self.draw(&scene, view.size, |of_cluster, fragment, _| {
             let [x, y] = fragment.pixel.map(|it| it as usize);
             ids[y * columns + x] = draw_refiners(of_cluster);
         });
@@ -152,12 +169,13 @@ impl TwinScene {
         })
     }
 
-    /// Calls `each` for every pixel that a triangle covers in front of all before it.
+    /// Calls `each` for every pixel that a triangle covers in front of all before it, with the
+    /// colour of its texture there.
     fn draw(
         &self,
         scene: &SceneInView,
         size: [u32; 2],
-        mut each: impl FnMut(OfCluster, &Fragment),
+        mut each: impl FnMut(OfCluster, &Fragment, Vec4),
     ) {
         let mut depths = vec![0.0; size[0] as usize * size[1] as usize];
         for (block, placement) in self.drawn() {
@@ -168,13 +186,16 @@ impl TwinScene {
             };
             let corners = cull_clusters(scene, &block, placement);
             let corner = |number| place_corner(scene, &block, placement, number);
-            for triangle in corners.as_chunks().0 {
+            for triangle in corners.as_chunks::<3>().0 {
+                let head = texture_of_corner(&self.pages, of_cluster, &block, triangle[0]);
                 rasterise(triangle.map(corner), size, sides, |fragment| {
                     let [x, y] = fragment.pixel.map(|it| it as usize);
                     let depth = &mut depths[y * size[0] as usize + x];
-                    if fragment.depth > *depth {
+                    if fragment.depth > *depth
+                        && let Some(texture) = texture_on(&self.pages, head, &fragment)
+                    {
                         *depth = fragment.depth;
-                        each(of_cluster, &fragment);
+                        each(of_cluster, &fragment, texture);
                     }
                 });
             }
@@ -192,6 +213,7 @@ impl TwinScene {
             flags: scene.placements[placement as usize].flags,
             level: u32::from(block.note.level),
             refiner: refiner.map_or(u32::MAX, |unit| unit.0),
+            textures: scene.placements[placement as usize].textures,
         }
     }
 }

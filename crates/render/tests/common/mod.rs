@@ -2,6 +2,7 @@
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
 pub mod levels;
+pub mod plate;
 pub mod torus;
 
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};

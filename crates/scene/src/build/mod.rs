@@ -10,8 +10,11 @@ mod graph;
 mod groups;
 mod mesh;
 mod numbering;
+mod pages;
+mod regions;
 mod simplify;
 mod sphere;
+mod textures;
 mod units;
 
 #[cfg(test)]
@@ -23,6 +26,7 @@ use foveal_core::content::scene::description::GRID_BITS;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
+use textures::ShownImages;
 
 /// Most objects of a scene.
 const MOST_OBJECTS: usize = 4096;
@@ -75,8 +79,9 @@ fn build_here(
     options: &BuildOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Built, BuildError> {
+    let shown = ShownImages::new(source);
     let objects = source.objects.par_iter();
-    let meshes = objects.map(|object| mesh::grid_mesh(source, object, options.bits));
+    let meshes = objects.map(|object| mesh::grid_mesh(source, object, options.bits, &shown));
     let mut meshes = meshes.collect::<Result<Vec<_>, _>>()?;
     let mut repairs = source.repairs.clone();
     let zero_area = meshes.iter().map(|mesh| mesh.zero_area).sum();
@@ -103,9 +108,12 @@ fn build_here(
     count(&mut repairs, "permissive_groups", permissive);
     let light = DVec3::from_array(source.look().light);
     let light = options.signatures.then_some(light);
-    let (units, levels) = units::write(&meshes, &graphs, light)?;
+    let pages = pages::write(source, &shown, &mut meshes, options.exact)?;
+    count(&mut repairs, "missing_images", shown.missing + pages.broken);
+    let (units, levels) = units::write(&meshes, &graphs, &pages.all, light)?;
     Ok(Built {
         objects: meshes.into_iter().map(|mesh| mesh.object).collect(),
+        textures: pages.textures,
         units,
         levels,
         repairs,

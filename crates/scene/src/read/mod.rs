@@ -5,6 +5,7 @@ mod colour;
 mod error;
 mod files;
 mod gltf;
+pub(crate) mod image;
 #[cfg(test)]
 mod mangle;
 mod obj;

@@ -40,6 +40,9 @@ pub(crate) struct PrepareSceneArgs {
     /// Bits of a vertex's place along the largest side of its object, 10 to 16.
     #[arg(long, value_name = "N", default_value_t = 14)]
     bits: u8,
+    /// Keep every texel of textures as it is, in PNG in place of JPEG.
+    #[arg(long)]
+    exact: bool,
     /// Threads (default: all cores); the pack is the same for any number.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
@@ -125,6 +128,7 @@ impl PrepareSceneArgs {
         let options = BuildOptions {
             bits: self.bits,
             jobs,
+            exact: self.exact,
             ..BuildOptions::default()
         };
         let bar = output::bar(Some(1), output::Counting::Frames);
@@ -156,6 +160,7 @@ impl PrepareSceneArgs {
                 bytes: source.bytes,
             },
             objects: built.objects.clone(),
+            textures: built.textures.clone(),
             units,
             page: PAGE,
             look: source.look(),
@@ -173,7 +178,10 @@ impl PrepareSceneArgs {
         Identity {
             program: format!("foveal {}", env!("CARGO_PKG_VERSION")),
             input: format!("{} {}", names.join(" "), source.hashes.join(" ")),
-            settings: format!("bits {}, up {:?}, page {PAGE}", self.bits, self.up),
+            settings: format!(
+                "bits {}, up {:?}, exact {}, page {PAGE}",
+                self.bits, self.up, self.exact
+            ),
         }
     }
 

@@ -1,7 +1,8 @@
 //! What is in the pack of a scene?
 
 use crate::report::output;
-use foveal_core::content::demand::Content;
+use foveal_core::content::scene::unit_table::UnitKind;
+use foveal_core::pack::unit::UnitId;
 use foveal_core::units::counted;
 use foveal_media::pack::scene_file::SceneFile;
 use serde::Serialize;
@@ -47,14 +48,37 @@ pub(crate) struct BytesByKind {
     pub(crate) points: u64,
 }
 
+impl BytesByKind {
+    /// The bytes of units of a pack.
+    pub(crate) fn of(file: &SceneFile, units: impl Iterator<Item = UnitId>) -> Self {
+        let mut bytes = Self::default();
+        for unit in units {
+            let of_kind = match file.pack().row(unit).kind {
+                UnitKind::Mesh => &mut bytes.mesh,
+                UnitKind::Image => &mut bytes.texture,
+            };
+            *of_kind += u64::from(file.pack().entry(unit).bytes);
+        }
+        bytes
+    }
+}
+
+/// Texels of the finest level of all textures.
+fn texels(file: &SceneFile) -> u64 {
+    let textures = file.pack().description().textures.iter();
+    let texels = textures.map(|it| it.size.map(u64::from).iter().product::<u64>());
+    texels.sum()
+}
+
 impl SceneInfo {
     pub(crate) fn new(file: &SceneFile) -> Self {
         let (pack, scene) = (file.pack(), file.scene());
         let about = pack.description();
         let bytes_per_level = pack.index().bytes_per_level();
-        let mesh: u64 = bytes_per_level.iter().sum();
+        let bytes_by_kind = BytesByKind::of(file, pack.units());
         let tables: u64 = about.tables.iter().map(|it| it.bytes).sum();
-        let leaves = scene.finest_samples();
+        let leaves: u64 = about.objects.iter().map(|it| it.leaf_triangles).sum();
+        let mesh = bytes_by_kind.mesh;
         let per_leaf = |bytes: u64| bytes as f64 / leaves.max(1) as f64;
         Self {
             kind: "scene",
@@ -64,13 +88,10 @@ impl SceneInfo {
             levels: pack.coarsest() + 1,
             bytes: file.bytes(),
             bytes_per_level,
-            bytes_by_kind: BytesByKind {
-                mesh,
-                ..BytesByKind::default()
-            },
+            bytes_by_kind,
             leaf_triangles: leaves,
             points: 0,
-            texels: 0,
+            texels: texels(file),
             bytes_per_leaf: per_leaf(mesh),
             bytes_per_leaf_with_tables: per_leaf(mesh + tables + file.header().index_bytes),
             repairs: about.repairs.clone(),
@@ -98,6 +119,14 @@ impl SceneInfo {
             self.bytes_per_leaf,
             self.bytes_per_leaf_with_tables,
         );
+        if self.texels > 0 {
+            let size = output::size(self.bytes_by_kind.texture);
+            let _ = writeln!(
+                text,
+                "{} in textures, {size}",
+                counted(self.texels, "texel")
+            );
+        }
         let [x, y, z] = self.centre;
         let _ = writeln!(
             text,

@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::demand::SceneDemand;
+use super::description::SceneTexture;
 use crate::content::demand::{Content, Demand};
 use crate::content::head::ContentHead;
 use crate::content::policy::{HasTables, PolicyConfig};
@@ -47,8 +48,10 @@ impl Content for Scene {
     }
 
     fn finest_samples(&self) -> u64 {
-        let objects = self.pack().description().objects.iter();
-        objects.map(|it| it.leaf_triangles).sum()
+        let about = self.pack().description();
+        let triangles: u64 = about.objects.iter().map(|it| it.leaf_triangles).sum();
+        let texels = |it: &SceneTexture| it.size.map(u64::from).iter().product::<u64>();
+        triangles + about.textures.iter().map(texels).sum::<u64>()
     }
 
     fn has(&self) -> HasTables {

@@ -1,8 +1,10 @@
 //! Which units are in the pack of a scene, and where are their bytes?
 
 use super::description::{KIND, SceneDescription};
-use super::unit_table::{UNITS, UNITS_VERSION, UnitRow, read_units, write_units};
+use super::unit_table::{OF_ALL, UNITS, UNITS_VERSION, UnitKind, UnitRow, read_units, write_units};
+use crate::content::images::payload::ImagePage;
 use crate::content::mesh::payload::MeshUnit;
+use crate::content::payload::Payload;
 use crate::pack::paged_table::PageDirectory;
 use crate::pack::unit::UnitId;
 use crate::pack::{
@@ -103,13 +105,15 @@ impl ScenePack {
                 let field = format!("table {UNITS}, unit {}, {what}", unit.0);
                 Err(PackError::new(&field, found, expected))
             };
-            if usize::from(row.object) >= objects {
-                let expected = format!("fewer than {objects}");
-                return wrong("object", row.object.to_string(), expected);
-            }
-            stands += self.description.objects[usize::from(row.object)]
-                .placements
-                .len() as u64;
+            let object = self.description.objects.get(usize::from(row.object));
+            stands += match (object, row.object, row.kind) {
+                (Some(object), ..) => object.placements.len() as u64,
+                (None, OF_ALL, UnitKind::Image) => 1,
+                _ => {
+                    let expected = format!("fewer than {objects}");
+                    return wrong("object", row.object.to_string(), expected);
+                }
+            };
             if stands > MOST_STANDS {
                 let expected = format!("at most {MOST_STANDS}");
                 return wrong("units in all places", stands.to_string(), expected);
@@ -119,10 +123,13 @@ impl ScenePack {
                 let found = format!("{} at level {}", row.needs.len(), self.level_of(unit));
                 return wrong("needs", found, "none of a root, some of others".to_owned());
             }
-            let of_other = |need: &&UnitId| self.rows[need.0 as usize].object != row.object;
+            let of_other = |need: &&UnitId| {
+                let need = &self.rows[need.0 as usize];
+                (need.object, need.kind) != (row.object, row.kind)
+            };
             if let Some(need) = row.needs.iter().find(of_other) {
-                let found = format!("unit {} of another object", need.0);
-                return wrong("needs", found, "units of its object".to_owned());
+                let found = format!("unit {} of another object or kind", need.0);
+                return wrong("needs", found, "units of its object and kind".to_owned());
             }
         }
         Ok(())
@@ -185,6 +192,30 @@ impl ScenePack {
     #[must_use]
     pub fn coarsest(&self) -> u8 {
         (self.description.units.len() - 1) as u8
+    }
+
+    /// What a unit's chunk says.
+    ///
+    /// # Errors
+    /// It is no such unit.
+    ///
+    /// # Panics
+    /// There must be such a unit.
+    pub fn payload(&self, unit: UnitId, chunk: &[u8]) -> Result<Payload, PackError> {
+        let row = self.row(unit);
+        let read = match row.kind {
+            UnitKind::Mesh => {
+                let object = &self.description.objects[usize::from(row.object)];
+                MeshUnit::parse(chunk, object.attributes, &row.replaces).map(Payload::Mesh)
+            }
+            UnitKind::Image => {
+                ImagePage::parse(chunk, &self.description.textures).map(Payload::Image)
+            }
+        };
+        read.map_err(|source| PackError {
+            field: format!("unit {}: {}", unit.0, source.field),
+            ..source
+        })
     }
 
     /// Place and checksum of a unit's chunk.
@@ -313,10 +344,8 @@ pub fn parse_anything(data: &[u8]) -> bool {
     };
     for unit in pack.units() {
         let entry = pack.entry(unit);
-        let object = &pack.description().objects[usize::from(pack.row(unit).object)];
         if let Some(chunk) = part(entry.offset, u64::from(entry.bytes)) {
-            let replaces = &pack.row(unit).replaces;
-            let _ = MeshUnit::parse(chunk, object.attributes, replaces);
+            let _ = pack.payload(unit, chunk);
         }
     }
     pack.check_coverage(&header).is_ok()

@@ -2,6 +2,7 @@
 //!
 //! The side table `units`, in pages; `docs/formats/pack.md` is normative.
 
+use crate::content::images::shape::SLOT_BYTES;
 use crate::content::mesh::payload::{ClusterRef, MOST_CLUSTERS};
 use crate::pack::paged_table::{PageDirectory, write_pages};
 use crate::pack::unit::UnitId;
@@ -21,7 +22,7 @@ const FIXED_BYTES: usize = SPHERE_BYTES + Signature::BYTES;
 /// What a unit takes on the GPU beside its vertices and triangles, in bytes.
 const GPU_BYTES_OF_UNIT: u64 = 256;
 /// Bytes of a vertex on the GPU, and of its number in a cluster.
-const GPU_BYTES_OF_VERTEX: u64 = 16;
+const GPU_BYTES_OF_VERTEX: u64 = 20;
 /// Bytes of a triangle on the GPU, and of its corners in the list of what is drawn.
 const GPU_BYTES_OF_TRIANGLE: u64 = 16;
 
@@ -31,14 +32,45 @@ pub enum UnitKind {
     /// Clusters of triangles: [`MeshUnit`](crate::content::mesh::payload::MeshUnit).
     #[default]
     Mesh,
+    /// A page of a texture: [`ImagePage`](crate::content::images::payload::ImagePage).
+    Image,
 }
+
+impl UnitKind {
+    /// How many of the pixels that a signature was measured in an error is wide.
+    #[must_use]
+    pub fn pixels_of_error(self) -> f64 {
+        match self {
+            Self::Mesh => 1.0,
+            // Those of a page are its texels, its error the side of the coarser level's.
+            Self::Image => 2.0,
+        }
+    }
+
+    fn to_byte(self) -> u8 {
+        match self {
+            Self::Mesh => 0,
+            Self::Image => 1,
+        }
+    }
+
+    fn from_byte(byte: u8) -> Option<Self> {
+        [Self::Mesh, Self::Image]
+            .into_iter()
+            .find(|it| it.to_byte() == byte)
+    }
+}
+
+/// The object of what belongs to no object alone, and whose sphere and error are in the world: a
+/// page of a texture that several objects have.
+pub const OF_ALL: u16 = u16::MAX;
 
 /// What is told of one unit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UnitRow {
     /// What it is made of.
     pub kind: UnitKind,
-    /// Number of its object.
+    /// Number of its object, or [`OF_ALL`].
     pub object: u16,
     /// Centre of a sphere round all that it shows, in the object's space, from the origin of its
     /// grid. The spheres of its prerequisites enclose it.
@@ -46,12 +78,13 @@ pub struct UnitRow {
     /// Radius of the sphere.
     pub radius: f32,
     /// How far what it is shown in place of is from the source, in the object's space; of a root
-    /// infinite. No prerequisite's is smaller.
+    /// infinite. No prerequisite's is smaller. Of a page it is the side of a texel of the next
+    /// coarser level.
     pub error: f32,
-    /// What it adds to what it is shown in place of, both drawn so that [`Self::error`] is a pixel;
-    /// of a root nothing.
+    /// What it adds to what it is shown in place of, both drawn so that [`Self::error`] is a pixel,
+    /// of a page two pixels; of a root nothing.
     pub signature: Signature,
-    /// Samples that it shows: triangles of a mesh.
+    /// Samples that it shows: triangles of a mesh, texels of a page without its border.
     pub samples: u32,
     /// Vertices of all its clusters, those that came before and those of several clusters counted
     /// in each.
@@ -67,13 +100,17 @@ impl UnitRow {
     /// Bytes that it takes on the GPU, at most.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
+        if self.kind == UnitKind::Image {
+            // Beside a root lie the levels that are made from it.
+            return SLOT_BYTES * if self.needs.is_empty() { 2 } else { 1 };
+        }
         u64::from(self.vertices) * GPU_BYTES_OF_VERTEX
             + u64::from(self.samples) * GPU_BYTES_OF_TRIANGLE
             + GPU_BYTES_OF_UNIT
     }
 
     fn write(&self, unit: u32) -> Vec<u8> {
-        let mut bytes = vec![0, self.needs.len() as u8];
+        let mut bytes = vec![self.kind.to_byte(), self.needs.len() as u8];
         bytes.extend(self.object.to_le_bytes());
         let [x, y, z] = self.centre;
         let numbers = [x, y, z, self.radius, self.error];
@@ -98,13 +135,17 @@ impl UnitRow {
         let Some((fixed, mut rest)) = bytes.split_at_checked(FIXED_BYTES) else {
             return wrong("row", format!("{} bytes", bytes.len()), "36 and more");
         };
-        if fixed[0] != 0 {
-            return wrong("kind", fixed[0].to_string(), "0, a mesh");
-        }
+        let Some(kind) = UnitKind::from_byte(fixed[0]) else {
+            return wrong(
+                "kind",
+                fixed[0].to_string(),
+                "0, a mesh, or 1, a page of a texture",
+            );
+        };
         let count = usize::from(fixed[1]);
         let number = |at| f32::from_bits(u32_at(fixed, at));
         let row = Self {
-            kind: UnitKind::Mesh,
+            kind,
             object: u16::from_le_bytes([fixed[2], fixed[3]]),
             centre: [4, 8, 12].map(number),
             radius: number(16),
@@ -240,6 +281,7 @@ mod tests {
             signature: Signature::from_bytes([unit as u8; Signature::BYTES]),
             needs: (0..unit.min(3)).map(UnitId).collect(),
             replaces: (0..unit.min(3) as u8).map(ClusterRef::from_byte).collect(),
+            kind: [UnitKind::Mesh, UnitKind::Image][unit as usize % 2],
             ..UnitRow::default()
         };
         (0..40).map(row).collect()
