@@ -107,7 +107,7 @@ fn a_scene_that_needs_more_than_this_program_knows_is_refused() {
     assert!(json(|_| ()).is_ok());
     let field = |field: &str| Err(field.to_owned());
     type Change = fn(&mut SceneDescription);
-    let refused: [(Change, &str); 4] = [
+    let refused: [(Change, &str); 6] = [
         (
             |it| it.needs.push("textures".to_owned()),
             "description.needs",
@@ -115,6 +115,8 @@ fn a_scene_that_needs_more_than_this_program_knows_is_refused() {
         (|it| it.kind = "points".to_owned(), "description.kind"),
         (|it| it.units = vec![1, 0], "units"),
         (|it| it.page = 0, "page"),
+        (|it| it.look.background[1] = 1.5, "look.background"),
+        (|it| it.look.light = [0.0; 3], "look.light"),
     ];
     for (change, expected) in refused {
         assert_eq!(json(change), field(expected));

@@ -257,8 +257,9 @@ impl Drawer {
                 }
                 SessionAction::Upload(piece) => {
                     if let Some(payload) = cache.take(piece) {
+                        let may_move = matches!(payload, Payload::Mesh(_));
                         match self.upload(piece, payload) {
-                            Ok(()) => came.push(piece.unit.unit),
+                            Ok(()) => came.extend(may_move.then_some(piece.unit.unit)),
                             // What is damaged so that it does not fit is left coarse.
                             Err(RenderError::Unit(_)) => self.refused += 1,
                             Err(other) => return Err(other),

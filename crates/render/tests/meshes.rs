@@ -8,7 +8,7 @@ use common::torus::{
 };
 use common::{Seeded, share_beyond, write_png};
 use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
-use foveal_core::content::scene::description::SceneObject;
+use foveal_core::content::scene::description::{SceneLook, SceneObject};
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::footprints::Footprint;
@@ -506,4 +506,28 @@ fn whatever_draws_is_given_the_same_units_and_shows_the_same_picture() {
         panic!("a device draws nothing, or nothing draws");
     };
     assert!(share_beyond(&drawn, &expected, 2) < 0.005);
+}
+
+#[test]
+fn background_and_light_are_those_of_the_style() {
+    let torus = Torus::new(object(ALL));
+    let gpu = Gpu::open_blocking().unwrap();
+    let view = from_above(SIZE);
+    let lit_from = |light| SceneStyle {
+        look: SceneLook {
+            background: [0.0144, 0.0513, 1.0],
+            light,
+        },
+        ..SceneStyle::default()
+    };
+    let mut layer = torus.on_gpu(&gpu);
+    let twin = torus.in_memory();
+    let pictures = [[-3.0, 0.0, 0.0], [3.0, 0.0, 0.0]].map(|light| {
+        let style = lit_from(light);
+        let drawn = layer.picture(&view, &style).unwrap();
+        assert!(share_beyond(&drawn, &twin.picture(&view, &style), 2) <= 0.005);
+        drawn
+    });
+    assert_eq!(pictures[0].pixel([0, 0]), [32, 64, 255, 255]);
+    assert!(share_beyond(&pictures[0], &pictures[1], 20) > 0.05);
 }

@@ -29,6 +29,7 @@ mod refusals;
 mod results;
 mod resume;
 mod scene;
+mod scene_file;
 mod scene_textures;
 mod scene_view;
 mod scenes;

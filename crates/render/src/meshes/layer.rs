@@ -150,7 +150,7 @@ impl SceneLayer {
     }
 
     /// From now on the new vertices of these units have gone so much of their way from the coarse
-    /// surface, 0 to 1, and all others are in their places. Writes what moves to the GPU: twelve
+    /// surface, 0 to 1, and all others are in their places. Writes what moves to the GPU: sixteen
     /// bytes a vertex.
     pub fn morph(&mut self, shares: &BTreeMap<UnitId, f64>) {
         let moved = self.units.morph(shares);

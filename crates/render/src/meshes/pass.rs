@@ -74,7 +74,8 @@ impl ClusterPass {
         bind(gpu, "clusters", &self.layout, &resources)
     }
 
-    /// Records the pass over a whole picture, of which pixels have these codes where nothing stands.
+    /// Records the pass over a whole picture, of which pixels have these codes where nothing
+    /// stands.
     pub(crate) fn record(
         &mut self,
         (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),

@@ -11,6 +11,7 @@ mod mangle;
 mod obj;
 mod place;
 mod ply;
+mod single;
 mod sound;
 mod stl;
 mod text;
@@ -20,9 +21,11 @@ use std::path::Path;
 pub use error::ReadError;
 pub use place::Up;
 
+pub use single::SceneFormat;
+
 use crate::source::SourceScene;
-use error::Fault;
-use files::{Folder, Nowhere, OnDisk};
+use files::Nowhere;
+use single::{SceneFile, read_file};
 
 /// What is to be known of files beside what they say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,41 +33,6 @@ pub struct ReadOptions {
     /// Which axis points up in all of them; if not given, the one that is usual for the format: z
     /// in STL, y in all others.
     pub up: Option<Up>,
-}
-
-/// How a scene is written in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SceneFormat {
-    /// glTF 2.0, as `.gltf` or as `.glb`: the file's first bytes tell.
-    Gltf,
-    /// Wavefront OBJ with its MTL.
-    Obj,
-    /// PLY, as text or binary.
-    Ply,
-    /// STL, as text or binary.
-    Stl,
-}
-
-impl SceneFormat {
-    /// The format that a file's ending tells, in capitals or not.
-    #[must_use]
-    pub fn of(file: &Path) -> Option<Self> {
-        let ending = file.extension()?.to_str()?.to_ascii_lowercase();
-        match ending.as_str() {
-            "glb" | "gltf" => Some(Self::Gltf),
-            "obj" => Some(Self::Obj),
-            "ply" => Some(Self::Ply),
-            "stl" => Some(Self::Stl),
-            _ => None,
-        }
-    }
-
-    fn up(self) -> Up {
-        match self {
-            Self::Stl => Up::Z,
-            Self::Gltf | Self::Obj | Self::Ply => Up::Y,
-        }
-    }
 }
 
 /// Whether a file's name ends as one that [`read`] reads: .glb, .gltf, .obj, .ply or .stl.
@@ -96,7 +64,7 @@ pub fn read(inputs: &[&Path], options: &ReadOptions) -> Result<SourceScene, Read
     let mut scene = SourceScene::default();
     for path in inputs {
         scene.append(match is_arrangement(path) {
-            true => arrangement::read(path, options)?,
+            true => arrangement::read(path, options.up)?,
             false => read_file(path, None, options.up)?,
         });
     }
@@ -107,29 +75,6 @@ pub fn read(inputs: &[&Path], options: &ReadOptions) -> Result<SourceScene, Read
 fn is_arrangement(file: &Path) -> bool {
     let ending = file.extension().and_then(|ending| ending.to_str());
     ending.is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
-}
-
-/// Reads a 3D file, whose objects without a name are called `name`, else as the file is.
-fn read_file(path: &Path, name: Option<&str>, up: Option<Up>) -> Result<SourceScene, ReadError> {
-    let format = SceneFormat::of(path).ok_or_else(|| ReadError::UnknownEnding {
-        path: path.to_owned(),
-    })?;
-    let mut folder = OnDisk::of(path);
-    let bytes = folder.read_scene(path)?;
-    let stem = path.file_stem().map(|stem| stem.to_string_lossy());
-    let stem = stem.as_deref().unwrap_or("object");
-    let file = SceneFile {
-        name: name.unwrap_or(stem),
-        format,
-        up: up.unwrap_or(format.up()),
-        bytes: &bytes,
-    };
-    let mut one = file
-        .read(&mut folder)
-        .map_err(|fault| fault.in_file(path))?;
-    one.bytes = folder.bytes;
-    one.hashes = folder.hashes;
-    Ok(one)
 }
 
 /// Reads any bytes as a scene file, without what it names; `true` if they are one: for fuzzing and
@@ -159,59 +104,6 @@ pub fn read_anything(format: SceneFormat, bytes: &[u8]) -> bool {
         assert!(object.placements.iter().all(glam::DAffine3::is_finite));
     }
     true
-}
-
-/// A file that is in memory.
-struct SceneFile<'a> {
-    /// What objects without a name are called.
-    name: &'a str,
-    format: SceneFormat,
-    up: Up,
-    bytes: &'a [u8],
-}
-
-impl SceneFile<'_> {
-    fn read(&self, folder: &mut dyn Folder) -> Result<SourceScene, Fault> {
-        let mut scene = match self.format {
-            SceneFormat::Gltf => gltf::read(self.bytes, self.name, folder),
-            SceneFormat::Obj => obj::read(self.bytes, self.name, folder),
-            SceneFormat::Ply => ply::read(self.bytes, self.name),
-            SceneFormat::Stl => stl::read(self.bytes, self.name),
-        }?;
-        for mesh in &mut scene.meshes {
-            sound::make_sound(mesh, &mut scene.repairs);
-        }
-        scene.leave_out_empty();
-        place::turn_up(&mut scene, self.up);
-        place::check(&scene)?;
-        if scene.objects.is_empty() {
-            return Err(Fault::Empty {
-                found: found_instead(&scene),
-            });
-        }
-        Ok(scene)
-    }
-}
-
-/// What a scene without triangles has, for the message that refuses it.
-fn found_instead(scene: &SourceScene) -> String {
-    let count = |name: &str| scene.repairs.get(name).copied().unwrap_or(0);
-    let what = [
-        ("points_left_out", "points"),
-        ("lines_left_out", "lines"),
-        ("unused_vertices", "vertices in no face"),
-        ("zero_area_triangles", "triangles without area"),
-    ];
-    let found: Vec<String> = what
-        .iter()
-        .filter(|(name, _)| count(name) > 0)
-        .map(|(name, what)| format!("{what} ({})", count(name)))
-        .collect();
-    if found.is_empty() {
-        "no surface stands in the scene".to_owned()
-    } else {
-        format!("the file has only {}", found.join(" and "))
-    }
 }
 
 #[cfg(test)]

@@ -29,9 +29,10 @@ pub(super) struct Foot {
     shares: [u32; 3],
     /// Where the point is once its corners are in their places, times [`WHOLE`].
     end: [u32; 3],
-    /// Normal and colour of the surface there.
+    /// What the surface has there.
     normal: [i8; 2],
     colour: [u8; 4],
+    uv: [u16; 2],
 }
 
 impl Foot {
@@ -50,7 +51,8 @@ impl Foot {
             place,
             normal: mixed_normal(&[self.normal, vertex.normal], &shares),
             colour: mixed_colour(&[self.colour, vertex.colour], &shares),
-            ..*vertex
+            uv: mixed_uv(&[self.uv, vertex.uv], &shares),
+            texture: vertex.texture,
         }
     }
 }
@@ -173,28 +175,30 @@ impl<'a> Surface<'a> {
     fn foot(&self, vertex: &MeshVertex, found: &Found) -> Foot {
         let attributes = |(corners, shares): &Point| {
             let of = corners.map(|it| self.vertices[usize::from(it)]);
-            (
-                mixed_normal(&of.map(|it| it.normal), shares),
-                mixed_colour(&of.map(|it| it.colour), shares),
-            )
-        };
-        let off = |(normal, colour): &([i8; 2], [u8; 4])| {
-            let normals = normal.iter().zip(vertex.normal);
-            let normals = normals.map(|(a, b)| u32::from(a.abs_diff(b)));
-            let colours = colour.iter().zip(vertex.colour);
-            let colours = colours.map(|(a, b)| u32::from(a.abs_diff(b)));
-            normals.chain(colours).sum::<u32>()
+            MeshVertex {
+                place: vertex.place,
+                normal: mixed_normal(&of.map(|it| it.normal), shares),
+                colour: mixed_colour(&of.map(|it| it.colour), shares),
+                uv: mixed_uv(&of.map(|it| it.uv), shares),
+                texture: of[0].texture,
+            }
         };
         let (corners, shares) = found.nearest;
         let places = corners.map(|it| self.vertices[usize::from(it)].place);
-        let there = found.as_near.iter().map(attributes).min_by_key(off);
-        let (normal, colour) = there.unwrap_or((vertex.normal, vertex.colour));
+        let all = found.as_near.iter().map(attributes);
+        let there = all.min_by_key(|it| unlikeness(it, vertex));
+        let there = there.unwrap_or(*vertex);
         Foot {
             corners,
             shares,
             end: point_of(&shares, &places),
-            normal,
-            colour,
+            normal: there.normal,
+            colour: there.colour,
+            // A place on one texture is none on another.
+            uv: match there.texture == vertex.texture {
+                true => there.uv,
+                false => vertex.uv,
+            },
         }
     }
 }
@@ -205,6 +209,20 @@ fn point_of(shares: &[u32; 3], corners: &[[u16; 3]; 3]) -> [u32; 3] {
         let of_corner = |k: usize| shares[k] * u32::from(corners[k][axis]);
         [0, 1, 2].map(of_corner).iter().sum()
     })
+}
+
+/// How far the attributes of two vertices are from each other: first whether they have one texture.
+fn unlikeness(a: &MeshVertex, b: &MeshVertex) -> (bool, u32) {
+    let normals = a.normal.iter().zip(b.normal);
+    let normals = normals.map(|(a, b)| u32::from(a.abs_diff(b)));
+    let colours = a.colour.iter().zip(b.colour);
+    let colours = colours.map(|(a, b)| u32::from(a.abs_diff(b)));
+    let uvs = a.uv.iter().zip(b.uv);
+    let uvs = uvs.map(|(a, b)| u32::from(a.abs_diff(b)) / 16);
+    (
+        a.texture != b.texture,
+        normals.chain(colours).chain(uvs).sum(),
+    )
 }
 
 fn point(place: [u16; 3]) -> DVec3 {
@@ -269,6 +287,16 @@ fn mixed_normal(normals: &[[i8; 2]], shares: &[u32]) -> [i8; 2] {
         sum = [0, 1, 2].map(|k| sum[k] + direction[k] * *share as f32);
     }
     octahedral_from_direction(sum)
+}
+
+fn mixed_uv(uvs: &[[u16; 2]], shares: &[u32]) -> [u16; 2] {
+    [0, 1].map(|k| {
+        let axis = uvs.iter().zip(shares);
+        let sum: u64 = axis
+            .map(|(it, share)| u64::from(it[k]) * u64::from(*share))
+            .sum();
+        ((sum + u64::from(WHOLE / 2)) / u64::from(WHOLE)) as u16
+    })
 }
 
 fn mixed_colour(colours: &[[u8; 4]], shares: &[u32]) -> [u8; 4] {

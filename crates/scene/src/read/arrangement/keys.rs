@@ -5,7 +5,9 @@ use toml::de::{DeTable, DeValue};
 
 use super::super::error::Fault;
 use super::super::text::shortened;
-use super::NEXT;
+
+/// What to do about a scene file that is wrong.
+pub(super) const NEXT: &str = "docs/formats/scene.md says what a scene file says";
 
 /// The keys of a table, and those of the tables in it.
 pub(super) struct Keys {

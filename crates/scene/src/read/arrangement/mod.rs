@@ -15,9 +15,10 @@ use super::colour::linear_from_encoded;
 use super::error::{Fault, ReadError};
 use super::files::OnDisk;
 use super::place::{self, Up};
+use super::single::{SceneFormat, read_file};
 use super::text::shortened;
-use super::{ReadOptions, SceneFormat, is_arrangement, read_file};
 use crate::source::SourceScene;
+use keys::NEXT;
 
 /// Most bytes of a scene file.
 const MOST_BYTES: usize = 1 << 24;
@@ -25,8 +26,6 @@ const MOST_BYTES: usize = 1 << 24;
 const MOST_PLACES: usize = 1 << 20;
 /// Largest number of a place, in metres, and of a scale.
 const LARGEST: f64 = 1e9;
-/// What to do about a scene file that is wrong.
-const NEXT: &str = "docs/formats/scene.md says what a scene file says";
 
 /// A scene file, as far as its types and ranges are checked.
 #[derive(Debug, Default, Deserialize)]
@@ -118,7 +117,7 @@ impl Arrangement {
     }
 
     /// Reads all files that it names, which lie in `folder`.
-    fn read(&self, folder: &OnDisk, options: &ReadOptions) -> Result<SourceScene, Wrong> {
+    fn read(&self, folder: &OnDisk, up: Option<Up>) -> Result<SourceScene, Wrong> {
         let mut scene = SourceScene {
             background: self.background.as_deref().and_then(light_of),
             light: self.light.map(DVec3::from_array),
@@ -127,15 +126,15 @@ impl Arrangement {
         let mut places = 0;
         for (input, number) in self.input.iter().zip(1..) {
             let path = folder.find(&input.file)?;
-            if is_arrangement(&path) || SceneFormat::of(&path).is_none() {
+            if SceneFormat::of(&path).is_none() {
                 let what = format!("{:?} is no 3D file", shortened(&input.file));
                 return Err(Fault::broken(format!("input {number}"), what, NEXT).into());
             }
-            let up = input.up.map(|it| match it {
+            let own_up = input.up.map(|it| match it {
                 UpAxis::Y => Up::Y,
                 UpAxis::Z => Up::Z,
             });
-            let mut one = read_file(&path, input.name.as_deref(), up.or(options.up))?;
+            let mut one = read_file(&path, input.name.as_deref(), own_up.or(up))?;
             let all = input
                 .place
                 .iter()
@@ -210,12 +209,12 @@ impl From<ReadError> for Wrong {
     }
 }
 
-/// Reads a scene file and all files that it names.
-pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<SourceScene, ReadError> {
+/// Reads a scene file and all files that it names; `up` is of those of which it does not say it.
+pub(super) fn read(path: &Path, up: Option<Up>) -> Result<SourceScene, ReadError> {
     let mut folder = OnDisk::of(path);
     let bytes = folder.read_scene(path)?;
     let said = Arrangement::parse(&bytes).map_err(|fault| fault.in_file(path))?;
-    let mut scene = said.read(&folder, options).map_err(|wrong| match wrong {
+    let mut scene = said.read(&folder, up).map_err(|wrong| match wrong {
         Wrong::Here(fault) => fault.in_file(path),
         Wrong::There(error) => error,
     })?;

@@ -92,10 +92,22 @@ fn what_is_not_said_is_as_usual() {
     assert_eq!(scene.objects[0].name, "a");
 }
 
+/// A scene file with `more` after its one input.
+fn with(more: &str) -> String {
+    format!("[[input]]\nfile = \"a.obj\"\n{more}")
+}
+
+fn assert_refused(all: &[(&str, String, &str)]) {
+    for (name, text, said) in all {
+        let error = Site::new(name, text).read().unwrap_err();
+        assert!(error.contains(said), "{name}: {error}");
+        assert!(error.contains("; "), "it says what to do next: {error}");
+    }
+}
+
 #[test]
-fn what_is_wrong_is_refused_with_its_place_and_the_nearest_name() {
-    let with = |more: &str| format!("[[input]]\nfile = \"a.obj\"\n{more}");
-    for (name, text, said) in [
+fn a_key_that_there_is_not_is_refused_with_its_line_and_the_nearest_name() {
+    assert_refused(&[
         (
             "key",
             "bakground = \"#fff\"".to_owned(),
@@ -111,38 +123,38 @@ fn what_is_wrong_is_refused_with_its_place_and_the_nearest_name() {
             with("place = [{ translate = [1, 2, 3] }]"),
             "the nearest is \"translation\"",
         ),
-        (
-            "type",
-            with("place = [{ translation = [1, 2] }]"),
-            "line 3: ",
-        ),
+        ("table", with("[other]"), "there is no key \"other\""),
+    ]);
+}
+
+#[test]
+fn numbers_and_types_that_are_none_are_refused_by_their_place() {
+    let place = |text: &str| with(&format!("place = [{text}]"));
+    let before = |text: &str| format!("{text}\n{}", with(""));
+    assert_refused(&[
+        ("type", place("{ translation = [1, 2] }"), "line 3: "),
         (
             "scale",
-            with("place = [{ scale = \"2\" }]"),
+            place("{ scale = \"2\" }"),
             "expected a number, or three in brackets",
         ),
         (
             "zero",
-            with("place = [{}, { scale = [1, 0, 1] }]"),
+            place("{}, { scale = [1, 0, 1] }"),
             "input 1, place 2: numbers must be",
         ),
         (
             "large",
-            with("place = [{ translation = [inf, 0, 0] }]"),
+            place("{ translation = [inf, 0, 0] }"),
             "input 1, place 1: numbers",
         ),
         ("up", with("up = \"x\""), "line 3: unknown variant `x`"),
-        ("colour", with("[other]"), "there is no key \"other\""),
         (
             "code",
-            "background = \"#12345g\"\n[[input]]\nfile = \"a.obj\"".to_owned(),
+            before("background = \"#12345g\""),
             "background: \"#12345g\" is no colour like #8fb0d0",
         ),
-        (
-            "dark",
-            "light = [0, 0, 0]\n[[input]]\nfile = \"a.obj\"".to_owned(),
-            "light: ",
-        ),
+        ("dark", before("light = [0, 0, 0]"), "light: "),
         (
             "none",
             "light = [0, 1, 0]".to_owned(),
@@ -154,26 +166,29 @@ fn what_is_wrong_is_refused_with_its_place_and_the_nearest_name() {
             "missing field `file`",
         ),
         ("toml", "input = [".to_owned(), "line 1: "),
+    ]);
+}
+
+#[test]
+fn files_that_are_missing_elsewhere_or_no_3d_files_are_refused_by_name() {
+    let file = |name: &str| format!("[[input]]\nfile = \"{name}\"");
+    assert_refused(&[
         (
             "missing",
-            "[[input]]\nfile = \"c.glb\"".to_owned(),
+            file("c.glb"),
             "site.toml: its file \"c.glb\" cannot be read",
         ),
         (
             "out",
-            "[[input]]\nfile = \"../a.obj\"".to_owned(),
+            file("../a.obj"),
             "file \"../a.obj\": does not lie in the folder",
         ),
         (
             "itself",
-            "[[input]]\nfile = \"site.toml\"".to_owned(),
+            file("site.toml"),
             "input 1: \"site.toml\" is no 3D file",
         ),
-    ] {
-        let error = Site::new(name, &text).read().unwrap_err();
-        assert!(error.contains(said), "{name}: {error}");
-        assert!(error.contains("; "), "it says what to do next: {error}");
-    }
+    ]);
 }
 
 #[test]

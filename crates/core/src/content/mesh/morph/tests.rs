@@ -96,6 +96,26 @@ fn a_vertex_starts_with_the_attributes_of_its_side_of_an_edge_where_they_jump() 
 }
 
 #[test]
+fn places_on_a_texture_come_along_from_the_surface_unless_that_has_another() {
+    let on = |place, uv, texture| MeshVertex {
+        uv,
+        texture,
+        ..at(place)
+    };
+    let [a, b, c] = FLAT;
+    let mut vertices = vec![on(a, [0, 0], 1), on(b, [1000, 0], 1), on(c, [0, 1000], 1)];
+    vertices.push(on([600, 100, 80], [640, 8], 1));
+    vertices.push(on([100, 600, 80], [9, 9], 2));
+    let feet = feet(&vertices, 3, &[[0, 1, 2]]);
+    let uv = |new: usize, share| feet[new].unwrap().at(FLAT, &vertices[3 + new], share).uv;
+    assert_eq!(
+        [0.0, 0.5, 1.0].map(|share| uv(0, share)),
+        [[500, 0], [570, 4], [640, 8]]
+    );
+    assert_eq!(uv(1, 0.0), [9, 9]);
+}
+
+#[test]
 fn a_vertex_at_the_place_of_one_that_stays_goes_where_that_goes() {
     let mut vertices: Vec<_> = FLAT.map(at).to_vec();
     vertices.push(MeshVertex {

@@ -46,7 +46,9 @@ impl Made {
         if shape == "SCALAR" {
             view.as_object_mut().unwrap().remove("byteStride");
         }
-        self.json["buffers"][1] = json!({"byteLength": 9000, "uri": "gone.bin", "extensions": {it.name: {"fallback": true}}});
+        let fallback = json!({it.name: {"fallback": true}});
+        self.json["buffers"][1] =
+            json!({"byteLength": 9000, "uri": "gone.bin", "extensions": fallback});
         accessor
     }
 }

@@ -1,0 +1,124 @@
+//! How does one 3D file become a scene?
+
+use std::path::Path;
+
+use super::error::{Fault, ReadError};
+use super::files::{Folder, OnDisk};
+use super::place::{self, Up};
+use super::{gltf, obj, ply, sound, stl};
+use crate::source::SourceScene;
+
+/// How a scene is written in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneFormat {
+    /// glTF 2.0, as `.gltf` or as `.glb`: the file's first bytes tell.
+    Gltf,
+    /// Wavefront OBJ with its MTL.
+    Obj,
+    /// PLY, as text or binary.
+    Ply,
+    /// STL, as text or binary.
+    Stl,
+}
+
+impl SceneFormat {
+    /// The format that a file's ending tells, in capitals or not.
+    #[must_use]
+    pub fn of(file: &Path) -> Option<Self> {
+        let ending = file.extension()?.to_str()?.to_ascii_lowercase();
+        match ending.as_str() {
+            "glb" | "gltf" => Some(Self::Gltf),
+            "obj" => Some(Self::Obj),
+            "ply" => Some(Self::Ply),
+            "stl" => Some(Self::Stl),
+            _ => None,
+        }
+    }
+
+    pub(super) fn up(self) -> Up {
+        match self {
+            Self::Stl => Up::Z,
+            Self::Gltf | Self::Obj | Self::Ply => Up::Y,
+        }
+    }
+}
+
+/// Reads a 3D file, whose objects without a name are called `name`, else as the file is.
+pub(super) fn read_file(
+    path: &Path,
+    name: Option<&str>,
+    up: Option<Up>,
+) -> Result<SourceScene, ReadError> {
+    let format = SceneFormat::of(path).ok_or_else(|| ReadError::UnknownEnding {
+        path: path.to_owned(),
+    })?;
+    let mut folder = OnDisk::of(path);
+    let bytes = folder.read_scene(path)?;
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy());
+    let stem = stem.as_deref().unwrap_or("object");
+    let file = SceneFile {
+        name: name.unwrap_or(stem),
+        format,
+        up: up.unwrap_or(format.up()),
+        bytes: &bytes,
+    };
+    let mut one = file
+        .read(&mut folder)
+        .map_err(|fault| fault.in_file(path))?;
+    one.bytes = folder.bytes;
+    one.hashes = folder.hashes;
+    Ok(one)
+}
+
+/// A file that is in memory.
+pub(super) struct SceneFile<'a> {
+    /// What objects without a name are called.
+    pub(super) name: &'a str,
+    pub(super) format: SceneFormat,
+    pub(super) up: Up,
+    pub(super) bytes: &'a [u8],
+}
+
+impl SceneFile<'_> {
+    pub(super) fn read(&self, folder: &mut dyn Folder) -> Result<SourceScene, Fault> {
+        let mut scene = match self.format {
+            SceneFormat::Gltf => gltf::read(self.bytes, self.name, folder),
+            SceneFormat::Obj => obj::read(self.bytes, self.name, folder),
+            SceneFormat::Ply => ply::read(self.bytes, self.name),
+            SceneFormat::Stl => stl::read(self.bytes, self.name),
+        }?;
+        for mesh in &mut scene.meshes {
+            sound::make_sound(mesh, &mut scene.repairs);
+        }
+        scene.leave_out_empty();
+        place::turn_up(&mut scene, self.up);
+        place::check(&scene)?;
+        if scene.objects.is_empty() {
+            return Err(Fault::Empty {
+                found: found_instead(&scene),
+            });
+        }
+        Ok(scene)
+    }
+}
+
+/// What a scene without triangles has, for the message that refuses it.
+fn found_instead(scene: &SourceScene) -> String {
+    let count = |name: &str| scene.repairs.get(name).copied().unwrap_or(0);
+    let what = [
+        ("points_left_out", "points"),
+        ("lines_left_out", "lines"),
+        ("unused_vertices", "vertices in no face"),
+        ("zero_area_triangles", "triangles without area"),
+    ];
+    let found: Vec<String> = what
+        .iter()
+        .filter(|(name, _)| count(name) > 0)
+        .map(|(name, what)| format!("{what} ({})", count(name)))
+        .collect();
+    if found.is_empty() {
+        "no surface stands in the scene".to_owned()
+    } else {
+        format!("the file has only {}", found.join(" and "))
+    }
+}
