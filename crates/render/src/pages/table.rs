@@ -27,7 +27,7 @@ pub(crate) const NO_PAGE: u32 = u32::MAX;
 
 /// Where a page lies: column and row of its first texel, its border included, and the layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) struct SlotPlace {
+pub(crate) struct PageSlot {
     pub(crate) at: [u16; 2],
     pub(crate) layer: u16,
 }
@@ -38,7 +38,7 @@ struct PageNote {
     texture: u16,
     page: PagePlace,
     /// Where it lies; of a root, then, where the levels made of it lie.
-    slots: Vec<SlotPlace>,
+    slots: Vec<PageSlot>,
     needs: Vec<UnitId>,
     /// How many pages that are there need it.
     dependents: u32,
@@ -171,7 +171,7 @@ impl PageTable {
         unit: UnitId,
         needs: &[UnitId],
         (texture, page): (u16, PagePlace),
-        slots: Vec<SlotPlace>,
+        slots: Vec<PageSlot>,
     ) {
         for need in needs {
             if let Some(note) = self.notes.get_mut(need) {
@@ -191,7 +191,7 @@ impl PageTable {
 
     /// Takes away all pages but those that are wanted, what these need, and roots. Returns the
     /// places that are free now.
-    pub(crate) fn retain(&mut self, wanted: &HashSet<UnitId>) -> Vec<SlotPlace> {
+    pub(crate) fn retain(&mut self, wanted: &HashSet<UnitId>) -> Vec<PageSlot> {
         let mut free = Vec::new();
         let there: Vec<UnitId> = self.notes.keys().rev().copied().collect();
         for unit in there {
@@ -205,7 +205,7 @@ impl PageTable {
         free
     }
 
-    fn remove(&mut self, unit: UnitId) -> Vec<SlotPlace> {
+    fn remove(&mut self, unit: UnitId) -> Vec<PageSlot> {
         let Some(note) = self.notes.remove(&unit) else {
             return Vec::new();
         };
@@ -293,7 +293,7 @@ fn entry_of(note: &PageNote) -> [u32; 2] {
     entry(note.slots[0], [BORDER; 2], note.page.level)
 }
 
-fn entry(slot: SlotPlace, inside: [u32; 2], level: u8) -> [u32; 2] {
+fn entry(slot: PageSlot, inside: [u32; 2], level: u8) -> [u32; 2] {
     let [x, y] = [0, 1].map(|k| u32::from(slot.at[k]) + inside[k]);
     [x | y << 16, u32::from(slot.layer) | u32::from(level) << 16]
 }
@@ -316,8 +316,8 @@ mod tests {
         }
     }
 
-    fn slot(layer: u16) -> Vec<SlotPlace> {
-        vec![SlotPlace { at: [0; 2], layer }]
+    fn slot(layer: u16) -> Vec<PageSlot> {
+        vec![PageSlot { at: [0; 2], layer }]
     }
 
     /// Layer and level of the entry of a page of level 0.
