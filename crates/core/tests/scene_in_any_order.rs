@@ -99,6 +99,7 @@ fn scene() -> Arc<Scene> {
         textures: Vec::new(),
         units: (0..LEVELS).rev().map(|level| 1 << level).collect(),
         page: 16,
+        look: Default::default(),
         identity: Identity::default(),
         remarks: Vec::new(),
         repairs: Default::default(),

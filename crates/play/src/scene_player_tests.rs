@@ -97,6 +97,7 @@ fn about() -> SceneDescription {
         objects: vec![object],
         units: vec![1, 1],
         page: 16,
+        look: Default::default(),
         identity: Default::default(),
         remarks: Vec::new(),
         repairs: Default::default(),

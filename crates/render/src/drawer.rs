@@ -461,6 +461,7 @@ const NEAR: f64 = 1e-4;
 fn style_of(scene: &Scene, marks: Option<&Overlay>) -> SceneStyle {
     SceneStyle {
         tint: marks.map_or(0.0, |marks| marks.heat),
+        look: scene.pack().description().look,
         near: (scene.bounds().radius * NEAR).max(f64::from(f32::MIN_POSITIVE)),
         ..SceneStyle::default()
     }

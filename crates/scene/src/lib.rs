@@ -11,5 +11,5 @@ pub mod build;
 pub mod cracks;
 pub mod generate;
 pub mod read;
-mod signatures;
+pub mod signatures;
 pub mod source;

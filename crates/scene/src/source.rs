@@ -1,6 +1,7 @@
 //! What was read of 3D files?
 
 use foveal_core::content::images::wrap::Wrap;
+use foveal_core::content::scene::description::SceneLook;
 use glam::{DAffine2, DAffine3, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -18,6 +19,10 @@ pub struct SourceScene {
     pub images: Vec<SourceImage>,
     /// What was repaired or left out on reading, by name.
     pub repairs: Repairs,
+    /// What is seen where nothing stands, in linear light; `None` where no file says it.
+    pub background: Option<[f32; 3]>,
+    /// Where light comes from, in the world; `None` where no file says it.
+    pub light: Option<DVec3>,
     /// What a person should know: what of a file's looks is not drawn.
     pub remarks: Vec<String>,
     /// Bytes of all files that were read, with those that they name.
@@ -55,7 +60,19 @@ impl SourceScene {
         for remark in other.remarks {
             self.remark(remark);
         }
+        self.background = other.background.or(self.background);
+        self.light = other.light.or(self.light);
         self.bytes += other.bytes;
+    }
+
+    /// What is round its objects, as far as files say it.
+    #[must_use]
+    pub fn look(&self) -> SceneLook {
+        let usual = SceneLook::default();
+        SceneLook {
+            background: self.background.unwrap_or(usual.background),
+            light: self.light.map_or(usual.light, |light| light.to_array()),
+        }
     }
 
     /// Says something that a person should know, once.

@@ -101,6 +101,7 @@ fn description() -> SceneDescription {
         textures: Vec::new(),
         units: vec![1, 1],
         page: 64,
+        look: Default::default(),
         identity: Default::default(),
         remarks: Vec::new(),
         repairs: Default::default(),

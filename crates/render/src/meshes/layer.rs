@@ -247,7 +247,8 @@ impl SceneLayer {
         let pass = self.refiners.take();
         let mut pass = pass.unwrap_or_else(|| ClusterPass::new(&gpu, Draws::Refiners));
         let bound = self.bind(&pass);
-        pass.record((&gpu, &mut encoder), &image, listed(&self.lists, &bound));
+        let target = (&image, style.background());
+        pass.record((&gpu, &mut encoder), target, listed(&self.lists, &bound));
         self.refiners = Some(pass);
         gpu.submit(encoder);
         Ok(self.unit_image.insert(image))
@@ -286,8 +287,8 @@ impl SceneLayer {
         self.prepare(encoder, view, style)?;
         let bound = self.bind(&self.colours);
         let lists = listed(&self.lists, &bound);
-        self.colours
-            .record((&self.gpu, encoder), &self.output.picture, lists);
+        let target = (&self.output.picture, style.background());
+        self.colours.record((&self.gpu, encoder), target, lists);
         Ok(())
     }
 

@@ -4,7 +4,6 @@ use crate::gpu::bindings::bind;
 use crate::gpu::device::Gpu;
 use crate::gpu::picture_target::FORMAT;
 use crate::meshes::lists::DrawList;
-use crate::meshes::params::BACKGROUND;
 use crate::pages::PageLayer;
 use crate::shaders;
 
@@ -75,18 +74,18 @@ impl ClusterPass {
         bind(gpu, "clusters", &self.layout, &resources)
     }
 
-    /// Records the pass over a whole picture.
+    /// Records the pass over a whole picture, of which pixels have these codes where nothing stands.
     pub(crate) fn record(
         &mut self,
         (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
-        picture: &wgpu::Texture,
+        (picture, background): (&wgpu::Texture, [u8; 4]),
         lists: [(&DrawList, &wgpu::BindGroup); 2],
     ) {
         let view = picture.create_view(&wgpu::TextureViewDescriptor::default());
         let depth = self.depth_of(gpu, picture.size());
         let clear = match self.draws {
-            Draws::Colours => grey(f64::from(BACKGROUND)),
-            Draws::Refiners => grey(NO_UNIT),
+            Draws::Colours => cleared(background.map(|it| f64::from(it) / 255.0)),
+            Draws::Refiners => cleared([NO_UNIT; 4]),
         };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("clusters"),
@@ -140,13 +139,8 @@ impl ClusterPass {
     }
 }
 
-fn grey(value: f64) -> wgpu::Color {
-    wgpu::Color {
-        r: value,
-        g: value,
-        b: value,
-        a: 1.0,
-    }
+fn cleared([r, g, b, a]: [f64; 4]) -> wgpu::Color {
+    wgpu::Color { r, g, b, a }
 }
 
 fn entry(binding: u32) -> wgpu::BindGroupLayoutEntry {

@@ -14,7 +14,7 @@ use crate::image::RgbaImage;
 use crate::meshes::footprints::{
     FootprintSums, GazedParams, footprints_of, pixel_deg2, small_view,
 };
-use crate::meshes::params::{BACKGROUND, SceneParams, SceneStyle, TWO_SIDED};
+use crate::meshes::params::{SceneParams, SceneStyle, TWO_SIDED};
 use crate::meshes::placements::Placements;
 use crate::meshes::units::{ComingUnit, DrawnCluster, SceneUnits};
 use crate::pages::ComingPage;
@@ -23,7 +23,7 @@ use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::footprints::Footprint;
 use foveal_core::perception::glance::Glance;
 use foveal_core::view::eye_view::EyeView;
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// The units of a scene in main memory, and the pictures that are drawn of them.
@@ -110,7 +110,7 @@ impl TwinScene {
     #[must_use]
     pub fn picture(&self, view: &EyeView, style: &SceneStyle) -> RgbaImage {
         let scene = self.scene(view, style);
-        let background = code(Vec3::splat(BACKGROUND).extend(1.0));
+        let background = style.background();
         let mut image = RgbaImage {
             size: view.size,
             pixels: background.repeat(view.size[0] as usize * view.size[1] as usize),

@@ -23,6 +23,7 @@ pub(crate) mod tests;
 use crate::source::{Repairs, SourceScene};
 pub use built::{BuildError, BuildOptions, Built, BuiltUnit};
 use foveal_core::content::scene::description::GRID_BITS;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use textures::ShownImages;
@@ -107,7 +108,9 @@ fn build_here(
     count(&mut repairs, "permissive_groups", permissive);
     let pages = pages::write(source, &shown, &mut meshes, options.exact)?;
     count(&mut repairs, "missing_images", shown.missing + pages.broken);
-    let (units, levels) = units::write(&meshes, &graphs, &pages.all, options.signatures)?;
+    let light = DVec3::from_array(source.look().light);
+    let light = options.signatures.then_some(light);
+    let (units, levels) = units::write(&meshes, &graphs, &pages.all, light)?;
     Ok(Built {
         objects: meshes.into_iter().map(|mesh| mesh.object).collect(),
         textures: pages.textures,

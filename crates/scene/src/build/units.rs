@@ -11,18 +11,20 @@ use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
 use foveal_core::pack::PackError;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::measures::contrast::Signature;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
 /// Bits of a coordinate of a sphere's centre that count for the order.
 const ORDER_BITS: u32 = 20;
 
-/// All units in order, and the number of levels.
+/// All units in order, and the number of levels; what units add is measured under a `light` from
+/// some direction, or not at all.
 pub(super) fn write(
     meshes: &[GridMesh],
     graphs: &[Graph],
     textures: &[Vec<BuiltPage>],
-    signatures: bool,
+    light: Option<DVec3>,
 ) -> Result<(Vec<BuiltUnit>, u8), BuildError> {
     let levels = graphs.iter().filter_map(|it| it.groups.last());
     let levels = levels.map(|root| root.level);
@@ -66,7 +68,7 @@ pub(super) fn write(
             Made::Page(texture) => unit_of_page[*texture][*number] = UnitId(unit),
         }
     }
-    let measure = |mesh: &GridMesh| signatures.then(|| StepMeasure::new(&mesh.object));
+    let measure = |mesh: &GridMesh| light.map(|light| StepMeasure::new(&mesh.object, light));
     let measures: Vec<Option<StepMeasure>> = meshes.iter().map(measure).collect();
     let units = order.par_iter().map(|(level, made, _, number)| match made {
         Made::Group(object) => {

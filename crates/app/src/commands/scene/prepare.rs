@@ -27,7 +27,8 @@ enum UpName {
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PrepareSceneArgs {
-    /// Files of one scene: .glb, .gltf, .obj, .ply or .stl.
+    /// Files of one scene: .glb, .gltf, .obj, .ply or .stl, or a scene file .toml that says where
+    /// such files stand.
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     /// The pack to write, with the ending .foveal.
@@ -162,6 +163,7 @@ impl PrepareSceneArgs {
             textures: built.textures.clone(),
             units,
             page: PAGE,
+            look: source.look(),
             identity,
             remarks: source.remarks.clone(),
             repairs: built.repairs.clone(),

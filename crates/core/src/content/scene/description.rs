@@ -3,6 +3,7 @@
 use crate::content::images::shape::MOST_SIDE;
 use crate::content::images::wrap::Wrap;
 use crate::content::mesh::payload::Attributes;
+use crate::content::scene::lighting::LAMP_DIRECTION;
 use crate::pack::{Identity, PackError, TableEntry};
 use glam::{DAffine3, DMat3, DVec3};
 use serde::{Deserialize, Serialize};
@@ -40,6 +41,9 @@ pub struct SceneDescription {
     pub units: Vec<u32>,
     /// Entries of a full page of the index, and rows of a full page of tables.
     pub page: u32,
+    /// What is round its objects.
+    #[serde(default, skip_serializing_if = "SceneLook::is_usual")]
+    pub look: SceneLook,
     /// How it was made, for who would make it again.
     #[serde(default)]
     pub identity: Identity,
@@ -51,6 +55,46 @@ pub struct SceneDescription {
     pub repairs: std::collections::BTreeMap<String, u64>,
     /// Where side tables lie.
     pub tables: Vec<TableEntry>,
+}
+
+/// What is seen where nothing stands, and where light comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SceneLook {
+    /// What is seen where nothing stands: red, green and blue in linear light, 0 to 1.
+    pub background: [f32; 3],
+    /// Where light comes from, in the world; finite, of any length but 0.
+    pub light: [f64; 3],
+}
+
+impl Default for SceneLook {
+    fn default() -> Self {
+        Self {
+            background: [0.03; 3],
+            light: LAMP_DIRECTION.to_array(),
+        }
+    }
+}
+
+impl SceneLook {
+    fn is_usual(&self) -> bool {
+        *self == Self::default()
+    }
+
+    fn check(&self) -> Result<(), PackError> {
+        if !self.background.iter().all(|it| (0.0..=1.0).contains(it)) {
+            let found = format!("{:?}", self.background);
+            return Err(PackError::new("look.background", found, "0 to 1"));
+        }
+        let light = DVec3::from_array(self.light);
+        match light.try_normalize() {
+            Some(_) if light.abs().max_element() <= 1e15 => Ok(()),
+            _ => {
+                let found = format!("{:?}", self.light);
+                Err(PackError::new("look.light", found, "a finite direction"))
+            }
+        }
+    }
 }
 
 /// What a scene was made of.
@@ -237,6 +281,7 @@ impl SceneDescription {
             return Err(PackError::new("units", "no roots", "at least one"));
         }
         within("page", self.page as usize, 1 << 12)?;
+        self.look.check()?;
         within("textures", self.textures.len() + 1, MOST_TEXTURES + 1)?;
         self.textures.iter().try_for_each(SceneTexture::check)?;
         let textures = self.textures.len();

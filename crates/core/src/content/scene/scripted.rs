@@ -87,6 +87,7 @@ fn description() -> SceneDescription {
         textures: Vec::new(),
         units: UNITS.to_vec(),
         page: 16,
+        look: Default::default(),
         identity: Default::default(),
         remarks: Vec::new(),
         repairs: Default::default(),

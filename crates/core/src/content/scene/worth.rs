@@ -1,7 +1,8 @@
 //! What is each unit of a scene worth to an eye, without drawing it?
 //!
-//! Signature x sensitivity x footprint: what the unit adds in each octave, how well the eye sees
-//! that octave there, and how many square degrees of the view it would refine. Footprints are
+//! Signature x sensitivity x footprint: what the unit adds in each octave, how likely the eye sees
+//! that octave there, and how much of the view it would refine, counted in what the eye resolves
+//! (docs/decisions/0023-what-a-step-of-a-scene-is-worth.md). Footprints are
 //! measured in what is drawn. A unit that would refine what is not drawn yet has a share of the
 //! footprints of the units that it needs, by the areas of their spheres.
 
@@ -45,7 +46,7 @@ impl SceneWorth {
         }
         let parameters = parameters_of_morphs(parameters);
         Self {
-            of_steps: StepWorth::of_seen_differences(&parameters, DrawnFiner::Sampled),
+            of_steps: StepWorth::of_what_is_drawn(&parameters, DrawnFiner::Sampled),
             parameters,
             importance,
             needed_by,
@@ -143,8 +144,10 @@ impl SceneWorth {
         let apart = (extent.mean.0 - extent.least.0) / 2.0;
         let gain = |eccentricity| {
             let place = SeenPlace::at(&self.parameters, Radians(eccentricity), display);
-            let gain = self.of_steps.gain(&row.signature, ppd, &place, state);
-            gain * self.of_steps.extent(ppd, extent.area_deg2, &place)
+            let seen = self
+                .of_steps
+                .seen_samples(&row.signature, ppd, &place, state);
+            seen * extent.area_deg2
         };
         (gain(extent.mean.0 - apart) + gain(extent.mean.0 + apart)) / 2.0
     }

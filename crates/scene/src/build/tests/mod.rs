@@ -15,7 +15,7 @@ use foveal_core::content::scene::unit_table::UnitKind;
 use foveal_core::pack::unit::UnitId;
 use meshes::{all_meshes, fan, sphere, torus, triangle, two_materials};
 
-pub(crate) fn built(source: &SourceScene) -> Built {
+fn built(source: &SourceScene) -> Built {
     build(source, &BuildOptions::default(), &|_, _| ()).unwrap()
 }
 
@@ -30,7 +30,7 @@ fn grid_mesh(source: &SourceScene) -> GridMesh {
     super::mesh::grid_mesh(source, &source.objects[0], 14, &shown).unwrap()
 }
 
-pub(crate) fn parsed(built: &Built, unit: usize) -> MeshUnit {
+fn parsed(built: &Built, unit: usize) -> MeshUnit {
     let unit = &built.units[unit];
     if unit.row.kind == UnitKind::Image {
         return MeshUnit::default();
@@ -39,7 +39,7 @@ pub(crate) fn parsed(built: &Built, unit: usize) -> MeshUnit {
     MeshUnit::parse(&unit.payload, attributes, &unit.row.replaces).unwrap()
 }
 
-pub(crate) fn full_cut(built: &Built) -> MeshCut {
+fn full_cut(built: &Built) -> MeshCut {
     let mut cut = MeshCut::default();
     for number in 0..built.units.len() {
         let (id, needs) = (UnitId(number as u32), &built.units[number].row.needs);
