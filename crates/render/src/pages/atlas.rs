@@ -96,17 +96,51 @@ impl PageAtlas {
         self.layers = layers;
     }
 
+    /// Whether less than half of the slots are in use.
+    pub(crate) fn is_mostly_free(&self) -> bool {
+        2 * self.free.len() > (self.layers * self.across * self.across) as usize
+    }
+
+    /// Keeps these slots alone, in as few layers as hold them, and returns where they lie now.
+    pub(crate) fn pack(&mut self, gpu: &Gpu, used: &[PageSlot]) -> Vec<PageSlot> {
+        let mut packed = Self {
+            texture: texture(gpu, 1, 1),
+            layers: 0,
+            free: Vec::new(),
+            ..*self
+        };
+        let layers = (used.len() as u32).div_ceil(self.across * self.across);
+        if layers > 0 {
+            packed.grow(gpu, layers);
+        }
+        let places: Vec<PageSlot> = used.iter().filter_map(|_| packed.free.pop()).collect();
+        let mut encoder = gpu.encoder("pages in fewer layers");
+        for (from, to) in used.iter().zip(&places) {
+            let [from, to] =
+                [(&self.texture, from), (&packed.texture, to)].map(|(texture, slot)| {
+                    wgpu::TexelCopyTextureInfo {
+                        origin: origin_of(*slot),
+                        ..texture.as_image_copy()
+                    }
+                });
+            let size = wgpu::Extent3d {
+                width: SLOT_SIDE,
+                height: SLOT_SIDE,
+                depth_or_array_layers: 1,
+            };
+            encoder.copy_texture_to_texture(from, to, size);
+        }
+        gpu.submit(encoder);
+        *self = packed;
+        places
+    }
+
     /// Writes a page with its border into a slot.
     pub(crate) fn write(&self, gpu: &Gpu, slot: PageSlot, picture: &TexturePicture) {
         let [width, height] = picture.size;
-        let [x, y] = slot.at.map(u32::from);
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
-                origin: wgpu::Origin3d {
-                    x,
-                    y,
-                    z: u32::from(slot.layer),
-                },
+                origin: origin_of(slot),
                 ..self.texture.as_image_copy()
             },
             picture.bytes(),
@@ -122,6 +156,12 @@ impl PageAtlas {
             },
         );
     }
+}
+
+fn origin_of(slot: PageSlot) -> wgpu::Origin3d {
+    let [x, y] = slot.at.map(u32::from);
+    let z = u32::from(slot.layer);
+    wgpu::Origin3d { x, y, z }
 }
 
 fn layer_bytes(across: u32) -> u64 {

@@ -205,6 +205,39 @@ impl PageTable {
         free
     }
 
+    /// From now on pages lie elsewhere, each at the next of these places, in order.
+    pub(crate) fn move_to(&mut self, mut places: impl Iterator<Item = PageSlot>) {
+        for note in self.notes.values_mut() {
+            let slots = note.slots.iter_mut().zip(&mut places);
+            slots.for_each(|(slot, place)| *slot = place);
+        }
+        // Coarser pages have lower numbers: each shows over those before it.
+        let notes: Vec<PageNote> = self.notes.values().cloned().collect();
+        for texture in 0..self.textures.len() {
+            self.forget_entries(texture);
+        }
+        notes.iter().for_each(|note| self.show(note, None));
+    }
+
+    /// Nothing shows any part of a texture.
+    fn forget_entries(&mut self, texture: usize) {
+        let shape = shape_of(&self.textures[texture]);
+        for level in 0..shape.levels() {
+            let first = self.words[texture * HEAD_WORDS + FIRST_LEVEL + usize::from(level)];
+            let [columns, rows] = shape.pages(level);
+            for page in 0..(columns * rows) as usize {
+                self.write(first as usize + ENTRY_WORDS * page, [NO_PAGE; 2]);
+            }
+        }
+    }
+
+    /// Where all pages lie, in order.
+    pub(crate) fn slots(&self) -> impl Iterator<Item = PageSlot> {
+        self.notes
+            .values()
+            .flat_map(|note| note.slots.iter().copied())
+    }
+
     fn remove(&mut self, unit: UnitId) -> Vec<PageSlot> {
         let Some(note) = self.notes.remove(&unit) else {
             return Vec::new();
@@ -352,5 +385,18 @@ mod tests {
         assert_eq!(table.retain(&wanted), []);
         assert_eq!(table.retain(&HashSet::new()).len(), 2);
         assert_eq!(all(&table), [[7, 2]; 4]);
+    }
+
+    #[test]
+    fn what_is_moved_is_shown_where_it_lies_now() {
+        let mut table = PageTable::new(&[texture([512, 512])], &[]);
+        let page = |level, place| (0, PagePlace { level, place });
+        let [root, fine] = [0, 4].map(UnitId);
+        table.insert(root, &[], page(1, [0, 0]), [slot(7), slot(9)].concat());
+        table.insert(fine, &[root], page(0, [1, 0]), slot(8));
+        let layers: Vec<u16> = table.slots().map(|it| it.layer).collect();
+        assert_eq!(layers, [7, 9, 8]);
+        table.move_to((0..3).flat_map(slot));
+        assert_eq!([0, 1].map(|column| shown(&table, column)), [[0, 1], [2, 0]]);
     }
 }
