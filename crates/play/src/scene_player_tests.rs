@@ -87,6 +87,7 @@ fn about() -> SceneDescription {
         colour: [0.5, 0.5, 0.5, 1.0],
         two_sided: false,
         unlit: false,
+        texturing: None,
         placements: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]],
     };
     SceneDescription {
@@ -94,6 +95,7 @@ fn about() -> SceneDescription {
         needs: vec![KIND.to_owned()],
         generator: "test".to_owned(),
         source: Default::default(),
+        textures: Vec::new(),
         objects: vec![object],
         units: vec![1, 1],
         page: 16,

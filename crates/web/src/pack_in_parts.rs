@@ -2,7 +2,6 @@
 
 use crate::options::Options;
 use foveal_core::content::demand::Content;
-use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::Policy;
 use foveal_core::content::scene::Scene;

@@ -12,8 +12,7 @@ use std::collections::BTreeMap;
 
 /// How long a unit is on its way.
 const WAY: Seconds = Seconds(0.2);
-/// Most units that are on their way at once; what comes besides is shown at once. Some milliseconds
-/// a picture on one core.
+/// Most units that are on their way at once: some milliseconds a picture on one core.
 const MOST: usize = 1024;
 
 /// Units on their way to their places.
@@ -31,7 +30,7 @@ impl Morphs {
     }
 
     /// A unit comes: on its way from `now` on, where somebody sees that and there was a picture
-    /// before.
+    /// before, and where what it needs is on its way. Where too many are, all arrive.
     pub(crate) fn begin(
         &mut self,
         scene: &Scene,
@@ -42,9 +41,16 @@ impl Morphs {
         self.begun.remove(&unit);
         let is_first = *self.first.get_or_insert(now) == now;
         let is_root = scene.needs(unit).is_empty();
-        let has_room = self.begun.len() < MOST;
-        if !is_first && !is_root && has_room && witness.sees(scene, unit) {
+        if is_first || is_root {
+            return;
+        }
+        let needs = scene.needs(unit);
+        let is_on_moving = needs.iter().any(|need| self.begun.contains_key(need));
+        if is_on_moving || witness.sees(scene, unit) {
             self.begun.insert(unit, now);
+        }
+        if self.begun.len() > MOST {
+            self.begun.clear();
         }
     }
 

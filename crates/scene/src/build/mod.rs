@@ -106,10 +106,10 @@ fn build_here(
     progress(all, all);
     let permissive = graphs.iter().map(|graph| graph.permissive).sum();
     count(&mut repairs, "permissive_groups", permissive);
-    let pages = pages::write(source, &shown, &mut meshes, options.exact)?;
-    count(&mut repairs, "missing_images", shown.missing + pages.broken);
     let light = DVec3::from_array(source.look().light);
     let light = options.signatures.then_some(light);
+    let pages = pages::write(source, &shown, &mut meshes, options.exact)?;
+    count(&mut repairs, "missing_images", shown.missing + pages.broken);
     let (units, levels) = units::write(&meshes, &graphs, &pages.all, light)?;
     Ok(Built {
         objects: meshes.into_iter().map(|mesh| mesh.object).collect(),

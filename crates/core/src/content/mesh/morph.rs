@@ -2,7 +2,8 @@
 //!
 //! It starts at the nearest point of the triangles that its unit is shown in place of. A point is
 //! told by the corners of a triangle and their shares, so that it moves along where these are on
-//! their way themselves. All is in whole numbers: vertices at one place stay at one place, and
+//! their way themselves; the vertex moves with it, and away from it by what lies between the two in
+//! the end. All is in whole numbers: vertices at one place stay at one place, and
 //! whatever triangles meet there go on meeting there.
 
 use crate::content::mesh::octahedral::{direction_from_octahedral, octahedral_from_direction};
@@ -26,6 +27,8 @@ pub(super) struct Foot {
     pub(super) corners: [u16; 3],
     /// How much each corner counts, of [`WHOLE`].
     shares: [u32; 3],
+    /// Where the point is once its corners are in their places, times [`WHOLE`].
+    end: [u32; 3],
     /// Normal and colour of the surface there.
     normal: [i8; 2],
     colour: [u8; 4],
@@ -36,15 +39,11 @@ impl Foot {
     /// corners that it starts between are at these places now.
     pub(super) fn at(&self, corners: [[u16; 3]; 3], vertex: &MeshVertex, share: f64) -> MeshVertex {
         let gone = (share.clamp(0.0, 1.0) * f64::from(WHOLE)) as u32;
-        if gone == WHOLE {
-            return *vertex;
-        }
+        let now = point_of(&self.shares, &corners);
         let place = [0, 1, 2].map(|axis| {
-            let of_corner = |k: usize| self.shares[k] * u32::from(corners[k][axis]);
-            let foot: u32 = [0, 1, 2].map(of_corner).iter().sum();
-            let [from, to] = [foot, u32::from(vertex.place[axis]) * WHOLE].map(u64::from);
-            let sum = from * u64::from(WHOLE - gone) + to * u64::from(gone);
-            ((sum + (1 << 31)) >> 32) as u16
+            let away = i64::from(vertex.place[axis]) * i64::from(WHOLE) - i64::from(self.end[axis]);
+            let sum = i64::from(now[axis]) * i64::from(WHOLE) + away * i64::from(gone);
+            ((sum + (1 << 31)) >> 32).clamp(0, i64::from(u16::MAX)) as u16
         });
         let shares = [WHOLE - gone, gone];
         MeshVertex {
@@ -187,15 +186,25 @@ impl<'a> Surface<'a> {
             normals.chain(colours).sum::<u32>()
         };
         let (corners, shares) = found.nearest;
+        let places = corners.map(|it| self.vertices[usize::from(it)].place);
         let there = found.as_near.iter().map(attributes).min_by_key(off);
         let (normal, colour) = there.unwrap_or((vertex.normal, vertex.colour));
         Foot {
             corners,
             shares,
+            end: point_of(&shares, &places),
             normal,
             colour,
         }
     }
+}
+
+/// A point between corners, times [`WHOLE`].
+fn point_of(shares: &[u32; 3], corners: &[[u16; 3]; 3]) -> [u32; 3] {
+    [0, 1, 2].map(|axis| {
+        let of_corner = |k: usize| shares[k] * u32::from(corners[k][axis]);
+        [0, 1, 2].map(of_corner).iter().sum()
+    })
 }
 
 fn point(place: [u16; 3]) -> DVec3 {

@@ -23,7 +23,9 @@ use crate::units::Radians;
 pub(super) struct SceneWorth {
     parameters: Parameters,
     importance: ImportanceSource,
-    of_steps: StepWorth,
+    /// Steps of what is drawn without a filter, and of textures.
+    of_sampled: StepWorth,
+    of_filtered: StepWorth,
     /// For each unit the areas of the spheres of those that need it, in object space.
     needed_by: Vec<f64>,
     /// What was measured last; `None` where nothing was.
@@ -46,7 +48,8 @@ impl SceneWorth {
         }
         let parameters = parameters_of_morphs(parameters);
         Self {
-            of_steps: StepWorth::of_what_is_drawn(&parameters, DrawnFiner::Sampled),
+            of_sampled: StepWorth::of_what_is_drawn(&parameters, DrawnFiner::Sampled),
+            of_filtered: StepWorth::of_what_is_drawn(&parameters, DrawnFiner::Filtered),
             parameters,
             importance,
             needed_by,
@@ -144,9 +147,11 @@ impl SceneWorth {
         let apart = (extent.mean.0 - extent.least.0) / 2.0;
         let gain = |eccentricity| {
             let place = SeenPlace::at(&self.parameters, Radians(eccentricity), display);
-            let seen = self
-                .of_steps
-                .seen_samples(&row.signature, ppd, &place, state);
+            let of_steps = match row.kind {
+                UnitKind::Image => &self.of_filtered,
+                _ => &self.of_sampled,
+            };
+            let seen = of_steps.seen_samples(&row.signature, ppd, &place, state);
             seen * extent.area_deg2
         };
         (gain(extent.mean.0 - apart) + gain(extent.mean.0 + apart)) / 2.0

@@ -30,7 +30,7 @@ fn grid_mesh(source: &SourceScene) -> GridMesh {
     super::mesh::grid_mesh(source, &source.objects[0], 14, &shown).unwrap()
 }
 
-fn parsed(built: &Built, unit: usize) -> MeshUnit {
+pub(crate) fn parsed(built: &Built, unit: usize) -> MeshUnit {
     let unit = &built.units[unit];
     if unit.row.kind == UnitKind::Image {
         return MeshUnit::default();
