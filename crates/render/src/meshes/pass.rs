@@ -74,7 +74,7 @@ impl ClusterPass {
         bind(gpu, "clusters", &self.layout, &resources)
     }
 
-    /// Records the pass over a whole picture, of which pixels have these codes where nothing stands.
+    /// Binds what a list is drawn with: view, placements, words, vertices and pages.
     pub(crate) fn record(
         &mut self,
         (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
