@@ -3,9 +3,12 @@
 // A test that cannot go on panics.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod image_pages;
 mod mesh_units;
 mod scene_packs;
 
+use foveal_core::content::images::payload::{PageCodec, page_bytes};
+use foveal_core::content::images::shape::PagePlace;
 use foveal_core::content::mesh::cut::MeshCut;
 use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
 use foveal_core::content::scene::description::SceneDescription;
@@ -160,6 +163,44 @@ fn a_generated_corpus_of_damaged_scenes_never_panics() {
         accepted > 500,
         "only {accepted} of 8000 were read to the end"
     );
+}
+
+/// A page of the first texture, as JPEG and as PNG.
+fn pages() -> [Vec<u8>; 2] {
+    let [columns, rows] = image_pages::textures()[0].size.map(|it| it as u16 + 2);
+    let texels: Vec<u8> = (0..3 * columns * rows).map(|it| (it * 7) as u8).collect();
+    let (mut jpeg, mut png) = (Vec::new(), Vec::new());
+    let encoder = jpeg_encoder::Encoder::new(&mut jpeg, 80);
+    let kind = jpeg_encoder::ColorType::Rgb;
+    encoder.encode(&texels, columns, rows, kind).unwrap();
+    let mut encoder = png::Encoder::new(&mut png, columns.into(), rows.into());
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&texels).unwrap();
+    writer.finish().unwrap();
+    let page = PagePlace::default();
+    [(PageCodec::Jpeg, jpeg), (PageCodec::Png, png)]
+        .map(|(codec, file)| page_bytes(0, page, codec, &file))
+}
+
+#[test]
+fn a_generated_corpus_of_damaged_pages_never_panics() {
+    let mut random = Random::new(8);
+    for good in pages() {
+        assert!(image_pages::parse_anything(&good));
+        for length in 0..good.len() {
+            image_pages::parse_anything(&good[..length]);
+        }
+        for _ in 0..4000 {
+            image_pages::parse_anything(&damaged(&good, &mut random));
+        }
+        let mut other = good.clone();
+        other[2] = 1;
+        assert!(
+            !image_pages::parse_anything(&other),
+            "the size of another texture's page"
+        );
+    }
 }
 
 #[test]

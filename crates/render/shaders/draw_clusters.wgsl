@@ -1,7 +1,7 @@
 // draw_clusters: which colour has each pixel of the nearest surface?
 //
-// Reads: placements, clusters, vertices, pages, the clusters that are seen. Writes: sRGB codes, or the
-// units that would refine what is drawn. Size: the corners that `cull_clusters` wrote.
+// Reads: placements, clusters, vertices, pages, the clusters that are seen. Writes: sRGB codes, or
+// the units that would refine what is drawn. Size: the corners that `cull_clusters` wrote.
 
 // The block of each cluster and its placement.
 @group(0) @binding(3) var<storage, read> shown: array<vec2u>;

@@ -101,7 +101,8 @@ fn sphere_glb(image: &[u8]) -> Vec<u8> {
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "name": "ball"}],
         "meshes": [{"primitives": [{
-            "attributes": {"POSITION": 0, "NORMAL": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0,
+            "attributes": {"POSITION": 0, "NORMAL": 0, "TEXCOORD_0": 1},
+            "indices": 2, "material": 0,
         }]}],
         "materials": [{
             "extensions": {"KHR_materials_unlit": {}},
@@ -154,7 +155,7 @@ fn simulate(folder: &Folder, pack: &str, more: &[&str]) -> Value {
     json(&arguments)
 }
 
-/// Which of red, green and blue are strong at the left, in the middle and at the right of a picture.
+/// Which of red, green and blue are strong at the left, in the middle and at the right.
 fn thirds(folder: &Folder) -> [[bool; 3]; 3] {
     let picture = Rgb::read(&folder.name("out/frame_00000.png"));
     [60, 120, 180].map(|x| picture.at([x, 120]).map(|code| code > 100))

@@ -148,7 +148,9 @@ impl SceneFile {
             }
             Payload::Image(page) => {
                 let inner = page.picture.size.map(|side| (side - 2 * BORDER) as usize);
-                [inner[0] * inner[1], 0]
+                let quarter = row.replaces.first().map(|it| it.cluster);
+                let is_its = quarter.is_none_or(|it| it == page.page.quarter());
+                [inner[0] * inner[1], usize::from(!is_its)]
             }
             Payload::Picture(_) => return Ok(()),
         };

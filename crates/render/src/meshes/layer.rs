@@ -123,8 +123,11 @@ impl SceneLayer {
     /// # Errors
     /// It does not fit to what is there: nothing changed then.
     pub fn upload_page(&mut self, coming: &ComingPage<'_>) -> Result<bool, RenderError> {
-        let room = self.memory.room_beside();
-        let is_there = self.pages.upload(coming, room)?;
+        let mut is_there = self.pages.upload(coming, self.memory.room_beside())?;
+        if !is_there {
+            self.memory.tighten(&self.units)?;
+            is_there = self.pages.upload(coming, self.memory.room_beside())?;
+        }
         self.memory.set_beside(self.pages.bytes());
         Ok(is_there)
     }
@@ -147,6 +150,7 @@ impl SceneLayer {
             self.is_stale = true;
         }
         self.pages.retain(wanted);
+        self.memory.set_beside(self.pages.bytes());
     }
 
     /// From now on the new vertices of these units have gone so much of their way from the coarse

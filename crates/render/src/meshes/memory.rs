@@ -130,7 +130,7 @@ impl UnitMemory {
             return Err(RenderError::NoRoom { bytes, most });
         }
         if self.place(units, unit).is_none() {
-            self.pack(units)?;
+            self.pack(units, self.most_taken())?;
         }
         self.used_bytes = bytes;
         Ok(())
@@ -165,8 +165,21 @@ impl UnitMemory {
         units.max().unwrap_or_default()
     }
 
-    /// Writes all units anew, one after the other, in pools of all that may be taken.
-    fn pack(&mut self, units: &SceneUnits) -> Result<(), RenderError> {
+    /// Leaves as much room to others as it can, where it takes much more than it needs.
+    ///
+    /// # Errors
+    /// None that it did not have before.
+    pub(crate) fn tighten(&mut self, units: &SceneUnits) -> Result<(), RenderError> {
+        let enough = self.used_bytes + self.used_bytes / 4;
+        match self.bytes() > enough {
+            true => self.pack(units, 0),
+            false => Ok(()),
+        }
+    }
+
+    /// Writes all units anew, one after the other, in pools of so many bytes, but of an eighth more
+    /// than they need at least.
+    fn pack(&mut self, units: &SceneUnits, most: u64) -> Result<(), RenderError> {
         let most_bound = most_bound(&self.gpu);
         let mut needed = [0; 2];
         for (_, _, placed) in units.all() {
@@ -178,11 +191,11 @@ impl UnitMemory {
             let most = 2 * most_bound;
             return Err(RenderError::NoRoom { bytes, most });
         }
-        let most = self.most_taken();
+        let most = most.max(bytes + bytes / 8);
         let places = |needed: u64, place_bytes: u64| {
             let share = u128::from(most) * u128::from(needed) / u128::from(bytes.max(1));
             let share = (share as u64).min(most_bound);
-            Some((share / place_bytes) as u32)
+            Some(share.div_ceil(place_bytes) as u32)
         };
         let vertices = places(needed[0], VERTEX_BYTES);
         self.vertices = Pool::new(&self.gpu, VERTICES, VERTEX_BYTES, vertices)?;

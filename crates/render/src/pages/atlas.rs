@@ -3,7 +3,7 @@
 //! In one texture array whose layers are cut into slots of one page each. It grows by layers.
 
 use crate::gpu::device::Gpu;
-use crate::pages::table::SlotPlace;
+use crate::pages::table::PageSlot;
 use foveal_core::content::images::picture::TexturePicture;
 use foveal_core::content::images::shape::{SLOT_BYTES, SLOT_SIDE};
 
@@ -18,7 +18,7 @@ pub(crate) struct PageAtlas {
     across: u32,
     layers: u32,
     most_layers: u32,
-    free: Vec<SlotPlace>,
+    free: Vec<PageSlot>,
 }
 
 impl PageAtlas {
@@ -50,7 +50,7 @@ impl PageAtlas {
 
     /// A free slot; grows to at most `most_bytes` where there is none. `None` where that is not
     /// enough.
-    pub(crate) fn take(&mut self, gpu: &Gpu, most_bytes: u64) -> Option<SlotPlace> {
+    pub(crate) fn take(&mut self, gpu: &Gpu, most_bytes: u64) -> Option<PageSlot> {
         if self.free.is_empty() {
             let most = (most_bytes / layer_bytes(self.across)) as u32;
             let most = most.min(self.most_layers);
@@ -65,7 +65,7 @@ impl PageAtlas {
     }
 
     /// Gives back what [`Self::take`] gave.
-    pub(crate) fn give_back(&mut self, slots: impl IntoIterator<Item = SlotPlace>) {
+    pub(crate) fn give_back(&mut self, slots: impl IntoIterator<Item = PageSlot>) {
         self.free.extend(slots);
     }
 
@@ -87,7 +87,7 @@ impl PageAtlas {
         let across = self.across;
         let new = (self.layers..layers).rev().flat_map(|layer| {
             let slots = (0..across * across).rev();
-            slots.map(move |slot| SlotPlace {
+            slots.map(move |slot| PageSlot {
                 at: [slot % across, slot / across].map(|it| (it * SLOT_SIDE) as u16),
                 layer: layer as u16,
             })
@@ -96,17 +96,51 @@ impl PageAtlas {
         self.layers = layers;
     }
 
+    /// Whether less than half of the slots are in use.
+    pub(crate) fn is_mostly_free(&self) -> bool {
+        2 * self.free.len() > (self.layers * self.across * self.across) as usize
+    }
+
+    /// Keeps these slots alone, in as few layers as hold them, and returns where they lie now.
+    pub(crate) fn pack(&mut self, gpu: &Gpu, used: &[PageSlot]) -> Vec<PageSlot> {
+        let mut packed = Self {
+            texture: texture(gpu, 1, 1),
+            layers: 0,
+            free: Vec::new(),
+            ..*self
+        };
+        let layers = (used.len() as u32).div_ceil(self.across * self.across);
+        if layers > 0 {
+            packed.grow(gpu, layers);
+        }
+        let places: Vec<PageSlot> = used.iter().filter_map(|_| packed.free.pop()).collect();
+        let mut encoder = gpu.encoder("pages in fewer layers");
+        for (from, to) in used.iter().zip(&places) {
+            let [from, to] =
+                [(&self.texture, from), (&packed.texture, to)].map(|(texture, slot)| {
+                    wgpu::TexelCopyTextureInfo {
+                        origin: origin_of(*slot),
+                        ..texture.as_image_copy()
+                    }
+                });
+            let size = wgpu::Extent3d {
+                width: SLOT_SIDE,
+                height: SLOT_SIDE,
+                depth_or_array_layers: 1,
+            };
+            encoder.copy_texture_to_texture(from, to, size);
+        }
+        gpu.submit(encoder);
+        *self = packed;
+        places
+    }
+
     /// Writes a page with its border into a slot.
-    pub(crate) fn write(&self, gpu: &Gpu, slot: SlotPlace, picture: &TexturePicture) {
+    pub(crate) fn write(&self, gpu: &Gpu, slot: PageSlot, picture: &TexturePicture) {
         let [width, height] = picture.size;
-        let [x, y] = slot.at.map(u32::from);
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
-                origin: wgpu::Origin3d {
-                    x,
-                    y,
-                    z: u32::from(slot.layer),
-                },
+                origin: origin_of(slot),
                 ..self.texture.as_image_copy()
             },
             picture.bytes(),
@@ -122,6 +156,12 @@ impl PageAtlas {
             },
         );
     }
+}
+
+fn origin_of(slot: PageSlot) -> wgpu::Origin3d {
+    let [x, y] = slot.at.map(u32::from);
+    let z = u32::from(slot.layer);
+    wgpu::Origin3d { x, y, z }
 }
 
 fn layer_bytes(across: u32) -> u64 {

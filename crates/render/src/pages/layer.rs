@@ -4,7 +4,7 @@ use crate::error::RenderError;
 use crate::gpu::buffers::storage;
 use crate::gpu::device::Gpu;
 use crate::pages::atlas::PageAtlas;
-use crate::pages::table::PageTable;
+use crate::pages::table::{PageSlot, PageTable};
 use foveal_core::content::images::payload::ImagePage;
 use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::pack::unit::UnitId;
@@ -105,6 +105,11 @@ impl PageLayer {
     pub(crate) fn retain(&mut self, wanted: &HashSet<UnitId>) {
         let free = self.table.retain(wanted);
         self.atlas.give_back(free);
+        if self.atlas.is_mostly_free() {
+            let used: Vec<PageSlot> = self.table.slots().collect();
+            let places = self.atlas.pack(&self.gpu, &used);
+            self.table.move_to(places.into_iter());
+        }
     }
 
     /// Writes to the GPU what changed of the table.

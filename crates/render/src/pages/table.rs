@@ -27,7 +27,7 @@ pub(crate) const NO_PAGE: u32 = u32::MAX;
 
 /// Where a page lies: column and row of its first texel, its border included, and the layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) struct SlotPlace {
+pub(crate) struct PageSlot {
     pub(crate) at: [u16; 2],
     pub(crate) layer: u16,
 }
@@ -38,7 +38,7 @@ struct PageNote {
     texture: u16,
     page: PagePlace,
     /// Where it lies; of a root, then, where the levels made of it lie.
-    slots: Vec<SlotPlace>,
+    slots: Vec<PageSlot>,
     needs: Vec<UnitId>,
     /// How many pages that are there need it.
     dependents: u32,
@@ -171,7 +171,7 @@ impl PageTable {
         unit: UnitId,
         needs: &[UnitId],
         (texture, page): (u16, PagePlace),
-        slots: Vec<SlotPlace>,
+        slots: Vec<PageSlot>,
     ) {
         for need in needs {
             if let Some(note) = self.notes.get_mut(need) {
@@ -191,7 +191,7 @@ impl PageTable {
 
     /// Takes away all pages but those that are wanted, what these need, and roots. Returns the
     /// places that are free now.
-    pub(crate) fn retain(&mut self, wanted: &HashSet<UnitId>) -> Vec<SlotPlace> {
+    pub(crate) fn retain(&mut self, wanted: &HashSet<UnitId>) -> Vec<PageSlot> {
         let mut free = Vec::new();
         let there: Vec<UnitId> = self.notes.keys().rev().copied().collect();
         for unit in there {
@@ -205,7 +205,40 @@ impl PageTable {
         free
     }
 
-    fn remove(&mut self, unit: UnitId) -> Vec<SlotPlace> {
+    /// From now on pages lie elsewhere, each at the next of these places, in order.
+    pub(crate) fn move_to(&mut self, mut places: impl Iterator<Item = PageSlot>) {
+        for note in self.notes.values_mut() {
+            let slots = note.slots.iter_mut().zip(&mut places);
+            slots.for_each(|(slot, place)| *slot = place);
+        }
+        // Coarser pages have lower numbers: each shows over those before it.
+        let notes: Vec<PageNote> = self.notes.values().cloned().collect();
+        for texture in 0..self.textures.len() {
+            self.forget_entries(texture);
+        }
+        notes.iter().for_each(|note| self.show(note, None));
+    }
+
+    /// Nothing shows any part of a texture.
+    fn forget_entries(&mut self, texture: usize) {
+        let shape = shape_of(&self.textures[texture]);
+        for level in 0..shape.levels() {
+            let first = self.words[texture * HEAD_WORDS + FIRST_LEVEL + usize::from(level)];
+            let [columns, rows] = shape.pages(level);
+            for page in 0..(columns * rows) as usize {
+                self.write(first as usize + ENTRY_WORDS * page, [NO_PAGE; 2]);
+            }
+        }
+    }
+
+    /// Where all pages lie, in order.
+    pub(crate) fn slots(&self) -> impl Iterator<Item = PageSlot> {
+        self.notes
+            .values()
+            .flat_map(|note| note.slots.iter().copied())
+    }
+
+    fn remove(&mut self, unit: UnitId) -> Vec<PageSlot> {
         let Some(note) = self.notes.remove(&unit) else {
             return Vec::new();
         };
@@ -293,7 +326,7 @@ fn entry_of(note: &PageNote) -> [u32; 2] {
     entry(note.slots[0], [BORDER; 2], note.page.level)
 }
 
-fn entry(slot: SlotPlace, inside: [u32; 2], level: u8) -> [u32; 2] {
+fn entry(slot: PageSlot, inside: [u32; 2], level: u8) -> [u32; 2] {
     let [x, y] = [0, 1].map(|k| u32::from(slot.at[k]) + inside[k]);
     [x | y << 16, u32::from(slot.layer) | u32::from(level) << 16]
 }
@@ -316,8 +349,8 @@ mod tests {
         }
     }
 
-    fn slot(layer: u16) -> Vec<SlotPlace> {
-        vec![SlotPlace { at: [0; 2], layer }]
+    fn slot(layer: u16) -> Vec<PageSlot> {
+        vec![PageSlot { at: [0; 2], layer }]
     }
 
     /// Layer and level of the entry of a page of level 0.
@@ -352,5 +385,18 @@ mod tests {
         assert_eq!(table.retain(&wanted), []);
         assert_eq!(table.retain(&HashSet::new()).len(), 2);
         assert_eq!(all(&table), [[7, 2]; 4]);
+    }
+
+    #[test]
+    fn what_is_moved_is_shown_where_it_lies_now() {
+        let mut table = PageTable::new(&[texture([512, 512])], &[]);
+        let page = |level, place| (0, PagePlace { level, place });
+        let [root, fine] = [0, 4].map(UnitId);
+        table.insert(root, &[], page(1, [0, 0]), [slot(7), slot(9)].concat());
+        table.insert(fine, &[root], page(0, [1, 0]), slot(8));
+        let layers: Vec<u16> = table.slots().map(|it| it.layer).collect();
+        assert_eq!(layers, [7, 9, 8]);
+        table.move_to((0..3).flat_map(slot));
+        assert_eq!([0, 1].map(|column| shown(&table, column)), [[0, 1], [2, 0]]);
     }
 }

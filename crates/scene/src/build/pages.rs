@@ -2,7 +2,7 @@
 
 use super::built::{BuildError, BuiltUnit};
 use super::mesh::GridMesh;
-use super::regions::{Region, regions};
+use super::regions::{ShownRegion, regions};
 use super::sphere::LocalSphere;
 use super::textures::{ShownImage, ShownImages};
 use crate::read::image;
@@ -11,6 +11,7 @@ use foveal_core::content::images::halving::Halving;
 use foveal_core::content::images::payload::{PageCodec, page_bytes};
 use foveal_core::content::images::picture::TexturePicture;
 use foveal_core::content::images::shape::{PagePlace, TextureShape};
+use foveal_core::content::mesh::payload::ClusterRef;
 use foveal_core::content::scene::description::{SceneTexture, most_growth};
 use foveal_core::content::scene::unit_table::{OF_ALL, UnitKind, UnitRow};
 use foveal_core::pack::PackError;
@@ -46,12 +47,21 @@ pub(super) struct BuiltPage {
 }
 
 impl BuiltPage {
+    /// Which quarter of the page that it lies in it is.
+    fn quarter(&self) -> ClusterRef {
+        ClusterRef {
+            need: 0,
+            cluster: self.place.quarter(),
+        }
+    }
+
     /// The page as a unit, given its level and the units of all pages of its texture.
     pub(super) fn unit(&self, level: u8, unit_of: &[UnitId]) -> BuiltUnit {
         BuiltUnit {
             level,
             row: UnitRow {
                 needs: self.coarser.map(|it| unit_of[it]).into_iter().collect(),
+                replaces: self.coarser.map(|_| self.quarter()).into_iter().collect(),
                 ..self.row.clone()
             },
             payload: self.payload.clone(),
@@ -115,7 +125,7 @@ pub(super) fn write(
 struct SeenRegions {
     /// The object that all of them are of, or [`OF_ALL`].
     object: u16,
-    regions: BTreeMap<PagePlace, Region>,
+    regions: BTreeMap<PagePlace, ShownRegion>,
 }
 
 fn seen_regions(meshes: &[GridMesh], texture: u16, image: &ShownImage) -> SeenRegions {
@@ -136,7 +146,7 @@ fn seen_regions(meshes: &[GridMesh], texture: u16, image: &ShownImage) -> SeenRe
             regions: std::mem::take(regions),
         };
     }
-    let mut in_world: BTreeMap<PagePlace, Vec<Region>> = BTreeMap::new();
+    let mut in_world: BTreeMap<PagePlace, Vec<ShownRegion>> = BTreeMap::new();
     for (object, regions) in of_mesh {
         let object = &meshes[object].object;
         for (page, region) in regions {
@@ -148,7 +158,7 @@ fn seen_regions(meshes: &[GridMesh], texture: u16, image: &ShownImage) -> SeenRe
                 let rounded = centre.as_vec3();
                 let off = (centre - rounded.as_dvec3()).length();
                 let radius = f64::from(region.sphere.radius) * growth + off;
-                Region {
+                ShownRegion {
                     sphere: LocalSphere {
                         centre: rounded.to_array(),
                         radius: (radius as f32).next_up(),
@@ -167,12 +177,12 @@ fn seen_regions(meshes: &[GridMesh], texture: u16, image: &ShownImage) -> SeenRe
 }
 
 /// What encloses regions, of which there is at least one.
-fn round(regions: &[Region]) -> Region {
+fn round(regions: &[ShownRegion]) -> ShownRegion {
     if let [region] = regions {
         return *region;
     }
     let spheres: Vec<LocalSphere> = regions.iter().map(|it| it.sphere).collect();
-    Region {
+    ShownRegion {
         sphere: LocalSphere::round(&spheres),
         texel: regions.iter().map(|it| it.texel).fold(0.0, f64::max),
     }
@@ -189,7 +199,7 @@ struct Texture {
 /// A page whose texels are not cut out yet.
 struct Planned {
     place: PagePlace,
-    region: Region,
+    region: ShownRegion,
 }
 
 impl Texture {
@@ -240,7 +250,7 @@ impl Texture {
 
     /// The pages of each level, finest first; each in order.
     fn planned(&self, shape: &TextureShape) -> Vec<Vec<Planned>> {
-        let in_order = |level: BTreeMap<PagePlace, Region>| {
+        let in_order = |level: BTreeMap<PagePlace, ShownRegion>| {
             let pages = level.into_iter();
             pages
                 .map(|(place, region)| Planned { place, region })
@@ -250,12 +260,12 @@ impl Texture {
         let mut level = self.seen.regions.clone();
         if !level.keys().all(is_there) {
             // The picture is broken: one page has all.
-            let all: Vec<Region> = level.values().copied().collect();
+            let all: Vec<ShownRegion> = level.values().copied().collect();
             level = BTreeMap::from([(PagePlace::default(), round(&all))]);
         }
         let mut levels = Vec::new();
         for _ in 0..shape.root() {
-            let mut coarser: BTreeMap<PagePlace, Vec<Region>> = BTreeMap::new();
+            let mut coarser: BTreeMap<PagePlace, Vec<ShownRegion>> = BTreeMap::new();
             for (page, region) in &level {
                 coarser.entry(page.coarser()).or_default().push(*region);
             }

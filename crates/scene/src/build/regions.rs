@@ -20,7 +20,7 @@ const LARGEST: f64 = 4.0;
 
 /// A part of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Region {
+pub(super) struct ShownRegion {
     /// A sphere round it, in the object's space, from the origin of its grid.
     pub sphere: LocalSphere,
     /// Largest side of a texel of level 0 there, in the object's space.
@@ -52,7 +52,7 @@ pub(super) fn regions(
     mesh: &GridMesh,
     slot: u8,
     image: &ShownImage,
-) -> BTreeMap<PagePlace, Region> {
+) -> BTreeMap<PagePlace, ShownRegion> {
     let mut gathered: BTreeMap<[u16; 2], Gathered> = BTreeMap::new();
     for_every_piece(mesh, slot, image, |page, piece, [area, texels]| {
         let it = gathered.entry(page).or_insert(Gathered {
@@ -91,7 +91,7 @@ pub(super) fn regions(
             radius: (it.reach as f32).next_up(),
         };
         let texel = it.largest.min(LARGEST * mean);
-        (PagePlace { level: 0, place }, Region { sphere, texel })
+        (PagePlace { level: 0, place }, ShownRegion { sphere, texel })
     };
     gathered.into_iter().map(region).collect()
 }

@@ -41,7 +41,7 @@ fn ours(built: &Built, surface: &LitSurface, side: Side) -> (Vec<f64>, f64) {
 /// The same by the renderer's twin, from far away.
 fn twins(built: &Built, side: Side, pixel: f64) -> RgbaImage {
     let object = &built.objects[0];
-    let mut twin = TwinScene::new(&built.objects, &built.textures);
+    let mut twin = TwinScene::new(&built.objects);
     for (number, unit) in built.units.iter().enumerate() {
         let coming = ComingUnit {
             unit: UnitId(number as u32),

@@ -30,6 +30,13 @@ pub struct PagePlace {
 }
 
 impl PagePlace {
+    /// Which quarter of the page that it lies in it is: 0 and 1 above, 2 and 3 below.
+    #[must_use]
+    pub fn quarter(self) -> u8 {
+        let [column, row] = self.place.map(|it| (it % 2) as u8);
+        column + 2 * row
+    }
+
     /// The page of the next coarser level that it lies in.
     #[must_use]
     pub fn coarser(self) -> Self {

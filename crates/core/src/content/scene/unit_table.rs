@@ -92,7 +92,8 @@ pub struct UnitRow {
     /// The units that must be there first, at most 16, all with lower numbers; none that another of
     /// them needs in turn.
     pub needs: Vec<UnitId>,
-    /// Of a mesh the coarse clusters in whose place it is shown, at most 16.
+    /// Of a mesh the coarse clusters in whose place it is shown, at most 16; of a page the quarter
+    /// of the page that it lies in, as a cluster of it.
     pub replaces: Vec<ClusterRef>,
 }
 

@@ -4,7 +4,7 @@
 use super::wgsl::mix;
 use crate::error::RenderError;
 use crate::pages::ComingPage;
-use crate::pages::table::{HEAD_WORDS, NO_PAGE, PageTable, SlotPlace};
+use crate::pages::table::{HEAD_WORDS, NO_PAGE, PageSlot, PageTable};
 use foveal_core::content::images::halving::Halving;
 use foveal_core::content::images::picture::TexturePicture;
 use foveal_core::content::scene::description::{SceneObject, SceneTexture};
@@ -23,7 +23,7 @@ const CLAMP: u32 = 2;
 pub(crate) struct TwinPages {
     pub(crate) table: PageTable,
     layers: Vec<TexturePicture>,
-    free: Vec<SlotPlace>,
+    free: Vec<PageSlot>,
     halving: Halving,
 }
 
@@ -60,8 +60,8 @@ impl TwinPages {
         Ok(())
     }
 
-    fn keep(&mut self, picture: TexturePicture) -> SlotPlace {
-        let free = self.free.pop().unwrap_or(SlotPlace {
+    fn keep(&mut self, picture: TexturePicture) -> PageSlot {
+        let free = self.free.pop().unwrap_or(PageSlot {
             at: [0; 2],
             layer: self.layers.len() as u16,
         });

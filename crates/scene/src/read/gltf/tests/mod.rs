@@ -5,6 +5,7 @@ mod meshes;
 mod packed;
 mod refused;
 mod scenes;
+mod textures;
 
 use super::super::files::Nowhere;
 use super::read;
