@@ -1,6 +1,7 @@
 //! What does a decoder make of a unit?
 
 use crate::content::mesh::payload::MeshUnit;
+use crate::content::points::payload::PointUnit;
 use crate::view::picture::Picture;
 
 /// A decoded frame of a unit, of any kind of content.
@@ -10,4 +11,6 @@ pub enum Payload {
     Picture(Picture),
     /// Clusters of a mesh.
     Mesh(MeshUnit),
+    /// Points of a cloud.
+    Points(PointUnit),
 }

@@ -17,15 +17,14 @@
 //!    as `payload/vertices.rs` says.
 //! 5. Normals and colours: meshoptimizer's vertex codec, four bytes of each that there is.
 
-mod bits;
 mod cluster;
 #[cfg(test)]
 mod tests;
 mod vertices;
 
+use crate::content::bits::{BitReader, BitWriter};
 use crate::pack::PackError;
 use crate::pack::unit::UnitId;
-use bits::{BitReader, BitWriter};
 use cluster::wrong;
 pub use cluster::{Cluster, MOST_OF_CLUSTER, MeshVertex};
 use meshoptimizer_rs::codec::{

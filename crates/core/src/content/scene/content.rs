@@ -47,8 +47,7 @@ impl Content for Scene {
     }
 
     fn finest_samples(&self) -> u64 {
-        let objects = self.pack().description().objects.iter();
-        objects.map(|it| it.leaf_triangles).sum()
+        self.pack().description().finest_samples()
     }
 
     fn has(&self) -> HasTables {

@@ -1,8 +1,9 @@
 //! Which units are in the pack of a scene, and where are their bytes?
 
+use super::Scene;
 use super::description::{KIND, SceneDescription};
-use super::unit_table::{UNITS, UNITS_VERSION, UnitRow, read_units, write_units};
-use crate::content::mesh::payload::MeshUnit;
+use super::unit_table::{UNITS, UNITS_VERSION, UnitKind, UnitRow, read_units, write_units};
+use crate::content::points::cut::OCTANTS;
 use crate::pack::paged_table::PageDirectory;
 use crate::pack::unit::UnitId;
 use crate::pack::{
@@ -10,6 +11,7 @@ use crate::pack::{
     TableEntry, UnitNumbers, check_crc,
 };
 use serde::Deserialize;
+use std::sync::Arc;
 
 /// Most units, each counted in every place where its object stands: a reader keeps a sphere of
 /// each.
@@ -123,6 +125,40 @@ impl ScenePack {
             if let Some(need) = row.needs.iter().find(of_other) {
                 let found = format!("unit {} of another object", need.0);
                 return wrong("needs", found, "units of its object".to_owned());
+            }
+            let is_cloud = self.description.objects[usize::from(row.object)]
+                .points
+                .is_some();
+            if is_cloud != (row.kind == UnitKind::Points) {
+                let expected = "the kind of its object".to_owned();
+                return wrong("kind", format!("{:?}", row.kind), expected);
+            }
+            let is_octant = |octant: u8| usize::from(octant) < OCTANTS;
+            let refines = row
+                .replaces
+                .iter()
+                .filter(|it| is_octant(it.cluster))
+                .count();
+            let one = usize::from(!is_root);
+            if is_cloud && [row.needs.len(), row.replaces.len(), refines] != [one; 3] {
+                let found = format!("{:?} of {:?}", row.replaces, row.needs);
+                return wrong("replaces", found, "an octant of one unit".to_owned());
+            }
+        }
+        self.check_points()
+    }
+
+    /// Whether all points of each cloud are there.
+    fn check_points(&self) -> Result<(), PackError> {
+        let objects = &self.description.objects;
+        let mut counts = vec![0_u64; objects.len()];
+        let points = self.rows.iter().filter(|it| it.kind == UnitKind::Points);
+        points.for_each(|it| counts[usize::from(it.object)] += u64::from(it.samples));
+        for (object, count) in objects.iter().zip(counts) {
+            if object.points.is_some_and(|it| it.count != count) {
+                let field = format!("table {UNITS}, points of {:?}", object.name);
+                let expected = object.points.map_or(0, |it| it.count);
+                return Err(PackError::new(&field, count, expected));
             }
         }
         Ok(())
@@ -311,12 +347,12 @@ pub fn parse_anything(data: &[u8]) -> bool {
     let Some(pack) = read() else {
         return false;
     };
+    let scene = Scene::new("anything", Arc::new(pack));
+    let pack = scene.pack();
     for unit in pack.units() {
         let entry = pack.entry(unit);
-        let object = &pack.description().objects[usize::from(pack.row(unit).object)];
         if let Some(chunk) = part(entry.offset, u64::from(entry.bytes)) {
-            let replaces = &pack.row(unit).replaces;
-            let _ = MeshUnit::parse(chunk, object.attributes, replaces);
+            let _ = scene.parse_unit(unit, chunk);
         }
     }
     pack.check_coverage(&header).is_ok()

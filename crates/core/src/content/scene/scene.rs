@@ -3,7 +3,11 @@
 use super::description::SceneObject;
 use super::pack::ScenePack;
 use super::sight::Sphere;
-use super::unit_table::UnitRow;
+use super::unit_table::{UnitKind, UnitRow};
+use crate::content::mesh::payload::MeshUnit;
+use crate::content::payload::Payload;
+use crate::content::points::payload::PointUnit;
+use crate::pack::PackError;
 use crate::pack::unit::UnitId;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
@@ -88,6 +92,27 @@ impl Scene {
         &self.pack.description().objects[usize::from(self.pack.row(unit).object)]
     }
 
+    /// What the chunk of a unit says.
+    ///
+    /// # Errors
+    /// It is no unit of that kind.
+    ///
+    /// # Panics
+    /// There must be such a unit.
+    pub fn parse_unit(&self, unit: UnitId, bytes: &[u8]) -> Result<Payload, PackError> {
+        let (row, object) = (self.pack.row(unit), self.object_of(unit));
+        let payload = match (row.kind, &object.points) {
+            (UnitKind::Points, Some(points)) => {
+                PointUnit::parse(bytes, points.attributes).map(Payload::Points)
+            }
+            _ => MeshUnit::parse(bytes, object.attributes, &row.replaces).map(Payload::Mesh),
+        };
+        payload.map_err(|source| PackError {
+            field: format!("unit {}: {}", unit.0, source.field),
+            ..source
+        })
+    }
+
     pub(super) fn stands(&self, unit: UnitId) -> &[Stand] {
         let at = unit.0 as usize;
         &self.stands[self.first[at] as usize..self.first[at + 1] as usize]
@@ -95,8 +120,11 @@ impl Scene {
 }
 
 /// Length of a side of the triangles that a unit is shown in place of: half as many as its own,
-/// over a disc of its sphere.
+/// over a disc of its sphere. Points have no sides: how far they are apart is their error.
 fn coarse_side(row: &UnitRow) -> f64 {
+    if row.kind == UnitKind::Points {
+        return 0.0;
+    }
     let radius = f64::from(row.radius);
     let triangles = f64::from(row.samples.max(1));
     libm::sqrt(2.0 * core::f64::consts::PI * radius * radius / triangles)

@@ -75,6 +75,7 @@ fn description() -> SceneDescription {
             [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
             [0.0, 0.0, -2.0, 0.0, 2.0, 0.0, 2.0, 0.0, 0.0, 3.0, 0.5, -1.0],
         ],
+        points: None,
     };
     SceneDescription {
         kind: KIND.to_owned(),

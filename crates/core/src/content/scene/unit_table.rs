@@ -30,8 +30,24 @@ const GPU_BYTES_OF_TRIANGLE: u64 = 16;
 pub enum UnitKind {
     /// Clusters of triangles: [`MeshUnit`](crate::content::mesh::payload::MeshUnit).
     #[default]
-    Mesh,
+    Mesh = 0,
+    /// Points of a cloud: [`PointUnit`](crate::content::points::payload::PointUnit).
+    Points = 2,
 }
+
+impl UnitKind {
+    /// The kind that a row tells by this number.
+    fn of(number: u8) -> Option<Self> {
+        let all = [Self::Mesh, Self::Points];
+        all.into_iter().find(|kind| *kind as u8 == number)
+    }
+}
+
+/// Bytes of a point on the GPU.
+const GPU_BYTES_OF_POINT: u64 = 12;
+/// What a unit of points takes on the GPU beside them at most: what is left of the last block, and
+/// where it stands.
+const GPU_BYTES_OF_POINT_UNIT: u64 = 2048;
 
 /// What is told of one unit.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -51,7 +67,7 @@ pub struct UnitRow {
     /// What it adds to what it is shown in place of, both drawn so that [`Self::error`] is a pixel;
     /// of a root nothing.
     pub signature: Signature,
-    /// Samples that it shows: triangles of a mesh.
+    /// Samples that it shows: triangles of a mesh, points that are added to a cloud.
     pub samples: u32,
     /// Vertices of all its clusters, those that came before and those of several clusters counted
     /// in each.
@@ -59,7 +75,8 @@ pub struct UnitRow {
     /// The units that must be there first, at most 16, all with lower numbers; none that another of
     /// them needs in turn.
     pub needs: Vec<UnitId>,
-    /// Of a mesh the coarse clusters in whose place it is shown, at most 16.
+    /// Of a mesh the coarse clusters in whose place it is shown, at most 16; of points the octant of
+    /// the unit that it needs.
     pub replaces: Vec<ClusterRef>,
 }
 
@@ -67,13 +84,16 @@ impl UnitRow {
     /// Bytes that it takes on the GPU, at most.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
+        if self.kind == UnitKind::Points {
+            return u64::from(self.samples) * GPU_BYTES_OF_POINT + GPU_BYTES_OF_POINT_UNIT;
+        }
         u64::from(self.vertices) * GPU_BYTES_OF_VERTEX
             + u64::from(self.samples) * GPU_BYTES_OF_TRIANGLE
             + GPU_BYTES_OF_UNIT
     }
 
     fn write(&self, unit: u32) -> Vec<u8> {
-        let mut bytes = vec![0, self.needs.len() as u8];
+        let mut bytes = vec![self.kind as u8, self.needs.len() as u8];
         bytes.extend(self.object.to_le_bytes());
         let [x, y, z] = self.centre;
         let numbers = [x, y, z, self.radius, self.error];
@@ -98,13 +118,13 @@ impl UnitRow {
         let Some((fixed, mut rest)) = bytes.split_at_checked(FIXED_BYTES) else {
             return wrong("row", format!("{} bytes", bytes.len()), "36 and more");
         };
-        if fixed[0] != 0 {
-            return wrong("kind", fixed[0].to_string(), "0, a mesh");
-        }
+        let Some(kind) = UnitKind::of(fixed[0]) else {
+            return wrong("kind", fixed[0].to_string(), "0, a mesh, or 2, points");
+        };
         let count = usize::from(fixed[1]);
         let number = |at| f32::from_bits(u32_at(fixed, at));
         let row = Self {
-            kind: UnitKind::Mesh,
+            kind,
             object: u16::from_le_bytes([fixed[2], fixed[3]]),
             centre: [4, 8, 12].map(number),
             radius: number(16),
@@ -231,6 +251,7 @@ mod tests {
 
     fn rows() -> Vec<UnitRow> {
         let row = |unit: u32| UnitRow {
+            kind: [UnitKind::Mesh, UnitKind::Points][unit as usize % 2],
             object: (unit % 3) as u16,
             centre: [unit as f32, -1.5, 2.0],
             radius: 10.0 / (unit + 1) as f32,
