@@ -1,7 +1,6 @@
-//! Who makes meshes of the units of a scene?
+//! Who makes of the units of a scene what is drawn?
 
 use crate::feed::{Decoder, Done, Failure};
-use foveal_core::content::payload::Payload;
 use foveal_core::session::unit_states::Piece;
 use foveal_media::pack::scene_file::SceneFile;
 use std::collections::VecDeque;
@@ -31,7 +30,7 @@ impl Decoder for MeshReader {
 
     fn receive(&mut self) -> Option<Done> {
         let piece = self.asked.pop_front()?;
-        let mesh = self.file.read_mesh(piece.unit.unit);
+        let payload = self.file.read_unit(piece.unit.unit);
         let damaged = |error| {
             Failure::Damaged(format!(
                 "{error}; what there is else is shown (`foveal verify` lists all damage)"
@@ -40,7 +39,7 @@ impl Decoder for MeshReader {
         Some(Done {
             piece,
             frames: 1,
-            payload: mesh.map(Payload::Mesh).map_err(damaged),
+            payload: payload.map_err(damaged),
         })
     }
 }

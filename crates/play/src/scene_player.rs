@@ -63,6 +63,8 @@ pub struct SceneReport {
     pub units_by_level: Vec<u32>,
     /// Bytes of units that this run had not needed before.
     pub unit_bytes: u64,
+    /// These units.
+    pub new_units: Vec<UnitId>,
     /// Bytes of the pages of index and table that tell of them.
     pub page_bytes: u64,
     /// Time of choosing.
@@ -150,6 +152,7 @@ impl ScenePlayer {
             moment: moment.clone(),
         };
         let (mut unit_bytes, mut page_bytes, mut choose) = (0, 0, Duration::ZERO);
+        let mut new_units = Vec::new();
         for round in 0..MOST_ROUNDS {
             let choosing = Instant::now();
             let actions = decide(&mut self.session, &now);
@@ -166,6 +169,7 @@ impl ScenePlayer {
                 page_bytes += self.load_pages(unit);
                 if self.fetched.insert(unit) {
                     unit_bytes += u64::from(self.file.pack().entry(unit).bytes);
+                    new_units.push(unit);
                 }
                 self.fetch(piece)?;
             }
@@ -174,6 +178,7 @@ impl ScenePlayer {
         Ok(SceneReport {
             units_by_level: self.session.figures.histogram.clone(),
             unit_bytes,
+            new_units,
             page_bytes,
             choose,
             cpu: begun.elapsed(),
@@ -193,9 +198,9 @@ impl ScenePlayer {
     /// Reads and parses a unit; a finer one that is damaged leaves the coarser ones.
     fn fetch(&mut self, piece: Piece) -> Result<(), PlayError> {
         let unit = piece.unit.unit;
-        let event = match self.file.read_mesh(unit) {
-            Ok(mesh) => {
-                self.cache.insert(piece, Payload::Mesh(mesh));
+        let event = match self.file.read_unit(unit) {
+            Ok(payload) => {
+                self.cache.insert(piece, payload);
                 SessionEvent::Decoded { piece, frames: 1 }
             }
             Err(error) if self.scene().needs(unit).is_empty() => return Err(error.into()),

@@ -3,6 +3,7 @@
 use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 use crate::meshes::{ComingUnit, SceneDrawer, SceneStyle};
+use crate::points::ComingPoints;
 use crate::tiles::drawer::{TileDrawer, TileStyle};
 use crate::{Overlay, RgbaImage};
 use foveal_core::content::demand::Content;
@@ -159,6 +160,18 @@ impl Drawer {
                     object: row.object,
                     level: scene.pack().level_of(unit),
                     needs: scene.needs(unit),
+                    says: &says,
+                })
+            }
+            (Layer::Scene(drawer, scene), Payload::Points(says)) => {
+                let unit = piece.unit.unit;
+                let row = scene.pack().row(unit);
+                let refines = scene.needs(unit).first().zip(row.replaces.first());
+                drawer.upload_points(&ComingPoints {
+                    unit,
+                    object: row.object,
+                    level: scene.pack().level_of(unit),
+                    refines: refines.map(|(need, octant)| (*need, octant.cluster)),
                     says: &says,
                 })
             }

@@ -90,7 +90,7 @@ pub enum RenderError {
     Unit(#[from] PackError),
     /// The units of a scene would take more of the GPU's memory than they may.
     #[error(
-        "meshes would take {bytes} bytes of GPU memory, of at most {most}; \
+        "units would take {bytes} bytes of GPU memory, of at most {most}; \
          raise --gpu-memory, or evict units first"
     )]
     NoRoom {

@@ -2,7 +2,6 @@
 
 use crate::options::Options;
 use foveal_core::content::demand::Content;
-use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::Policy;
 use foveal_core::content::scene::Scene;
@@ -193,12 +192,7 @@ impl PackInParts {
             return Err(wrong(&field(), "no such unit", "one of the pack"));
         }
         check_crc(&field(), chunk, scene.pack().entry(unit).crc32c)?;
-        let replaces = &scene.pack().row(unit).replaces;
-        let parsed = MeshUnit::parse(chunk, scene.object_of(unit).attributes, replaces);
-        parsed.map(Payload::Mesh).map_err(|source| PackError {
-            field: format!("{}: {}", field(), source.field),
-            ..source
-        })
+        scene.parse_unit(unit, chunk)
     }
 }
 

@@ -3,6 +3,8 @@
 use crate::pack::open_pack::{OpenPack, PackFileError};
 use crate::pack::pack_writer::PackWriter;
 use foveal_core::content::mesh::payload::MeshUnit;
+use foveal_core::content::payload::Payload;
+use foveal_core::content::points::whole::CloudCheck;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::description::SceneDescription;
 use foveal_core::content::scene::pack::{
@@ -112,32 +114,43 @@ impl SceneFile {
         checked.map(|()| bytes).map_err(|it| self.open.format(it))
     }
 
-    /// A unit of a mesh, read and parsed.
+    /// A unit, read and parsed.
+    ///
+    /// # Errors
+    /// It cannot be read, or is damaged.
+    pub fn read_unit(&self, unit: UnitId) -> Result<Payload, PackFileError> {
+        let bytes = self.read_chunk(unit)?;
+        let parsed = self.scene.parse_unit(unit, &bytes);
+        parsed.map_err(|source| self.open.format(source))
+    }
+
+    /// What a unit has of a mesh: of points nothing.
     ///
     /// # Errors
     /// It cannot be read, or is damaged.
     pub fn read_mesh(&self, unit: UnitId) -> Result<MeshUnit, PackFileError> {
-        let bytes = self.read_chunk(unit)?;
-        let attributes = self.scene.object_of(unit).attributes;
-        let parsed = MeshUnit::parse(&bytes, attributes, &self.pack().row(unit).replaces);
-        parsed.map_err(|source| {
-            self.open.format(PackError {
-                field: format!("unit {}: {}", unit.0, source.field),
-                ..source
-            })
-        })
+        match self.read_unit(unit)? {
+            Payload::Mesh(mesh) => Ok(mesh),
+            Payload::Points(_) | Payload::Picture(_) => Ok(MeshUnit::default()),
+        }
     }
 
     /// Refuses a unit that shows something else than the table tells of it.
-    fn check_row(&self, unit: UnitId, mesh: &MeshUnit) -> Result<(), PackFileError> {
+    fn check_row(&self, unit: UnitId, says: &Payload) -> Result<(), PackFileError> {
         let row = self.pack().row(unit);
-        let corners: usize = mesh.clusters.iter().map(|it| it.vertices.len()).sum();
-        let says = [mesh.triangles(), corners];
+        let (what, says) = match says {
+            Payload::Mesh(mesh) => {
+                let corners: usize = mesh.clusters.iter().map(|it| it.vertices.len()).sum();
+                ("triangles and vertices", [mesh.triangles(), corners])
+            }
+            Payload::Points(points) => ("points", [points.points.len(), 0]),
+            Payload::Picture(_) => ("kind", [0; 2]),
+        };
         let told = [row.samples, row.vertices].map(|it| it as usize);
         match says == told {
             true => Ok(()),
             false => Err(self.open.format(PackError {
-                field: format!("unit {}, triangles and vertices", unit.0),
+                field: format!("unit {}, {what}", unit.0),
                 found: format!("{says:?}"),
                 expected: format!("{told:?}, as the table tells"),
             })),
@@ -152,10 +165,13 @@ impl SceneFile {
             damage.push(self.open.format(source));
         }
         let mut done = 0;
+        let mut clouds = CloudCheck::default();
         for unit in self.pack().units() {
-            let checked = self
-                .read_mesh(unit)
-                .and_then(|mesh| self.check_row(unit, &mesh));
+            let checked = self.read_unit(unit).and_then(|says| {
+                self.check_row(unit, &says)?;
+                let fits = clouds.add(unit, self.pack().row(unit), &says);
+                fits.map_err(|source| self.open.format(source))
+            });
             damage.extend(checked.err());
             done += u64::from(self.pack().entry(unit).bytes);
             progress(done, self.bytes());

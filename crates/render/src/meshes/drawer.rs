@@ -7,6 +7,7 @@ use crate::image::RgbaImage;
 use crate::meshes::layer::SceneLayer;
 use crate::meshes::params::SceneStyle;
 use crate::meshes::units::ComingUnit;
+use crate::points::units::ComingPoints;
 use crate::twin::TwinScene;
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
@@ -62,6 +63,18 @@ impl SceneDrawer {
         match &mut self.engine {
             Engine::Gpu(layer) => layer.upload(coming),
             Engine::Twin(twin) => twin.upload(coming),
+            Engine::Nothing => Ok(()),
+        }
+    }
+
+    /// Adds a unit of a cloud after the unit that it refines; one that is there stays as it is.
+    ///
+    /// # Errors
+    /// It does not fit to what is there or into the GPU's memory: nothing changed then.
+    pub fn upload_points(&mut self, coming: &ComingPoints<'_>) -> Result<(), RenderError> {
+        match &mut self.engine {
+            Engine::Gpu(layer) => layer.upload_points(coming),
+            Engine::Twin(twin) => twin.upload_points(coming),
             Engine::Nothing => Ok(()),
         }
     }

@@ -60,6 +60,8 @@ pub(crate) struct UnitMemory {
     spans: BTreeMap<UnitId, Span>,
     used_bytes: u64,
     most_bytes: u64,
+    /// What others take of these bytes: of those in use, and of all.
+    others: [u64; 2],
     refiners: HashMap<(UnitId, u8), UnitId>,
 }
 
@@ -77,6 +79,7 @@ impl UnitMemory {
             spans: BTreeMap::new(),
             used_bytes: 0,
             most_bytes,
+            others: [0; 2],
             refiners: HashMap::new(),
         })
     }
@@ -91,9 +94,24 @@ impl UnitMemory {
         self.vertices.bytes() + self.words.bytes()
     }
 
+    /// Bytes of the units that are there.
+    pub(crate) fn used_bytes(&self) -> u64 {
+        self.used_bytes
+    }
+
+    /// Bytes that units may take, those of others too, and that all pools may take.
+    pub(crate) fn most(&self) -> [u64; 2] {
+        [self.most_bytes, self.most_bytes + self.most_bytes / 8]
+    }
+
+    /// From now on others take these of the bytes: of those in use, and of all.
+    pub(crate) fn share(&mut self, others: [u64; 2]) {
+        self.others = others;
+    }
+
     /// Bytes that both pools may take.
     fn most_taken(&self) -> u64 {
-        self.most_bytes + self.most_bytes / 8
+        self.most()[1].saturating_sub(self.others[1])
     }
 
     /// The first word of a cluster of a unit that is there.
@@ -111,7 +129,7 @@ impl UnitMemory {
             return Ok(());
         };
         let bytes = self.used_bytes + placed_bytes(placed).iter().sum::<u64>();
-        let most = self.most_bytes;
+        let most = self.most_bytes.saturating_sub(self.others[0]);
         if bytes > most {
             return Err(RenderError::NoRoom { bytes, most });
         }
@@ -146,7 +164,7 @@ impl UnitMemory {
     }
 
     /// Writes all units anew, one after the other, in pools of all that may be taken.
-    fn pack(&mut self, units: &SceneUnits) -> Result<(), RenderError> {
+    pub(crate) fn pack(&mut self, units: &SceneUnits) -> Result<(), RenderError> {
         let most_bound = most_bound(&self.gpu);
         let mut needed = [0; 2];
         for (_, _, placed) in units.all() {

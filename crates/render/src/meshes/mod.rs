@@ -7,9 +7,9 @@ mod layer;
 mod lists;
 mod memory;
 pub mod params;
-mod pass;
+pub(crate) mod pass;
 pub(crate) mod placements;
-mod pool;
+pub(crate) mod pool;
 pub(crate) mod units;
 
 pub use drawer::SceneDrawer;

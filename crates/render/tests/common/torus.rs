@@ -158,6 +158,7 @@ pub fn object(attributes: Attributes) -> SceneObject {
         two_sided: false,
         unlit: false,
         placements: vec![DAffine3::IDENTITY.to_cols_array()],
+        points: None,
     }
 }
 

@@ -66,6 +66,7 @@ pub(super) fn grid_mesh(
         two_sided: looks.two_sided,
         unlit: looks.unlit,
         placements: placements.map(glam::DAffine3::to_cols_array).collect(),
+        points: None,
     };
     Ok(GridMesh {
         object,

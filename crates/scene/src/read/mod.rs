@@ -4,6 +4,7 @@ mod colour;
 mod error;
 mod files;
 mod gltf;
+mod las;
 #[cfg(test)]
 mod mangle;
 mod obj;
@@ -26,7 +27,7 @@ use files::{Folder, Nowhere, OnDisk};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReadOptions {
     /// Which axis points up in all of them; if not given, the one that is usual for the format: z
-    /// in STL, y in all others.
+    /// in STL, LAS and LAZ, y in all others.
     pub up: Option<Up>,
 }
 
@@ -41,6 +42,8 @@ pub enum SceneFormat {
     Ply,
     /// STL, as text or binary.
     Stl,
+    /// LAS 1.0 to 1.4 or LAZ, with a hierarchy (COPC) or without.
+    Las,
 }
 
 impl SceneFormat {
@@ -53,19 +56,21 @@ impl SceneFormat {
             "obj" => Some(Self::Obj),
             "ply" => Some(Self::Ply),
             "stl" => Some(Self::Stl),
+            "las" | "laz" => Some(Self::Las),
             _ => None,
         }
     }
 
     fn up(self) -> Up {
         match self {
-            Self::Stl => Up::Z,
+            Self::Stl | Self::Las => Up::Z,
             Self::Gltf | Self::Obj | Self::Ply => Up::Y,
         }
     }
 }
 
-/// Whether a file's name ends as one that [`read`] reads: .glb, .gltf, .obj, .ply or .stl.
+/// Whether a file's name ends as one that [`read`] reads: .glb, .gltf, .obj, .ply, .stl, .las
+/// or .laz.
 #[must_use]
 pub fn is_scene_file(file: &Path) -> bool {
     SceneFormat::of(file).is_some()
@@ -74,7 +79,7 @@ pub fn is_scene_file(file: &Path) -> bool {
 /// Reads files into one scene with the objects of all, in their order.
 ///
 /// Refused are files that break their format, that name files outside their folder, or that have
-/// no triangle. Memory is a small multiple of the files' bytes, whatever they claim.
+/// neither triangle nor point. Memory is a small multiple of the files' bytes, whatever they claim.
 ///
 /// ```
 /// use foveal_scene::read::{ReadOptions, read};
@@ -129,7 +134,8 @@ pub fn read_anything(format: SceneFormat, bytes: &[u8]) -> bool {
     let Ok(scene) = file.read(&mut Nowhere) else {
         return false;
     };
-    assert!(!scene.objects.is_empty());
+    assert!(!(scene.objects.is_empty() && scene.clouds.is_empty()));
+    scene.clouds.iter().for_each(sound::assert_sound_cloud);
     for mesh in &scene.meshes {
         sound::assert_sound(mesh, scene.materials.len());
     }
@@ -156,6 +162,7 @@ impl SceneFile<'_> {
             SceneFormat::Obj => obj::read(self.bytes, self.name, folder),
             SceneFormat::Ply => ply::read(self.bytes, self.name),
             SceneFormat::Stl => stl::read(self.bytes, self.name),
+            SceneFormat::Las => las::read(self.bytes, self.name),
         }?;
         for mesh in &mut scene.meshes {
             sound::make_sound(mesh, &mut scene.repairs);
@@ -163,7 +170,7 @@ impl SceneFile<'_> {
         scene.leave_out_empty();
         place::turn_up(&mut scene, self.up);
         place::check(&scene)?;
-        if scene.objects.is_empty() {
+        if scene.objects.is_empty() && scene.clouds.is_empty() {
             return Err(Fault::Empty {
                 found: found_instead(&scene),
             });

@@ -2,6 +2,9 @@
 
 use crate::report::output;
 use foveal_core::content::demand::Content;
+use foveal_core::content::scene::pack::ScenePack;
+use foveal_core::content::scene::unit_table::UnitKind;
+use foveal_core::pack::unit::UnitId;
 use foveal_core::units::counted;
 use foveal_media::pack::scene_file::SceneFile;
 use serde::Serialize;
@@ -23,7 +26,7 @@ pub(crate) struct SceneInfo {
     leaf_triangles: u64,
     points: u64,
     texels: u64,
-    /// Bytes of units a triangle of the finest level, and with index and table.
+    /// Bytes of units a triangle or point of the finest level, and with index and table.
     bytes_per_leaf: f64,
     bytes_per_leaf_with_tables: f64,
     repairs: BTreeMap<String, u64>,
@@ -47,12 +50,38 @@ pub(crate) struct BytesByKind {
     pub(crate) points: u64,
 }
 
+impl BytesByKind {
+    /// Of these units.
+    pub(crate) fn of(pack: &ScenePack, units: impl Iterator<Item = UnitId>) -> Self {
+        let mut all = Self::default();
+        for unit in units {
+            let of_kind = match pack.row(unit).kind {
+                UnitKind::Mesh => &mut all.mesh,
+                UnitKind::Points => &mut all.points,
+            };
+            *of_kind += u64::from(pack.entry(unit).bytes);
+        }
+        all
+    }
+
+    /// Together with others.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            mesh: self.mesh + other.mesh,
+            texture: self.texture + other.texture,
+            points: self.points + other.points,
+        }
+    }
+}
+
 impl SceneInfo {
     pub(crate) fn new(file: &SceneFile) -> Self {
         let (pack, scene) = (file.pack(), file.scene());
         let about = pack.description();
         let bytes_per_level = pack.index().bytes_per_level();
-        let mesh: u64 = bytes_per_level.iter().sum();
+        let bytes_by_kind = BytesByKind::of(pack, pack.units());
+        let bytes: u64 = bytes_per_level.iter().sum();
+        let points = about.objects.iter().filter_map(|it| it.points);
         let tables: u64 = about.tables.iter().map(|it| it.bytes).sum();
         let leaves = scene.finest_samples();
         let per_leaf = |bytes: u64| bytes as f64 / leaves.max(1) as f64;
@@ -64,15 +93,12 @@ impl SceneInfo {
             levels: pack.coarsest() + 1,
             bytes: file.bytes(),
             bytes_per_level,
-            bytes_by_kind: BytesByKind {
-                mesh,
-                ..BytesByKind::default()
-            },
-            leaf_triangles: leaves,
-            points: 0,
+            bytes_by_kind,
+            leaf_triangles: about.objects.iter().map(|it| it.leaf_triangles).sum(),
+            points: points.map(|it| it.count).sum(),
             texels: 0,
-            bytes_per_leaf: per_leaf(mesh),
-            bytes_per_leaf_with_tables: per_leaf(mesh + tables + file.header().index_bytes),
+            bytes_per_leaf: per_leaf(bytes),
+            bytes_per_leaf_with_tables: per_leaf(bytes + tables + file.header().index_bytes),
             repairs: about.repairs.clone(),
             remarks: about.remarks.clone(),
             centre: scene.bounds().centre.to_array(),
@@ -85,12 +111,20 @@ impl SceneInfo {
         }
     }
 
+    /// Its triangles and points, of what there is.
+    fn samples_text(&self) -> String {
+        let all = [(self.leaf_triangles, "triangle"), (self.points, "point")];
+        let there = all.into_iter().filter(|(count, _)| *count > 0);
+        let told: Vec<String> = there.map(|(count, what)| counted(count, what)).collect();
+        told.join(", ")
+    }
+
     pub(crate) fn text(&self) -> String {
         let mut text = format!(
             "{}: {}, {}, {} of {} from {}\n{}, {:.2} bytes each, {:.2} with index and table\n",
             self.source.join(", "),
             counted(self.objects, "object"),
-            counted(self.leaf_triangles, "triangle"),
+            self.samples_text(),
             counted(self.levels, "level"),
             output::size(self.bytes),
             output::size(self.source_bytes),

@@ -8,7 +8,6 @@ use crate::options::renderer::{RendererName, open_device};
 use crate::run::open_player::open_player;
 use anyhow::Context;
 use foveal_core::content::demand::{Content, Demand};
-use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::demand::SceneDemand;
@@ -101,8 +100,8 @@ pub(super) fn of_scene(file: &SceneFile, drawing: &DrawDevice) -> anyhow::Result
     let mut missing = HashSet::new();
     for unit in wanted {
         let is_alone = scene.needs(unit).iter().any(|need| missing.contains(need));
-        match file.read_mesh(unit) {
-            Ok(mesh) if !is_alone => drawer.upload(piece(unit), Payload::Mesh(mesh))?,
+        match file.read_unit(unit) {
+            Ok(payload) if !is_alone => drawer.upload(piece(unit), payload)?,
             _ => drop(missing.insert(unit)),
         }
     }

@@ -3,7 +3,7 @@
 //! All points of all units that are there are shown. A point has the mean colour of those that it
 //! stands for until the unit is there in whose cube it lies, and from then on its own.
 
-use super::payload::{Correction, PointUnit, wrong};
+use super::payload::{CloudPoint, Correction, PointUnit, octant_of, wrong};
 use crate::content::scene::description::Cloud;
 use crate::pack::PackError;
 use crate::pack::unit::UnitId;
@@ -56,17 +56,6 @@ impl PlacedPoints {
     #[must_use]
     pub fn parent(&self) -> Option<UnitId> {
         self.refines.map(|(parent, _)| parent)
-    }
-
-    /// Corner and bits of one of its octants.
-    fn octant(&self, octant: u8) -> ([u32; 3], u8) {
-        let bits = self.bits.saturating_sub(1);
-        let half = |axis: usize| match octant >> axis & 1 {
-            1 if self.bits > 0 => 1_u32 << bits,
-            _ => 0,
-        };
-        let corner = [0, 1, 2].map(|axis| self.corner[axis].saturating_add(half(axis)));
-        (corner, bits)
     }
 
     /// The colours of its points in one of its octants, in their order.
@@ -146,7 +135,7 @@ impl PointCut {
                 "an octant that no other unit refines",
             ));
         }
-        let cube = there.octant(octant);
+        let cube = octant_of(there.corner, there.bits, octant);
         if (says.corner, says.bits) != cube {
             let found = format!("{:?}, {:?}", says.corner, says.bits);
             return Err(wrong(
@@ -222,12 +211,12 @@ fn shown(says: &PointUnit, cloud: &Cloud) -> Vec<ShownPoint> {
         }
     };
     let attributes = cloud.attributes;
-    let colour = |point: &super::payload::CloudPoint| match attributes.intensities {
+    let colour = |point: &CloudPoint| match attributes.intensities {
         _ if attributes.colours => point.colour,
         true => [cloud.grey_of(point.intensity); 3],
         false => [u16::MAX; 3],
     };
-    let point = |point: &super::payload::CloudPoint| ShownPoint {
+    let point = |point: &CloudPoint| ShownPoint {
         place: [0, 1, 2].map(|axis| along(point.place[axis], axis) as u16),
         colour: colour(point),
     };
@@ -236,7 +225,6 @@ fn shown(says: &PointUnit, cloud: &Cloud) -> Vec<ShownPoint> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::payload::CloudPoint;
     use super::*;
 
     fn cloud() -> Cloud {

@@ -4,3 +4,4 @@ mod curve;
 pub mod cut;
 mod lengths;
 pub mod payload;
+pub mod whole;

@@ -228,11 +228,32 @@ impl PointUnit {
         [0, 1, 2].into_iter().all(along)
     }
 
+    /// The octant of its cube in which a place in it lies: 1, 2 and 4 for the farther half along x,
+    /// y and z.
+    #[must_use]
+    pub fn octant_of_place(&self, place: [u32; 3]) -> u8 {
+        let Some(bit) = self.bits.checked_sub(1) else {
+            return 0;
+        };
+        let far = |k: usize| (place[k].wrapping_sub(self.corner[k]) >> bit & 1) as u8;
+        far(0) | far(1) << 1 | far(2) << 2
+    }
+
     /// Length of a cell along an axis, in steps of the grid: about how far points are apart.
     #[must_use]
     pub fn cell_steps(&self) -> u64 {
         1 << self.bits.saturating_sub(self.cells)
     }
+}
+
+/// Corner and bits of an octant of a cube.
+pub(super) fn octant_of(corner: [u32; 3], bits: u8, octant: u8) -> ([u32; 3], u8) {
+    let half = match bits.checked_sub(1) {
+        Some(bits) => 1_u32 << bits,
+        None => 0,
+    };
+    let along = |k: usize| corner[k].saturating_add(half * u32::from(octant >> k & 1));
+    ([0, 1, 2].map(along), bits.saturating_sub(1))
 }
 
 /// Writes numbers as what is added to the one before.
