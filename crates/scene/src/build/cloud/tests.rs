@@ -181,7 +181,7 @@ fn a_point_of_few_stands_for_those_round_it_in_their_mean_colour() {
 fn clouds_that_contradict_themselves_are_refused() {
     let good = noisy_plane(5);
     let mut all = vec![good.clone(); 4];
-    all[0].colours.pop();
+    all[0].intensities.pop();
     all[1].scale[2] = f64::NAN;
     all[2].placements.clear();
     all[3].places.clear();

@@ -6,8 +6,9 @@
 use super::super::error::Fault;
 use super::header::{LasHeader, half_at, word_at};
 use laz::laszip::ChunkTable;
-use laz::{LasZipDecompressor, LazItemType, LazVlr};
+use laz::{DecompressionSelection, LasZipDecompressor, LazItemType, LazVlr};
 use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Who writes the record that tells how points are packed, and its number.
 const LASZIP: &[u8] = b"laszip encoded";
@@ -23,6 +24,8 @@ const ANY_SIZE: u32 = u32::MAX;
 const POINTER_BYTES: usize = 8;
 /// Most points that a byte unpacks to: more would be the same point, over and over.
 const MOST_PER_BYTE: u64 = 16;
+/// Bytes that may be left of a chunk behind its points: what ends a coder.
+const MOST_LEFT: u64 = 16;
 /// Most points of a chunk.
 const MOST_OF_CHUNK: u64 = 1 << 24;
 
@@ -76,10 +79,18 @@ pub(super) fn read(
         };
         if packing == Packing::Layers {
             check_layers(chunk.bytes, header.record_bytes, layers).map_err(fault)?;
+            let told = u64::from(word_at(chunk.bytes, header.record_bytes));
+            if told != chunk.points {
+                return Err(header.wrong_count(&format!("chunk {number} has {told}")));
+            }
         }
         records.clear();
         records.resize(chunk.points as usize * header.record_bytes, 0);
-        unpack(chunk, said, packing, &mut records).map_err(fault)?;
+        let left = unpack(chunk, said, packing, &mut records).map_err(fault)?;
+        if left > MOST_LEFT && packing != Packing::Layers {
+            let what = format!("{left} bytes of chunk {number} are left behind them");
+            return Err(header.wrong_count(&what));
+        }
         records
             .chunks_exact(header.record_bytes)
             .for_each(&mut *each);
@@ -242,26 +253,39 @@ fn chunks<'a>(bytes: &'a [u8], header: &LasHeader, vlr: &LazVlr) -> Result<Vec<C
     }
 }
 
-/// Unpacks a chunk into records.
+/// Unpacks a chunk into records, and returns how many bytes of it are left.
 fn unpack(
     chunk: &Chunk<'_>,
     said: &[u8],
     packing: Packing,
     records: &mut [u8],
-) -> Result<(), String> {
+) -> Result<u64, String> {
     // As a file of one chunk: a pointer to its table, the chunk, and a table of none.
     let mut file = Vec::with_capacity(chunk.bytes.len() + 2 * POINTER_BYTES);
     if packing != Packing::One {
         file.extend(((POINTER_BYTES + chunk.bytes.len()) as u64).to_le_bytes());
     }
     file.extend(chunk.bytes);
+    let end = file.len() as u64;
     file.extend([0; POINTER_BYTES]);
     let mut said = said.to_vec();
     let size = (chunk.points as u32).to_le_bytes();
     said[CHUNK_SIZE_AT..CHUNK_SIZE_AT + 4].copy_from_slice(&size);
     let vlr = LazVlr::from_buffer(said).map_err(|error| error.to_string())?;
-    let unpacking = LasZipDecompressor::new(Cursor::new(file), vlr);
-    let mut unpacking = unpacking.map_err(|error| error.to_string())?;
-    let unpacked = unpacking.decompress_many(records);
-    unpacked.map_err(|error| format!("its {} points end too early: {error}", chunk.points))
+    let kept = DecompressionSelection::xy_returns_channel()
+        .decompress_z()
+        .decompress_intensity()
+        .decompress_classification()
+        .decompress_rgb();
+    let unpacked = || {
+        let mut unpacking = LasZipDecompressor::selective(Cursor::new(file), vlr, kept)
+            .map_err(|error| error.to_string())?;
+        let unpacked = unpacking.decompress_many(records);
+        unpacked.map_err(|error| format!("its {} points end too early: {error}", chunk.points))?;
+        Ok(end.saturating_sub(unpacking.into_inner().position()))
+    };
+    // It takes for granted that what a coder tells is in range, and unwinds where it is not; the
+    // records are cleared by whoever goes on.
+    let unwound = |_| Err("it is damaged".to_owned());
+    catch_unwind(AssertUnwindSafe(unpacked)).unwrap_or_else(unwound)
 }

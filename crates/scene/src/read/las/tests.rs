@@ -11,9 +11,9 @@ fn points(count: i32) -> Vec<Point> {
         x: 1e7 + f64::from(k) * 0.001,
         y: -5e6 + f64::from(k * 7 % 1000) * 0.001,
         z: 100.0 + f64::from(k % 13) * 0.001,
-        intensity: (k * 31) as u16,
+        intensity: (k % 2000 * 31) as u16,
         classification: las::point::Classification::new((k % 5 + 2) as u8).unwrap(),
-        color: Some(Color::new(k as u16 * 257, 5, 65_535 - k as u16)),
+        color: Some(Color::new((k % 256) as u16 * 257, 5, 65_535 - k as u16)),
         gps_time: Some(f64::from(k)),
         ..Point::default()
     };
