@@ -10,5 +10,6 @@ pub mod baseline;
 pub mod build;
 pub mod cracks;
 pub mod generate;
+pub mod laz_whole;
 pub mod read;
 pub mod source;

@@ -24,6 +24,7 @@ use crate::source::{Repairs, SourceScene};
 pub use built::{BuildError, BuildOptions, Built, BuiltUnit};
 use foveal_core::content::scene::description::GRID_BITS;
 use joined::{Graphed, joined};
+pub(crate) use mesh::codes_from_linear;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -6,6 +6,7 @@
 
 mod colours;
 mod octree;
+mod signature;
 #[cfg(test)]
 mod tests;
 
@@ -22,6 +23,7 @@ use foveal_core::pack::unit::UnitId;
 use glam::{DAffine3, DVec3};
 use octree::{Node, Octree};
 use rayon::prelude::*;
+use signature::Light;
 
 /// A cloud as units.
 pub(super) struct BuiltCloud {
@@ -63,6 +65,7 @@ pub(super) fn build(
     };
     let octree = Octree {
         attributes,
+        light: Light::new(attributes, codes.bits, cloud.most_intensity),
         scale: source.scale,
         step,
     };

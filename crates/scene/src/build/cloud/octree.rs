@@ -2,6 +2,7 @@
 
 use super::super::sphere::LocalSphere;
 use super::colours::Mix;
+use super::signature::{Light, signature_of};
 use foveal_core::content::points::payload::{
     CloudPoint, Correction, MOST_POINTS, PointAttributes, PointUnit,
 };
@@ -49,6 +50,7 @@ impl From<PackError> for OctreeError {
 /// How a tree is made.
 pub(super) struct Octree<'a> {
     pub(super) attributes: PointAttributes,
+    pub(super) light: Light,
     /// Length of a step along each axis.
     pub(super) scale: [f64; 3],
     /// Hears how many points are done.
@@ -76,6 +78,8 @@ struct Added {
     missing: HashMap<[u32; 3], Correction>,
     /// The depth at whose cells points are from now on.
     cells: u32,
+    /// Whether none are left.
+    is_leaf: bool,
 }
 
 impl Octree<'_> {
@@ -115,6 +119,11 @@ impl Octree<'_> {
         let payload = unit.write(self.attributes)?;
         (self.step)(unit.points.len() as u64);
         let corrections = corrections_of(&unit, &added.missing);
+        let signature = part.cells.map(|coarse| {
+            let fine = if added.is_leaf { bits } else { added.cells };
+            signature_of(part.points, [coarse, fine], bits, &self.light)
+        });
+        let signature = signature.unwrap_or_default();
         let mut nodes = vec![Node {
             parent: None,
             octant: part.octant,
@@ -123,7 +132,7 @@ impl Octree<'_> {
             error: part
                 .cells
                 .map_or(f32::INFINITY, |cells| self.spacing(bits, cells)),
-            signature: Signature::default(),
+            signature,
             count: unit.points.len() as u32,
             payload,
         }];
@@ -219,14 +228,18 @@ fn along_curve(a: &CloudPoint, b: &CloudPoint) -> Ordering {
 }
 
 /// Down to which depth two points lie in the same cell.
-fn common_depth(a: &CloudPoint, b: &CloudPoint, bits: u32) -> u32 {
+pub(super) fn common_depth(a: &CloudPoint, b: &CloudPoint, bits: u32) -> u32 {
     let differ = [0, 1, 2].map(|k| a.place[k] ^ b.place[k]);
     let all = differ[0] | differ[1] | differ[2];
     bits - (u32::BITS - all.leading_zeros())
 }
 
 /// The stretches of a part that lie in one cell of a depth each, as ends.
-fn cell_ends(points: &[CloudPoint], depth: u32, bits: u32) -> impl Iterator<Item = usize> + '_ {
+pub(super) fn cell_ends(
+    points: &[CloudPoint],
+    depth: u32,
+    bits: u32,
+) -> impl Iterator<Item = usize> + '_ {
     let ends = (1..points.len())
         .filter(move |at| common_depth(&points[at - 1], &points[*at], bits) < depth);
     ends.chain([points.len()])
@@ -275,7 +288,10 @@ fn added(part: &mut Part<'_>, bits: u32) -> Added {
     if left <= MOST_POINTS {
         let half = part.points.len() as u32 / 2;
         let cells = (before..deepest).find(|cells| occupied[*cells as usize] >= half);
-        return first_left(part, cells.unwrap_or(deepest.max(before)));
+        return Added {
+            is_leaf: true,
+            ..first_left(part, cells.unwrap_or(deepest.max(before)))
+        };
     }
     let first = part.cells.map_or(part.depth, |cells| cells + 1);
     if bits <= part.depth || first > deepest {
@@ -336,6 +352,7 @@ fn first_left(part: &mut Part<'_>, cells: u32) -> Added {
         points,
         missing: HashMap::new(),
         cells,
+        is_leaf: false,
     }
 }
 
@@ -372,6 +389,7 @@ fn spread(part: &mut Part<'_>, depth: u32, bits: u32, is_chosen: impl Fn(usize) 
         points,
         missing,
         cells: depth,
+        is_leaf: false,
     }
 }
 

@@ -198,3 +198,23 @@ fn clouds_that_contradict_themselves_are_refused() {
     let refused = build(&scene(vec![many]), &BuildOptions::default(), &|_, _| ());
     assert!(refused.unwrap_err().to_string().contains("at one place"));
 }
+
+#[test]
+fn units_of_a_cloud_of_one_grey_add_no_contrast_and_those_of_noise_much() {
+    let mut cloud = noisy_plane(40_000);
+    cloud.intensities.clear();
+    let contrast = |cloud: &SourceCloud| {
+        let built = built(cloud);
+        let finer = built.units.iter().filter(|it| !it.row.needs.is_empty());
+        let added: Vec<f64> = finer
+            .map(|it| it.row.signature.bands[0].difference)
+            .collect();
+        added.iter().sum::<f64>() / added.len() as f64
+    };
+    cloud.colours = vec![[120 * 257; 3]; 40_000];
+    assert_eq!(contrast(&cloud), 0.0);
+    cloud.colours = (0..40_000)
+        .map(|k| [[60 * 257; 3], [200 * 257; 3]][k % 2])
+        .collect();
+    assert!(contrast(&cloud) > 0.2, "{}", contrast(&cloud));
+}
