@@ -57,6 +57,7 @@ fn viewer(scene: &[Arc<dyn Content>], config: &PolicyConfig) -> Session {
         bytes_per_s: Some(200_000.0),
         since: None,
         zooms: false,
+        measures: false,
         bounds: Bounds::default(),
     };
     Session::new(scene.to_vec(), settings)

@@ -93,6 +93,7 @@ fn scene() -> Arc<Scene> {
             colour: [1.0; 4],
             two_sided: false,
             unlit: false,
+            points: None,
             placements: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -6.0]],
         }],
         units: (0..LEVELS).rev().map(|level| 1 << level).collect(),
@@ -127,6 +128,7 @@ fn settings(policy: Policy, bytes_per_s: Option<f64>, gpu: u64) -> SessionSettin
         bytes_per_s,
         since: None,
         zooms: false,
+        measures: false,
         bounds: Bounds {
             gpu,
             ..Bounds::default()

@@ -162,6 +162,7 @@ fn boxes_beside_a_video_are_bought_within_one_budget_evicted_logged_and_replayed
         bytes_per_s: Some(BYTES_PER_S),
         since: None,
         zooms: false,
+        measures: false,
         bounds: Bounds::default(),
     };
     let mut session = Session::new(scene.clone(), settings);

@@ -26,6 +26,7 @@ fn decision(criterion: &mut Criterion) -> Result<(), PackError> {
             bytes_per_s: Some(200_000.0),
             since: None,
             zooms: false,
+            measures: false,
             bounds: Bounds::default(),
         };
         let mut session = Session::new(scene.clone(), settings);

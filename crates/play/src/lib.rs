@@ -14,8 +14,11 @@ mod live;
 mod look;
 mod mesh_reader;
 mod player;
+mod rendered_worth;
 mod report;
 mod scene_player;
+#[cfg(test)]
+mod scene_player_tests;
 mod step;
 mod tile_decoder;
 
@@ -24,5 +27,6 @@ pub use error::PlayError;
 pub use live::{LiveOptions, LivePack, LivePlayer, Stepped};
 pub use look::Look;
 pub use player::{Player, PlayerOptions};
+pub use rendered_worth::worth_both_ways;
 pub use report::FrameReport;
 pub use scene_player::{ScenePlayer, ScenePlayerOptions, SceneReport};

@@ -157,6 +157,12 @@ impl LivePlayer {
         self.drawer.style()
     }
 
+    /// Whether units of a scene are on their way to their places: the picture changes by itself.
+    #[must_use]
+    pub fn is_morphing(&self) -> bool {
+        self.drawer.is_morphing()
+    }
+
     /// Begins anew on another device.
     pub fn recover(&mut self, drawer: Drawer) {
         self.drawer = drawer;

@@ -112,6 +112,7 @@ impl Player {
             bytes_per_s: spends.then_some(options.bytes_per_s),
             since: Some(Seconds(0.0)),
             zooms: false,
+            measures: false,
             bounds: Bounds::default(),
         };
         let grid = video.grid();
@@ -215,7 +216,7 @@ impl Player {
         let now = self.now(frame, look, Pace::FrameByFrame);
         let actions = self.session.begin_frame(u64::from(frame), &now);
         let choose = begun.elapsed();
-        let (_, left) = self.drawer.perform(actions, &mut self.cache)?;
+        let (_, left) = self.drawer.perform(actions, &mut self.cache, &now)?;
         let Some(session) = self.order(left) else {
             return Err(self.lacks("tells too little to choose by"));
         };

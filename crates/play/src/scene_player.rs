@@ -4,11 +4,14 @@
 //! whoever plays gives.
 
 use crate::error::PlayError;
+use crate::rendered_worth::RenderedWorth;
 use crate::step::decide;
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
-use foveal_core::content::policy::PolicyConfig;
+use foveal_core::content::policy::{ImportanceSource, PolicyConfig};
 use foveal_core::content::scene::Scene;
+use foveal_core::content::scene::worth::detail_share;
+use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::moment::Moment;
 use foveal_core::session::actions::{Cache, Now, Pace, SessionAction, SessionEvent};
@@ -51,6 +54,8 @@ pub struct ScenePlayer {
     /// Units that were needed so far, and the pages of index and table that told of them.
     fetched: HashSet<UnitId>,
     pages: [HashSet<u32>; 2],
+    /// What measures worth by pictures, where that is asked for.
+    rendered: Option<RenderedWorth>,
     log: String,
     damaged: u64,
     tell: fn(&str),
@@ -83,12 +88,20 @@ impl ScenePlayer {
         // What draws may take an eighth more than units do.
         let most = options.gpu_bytes - options.gpu_bytes / 8;
         let drawer = Drawer::of_scene(&options.drawing, &scene, most)?;
+        let is_rendered = options.config.importance == ImportanceSource::Rendered;
+        let rendered = match &options.drawing {
+            DrawDevice::Gpu(gpu) if is_rendered => {
+                Some(RenderedWorth::new(&file, gpu, &options.config.perception))
+            }
+            _ => None,
+        };
         let spends = options.config.policy.spends_a_budget();
         let settings = SessionSettings {
             policy: options.config,
             bytes_per_s: spends.then_some(options.bytes_per_s),
             since: Some(Seconds(0.0)),
             zooms: false,
+            measures: !matches!(options.drawing, DrawDevice::Nothing),
             bounds: Bounds {
                 gpu: most,
                 ..Bounds::default()
@@ -100,6 +113,7 @@ impl ScenePlayer {
             drawer,
             fetched: HashSet::new(),
             pages: Default::default(),
+            rendered,
             log: String::new(),
             damaged: 0,
             tell: options.tell,
@@ -153,13 +167,18 @@ impl ScenePlayer {
         };
         let (mut unit_bytes, mut page_bytes, mut choose) = (0, 0, Duration::ZERO);
         let mut new_units = Vec::new();
+        let mut has_measured = false;
         for round in 0..MOST_ROUNDS {
+            if !has_measured && self.session.shown_tick().is_some() {
+                self.measure(moment)?;
+                has_measured = true;
+            }
             let choosing = Instant::now();
             let actions = decide(&mut self.session, &now);
             if round == 0 {
                 choose = choosing.elapsed();
             }
-            self.perform(actions)?;
+            self.perform(actions, &now)?;
             let wanted = self.session.requested().to_vec();
             if wanted.is_empty() {
                 break;
@@ -185,8 +204,17 @@ impl ScenePlayer {
         })
     }
 
-    fn perform(&mut self, actions: Vec<SessionAction>) -> Result<(), PlayError> {
-        let (_, left) = self.drawer.perform(actions, &mut self.cache)?;
+    /// Tells the session what parts of the view units would refine.
+    fn measure(&mut self, moment: &Moment) -> Result<(), PlayError> {
+        match &mut self.rendered {
+            Some(rendered) => self.session.see(AssetId(0), rendered.footprints(moment)?),
+            None => self.drawer.measure_now(&mut self.session, moment)?,
+        }
+        Ok(())
+    }
+
+    fn perform(&mut self, actions: Vec<SessionAction>, now: &Now) -> Result<(), PlayError> {
+        let (_, left) = self.drawer.perform(actions, &mut self.cache, now)?;
         for action in left {
             if let SessionAction::Log(lines) = action {
                 self.log.push_str(&lines);
@@ -217,6 +245,19 @@ impl ScenePlayer {
         Ok(())
     }
 
+    /// Share of the detail that a viewer could see who looks so, hidden or not, that is on screen.
+    #[must_use]
+    pub fn detail_share(&self, moment: &Moment) -> f64 {
+        let states = self.session.states();
+        detail_share(self.scene(), moment, |unit| {
+            let asset = AssetId(0);
+            states.is_resident(Piece {
+                unit: UnitRef { asset, unit },
+                frame: 0,
+            })
+        })
+    }
+
     /// Bytes of the pages that tell of a unit and were not loaded before.
     fn load_pages(&mut self, unit: UnitId) -> u64 {
         let pages = self
@@ -229,11 +270,20 @@ impl ScenePlayer {
         new.sum()
     }
 
-    /// The picture that a view shows; `None` when nothing draws.
+    /// The picture that a view shows; `None` when nothing draws. What a viewer would see change
+    /// comes gradually: in a picture soon after [`Self::show`] it is on its way.
     ///
     /// # Errors
     /// The picture is larger than the device draws.
     pub fn picture(&mut self, view: &EyeView) -> Result<Option<RgbaImage>, PlayError> {
         Ok(self.drawer.picture(view, None)?)
+    }
+
+    /// The same with everything that came in its place.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn picture_in_place(&mut self, view: &EyeView) -> Result<Option<RgbaImage>, PlayError> {
+        Ok(self.drawer.picture_in_place(view)?)
     }
 }

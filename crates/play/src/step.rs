@@ -19,5 +19,9 @@ pub(crate) fn step(
     cache: &mut Cache<Payload>,
     drawer: &mut Drawer,
 ) -> Result<(bool, Vec<SessionAction>), PlayError> {
-    Ok(drawer.perform(decide(session, now), cache)?)
+    drawer.measure(session, &now.moment)?;
+    let performed = drawer.perform(decide(session, now), cache, now)?;
+    // What came is measured while the next picture is awaited.
+    drawer.measure(session, &now.moment)?;
+    Ok(performed)
 }

@@ -2,6 +2,7 @@
 
 use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
+use crate::meshes::morphs::Morphs;
 use crate::meshes::{ComingUnit, SceneDrawer, SceneStyle};
 use crate::points::ComingPoints;
 use crate::tiles::drawer::{TileDrawer, TileStyle};
@@ -10,14 +11,23 @@ use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::PolicyConfig;
 use foveal_core::content::scene::Scene;
+use foveal_core::content::scene::showing::StepWitness;
 use foveal_core::content::unit::UnitRef;
 use foveal_core::content::video::Video;
 use foveal_core::gaze::sample::GazeSample;
-use foveal_core::session::actions::{Cache, SessionAction};
+use foveal_core::pack::unit::UnitId;
+#[cfg(not(target_arch = "wasm32"))]
+use foveal_core::perception::footprints::Footprints;
+use foveal_core::perception::moment::Moment;
+use foveal_core::session::actions::{Cache, Now, SessionAction};
+use foveal_core::session::session::Session;
 use foveal_core::session::unit_states::Piece;
+use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
 #[cfg(not(target_arch = "wasm32"))]
 use foveal_core::view::picture::Picture;
+#[cfg(not(target_arch = "wasm32"))]
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Resident units of an asset and what draws them.
@@ -26,12 +36,21 @@ pub struct Drawer {
     layer: Layer,
     /// Units that did not fit to what is there.
     refused: u64,
+    on_the_way: OnTheWay,
 }
 
 /// A kind of content, and how it is drawn.
 enum Layer {
     Tiles(Box<TileDrawer>),
     Scene(Box<SceneDrawer>, Arc<Scene>),
+}
+
+/// Units of a scene on their way, as what draws has them.
+#[derive(Default)]
+struct OnTheWay {
+    morphs: Morphs,
+    /// When they were moved last.
+    at: Seconds,
 }
 
 impl Drawer {
@@ -49,6 +68,7 @@ impl Drawer {
             device: device.clone(),
             layer: Layer::Tiles(Box::new(tiles)),
             refused: 0,
+            on_the_way: OnTheWay::default(),
         })
     }
 
@@ -62,11 +82,13 @@ impl Drawer {
         most_bytes: u64,
     ) -> Result<Self, RenderError> {
         let objects = &scene.pack().description().objects;
-        let drawer = SceneDrawer::new(device, objects, most_bytes)?;
+        let mut drawer = SceneDrawer::new(device, objects, most_bytes)?;
+        drawer.set_refiners(scene.refiners());
         Ok(Self {
             device: device.clone(),
             layer: Layer::Scene(Box::new(drawer), Arc::clone(scene)),
             refused: 0,
+            on_the_way: OnTheWay::default(),
         })
     }
 
@@ -125,6 +147,33 @@ impl Drawer {
             Layer::Tiles(_) => 0,
             Layer::Scene(scene, _) => scene.triangles_drawn(),
         }
+    }
+
+    /// Tells a session what parts of the view units would refine, where it chooses by that: what was
+    /// measured since the last call. Begins to measure what is drawn now, where that is due.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    pub fn measure(&mut self, session: &mut Session, moment: &Moment) -> Result<(), RenderError> {
+        match &mut self.layer {
+            Layer::Tiles(_) => Ok(()),
+            Layer::Scene(drawer, scene) => drawer.measure(session, moment, &style_of(scene, None)),
+        }
+    }
+
+    /// The image of units that would refine what a view shows of a scene, as
+    /// [`SceneLayer::ids`](crate::SceneLayer::ids) draws it; `None` of a video, and where no GPU
+    /// draws.
+    ///
+    /// # Errors
+    /// The picture is larger than the device draws.
+    pub fn ids(&mut self, view: &EyeView) -> Result<Option<&wgpu::Texture>, RenderError> {
+        let Layer::Scene(drawer, scene) = &mut self.layer else {
+            return Ok(None);
+        };
+        let style = style_of(scene, None);
+        let layer = drawer.layer();
+        layer.map(|layer| layer.ids(view, &style)).transpose()
     }
 
     /// Moves what follows the gaze: the samples and the blur.
@@ -187,8 +236,11 @@ impl Drawer {
         }
     }
 
-    /// Does what of a session's actions is drawing, with the payloads that were kept for it.
-    /// Returns whether the picture changed, and what is left to do.
+    /// Does what of a session's actions is drawing, with the payloads that were kept for it, for a
+    /// viewer at this moment. Returns whether the picture changed, and what is left to do.
+    ///
+    /// What a viewer would see change in a scene comes gradually over a fifth of a second:
+    /// [`Self::is_morphing`] until then.
     ///
     /// # Errors
     /// A piece is not what its unit should be, or the device was lost.
@@ -196,8 +248,9 @@ impl Drawer {
         &mut self,
         actions: Vec<SessionAction>,
         cache: &mut Cache<Payload>,
+        now: &Now,
     ) -> Result<(bool, Vec<SessionAction>), RenderError> {
-        let (mut changed, mut left) = (false, Vec::new());
+        let (mut changed, mut left, mut came) = (false, Vec::new(), Vec::new());
         for action in actions {
             match action {
                 SessionAction::BeginFrame(frame) => {
@@ -206,10 +259,13 @@ impl Drawer {
                 }
                 SessionAction::Upload(piece) => {
                     if let Some(payload) = cache.take(piece) {
+                        // Points do not move.
+                        let moves = matches!(payload, Payload::Mesh(_));
                         match self.upload(piece, payload) {
+                            Ok(()) => came.extend(moves.then_some(piece.unit.unit)),
                             // What is damaged so that it does not fit is left coarse.
                             Err(RenderError::Unit(_)) => self.refused += 1,
-                            other => other?,
+                            Err(other) => return Err(other),
                         }
                         changed = true;
                     }
@@ -222,7 +278,39 @@ impl Drawer {
                 other => left.push(other),
             }
         }
+        changed |= self.morph(&came, now);
         Ok((changed, left))
+    }
+
+    /// Moves on what is on its way in a scene, with the units that `came`; whether there is any.
+    fn morph(&mut self, came: &[UnitId], now: &Now) -> bool {
+        let (Layer::Scene(drawer, scene), OnTheWay { morphs, at }) =
+            (&mut self.layer, &mut self.on_the_way)
+        else {
+            return false;
+        };
+        let was_any = morphs.is_any();
+        if !was_any && came.is_empty() {
+            return false;
+        }
+        let witness = StepWitness::new(&now.moment);
+        morphs.advance(&witness, now.wall);
+        for unit in came {
+            morphs.begin(scene, *unit, &witness, now.wall);
+        }
+        *at = now.wall;
+        let changes = was_any || morphs.is_any();
+        if changes {
+            drawer.morph(&morphs.shares(*at));
+        }
+        changes
+    }
+
+    /// Whether units of a scene are on their way to their places: the picture changes by itself
+    /// until they are there.
+    #[must_use]
+    pub fn is_morphing(&self) -> bool {
+        self.on_the_way.morphs.is_any()
     }
 
     /// Units of a scene that did not fit to those that were there: they are damaged, and so are
@@ -299,6 +387,51 @@ impl Drawer {
             Layer::Tiles(tiles) => tiles.picture(view, marks),
             Layer::Scene(drawer, scene) => drawer.picture(view, &style_of(scene, marks)),
         }
+    }
+
+    /// [`Self::measure`], waiting for what is drawn now.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    pub fn measure_now(
+        &mut self,
+        session: &mut Session,
+        moment: &Moment,
+    ) -> Result<(), RenderError> {
+        match &mut self.layer {
+            Layer::Tiles(_) => Ok(()),
+            Layer::Scene(drawer, scene) => {
+                drawer.measure_now(session, moment, &style_of(scene, None))
+            }
+        }
+    }
+
+    /// What parts of the view units of a scene would refine of what is drawn now; of a video none.
+    /// Blocks.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    pub fn footprints(&mut self, moment: &Moment) -> Result<Footprints, RenderError> {
+        match &mut self.layer {
+            Layer::Tiles(_) => Ok(Footprints::default()),
+            Layer::Scene(drawer, scene) => drawer.footprints(moment, &style_of(scene, None)),
+        }
+    }
+
+    /// [`Self::picture`] with every unit of a scene in its place already.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn picture_in_place(&mut self, view: &EyeView) -> Result<Option<RgbaImage>, RenderError> {
+        if let Layer::Scene(drawer, _) = &mut self.layer {
+            drawer.morph(&BTreeMap::new());
+        }
+        let picture = self.picture(view, None);
+        if let Layer::Scene(drawer, _) = &mut self.layer {
+            let OnTheWay { morphs, at } = &self.on_the_way;
+            drawer.morph(&morphs.shares(*at));
+        }
+        picture
     }
 
     /// Waits until what was uploaded is where it is drawn from.

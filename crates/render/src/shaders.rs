@@ -26,6 +26,7 @@ const BLUR_RADIAL: &str = include_str!("../shaders/blur_radial.wgsl");
 const RECONSTRUCT_TEXTURES: &str = include_str!("../shaders/reconstruct_textures.wgsl");
 const CULL_CLUSTERS: &str = include_str!("../shaders/cull_clusters.wgsl");
 const DRAW_POINTS: &str = include_str!("../shaders/draw_points.wgsl");
+const FOOTPRINTS: &str = include_str!("../shaders/footprints.wgsl");
 const DRAW_CLUSTERS: &str = include_str!("../shaders/draw_clusters.wgsl");
 const BAND: &str = include_str!("../shaders/shared/band.wgsl");
 const DOUBLED: &str = include_str!("../shaders/shared/doubled.wgsl");
@@ -156,6 +157,15 @@ pub fn cull_clusters() -> ComputeShader {
     ComputeShader {
         name: "cull_clusters",
         text: [SCENE, CULL_CLUSTERS].join("\n"),
+    }
+}
+
+/// The pass that adds up how much of a view each unit of a scene would refine.
+#[must_use]
+pub fn footprints() -> ComputeShader {
+    ComputeShader {
+        name: "footprints",
+        text: FOOTPRINTS.to_owned(),
     }
 }
 

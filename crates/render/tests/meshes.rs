@@ -6,10 +6,15 @@ mod common;
 use common::torus::{
     ALL, ROOT, coming, coming_root, from_above, object, refinement, root, squares_of, view,
 };
-use common::{Seeded, bytes_of, write_png};
+use common::{Seeded, bytes_of, share_beyond, write_png};
 use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
 use foveal_core::content::scene::description::SceneObject;
+use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
+use foveal_core::perception::footprints::Footprint;
+use foveal_core::perception::glance::Glance;
+use foveal_core::perception::parameters::EyeState;
+use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
 use foveal_render::meshes::unit_bytes;
 use foveal_render::twin::TwinScene;
@@ -22,14 +27,6 @@ use std::path::Path;
 
 const MOST_BYTES: u64 = 16 << 20;
 const SIZE: [u32; 2] = [192, 128];
-
-/// Share of pixels of which a channel differs by more than `most`.
-fn share_beyond(a: &RgbaImage, b: &RgbaImage, most: u8) -> f64 {
-    assert_eq!(a.size, b.size);
-    let pixels = a.pixels.chunks(4).zip(b.pixels.chunks(4));
-    let off = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > most));
-    off.count() as f64 / (a.pixels.len() / 4) as f64
-}
 
 /// Writes a picture to look at, where `FOVEAL_LARGE` names a folder.
 fn look_at(name: &str, image: &RgbaImage) {
@@ -384,6 +381,56 @@ fn pixels_name_the_units_that_would_refine_them() {
         !named.contains(&105),
         "a cluster that is refined is not drawn"
     );
+}
+
+#[test]
+fn footprints_add_up_what_each_unit_would_refine_as_the_twin_does() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let torus = Torus::new(object(ALL));
+    let (mut layer, mut twin) = (torus.on_gpu(&gpu), torus.in_memory());
+    let refiners = (0..16).map(|cluster| ((ROOT, cluster), UnitId(100 + u32::from(cluster))));
+    let refiners: HashMap<_, _> = refiners.collect();
+    layer.set_refiners(refiners.clone());
+    twin.set_refiners(refiners);
+    let style = SceneStyle::default();
+    let view = from_above(SIZE);
+    let glance = Glance {
+        gaze: GazeSample {
+            gaze_in_content: view.axes.forward,
+            ..GazeSample::at(Seconds(0.0), Radians(0.0), Radians(0.0))
+        },
+        view: Some(view),
+        state: EyeState::Steady,
+    };
+    let expected = twin.footprints(&glance, &style);
+    let back = layer.footprints(&glance, &style).unwrap().unwrap();
+    gpu.device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .unwrap();
+    let found = pollster::block_on(back.list()).unwrap();
+    assert!(found.len() > 6);
+    for (found, expected) in found.iter().zip(&expected) {
+        assert_eq!(found.unit, expected.unit);
+        let area = f64::from(found.area) / f64::from(expected.area);
+        assert!((0.9..1.1).contains(&area), "{found:?} {expected:?}");
+        assert!(
+            found.mean.abs_diff(expected.mean) <= 8,
+            "{found:?} {expected:?}"
+        );
+    }
+    let area: f64 = found.iter().map(Footprint::area_deg2).sum();
+    let all = twin.ids(&view, &style);
+    let share = all.iter().filter(|it| **it != u32::MAX).count() as f64 / all.len() as f64;
+    let field = view.field;
+    let [across, along] = [field.left + field.right, field.up + field.down];
+    let most = share * across * along * Radians(1.0).to_degrees().powi(2);
+    assert!(
+        area > 0.3 * most && area <= most,
+        "{area} of at most {most}"
+    );
+    for found in found {
+        assert!(found.least <= found.mean);
+    }
 }
 
 #[test]

@@ -3,87 +3,19 @@
 
 mod common;
 
+use common::ball::{FINE, OCTANT, ROOT, cloud, coming, units};
 use common::torus::{ALL, coming_root, object, root, view};
-use common::{Seeded, bytes_of, write_png};
-use foveal_core::content::points::payload::{CloudPoint, PointAttributes, PointUnit};
-use foveal_core::content::scene::description::{Cloud, SceneObject};
+use common::{bytes_of, share_beyond, write_png};
+use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::view::eye_view::EyeView;
 use foveal_render::twin::TwinScene;
-use foveal_render::{ComingPoints, Gpu, RenderError, RgbaImage, SceneLayer, SceneStyle};
+use foveal_render::{Gpu, RenderError, RgbaImage, SceneLayer, SceneStyle};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 const MOST_BYTES: u64 = 16 << 20;
 const SIZE: [u32; 2] = [192, 128];
-const ROOT: UnitId = UnitId(10);
-const FINE: UnitId = UnitId(11);
-/// The octant of the root that the finer unit refines: farther along each axis.
-const OCTANT: u8 = 7;
-
-/// A cloud two metres wide, with its middle at the origin.
-fn cloud() -> SceneObject {
-    let attributes = PointAttributes {
-        colours: true,
-        ..PointAttributes::default()
-    };
-    SceneObject {
-        leaf_triangles: 0,
-        two_sided: true,
-        unlit: true,
-        points: Some(Cloud {
-            scale: [2.0 / 4096.0; 3],
-            offset: [-1.0; 3],
-            attributes,
-            ..Cloud::default()
-        }),
-        ..object(Default::default())
-    }
-}
-
-/// Points on a ball of 2^12 places, in a cube of it.
-fn ball(corner: [u32; 3], bits: u8, cells: u8, count: usize) -> PointUnit {
-    let mut random = Seeded(7);
-    let mut unit = PointUnit {
-        corner,
-        bits,
-        cells,
-        ..PointUnit::default()
-    };
-    while unit.points.len() < count {
-        let mut any = || f64::from(random.below(20_001)) / 10_000.0 - 1.0;
-        let at = glam::DVec3::new(any(), any(), any()).normalize_or_zero();
-        let place = (at * 1900.0 + 2048.0).to_array().map(|it| it as u32);
-        let point = CloudPoint {
-            place,
-            colour: place.map(|it| (it / 16) as u16),
-            ..CloudPoint::default()
-        };
-        if unit.has_inside(place) {
-            unit.points.push(point);
-        }
-    }
-    unit
-}
-
-/// The root, and a unit that refines an octant of it.
-fn units() -> [PointUnit; 2] {
-    let root = ball([0; 3], 12, 5, 900);
-    let mut fine = ball([2048; 3], 11, 6, 1500);
-    let inside = root.points.iter().filter(|it| fine.has_inside(it.place));
-    fine.corrections = vec![[0, 3, -2]; inside.count()];
-    [root, fine]
-}
-
-fn coming<'a>(unit: UnitId, says: &'a PointUnit, object: u16) -> ComingPoints<'a> {
-    ComingPoints {
-        unit,
-        object,
-        level: u8::from(unit == ROOT),
-        refines: (unit == FINE).then_some((ROOT, OCTANT)),
-        says,
-    }
-}
 
 fn in_front() -> EyeView {
     view([0.0, 0.4, 4.0], [0.0, -6.0], SIZE)
@@ -93,13 +25,6 @@ fn look_at(name: &str, image: &RgbaImage) {
     if let Ok(folder) = std::env::var("FOVEAL_LARGE") {
         write_png(&Path::new(&folder).join(format!("{name}.png")), image);
     }
-}
-
-/// Share of pixels of which a channel differs by more than `most`.
-fn share_beyond(a: &RgbaImage, b: &RgbaImage, most: u8) -> f64 {
-    let pixels = a.pixels.chunks(4).zip(b.pixels.chunks(4));
-    let off = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > most));
-    off.count() as f64 / (a.pixels.len() / 4) as f64
 }
 
 fn both(objects: &[SceneObject]) -> (SceneLayer, TwinScene) {

@@ -3,12 +3,13 @@
 
 use foveal_core::view::surface::Projection;
 use foveal_render::importance::{BandParams, EyeParams};
+use foveal_render::meshes::footprints::GazedParams;
 use foveal_render::meshes::params::{PlacementParams, SceneParams};
 use foveal_render::params::{BlurParams, Overlay, SparseParams, TileParams, ViewParams};
 use foveal_render::points::params::{CloudViewParams, CubeParams};
 use foveal_render::shaders::{
-    Shader, blur_halve, blur_radial, cull_clusters, draw_clusters, draw_points, importance,
-    interpolate_sparse, overlay, reconstruct, reconstruct_textures,
+    Shader, blur_halve, blur_radial, cull_clusters, draw_clusters, draw_points, footprints,
+    importance, interpolate_sparse, overlay, reconstruct, reconstruct_textures,
 };
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -87,6 +88,17 @@ fn the_blur_is_valid_with_no_capability_that_a_browser_lacks() {
             unused_pair
         ]
     );
+}
+
+#[test]
+fn the_pass_that_adds_up_footprints_is_valid_with_no_capability_that_a_browser_lacks() {
+    let text = footprints().text;
+    let module = naga::front::wgsl::parse_str(&text)
+        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+    Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .unwrap();
+    same_layout!(module, "Gazed", GazedParams, [field, gaze, unused]);
 }
 
 #[test]

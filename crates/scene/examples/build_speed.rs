@@ -30,7 +30,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut last = Built::default();
     for _ in 0..rounds {
         for (name, jobs) in [("build, 1 thread", 1), ("build, 2 threads", 2)] {
-            let options = BuildOptions { bits: 14, jobs };
+            let options = BuildOptions {
+                jobs,
+                signatures: false,
+                ..BuildOptions::default()
+            };
             let start = Instant::now();
             let before = processor_seconds();
             last = build(&source, &options, &|_, _| ())?;

@@ -13,7 +13,7 @@ use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::gaze::sample::HeadPose;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::moment::Moment;
-use foveal_core::session::actions::{Cache, SessionAction, SessionEvent};
+use foveal_core::session::actions::{Cache, Now, SessionAction, SessionEvent};
 use foveal_core::session::session::{Session, SessionSettings};
 use foveal_core::session::unit_states::Piece;
 use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
@@ -91,6 +91,7 @@ impl PagePlayer {
             bytes_per_s: Some(FIRST_GUESS),
             since: None,
             zooms: true,
+            measures: pack.video().is_none(),
             bounds: pack.bounds(),
         };
         let session = Session::new(vec![pack.content()], settings);
@@ -298,10 +299,13 @@ impl PagePlayer {
         let pane = self.pane();
         self.viewer.navigation.fly_on(&pane, now);
         let moment = self.look(now, &pane);
-        let actions = self
-            .session
-            .step(&self.viewer.now(&self.session, &moment, now));
-        let (mut changed, wants) = self.obey(actions)?;
+        self.drawer.measure(&mut self.session, &moment)?;
+        let step = self.viewer.now(&self.session, &moment, now);
+        let actions = self.session.step(&step);
+        let (mut changed, wants) = self.obey(actions, &step)?;
+        // What came is measured while the next picture is awaited.
+        self.drawer.measure(&mut self.session, &moment)?;
+        self.viewer.set_morphing(self.drawer.is_morphing());
         changed |= self.viewer.stepped(moment, &pane, self.levels_shown);
         if changed && self.session.shown_tick().is_some() {
             told |= flag::DRAW;
@@ -323,8 +327,12 @@ impl PagePlayer {
 
     /// Does what the session asks for; tells whether the picture changed, and whether other units
     /// are wanted.
-    fn obey(&mut self, actions: Vec<SessionAction>) -> Result<(bool, bool), RenderError> {
-        let (changed, left) = self.drawer.perform(actions, &mut self.cache)?;
+    fn obey(
+        &mut self,
+        actions: Vec<SessionAction>,
+        step: &Now,
+    ) -> Result<(bool, bool), RenderError> {
+        let (changed, left) = self.drawer.perform(actions, &mut self.cache, step)?;
         let mut wants = false;
         for action in left {
             match action {

@@ -7,7 +7,8 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use foveal_core::content::asked::{SLOPES, TARGETS};
 use foveal_core::content::policy::{
-    DEFAULT_TARGET, EdgeRule, MASK_SIDE, MaskConfig, Policy, PolicyConfig, STEADINESS,
+    DEFAULT_TARGET, EdgeRule, ImportanceSource, MASK_SIDE, MaskConfig, Policy, PolicyConfig,
+    STEADINESS,
 };
 use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 use foveal_core::perception::acuity::AcuityModel;
@@ -130,6 +131,28 @@ pub(crate) struct PolicyOptions {
     /// perceptual with a link: fetch what is salient outside the region that gaze predicts.
     #[arg(long, value_enum, default_value = "off")]
     saliency: Switch,
+    /// perceptual on scenes: what tells the worth of units; rendered draws every level for each
+    /// choice.
+    #[arg(long, value_enum, default_value = "signatures")]
+    importance: ImportanceName,
+}
+
+/// What tells how much an eye gets of the units of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ImportanceName {
+    /// What was measured while preparing.
+    Signatures,
+    /// Pictures of all levels: slow, the reference.
+    Rendered,
+}
+
+impl From<ImportanceName> for ImportanceSource {
+    fn from(name: ImportanceName) -> Self {
+        match name {
+            ImportanceName::Signatures => Self::Signatures,
+            ImportanceName::Rendered => Self::Rendered,
+        }
+    }
 }
 
 /// The value of `--target`.
@@ -237,6 +260,7 @@ impl PolicyOptions {
             steadiness: angle("--steadiness", self.steadiness)?,
             perception: self.perception.parameters()?,
             saliency: self.saliency == Switch::On,
+            importance: self.importance.into(),
             target: self.target(policy)?,
         })
     }

@@ -182,15 +182,54 @@ fn a_link_brings_the_whole_step_by_step_and_the_run_repeats() {
 }
 
 #[test]
+fn perceptual_brings_the_fovea_with_fewer_bytes_and_its_log_replays_without_a_gpu() {
+    let folder = Folder::new();
+    let pack = torus_pack(&folder);
+    let to_fovea = |policy| {
+        let run = simulate(
+            &folder,
+            &pack,
+            &[
+                &["--policy", policy, "--budget", "6KB", "--interval", "50ms"][..],
+                &["--frames", "60", "--gaze", "4,3", "--pictures", "none"],
+            ]
+            .concat(),
+        );
+        let bytes = run["bytes_to_fovea"].as_u64();
+        bytes.unwrap_or_else(|| panic!("{policy} never got there: {run}"))
+    };
+    let [uniform, perceptual] = ["uniform", "perceptual"].map(to_fovea);
+    assert!(perceptual < uniform, "{perceptual} of {uniform}");
+    let log = folder.name("out/session.jsonl");
+    let lines = std::fs::read_to_string(&log).unwrap();
+    let frames: Vec<Value> = lines
+        .lines()
+        .skip(1)
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    // Nothing is drawn yet when the first frame is chosen.
+    assert_eq!(frames[0]["footprints"], Value::Null);
+    assert_eq!(frames[0]["budget"], 0);
+    assert!(frames[1]["footprints"].as_array().unwrap().len() > 40);
+    let again = json(&["replay", &log, "--pack", &pack]);
+    assert_eq!(again["same"], true, "{again}");
+    // A footprint that was not there leads to another choice.
+    let changed = lines.replacen("\"footprints\":[", "\"footprints\":[3,90000,1,1,", 1);
+    let changed = folder.holding("changed.jsonl", changed.as_bytes());
+    let (code, _) = refused(&["replay", &changed, "--pack", &pack]);
+    assert_eq!(code, Some(1));
+}
+
+#[test]
 fn what_a_scene_cannot_do_is_said() {
     let folder = Folder::new();
     let pack = torus_pack(&folder);
     let out = folder.name("out");
     for (more, expected) in [
-        (["--policy", "grid"], "a scene has none"),
         (
-            ["--policy", "perceptual"],
-            "full, coarsest, viewport, acuity, uniform, eccentricity",
+            ["--policy", "grid"],
+            "a scene has none; scenes are chosen by full, coarsest, viewport, acuity, uniform, \
+             eccentricity, perceptual",
         ),
         (["--route", "nowhere.csv"], "nowhere.csv"),
         (["--gaze", "40,0"], "20 degrees"),

@@ -4,6 +4,7 @@ use crate::content::head::ContentHead;
 use crate::content::policy::{HasTables, PolicyConfig};
 use crate::content::unit::Unit;
 use crate::pack::unit::UnitId;
+use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
 use crate::units::Seconds;
 use crate::view::timeline::Timeline;
@@ -62,6 +63,11 @@ pub trait Demand: core::fmt::Debug + Send {
     /// is bought.
     fn steps(&self) -> Vec<Vec<u32>> {
         Vec::new()
+    }
+
+    /// From now on units refine these parts of the view.
+    fn see(&mut self, footprints: &Footprints) {
+        let _ = footprints;
     }
 
     /// Looks at a frame and a moment, for buying.

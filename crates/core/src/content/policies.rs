@@ -135,7 +135,7 @@ impl Policy {
                 name: "perceptual",
                 help: Some("Units by what they are worth to the eye per byte within --link"),
                 keeps_a_score: true,
-                options: &["target", "saliency"],
+                options: &["target", "saliency", "importance"],
                 ..SPENDING
             },
         }

@@ -95,6 +95,24 @@ pub enum EdgeRule {
     Single,
 }
 
+/// What tells how much an eye gets of the units of a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ImportanceSource {
+    /// Signatures, which were measured while preparing, and footprints in what is drawn.
+    #[default]
+    Signatures,
+    /// Pictures of all levels, drawn for each choice: slow, the reference for signatures. Footprints
+    /// then tell the worth itself, the bits of a number of 32 bits in the place of the area.
+    Rendered,
+}
+
+impl ImportanceSource {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// A policy with its parameters; written into session logs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PolicyConfig {
@@ -135,6 +153,9 @@ pub struct PolicyConfig {
     /// `perceptual`: whether saliency says what to fetch outside the region that gaze predicts.
     #[serde(default)]
     pub saliency: bool,
+    /// `perceptual` on scenes: what tells the worth of units.
+    #[serde(default, skip_serializing_if = "ImportanceSource::is_default")]
+    pub importance: ImportanceSource,
     /// `acuity`, `perceptual`: the score that levels are chosen for, in JOD. Where bytes are
     /// limited, and under `uniform` and `eccentricity`: the score at which buying stops. `None`:
     /// `acuity` as above, and what is worth anything is bought.
@@ -181,6 +202,7 @@ impl PolicyConfig {
             steadiness: STEADINESS,
             perception: Parameters::default(),
             saliency: false,
+            importance: ImportanceSource::default(),
             target: None,
         }
     }

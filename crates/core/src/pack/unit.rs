@@ -8,7 +8,9 @@ use sha2::{Digest, Sha256};
 ///
 /// For video a unit is a tile at a level over one group of pictures; having it lets the client
 /// show that region at that level for those frames. Units of coarser levels come first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize,
+)]
 #[serde(transparent)]
 pub struct UnitId(pub u32);
 

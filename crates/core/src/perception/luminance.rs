@@ -44,6 +44,12 @@ impl Parameters {
         self.black + (self.peak - self.black) * linear
     }
 
+    /// Luminance in cd/m² of linear red, green and blue, 0 to 1.
+    #[must_use]
+    pub fn luminance_from_linear(&self, linear: [f64; 3]) -> f64 {
+        self.displayed(linear.iter().zip(RGB_WEIGHTS).map(|(l, w)| l * w).sum())
+    }
+
     /// Luminance in cd/m² of every pixel of 8-bit luma (grey sRGB code values).
     #[must_use]
     pub fn luminance_from_luma(&self, luma: &[u8]) -> Vec<f64> {
@@ -55,13 +61,10 @@ impl Parameters {
     #[must_use]
     pub fn luminance_from_rgb(&self, rgb: &[[u8; 3]]) -> Vec<f64> {
         let table = linear_table();
-        let share = |pixel: &[u8; 3]| -> f64 {
-            let linear = pixel.map(|code| table[usize::from(code)]);
-            linear.iter().zip(RGB_WEIGHTS).map(|(l, w)| l * w).sum()
-        };
-        rgb.iter()
-            .map(|pixel| self.displayed(share(pixel)))
-            .collect()
+        let linear = |pixel: &[u8; 3]| pixel.map(|code| table[usize::from(code)]);
+        let pixels = rgb.iter();
+        let pixels = pixels.map(|pixel| self.luminance_from_linear(linear(pixel)));
+        pixels.collect()
     }
 
     /// Luminance in cd/m² of every code value of 8-bit luma.

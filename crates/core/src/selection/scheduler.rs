@@ -11,6 +11,7 @@ mod view_tests;
 use super::greedy::{Catalog, CatalogBuilder, Chain, Misfit, Rule, Rung, Step};
 use crate::content::demand::{Chosen, Demand};
 use crate::content::policy::{Policy, PolicyConfig};
+use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
 use crate::perception::parameters::Model;
 
@@ -66,6 +67,14 @@ impl Scheduler {
             .iter()
             .filter_map(|demand| demand.expected_jod());
         jods.reduce(f64::min)
+    }
+
+    /// From now on the units of an asset refine these parts of the view.
+    ///
+    /// # Panics
+    /// There must be such an asset.
+    pub fn see(&mut self, asset: usize, footprints: &Footprints) {
+        self.demands[asset].see(footprints);
     }
 
     /// What to show of every asset, of the frame of each. `budget` is what can arrive for it, in

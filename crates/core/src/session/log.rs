@@ -9,6 +9,7 @@ use crate::content::head::ContentHead;
 use crate::content::policy::PolicyConfig;
 use crate::content::unit::AssetId;
 use crate::gaze::sample::{GazeSample, HeadPose};
+use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
 use crate::perception::parameters::EyeState;
 use crate::selection::scheduler::Scheduler;
@@ -122,6 +123,10 @@ pub struct SessionFrame {
     /// How far the picture was behind the sound when this was chosen, where there was sound.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub behind_sound_s: Option<Seconds>,
+    /// What parts of the view units would refine, where that was measured: as
+    /// [`Footprints::since`] tells what changed since the line before.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub footprints: Option<Vec<u32>>,
     /// What was chosen of the other assets of the scene, in the order of the head.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub more: Vec<AssetFrame>,
@@ -140,6 +145,9 @@ pub struct AssetFrame {
     pub samples: u64,
     /// SHA-256 of their places.
     pub sha256: String,
+    /// What parts of the view its units would refine, as of the first asset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub footprints: Option<Vec<u32>>,
 }
 
 /// Tells what a viewer wants of each asset of a log, by its head, under the policy of a part.
@@ -299,6 +307,7 @@ impl SessionFrame {
             per_level: record.per_level.clone(),
             samples: record.samples,
             sha256: record.sha256.clone(),
+            footprints: None,
         });
         let (frame, record) = (frames[0], records[0]);
         let gaze = &moment.gaze;
@@ -322,6 +331,7 @@ impl SessionFrame {
             samples: record.samples,
             sha256: record.sha256.clone(),
             behind_sound_s: moment.behind_sound,
+            footprints: None,
             more: more.collect(),
         }
     }
@@ -330,6 +340,21 @@ impl SessionFrame {
     #[must_use]
     pub fn write(&self) -> String {
         line_of(self)
+    }
+
+    /// What changed in the footprints of each asset, in the order of the head.
+    pub fn footprints(&self) -> impl Iterator<Item = Option<&[u32]>> {
+        let more = self.more.iter().map(|it| it.footprints.as_deref());
+        core::iter::once(self.footprints.as_deref()).chain(more)
+    }
+
+    /// The same line, telling what changed in the footprints of an asset, by its number.
+    pub(super) fn with_footprints(mut self, asset: usize, changes: Vec<u32>) -> Self {
+        match asset.checked_sub(1) {
+            None => self.footprints = Some(changes),
+            Some(more) => self.more[more].footprints = Some(changes),
+        }
+        self
     }
 
     fn check(&self, head: &SessionHead, line: usize) -> Result<(), SessionError> {
@@ -377,11 +402,21 @@ impl SessionLogPart {
         }
         let head: SessionHead = serde_json::from_str(first).map_err(|e| wrong(1, e))?;
         head.check()?;
-        let mut frames = Vec::new();
+        let mut frames: Vec<SessionFrame> = Vec::new();
+        let mut footprints = vec![Footprints::default(); 1 + head.more.len()];
         for (number, line) in lines {
             let frame: SessionFrame =
                 serde_json::from_str(line).map_err(|e| wrong(number + 1, e))?;
             frame.check(&head, number + 1)?;
+            for (footprints, changes) in footprints.iter_mut().zip(frame.footprints()) {
+                let changes = changes.unwrap_or_default();
+                *footprints = footprints
+                    .after(changes)
+                    .map_err(|why| SessionError::Line {
+                        line: number + 1,
+                        why: format!("footprints: {why}"),
+                    })?;
+            }
             frames.push(frame);
         }
         Ok(Self { head, frames })
@@ -412,13 +447,26 @@ impl SessionLogPart {
         let assets = self.head.assets();
         let demands = assets.map(|(asset, content)| demand_of(asset, content, policy));
         let mut scheduler = Scheduler::new(policy, demands.collect());
+        let mut footprints = vec![Footprints::default(); 1 + self.head.more.len()];
         let again = |frame: &SessionFrame| {
+            for (asset, (changes, seen)) in frame.footprints().zip(&mut footprints).enumerate() {
+                // That they are some was checked on reading.
+                if let Some(after) = changes.and_then(|changes| seen.after(changes).ok()) {
+                    *seen = after;
+                    scheduler.see(asset, seen);
+                }
+            }
             let moment = frame.moment(&self.head);
             let mut frames = vec![frame.frame];
             frames.extend(frame.more.iter().map(|asset| asset.frame));
             let chosen = scheduler.choose(&frames, &moment, frame.budget);
             let records: Vec<&Record> = chosen.iter().map(|chosen| &chosen.record).collect();
-            SessionFrame::of_scene(&frames, &moment, frame.budget, &records)
+            let again = SessionFrame::of_scene(&frames, &moment, frame.budget, &records);
+            let footprints = frame.footprints().enumerate();
+            footprints.fold(again, |again, (asset, changes)| match changes {
+                Some(changes) => again.with_footprints(asset, changes.to_vec()),
+                None => again,
+            })
         };
         Self {
             head: self.head.clone(),

@@ -7,6 +7,7 @@
 use crate::content::demand::{Chosen, Content, Record};
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::unit::{AssetId, UnitRef};
+use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
 use crate::selection::scheduler::Scheduler;
 use crate::session::budget::Budget;
@@ -44,6 +45,20 @@ pub(super) struct PolicyRun {
     /// Something is missing by which a frame is chosen for as it was asked.
     awaited: Option<Vec<u32>>,
     last: Option<Last>,
+    footprints: SeenFootprints,
+}
+
+/// What parts of the view the units of each asset would refine, as far as that is measured.
+#[derive(Debug)]
+struct SeenFootprints {
+    /// Whether they are, once something is drawn.
+    are_measured: bool,
+    /// Those measured last; empty before.
+    now: Vec<Footprints>,
+    /// Those that the running part of the log tells.
+    logged: Vec<Footprints>,
+    /// Whether some came since the last choice that are not what they were.
+    are_new: bool,
 }
 
 /// What was chosen last.
@@ -72,8 +87,15 @@ impl PolicyRun {
         budget: Option<Budget>,
         begins: Option<Seconds>,
         zooms: bool,
+        measures: bool,
     ) -> Self {
         Self {
+            footprints: SeenFootprints {
+                are_measured: measures,
+                now: Vec::new(),
+                logged: vec![Footprints::default(); scene.len()],
+                are_new: false,
+            },
             scene,
             using: asked.clone(),
             asked,
@@ -108,6 +130,19 @@ impl PolicyRun {
             Some(budget) => budget.set_rate(bytes_per_s),
             None => self.budget = Some(Budget::new(bytes_per_s)),
         }
+    }
+
+    /// The units of an asset would refine these parts of what is drawn.
+    pub(super) fn see(&mut self, asset: AssetId, footprints: Footprints) {
+        let seen = &mut self.footprints;
+        seen.are_new |= seen.now.get(usize::from(asset.0)) != Some(&footprints);
+        seen.now.resize(self.scene.len(), Footprints::default());
+        seen.now[usize::from(asset.0)] = footprints;
+    }
+
+    /// Whether choosing takes what parts of the view units would refine.
+    pub(super) fn needs_footprints(&self) -> bool {
+        self.footprints.are_measured && self.using.policy == Policy::Perceptual
     }
 
     /// Whether the picture stands from now on, and may wait for what takes long to arrive.
@@ -163,7 +198,8 @@ impl PolicyRun {
 
     /// Whether the choice for `now` could be another than for `before`.
     pub(super) fn differs(&self, now: &Moment, before: &Moment) -> bool {
-        self.may_go_on(now.gaze.time.0) || differs(now, before, self.asked.policy)
+        let are_new = self.footprints.are_new && self.needs_footprints();
+        are_new || self.may_go_on(now.gaze.time.0) || differs(now, before, self.asked.policy)
     }
 
     /// Goes over to what is asked for, or to what stands in, whichever can choose now.
@@ -228,6 +264,9 @@ impl PolicyRun {
             let saved = budget.after(Seconds(passed));
             saved.saturating_add(paid)
         });
+        // What is hidden is not known before something is drawn.
+        let is_blind = self.needs_footprints() && self.footprints.now.is_empty();
+        let bytes = if is_blind { Some(0) } else { bytes };
         let picked = self.pick(head, frames, moment, bytes);
         if let Some(budget) = self.budget.as_mut().filter(|_| spends) {
             let spent = self.running.as_ref().map_or(0, |(it, _)| it.spent());
@@ -271,6 +310,7 @@ impl PolicyRun {
         budget: Option<u64>,
     ) -> Picked {
         let mut log = String::new();
+        let needs_footprints = self.needs_footprints();
         let goes_on = |(_, running): &(Scheduler, SessionHead)| *running == head;
         if !self.running.as_ref().is_some_and(goes_on) {
             let part = SessionLogPart {
@@ -279,6 +319,7 @@ impl PolicyRun {
             };
             log = part.write();
             self.running = None;
+            self.footprints.logged.fill(Footprints::default());
         }
         let (scheduler, _) = self.running.get_or_insert_with(|| {
             let demand =
@@ -286,9 +327,22 @@ impl PolicyRun {
             let demands = self.scene.iter().map(demand).collect();
             (Scheduler::new(&head.policy, demands), head)
         });
+        let mut changes = Vec::new();
+        if needs_footprints {
+            let seen = &mut self.footprints;
+            seen.are_new = false;
+            for (asset, now) in seen.now.iter().enumerate() {
+                changes.push(now.since(&seen.logged[asset]));
+                scheduler.see(asset, now);
+                seen.logged[asset].clone_from(now);
+            }
+        }
         let chosen = scheduler.choose(frames, moment, budget);
         let records: Vec<&Record> = chosen.iter().map(|chosen| &chosen.record).collect();
         let line = SessionFrame::of_scene(frames, moment, budget, &records);
+        let line = (0..).zip(changes).fold(line, |line, (asset, changes)| {
+            line.with_footprints(asset, changes)
+        });
         log.push_str(&line.write());
         let assets = (0..).map(AssetId).zip(chosen);
         let units = assets.flat_map(|(asset, Chosen { units, .. })| {

@@ -20,7 +20,7 @@ const FOVEA_DEG: f64 = 2.5;
 const OVERDUE_S: f64 = 0.02;
 /// How soon to step again while what stands is refined, in seconds.
 const REFINED_S: f64 = 0.03;
-/// How soon to step again while the view moves by itself, in seconds.
+/// How soon to step again while the view or the picture moves by itself, in seconds.
 const UNDER_WAY_S: f64 = 1.0 / 60.0;
 
 /// What happens when a round of the content is over.
@@ -106,6 +106,8 @@ pub struct Viewer {
     last: Option<(Moment, Shown)>,
     /// The tick that was drawn last.
     drawn_tick: Option<u64>,
+    /// Whether what draws changes the picture by itself.
+    is_morphing: bool,
 }
 
 impl Viewer {
@@ -122,6 +124,7 @@ impl Viewer {
             heard_in: None,
             last: None,
             drawn_tick: None,
+            is_morphing: false,
         }
     }
 
@@ -306,6 +309,12 @@ impl Viewer {
         changed
     }
 
+    /// Whether what draws still changes the picture by itself after the last step: until it does
+    /// not, nothing is settled, and steps follow soon.
+    pub fn set_morphing(&mut self, is_morphing: bool) {
+        self.is_morphing = is_morphing;
+    }
+
     /// What the last step was made for.
     #[must_use]
     pub fn moment(&self) -> Option<&Moment> {
@@ -399,6 +408,7 @@ impl Viewer {
         session.is_settled()
             && !session.waits_for_tables()
             && !self.navigation.is_under_way()
+            && !self.is_morphing
             && self
                 .moment()
                 .is_some_and(|moment| !session.is_behind(moment))
@@ -418,7 +428,7 @@ impl Viewer {
         };
         let forgotten = self.pointer.forgotten().map(|at| at.0);
         let forgotten = forgotten.filter(|at| *at > now.0);
-        let under_way = self.navigation.is_under_way();
+        let under_way = self.navigation.is_under_way() || self.is_morphing;
         let under_way = under_way.then_some(now.0 + UNDER_WAY_S);
         let times = changes.into_iter().chain(forgotten).chain(under_way);
         times.reduce(f64::min).map(Seconds)

@@ -149,6 +149,7 @@ impl World {
             bytes_per_s: Some(20_000.0),
             since: None,
             zooms: false,
+            measures: false,
             bounds,
         };
         Self {

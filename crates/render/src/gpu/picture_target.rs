@@ -76,14 +76,7 @@ impl PictureTarget {
     /// Makes the target `size` pixels, at least 1 on a side; refuses what the device cannot draw.
     pub(crate) fn fit(&mut self, gpu: &Gpu, size: [u32; 2]) -> Result<(), RenderError> {
         let size = size.map(|side| side.max(1));
-        let (side, most) = (
-            size[0].max(size[1]),
-            gpu.device.limits().max_texture_dimension_2d,
-        );
-        if side > most {
-            let what = "the picture";
-            return Err(RenderError::TooLarge { what, side, most });
-        }
+        check_size(gpu, size)?;
         if self.size() != size {
             *self = Self::new(gpu, size);
         }
@@ -93,6 +86,19 @@ impl PictureTarget {
     /// Columns and rows.
     pub(crate) fn size(&self) -> [u32; 2] {
         [self.picture.width(), self.picture.height()]
+    }
+}
+
+/// Refuses a size that the device cannot draw.
+pub(crate) fn check_size(gpu: &Gpu, size: [u32; 2]) -> Result<(), RenderError> {
+    let (side, most) = (
+        size[0].max(size[1]),
+        gpu.device.limits().max_texture_dimension_2d,
+    );
+    let what = "the picture";
+    match side > most {
+        true => Err(RenderError::TooLarge { what, side, most }),
+        false => Ok(()),
     }
 }
 

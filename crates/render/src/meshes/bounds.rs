@@ -26,6 +26,16 @@ pub(crate) struct ClusterBounds {
     pub(crate) spread: f32,
 }
 
+impl ClusterBounds {
+    /// Of what may be anywhere and face any way.
+    pub(crate) const ANYWHERE: Self = Self {
+        centre: Vec3::ZERO,
+        radius: 1e9,
+        axis: Vec3::ZERO,
+        spread: ANY_WAY,
+    };
+}
+
 /// The bounds of every cluster of a unit.
 pub(crate) fn bounds_of(placed: &PlacedUnit) -> Vec<ClusterBounds> {
     let clusters = 0..placed.clusters.len();

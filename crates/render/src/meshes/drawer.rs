@@ -5,19 +5,26 @@ use crate::error::RenderError;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
 use crate::meshes::layer::SceneLayer;
+use crate::meshes::measuring::Measuring;
 use crate::meshes::params::SceneStyle;
 use crate::meshes::units::ComingUnit;
 use crate::points::units::ComingPoints;
 use crate::twin::TwinScene;
 use foveal_core::content::scene::description::SceneObject;
+use foveal_core::content::unit::AssetId;
 use foveal_core::pack::unit::UnitId;
+#[cfg(not(target_arch = "wasm32"))]
+use foveal_core::perception::footprints::Footprints;
+use foveal_core::perception::moment::Moment;
+use foveal_core::session::session::Session;
 use foveal_core::view::eye_view::EyeView;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Units of a scene and what draws them.
 pub struct SceneDrawer {
     device: DrawDevice,
     engine: Engine,
+    measuring: Measuring,
 }
 
 enum Engine {
@@ -46,6 +53,7 @@ impl SceneDrawer {
         Ok(Self {
             device: device.clone(),
             engine,
+            measuring: Measuring::default(),
         })
     }
 
@@ -60,6 +68,7 @@ impl SceneDrawer {
     /// # Errors
     /// It does not fit to what is there or into the GPU's memory: nothing changed then.
     pub fn upload(&mut self, coming: &ComingUnit<'_>) -> Result<(), RenderError> {
+        self.measuring.forget();
         match &mut self.engine {
             Engine::Gpu(layer) => layer.upload(coming),
             Engine::Twin(twin) => twin.upload(coming),
@@ -81,9 +90,20 @@ impl SceneDrawer {
 
     /// Evicts all units but those that are wanted, what these need, and roots.
     pub fn keep(&mut self, wanted: &HashSet<UnitId>) {
+        self.measuring.forget();
         match &mut self.engine {
             Engine::Gpu(layer) => layer.retain(wanted),
             Engine::Twin(twin) => twin.retain(wanted),
+            Engine::Nothing => {}
+        }
+    }
+
+    /// From now on the new vertices of these units have gone so much of their way from the coarse
+    /// surface, 0 to 1, and all others are in their places.
+    pub fn morph(&mut self, shares: &BTreeMap<UnitId, f64>) {
+        match &mut self.engine {
+            Engine::Gpu(layer) => layer.morph(shares),
+            Engine::Twin(twin) => twin.morph(shares),
             Engine::Nothing => {}
         }
     }
@@ -133,6 +153,94 @@ impl SceneDrawer {
             Engine::Twin(twin) => Some(twin),
             Engine::Gpu(_) | Engine::Nothing => None,
         }
+    }
+
+    /// Tells a session what parts of the view units would refine, where it chooses by that: what was
+    /// measured since the last call. Begins to measure what is drawn now, where that is due.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    pub fn measure(
+        &mut self,
+        session: &mut Session,
+        moment: &Moment,
+        style: &SceneStyle,
+    ) -> Result<(), RenderError> {
+        if !session.needs_footprints() {
+            return Ok(());
+        }
+        if self.measuring.is_under_way() {
+            self.poll(false)?;
+            if let Some(footprints) = self.measuring.finish()? {
+                session.see(AssetId(0), footprints);
+            }
+        }
+        if session.shown_tick().is_some() && self.measuring.is_due(moment) {
+            self.begin_measuring(moment, style)?;
+        }
+        session.expect_footprints(self.measuring.is_under_way());
+        Ok(())
+    }
+
+    /// The same, waiting for what is drawn now.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn measure_now(
+        &mut self,
+        session: &mut Session,
+        moment: &Moment,
+        style: &SceneStyle,
+    ) -> Result<(), RenderError> {
+        let is_shown = session.needs_footprints() && session.shown_tick().is_some();
+        if is_shown && self.measuring.is_due(moment) {
+            session.see(AssetId(0), self.footprints(moment, style)?);
+        }
+        Ok(())
+    }
+
+    /// What parts of the view units would refine of what is drawn now. Blocks.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn footprints(
+        &mut self,
+        moment: &Moment,
+        style: &SceneStyle,
+    ) -> Result<Footprints, RenderError> {
+        self.begin_measuring(moment, style)?;
+        self.poll(true)?;
+        Ok(self.measuring.finish()?.unwrap_or_default())
+    }
+
+    fn begin_measuring(&mut self, moment: &Moment, style: &SceneStyle) -> Result<(), RenderError> {
+        let (mut found, mut coming) = (Vec::new(), Vec::new());
+        for glance in moment.glances() {
+            match &mut self.engine {
+                Engine::Gpu(layer) => coming.extend(layer.footprints(&glance, style)?),
+                Engine::Twin(twin) => found.extend(twin.footprints(&glance, style)),
+                Engine::Nothing => return Ok(()),
+            }
+        }
+        self.measuring.begin(moment, found, coming);
+        Ok(())
+    }
+
+    /// Lets the device tell what it is done with, or waits until it is done with all.
+    fn poll(&self, waits: bool) -> Result<(), RenderError> {
+        let DrawDevice::Gpu(gpu) = &self.device else {
+            return Ok(());
+        };
+        let poll = match waits {
+            true => wgpu::PollType::wait_indefinitely(),
+            false => wgpu::PollType::Poll,
+        };
+        let polled = gpu.device.poll(poll);
+        polled
+            .map(|_| ())
+            .map_err(|reason| RenderError::ReadBack(reason.to_string()))
     }
 
     /// The texture of the picture that a view shows on the GPU; the next call reuses it. `None`

@@ -4,10 +4,11 @@ use crate::error::RenderError;
 use crate::gpu::buffers::{storage, written};
 use crate::gpu::compute::{Compute, Dispatch, record};
 use crate::gpu::device::Gpu;
-use crate::gpu::picture_target::PictureTarget;
+use crate::gpu::picture_target::{PictureTarget, check_size};
 use crate::gpu::readback::{PictureCopy, ReadBack};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
+use crate::meshes::footprints::{FootprintPass, FootprintsBack, GazedParams, small_view};
 use crate::meshes::lists::DrawList;
 use crate::meshes::memory::UnitMemory;
 use crate::meshes::params::{PlacementParams, SceneParams, SceneStyle};
@@ -19,8 +20,9 @@ use crate::points::units::ComingPoints;
 use crate::shaders;
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
+use foveal_core::perception::glance::Glance;
 use foveal_core::view::eye_view::EyeView;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Most workgroups along one side of a dispatch.
 const MOST_WORKGROUPS: u32 = 65_535;
@@ -55,6 +57,7 @@ pub struct SceneLayer {
     cull: Compute,
     colours: ClusterPass,
     refiners: Option<ClusterPass>,
+    footprints: Option<FootprintPass>,
     output: PictureTarget,
     unit_image: Option<wgpu::Texture>,
     /// Where there are clouds of points.
@@ -89,6 +92,7 @@ impl SceneLayer {
             cull: Compute::new(gpu, &shaders::cull_clusters()),
             colours: ClusterPass::new(gpu, Draws::Colours),
             refiners: None,
+            footprints: None,
             output: PictureTarget::new(gpu, [1, 1]),
             unit_image: None,
             clouds: clouds.transpose()?,
@@ -172,6 +176,14 @@ impl SceneLayer {
         }
     }
 
+    /// From now on the new vertices of these units have gone so much of their way from the coarse
+    /// surface, 0 to 1, and all others are in their places. Writes what moves to the GPU: twelve
+    /// bytes a vertex.
+    pub fn morph(&mut self, shares: &BTreeMap<UnitId, f64>) {
+        let moved = self.units.morph(shares);
+        self.memory.rewrite(&self.units, &moved);
+    }
+
     /// From now on these are the units that would refine clusters, each by its unit and its number
     /// in it: what [`Self::ids`] shows. Only those of units that are there or will be need be told.
     pub fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
@@ -179,6 +191,7 @@ impl SceneLayer {
             clouds.set_refiners(refiners.clone());
         }
         self.memory.set_refiners(refiners);
+        self.footprints = None;
     }
 
     /// Bytes of GPU memory of units, in use or kept for more, and of tables.
@@ -250,11 +263,16 @@ impl SceneLayer {
         view: &EyeView,
         style: &SceneStyle,
     ) -> Result<&wgpu::Texture, RenderError> {
-        self.output.fit(&self.gpu, view.size)?;
         let gpu = self.gpu.clone();
+        check_size(&gpu, view.size)?;
         let mut encoder = gpu.encoder("units of a scene");
         self.prepare(&mut encoder, view, style)?;
-        let size = self.output.picture.size();
+        let [width, height] = view.size.map(|side| side.max(1));
+        let size = wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        };
         let image = self.unit_image.take().filter(|it| it.size() == size);
         let image = image.unwrap_or_else(|| unit_image(&gpu, size));
         let pass = self.refiners.take();
@@ -269,6 +287,29 @@ impl SceneLayer {
         self.refiners = Some(pass);
         gpu.submit(encoder);
         Ok(self.unit_image.insert(image))
+    }
+
+    /// What of a glance's view each unit would refine, on its way; `None` where it has no view.
+    ///
+    /// # Errors
+    /// The device binds no buffer for as many units.
+    pub fn footprints(
+        &mut self,
+        glance: &Glance,
+        style: &SceneStyle,
+    ) -> Result<Option<FootprintsBack>, RenderError> {
+        let Some(view) = glance.view.as_ref().map(small_view) else {
+            return Ok(None);
+        };
+        let pass = match self.footprints.take() {
+            Some(pass) => pass,
+            None => FootprintPass::new(&self.gpu, self.memory.refining_units())?,
+        };
+        let gpu = self.gpu.clone();
+        let params = GazedParams::new(glance, &view);
+        let back = pass.add_up(&gpu, self.ids(&view, style)?, &params);
+        self.footprints = Some(pass);
+        Ok(Some(back))
     }
 
     fn record(

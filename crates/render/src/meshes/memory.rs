@@ -1,6 +1,7 @@
 //! Where on the GPU do the vertices and clusters of units lie?
 //!
-//! A vertex lies there once, with the unit that it came with; the clusters of later units name it.
+//! A vertex lies there once, with the unit that it came with; the clusters of later units name it,
+//! so that it is moved there for all.
 //! A cluster is a block of words: a head, its vertices by their places in the pool, its triangles.
 //! `shaders/shared/scene.wgsl` reads both.
 
@@ -8,8 +9,8 @@ use crate::error::RenderError;
 use crate::gpu::device::Gpu;
 use crate::meshes::bounds::ClusterBounds;
 use crate::meshes::pool::{Pool, most_bound};
-use crate::meshes::units::{SceneUnits, UnitNote};
-use foveal_core::content::mesh::cut::{PlacedCluster, PlacedUnit};
+use crate::meshes::units::{Moved, SceneUnits};
+use foveal_core::content::mesh::cut::{PlacedCluster, PlacedUnit, VertexOrigin};
 use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
 use foveal_core::pack::unit::UnitId;
 use std::collections::{BTreeMap, HashMap};
@@ -42,8 +43,6 @@ fn words_of(vertices: usize, triangles: usize) -> u32 {
 
 /// Where a unit lies.
 struct Span {
-    /// The places of all its vertices: those that stay, then its own.
-    vertices: Vec<u32>,
     /// The first of its own vertices, which lie in a row.
     first: u32,
     /// Number of its own vertices.
@@ -163,6 +162,12 @@ impl UnitMemory {
         }
     }
 
+    /// One more than the largest number of a unit that refines something.
+    pub(crate) fn refining_units(&self) -> u32 {
+        let units = self.refiners.values().map(|unit| unit.0 + 1);
+        units.max().unwrap_or_default()
+    }
+
     /// Writes all units anew, one after the other, in pools of all that may be taken.
     pub(crate) fn pack(&mut self, units: &SceneUnits) -> Result<(), RenderError> {
         let most_bound = most_bound(&self.gpu);
@@ -194,13 +199,39 @@ impl UnitMemory {
         Ok(())
     }
 
+    /// Writes what moved of units that are there.
+    pub(crate) fn rewrite(&self, units: &SceneUnits, moved: &Moved) {
+        for unit in &moved.vertices {
+            if let Some(span) = self.spans.get(unit) {
+                self.write_vertices(units, *unit, span.first);
+            }
+        }
+        for unit in &moved.bounds {
+            let (Some(span), Some((note, placed))) = (self.spans.get(unit), units.unit(*unit))
+            else {
+                continue;
+            };
+            for (number, cluster) in placed.clusters.iter().enumerate() {
+                let head = head_words(cluster, &note.bounds(number), note.level);
+                self.words.write(&self.gpu, span.blocks[number], &head);
+            }
+        }
+    }
+
+    /// Writes the new vertices of a unit as they are now.
+    fn write_vertices(&self, units: &SceneUnits, unit: UnitId, first: u32) {
+        let vertices = units.new_vertices_now(unit).iter();
+        let packed: Vec<u32> = vertices.flat_map(vertex_words).collect();
+        self.vertices.write(&self.gpu, first, &packed);
+    }
+
     /// Finds a place for a unit and writes it there; `None` where there is none.
     fn place(&mut self, units: &SceneUnits, unit: UnitId) -> Option<()> {
         let (note, placed) = units.unit(unit)?;
-        let mut vertices = self.staying(units, note, placed)?;
-        let own = own_vertices(placed);
+        let mut vertices = self.staying(placed)?;
         let [_, bytes] = placed_bytes(placed);
-        let [own_count, count] = [own.len() as u32, (bytes / WORD_BYTES) as u32];
+        let own_count = own_vertices(placed).len() as u32;
+        let count = (bytes / WORD_BYTES) as u32;
         let room = self.most_taken().saturating_sub(self.words.bytes());
         let first = self.vertices.take(&self.gpu, own_count, room)?;
         let room = self.most_taken().saturating_sub(self.vertices.bytes());
@@ -208,14 +239,13 @@ impl UnitMemory {
             self.vertices.give_back(first, own_count);
             return None;
         };
-        let packed: Vec<u32> = own.iter().flat_map(vertex_words).collect();
-        self.vertices.write(&self.gpu, first, &packed);
+        self.write_vertices(units, unit, first);
         vertices.extend(first..first + own_count);
         let mut blocks = vec![block];
         let mut words = Vec::with_capacity(count as usize);
         for (number, cluster) in placed.clusters.iter().enumerate() {
             let refiner = self.refiners.get(&(unit, number as u8));
-            words.extend(head_words(cluster, &note.bounds[number], note.level));
+            words.extend(head_words(cluster, &note.bounds(number), note.level));
             words.push(refiner.map_or(NO_UNIT, |it| it.0));
             words.extend(cluster.vertices.iter().map(|it| vertices[usize::from(*it)]));
             let triangle = |[a, b, c]: &[u8; 3]| u32::from_le_bytes([*a, *b, *c, 0]);
@@ -224,7 +254,6 @@ impl UnitMemory {
         }
         self.words.write(&self.gpu, block, &words);
         let span = Span {
-            vertices,
             first,
             own: own_count,
             blocks,
@@ -233,30 +262,10 @@ impl UnitMemory {
         Some(())
     }
 
-    /// Where the vertices that stay lie, in their order: with the units that are replaced, or where
-    /// these have them from.
-    fn staying(
-        &self,
-        units: &SceneUnits,
-        note: &UnitNote,
-        placed: &PlacedUnit,
-    ) -> Option<Vec<u32>> {
-        let staying = &placed.vertices[..usize::from(placed.staying)];
-        let numbers: HashMap<&MeshVertex, usize> = staying.iter().zip(0..).collect();
-        let mut places = vec![None; staying.len()];
-        let mut sources: Vec<UnitId> = note.replaces.iter().map(|(need, _)| *need).collect();
-        sources.sort_unstable();
-        sources.dedup();
-        for source in sources {
-            let (_, placed) = units.unit(source)?;
-            let span = self.spans.get(&source)?;
-            for (vertex, place) in placed.vertices.iter().zip(&span.vertices) {
-                if let Some(number) = numbers.get(vertex) {
-                    places[*number] = Some(*place);
-                }
-            }
-        }
-        places.into_iter().collect()
+    /// Where the vertices that stay lie, in their order: with the units that they came with.
+    fn staying(&self, placed: &PlacedUnit) -> Option<Vec<u32>> {
+        let of = |it: &VertexOrigin| Some(self.spans.get(&it.unit)?.first + u32::from(it.number));
+        placed.origins.iter().map(of).collect()
     }
 }
 

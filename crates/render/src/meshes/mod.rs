@@ -3,9 +3,12 @@
 mod arena;
 pub(crate) mod bounds;
 mod drawer;
+pub mod footprints;
 mod layer;
 mod lists;
+mod measuring;
 mod memory;
+pub(crate) mod morphs;
 pub mod params;
 pub(crate) mod pass;
 pub(crate) mod placements;

@@ -4,11 +4,9 @@
 //! `tests/shaders.rs` compares them.
 
 use bytemuck::{Pod, Zeroable};
+use foveal_core::content::scene::lighting::LAMP_DIRECTION;
 use foveal_core::view::eye_view::EyeView;
 use glam::DVec3;
-
-/// Where light comes from, in the world: above, from the right and the viewer's side.
-const LIGHT: DVec3 = DVec3::new(0.4, 0.8, 0.45);
 
 /// What is seen where nothing stands, as an sRGB code: 0.03 in linear light.
 pub(crate) const BACKGROUND: f32 = 0.189_749;
@@ -109,7 +107,7 @@ impl SceneParams {
         Self {
             clip_from_view: clip_from_view.map(|it| it as f32),
             field: tangents.map(|it| it as f32),
-            light: in_view(LIGHT.normalize()),
+            light: in_view(LAMP_DIRECTION.normalize()),
             near: style.near as f32,
             up: in_view(DVec3::Y),
             tint: style.tint,

@@ -4,6 +4,7 @@ use crate::meshes::params::{
     COLOURS, MIRRORED, NORMALS, PlacementParams, TWO_SIDED, UNLIT, in_view,
 };
 use foveal_core::content::scene::description::SceneObject;
+use foveal_core::content::scene::lighting::normal_matrix;
 use foveal_core::view::eye_view::EyeView;
 use glam::{DAffine3, DMat3, DVec3};
 use std::ops::Range;
@@ -96,18 +97,6 @@ fn flags(object: &SceneObject, world_from_object: DMat3) -> u32 {
         | flag(object.two_sided, TWO_SIDED)
 }
 
-/// What turns normals as `matrix` turns places, up to their length: its cofactors, so that it needs
-/// no inverse, scaled to be near 1.
-fn normal_matrix(matrix: DMat3) -> DMat3 {
-    let [x, y, z] = columns(matrix);
-    let largest = [x, y, z].map(|it| it.abs().max_element());
-    let largest = largest.into_iter().fold(0.0, f64::max).max(1e-300);
-    let [x, y, z] = [x, y, z].map(|it| it / largest);
-    let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-    // Outside stays outside in a mirror.
-    cofactors * x.dot(y.cross(z)).signum()
-}
-
 fn columns(matrix: DMat3) -> [DVec3; 3] {
     [matrix.x_axis, matrix.y_axis, matrix.z_axis]
 }
@@ -115,19 +104,4 @@ fn columns(matrix: DMat3) -> [DVec3; 3] {
 /// The rows of the matrix with these columns.
 fn rows([x, y, z]: [DVec3; 3], origin: DVec3) -> [[f32; 4]; 3] {
     [0, 1, 2].map(|k| [x[k], y[k], z[k], origin[k]].map(|it| it as f32))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn normals_stay_outside_in_a_mirror_and_lean_where_a_sphere_is_flattened() {
-        let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
-        assert_eq!(normal_matrix(mirror) * DVec3::X, DVec3::NEG_X);
-        assert_eq!(normal_matrix(mirror) * DVec3::Y, DVec3::Y);
-        let flattened = DMat3::from_diagonal(DVec3::new(1.0, 0.5, 1.0));
-        let normal = normal_matrix(flattened) * DVec3::new(1.0, 1.0, 0.0);
-        assert!((normal.y / normal.x - 2.0).abs() < 1e-12);
-    }
 }

@@ -3,9 +3,9 @@
 use crate::error::RenderError;
 use crate::meshes::bounds::{ClusterBounds, bounds_of};
 use foveal_core::content::mesh::cut::{MeshCut, PlacedUnit};
-use foveal_core::content::mesh::payload::MeshUnit;
+use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
 use foveal_core::pack::unit::UnitId;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// A unit on its way to where it is drawn from.
 #[derive(Clone, Copy, Debug)]
@@ -29,13 +29,34 @@ pub(crate) struct UnitNote {
     pub(crate) object: u16,
     /// Its level, 0 the finest.
     pub(crate) level: u8,
-    /// Where each of its clusters lies and faces.
-    pub(crate) bounds: Vec<ClusterBounds>,
+    /// Where each of its clusters lies and faces, with all vertices in their places.
+    bounds: Vec<ClusterBounds>,
+    /// Whether vertices of it may be on their way.
+    is_unsteady: bool,
     /// The clusters in whose place it is shown.
-    pub(crate) replaces: Vec<(UnitId, u8)>,
+    replaces: Vec<(UnitId, u8)>,
     needs: Vec<UnitId>,
     /// How many units that are there need it.
     dependents: u32,
+}
+
+impl UnitNote {
+    /// Where a cluster lies and faces: anywhere, while vertices are on their way.
+    pub(crate) fn bounds(&self, cluster: usize) -> ClusterBounds {
+        match self.is_unsteady {
+            true => ClusterBounds::ANYWHERE,
+            false => self.bounds[cluster],
+        }
+    }
+}
+
+/// What is otherwise since vertices moved.
+#[derive(Debug, Default)]
+pub(crate) struct Moved {
+    /// Units of which new vertices are elsewhere.
+    pub(crate) vertices: BTreeSet<UnitId>,
+    /// Units whose bounds are others.
+    pub(crate) bounds: Vec<UnitId>,
 }
 
 /// A cluster that is drawn.
@@ -46,6 +67,16 @@ pub(crate) struct DrawnCluster<'a> {
     pub(crate) cluster: usize,
     pub(crate) note: &'a UnitNote,
     pub(crate) placed: &'a PlacedUnit,
+    cut: &'a MeshCut,
+}
+
+impl DrawnCluster<'_> {
+    /// A vertex as it is now, by its number in the cluster.
+    pub(crate) fn vertex_now(&self, number: u32) -> MeshVertex {
+        let vertices = &self.placed.clusters[self.cluster].vertices;
+        let number = vertices[number as usize];
+        self.cut.vertex_now(self.unit, self.placed, number)
+    }
 }
 
 /// The units that are there.
@@ -54,6 +85,8 @@ pub(crate) struct SceneUnits {
     objects: usize,
     cut: MeshCut,
     notes: BTreeMap<UnitId, UnitNote>,
+    /// Those of which vertices may be on their way.
+    unsteady: BTreeSet<UnitId>,
     coarsest: u8,
 }
 
@@ -83,10 +116,14 @@ impl SceneUnits {
             object: coming.object,
             level: coming.level,
             bounds: bounds_of(placed),
+            is_unsteady: needs.iter().any(|need| self.unsteady.contains(need)),
             replaces: replaces.collect(),
             needs: needs.to_vec(),
             dependents: 0,
         };
+        if note.is_unsteady {
+            self.unsteady.insert(unit);
+        }
         self.notes.insert(unit, note);
         self.coarsest = self.coarsest.max(coming.level);
         self.count(needs, |dependents| dependents + 1);
@@ -136,6 +173,7 @@ impl SceneUnits {
         let dependents = note.dependents;
         assert_eq!(dependents, 0, "unit {} is still needed by others", unit.0);
         self.cut.remove(unit);
+        self.unsteady.remove(&unit);
         self.count(&note.needs, |dependents| dependents - 1);
         true
     }
@@ -155,6 +193,29 @@ impl SceneUnits {
             }
         }
         gone
+    }
+
+    /// From now on the new vertices of these units have gone so much of their way from the coarse
+    /// surface, 0 to 1, and all others are in their places.
+    pub(crate) fn morph(&mut self, shares: &BTreeMap<UnitId, f64>) -> Moved {
+        let vertices = self.cut.morph(shares);
+        let unsteady = self.cut.unsteady();
+        let before = std::mem::replace(&mut self.unsteady, unsteady);
+        let bounds: Vec<UnitId> = before
+            .symmetric_difference(&self.unsteady)
+            .copied()
+            .collect();
+        for unit in &bounds {
+            if let Some(note) = self.notes.get_mut(unit) {
+                note.is_unsteady = self.unsteady.contains(unit);
+            }
+        }
+        Moved { vertices, bounds }
+    }
+
+    /// The new vertices of a unit as they are now.
+    pub(crate) fn new_vertices_now(&self, unit: UnitId) -> &[MeshVertex] {
+        self.cut.new_vertices_now(unit)
     }
 
     /// The coarsest level that was ever there.
@@ -181,6 +242,7 @@ impl SceneUnits {
                 cluster,
                 note,
                 placed,
+                cut: &self.cut,
             })
         };
         self.cut.drawn().filter_map(noted)

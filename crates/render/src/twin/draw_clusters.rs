@@ -7,11 +7,8 @@ use super::shared::wgsl::mix;
 use crate::meshes::params::{COLOURS, NORMALS, TWO_SIDED, UNLIT};
 use crate::meshes::units::DrawnCluster;
 use foveal_core::content::mesh::octahedral;
+use foveal_core::content::scene::lighting::{GROUND, LAMP, SKY};
 use glam::{Vec2, Vec3, Vec4};
-
-const GROUND: f32 = 0.35;
-const SKY: f32 = 0.55;
-const LAMP: f32 = 0.5;
 
 /// What all triangles of a cluster have.
 #[derive(Clone, Copy, Debug, Default)]

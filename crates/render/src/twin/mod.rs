@@ -9,6 +9,7 @@ mod blur_radial;
 mod cull_clusters;
 mod draw_clusters;
 mod draw_points;
+mod footprints;
 mod interpolate_sparse;
 mod overlay;
 mod reconstruct_cube;

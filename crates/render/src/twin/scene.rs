@@ -3,11 +3,15 @@
 use super::cull_clusters::{cull_clusters, is_seen};
 use super::draw_clusters::{OfCluster, draw_clusters, draw_refiners, place_corner};
 use super::draw_points::{CloudInView, Splat, draw_point_refiners, draw_points, place_splat};
+use super::footprints::footprints;
 use super::shared::raster::{Fragment, Sides, rasterise};
 use super::shared::scene::{SceneInView, triangles_of};
 use super::shared::wgsl::code;
 use crate::error::RenderError;
 use crate::image::RgbaImage;
+use crate::meshes::footprints::{
+    FootprintSums, GazedParams, footprints_of, pixel_deg2, small_view,
+};
 use crate::meshes::params::{BACKGROUND, SceneParams, SceneStyle, TWO_SIDED};
 use crate::meshes::placements::Placements;
 use crate::meshes::units::{ComingUnit, DrawnCluster, SceneUnits};
@@ -15,9 +19,11 @@ use crate::points::cubes::standing;
 use crate::points::units::{CloudUnits, ComingPoints};
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
+use foveal_core::perception::footprints::Footprint;
+use foveal_core::perception::glance::Glance;
 use foveal_core::view::eye_view::EyeView;
 use glam::{Vec2, Vec3};
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// The units of a scene in main memory, and the pictures that are drawn of them.
 pub struct TwinScene {
@@ -96,6 +102,12 @@ impl TwinScene {
         }
     }
 
+    /// From now on the new vertices of these units have gone so much of their way from the coarse
+    /// surface, 0 to 1, and all others are in their places.
+    pub fn morph(&mut self, shares: &BTreeMap<UnitId, f64>) {
+        self.units.morph(shares);
+    }
+
     /// Triangles of the clusters that a picture is drawn of, also of those that cannot be seen,
     /// each where it stands.
     #[must_use]
@@ -157,6 +169,24 @@ impl TwinScene {
             ids[y * columns + x] = draw_point_refiners(splat);
         });
         ids
+    }
+
+    /// What of a glance's view each unit would refine; nothing where it has no view.
+    #[must_use]
+    pub fn footprints(&self, glance: &Glance, style: &SceneStyle) -> Vec<Footprint> {
+        let Some(view) = glance.view.as_ref().map(small_view) else {
+            return Vec::new();
+        };
+        let gazed = GazedParams::new(glance, &view);
+        let mut sums: Vec<FootprintSums> = Vec::new();
+        let ids = self.ids(&view, style);
+        for (place, unit) in (0..).zip(ids).filter(|(_, unit)| *unit != u32::MAX) {
+            let unit = unit as usize;
+            sums.resize(sums.len().max(unit + 1), FootprintSums::default());
+            let pixel = [place % view.size[0], place / view.size[0]];
+            footprints(&gazed, pixel, view.size, &mut sums[unit]);
+        }
+        footprints_of(&sums, pixel_deg2(&gazed, view.size))
     }
 
     fn scene(&self, view: &EyeView, style: &SceneStyle) -> SceneInView {

@@ -1,6 +1,7 @@
 //! Which pictures, tiles and views do the tests draw?
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
+pub mod ball;
 pub mod levels;
 pub mod torus;
 
@@ -368,4 +369,12 @@ pub fn bytes_of(gpu: &Gpu, image: &wgpu::Texture) -> Vec<u8> {
     );
     gpu.submit(encoder);
     BytesBack::map(buffer).wait(gpu).unwrap()
+}
+
+/// Share of pixels of which a channel differs by more than `most`.
+pub fn share_beyond(a: &RgbaImage, b: &RgbaImage, most: u8) -> f64 {
+    assert_eq!(a.size, b.size);
+    let pixels = a.pixels.chunks(4).zip(b.pixels.chunks(4));
+    let off = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > most));
+    off.count() as f64 / (a.pixels.len() / 4) as f64
 }

@@ -12,11 +12,17 @@ pub struct BuildOptions {
     pub bits: u8,
     /// Number of threads; changes no byte.
     pub jobs: usize,
+    /// Whether it is measured what units add: without, their signatures are zeros.
+    pub signatures: bool,
 }
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { bits: 14, jobs: 1 }
+        Self {
+            bits: 14,
+            jobs: 1,
+            signatures: true,
+        }
     }
 }
 

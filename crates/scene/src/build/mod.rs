@@ -108,7 +108,7 @@ fn build_here(
         .collect();
     let permissive = graphs.iter().map(|graph| graph.permissive).sum();
     count(&mut repairs, "permissive_groups", permissive);
-    let (units, levels) = units::write(&meshes, &graphs)?;
+    let (units, levels) = units::write(&meshes, &graphs, options.signatures)?;
     let mut objects: Vec<_> = meshes.into_iter().map(|mesh| mesh.object).collect();
     drop(graphs);
     let mut graphed = vec![Graphed { units, levels }];

@@ -4,10 +4,12 @@ use super::built::{BuildError, BuiltUnit};
 use super::graph::{Graph, Group};
 use super::mesh::GridMesh;
 use super::numbering::Numbering;
-use foveal_core::content::mesh::payload::{Cluster, ClusterRef, MeshUnit};
+use crate::signatures::StepMeasure;
+use foveal_core::content::mesh::payload::{Cluster, ClusterRef, MeshUnit, MeshVertex};
 use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
 use foveal_core::pack::PackError;
 use foveal_core::pack::unit::UnitId;
+use foveal_core::perception::measures::contrast::Signature;
 use rayon::prelude::*;
 
 /// Bits of a coordinate of a sphere's centre that count for the order.
@@ -17,6 +19,7 @@ const ORDER_BITS: u32 = 20;
 pub(super) fn write(
     meshes: &[GridMesh],
     graphs: &[Graph],
+    signatures: bool,
 ) -> Result<(Vec<BuiltUnit>, u8), BuildError> {
     let levels = graphs.iter().filter_map(|it| it.groups.last());
     let coarsest = levels.map(|root| root.level).max().unwrap_or(0);
@@ -37,12 +40,15 @@ pub(super) fn write(
     for ((_, object, _, number), unit) in order.iter().zip(0..) {
         unit_of[*object][*number] = UnitId(unit);
     }
+    let measure = |mesh: &GridMesh| signatures.then(|| StepMeasure::new(&mesh.object));
+    let measures: Vec<Option<StepMeasure>> = meshes.iter().map(measure).collect();
     let units = order.par_iter().map(|(level, object, _, number)| {
         let place = Place {
             mesh: &meshes[*object],
             graph: &graphs[*object],
             unit_of: &unit_of[*object],
             object: *object as u16,
+            measure: measures[*object].as_ref(),
         };
         place.unit(level.0, *number)
     });
@@ -66,6 +72,7 @@ struct Place<'a> {
     graph: &'a Graph,
     unit_of: &'a [UnitId],
     object: u16,
+    measure: Option<&'a StepMeasure>,
 }
 
 impl Place<'_> {
@@ -90,22 +97,36 @@ impl Place<'_> {
         let replaces = group.coarse.iter().map(replaced).collect();
         let says = self.says(group, replaces);
         let corners = says.clusters.iter().map(|it| it.vertices.len());
+        let mut row = UnitRow {
+            kind: UnitKind::Mesh,
+            object: self.object,
+            centre: group.sphere.centre,
+            radius: group.sphere.radius,
+            error: group.error,
+            samples: says.triangles() as u32,
+            vertices: corners.sum::<usize>() as u32,
+            needs,
+            ..UnitRow::default()
+        };
+        let measure = self.measure.filter(|_| !group.coarse.is_empty());
+        row.signature = measure.map_or_else(Signature::default, |it| {
+            let [before, after] = [&group.coarse, &group.fine].map(|it| self.triangles(it));
+            it.signature([&before, &after], f64::from(group.error))
+        });
+        let payload = says.write(self.mesh.object.attributes)?;
+        row.replaces = says.replaces;
         Ok(BuiltUnit {
             level,
-            payload: says.write(self.mesh.object.attributes)?,
-            row: UnitRow {
-                kind: UnitKind::Mesh,
-                object: self.object,
-                centre: group.sphere.centre,
-                radius: group.sphere.radius,
-                error: group.error,
-                samples: says.triangles() as u32,
-                vertices: corners.sum::<usize>() as u32,
-                needs,
-                replaces: says.replaces,
-                ..UnitRow::default()
-            },
+            row,
+            payload,
         })
+    }
+
+    fn triangles(&self, clusters: &[u32]) -> Vec<[MeshVertex; 3]> {
+        let clusters = clusters.iter();
+        let corners = clusters.flat_map(|it| self.graph.clusters[*it as usize].corners());
+        let corners = corners.map(|it| self.mesh.vertices[it as usize]);
+        corners.collect::<Vec<_>>().as_chunks().0.to_vec()
     }
 
     fn says(&self, group: &Group, replaces: Vec<ClusterRef>) -> MeshUnit {

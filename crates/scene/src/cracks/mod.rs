@@ -6,6 +6,7 @@
 
 mod edges;
 mod eyes;
+mod morphing;
 mod parity;
 #[cfg(test)]
 mod tests;
@@ -17,6 +18,7 @@ use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::pack::PackError;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::view::random::Random;
+use morphing::{odd_while_moving, random_shares};
 use parity::{Chains, Parity};
 
 /// How often a foveated cut with fewer than three levels is tried again by another eye.
@@ -25,7 +27,8 @@ const TRIES: u32 = 32;
 /// Which cuts are checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CutTrial {
-    /// Number of foveated cuts, each by another eye.
+    /// Number of foveated cuts, each by another eye; each is checked as it stands, and while some
+    /// of its units come from the surface that they are shown in place of.
     pub cuts: u32,
     /// Number of random orders of arrival, each checked after every unit once all roots are there.
     pub orders: u32,
@@ -42,7 +45,8 @@ pub struct CutTrial {
 pub struct CutReport {
     /// Odd edges when all units are there: those of the source.
     pub source_odd_edges: u64,
-    /// Most odd edges of any cut, on the way of any order, too.
+    /// Most odd edges of any cut, also while vertices of it are on their way to their places, and
+    /// on the way of any order.
     pub odd_edges_max: u64,
     /// Number of foveated cuts.
     pub cuts: u32,
@@ -70,7 +74,6 @@ pub fn check_cuts<E: From<PackError>>(
         cut.insert(UnitId(number), &row.needs, &says)?;
     }
     let chains = Chains::new(&cut, rows);
-    drop(cut);
     let mut random = Random::new(trial.seed);
     let mut report = CutReport {
         cuts: trial.cuts,
@@ -86,7 +89,15 @@ pub fn check_cuts<E: From<PackError>>(
             true => any_set(&chains, &mut random),
             false => foveated(&chains, rows, &mut random),
         };
-        report.odd_edges_max = report.odd_edges_max.max(parity.odd());
+        let while_moving = match trial.ignore_prerequisites {
+            true => 0,
+            false => {
+                let shares = random_shares(rows, &parity, &mut random);
+                odd_while_moving(&mut cut, rows, &parity, &shares)
+            }
+        };
+        let odd = parity.odd().max(while_moving);
+        report.odd_edges_max = report.odd_edges_max.max(odd);
         parity.levels(rows)
     });
     report.levels_in_cut_min = levels.min().unwrap_or(0);

@@ -5,7 +5,8 @@
 //! its border alone.
 
 use super::edges::{Place, edge, has_area};
-use foveal_core::content::mesh::cut::{MeshCut, PlacedUnit};
+use foveal_core::content::mesh::cut::MeshCut;
+use foveal_core::content::mesh::payload::MeshVertex;
 use foveal_core::content::scene::unit_table::UnitRow;
 use std::collections::HashMap;
 
@@ -15,8 +16,8 @@ pub(super) struct Chains {
     units: Vec<Vec<Chain>>,
     /// For each unit the clusters that it is shown in place of, by unit and number.
     replaces: Vec<Vec<(usize, usize)>>,
-    /// Number of edges.
-    edges: usize,
+    /// The numbers of edges, by object and places.
+    edges: HashMap<(u16, [Place; 2]), u32>,
 }
 
 /// The border of a cluster.
@@ -39,7 +40,7 @@ impl Chains {
                 if let Some(by) = refined_by {
                     replaces[by].push((unit.0 as usize, cluster));
                 }
-                let border = border(placed, cluster).into_iter();
+                let border = border(placed.triangles(cluster)).into_iter();
                 let edges = border.map(|edge| {
                     let next = numbers.len() as u32;
                     *numbers.entry((row.object, edge)).or_insert(next)
@@ -54,7 +55,7 @@ impl Chains {
         Self {
             units,
             replaces,
-            edges: numbers.len(),
+            edges: numbers,
         }
     }
 
@@ -64,9 +65,8 @@ impl Chains {
     }
 }
 
-/// The odd edges of a cluster.
-fn border(placed: &PlacedUnit, cluster: usize) -> Vec<[Place; 2]> {
-    let triangles = placed.triangles(cluster);
+/// The odd edges of triangles.
+pub(super) fn border(triangles: impl Iterator<Item = [MeshVertex; 3]>) -> Vec<[Place; 2]> {
     let triangles = triangles
         .map(|it| it.map(|vertex| vertex.place))
         .filter(has_area);
@@ -92,7 +92,7 @@ impl<'a> Parity<'a> {
         Self {
             chains,
             is_there: vec![false; chains.units.len()],
-            is_odd: vec![false; chains.edges],
+            is_odd: vec![false; chains.edges.len()],
             odd: 0,
         }
     }
@@ -124,6 +124,23 @@ impl<'a> Parity<'a> {
         }
     }
 
+    /// Whether a unit is there.
+    pub(super) fn is_there(&self, unit: usize) -> bool {
+        self.is_there[unit]
+    }
+
+    /// Whether a cluster is drawn.
+    pub(super) fn is_drawn(&self, unit: usize, cluster: usize) -> bool {
+        let refined_by = self.chains.units[unit][cluster].refined_by;
+        self.is_there[unit] && refined_by.is_none_or(|by| !self.is_there[by])
+    }
+
+    /// Whether an edge of an object is odd.
+    pub(super) fn is_odd(&self, edge: &(u16, [Place; 2])) -> bool {
+        let number = self.chains.edges.get(edge);
+        number.is_some_and(|it| self.is_odd[*it as usize])
+    }
+
     /// Number of odd edges.
     pub(super) fn odd(&self) -> u64 {
         self.odd
@@ -133,8 +150,8 @@ impl<'a> Parity<'a> {
     pub(super) fn levels(&self, rows: &[(u8, UnitRow)]) -> u32 {
         let mut levels = [false; 256];
         for (unit, (level, _)) in rows.iter().enumerate() {
-            let is_drawn = |it: &Chain| it.refined_by.is_none_or(|by| !self.is_there[by]);
-            let is_drawn = self.is_there[unit] && self.chains.units[unit].iter().any(is_drawn);
+            let clusters = 0..self.chains.units[unit].len();
+            let is_drawn = clusters.into_iter().any(|it| self.is_drawn(unit, it));
             levels[usize::from(*level)] |= is_drawn;
         }
         levels.iter().map(|it| u32::from(*it)).sum()

@@ -92,10 +92,76 @@ fn odd_edges_are_those_of_what_is_drawn() {
             cut.insert(id, &rows[unit].1.needs, &says).unwrap();
             parity.insert(unit);
             if place % 7 == 0 {
-                assert_eq!(parity.odd(), odd(&cut));
+                assert_eq!(parity.odd(), odd(&cut, &rows));
             }
         }
-        assert_eq!(parity.odd(), odd(&cut));
+        assert_eq!(parity.odd(), odd(&cut, &rows));
+    }
+}
+
+/// Whatever is on its way when, and whatever stands on it.
+#[test]
+fn no_edge_opens_while_vertices_are_on_their_way_in_any_order_of_arrival() {
+    let mut moved = 0;
+    for source in [
+        torus(96, 48),
+        sheet(48),
+        sphere(48, 24),
+        two_materials(16),
+        many_pieces(60),
+    ] {
+        let built = built(&source);
+        let rows = rows(&built);
+        let most = odd(&cut_of(&built, &rows, rows.len()), &rows);
+        let mut random = super::Random::new(21);
+        for _ in 0..6 {
+            let mut cut = MeshCut::default();
+            for unit in super::order(&rows, &mut random) {
+                let id = UnitId(unit as u32);
+                let says = parsed(&built, id).unwrap();
+                cut.insert(id, &rows[unit].1.needs, &says).unwrap();
+                if random.unit() > 0.1 {
+                    continue;
+                }
+                let there: Vec<UnitId> = cut.units().map(|(unit, _)| unit).collect();
+                let moving = there.into_iter().filter(|_| random.unit() < 0.4);
+                let moving: Vec<UnitId> = moving.collect();
+                let shares = moving.into_iter().map(|unit| (unit, random.unit()));
+                moved += cut.morph(&shares.collect()).len();
+                if rows.iter().zip(0..).all(|((_, row), unit)| {
+                    !row.needs.is_empty() || cut.unit(UnitId(unit)).is_some()
+                }) {
+                    assert!(odd(&cut, &rows) <= most);
+                }
+            }
+        }
+    }
+    assert!(moved > 500, "{moved}");
+}
+
+/// Counting anew only what moves gives what counting all triangles gives.
+#[test]
+fn odd_edges_of_what_moves_are_those_of_what_is_drawn_while_it_moves() {
+    for source in [sheet(64), sphere(48, 24)] {
+        let built = built(&source);
+        let rows = rows(&built);
+        let mut all = cut_of(&built, &rows, rows.len());
+        let chains = super::Chains::new(&all, &rows);
+        let mut random = super::Random::new(5);
+        for _ in 0..8 {
+            let parity = super::foveated(&chains, &rows, &mut random);
+            let mut drawn = MeshCut::default();
+            for unit in (0..rows.len()).filter(|it| parity.is_there(*it)) {
+                let id = UnitId(unit as u32);
+                let says = parsed(&built, id).unwrap();
+                drawn.insert(id, &rows[unit].1.needs, &says).unwrap();
+            }
+            assert_eq!(odd(&drawn, &rows), parity.odd());
+            let shares = super::random_shares(&rows, &parity, &mut random);
+            let counted = super::odd_while_moving(&mut all, &rows, &parity, &shares);
+            drawn.morph(&shares);
+            assert_eq!(counted, odd(&drawn, &rows));
+        }
     }
 }
 
@@ -109,10 +175,17 @@ fn cut_of(built: &Built, rows: &[(u8, UnitRow)], count: usize) -> MeshCut {
     cut
 }
 
-fn odd(cut: &MeshCut) -> u64 {
-    let triangles = cut.drawn();
-    let triangles = triangles.flat_map(|(_, unit, number)| unit.triangles(number));
-    odd_edges(triangles.map(|it| it.map(|vertex| vertex.place)))
+/// Odd edges of what is drawn now, object by object.
+fn odd(cut: &MeshCut, rows: &[(u8, UnitRow)]) -> u64 {
+    let objects = rows.iter().map(|(_, row)| row.object).max().unwrap() + 1;
+    let of_object = |object| {
+        let drawn = cut.drawn();
+        let drawn = drawn.filter(|(unit, ..)| rows[unit.0 as usize].1.object == object);
+        let triangles =
+            drawn.flat_map(|(unit, placed, number)| cut.triangles_now(unit, placed, number));
+        odd_edges(triangles.map(|it| it.map(|vertex| vertex.place)))
+    };
+    (0..objects).map(of_object).sum()
 }
 
 #[test]

@@ -20,8 +20,8 @@ use foveal_play::{ScenePlayer, ScenePlayerOptions, SceneReport};
 use foveal_render::{DrawDevice, RgbaImage};
 use std::sync::Arc;
 
-/// How far a picture is from full detail: root mean square of the difference of linear luminance,
-/// over the mean.
+/// How far what came is from full detail, once it is in its place: root mean square of the
+/// difference of linear luminance, over the mean.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JudgedFrame {
     /// In the disc round the gaze; `None` where no pixel lies in it.
@@ -108,7 +108,8 @@ impl Judge {
             let picture = whole.picture(&standing.view)?;
             self.drawn = picture.map(|picture| (standing.view, picture));
         }
-        let (Some((_, reference)), Some(test)) = (&self.drawn, player.picture(&standing.view)?)
+        let (Some((_, reference)), Some(test)) =
+            (&self.drawn, player.picture_in_place(&standing.view)?)
         else {
             return Ok(None);
         };
@@ -124,7 +125,12 @@ impl Judge {
             all: error_over(0..pixels, &test.pixels, &reference.pixels),
         };
         if let Some(scoring) = &mut self.scoring {
-            scoring.frame(reference, &test, standing)?;
+            // A score is of what is seen.
+            let seen = match player.drawer().is_morphing() {
+                true => player.picture(&standing.view)?,
+                false => None,
+            };
+            scoring.frame(reference, seen.as_ref().unwrap_or(&test), standing)?;
         }
         self.last = Some((standing.view, standing.gaze, judged));
         Ok(Some(judged))

@@ -125,6 +125,7 @@ impl PrepareSceneArgs {
         let options = BuildOptions {
             bits: self.bits,
             jobs,
+            ..BuildOptions::default()
         };
         let bar = output::bar(Some(1), output::Counting::Frames);
         let built = build(source, &options, &|done, all| {

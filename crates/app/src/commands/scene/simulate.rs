@@ -9,7 +9,7 @@ use crate::options::renderer::open_device;
 use crate::report::output::{self, WrongUsage};
 use crate::report::picture_file::write_png;
 use anyhow::{Context, bail};
-use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::policy::{ImportanceSource, Policy, PolicyConfig};
 use foveal_core::content::scene::demand::why_not;
 use foveal_core::session::log::sha256_hex;
 use foveal_core::units::{Seconds, counted};
@@ -18,6 +18,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::eye_view::Field;
 use foveal_media::pack::scene_file::SceneFile;
 use foveal_play::{ScenePlayer, ScenePlayerOptions, SceneReport};
+use foveal_render::DrawDevice;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -54,7 +55,6 @@ pub(crate) struct SceneSummary {
     cpu_ms_per_frame: f64,
     choose_ms_per_frame: f64,
     gpu_bytes: u64,
-    /// Null: packs of scenes do not tell what units add.
     detail_share_mean: Option<f64>,
     damaged_units: u64,
     log_sha256: String,
@@ -69,6 +69,8 @@ struct Frame {
     report: SceneReport,
     /// Triangles of what is drawn, in each place where it stands; 0 where nothing draws.
     triangles: u64,
+    /// Share of the visible detail that was shown, hidden or not.
+    detail_share: f64,
     judged: Option<JudgedFrame>,
 }
 
@@ -78,6 +80,13 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let config = args.scene_config()?;
     let view = args.scene_view()?;
     let drawing = open_device(args.renderer)?;
+    let is_rendered = config.importance == ImportanceSource::Rendered;
+    if is_rendered && !matches!(drawing, DrawDevice::Gpu(_)) {
+        bail!(WrongUsage(format!(
+            "--importance rendered: a GPU draws levels, and {} draws here; give --renderer gpu",
+            drawing.name()
+        )));
+    }
     let link = args.watching.link();
     let interval = args.interval.map_or(1.0 / RATE, |interval| interval.0);
     let bytes_per_s = match args.budget {
@@ -121,6 +130,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             bytes: head + report.unit_bytes + report.page_bytes,
             report,
             triangles: player.drawer().triangles_drawn(),
+            detail_share: player.detail_share(&standing.moment),
             judged,
         });
         bar.inc(1);
@@ -178,7 +188,7 @@ impl SimulateArgs {
         let is_limited = self.watching.link.is_some() || self.budget.is_some();
         if is_limited && !config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
-                "--link, --budget: {name} spends no budget; give --policy uniform or eccentricity"
+                "--link, --budget: {name} spends no budget; give --policy perceptual, eccentricity or uniform"
             )));
         }
         Ok(config)
@@ -250,7 +260,7 @@ fn summarise(
         cpu_ms_per_frame: mean(&|frame| ms(frame.report.cpu)),
         choose_ms_per_frame: mean(&|frame| ms(frame.report.choose)),
         gpu_bytes: player.drawer().gpu_bytes(),
-        detail_share_mean: None,
+        detail_share_mean: Some(mean(&|frame| frame.detail_share)),
         damaged_units: player.damaged_units(),
         log_sha256: sha256_hex(player.log().as_bytes()),
         score,
@@ -302,7 +312,8 @@ impl SceneSummary {
 
 fn csv(frames: &[Frame]) -> String {
     let mut text =
-        "frame,t_s,bytes,units,triangles,choose_ms,cpu_ms,error_fovea,error_all\n".to_owned();
+        "frame,t_s,bytes,units,triangles,choose_ms,cpu_ms,detail_share,error_fovea,error_all\n"
+            .to_owned();
     for (number, frame) in frames.iter().enumerate() {
         let report = &frame.report;
         let [fovea, all] = match frame.judged {
@@ -314,13 +325,14 @@ fn csv(frames: &[Frame]) -> String {
         };
         let _ = writeln!(
             text,
-            "{number},{},{},{},{},{:.3},{:.3},{fovea},{all}",
+            "{number},{},{},{},{},{:.3},{:.3},{},{fovea},{all}",
             frame.time.0,
             frame.bytes,
             report.units_by_level.iter().sum::<u32>(),
             frame.triangles,
             report.choose.as_secs_f64() * 1e3,
             report.cpu.as_secs_f64() * 1e3,
+            frame.detail_share,
         );
     }
     text

@@ -239,6 +239,7 @@ impl WindowPlayer {
         }
         let step = self.viewer.now(self.live.session(), &moment, now);
         let Stepped { mut changed, log } = self.live.step(&step)?;
+        self.viewer.set_morphing(self.live.is_morphing());
         if let Some(file) = self.log.as_mut().filter(|_| !log.is_empty()) {
             file.write(&log)?;
         }

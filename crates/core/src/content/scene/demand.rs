@@ -4,11 +4,13 @@ use super::Scene;
 use super::rough_look::{RoughError, RoughLook, is_above_one};
 use super::scene::Stand;
 use super::sight::{SeenError, Sight};
+use super::worth::SceneWorth;
 use crate::content::demand::{Chosen, Content, Demand, Offer, Record};
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::pack::sha256_hex;
 use crate::pack::unit::UnitId;
 use crate::perception::acuity::AcuityModel;
+use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
 use crate::units::Radians;
 use std::sync::Arc;
@@ -34,10 +36,8 @@ pub const fn why_not(policy: Policy) -> Option<&'static str> {
         | Policy::Viewport
         | Policy::Acuity
         | Policy::Uniform
-        | Policy::Eccentricity => None,
-        Policy::Perceptual => {
-            Some("what a step of a scene adds has not been measured in packs yet")
-        }
+        | Policy::Eccentricity
+        | Policy::Perceptual => None,
         Policy::Grid | Policy::Distance | Policy::Sampled => {
             Some("it chooses tiles of a picture, and a scene has none")
         }
@@ -55,6 +55,7 @@ pub struct SceneDemand {
     held: Vec<bool>,
     /// What each unit is worth at the moment that is bought for.
     values: Vec<f64>,
+    worth: SceneWorth,
 }
 
 impl SceneDemand {
@@ -66,6 +67,7 @@ impl SceneDemand {
             roots: scene.base(0).len() as u32,
             held: vec![false; units],
             values: vec![0.0; units],
+            worth: SceneWorth::new(&scene, &config.perception, config.importance),
             // No unit tells its texture: acuity at a slope that keeps the score for any.
             config: match config.policy {
                 Policy::Acuity => config.without_signatures(),
@@ -99,13 +101,9 @@ impl SceneDemand {
 
     /// How much larger the error is that is shown without a unit than the policy allows.
     fn excess(&self, seen: &SeenError) -> f64 {
-        let pixels = seen.error_pixels / ERROR_PIXELS;
         match self.config.policy {
-            Policy::Acuity => {
-                let allowed = smallest_angle_deg(&self.config.acuity, seen.eccentricity);
-                pixels.min(seen.error.to_degrees() / allowed)
-            }
-            _ => pixels,
+            Policy::Acuity => acuity_excess(seen, &self.config.acuity),
+            _ => seen.error_pixels / ERROR_PIXELS,
         }
     }
 
@@ -212,6 +210,14 @@ impl SceneDemand {
     }
 }
 
+/// How much larger an error is than a pixel, or than what is told apart at its eccentricity: the
+/// less of both.
+pub(super) fn acuity_excess(seen: &SeenError, acuity: &AcuityModel) -> f64 {
+    let allowed = smallest_angle_deg(acuity, seen.eccentricity);
+    let pixels = seen.error_pixels / ERROR_PIXELS;
+    pixels.min(seen.error.to_degrees() / allowed)
+}
+
 /// The smallest angle that is told apart at an eccentricity, in degrees.
 fn smallest_angle_deg(acuity: &AcuityModel, eccentricity: Radians) -> f64 {
     0.5 / acuity.best_acuity(eccentricity).0
@@ -242,8 +248,16 @@ impl Demand for SceneDemand {
         finer.map(needs).collect()
     }
 
+    fn see(&mut self, footprints: &Footprints) {
+        self.worth.see(footprints);
+    }
+
     fn begin(&mut self, _frame: u32, moment: &Moment, _budget: Option<u64>) {
         let sights = self.sights(moment);
+        if self.config.policy == Policy::Perceptual {
+            self.values = self.worth.values(&self.scene, &sights);
+            return;
+        }
         for unit in self.roots..self.values.len() as u32 {
             let value = self.most(UnitId(unit), &sights, |seen| self.value(seen));
             self.values[unit as usize] = value;

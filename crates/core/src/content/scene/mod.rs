@@ -3,6 +3,7 @@
 mod content;
 pub mod demand;
 pub mod description;
+pub mod lighting;
 pub mod pack;
 mod rough_look;
 #[allow(
@@ -11,7 +12,9 @@ mod rough_look;
 )]
 mod scene;
 pub mod scripted;
+pub mod showing;
 pub mod sight;
 pub mod unit_table;
+pub mod worth;
 
 pub use scene::Scene;

@@ -4,12 +4,13 @@ use super::description::SceneObject;
 use super::pack::ScenePack;
 use super::sight::Sphere;
 use super::unit_table::{UnitKind, UnitRow};
-use crate::content::mesh::payload::MeshUnit;
+use crate::content::mesh::payload::{ClusterRef, MeshUnit};
 use crate::content::payload::Payload;
 use crate::content::points::payload::PointUnit;
 use crate::pack::PackError;
 use crate::pack::unit::UnitId;
 use glam::{DAffine3, DVec3};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A scene: its pack, and where its units are in the world.
@@ -111,6 +112,19 @@ impl Scene {
             field: format!("unit {}: {}", unit.0, source.field),
             ..source
         })
+    }
+
+    /// The unit that refines each cluster that one does, by the cluster's unit and its number there.
+    #[must_use]
+    pub fn refiners(&self) -> HashMap<(UnitId, u8), UnitId> {
+        let units = (0..).map(UnitId).zip(self.pack.rows());
+        let refiners = units.flat_map(|(unit, row)| {
+            let cluster =
+                |it: &ClusterRef| Some((*row.needs.get(usize::from(it.need))?, it.cluster));
+            let clusters = row.replaces.iter().filter_map(cluster);
+            clusters.map(move |cluster| (cluster, unit))
+        });
+        refiners.collect()
     }
 
     pub(super) fn stands(&self, unit: UnitId) -> &[Stand] {

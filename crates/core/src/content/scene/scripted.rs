@@ -8,6 +8,7 @@ use super::unit_table::UnitRow;
 use crate::content::mesh::payload::{Attributes, Cluster, MeshUnit, MeshVertex};
 use crate::pack::unit::UnitId;
 use crate::pack::{HEADER_BYTES, Header, PackError};
+use crate::perception::measures::contrast::{BandContrast, Signature};
 use std::sync::Arc;
 
 /// Units of each level, finest first: every one but the roots is one of four of a coarser one.
@@ -118,10 +119,25 @@ fn row(unit: u32, before: &[UnitRow]) -> UnitRow {
         centre: [0, 1, 2].map(moved),
         radius,
         error: parent.map_or(f32::INFINITY, |_| radius / 4.0),
+        signature: parent.map_or_else(Signature::default, |_| signature(unit)),
         samples: 1,
         vertices: 3,
         needs: parent.map(|(unit, _)| unit).into_iter().collect(),
         ..UnitRow::default()
+    }
+}
+
+/// Some contrast in each octave.
+fn signature(unit: u32) -> Signature {
+    let contrast = |k: u32| f64::from(scattered(unit, k).abs()) / 4.0;
+    let band = |k: u32| BandContrast {
+        before: contrast(k),
+        after: contrast(k + 1),
+        difference: 0.01 + contrast(k + 2),
+        norm: 0.02 + contrast(k + 2),
+    };
+    Signature {
+        bands: [0, 4, 8].map(band),
     }
 }
 

@@ -7,7 +7,7 @@
 
 use crate::perception::glance::Glance;
 use crate::perception::spread::SpreadTable;
-use crate::units::Radians;
+use crate::units::{Cpd, Ppd, Radians};
 use crate::view::axes::angle_between;
 use crate::view::eye_view::EyeView;
 use crate::view::frustum::Frustum;
@@ -45,6 +45,17 @@ pub struct SeenError {
     pub eccentricity: Radians,
     /// What the sphere covers at the eye, in square degrees.
     pub area_deg2: f64,
+}
+
+/// What of the view is seen of a unit: how much, and how far from the gaze.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SeenExtent {
+    /// In square degrees at the eye.
+    pub area_deg2: f64,
+    /// Least angle to the gaze.
+    pub least: Radians,
+    /// Mean angle to the gaze.
+    pub mean: Radians,
 }
 
 impl Sight {
@@ -92,6 +103,43 @@ impl Sight {
             eccentricity: self.spread.effective(eccentricity),
             area_deg2: PI * across * across,
         })
+    }
+
+    /// What a sphere covers where nothing is before it; nothing where it is out of view by more than
+    /// the margin.
+    #[must_use]
+    pub fn extent(&self, sphere: &Sphere) -> SeenExtent {
+        let Some(seen) = self.seen(sphere, 0.0) else {
+            return SeenExtent::default();
+        };
+        let towards = (sphere.centre - self.eye).normalize_or(DVec3::NEG_Z);
+        let middle = self.spread.effective(self.glance.eccentricity(towards));
+        SeenExtent {
+            area_deg2: seen.area_deg2,
+            least: seen.eccentricity,
+            mean: Radians(middle.0.max(seen.eccentricity.0)),
+        }
+    }
+
+    /// Pixels a degree of a display in which a length at a place is one pixel, at the eye.
+    #[must_use]
+    pub fn ppd_of(&self, length: f64, place: &Sphere) -> Ppd {
+        let towards = place.centre - self.eye;
+        // Within the sphere it may be anywhere in it.
+        let distance = towards.length().max(place.radius);
+        let angle = length / distance * self.eye_scale(towards.normalize_or(DVec3::NEG_Z));
+        Ppd(1.0 / Radians(angle).to_degrees())
+    }
+
+    /// Highest frequency that the display shows towards a place, at the eye.
+    #[must_use]
+    pub fn display_limit(&self, place: &Sphere) -> Cpd {
+        let Some(view) = &self.glance.view else {
+            return Cpd(f64::INFINITY);
+        };
+        let towards = (place.centre - self.eye).normalize_or(DVec3::NEG_Z);
+        let seen = view.seen_direction(towards).unwrap_or(towards);
+        Cpd(view.as_seen().ppd_towards(seen).0 / 2.0)
     }
 
     /// The direction within `radius` of another that is nearest to the gaze.

@@ -9,18 +9,14 @@ use crate::content::video::grid::places::{CellPlace, CellPlaces, Cells, SharedPl
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::content::video::losses::Losses;
 use crate::content::video::units::VideoUnits;
-use crate::perception::eye::{Seen, share_of_octave_below};
-use crate::perception::gain::band_gain;
 use crate::perception::glance::Glance;
 use crate::perception::measures::contrast::Signature;
 use crate::perception::measures::saliency::saliency;
-use crate::perception::measures::signature::band_steps;
 use crate::perception::parameters::{EyeState, Parameters};
-use crate::perception::sensitivity_table::SensitivityTable;
 use crate::perception::spread::SpreadTable;
+use crate::perception::step_worth::{SeenPlace, StepWorth};
 use crate::units::{Cpd, Ppd, Radians};
 use crate::view::axes::angle_between;
-use std::sync::OnceLock;
 
 /// Gain of every step over every cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,8 +119,7 @@ const AMPLITUDE_DEG: f64 = 7.6;
 pub struct Worth {
     config: PolicyConfig,
     cells: Cells,
-    /// What a steady or landed eye sees, and what a jumping one does; made when first asked for.
-    seen: [OnceLock<SensitivityTable>; 2],
+    of_steps: StepWorth,
 }
 
 /// A part of a cell, as an eye sees it.
@@ -132,12 +127,7 @@ pub struct Worth {
 struct Looked {
     ppd: Ppd,
     area_deg2: f64,
-    /// By how many octaves eccentricity raises frequency at the cortex.
-    octaves_raised: f64,
-    /// Highest frequency that the eye resolves there.
-    acuity: Cpd,
-    /// Highest frequency that the display shows there.
-    display: Cpd,
+    place: SeenPlace,
 }
 
 impl Worth {
@@ -152,7 +142,7 @@ impl Worth {
         Self {
             config: config.clone(),
             cells: places.few(grid),
-            seen: Default::default(),
+            of_steps: StepWorth::new(&config.perception),
         }
     }
 
@@ -228,72 +218,28 @@ impl Worth {
     }
 
     fn looked_at(&self, place: &CellPlace, eccentricity: Radians, display: Cpd) -> Looked {
-        let parameters = &self.config.perception;
-        let most = parameters.display_limit();
         Looked {
             ppd: place.ppd,
             area_deg2: place.area_deg2,
-            octaves_raised: parameters.octaves_raised(eccentricity),
-            acuity: parameters.acuity_model().best_acuity(eccentricity),
-            display: if most < display { most } else { display },
+            place: SeenPlace::at(&self.config.perception, eccentricity, display),
         }
     }
 
     /// Gain of a step over a part of a cell.
     fn gain(&self, step: &Step<'_>, looked: &Looked, state: EyeState) -> f64 {
-        let parameters = &self.config.perception;
+        let Looked { place, .. } = looked;
         match self.config.policy {
-            Policy::Perceptual => self.content_gain(step, looked, state),
-            // Without content a step counts in full as long as the display shows any of it.
-            _ if looked.ppd.0 / step.scale / step.ratio >= 2.0 * looked.display.0 => 0.0,
-            Policy::Eccentricity => (looked.acuity.0 + parameters.pedestal) * looked.area_deg2,
-            _ => looked.area_deg2,
-        }
-    }
-
-    /// Gain of a step from what it adds.
-    fn content_gain(&self, step: &Step<'_>, looked: &Looked, state: EyeState) -> f64 {
-        let parameters = &self.config.perception;
-        let weights = parameters.weights(state);
-        let mut gain = weights.acuity * looked.acuity.0 + weights.constant;
-        for band in band_steps(step.signature, Ppd(looked.ppd.0 / step.scale)) {
-            if band.difference > 0.0 {
-                let seen = self.seen(band.cpd, looked, state);
-                gain += band_gain(&weights, seen, parameters.omega, &band);
+            Policy::Perceptual => {
+                let ppd = Ppd(looked.ppd.0 / step.scale);
+                let gain = self.of_steps.gain(step.signature, ppd, place, state);
+                gain * self.of_steps.extent(looked.ppd, looked.area_deg2, place)
             }
-        }
-        if weights.by_area {
-            return gain * looked.area_deg2;
-        }
-        // As printed, per pixel of the display; without one, per pixel of the content.
-        let ppd = looked.ppd.0.min(2.0 * looked.display.0);
-        gain * looked.area_deg2 * ppd * ppd
-    }
-
-    fn seen(&self, frequency: Cpd, looked: &Looked, state: EyeState) -> Seen {
-        let octave = libm::log2(frequency.0);
-        let table = |k: usize, state| {
-            self.seen[k].get_or_init(|| SensitivityTable::new(&self.config.perception, state))
-        };
-        let (table, octave, limit) = if state == EyeState::Jumping {
-            (table(1, EyeState::Jumping), octave, looked.display)
-        } else {
-            let limit = if looked.acuity < looked.display {
-                looked.acuity
-            } else {
-                looked.display
-            };
-            (
-                table(0, EyeState::Steady),
-                octave + looked.octaves_raised,
-                limit,
-            )
-        };
-        let share = share_of_octave_below(frequency, limit);
-        let [sustained, transient] = table.at(octave as f32).map(|s| f64::from(s) * share);
-        Seen {
-            sustained,
-            transient,
+            // Without content a step counts in full as long as the display shows any of it.
+            _ if looked.ppd.0 / step.scale / step.ratio >= 2.0 * place.display.0 => 0.0,
+            Policy::Eccentricity => {
+                (place.acuity.0 + self.config.perception.pedestal) * looked.area_deg2
+            }
+            _ => looked.area_deg2,
         }
     }
 

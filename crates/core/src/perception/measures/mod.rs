@@ -6,3 +6,4 @@ pub mod luma_light;
 pub mod pyramid;
 pub mod saliency;
 pub mod signature;
+pub mod step_contrast;

@@ -3,8 +3,9 @@
 //! Measured once, while preparing, so that a step can be valued for any gaze without drawing it.
 
 use crate::perception::gain::BandStep;
-use crate::perception::measures::contrast::{BandContrast, SIGNATURE_BANDS, Signature};
-use crate::perception::measures::pyramid::{band_frequency, band_gain, bands_of, doubled, halved};
+use crate::perception::measures::contrast::{SIGNATURE_BANDS, Signature};
+use crate::perception::measures::pyramid::{band_frequency, doubled, halved};
+use crate::perception::measures::step_contrast::StepContrast;
 use crate::perception::parameters::Parameters;
 use crate::units::Ppd;
 use crate::view::picture::{Colour, Picture};
@@ -19,57 +20,14 @@ pub fn signature_of(picture: &Picture, colour: Colour, ratio: u32) -> Signature 
     assert!(ratio.is_power_of_two(), "a ratio of {ratio} between levels");
     let parameters = Parameters::default();
     let table = luminance_table(&parameters, colour);
-    let mut size = [picture.width, picture.height];
+    let size = [picture.width, picture.height];
     let codes = picture.planes[0].iter();
-    let mut fine: Vec<f64> = codes.map(|code| table[usize::from(*code)]).collect();
-    let mut mean = blurred(&fine, size, 1);
-    // Half as coarse and enlarged again is what the finest band is the difference to.
-    let mut before = match ratio {
-        2 => mean.clone(),
-        _ => blurred(&fine, size, ratio.trailing_zeros()),
-    };
-    let mut bands = [BandContrast::default(); SIGNATURE_BANDS];
-    let count = bands_of(size).min(SIGNATURE_BANDS);
-    for (index, band) in bands.iter_mut().take(count).enumerate() {
-        if index > 0 {
-            mean = blurred(&fine, size, 1);
-        }
-        let (coarse_before, coarse_size) = halved(&before, size);
-        let mean_before = doubled(&coarse_before, coarse_size, size);
-        *band = contrasts([&before, &mean_before], [&fine, &mean], band_gain(index));
-        if index + 1 < count {
-            (fine, _) = halved(&fine, size);
-            (before, size) = (coarse_before, coarse_size);
-        }
-    }
-    Signature { bands }
-}
-
-/// Means of the contrasts of one band, each given as luminance and its local mean.
-fn contrasts(
-    [before, mean_before]: [&[f64]; 2],
-    [after, mean_after]: [&[f64]; 2],
-    gain: f64,
-) -> BandContrast {
-    let mut sums = [0.0; 3];
-    let mut fourth_powers = 0.0;
-    let pairs = before.iter().zip(mean_before);
-    for ((b, mean_b), (a, mean_a)) in pairs.zip(after.iter().zip(mean_after)) {
-        let (b, a) = ((b - mean_b) / mean_b, (a - mean_a) / mean_a);
-        for (sum, value) in sums.iter_mut().zip([b, a, a - b]) {
-            *sum += value.abs();
-        }
-        let square = (a - b) * (a - b);
-        fourth_powers += square * square;
-    }
-    let count = after.len().max(1) as f64;
-    let [before, after, difference] = sums.map(|sum| sum / gain / count);
-    BandContrast {
-        before,
-        after,
-        difference,
-        norm: (fourth_powers / count).sqrt().sqrt() / gain,
-    }
+    let after: Vec<f64> = codes.map(|code| table[usize::from(*code)]).collect();
+    let before = blurred(&after, size, ratio.trailing_zeros());
+    let counts = vec![true; after.len()];
+    let mut contrast = StepContrast::default();
+    contrast.add([before, after], counts, size);
+    contrast.signature()
 }
 
 /// What a signature says of a step to a level that has `ppd` pixels a degree where it is seen.
@@ -110,6 +68,7 @@ fn blurred(fine: &[f64], size: [u32; 2], times: u32) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::perception::measures::contrast::BandContrast;
     use crate::perception::measures::pyramid::Pyramid;
     use crate::view::picture::Matrix;
 

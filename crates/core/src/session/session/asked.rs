@@ -111,7 +111,8 @@ impl Session {
     #[must_use]
     pub fn is_settled(&self) -> bool {
         let complete = |shown: &Staged| shown.complete.is_some();
-        self.coming.is_none() && self.shown.as_ref().is_some_and(complete)
+        let waits = self.run.needs_footprints() && self.expects_footprints;
+        !waits && self.coming.is_none() && self.shown.as_ref().is_some_and(complete)
     }
 
     /// Whether a choice is still to be made for where the viewer looks.

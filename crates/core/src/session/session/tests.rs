@@ -130,6 +130,7 @@ impl Trial {
             bytes_per_s: None,
             since: None,
             zooms: false,
+            measures: false,
             bounds: Bounds::default(),
         };
         let film = Film::default();

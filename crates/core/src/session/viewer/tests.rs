@@ -91,6 +91,7 @@ impl Trial {
             bytes_per_s: None,
             since: None,
             zooms: false,
+            measures: false,
         };
         let video: Arc<dyn Content> = Arc::new(video(frames));
         let surface = Surface::flat(SIZE, Screen::default());
@@ -343,6 +344,20 @@ fn a_view_that_moves_is_drawn_anew_and_a_gaze_where_it_is_seen() {
     trial.play(0.7, 0.9);
     let next = trial.viewer.next_step(&trial.session, Seconds(0.9));
     assert_eq!(next, trial.viewer.pointer.forgotten());
+}
+
+#[test]
+fn a_picture_that_changes_by_itself_is_stepped_soon_until_it_does_not() {
+    let mut trial = Trial::over(1, AtEnd::GoesRound);
+    trial.viewer.begin(Seconds(0.0));
+    trial.play(0.0, 0.5);
+    trial.viewer.set_morphing(true);
+    assert!(!trial.viewer.is_settled(&trial.session));
+    let next = trial.viewer.next_step(&trial.session, Seconds(0.5));
+    assert!(next.is_some_and(|next| next.0 < 0.52), "{next:?}");
+    trial.viewer.set_morphing(false);
+    assert!(trial.viewer.is_settled(&trial.session));
+    assert_eq!(trial.viewer.next_step(&trial.session, Seconds(0.5)), None);
 }
 
 #[test]

@@ -14,7 +14,7 @@ pub(crate) struct SceneInView {
 }
 
 pub(crate) fn bounds_of(block: &DrawnCluster<'_>) -> ClusterBounds {
-    block.note.bounds[block.cluster]
+    block.note.bounds(block.cluster)
 }
 
 /// Number of its triangles.
@@ -33,8 +33,7 @@ pub(crate) fn vertex_at(block: &DrawnCluster<'_>, mirrored: bool, corner: u32) -
 
 /// A vertex of a cluster, by its number in it.
 pub(crate) fn vertex_of(block: &DrawnCluster<'_>, number: u32) -> MeshVertex {
-    let cluster = &block.placed.clusters[block.cluster];
-    block.placed.vertices[usize::from(cluster.vertices[number as usize])]
+    block.vertex_now(number)
 }
 
 /// A row of a matrix.

@@ -160,18 +160,8 @@ impl Octree<'_> {
                 };
                 self.node(below, bits)
             });
-        for mut below in children.collect::<Result<Vec<_>, _>>()? {
-            let first = nodes.len();
-            for (number, node) in below.iter_mut().enumerate() {
-                node.parent = Some(node.parent.map_or(0, |parent| parent + first));
-                if number == 0 {
-                    node.parent = Some(0);
-                }
-            }
-            if let Some(child) = below.first() {
-                nodes[0].sphere = round(nodes[0].sphere, &child.sphere);
-            }
-            nodes.append(&mut below);
+        for below in children.collect::<Result<Vec<_>, _>>()? {
+            add_below(&mut nodes, below);
         }
         Ok(nodes)
     }
@@ -201,6 +191,18 @@ impl Octree<'_> {
             radius: (away.length() as f32).next_up(),
         }
     }
+}
+
+/// Adds the nodes of an octant of the first.
+fn add_below(nodes: &mut Vec<Node>, mut below: Vec<Node>) {
+    let first = nodes.len();
+    for node in &mut below {
+        node.parent = Some(node.parent.map_or(0, |parent| parent + first));
+    }
+    if let Some(child) = below.first() {
+        nodes[0].sphere = round(nodes[0].sphere, &child.sphere);
+    }
+    nodes.append(&mut below);
 }
 
 /// A sphere with the centre of one, round both.

@@ -126,3 +126,16 @@ pub(crate) fn triangle() -> SourceScene {
     };
     source(mesh, Vec::new())
 }
+
+/// All of these, by name.
+pub(crate) fn all_meshes() -> Vec<(&'static str, SourceScene)> {
+    vec![
+        ("torus", torus(96, 48)),
+        ("sphere", sphere(64, 32)),
+        ("sheet", sheet(60)),
+        ("cube", two_materials(16)),
+        ("fan", fan(40)),
+        ("pieces", many_pieces(1000)),
+        ("triangle", triangle()),
+    ]
+}

@@ -2,25 +2,26 @@
 
 mod codecs;
 pub(crate) mod meshes;
+mod signatures;
 
 use super::{BuildOptions, Built, build};
 use crate::source::SourceScene;
 use foveal_core::content::mesh::cut::MeshCut;
 use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
 use foveal_core::pack::unit::UnitId;
-use meshes::{fan, many_pieces, sheet, sphere, torus, triangle, two_materials};
+use meshes::{all_meshes, fan, sphere, torus, triangle, two_materials};
 
-fn built(source: &SourceScene) -> Built {
+pub(crate) fn built(source: &SourceScene) -> Built {
     build(source, &BuildOptions::default(), &|_, _| ()).unwrap()
 }
 
-fn parsed(built: &Built, unit: usize) -> MeshUnit {
+pub(crate) fn parsed(built: &Built, unit: usize) -> MeshUnit {
     let unit = &built.units[unit];
     let attributes = built.objects[usize::from(unit.row.object)].attributes;
     MeshUnit::parse(&unit.payload, attributes, &unit.row.replaces).unwrap()
 }
 
-fn full_cut(built: &Built) -> MeshCut {
+pub(crate) fn full_cut(built: &Built) -> MeshCut {
     let mut cut = MeshCut::default();
     for number in 0..built.units.len() {
         let (id, needs) = (UnitId(number as u32), &built.units[number].row.needs);
@@ -35,18 +36,6 @@ fn sorted(triangles: impl Iterator<Item = [MeshVertex; 3]>) -> Vec<[MeshVertex; 
     let mut turned: Vec<_> = turned.flatten().collect();
     turned.sort_unstable();
     turned
-}
-
-fn all_meshes() -> Vec<(&'static str, SourceScene)> {
-    vec![
-        ("torus", torus(96, 48)),
-        ("sphere", sphere(64, 32)),
-        ("sheet", sheet(60)),
-        ("cube", two_materials(16)),
-        ("fan", fan(40)),
-        ("pieces", many_pieces(1000)),
-        ("triangle", triangle()),
-    ]
 }
 
 #[test]
@@ -148,7 +137,13 @@ fn spheres_enclose_what_units_show() {
 #[test]
 fn the_number_of_threads_changes_no_byte() {
     for (name, source) in [("torus", torus(256, 128)), ("sphere", sphere(64, 32))] {
-        let with = |jobs| build(&source, &BuildOptions { bits: 14, jobs }, &|_, _| ()).unwrap();
+        let with = |jobs| {
+            let options = BuildOptions {
+                jobs,
+                ..Default::default()
+            };
+            build(&source, &options, &|_, _| ()).unwrap()
+        };
         let one = with(1);
         assert!(one == with(3), "{name}");
         assert!(one == with(1), "{name}");
@@ -250,7 +245,10 @@ fn a_source_that_contradicts_itself_is_refused() {
         let refused = build(&source, &BuildOptions::default(), &|_, _| ());
         assert!(refused.is_err(), "{number}");
     }
-    let options = BuildOptions { bits: 17, jobs: 1 };
+    let options = BuildOptions {
+        bits: 17,
+        ..Default::default()
+    };
     assert!(build(&triangle(), &options, &|_, _| ()).is_err());
 }
 

@@ -10,15 +10,20 @@ use percent_encoding::percent_decode_str;
 
 use super::super::error::Fault;
 use super::super::files::Folder;
-use super::container::{MESHOPT, needs};
 use super::json::{Buffer, Document, View};
+
+/// Bytes that may be unpacked for each byte of the buffers: meshoptimizer's codecs come near that
+/// where all elements are the same.
+const MOST_UNPACKED: u64 = 64;
 
 /// The bytes of all buffers that could be read.
 pub(super) struct Buffers<'a> {
-    /// `None` for a buffer without bytes, which only compressed views may name.
+    /// `None` for a buffer without bytes, which stands in for views that are compressed.
     buffers: Vec<Option<Bytes<'a>>>,
-    /// How many bytes all have together; what several name counts once.
+    /// How many bytes all have together; what several name counts once, what is unpacked does not.
     pub(super) total: usize,
+    /// How many bytes were unpacked.
+    pub(super) unpacked: u64,
 }
 
 enum Bytes<'a> {
@@ -47,6 +52,7 @@ impl<'a> Buffers<'a> {
         let mut total = binary.map_or(0, <[u8]>::len);
         for (number, buffer) in document.buffers.iter().enumerate() {
             let bytes = match (&buffer.uri, binary) {
+                _ if buffer.is_fallback() => None,
                 (Some(uri), _) => {
                     let bytes = bytes_of(uri, number, folder)?;
                     if met.insert(Rc::as_ptr(&bytes)) {
@@ -62,7 +68,11 @@ impl<'a> Buffers<'a> {
             }
             buffers.push(bytes);
         }
-        Ok(Self { buffers, total })
+        Ok(Self {
+            buffers,
+            total,
+            unpacked: 0,
+        })
     }
 
     /// The bytes of view `number`.
@@ -75,12 +85,18 @@ impl<'a> Buffers<'a> {
                 format!("there are only {count} buffer views"),
             ));
         };
+        self.part(view, &place)
+    }
+
+    /// The bytes that a view at `place` names.
+    pub(super) fn part(&self, view: &View, place: &dyn Fn() -> String) -> Result<&[u8], Fault> {
         let Some(bytes) = self.buffers.get(view.buffer as usize) else {
             let what = format!("names buffer {}, of {}", view.buffer, self.buffers.len());
             return Err(Fault::at(place(), what));
         };
         let Some(bytes) = bytes else {
-            return Err(without_bytes(view));
+            let what = "has no uri and no bytes";
+            return Err(Fault::at(format!("buffer {}", view.buffer), what));
         };
         let bytes = bytes.get();
         range(bytes, view.byte_offset, view.byte_length).ok_or_else(|| {
@@ -94,21 +110,34 @@ impl<'a> Buffers<'a> {
             Fault::at(place(), what)
         })
     }
+
+    /// Bytes that may still be unpacked.
+    pub(super) fn left(&self) -> u64 {
+        let most = (self.total as u64).saturating_mul(MOST_UNPACKED);
+        most.saturating_sub(self.unpacked)
+    }
+
+    /// Counts bytes that are to be unpacked at `place`, so that a small file cannot become large.
+    pub(super) fn allow(&mut self, bytes: u64, place: &str) -> Result<(), Fault> {
+        if bytes > self.left() {
+            let total = self.total;
+            let what = format!("{bytes} bytes are too many to be compressed in {total}");
+            return Err(Fault::at(place, what));
+        }
+        self.unpacked += bytes;
+        Ok(())
+    }
+
+    /// Adds a buffer of bytes that were unpacked, and gives its number.
+    pub(super) fn add(&mut self, bytes: Vec<u8>) -> u32 {
+        self.buffers.push(Some(Bytes::Read(Rc::new(bytes))));
+        self.buffers.len() as u32 - 1
+    }
 }
 
 fn range(bytes: &[u8], begin: u64, length: u64) -> Option<&[u8]> {
     let end = usize::try_from(begin.checked_add(length)?).ok()?;
     bytes.get(usize::try_from(begin).ok()?..end)
-}
-
-fn without_bytes(view: &View) -> Fault {
-    match MESHOPT
-        .iter()
-        .find(|name| view.extensions.contains_key(**name))
-    {
-        Some(name) => needs(name),
-        None => Fault::at(format!("buffer {}", view.buffer), "has no uri and no bytes"),
-    }
 }
 
 fn check_length(buffer: &Buffer, number: usize, found: usize) -> Result<(), Fault> {

@@ -17,8 +17,12 @@ const LEAST_OBJECT_BYTES: usize = 10;
 const MOST_BARE: usize = 1000;
 
 /// What surfaces need of these is drawn, or they say nothing about surfaces.
-const KNOWN: [&str; 18] = [
+const KNOWN: [&str; 22] = [
     "KHR_mesh_quantization",
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
+    "EXT_mesh_gpu_instancing",
     "KHR_materials_unlit",
     // Of materials, only what the core of glTF says is drawn.
     "KHR_materials_anisotropy",
@@ -39,17 +43,9 @@ const KNOWN: [&str; 18] = [
     "EXT_texture_webp",
     "KHR_animation_pointer",
 ];
-pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
-pub(super) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
-
 /// Whether nothing is lost that would be drawn if an extension were followed.
 pub(super) fn is_known(extension: &str) -> bool {
     KNOWN.contains(&extension)
-}
-
-/// Whether an extension only packs bytes.
-pub(super) fn is_compression(extension: &str) -> bool {
-    extension == DRACO || MESHOPT.contains(&extension)
 }
 
 /// The JSON of a file, and the binary part of a `.glb`.
@@ -84,16 +80,9 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), Fault> {
 }
 
 /// Refuses a file that cannot be read without an extension.
-pub(super) fn needs(extension: &str) -> Fault {
-    let next = if extension == DRACO {
-        "take its compression off with `gltf-transform cp FILE OUT.glb`"
-    } else if MESHOPT.contains(&extension) {
-        "take its compression off with `gltfpack -i FILE -o OUT.glb -noq`"
-    } else {
-        "export it without this extension"
-    };
+fn needs(extension: &str) -> Fault {
     let what = format!("it needs the extension {}", shortened(extension));
-    Fault::unsupported(what, next)
+    Fault::unsupported(what, "export it without this extension")
 }
 
 fn word_at(bytes: &[u8], at: usize) -> Option<u32> {

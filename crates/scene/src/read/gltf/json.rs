@@ -53,6 +53,29 @@ pub(super) struct Node {
     pub(super) translation: Option<Box<[f64; 3]>>,
     pub(super) rotation: Option<Box<[f64; 4]>>,
     pub(super) scale: Option<Box<[f64; 3]>>,
+    pub(super) extensions: NodeExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct NodeExtensions {
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    pub(super) instances: Option<Box<Instances>>,
+}
+
+/// Several places for the mesh of a node.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Instances {
+    pub(super) attributes: InstanceAttributes,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "UPPERCASE")]
+pub(super) struct InstanceAttributes {
+    pub(super) translation: Option<u32>,
+    pub(super) rotation: Option<u32>,
+    pub(super) scale: Option<u32>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -60,6 +83,7 @@ pub(super) struct Node {
 pub(super) struct Mesh {
     pub(super) name: Option<String>,
     pub(super) primitives: Vec<Primitive>,
+    pub(super) weights: Vec<f64>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -69,8 +93,24 @@ pub(super) struct Primitive {
     pub(super) indices: Option<u32>,
     pub(super) material: Option<u32>,
     pub(super) mode: Option<u32>,
-    pub(super) targets: Vec<IgnoredAny>,
-    pub(super) extensions: Extensions,
+    pub(super) targets: Vec<GltfAttributes>,
+    pub(super) extensions: PrimitiveExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct PrimitiveExtensions {
+    #[serde(rename = "KHR_draco_mesh_compression")]
+    pub(super) draco: Option<Box<DracoPart>>,
+}
+
+/// A part of a mesh that Draco compressed.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct DracoPart {
+    pub(super) buffer_view: u32,
+    /// By the numbers that they have there.
+    pub(super) attributes: GltfAttributes,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -80,6 +120,18 @@ pub(super) struct GltfAttributes {
     pub(super) normal: Option<u32>,
     #[serde(rename = "COLOR_0")]
     pub(super) colour: Option<u32>,
+}
+
+impl GltfAttributes {
+    /// All of them, in the same order for each part.
+    pub(super) fn all(&mut self) -> [Option<&mut u32>; 3] {
+        let Self {
+            position,
+            normal,
+            colour,
+        } = self;
+        [position, normal, colour].map(Option::as_mut)
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -143,7 +195,36 @@ pub(super) struct View {
     pub(super) byte_offset: u64,
     pub(super) byte_length: u64,
     pub(super) byte_stride: Option<u64>,
-    pub(super) extensions: Extensions,
+    pub(super) extensions: ViewExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct ViewExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    of_vendors: Option<Box<MeshoptView>>,
+    #[serde(rename = "KHR_meshopt_compression")]
+    of_khronos: Option<Box<MeshoptView>>,
+}
+
+impl ViewExtensions {
+    /// How meshoptimizer compressed the view.
+    pub(super) fn meshopt(&self) -> Option<&MeshoptView> {
+        self.of_khronos.as_deref().or(self.of_vendors.as_deref())
+    }
+}
+
+/// A view that meshoptimizer compressed.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct MeshoptView {
+    pub(super) buffer: u32,
+    pub(super) byte_offset: u64,
+    pub(super) byte_length: u64,
+    pub(super) byte_stride: u64,
+    pub(super) count: u64,
+    pub(super) mode: String,
+    pub(super) filter: Option<String>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -151,4 +232,28 @@ pub(super) struct View {
 pub(super) struct Buffer {
     pub(super) uri: Option<String>,
     pub(super) byte_length: u64,
+    extensions: BufferExtensions,
+}
+
+impl Buffer {
+    /// Whether it only stands in for views that are compressed, which are read in its place.
+    pub(super) fn is_fallback(&self) -> bool {
+        let said = [&self.extensions.of_vendors, &self.extensions.of_khronos];
+        said.into_iter().flatten().any(|it| it.fallback)
+    }
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct BufferExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    of_vendors: Option<Fallback>,
+    #[serde(rename = "KHR_meshopt_compression")]
+    of_khronos: Option<Fallback>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Fallback {
+    fallback: bool,
 }

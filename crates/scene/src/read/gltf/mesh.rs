@@ -7,8 +7,7 @@ use glam::DVec3;
 use super::super::error::Fault;
 use super::super::sound::count;
 use super::accessor::Accessors;
-use super::container::{DRACO, needs};
-use super::json::Primitive;
+use super::json::{GltfAttributes, Primitive};
 use crate::build::codes_from_linear;
 use crate::source::{Repairs, SourceCloud, SourceMesh};
 
@@ -87,7 +86,7 @@ impl MeshReader<'_> {
         let mut met = HashMap::new();
         for (index, primitive) in said.primitives.iter().enumerate() {
             let place = format!("mesh {number}, primitive {index}");
-            self.add(&mut mesh, &mut met, primitive, &place)?;
+            self.add(&mut mesh, &mut met, (primitive, &said.weights), &place)?;
         }
         Ok(mesh)
     }
@@ -96,7 +95,7 @@ impl MeshReader<'_> {
         &mut self,
         mesh: &mut SourceMesh,
         met: &mut HashMap<Streams, Vertices>,
-        primitive: &Primitive,
+        (primitive, weights): (&Primitive, &[f64]),
         place: &str,
     ) -> Result<(), Fault> {
         let material = primitive.material.unwrap_or(self.without_material);
@@ -114,18 +113,23 @@ impl MeshReader<'_> {
             colours: primitive.attributes.colour,
             opaque: *opaque,
         };
-        let is_bare = self.accessors.get(positions)?.buffer_view.is_none();
-        if is_bare && primitive.extensions.contains_key(DRACO) {
-            return Err(needs(DRACO));
-        }
         if primitive.mode == Some(POINTS) {
             return self.add_points(primitive, (streams, material), place);
         }
-        let vertices = match met.get(&streams) {
+        // Parts with other shapes have other vertices at rest.
+        let moves = moves(primitive, weights);
+        let known = met.get(&streams).filter(|_| moves.is_empty());
+        let vertices = match known {
             Some(vertices) => *vertices,
-            None => self.add_vertices(mesh, streams, place)?,
+            None => {
+                let vertices = self.add_vertices(mesh, streams, place)?;
+                self.add_shapes(mesh, vertices, &moves, place)?;
+                vertices
+            }
         };
-        met.insert(streams, vertices);
+        if moves.is_empty() {
+            met.insert(streams, vertices);
+        }
         let corners = self.corners(primitive, vertices, place)?;
         let before = mesh.triangles.len();
         self.add_triangles(mesh, &corners, primitive.mode.unwrap_or(4))
@@ -166,7 +170,8 @@ impl MeshReader<'_> {
         let elements = usize::try_from(elements).unwrap_or(usize::MAX);
         self.spent = self.spent.saturating_add(elements);
         let bytes = self.accessors.buffers.total;
-        if self.spent <= bytes.saturating_mul(MOST_PER_BYTE) {
+        let unpacked = self.accessors.buffers.unpacked as usize;
+        if self.spent <= bytes.saturating_mul(MOST_PER_BYTE).saturating_add(unpacked) {
             return Ok(());
         }
         let what = format!(
@@ -215,6 +220,44 @@ impl MeshReader<'_> {
         fill(&mut mesh.normals, first + count, [0.0; 3]);
         fill(&mut mesh.colours, first + count, WHITE);
         Ok(Vertices { first, count })
+    }
+
+    /// Moves vertices as the shapes of a mesh at rest do.
+    fn add_shapes(
+        &mut self,
+        mesh: &mut SourceMesh,
+        vertices: Vertices,
+        moves: &[(&GltfAttributes, f64)],
+        place: &str,
+    ) -> Result<(), Fault> {
+        let Vertices { first, count } = vertices;
+        for (shape, weight) in moves {
+            for number in [shape.position, shape.normal].into_iter().flatten() {
+                let found = self.accessors.count(number)?;
+                if found != count as u64 {
+                    let what = format!("has {found} elements, but moves {count} vertices");
+                    return Err(Fault::at(format!("accessor {number}"), what));
+                }
+                self.spend(found, place)?;
+            }
+            if let Some(number) = shape.position {
+                let steps = self.accessors.rows::<3>(number, &[3])?;
+                for (position, step) in mesh.positions[first..].iter_mut().zip(steps) {
+                    *position += DVec3::from_array(step) * *weight;
+                    if !position.is_finite() {
+                        let what = "moves a vertex to where no place is";
+                        return Err(Fault::at(format!("accessor {number}"), what));
+                    }
+                }
+            }
+            if let (Some(number), false) = (shape.normal, mesh.normals.is_empty()) {
+                let steps = self.accessors.rows::<3>(number, &[3])?;
+                for (normal, step) in mesh.normals[first..].iter_mut().zip(steps) {
+                    *normal = [0, 1, 2].map(|k| normal[k] + (step[k] * *weight) as f32);
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Refuses streams of different lengths before they are read.
@@ -308,6 +351,12 @@ impl MeshReader<'_> {
         }
         Ok(())
     }
+}
+
+/// The shapes that a part has at rest, and how much of each.
+fn moves<'a>(primitive: &'a Primitive, weights: &[f64]) -> Vec<(&'a GltfAttributes, f64)> {
+    let all = primitive.targets.iter().zip(weights.iter().copied());
+    all.filter(|(_, weight)| *weight != 0.0).collect()
 }
 
 /// The mode of a part that is points.

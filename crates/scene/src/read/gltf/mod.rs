@@ -3,8 +3,10 @@
 mod accessor;
 mod buffers;
 mod container;
+mod draco;
 mod json;
 mod mesh;
+mod meshopt;
 mod nodes;
 
 use std::collections::HashMap;
@@ -12,7 +14,7 @@ use std::collections::HashMap;
 use super::error::Fault;
 use super::files::Folder;
 use super::text::shortened;
-use crate::source::{Material, Repairs, SourceCloud, SourceObject, SourceScene};
+use crate::source::{Material, Repairs, SourceCloud, SourceMesh, SourceObject, SourceScene};
 use accessor::Accessors;
 use buffers::Buffers;
 use json::{Document, GltfMaterial};
@@ -24,10 +26,13 @@ pub(super) fn read(
     name: &str,
     folder: &mut dyn Folder,
 ) -> Result<SourceScene, Fault> {
-    let (document, binary) = container::parse(bytes)?;
+    let (mut document, binary) = container::parse(bytes)?;
+    let mut buffers = Buffers::read(&document, binary, folder)?;
+    meshopt::unpack(&mut document, &mut buffers)?;
+    draco::unpack(&mut document, &mut buffers)?;
     let accessors = Accessors {
         document: &document,
-        buffers: Buffers::read(&document, binary, folder)?,
+        buffers,
     };
     let mut scene = SourceScene::default();
     let mut materials: Vec<Material> = document.materials.iter().map(material).collect();
@@ -79,13 +84,8 @@ pub(super) fn read(
         });
     }
     let default = meshes.without_material;
-    if scene
-        .meshes
-        .iter()
-        .any(|mesh| mesh.materials.contains(&default))
-    {
-        materials.push(Material::default());
-    }
+    let is_used = |mesh: &SourceMesh| mesh.materials.contains(&default);
+    materials.extend(scene.meshes.iter().any(is_used).then(Material::default));
     scene.repairs = meshes.repairs;
     scene.materials = materials;
     add_remarks(&mut scene, &document, object_of.keys());
@@ -141,7 +141,7 @@ fn add_remarks<'a>(
         scene.remark("animations are not played");
     }
     let all = document.extensions_used.iter();
-    let lost = all.filter(|name| !container::is_known(name) && !container::is_compression(name));
+    let lost = all.filter(|name| !container::is_known(name));
     let lost: Vec<String> = lost.take(MOST_NAMED).map(|name| shortened(name)).collect();
     if !lost.is_empty() {
         scene.remark(format!(

@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 
 use super::super::error::Fault;
 use super::accessor::Accessors;
-use super::json::{Document, Node};
+use super::json::{Document, InstanceAttributes, Node};
 
 /// A mesh at a place.
 pub(super) struct ShownMesh {
@@ -26,13 +26,63 @@ pub(super) fn shown(accessors: &Accessors<'_>) -> Result<Vec<ShownMesh>, Fault> 
             Some(skin) => world_from_skinned(accessors, skin, &world_from_node)?,
             None => None,
         };
-        all.push(ShownMesh {
+        let world_from_mesh = rest.unwrap_or(world_from_node[node]);
+        let shown = |world_from_mesh| ShownMesh {
             mesh,
             node,
-            world_from_mesh: rest.unwrap_or(world_from_node[node]),
-        });
+            world_from_mesh,
+        };
+        match &document.nodes[node].extensions.instances {
+            None => all.push(shown(world_from_mesh)),
+            Some(said) => {
+                let many = instances(accessors, &said.attributes, node, all.len())?;
+                all.extend(many.into_iter().map(|it| shown(world_from_mesh * it)));
+            }
+        }
     }
     Ok(all)
+}
+
+/// Where the instances of a node stand in it; `before` stand elsewhere.
+fn instances(
+    accessors: &Accessors<'_>,
+    said: &InstanceAttributes,
+    node: usize,
+    before: usize,
+) -> Result<Vec<DAffine3>, Fault> {
+    let named = [said.translation, said.rotation, said.scale];
+    let counts = named.into_iter().flatten().map(|it| accessors.count(it));
+    let counts = counts.collect::<Result<Vec<u64>, Fault>>()?;
+    let count = counts.first().copied().unwrap_or(0);
+    if counts.iter().any(|it| *it != count) {
+        let what = format!("its instances have {counts:?} numbers of elements, which differ");
+        return Err(Fault::at(place(node), what));
+    }
+    // Nodes may share what places their instances.
+    let most = accessors.buffers.total + accessors.buffers.unpacked as usize;
+    if count > most.saturating_sub(before) as u64 {
+        let what = format!("its {count} instances are more than all buffers have bytes");
+        return Err(Fault::at(place(node), what));
+    }
+    let translations = rows(accessors, said.translation, [0.0; 3], count)?;
+    let rotations = rows(accessors, said.rotation, [0.0, 0.0, 0.0, 1.0], count)?;
+    let scales = rows(accessors, said.scale, [1.0; 3], count)?;
+    let all = translations.into_iter().zip(rotations).zip(scales);
+    all.map(|((translation, rotation), scale)| placed(translation, rotation, scale, node))
+        .collect()
+}
+
+/// The elements of an accessor, or as many as it would have of what stands in for it.
+fn rows<const N: usize>(
+    accessors: &Accessors<'_>,
+    number: Option<u32>,
+    without: [f64; N],
+    count: u64,
+) -> Result<Vec<[f64; N]>, Fault> {
+    match number {
+        Some(number) => accessors.rows::<N>(number, &[N]),
+        None => Ok(vec![without; count as usize]),
+    }
 }
 
 fn place(node: usize) -> String {
@@ -101,12 +151,18 @@ fn parent_from_node(said: &Node, node: usize) -> Result<DAffine3, Fault> {
     }
     let translation = said.translation.as_deref().copied().unwrap_or([0.0; 3]);
     let scale = said.scale.as_deref().copied().unwrap_or([1.0; 3]);
-    let turn = DVec4::from_array(
-        said.rotation
-            .as_deref()
-            .copied()
-            .unwrap_or([0.0, 0.0, 0.0, 1.0]),
-    );
+    let rotation = said.rotation.as_deref().copied();
+    let rotation = rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    placed(translation, rotation, scale, node)
+}
+
+fn placed(
+    translation: [f64; 3],
+    rotation: [f64; 4],
+    scale: [f64; 3],
+    node: usize,
+) -> Result<DAffine3, Fault> {
+    let turn = DVec4::from_array(rotation);
     let Some(turn) = turn.try_normalize() else {
         let what = format!("its rotation is {turn}, which is none");
         return Err(Fault::at(place(node), what));

@@ -182,25 +182,8 @@ fn check_layers(chunk: &[u8], record_bytes: usize, layers: usize) -> Result<(), 
 
 /// Where chunks lie, of which there is a table.
 fn chunks<'a>(bytes: &'a [u8], header: &LasHeader, vlr: &LazVlr) -> Result<Vec<Chunk<'a>>, Fault> {
+    let (table_at, table) = table_of_chunks(bytes, header)?;
     let first = header.points_at + POINTER_BYTES;
-    let missing = || {
-        let what = "the table of chunks is missing: the file was cut short, or never finished";
-        Fault::at(format!("byte {}", header.points_at), what)
-    };
-    let pointer = |at: usize| {
-        let told = bytes.get(at..at + POINTER_BYTES)?.try_into().ok()?;
-        let table = usize::try_from(i64::from_le_bytes(told)).ok()?;
-        (table >= first).then_some(table)
-    };
-    // Who wrote without going back left the pointer at the end.
-    let at_end = || pointer(bytes.len().checked_sub(POINTER_BYTES)?);
-    let table_at = pointer(header.points_at)
-        .or_else(at_end)
-        .ok_or_else(missing)?;
-    let table = bytes
-        .get(table_at..)
-        .filter(|it| it.len() >= POINTER_BYTES)
-        .ok_or_else(missing)?;
     let count = u64::from(word_at(table, 4));
     let fault = |what: String| Fault::at(format!("byte {table_at}, table of chunks"), what);
     if count == 0 || count > header.count || count > (table_at - first) as u64 {
@@ -251,6 +234,25 @@ fn chunks<'a>(bytes: &'a [u8], header: &LasHeader, vlr: &LazVlr) -> Result<Vec<C
         0 => Ok(chunks),
         _ => Err(header.wrong_count("the table of chunks counts fewer")),
     }
+}
+
+/// Where the table of chunks lies, and what is there.
+fn table_of_chunks<'a>(bytes: &'a [u8], header: &LasHeader) -> Result<(usize, &'a [u8]), Fault> {
+    let first = header.points_at + POINTER_BYTES;
+    let pointer = |at: usize| {
+        let told = bytes.get(at..at + POINTER_BYTES)?.try_into().ok()?;
+        let table = usize::try_from(i64::from_le_bytes(told)).ok()?;
+        (table >= first).then_some(table)
+    };
+    // Who wrote without going back left the pointer at the end.
+    let at_end = || pointer(bytes.len().checked_sub(POINTER_BYTES)?);
+    let at = pointer(header.points_at).or_else(at_end);
+    let table = at.and_then(|at| Some((at, bytes.get(at..)?)));
+    let whole = table.filter(|(_, table)| table.len() >= POINTER_BYTES);
+    whole.ok_or_else(|| {
+        let what = "the table of chunks is missing: the file was cut short, or never finished";
+        Fault::at(format!("byte {}", header.points_at), what)
+    })
 }
 
 /// Unpacks a chunk into records, and returns how many bytes of it are left.

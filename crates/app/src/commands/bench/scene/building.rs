@@ -21,7 +21,8 @@ fn seconds(work: impl FnOnce() -> anyhow::Result<()>) -> anyhow::Result<[f64; 2]
     Ok([cpu.unwrap_or(clock), clock])
 }
 
-/// Building and encoding units, against meshoptimizer's own clusterlod, which encodes nothing.
+/// Building and encoding units, against meshoptimizer's own clusterlod, which encodes nothing; and
+/// what measuring their signatures takes besides.
 pub(super) fn build(
     subject: &Subject,
     conditions: &BenchConditions,
@@ -35,16 +36,21 @@ pub(super) fn build(
     };
     let bits = subject.file.pack().description().objects.first();
     let bits = bits.map_or(*GRID_BITS.start(), |it| it.grid.bits);
-    let ours = |jobs| {
+    let ours = |jobs, signatures| {
         seconds(|| {
-            let options = BuildOptions { bits, jobs };
+            let options = BuildOptions {
+                bits,
+                jobs,
+                signatures,
+            };
             black_box(build_units(source, &options, &|_, _| ())?);
             Ok(())
         })
     };
-    let [mut processor, mut clock, mut threads] = [const { Vec::new() }; 3];
+    let [mut processor, mut clock, mut threads, mut measuring] = [const { Vec::new() }; 4];
     for _ in 0..conditions.runs {
-        let [one, two] = [ours(1)?, ours(2)?];
+        let [one, two] = [ours(1, false)?, ours(2, false)?];
+        let measured = ours(1, true)?;
         let theirs = seconds(|| {
             black_box(clod_build(source));
             Ok(())
@@ -52,6 +58,7 @@ pub(super) fn build(
         processor.push([one[0], theirs[0]]);
         clock.push([one[1], theirs[1]]);
         threads.push([two[1], theirs[1]]);
+        measuring.push([measured[0] - one[0], one[0]]);
     }
     let row = |what: &str, runs: Vec<[f64; 2]>| {
         let turns = Turns {
@@ -68,6 +75,7 @@ pub(super) fn build(
         .asked("ratio <= 1.5"),
         row("the same by the clock, one thread", clock),
         row("the same by the clock, two threads against one", threads).asked("ratio <= 0.85"),
+        row("measure what units add, against building them", measuring),
     ])
 }
 

@@ -37,7 +37,8 @@ const SHARP: f64 = 0.01;
 const SIZE: [u32; 2] = [1280, 800];
 const ACROSS_DEG: f64 = 90.0;
 
-/// Bytes under `eccentricity` against `uniform`, gaze by gaze.
+/// Bytes under `perceptual` against `uniform` and `eccentricity`, and under `eccentricity` against
+/// `uniform`, gaze by gaze.
 pub(super) fn bytes_to_fovea(
     subject: &Subject,
     conditions: &BenchConditions,
@@ -46,20 +47,32 @@ pub(super) fn bytes_to_fovea(
         output::say("fovea: nothing draws; give --renderer gpu or cpu");
         return Ok(Vec::new());
     }
-    let mut turns = Turns::default();
-    let mut missed = 0.0;
+    let policies = [Policy::Perceptual, Policy::Eccentricity, Policy::Uniform];
+    let mut runs = [const { Vec::new() }; 3];
+    let mut missed = [0.0; 3];
     for gaze in GAZES {
-        let mut bytes = |policy| {
+        for (at, policy) in policies.into_iter().enumerate() {
             let (bytes, is_sharp) = bytes_of(subject, conditions, policy, gaze)?;
-            missed += f64::from(u8::from(!is_sharp));
-            anyhow::Ok(bytes)
-        };
-        turns.ours.push(bytes(Policy::Eccentricity)?);
-        turns.baseline.push(bytes(Policy::Uniform)?);
+            runs[at].push(bytes);
+            missed[at] += f64::from(u8::from(!is_sharp));
+        }
     }
-    let what = "until the fovea is sharp, eccentricity against uniform, 40 Mbit/s, 5 gazes";
-    let row = turns.row(&subject.name, what, "bytes");
-    Ok(vec![row.with("never_sharp", missed)])
+    let row = |ours: usize, baseline: usize| {
+        let turns = Turns {
+            ours: runs[ours].clone(),
+            baseline: runs[baseline].clone(),
+        };
+        let [of, against] = [ours, baseline].map(|at| policies[at].name());
+        let what = format!("until the fovea is sharp, {of} against {against}, 40 Mbit/s, 5 gazes");
+        let row = turns.row(&subject.name, what, "bytes");
+        row.with("never_sharp", missed[ours])
+            .with("baseline_never_sharp", missed[baseline])
+    };
+    Ok(vec![
+        row(0, 2).asked("ratio <= 0.35, bytes <= 220000"),
+        row(0, 1).asked("ratio <= 1.0"),
+        row(1, 2),
+    ])
 }
 
 /// Bytes that came until the fovea was sharp, or all, and whether it was.

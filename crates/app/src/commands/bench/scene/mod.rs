@@ -13,6 +13,7 @@ mod place;
 mod points;
 mod row;
 mod subject;
+mod worth;
 
 use crate::commands::demo::machine::Machine;
 use crate::options::renderer::{RendererName, open_device};
@@ -33,8 +34,8 @@ pub(crate) struct SceneBenchArgs {
     #[arg(value_name = "FILE|PACK")]
     inputs: Vec<PathBuf>,
     /// Rows to measure, by number or name: closed, bytes, build, decode, choose, triangles,
-    /// selection, first-picture, fovea, memory, points (default: all, as far as the scene has what
-    /// they measure).
+    /// selection, first-picture, worth, fovea, memory, points (default: all, as far as the scene has
+    /// what they measure).
     #[arg(long, value_name = "ROW,..", value_delimiter = ',')]
     only: Vec<String>,
     /// Turns of what is timed; 1 to 100.
@@ -64,7 +65,7 @@ struct Measured {
 }
 
 /// All rows; they are numbered from 1.
-const ROWS: [Measured; 11] = [
+const ROWS: [Measured; 12] = [
     of_triangles(without_pictures("closed", bytes::closed)),
     of_triangles(without_pictures("bytes", bytes::of_leaves)),
     of_triangles(without_pictures("build", building::build)),
@@ -73,6 +74,7 @@ const ROWS: [Measured; 11] = [
     of_triangles(with_pictures("triangles", drawing::triangles)),
     without_pictures("selection", choosing::select),
     without_pictures("first-picture", bytes::first_picture),
+    with_pictures("worth", worth::worth),
     with_pictures("fovea", fovea::bytes_to_fovea),
     with_pictures("memory", memory::memory),
     with_pictures("points", points::points),

@@ -3,6 +3,7 @@
 mod clouds;
 mod made;
 mod meshes;
+mod packed;
 mod refused;
 mod scenes;
 

@@ -137,24 +137,9 @@ fn transforms_that_are_none_are_refused() {
 
 #[test]
 fn extensions_that_are_needed_are_refused_by_name() {
-    for (name, next) in [
-        ("KHR_draco_mesh_compression", "gltf-transform cp"),
-        (
-            "EXT_meshopt_compression",
-            "gltfpack -i FILE -o OUT.glb -noq",
-        ),
-        ("VENDOR_odd", "export it without"),
-    ] {
-        let said = refused(|json| json["extensionsRequired"] = json!([name]));
-        assert_says(&said, name);
-        assert_says(&said, next);
-    }
-    let said = refused(|json| {
-        json["accessors"][0]["bufferView"] = Value::Null;
-        json["meshes"][0]["primitives"][0]["extensions"] =
-            json!({"KHR_draco_mesh_compression": {}});
-    });
-    assert_says(&said, "KHR_draco_mesh_compression");
+    let said = refused(|json| json["extensionsRequired"] = json!(["VENDOR_odd"]));
+    assert_says(&said, "VENDOR_odd");
+    assert_says(&said, "export it without");
 }
 
 #[test]

@@ -62,6 +62,83 @@ fn nodes_with_one_mesh_are_placements_of_one_object() {
     assert_eq!(scene.meshes.len(), 2);
 }
 
+/// A square with three instances, turned and scaled.
+fn instanced() -> Made {
+    let mut made = Made::square();
+    made.json["extensionsRequired"] = json!(["EXT_mesh_gpu_instancing"]);
+    let translations = made.positions(&[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]]);
+    // A quarter and half a turn about z, in normalised 16-bit numbers.
+    let turns: [[i16; 4]; 3] = [[0, 0, 0, 32767], [0, 0, 23170, 23170], [0, 0, 32767, 0]];
+    let bytes: Vec<u8> = turns
+        .iter()
+        .flatten()
+        .flat_map(|it| it.to_le_bytes())
+        .collect();
+    let rotations = made.accessor(5122, "VEC4", 3, &bytes);
+    made.json["accessors"][rotations]["normalized"] = json!(true);
+    made.json["nodes"][0] = json!({
+        "mesh": 0, "translation": [0, 10, 0],
+        "extensions": {"EXT_mesh_gpu_instancing": {
+            "attributes": {"TRANSLATION": translations, "ROTATION": rotations, "_ID": 77},
+        }},
+    });
+    made
+}
+
+#[test]
+fn instances_stand_where_their_node_and_accessors_put_them() {
+    let scene = scene(&instanced());
+    let placements = &scene.objects[0].placements;
+    let corners: Vec<DVec3> = placements
+        .iter()
+        .map(|it| at(it, [1.0, 0.0, 0.0]))
+        .collect();
+    let wanted = [[2.0, 10.0, 0.0], [2.0, 11.0, 0.0], [2.0, 10.0, 0.0]];
+    for (found, wanted) in corners.iter().zip(wanted) {
+        assert!(found.distance(DVec3::from_array(wanted)) < 1e-4, "{found}");
+    }
+    assert_eq!(corners.len(), 3);
+    assert_eq!(scene.objects.len(), 1);
+}
+
+#[test]
+fn instances_that_differ_in_number_or_have_no_end_are_refused() {
+    let mut made = instanced();
+    made.json["accessors"][3]["count"] = json!(2);
+    let said = super::refusal(&made.glb());
+    assert!(said.contains("node 0: its instances have [3, 2]"), "{said}");
+    let mut made = instanced();
+    let node = made.json["nodes"][0].clone();
+    made.json["nodes"] = json!(vec![node; 400]);
+    made.json["scenes"][0]["nodes"] = json!((0..400).collect::<Vec<u32>>());
+    let said = super::refusal(&made.glb());
+    assert!(said.contains("instances are more than"), "{said}");
+}
+
+#[test]
+fn shapes_that_morph_are_as_at_rest_also_where_they_are_sparse() {
+    let mut made = Made::square();
+    let steps = made.positions(&[[0.0; 3]; 4]);
+    made.json["accessors"][steps]
+        .as_object_mut()
+        .unwrap()
+        .remove("bufferView");
+    let places = made.view(&[2]);
+    let values = made.view(&f32_bytes(&[0.0, 0.0, 4.0]));
+    made.json["accessors"][steps]["sparse"] = json!({
+        "count": 1,
+        "indices": {"bufferView": places, "componentType": 5121},
+        "values": {"bufferView": values},
+    });
+    made.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": steps}]);
+    let height = |made: &Made| scene(made).meshes[0].positions[2].z;
+    assert_eq!(height(&made), 0.0);
+    made.json["meshes"][0]["weights"] = json!([0.5]);
+    assert_eq!(height(&made), 2.0);
+    made.json["accessors"][steps]["count"] = json!(3);
+    assert!(super::refusal(&made.glb()).contains("moves 4 vertices"));
+}
+
 #[test]
 fn without_scenes_all_roots_are_shown() {
     let mut made = Made::square();
@@ -97,13 +174,13 @@ fn what_is_not_drawn_is_said() {
     let mut made = Made::square();
     made.json["textures"] = json!([{"extensions": {"KHR_texture_basisu": {"source": 0}}}]);
     made.json["animations"] = json!([{}]);
-    made.json["extensionsUsed"] = json!(["KHR_materials_unlit", "EXT_mesh_gpu_instancing"]);
+    made.json["extensionsUsed"] = json!(["KHR_materials_unlit", "EXT_odd"]);
     made.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 0}]);
     let said = [
         "textures are not drawn yet",
         "shapes that morph are shown at rest",
         "animations are not played",
-        "extensions that are not drawn: EXT_mesh_gpu_instancing",
+        "extensions that are not drawn: EXT_odd",
     ];
     assert_eq!(scene(&made).remarks, said);
 }

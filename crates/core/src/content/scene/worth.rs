@@ -1,0 +1,274 @@
+//! What is each unit of a scene worth to an eye, without drawing it?
+//!
+//! Signature x sensitivity x footprint: what the unit adds in each octave, how well the eye sees
+//! that octave there, and how many square degrees of the view it would refine. Footprints are
+//! measured in what is drawn. A unit that would refine what is not drawn yet has a share of the
+//! footprints of the units that it needs, by the areas of their spheres.
+
+use super::Scene;
+use super::scene::Stand;
+use super::sight::{SeenExtent, Sight};
+use super::unit_table::UnitRow;
+use crate::content::policy::ImportanceSource;
+use crate::pack::unit::UnitId;
+use crate::perception::footprints::Footprints;
+use crate::perception::moment::Moment;
+use crate::perception::parameters::{Model, Parameters};
+use crate::perception::step_worth::{DrawnFiner, SeenPlace, StepWorth};
+use crate::units::Radians;
+
+/// Values the units of a scene for one viewer.
+#[derive(Debug)]
+pub(super) struct SceneWorth {
+    parameters: Parameters,
+    importance: ImportanceSource,
+    of_steps: StepWorth,
+    /// For each unit the areas of the spheres of those that need it, in object space.
+    needed_by: Vec<f64>,
+    /// What was measured last; `None` where nothing was.
+    footprints: Option<Footprints>,
+}
+
+impl SceneWorth {
+    /// The worth of the units of this scene to an eye with these parameters.
+    pub(super) fn new(
+        scene: &Scene,
+        parameters: &Parameters,
+        importance: ImportanceSource,
+    ) -> Self {
+        let rows = scene.pack().rows();
+        let mut needed_by = vec![0.0; rows.len()];
+        for row in rows {
+            for need in &row.needs {
+                needed_by[need.0 as usize] += area(row);
+            }
+        }
+        let parameters = parameters_of_morphs(parameters);
+        Self {
+            of_steps: StepWorth::of_seen_differences(&parameters, DrawnFiner::Sampled),
+            parameters,
+            importance,
+            needed_by,
+            footprints: None,
+        }
+    }
+
+    /// From now on units refine these parts of the view.
+    pub(super) fn see(&mut self, footprints: &Footprints) {
+        self.footprints = Some(footprints.clone());
+    }
+
+    /// What each unit is worth, as it is seen.
+    pub(super) fn values(&self, scene: &Scene, sights: &[Sight]) -> Vec<f64> {
+        let rows = scene.pack().rows();
+        if self.importance == ImportanceSource::Rendered {
+            return self.rendered(rows.len());
+        }
+        let mut values = vec![0.0; rows.len()];
+        let extents = self.footprints.as_ref().map(|it| self.extents(scene, it));
+        for (unit, row) in (0..).map(UnitId).zip(rows) {
+            let at = unit.0 as usize;
+            let measured = extents.as_ref().map(|it| it[at]);
+            let is_hidden = measured.is_some_and(|it| it.area_deg2 <= 0.0);
+            if row.needs.is_empty() || is_hidden {
+                continue;
+            }
+            let seen = sights.iter().flat_map(|sight| {
+                let value = |stand| self.value(row, stand, sight, measured);
+                scene.stands(unit).iter().map(value)
+            });
+            values[at] = seen.fold(0.0, f64::max);
+        }
+        values
+    }
+
+    /// What pictures of levels say that each unit is worth, which footprints tell as numbers.
+    fn rendered(&self, units: usize) -> Vec<f64> {
+        let mut values = vec![0.0; units];
+        for footprint in self.footprints.iter().flat_map(Footprints::list) {
+            if let Some(value) = values.get_mut(footprint.unit.0 as usize) {
+                *value = f64::from(f32::from_bits(footprint.area));
+            }
+        }
+        values
+    }
+
+    /// What of the view each unit would refine.
+    fn extents(&self, scene: &Scene, footprints: &Footprints) -> Vec<SeenExtent> {
+        let rows = scene.pack().rows();
+        let mut extents = vec![SeenExtent::default(); rows.len()];
+        for footprint in footprints.list() {
+            let Some(extent) = extents.get_mut(footprint.unit.0 as usize) else {
+                continue;
+            };
+            let [least, mean] = footprint.eccentricities();
+            *extent = SeenExtent {
+                area_deg2: footprint.area_deg2(),
+                least,
+                mean,
+            };
+        }
+        // What a unit needs has lower numbers.
+        for (at, row) in rows.iter().enumerate() {
+            for need in row.needs.iter().map(|need| need.0 as usize) {
+                let above = extents[need];
+                let share = area(row) / self.needed_by[need];
+                if above.area_deg2 > 0.0 && share > 0.0 {
+                    extents[at] = with(extents[at], above, share);
+                }
+            }
+        }
+        extents
+    }
+
+    /// What a unit is worth in one of its places, through one view, which shows so much of it.
+    fn value(
+        &self,
+        row: &UnitRow,
+        stand: &Stand,
+        sight: &Sight,
+        measured: Option<SeenExtent>,
+    ) -> f64 {
+        let extent = measured.unwrap_or_else(|| sight.extent(&stand.sphere));
+        if extent.area_deg2 <= 0.0 {
+            return 0.0;
+        }
+        let ppd = sight.ppd_of(stand.error, &stand.sphere);
+        let display = sight.display_limit(&stand.sphere);
+        let state = sight.glance.state;
+        // Half of it about nearer than the mean, half about farther.
+        let apart = (extent.mean.0 - extent.least.0) / 2.0;
+        let gain = |eccentricity| {
+            let place = SeenPlace::at(&self.parameters, Radians(eccentricity), display);
+            let gain = self.of_steps.gain(&row.signature, ppd, &place, state);
+            gain * self.of_steps.extent(ppd, extent.area_deg2, &place)
+        };
+        (gain(extent.mean.0 - apart) + gain(extent.mean.0 + apart)) / 2.0
+    }
+}
+
+/// The same for steps that are morphed from what was there: nothing pops. The published model stays
+/// as it is.
+#[must_use]
+pub fn parameters_of_morphs(parameters: &Parameters) -> Parameters {
+    match parameters.model {
+        Model::Default => Parameters {
+            lambda: 0.0,
+            lambda_suppressed: 0.0,
+            ..*parameters
+        },
+        Model::Paper => *parameters,
+    }
+}
+
+/// Share of the detail that an eye can see of a scene, hidden or not, that these units show: of what
+/// all are worth. 1 where none is worth anything. Takes some microseconds for each unit.
+#[must_use]
+pub fn detail_share(scene: &Scene, moment: &Moment, shows: impl Fn(UnitId) -> bool) -> f64 {
+    let worth = SceneWorth::new(scene, &Parameters::default(), ImportanceSource::Signatures);
+    let sight = |glance| Sight::new(&glance, Radians(0.0));
+    let sights: Vec<Sight> = moment.glances().map(sight).collect();
+    let values = worth.values(scene, &sights);
+    let all: f64 = values.iter().sum();
+    let units = (0..).map(UnitId).zip(&values);
+    let shown: f64 = units.filter(|(unit, _)| shows(*unit)).map(|it| it.1).sum();
+    if all > 0.0 { shown / all } else { 1.0 }
+}
+
+/// An extent and a share of another.
+fn with(extent: SeenExtent, other: SeenExtent, share: f64) -> SeenExtent {
+    let added = share * other.area_deg2;
+    let area_deg2 = extent.area_deg2 + added;
+    let mean = (extent.mean.0 * extent.area_deg2 + other.mean.0 * added) / area_deg2;
+    let least = match extent.area_deg2 > 0.0 {
+        true => extent.least.0.min(other.least.0),
+        false => other.least.0,
+    };
+    SeenExtent {
+        area_deg2,
+        least: Radians(least),
+        mean: Radians(mean),
+    }
+}
+
+/// Area of a disc of a unit's sphere.
+fn area(row: &UnitRow) -> f64 {
+    let radius = f64::from(row.radius);
+    core::f64::consts::PI * radius * radius
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::content::scene::scripted::scripted_scene;
+    use crate::gaze::sample::GazeSample;
+    use crate::perception::footprints::Footprint;
+    use crate::perception::glance::Glance;
+    use crate::perception::parameters::EyeState;
+    use crate::units::Seconds;
+    use crate::view::axes::Axes;
+    use crate::view::eye_view::{EyeView, Field};
+    use glam::DVec3;
+
+    fn sight(scene: &Scene) -> Sight {
+        let bounds = scene.bounds();
+        let view = EyeView {
+            position: bounds.centre + DVec3::Z * 2.0 * bounds.radius,
+            axes: Axes::FRONT,
+            field: Field::symmetric([1.0, 0.6]),
+            size: [1000, 600],
+            eye: Default::default(),
+        };
+        let glance = Glance {
+            gaze: GazeSample::at(Seconds(0.0), Radians(0.0), Radians(0.0)),
+            view: Some(view),
+            state: EyeState::Steady,
+        };
+        Sight::new(&glance, Radians(0.1))
+    }
+
+    fn footprint(unit: u32, least: u32) -> Footprint {
+        Footprint {
+            unit: UnitId(unit),
+            area: 2048,
+            least,
+            mean: least + 8,
+        }
+    }
+
+    #[test]
+    fn what_nothing_shows_is_worth_nothing_and_what_is_near_the_gaze_is_worth_more() {
+        let scene = scripted_scene().unwrap();
+        let mut worth =
+            SceneWorth::new(&scene, &Parameters::default(), ImportanceSource::Signatures);
+        // Detail of several cycles a degree.
+        let last = scene.pack().len() - 1;
+        let of = |worth: &SceneWorth| worth.values(&scene, &[sight(&scene)]);
+        assert!(of(&worth).iter().any(|it| *it > 0.0));
+        worth.see(&Footprints::default());
+        assert!(of(&worth).iter().all(|it| *it == 0.0));
+        let mut at = |least| {
+            worth.see(&Footprints::new(vec![footprint(last as u32, least)]));
+            of(&worth)[last]
+        };
+        let found = [0, 320, 640].map(&mut at);
+        assert!(found.is_sorted_by(|a, b| a > b), "{found:?}");
+    }
+
+    #[test]
+    fn units_that_refine_what_is_not_drawn_share_what_it_would_refine() {
+        let scene = scripted_scene().unwrap();
+        let worth = SceneWorth::new(&scene, &Parameters::default(), ImportanceSource::Signatures);
+        let rows = scene.pack().rows();
+        let first = rows.iter().position(|row| !row.needs.is_empty()).unwrap();
+        let seen = Footprints::new(vec![footprint(first as u32, 16)]);
+        let extents = worth.extents(&scene, &seen);
+        let needs_first = |row: &&UnitRow| row.needs == [UnitId(first as u32)];
+        let children = rows
+            .iter()
+            .zip(&extents)
+            .filter(|(row, _)| needs_first(row));
+        let shares: f64 = children.map(|(_, extent)| extent.area_deg2).sum();
+        assert!((shares - extents[first].area_deg2).abs() < 1e-9, "{shares}");
+    }
+}

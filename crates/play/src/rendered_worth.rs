@@ -1,0 +1,168 @@
+//! What is each unit of a scene worth, by pictures of all its levels?
+//!
+//! The reference for what signatures tell: each level is drawn whole, and what differs between two
+//! is what an eye gets of the units that refine the coarser one. Takes as many pictures as there
+//! are levels, and as many passes over them.
+
+use crate::error::PlayError;
+use foveal_core::content::demand::Content;
+use foveal_core::content::payload::Payload;
+use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::scene::worth::parameters_of_morphs;
+use foveal_core::content::unit::{AssetId, UnitRef};
+use foveal_core::pack::unit::UnitId;
+use foveal_core::perception::eye::Gaze;
+use foveal_core::perception::footprints::{Footprint, Footprints};
+use foveal_core::perception::importance::Onlooker;
+use foveal_core::perception::moment::Moment;
+use foveal_core::perception::parameters::Parameters;
+use foveal_core::session::unit_states::Piece;
+use foveal_core::view::eye_view::EyeView;
+use foveal_media::pack::scene_file::SceneFile;
+use foveal_render::importance::{Importance, UnitIds, upload_picture};
+use foveal_render::{DrawDevice, Drawer, Gpu};
+use std::sync::Arc;
+
+/// Bytes that all units may take on the GPU.
+const MOST_BYTES: u64 = u64::MAX / 4;
+
+/// Draws levels, and compares them.
+pub(crate) struct RenderedWorth {
+    file: Arc<SceneFile>,
+    gpu: Gpu,
+    importance: Option<([u32; 2], Importance)>,
+    parameters: Parameters,
+    /// What was measured last, and for which moment.
+    last: Option<(Moment, Footprints)>,
+}
+
+impl RenderedWorth {
+    /// Judges the units of a scene for an eye with these parameters.
+    pub(crate) fn new(file: &Arc<SceneFile>, gpu: &Gpu, parameters: &Parameters) -> Self {
+        Self {
+            file: Arc::clone(file),
+            gpu: gpu.clone(),
+            importance: None,
+            parameters: parameters_of_morphs(parameters),
+            last: None,
+        }
+    }
+
+    /// What each unit is worth at a moment, through its first view, as footprints tell it under
+    /// rendered importance.
+    ///
+    /// # Errors
+    /// A unit is damaged, or the device was lost.
+    pub(crate) fn footprints(&mut self, moment: &Moment) -> Result<Footprints, PlayError> {
+        if let Some((_, footprints)) = self.last.as_ref().filter(|(last, _)| {
+            last.views == moment.views
+                && last.gaze.gaze_in_content == moment.gaze.gaze_in_content
+                && last.state == moment.state
+        }) {
+            return Ok(footprints.clone());
+        }
+        let Some(view) = moment.views.first() else {
+            return Ok(Footprints::default());
+        };
+        let worths = self.worths(moment, view)?;
+        let footprint = |(unit, worth): (u32, &f64)| Footprint {
+            unit: UnitId(unit),
+            area: (*worth as f32).max(0.0).to_bits(),
+            ..Footprint::default()
+        };
+        let footprints = Footprints::new((0..).zip(&worths).map(footprint).collect());
+        self.last = Some((moment.clone(), footprints.clone()));
+        Ok(footprints)
+    }
+
+    /// What each unit is worth through a view.
+    fn worths(&mut self, moment: &Moment, view: &EyeView) -> Result<Vec<f64>, PlayError> {
+        let onlooker = Onlooker {
+            view: *view,
+            gaze: Gaze {
+                direction: moment.gaze.gaze_in_content,
+                spread: moment.gaze.spread,
+            },
+            state: moment.state,
+        };
+        let scene = Arc::clone(self.file.scene());
+        let device = DrawDevice::Gpu(self.gpu.clone());
+        let mut drawer = Drawer::of_scene(&device, &scene, MOST_BYTES)?;
+        let mut worths = vec![0.0; scene.pack().len()];
+        let mut coarser = None;
+        for level in (0..=scene.pack().coarsest()).rev() {
+            self.upload_level(&mut drawer, level)?;
+            let Some(picture) = drawer.picture(view, None)? else {
+                break;
+            };
+            let picture = upload_picture(&self.gpu, &picture)?;
+            if let Some((coarser, ids)) = coarser.as_ref() {
+                let importance = self.importance(view.size)?;
+                let gains = importance.run(&[&picture, coarser], ids, &onlooker)?;
+                let gains = gains.per_step.iter().flatten();
+                worths
+                    .iter_mut()
+                    .zip(gains)
+                    .for_each(|(worth, gain)| *worth += gain);
+            }
+            let ids = drawer.ids(view)?.map(|texture| UnitIds {
+                texture: texture.clone(),
+                units: worths.len(),
+            });
+            coarser = ids.map(|ids| (picture, ids));
+        }
+        Ok(worths)
+    }
+
+    /// Shows all units of a level.
+    fn upload_level(&self, drawer: &mut Drawer, level: u8) -> Result<(), PlayError> {
+        let pack = self.file.pack();
+        for unit in pack.units().filter(|unit| pack.level_of(*unit) == level) {
+            let asset = AssetId(0);
+            let piece = Piece {
+                unit: UnitRef { asset, unit },
+                frame: 0,
+            };
+            drawer.upload(piece, Payload::Mesh(self.file.read_mesh(unit)?))?;
+        }
+        Ok(())
+    }
+
+    /// What compares pictures of this size.
+    fn importance(&mut self, size: [u32; 2]) -> Result<&mut Importance, PlayError> {
+        let fitting = self.importance.take().filter(|(of, _)| *of == size);
+        let fitting = match fitting {
+            Some(fitting) => fitting,
+            None => (size, Importance::new(&self.gpu, size, &self.parameters)?),
+        };
+        Ok(&mut self.importance.insert(fitting).1)
+    }
+}
+
+/// What the units of a scene are worth at a moment: by signatures and footprints in a picture of its
+/// roots, and by pictures of all its levels. Of roots nothing.
+///
+/// # Errors
+/// A unit is damaged, or the device was lost.
+pub fn worth_both_ways(
+    file: &Arc<SceneFile>,
+    gpu: &Gpu,
+    moment: &Moment,
+) -> Result<[Vec<f64>; 2], PlayError> {
+    let config = PolicyConfig::new(Policy::Perceptual);
+    let mut rendered = RenderedWorth::new(file, gpu, &config.perception);
+    let scene = Arc::clone(file.scene());
+    let mut drawer = Drawer::of_scene(&DrawDevice::Gpu(gpu.clone()), &scene, MOST_BYTES)?;
+    rendered.upload_level(&mut drawer, scene.pack().coarsest())?;
+    let mut demand = Arc::clone(&scene).demand(&scene.head(), &config);
+    demand.see(&drawer.footprints(moment)?);
+    demand.begin(0, moment, None);
+    let by_signatures = demand.offers().into_iter().map(|offer| offer.value);
+    let roots = scene.base(0).len();
+    let by_signatures = std::iter::repeat_n(0.0, roots).chain(by_signatures);
+    let worths = match moment.views.first() {
+        Some(view) => rendered.worths(moment, view)?,
+        None => vec![0.0; scene.pack().len()],
+    };
+    Ok([by_signatures.collect(), worths])
+}
