@@ -92,6 +92,7 @@ impl<'a> BitReader<'a> {
     }
 
     /// At least 56 bits are held then.
+    #[inline]
     fn fill(&mut self) {
         if let Some(next) = self.bytes.get(self.taken..).and_then(<[u8]>::first_chunk) {
             self.held |= u64::from_le_bytes(*next) << self.count;
@@ -108,6 +109,7 @@ impl<'a> BitReader<'a> {
         }
     }
 
+    #[inline]
     fn drop_bits(&mut self, bits: u32) {
         self.held >>= bits;
         self.count -= bits;
@@ -128,12 +130,12 @@ impl<'a> BitReader<'a> {
         self.held & ((1 << bits) - 1)
     }
 
-    /// Reads at most 32 bits right after [`Self::next_bits`] and no more than 24 bits passed: 56 are
-    /// held then.
+    /// Passes a code and reads what follows, right after [`Self::next_bits`]: at most 56 bits, which
+    /// are held then.
     #[inline]
-    pub(in crate::content) fn held_bits(&mut self, bits: u32) -> u64 {
-        let number = self.held & ((1 << bits) - 1);
-        self.drop_bits(bits);
+    pub(in crate::content) fn code_and_rest(&mut self, code: u32, rest: u32) -> u64 {
+        let number = self.held >> code & ((1 << rest) - 1);
+        self.drop_bits(code + rest);
         number
     }
 

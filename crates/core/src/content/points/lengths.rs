@@ -142,7 +142,7 @@ fn codes_of(lengths: &[u8; CLASSES]) -> [u32; CLASSES] {
 
 /// Reads numbers that [`write_numbers`] wrote.
 pub(super) struct NumberReader {
-    /// By the next bits: the class, then in the low four bits the length of its code.
+    /// By the next bits: what [`entry_of`] makes of the class whose code they begin with.
     table: Box<[u16; 1 << MOST_CODE]>,
 }
 
@@ -162,11 +162,11 @@ impl NumberReader {
         let wrong = |found: String, expected: &str| {
             Err(PackError::new("points, codes", found, expected.to_owned()))
         };
-        if first + count > CLASSES {
+        if first + count > CLASSES || first == CLASSES {
             return wrong(format!("{count} classes from {first}"), "at most 126");
         }
         if count < 2 {
-            self.table.fill((first as u16) << LENGTH_BITS);
+            self.table.fill(entry_of(first, 0));
             return Ok(());
         }
         let mut lengths = [0; CLASSES];
@@ -186,7 +186,7 @@ impl NumberReader {
         }
         let codes = codes_of(&lengths);
         for class in (0..CLASSES).filter(|it| lengths[*it] > 0) {
-            let entry = (class as u16) << LENGTH_BITS | u16::from(lengths[class]);
+            let entry = entry_of(class, lengths[class]);
             let places = self.table[codes[class] as usize..].iter_mut();
             places
                 .step_by(1 << lengths[class])
@@ -199,23 +199,30 @@ impl NumberReader {
     #[inline]
     pub(super) fn next(&self, bits: &mut BitReader<'_>) -> u64 {
         let entry = u32::from(self.table[bits.next_bits(MOST_CODE) as usize]);
-        bits.pass(entry & ((1 << LENGTH_BITS) - 1));
-        let class = entry >> LENGTH_BITS;
-        if class < ALONE {
-            return u64::from(class);
-        }
-        // At most 62 bits, of which the second highest is told by the class.
-        let count = (class - ALONE) / 2 + 1;
-        let high = u64::from(2 + (class & 1));
+        let (length, count) = (entry & 15, entry >> 4 & 63);
+        let high = u64::from(entry >> 10);
         let low = match count {
-            ..=32 => bits.held_bits(count),
+            ..=32 => bits.code_and_rest(length, count),
             _ => {
+                bits.code_and_rest(length, 0);
                 let low = u64::from(bits.plain(32));
                 low | u64::from(bits.plain(count - 32)) << 32
             }
         };
         high << count | low
     }
+}
+
+/// A class as a table has it: the length of its code, the number of its low bits, the two bits
+/// above these.
+fn entry_of(class: usize, length: u8) -> u16 {
+    let class = class as u16;
+    let (count, high) = match class {
+        // Its own two bits.
+        0..4 => (0, class),
+        _ => ((class - 4) / 2 + 1, 2 + (class & 1)),
+    };
+    u16::from(length) | count << 4 | high << 10
 }
 
 #[cfg(test)]

@@ -288,8 +288,9 @@ fn added(part: &mut Part<'_>, bits: u32) -> Added {
     let deepest = bits.min(part.depth + MOST_CELLS);
     let occupied = occupied_cells(part.points, bits);
     if left <= MOST_POINTS {
-        let half = part.points.len() as u32 / 2;
-        let cells = (before..deepest).find(|cells| occupied[*cells as usize] >= half);
+        // Points that lie anywhere leave few holes then.
+        let third = part.points.len() as u32 / 3;
+        let cells = (before..deepest).find(|cells| occupied[*cells as usize] >= third);
         return Added {
             is_leaf: true,
             ..first_left(part, cells.unwrap_or(deepest.max(before)))
