@@ -118,3 +118,33 @@ fn no_bytes_panic_and_what_is_read_lies_in_its_cube() {
         }
     }
 }
+
+#[test]
+fn a_small_unit_is_the_vector_of_the_documents() {
+    let point = |place, colour| CloudPoint {
+        place,
+        colour,
+        ..CloudPoint::default()
+    };
+    let mut unit = PointUnit {
+        corner: [8, 0, 8],
+        bits: 3,
+        cells: 1,
+        points: vec![
+            point([9, 3, 15], [50, 10, 20]),
+            point([10, 1, 8], [60, 12, 24]),
+            point([15, 7, 9], [40, 8, 16]),
+        ],
+        corrections: vec![[-150, 0, 1]],
+    };
+    let colours = PointAttributes {
+        colours: true,
+        ..PointAttributes::default()
+    };
+    let bytes = unit.write(colours).unwrap();
+    let hex: String = bytes.iter().map(|it| format!("{it:02x}")).collect();
+    let documents = include_str!("../../../../../../docs/formats/pack.md");
+    let told: String = documents.split_whitespace().collect();
+    assert!(told.contains(&hex), "{hex}");
+    assert_eq!(unit.points[0].place, [10, 1, 8]);
+}
