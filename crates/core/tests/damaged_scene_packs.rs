@@ -168,6 +168,7 @@ fn a_generated_corpus_of_damaged_units_never_panics() {
             let attributes = Attributes {
                 normals: true,
                 colours,
+                textured: colours,
             };
             let good = says.write(attributes).unwrap();
             for length in 0..good.len() {

@@ -1,4 +1,4 @@
-//! Who makes of the units of a scene what is drawn?
+//! Who reads the units of a scene?
 
 use crate::feed::{Decoder, Done, Failure};
 use foveal_core::session::unit_states::Piece;

@@ -6,7 +6,6 @@
 
 use crate::error::PlayError;
 use foveal_core::content::demand::Content;
-use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::worth::parameters_of_morphs;
 use foveal_core::content::unit::{AssetId, UnitRef};
@@ -123,7 +122,7 @@ impl RenderedWorth {
                 unit: UnitRef { asset, unit },
                 frame: 0,
             };
-            drawer.upload(piece, Payload::Mesh(self.file.read_mesh(unit)?))?;
+            drawer.upload(piece, self.file.read_unit(unit)?)?;
         }
         Ok(())
     }

@@ -144,6 +144,17 @@ impl ScenePlayer {
         self.damaged + self.drawer.refused_units()
     }
 
+    /// The units that were needed so far.
+    pub fn fetched(&self) -> impl Iterator<Item = UnitId> {
+        self.fetched.iter().copied()
+    }
+
+    /// The pack.
+    #[must_use]
+    pub fn file(&self) -> &SceneFile {
+        &self.file
+    }
+
     /// Bytes that come before any unit and page: header, description, directory of the table.
     #[must_use]
     pub fn head_bytes(&self) -> u64 {

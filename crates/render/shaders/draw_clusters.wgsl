@@ -1,6 +1,6 @@
 // draw_clusters: which colour has each pixel of the nearest surface?
 //
-// Reads: placements, clusters, vertices, the clusters that are seen. Writes: sRGB codes, or the
+// Reads: placements, clusters, vertices, pages, the clusters that are seen. Writes: sRGB codes, or the
 // units that would refine what is drawn. Size: the corners that `cull_clusters` wrote.
 
 // The block of each cluster and its placement.
@@ -22,8 +22,10 @@ struct Corner {
     @location(1) normal: vec3f,
     // In linear light.
     @location(2) colour: vec3f,
-    // Flags, level and refiner.
-    @location(3) @interpolate(flat) of_cluster: vec3u,
+    // On the texture.
+    @location(3) uv: vec2f,
+    // Flags, level, refiner and texture.
+    @location(4) @interpolate(flat) of_cluster: vec4u,
 }
 
 fn linear_from_srgb(code: vec3f) -> vec3f {
@@ -62,7 +64,7 @@ fn place_corner(@builtin(vertex_index) number: u32) -> Corner {
     let block = shown[number >> VERTEX_BITS].x;
     let placement = shown[number >> VERTEX_BITS].y;
     let flags = placements[placement].flags;
-    let vertex = 3u * words[block + HEAD_WORDS + (number & VERTEX_MASK)];
+    let vertex = 4u * words[block + HEAD_WORDS + (number & VERTEX_MASK)];
     let low = vertices[vertex];
     let high = vertices[vertex + 1u];
     let grid = vec3f(vec3u(low & 65535u, low >> 16u, high & 65535u));
@@ -77,7 +79,15 @@ fn place_corner(@builtin(vertex_index) number: u32) -> Corner {
         let normal = direction_from_octahedral(unpack4x8snorm(high).zw);
         corner.normal = unit(times(placements[placement].normal_from_object, vec4f(normal, 0.0)));
     }
-    corner.of_cluster = vec3u(flags, counts_of(block).level, refiner_of(block));
+    let place = vertices[vertex + 3u];
+    let uv = vec2f(vec2u(place & 65535u, place >> 16u));
+    let from_grid = placements[placement].uv_from_grid;
+    corner.uv = from_grid.xy + from_grid.zw * uv;
+    var head = NO_TEXTURE;
+    if ((flags & TEXTURED) != 0u) {
+        head = texture_of(placements[placement].textures, vertices[vertex + 2u] >> 24u);
+    }
+    corner.of_cluster = vec4u(flags, counts_of(block).level, refiner_of(block), head);
     return corner;
 }
 
@@ -101,15 +111,33 @@ fn shaded(flags: u32, level: u32, colour: vec3f, normal: vec3f) -> vec3f {
     return mix(code, ramp(f32(level) / scene.coarsest), scene.tint);
 }
 
+// The colour of the texture, given how far places on it move from one pixel to the next.
+fn texture_on(head: u32, uv: vec2f, right: vec2f, down: vec2f) -> vec4f {
+    if (head == NO_TEXTURE) {
+        return vec4f(1.0);
+    }
+    let colour = texture_colour(head, uv, right, down);
+    if (is_cut_out(head, colour.a)) {
+        discard;
+    }
+    return colour;
+}
+
 @fragment
 fn draw_clusters(corner: Corner) -> @location(0) vec4f {
     let face = cross(unit(dpdx(corner.place)), unit(dpdy(corner.place)));
+    let right = dpdx(corner.uv);
+    let down = dpdy(corner.uv);
     let flags = corner.of_cluster.x;
     let normal = normal_at(flags, corner.place, corner.normal, face);
-    return vec4f(shaded(flags, corner.of_cluster.y, corner.colour, normal), 1.0);
+    let colour = corner.colour * texture_on(corner.of_cluster.w, corner.uv, right, down).rgb;
+    return vec4f(shaded(flags, corner.of_cluster.y, colour, normal), 1.0);
 }
 
 @fragment
 fn draw_refiners(corner: Corner) -> @location(0) vec4u {
+    let right = dpdx(corner.uv);
+    let down = dpdy(corner.uv);
+    let colour = texture_on(corner.of_cluster.w, corner.uv, right, down);
     return vec4u(corner.of_cluster.z, 0u, 0u, 0u);
 }

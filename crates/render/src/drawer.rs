@@ -4,6 +4,7 @@ use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 use crate::meshes::morphs::Morphs;
 use crate::meshes::{ComingUnit, SceneDrawer, SceneStyle};
+use crate::pages::ComingPage;
 use crate::points::ComingPoints;
 use crate::tiles::drawer::{TileDrawer, TileStyle};
 use crate::{Overlay, RgbaImage};
@@ -81,8 +82,8 @@ impl Drawer {
         scene: &Arc<Scene>,
         most_bytes: u64,
     ) -> Result<Self, RenderError> {
-        let objects = &scene.pack().description().objects;
-        let mut drawer = SceneDrawer::new(device, objects, most_bytes)?;
+        let about = scene.pack().description();
+        let mut drawer = SceneDrawer::new(device, &about.objects, &about.textures, most_bytes)?;
         drawer.set_refiners(scene.refiners());
         Ok(Self {
             device: device.clone(),
@@ -223,6 +224,16 @@ impl Drawer {
                     refines: refines.map(|(need, octant)| (*need, octant.cluster)),
                     says: &says,
                 })
+            }
+            (Layer::Scene(drawer, scene), Payload::Image(says)) => {
+                let unit = piece.unit.unit;
+                let is_there = drawer.upload_page(&ComingPage {
+                    unit,
+                    needs: scene.needs(unit),
+                    says: &says,
+                })?;
+                self.refused += u64::from(!is_there);
+                Ok(())
             }
             _ => Err(RenderError::OtherKind),
         }
@@ -465,6 +476,7 @@ const NEAR: f64 = 1e-4;
 fn style_of(scene: &Scene, marks: Option<&Overlay>) -> SceneStyle {
     SceneStyle {
         tint: marks.map_or(0.0, |marks| marks.heat),
+        look: scene.pack().description().look,
         near: (scene.bounds().radius * NEAR).max(f64::from(f32::MIN_POSITIVE)),
         ..SceneStyle::default()
     }

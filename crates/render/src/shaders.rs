@@ -13,6 +13,7 @@ const LATTICE: &str = include_str!("../shaders/shared/lattice.wgsl");
 const WIDENED: &str = include_str!("../shaders/shared/widened.wgsl");
 const FOOTPRINT: &str = include_str!("../shaders/shared/footprint.wgsl");
 const RAMP: &str = include_str!("../shaders/shared/ramp.wgsl");
+const PAGES: &str = include_str!("../shaders/shared/pages.wgsl");
 const SCENE: &str = include_str!("../shaders/shared/scene.wgsl");
 const PICTURE: &str = include_str!("../shaders/shared/picture.wgsl");
 const PLANE: &str = include_str!("../shaders/shared/plane.wgsl");
@@ -134,7 +135,7 @@ pub fn draw_clusters() -> Shader {
             ["place_corner", "draw_clusters"],
             ["place_corner", "draw_refiners"],
         ],
-        text: [SCENE, RAMP, DRAW_CLUSTERS].join("\n"),
+        text: [SCENE, RAMP, PAGES, DRAW_CLUSTERS].join("\n"),
     }
 }
 

@@ -166,7 +166,7 @@ fn a_panorama_without_poles_at_the_corner_of_a_face_for_the_right_eye() {
 #[test]
 fn a_cloud_refined_in_part() {
     let gpu = Gpu::open_blocking().unwrap();
-    let mut layer = SceneLayer::new(&gpu, &[ball::cloud()], 1 << 24).unwrap();
+    let mut layer = SceneLayer::new(&gpu, &[ball::cloud()], &[], 1 << 24).unwrap();
     let [root, fine] = ball::units();
     layer
         .upload_points(&ball::coming(ball::ROOT, &root, 0))
@@ -190,7 +190,7 @@ fn a_cloud_refined_in_part() {
 fn a_torus_of_meshes_refined_in_part() {
     let gpu = Gpu::open_blocking().unwrap();
     let objects = [torus::object(torus::ALL)];
-    let mut layer = SceneLayer::new(&gpu, &objects, 1 << 20).unwrap();
+    let mut layer = SceneLayer::new(&gpu, &objects, &[], 1 << 20).unwrap();
     let (root, fine) = (torus::root(), torus::refinement(&[5, 6]));
     layer.upload(&coming_root(&root)).unwrap();
     layer.upload(&coming(1, &fine)).unwrap();

@@ -58,13 +58,13 @@ impl Torus {
     }
 
     fn on_gpu(&self, gpu: &Gpu) -> SceneLayer {
-        let mut layer = SceneLayer::new(gpu, &self.objects, MOST_BYTES).unwrap();
+        let mut layer = SceneLayer::new(gpu, &self.objects, &[], MOST_BYTES).unwrap();
         self.coming().for_each(|it| layer.upload(&it).unwrap());
         layer
     }
 
     fn in_memory(&self) -> TwinScene {
-        let mut twin = TwinScene::new(&self.objects);
+        let mut twin = TwinScene::new(&self.objects, &[]);
         self.coming().for_each(|it| twin.upload(&it).unwrap());
         twin
     }
@@ -199,8 +199,8 @@ fn clusters_that_show_their_backs_are_left_out_unless_both_sides_are_seen() {
             unit: UnitId(unit),
             ..coming_root(says)
         });
-        let mut layer = SceneLayer::new(&gpu, &torus.objects, MOST_BYTES).unwrap();
-        let mut twin = TwinScene::new(&torus.objects);
+        let mut layer = SceneLayer::new(&gpu, &torus.objects, &[], MOST_BYTES).unwrap();
+        let mut twin = TwinScene::new(&torus.objects, &[]);
         for root in roots {
             layer.upload(&root).unwrap();
             twin.upload(&root).unwrap();
@@ -257,7 +257,7 @@ fn a_refined_surface_has_no_hole_and_what_is_removed_is_drawn_coarsely_again() {
     layer.remove(UnitId(2));
     layer.retain(&HashSet::new());
     let coarse = layer.picture(&view, &style).unwrap();
-    let mut only_root = SceneLayer::new(&gpu, &torus.objects, MOST_BYTES).unwrap();
+    let mut only_root = SceneLayer::new(&gpu, &torus.objects, &[], MOST_BYTES).unwrap();
     only_root.upload(&coming_root(&torus.units[0])).unwrap();
     assert_eq!(coarse, only_root.picture(&view, &style).unwrap());
     // The new vertices lie outside the coarse squares, or in them: nothing is uncovered.
@@ -295,8 +295,8 @@ fn units_come_and_go_as_long_as_their_bytes_fit() {
         .collect();
     let says = [root(), refinement(&[5, 6]), refinement(&[9, 13, 8])];
     let most = 40 * unit_bytes(&says[0]);
-    let mut layer = SceneLayer::new(&gpu, &objects, most).unwrap();
-    let mut twin = TwinScene::new(&objects);
+    let mut layer = SceneLayer::new(&gpu, &objects, &[], most).unwrap();
+    let mut twin = TwinScene::new(&objects, &[]);
     let mut there: BTreeMap<u32, u64> = BTreeMap::new();
     let (mut seeded, mut refused) = (Seeded(7), 0);
     for _ in 0..1500 {
@@ -437,7 +437,7 @@ fn footprints_add_up_what_each_unit_would_refine_as_the_twin_does() {
 fn a_unit_that_does_not_fit_to_what_is_there_is_refused_with_a_reason() {
     let gpu = Gpu::open_blocking().unwrap();
     let torus = Torus::new(object(ALL));
-    let mut layer = SceneLayer::new(&gpu, &torus.objects, MOST_BYTES).unwrap();
+    let mut layer = SceneLayer::new(&gpu, &torus.objects, &[], MOST_BYTES).unwrap();
     let early = layer.upload(&coming(1, &torus.units[1])).unwrap_err();
     assert!(
         early.to_string().contains("unit 1, prerequisite"),
@@ -466,7 +466,7 @@ fn whatever_draws_is_given_the_same_units_and_shows_the_same_picture() {
     let style = SceneStyle::default();
     let gpu = DrawDevice::Gpu(Gpu::open_blocking().unwrap());
     let pictures = [gpu, DrawDevice::Twin, DrawDevice::Nothing].map(|device| {
-        let mut drawer = SceneDrawer::new(&device, &torus.objects, MOST_BYTES).unwrap();
+        let mut drawer = SceneDrawer::new(&device, &torus.objects, &[], MOST_BYTES).unwrap();
         torus.coming().for_each(|it| drawer.upload(&it).unwrap());
         drawer.keep(&HashSet::from([UnitId(2)]));
         let draws_on_gpu = matches!(device, DrawDevice::Gpu(_));

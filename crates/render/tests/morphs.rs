@@ -39,7 +39,7 @@ impl Units {
     }
 
     fn on_gpu(&self, gpu: &Gpu, count: usize) -> SceneLayer {
-        let mut layer = SceneLayer::new(gpu, &[object(ALL)], MOST_BYTES).unwrap();
+        let mut layer = SceneLayer::new(gpu, &[object(ALL)], &[], MOST_BYTES).unwrap();
         let units = self.all();
         units[..count]
             .iter()
@@ -48,7 +48,7 @@ impl Units {
     }
 
     fn in_memory(&self) -> TwinScene {
-        let mut twin = TwinScene::new(&[object(ALL)]);
+        let mut twin = TwinScene::new(&[object(ALL)], &[]);
         self.all().iter().for_each(|it| twin.upload(it).unwrap());
         twin
     }
@@ -195,7 +195,7 @@ fn what_is_evicted_on_its_way_leaves_the_coarse_surface_as_it_was() {
     layer.upload(&all[1]).unwrap();
     layer.morph(&shares([(1, 0.5)]));
     layer.upload(&all[3]).unwrap();
-    let mut twin = TwinScene::new(&[object(ALL)]);
+    let mut twin = TwinScene::new(&[object(ALL)], &[]);
     for k in [0, 1, 3] {
         twin.upload(&all[k]).unwrap();
     }

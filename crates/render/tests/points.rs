@@ -30,8 +30,8 @@ fn look_at(name: &str, image: &RgbaImage) {
 fn both(objects: &[SceneObject]) -> (SceneLayer, TwinScene) {
     let gpu = Gpu::open_blocking().unwrap();
     (
-        SceneLayer::new(&gpu, objects, MOST_BYTES).unwrap(),
-        TwinScene::new(objects),
+        SceneLayer::new(&gpu, objects, &[], MOST_BYTES).unwrap(),
+        TwinScene::new(objects, &[]),
     )
 }
 
@@ -108,8 +108,8 @@ fn leaving_out_what_is_beside_the_view_changes_no_pixel() {
 fn the_image_of_units_tells_what_would_refine_the_points() {
     let [root, fine] = units();
     let gpu = Gpu::open_blocking().unwrap();
-    let mut layer = SceneLayer::new(&gpu, &[cloud()], MOST_BYTES).unwrap();
-    let mut twin = TwinScene::new(&[cloud()]);
+    let mut layer = SceneLayer::new(&gpu, &[cloud()], &[], MOST_BYTES).unwrap();
+    let mut twin = TwinScene::new(&[cloud()], &[]);
     layer.upload_points(&coming(ROOT, &root, 0)).unwrap();
     layer.upload_points(&coming(FINE, &fine, 0)).unwrap();
     twin.upload_points(&coming(ROOT, &root, 0)).unwrap();
@@ -135,7 +135,7 @@ fn the_image_of_units_tells_what_would_refine_the_points() {
 fn what_does_not_fit_is_refused_and_changes_nothing() {
     let [root, fine] = units();
     let gpu = Gpu::open_blocking().unwrap();
-    let mut layer = SceneLayer::new(&gpu, &[cloud()], 24 << 10).unwrap();
+    let mut layer = SceneLayer::new(&gpu, &[cloud()], &[], 24 << 10).unwrap();
     let early = layer.upload_points(&coming(FINE, &fine, 0));
     assert!(
         matches!(early, Err(RenderError::Misfit { .. })),

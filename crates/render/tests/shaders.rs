@@ -136,8 +136,9 @@ fn the_passes_of_meshes_are_valid_with_no_capability_that_a_browser_lacks() {
                 normal_from_object,
                 eye_in_grid,
                 colour,
+                uv_from_grid,
                 flags,
-                unused,
+                textures,
                 unused_pair
             ]
         );

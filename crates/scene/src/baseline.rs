@@ -100,7 +100,9 @@ impl WholeMesh {
         let count = mesh.vertices.len();
         let mut indices = meshopt::optimize_vertex_cache(mesh.triangles.as_flattened(), count);
         let vertices = meshopt::optimize_vertex_fetch(&mut indices, &mesh.vertices);
-        let Attributes { normals, colours } = mesh.attributes;
+        let Attributes {
+            normals, colours, ..
+        } = mesh.attributes;
         let attributes = usize::from(normals) + usize::from(colours);
         let vertex_bytes = match attributes {
             0 => vertex_bytes::<8>(&vertices, mesh.attributes),

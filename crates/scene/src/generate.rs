@@ -55,6 +55,43 @@ pub(crate) fn cells(rows: u32, columns: u32, at: impl Fn(u32, u32) -> u32) -> Ve
     cells.flat_map(pair).collect()
 }
 
+/// A closed unit sphere of twice `around` times `along - 1` triangles, with normals, whose places
+/// on textures run once round it: at the seam, and at the poles, vertices stand several times.
+///
+/// ```
+/// let sphere = foveal_scene::generate::textured_sphere(16, 8);
+/// assert_eq!((sphere.triangles.len(), sphere.uvs.len()), (224, 17 * 9));
+/// ```
+#[must_use]
+pub fn textured_sphere(around: u32, along: u32) -> SourceMesh {
+    let mut mesh = SourceMesh::default();
+    for (u, v) in (0..=around).flat_map(|u| (0..=along).map(move |v| (u, v))) {
+        let turn = TAU * f64::from(u % around) / f64::from(around);
+        let fall = 0.5 * TAU * f64::from(v) / f64::from(along);
+        // At the poles all meet in one place.
+        let ring = if v == 0 || v == along {
+            0.0
+        } else {
+            fall.sin()
+        };
+        let at = DVec3::new(-ring * turn.cos(), fall.cos(), ring * turn.sin());
+        mesh.positions.push(at);
+        mesh.normals.push(at.as_vec3().to_array());
+        let uv = [
+            f64::from(u) / f64::from(around),
+            f64::from(v) / f64::from(along),
+        ];
+        mesh.uvs.push(uv.map(|it| it as f32));
+    }
+    let cells = cells(along, around, |v, u| u * (along + 1) + v);
+    let is_flat = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|it| mesh.positions[it as usize]);
+        a == b || b == c || c == a
+    };
+    mesh.triangles = cells.into_iter().filter(|it| !is_flat(it)).collect();
+    mesh
+}
+
 /// Numbers from 0 to 1 that follow from a seed.
 fn scattered(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;

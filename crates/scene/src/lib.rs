@@ -12,5 +12,5 @@ pub mod cracks;
 pub mod generate;
 pub mod laz_whole;
 pub mod read;
-mod signatures;
+pub mod signatures;
 pub mod source;

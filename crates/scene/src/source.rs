@@ -1,7 +1,10 @@
 //! What was read of 3D files?
 
-use glam::{DAffine3, DVec3};
+use foveal_core::content::images::wrap::Wrap;
+use foveal_core::content::scene::description::SceneLook;
+use glam::{DAffine2, DAffine3, DVec3};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A scene as its files tell it: nothing is simplified or put on a grid yet.
 #[derive(Clone, Debug, Default)]
@@ -14,8 +17,14 @@ pub struct SourceScene {
     pub clouds: Vec<SourceCloud>,
     /// What surfaces look like; triangles name them by number.
     pub materials: Vec<Material>,
+    /// Pictures on surfaces; materials name them by number.
+    pub images: Vec<SourceImage>,
     /// What was repaired or left out on reading, by name.
     pub repairs: Repairs,
+    /// What is seen where nothing stands, in linear light; `None` where no file says it.
+    pub background: Option<[f32; 3]>,
+    /// Where light comes from, in the world; `None` where no file says it.
+    pub light: Option<DVec3>,
     /// What a person should know: what of a file's looks is not drawn.
     pub remarks: Vec<String>,
     /// Bytes of all files that were read, with those that they name.
@@ -28,6 +37,7 @@ impl SourceScene {
     /// Puts all of another scene beside what stands here.
     pub(crate) fn append(&mut self, other: Self) {
         let (meshes, materials) = (self.meshes.len(), self.materials.len());
+        let images = self.images.len();
         self.objects
             .extend(other.objects.into_iter().map(|object| SourceObject {
                 mesh: object.mesh + meshes,
@@ -38,7 +48,14 @@ impl SourceScene {
             mesh
         }));
         self.clouds.extend(other.clouds);
-        self.materials.extend(other.materials);
+        self.materials
+            .extend(other.materials.into_iter().map(|mut material| {
+                if let Some(texture) = &mut material.texture {
+                    texture.image += images;
+                }
+                material
+            }));
+        self.images.extend(other.images);
         self.hashes.extend(other.hashes);
         for (name, times) in other.repairs {
             *self.repairs.entry(name).or_default() += times;
@@ -46,7 +63,19 @@ impl SourceScene {
         for remark in other.remarks {
             self.remark(remark);
         }
+        self.background = other.background.or(self.background);
+        self.light = other.light.or(self.light);
         self.bytes += other.bytes;
+    }
+
+    /// What is round its objects, as far as files say it.
+    #[must_use]
+    pub fn look(&self) -> SceneLook {
+        let usual = SceneLook::default();
+        SceneLook {
+            background: self.background.unwrap_or(usual.background),
+            light: self.light.map_or(usual.light, |light| light.to_array()),
+        }
     }
 
     /// Says something that a person should know, once.
@@ -55,11 +84,6 @@ impl SourceScene {
         if !self.remarks.contains(&remark) {
             self.remarks.push(remark);
         }
-    }
-
-    /// Says that the scene has textures.
-    pub(crate) fn remark_textures(&mut self) {
-        self.remark("textures are not drawn yet");
     }
 
     /// Leaves out meshes without triangles, the objects that show them, and clouds without points.
@@ -99,7 +123,7 @@ pub struct SourceObject {
     pub placements: Vec<DAffine3>,
 }
 
-/// A mesh of triangles. Vertices that differ only in normal or colour share their position
+/// A mesh of triangles. Vertices that differ in anything else share their position
 /// exactly, so that the surface is closed where the file's is.
 #[derive(Clone, Debug, Default)]
 pub struct SourceMesh {
@@ -110,6 +134,9 @@ pub struct SourceMesh {
     /// Colours, one a vertex: linear light, red, green, blue and alpha from 0 to 1; empty where the
     /// file has none.
     pub colours: Vec<[f32; 4]>,
+    /// Places on the material's texture, one a vertex: [0, 0] is its top left and [1, 1] its bottom
+    /// right corner; finite; empty where the file has none.
+    pub uvs: Vec<[f32; 2]>,
     /// Triangles by numbers of vertices, all in range, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
     /// The material of each triangle; empty where all have material 0 of the scene, or there is
@@ -210,6 +237,30 @@ pub struct Material {
     pub two_sided: bool,
     /// Whether no light falls on it.
     pub unlit: bool,
+    /// What its colour is multiplied with.
+    pub texture: Option<MaterialTexture>,
+}
+
+/// How a material shows a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MaterialTexture {
+    /// Number of the picture.
+    pub image: usize,
+    /// What lies beside it.
+    pub wrap: [Wrap; 2],
+    /// Places on the picture from those of vertices.
+    pub picture_from_uv: DAffine2,
+    /// Where the picture's alpha is less, nothing is drawn; without, all of it is.
+    pub cutoff: Option<f32>,
+}
+
+/// A picture as its file has it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SourceImage {
+    /// Its name, for people.
+    pub name: String,
+    /// Bytes of a JPEG or PNG; what is neither, or broken, is left out when units are built.
+    pub bytes: Arc<[u8]>,
 }
 
 impl Default for Material {
@@ -219,6 +270,7 @@ impl Default for Material {
             colour: [1.0; 4],
             two_sided: false,
             unlit: false,
+            texture: None,
         }
     }
 }

@@ -192,7 +192,7 @@ impl PackInParts {
             return Err(wrong(&field(), "no such unit", "one of the pack"));
         }
         check_crc(&field(), chunk, scene.pack().entry(unit).crc32c)?;
-        scene.parse_unit(unit, chunk)
+        scene.pack().payload(unit, chunk)
     }
 }
 

@@ -30,6 +30,7 @@ mod refusals;
 mod results;
 mod resume;
 mod scene;
+mod scene_textures;
 mod scene_view;
 mod scenes;
 mod score;

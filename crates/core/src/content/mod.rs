@@ -5,6 +5,7 @@ mod bits;
 pub mod calibration;
 pub mod demand;
 pub mod head;
+pub mod images;
 pub mod mesh;
 pub mod payload;
 pub mod points;

@@ -1,5 +1,6 @@
 //! What does a decoder make of a unit?
 
+use crate::content::images::payload::ImagePage;
 use crate::content::mesh::payload::MeshUnit;
 use crate::content::points::payload::PointUnit;
 use crate::view::picture::Picture;
@@ -11,6 +12,8 @@ pub enum Payload {
     Picture(Picture),
     /// Clusters of a mesh.
     Mesh(MeshUnit),
+    /// A page of a texture.
+    Image(ImagePage),
     /// Points of a cloud.
     Points(PointUnit),
 }

@@ -4,14 +4,16 @@
 //! well the eye sees that octave there.
 
 use crate::perception::eye::{Seen, share_of_octave_below};
-use crate::perception::gain::band_gain;
+use crate::perception::gain::{band_gain, error_removed};
 use crate::perception::measures::contrast::Signature;
 use crate::perception::measures::signature::band_steps;
 use crate::perception::parameters::{EyeState, Model, Parameters};
 use crate::perception::sensitivity_table::SensitivityTable;
-use crate::perception::visible_loss::DIFFERENCE_EXPONENT;
 use crate::units::{Cpd, Ppd, Radians};
 use std::sync::OnceLock;
+
+/// Slope of the chance of seeing a contrast, which is told in thresholds.
+const SEEING_EXPONENT: f64 = 3.5;
 
 /// How an eye sees a place of the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,8 +62,6 @@ pub enum DrawnFiner {
 pub struct StepWorth {
     parameters: Parameters,
     drawn: DrawnFiner,
-    /// Power of the seen difference that counts, in thresholds.
-    exponent: f64,
     /// What a steady or landed eye sees, and what a jumping one does; made when first asked for.
     seen: [OnceLock<SensitivityTable>; 2],
 }
@@ -73,23 +73,15 @@ impl StepWorth {
         Self {
             parameters: *parameters,
             drawn: DrawnFiner::Filtered,
-            exponent: 1.0,
             seen: Default::default(),
         }
     }
 
-    /// The same, where differences count as the judge of pictures counts them, by
-    /// [`DIFFERENCE_EXPONENT`]: what is below the threshold hardly counts, and what is clearly seen
-    /// comes first.
+    /// The same for content that is drawn so.
     #[must_use]
-    pub fn of_seen_differences(parameters: &Parameters, drawn: DrawnFiner) -> Self {
-        let exponent = match parameters.model {
-            Model::Default => DIFFERENCE_EXPONENT,
-            Model::Paper => 1.0,
-        };
+    pub fn of_what_is_drawn(parameters: &Parameters, drawn: DrawnFiner) -> Self {
         Self {
             drawn,
-            exponent,
             ..Self::new(parameters)
         }
     }
@@ -103,14 +95,36 @@ impl StepWorth {
         for band in band_steps(signature, ppd) {
             if band.difference > 0.0 {
                 let seen = self.seen(self.shown(band.cpd, place), place, state);
-                let of_band = band_gain(&weights, seen, self.parameters.omega, &band);
-                gain += match self.exponent {
-                    1.0 => of_band,
-                    exponent => libm::pow(of_band.max(0.0), exponent),
-                };
+                gain += band_gain(&weights, seen, self.parameters.omega, &band);
             }
         }
         gain
+    }
+
+    /// How many of the samples that an eye takes in a square degree at `place` see what a step
+    /// changes there: samples at twice the highest frequency that it resolves, times the chance of
+    /// seeing a difference (Quick 1974, with Weibull's exponent of Robson and Graham 1981, over the
+    /// bands). Under the published model [`Self::gain`], as printed.
+    ///
+    /// So a difference that is clearly seen counts no more than one that is just seen, and one that
+    /// is below the threshold next to nothing.
+    #[must_use]
+    pub fn seen_samples(
+        &self,
+        signature: &Signature,
+        ppd: Ppd,
+        place: &SeenPlace,
+        state: EyeState,
+    ) -> f64 {
+        if self.parameters.model == Model::Paper {
+            return self.gain(signature, ppd, place, state) * self.extent(ppd, 1.0, place);
+        }
+        let evidence = band_steps(signature, ppd).into_iter().map(|band| {
+            let seen = self.seen(self.shown(band.cpd, place), place, state);
+            libm::pow(error_removed(seen, &band), SEEING_EXPONENT)
+        });
+        let samples = 4.0 * place.acuity.0 * place.acuity.0;
+        samples * -libm::expm1(-evidence.sum::<f64>())
     }
 
     /// What a place counts that fills so many square degrees with content of `ppd`: these, or, as

@@ -6,8 +6,12 @@ use foveal_core::pack::unit::UnitId;
 
 /// Reads bytes as a unit of every kind of object, and stands it where it can stand alone.
 pub(crate) fn parse_anything(data: &[u8]) {
-    for [normals, colours] in [[false, false], [true, false], [false, true], [true, true]] {
-        let attributes = Attributes { normals, colours };
+    for flags in 0..8 {
+        let attributes = Attributes {
+            normals: flags & 1 > 0,
+            colours: flags & 2 > 0,
+            textured: flags & 4 > 0,
+        };
         let Ok(unit) = MeshUnit::parse(data, attributes, &[]) else {
             continue;
         };

@@ -18,6 +18,7 @@ pub(crate) fn units() -> [(UnitRow, MeshUnit); 2] {
         place,
         normal: [0, 127],
         colour: [0; 4],
+        ..MeshVertex::default()
     };
     let corners = [[0, 0, 0], [1000, 0, 0], [1000, 1000, 0], [0, 1000, 0]];
     let square = Cluster {
@@ -68,6 +69,7 @@ pub(crate) fn units() -> [(UnitRow, MeshUnit); 2] {
 pub(crate) const ATTRIBUTES: Attributes = Attributes {
     normals: true,
     colours: false,
+    textured: false,
 };
 
 fn description() -> SceneDescription {
@@ -89,6 +91,7 @@ fn description() -> SceneDescription {
         unlit: false,
         points: None,
         placements: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]],
+        texturing: None,
     };
     SceneDescription {
         kind: KIND.to_owned(),
@@ -96,8 +99,10 @@ fn description() -> SceneDescription {
         generator: String::new(),
         source: SceneSource::default(),
         objects: vec![object],
+        textures: Vec::new(),
         units: vec![1, 1],
         page: 64,
+        look: Default::default(),
         identity: Default::default(),
         remarks: Vec::new(),
         repairs: Default::default(),

@@ -2,6 +2,7 @@
 
 use crate::pack::open_pack::{OpenPack, PackFileError};
 use crate::pack::pack_writer::PackWriter;
+use foveal_core::content::images::shape::BORDER;
 use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::points::whole::CloudCheck;
@@ -10,7 +11,7 @@ use foveal_core::content::scene::description::SceneDescription;
 use foveal_core::content::scene::pack::{
     ScenePack, begin_scene, chunk_name, finish_scene, is_scene,
 };
-use foveal_core::content::scene::unit_table::UnitRow;
+use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::pack::{Header, PackError, check_crc};
 use std::path::Path;
@@ -120,37 +121,44 @@ impl SceneFile {
     /// It cannot be read, or is damaged.
     pub fn read_unit(&self, unit: UnitId) -> Result<Payload, PackFileError> {
         let bytes = self.read_chunk(unit)?;
-        let parsed = self.scene.parse_unit(unit, &bytes);
-        parsed.map_err(|source| self.open.format(source))
+        let read = self.pack().payload(unit, &bytes);
+        read.map_err(|source| self.open.format(source))
     }
 
-    /// What a unit has of a mesh: of points nothing.
+    /// A unit of a mesh, read and parsed; of what is no mesh, one that has no triangle.
     ///
     /// # Errors
     /// It cannot be read, or is damaged.
     pub fn read_mesh(&self, unit: UnitId) -> Result<MeshUnit, PackFileError> {
+        if self.pack().row(unit).kind != UnitKind::Mesh {
+            return Ok(MeshUnit::default());
+        }
         match self.read_unit(unit)? {
             Payload::Mesh(mesh) => Ok(mesh),
-            Payload::Points(_) | Payload::Picture(_) => Ok(MeshUnit::default()),
+            _ => Ok(MeshUnit::default()),
         }
     }
 
     /// Refuses a unit that shows something else than the table tells of it.
-    fn check_row(&self, unit: UnitId, says: &Payload) -> Result<(), PackFileError> {
+    fn check_row(&self, unit: UnitId, payload: &Payload) -> Result<(), PackFileError> {
         let row = self.pack().row(unit);
-        let (what, says) = match says {
+        let says = match payload {
             Payload::Mesh(mesh) => {
-                let corners: usize = mesh.clusters.iter().map(|it| it.vertices.len()).sum();
-                ("triangles and vertices", [mesh.triangles(), corners])
+                let corners = mesh.clusters.iter().map(|it| it.vertices.len());
+                [mesh.triangles(), corners.sum()]
             }
-            Payload::Points(points) => ("points", [points.points.len(), 0]),
-            Payload::Picture(_) => ("kind", [0; 2]),
+            Payload::Image(page) => {
+                let inner = page.picture.size.map(|side| (side - 2 * BORDER) as usize);
+                [inner[0] * inner[1], 0]
+            }
+            Payload::Points(points) => [points.points.len(), 0],
+            Payload::Picture(_) => return Ok(()),
         };
         let told = [row.samples, row.vertices].map(|it| it as usize);
         match says == told {
             true => Ok(()),
             false => Err(self.open.format(PackError {
-                field: format!("unit {}, {what}", unit.0),
+                field: format!("unit {}, samples and vertices", unit.0),
                 found: format!("{says:?}"),
                 expected: format!("{told:?}, as the table tells"),
             })),

@@ -20,8 +20,9 @@ struct Placement {
     normal_from_object: array<vec4f, 3>,
     eye_in_grid: vec4f,
     colour: vec4f,
+    uv_from_grid: vec4f,
     flags: u32,
-    unused: u32,
+    textures: u32,
     unused_pair: vec2u,
 }
 
@@ -30,6 +31,7 @@ const COLOURS = 2u;
 const UNLIT = 4u;
 const MIRRORED = 8u;
 const TWO_SIDED = 16u;
+const TEXTURED = 32u;
 
 const HEAD_WORDS = 10u;
 

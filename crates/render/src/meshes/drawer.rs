@@ -8,9 +8,10 @@ use crate::meshes::layer::SceneLayer;
 use crate::meshes::measuring::Measuring;
 use crate::meshes::params::SceneStyle;
 use crate::meshes::units::ComingUnit;
+use crate::pages::ComingPage;
 use crate::points::units::ComingPoints;
 use crate::twin::TwinScene;
-use foveal_core::content::scene::description::SceneObject;
+use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::content::unit::AssetId;
 use foveal_core::pack::unit::UnitId;
 #[cfg(not(target_arch = "wasm32"))]
@@ -34,20 +35,22 @@ enum Engine {
 }
 
 impl SceneDrawer {
-    /// No unit of these objects; units may take `most_bytes` of a GPU's memory.
+    /// No unit of these objects and textures; units may take `most_bytes` of a GPU's memory.
     ///
     /// # Errors
     /// The objects stand in more places than the device binds.
     pub fn new(
         device: &DrawDevice,
         objects: &[SceneObject],
+        textures: &[SceneTexture],
         most_bytes: u64,
     ) -> Result<Self, RenderError> {
         let engine = match device {
             DrawDevice::Gpu(gpu) => {
-                Engine::Gpu(Box::new(SceneLayer::new(gpu, objects, most_bytes)?))
+                let layer = SceneLayer::new(gpu, objects, textures, most_bytes)?;
+                Engine::Gpu(Box::new(layer))
             }
-            DrawDevice::Twin => Engine::Twin(Box::new(TwinScene::new(objects))),
+            DrawDevice::Twin => Engine::Twin(Box::new(TwinScene::new(objects, textures))),
             DrawDevice::Nothing => Engine::Nothing,
         };
         Ok(Self {
@@ -85,6 +88,19 @@ impl SceneDrawer {
             Engine::Gpu(layer) => layer.upload_points(coming),
             Engine::Twin(twin) => twin.upload_points(coming),
             Engine::Nothing => Ok(()),
+        }
+    }
+
+    /// Adds a page of a texture after the page that it lies in; one that is there stays as it is.
+    /// `false` where there is no room for it: the coarser page is shown.
+    ///
+    /// # Errors
+    /// It does not fit to what is there: nothing changed then.
+    pub fn upload_page(&mut self, coming: &ComingPage<'_>) -> Result<bool, RenderError> {
+        match &mut self.engine {
+            Engine::Gpu(layer) => layer.upload_page(coming),
+            Engine::Twin(twin) => twin.upload_page(coming).map(|()| true),
+            Engine::Nothing => Ok(true),
         }
     }
 

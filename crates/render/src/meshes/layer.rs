@@ -15,10 +15,11 @@ use crate::meshes::params::{PlacementParams, SceneParams, SceneStyle};
 use crate::meshes::pass::{ClusterPass, Draws, UNITS_FORMAT};
 use crate::meshes::placements::Placements;
 use crate::meshes::units::{ComingUnit, SceneUnits};
+use crate::pages::{ComingPage, PageLayer};
 use crate::points::layer::PointLayer;
 use crate::points::units::ComingPoints;
 use crate::shaders;
-use foveal_core::content::scene::description::SceneObject;
+use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::glance::Glance;
 use foveal_core::view::eye_view::EyeView;
@@ -36,7 +37,7 @@ const MOST_WORKGROUPS: u32 = 65_535;
 /// # fn show(about: &SceneDescription, root: &ComingUnit<'_>, view: &EyeView)
 /// # -> Result<(), foveal_render::RenderError> {
 /// let gpu = Gpu::open_blocking()?;
-/// let mut layer = SceneLayer::new(&gpu, &about.objects, 256 << 20)?;
+/// let mut layer = SceneLayer::new(&gpu, &about.objects, &about.textures, 256 << 20)?;
 /// layer.upload(root)?;
 /// let image = layer.picture(view, &SceneStyle::default())?;
 /// # Ok(()) }
@@ -45,6 +46,7 @@ pub struct SceneLayer {
     gpu: Gpu,
     units: SceneUnits,
     memory: UnitMemory,
+    pages: PageLayer,
     placements: Placements,
     /// Clusters that are seen from outside, and from both sides.
     lists: [DrawList; 2],
@@ -65,14 +67,20 @@ pub struct SceneLayer {
 }
 
 impl SceneLayer {
-    /// No unit of these objects; units may take `most_bytes` of GPU memory, as
+    /// No unit of these objects and textures; units may take `most_bytes` of GPU memory, as
     /// [`unit_bytes`](crate::meshes::unit_bytes) counts them. What lies between units may take an
     /// eighth more, and tables some bytes for each triangle.
     ///
     /// # Errors
     /// The objects stand in more places than the device binds.
-    pub fn new(gpu: &Gpu, objects: &[SceneObject], most_bytes: u64) -> Result<Self, RenderError> {
-        let placements = Placements::new(objects);
+    pub fn new(
+        gpu: &Gpu,
+        objects: &[SceneObject],
+        textures: &[SceneTexture],
+        most_bytes: u64,
+    ) -> Result<Self, RenderError> {
+        let pages = PageLayer::new(gpu, textures, objects, most_bytes)?;
+        let placements = Placements::new(objects, pages.table());
         let bytes = placements.count() * size_of::<PlacementParams>();
         let view_bytes = size_of::<SceneParams>() as u64;
         let has_clouds = objects.iter().any(|it| it.points.is_some());
@@ -82,6 +90,7 @@ impl SceneLayer {
             gpu: gpu.clone(),
             units: SceneUnits::new(objects.len()),
             memory: UnitMemory::new(gpu, most_bytes)?,
+            pages,
             seen_placements: storage(gpu, "placements of objects", bytes as u64)?,
             placements,
             lists: [DrawList::new(gpu)?, DrawList::new(gpu)?],
@@ -138,18 +147,32 @@ impl SceneLayer {
         };
         let [most, all] = self.memory.most();
         let most = most.saturating_sub(self.memory.used_bytes());
-        let room = all.saturating_sub(self.memory.bytes());
+        let pages = self.pages.bytes();
+        let room = all.saturating_sub(self.memory.bytes() + pages);
         match clouds.upload(coming, [most, room]) {
             // Meshes keep more than they use.
             Err(RenderError::NoRoom { bytes, .. }) if bytes <= most => {
                 self.memory.share([bytes, 2 * bytes]);
                 self.memory.pack(&self.units)?;
                 self.is_stale = true;
-                let room = all.saturating_sub(self.memory.bytes());
+                let room = all.saturating_sub(self.memory.bytes() + pages);
                 clouds.upload(coming, [most, room])
             }
             other => other,
         }
+    }
+
+    /// Adds a page of a texture after the page that it lies in; one that is there stays as it is.
+    /// `false` where there is no room for it: the coarser page is shown.
+    ///
+    /// # Errors
+    /// It does not fit to what is there: nothing changed then.
+    pub fn upload_page(&mut self, coming: &ComingPage<'_>) -> Result<bool, RenderError> {
+        self.share();
+        let room = self.memory.room_beside();
+        let is_there = self.pages.upload(coming, room)?;
+        self.memory.set_beside(self.pages.bytes());
+        Ok(is_there)
     }
 
     /// Takes a unit away; what it replaced is drawn again.
@@ -174,6 +197,7 @@ impl SceneLayer {
             self.memory.remove(unit);
             self.is_stale = true;
         }
+        self.pages.retain(wanted);
     }
 
     /// From now on the new vertices of these units have gone so much of their way from the coarse
@@ -199,7 +223,8 @@ impl SceneLayer {
     pub fn gpu_bytes(&self) -> u64 {
         let lists: u64 = self.lists.iter().map(DrawList::bytes).sum();
         let clouds = self.clouds.as_ref().map_or(0, PointLayer::gpu_bytes);
-        self.memory.bytes() + lists + self.seen_placements.size() + clouds
+        let all = self.memory.bytes() + self.pages.bytes() + lists + self.seen_placements.size();
+        all + clouds
     }
 
     /// Triangles of the clusters that the last picture was drawn of, also of those that cannot be
@@ -281,9 +306,10 @@ impl SceneLayer {
         if let Some(clouds) = &mut self.clouds {
             clouds.ready(Draws::Refiners);
         }
+        let target = (&image, style.background());
         let lists = listed(&self.lists, &bound);
         let beside = beside(self.clouds.as_ref(), Draws::Refiners, &self.view);
-        pass.record((&gpu, &mut encoder), &image, lists, beside);
+        pass.record((&gpu, &mut encoder), target, lists, beside);
         self.refiners = Some(pass);
         gpu.submit(encoder);
         Ok(self.unit_image.insert(image))
@@ -322,9 +348,10 @@ impl SceneLayer {
         self.prepare(encoder, view, style)?;
         let bound = self.bind(&self.colours);
         let lists = listed(&self.lists, &bound);
+        let target = (&self.output.picture, style.background());
         let beside = beside(self.clouds.as_ref(), Draws::Colours, &self.view);
         self.colours
-            .record((&self.gpu, encoder), &self.output.picture, lists, beside);
+            .record((&self.gpu, encoder), target, lists, beside);
         Ok(())
     }
 
@@ -339,6 +366,7 @@ impl SceneLayer {
             self.fill_lists()?;
             self.is_stale = false;
         }
+        self.pages.settle();
         let mut coarsest = self.units.coarsest();
         if let Some(clouds) = &mut self.clouds {
             coarsest = coarsest.max(clouds.coarsest());
@@ -400,7 +428,7 @@ impl SceneLayer {
     fn bind(&self, pass: &ClusterPass) -> [wgpu::BindGroup; 2] {
         let [vertices, words] = self.memory.buffers();
         let buffers = [&self.view, &self.seen_placements, words, vertices];
-        [0, 1].map(|k| pass.bind(&self.gpu, buffers, self.lists[k].shown()))
+        [0, 1].map(|k| pass.bind(&self.gpu, buffers, self.lists[k].shown(), &self.pages))
     }
 }
 

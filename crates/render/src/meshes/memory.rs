@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, HashMap};
 const VERTICES: &str = "vertices of meshes";
 const WORDS: &str = "clusters of meshes";
 /// Bytes of a vertex.
-const VERTEX_BYTES: u64 = 12;
+const VERTEX_BYTES: u64 = 16;
 /// Bytes of a word.
 const WORD_BYTES: u64 = 4;
 /// Words before the vertices of a cluster.
@@ -61,6 +61,8 @@ pub(crate) struct UnitMemory {
     most_bytes: u64,
     /// What others take of these bytes: of those in use, and of all.
     others: [u64; 2],
+    /// Bytes that pages of textures take beside.
+    beside_bytes: u64,
     refiners: HashMap<(UnitId, u8), UnitId>,
 }
 
@@ -79,6 +81,7 @@ impl UnitMemory {
             used_bytes: 0,
             most_bytes,
             others: [0; 2],
+            beside_bytes: 0,
             refiners: HashMap::new(),
         })
     }
@@ -110,7 +113,19 @@ impl UnitMemory {
 
     /// Bytes that both pools may take.
     fn most_taken(&self) -> u64 {
-        self.most()[1].saturating_sub(self.others[1])
+        let taken = self.beside_bytes + self.others[1];
+        self.most()[1].saturating_sub(taken)
+    }
+
+    /// Bytes that pages may take beside both pools and clouds as they are.
+    pub(crate) fn room_beside(&self) -> u64 {
+        let taken = self.bytes() + self.others[1];
+        self.most()[1].saturating_sub(taken)
+    }
+
+    /// From now on pages take so many bytes.
+    pub(crate) fn set_beside(&mut self, bytes: u64) {
+        self.beside_bytes = bytes;
     }
 
     /// The first word of a cluster of a unit that is there.
@@ -284,13 +299,17 @@ fn own_vertices(placed: &PlacedUnit) -> &[MeshVertex] {
 }
 
 /// A vertex as the shaders read it.
-fn vertex_words(vertex: &MeshVertex) -> [u32; 3] {
+fn vertex_words(vertex: &MeshVertex) -> [u32; 4] {
     let [x, y, z] = vertex.place.map(u32::from);
-    let [u, v] = vertex.normal.map(|it| u32::from(it as u8));
+    let [nx, ny] = vertex.normal.map(|it| u32::from(it as u8));
+    let [r, g, b, _] = vertex.colour;
+    let [u, v] = vertex.uv.map(u32::from);
     [
         x | y << 16,
-        z | u << 16 | v << 24,
-        u32::from_le_bytes(vertex.colour),
+        z | nx << 16 | ny << 24,
+        // Nothing is drawn by a vertex' alpha.
+        u32::from_le_bytes([r, g, b, vertex.texture]),
+        u | v << 16,
     ]
 }
 

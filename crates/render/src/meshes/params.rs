@@ -4,12 +4,10 @@
 //! `tests/shaders.rs` compares them.
 
 use bytemuck::{Pod, Zeroable};
-use foveal_core::content::scene::lighting::LAMP_DIRECTION;
+use foveal_core::content::scene::description::SceneLook;
+use foveal_core::perception::luminance::linear_from_srgb;
 use foveal_core::view::eye_view::EyeView;
 use glam::DVec3;
-
-/// What is seen where nothing stands, as an sRGB code: 0.03 in linear light.
-pub(crate) const BACKGROUND: f32 = 0.189_749;
 
 /// How clusters become a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +19,19 @@ pub struct SceneStyle {
     pub tint: f32,
     /// Depth in metres from which on things are drawn; more than 0.
     pub near: f64,
+    /// What is seen where nothing stands, and where light comes from.
+    pub look: SceneLook,
+}
+
+impl SceneStyle {
+    /// What is seen where nothing stands, as the nearest sRGB codes.
+    pub(crate) fn background(&self) -> [u8; 4] {
+        let [r, g, b] = self.look.background.map(|light| {
+            let off = |code: &u8| (linear_from_srgb(*code) - f64::from(light)).abs();
+            (0..=255).min_by(|a, b| off(a).total_cmp(&off(b)))
+        });
+        [r, g, b, Some(255)].map(Option::unwrap_or_default)
+    }
 }
 
 impl Default for SceneStyle {
@@ -29,6 +40,7 @@ impl Default for SceneStyle {
             culls: true,
             tint: 0.0,
             near: 0.01,
+            look: SceneLook::default(),
         }
     }
 }
@@ -71,11 +83,14 @@ pub struct PlacementParams {
     pub eye_in_grid: [f32; 4],
     /// Colour of the object in linear light.
     pub colour: [f32; 4],
-    /// What holds of the object: `NORMALS`, `COLOURS`, `UNLIT`, `MIRRORED` and `TWO_SIDED`.
+    /// Place on its textures of [0, 0] on the grid of them, then the distance of its places.
+    pub uv_from_grid: [f32; 4],
+    /// What holds of the object: `NORMALS`, `COLOURS`, `UNLIT`, `MIRRORED`, `TWO_SIDED` and
+    /// `TEXTURED`.
     pub flags: u32,
+    /// Where the list of its textures begins in the table of pages.
+    pub textures: u32,
     /// Keeps the size a multiple of sixteen.
-    pub unused: u32,
-    /// The same.
     pub unused_pair: [u32; 2],
 }
 
@@ -89,6 +104,8 @@ pub(crate) const UNLIT: u32 = 4;
 pub(crate) const MIRRORED: u32 = 8;
 /// It is seen from both sides.
 pub(crate) const TWO_SIDED: u32 = 16;
+/// Its vertices have places on textures.
+pub(crate) const TEXTURED: u32 = 32;
 
 impl SceneParams {
     /// What `view` shows of clusters of levels up to `coarsest`.
@@ -107,7 +124,7 @@ impl SceneParams {
         Self {
             clip_from_view: clip_from_view.map(|it| it as f32),
             field: tangents.map(|it| it as f32),
-            light: in_view(LAMP_DIRECTION.normalize()),
+            light: in_view(DVec3::from_array(style.look.light).normalize()),
             near: style.near as f32,
             up: in_view(DVec3::Y),
             tint: style.tint,

@@ -4,7 +4,7 @@ use crate::gpu::bindings::bind;
 use crate::gpu::device::Gpu;
 use crate::gpu::picture_target::FORMAT;
 use crate::meshes::lists::DrawList;
-use crate::meshes::params::BACKGROUND;
+use crate::pages::PageLayer;
 use crate::shaders;
 
 /// Format of the depths of clusters: the nearest is the largest, so that single precision tells
@@ -14,8 +14,8 @@ pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth3
 pub(crate) const UNITS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 /// Stands for no unit in an image of units.
 const NO_UNIT: f64 = u32::MAX as f64;
-/// Which buffers the steps read: the view in front, then the others.
-const BUFFERS: u32 = 5;
+/// What the steps read: the view in front, other buffers, then pages and how they are read.
+const BINDINGS: u32 = 8;
 
 /// What is drawn of clusters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub(crate) struct ClusterPass {
 impl ClusterPass {
     /// The pass that draws this.
     pub(crate) fn new(gpu: &Gpu, draws: Draws) -> Self {
-        let entries: Vec<_> = (0..BUFFERS).map(entry).collect();
+        let entries: Vec<_> = (0..BINDINGS).map(entry).collect();
         let layout = gpu
             .device
             .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
@@ -52,36 +52,42 @@ impl ClusterPass {
         }
     }
 
-    /// Binds what a list is drawn with: the view, placements, words and vertices.
+    /// Binds what a list is drawn with: the view, placements, words and vertices, and pages.
     pub(crate) fn bind(
         &self,
         gpu: &Gpu,
         [view, placements, words, vertices]: [&wgpu::Buffer; 4],
         shown: &wgpu::Buffer,
+        pages: &PageLayer,
     ) -> wgpu::BindGroup {
+        let (table, atlas, sampler) = pages.bindings();
         let resources = [
             (0, view.as_entire_binding()),
             (1, placements.as_entire_binding()),
             (2, words.as_entire_binding()),
             (3, shown.as_entire_binding()),
             (4, vertices.as_entire_binding()),
+            (5, table.as_entire_binding()),
+            (6, wgpu::BindingResource::TextureView(&atlas)),
+            (7, wgpu::BindingResource::Sampler(sampler)),
         ];
         bind(gpu, "clusters", &self.layout, &resources)
     }
 
-    /// Records the pass over a whole picture; `beside` draws into it what is no cluster.
+    /// Records the pass over a whole picture, of which pixels have these codes where nothing stands;
+    /// `beside` draws into it what is no cluster.
     pub(crate) fn record(
         &mut self,
         (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
-        picture: &wgpu::Texture,
+        (picture, background): (&wgpu::Texture, [u8; 4]),
         lists: [(&DrawList, &wgpu::BindGroup); 2],
         beside: impl FnOnce(&mut wgpu::RenderPass<'_>),
     ) {
         let view = picture.create_view(&wgpu::TextureViewDescriptor::default());
         let depth = self.depth_of(gpu, picture.size());
         let clear = match self.draws {
-            Draws::Colours => grey(f64::from(BACKGROUND)),
-            Draws::Refiners => grey(NO_UNIT),
+            Draws::Colours => cleared(background.map(|it| f64::from(it) / 255.0)),
+            Draws::Refiners => cleared([NO_UNIT; 4]),
         };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("clusters"),
@@ -136,28 +142,30 @@ impl ClusterPass {
     }
 }
 
-fn grey(value: f64) -> wgpu::Color {
-    wgpu::Color {
-        r: value,
-        g: value,
-        b: value,
-        a: 1.0,
-    }
+fn cleared([r, g, b, a]: [f64; 4]) -> wgpu::Color {
+    wgpu::Color { r, g, b, a }
 }
 
 fn entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    let buffer = |ty| wgpu::BindingType::Buffer {
+        ty,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
     let ty = match binding {
-        0 => wgpu::BufferBindingType::Uniform,
-        _ => wgpu::BufferBindingType::Storage { read_only: true },
+        0 => buffer(wgpu::BufferBindingType::Uniform),
+        6 => wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: true },
+            view_dimension: wgpu::TextureViewDimension::D2Array,
+            multisampled: false,
+        },
+        7 => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+        _ => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
     };
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-        ty: wgpu::BindingType::Buffer {
-            ty,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
+        ty,
         count: None,
     }
 }

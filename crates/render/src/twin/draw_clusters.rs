@@ -1,10 +1,11 @@
 //! Which colour has each pixel of the nearest surface? Twin of `shaders/draw_clusters.wgsl`.
 
+use super::shared::pages::{NO_TEXTURE, TwinPages, is_cut_out, texture_colour, texture_of};
 use super::shared::ramp::ramp;
 use super::shared::raster::{Corner, Fragment};
 use super::shared::scene::{SceneInView, times, vertex_of};
 use super::shared::wgsl::mix;
-use crate::meshes::params::{COLOURS, NORMALS, TWO_SIDED, UNLIT};
+use crate::meshes::params::{COLOURS, NORMALS, TEXTURED, TWO_SIDED, UNLIT};
 use crate::meshes::units::DrawnCluster;
 use foveal_core::content::mesh::octahedral;
 use foveal_core::content::scene::lighting::{GROUND, LAMP, SKY};
@@ -16,6 +17,8 @@ pub(crate) struct OfCluster {
     pub(crate) flags: u32,
     pub(crate) level: u32,
     pub(crate) refiner: u32,
+    /// Where the list of the object's textures begins.
+    pub(crate) textures: u32,
 }
 
 fn linear_from_srgb(code: Vec3) -> Vec3 {
@@ -67,7 +70,23 @@ pub(super) fn place_corner(
         let normal = direction_from_octahedral(vertex.normal);
         corner.normal = unit(times(&placement.normal_from_object, normal.extend(0.0)));
     }
+    let uv = Vec2::from(vertex.uv.map(f32::from));
+    let [u, v, across, along] = placement.uv_from_grid;
+    corner.uv = Vec2::new(u, v) + Vec2::new(across, along) * uv;
     corner
+}
+
+/// The texture of a triangle of a cluster whose first corner has this number.
+pub(super) fn texture_of_corner(
+    pages: &TwinPages,
+    of_cluster: OfCluster,
+    block: &DrawnCluster<'_>,
+    number: u32,
+) -> u32 {
+    match of_cluster.flags & TEXTURED {
+        0 => NO_TEXTURE,
+        _ => texture_of(pages, of_cluster.textures, vertex_of(block, number).texture),
+    }
 }
 
 // The face turned to the viewer; a vertex' normal is turned to that side where both are seen.
@@ -94,15 +113,27 @@ fn shaded(scene: &SceneInView, of_cluster: OfCluster, colour: Vec3, normal: Vec3
     mix(code, of_level, scene.params.tint)
 }
 
+/// The colour of the texture, given how far places on it move from one pixel to the next; `None`
+/// where nothing is drawn.
+pub(super) fn texture_on(pages: &TwinPages, head: u32, fragment: &Fragment) -> Option<Vec4> {
+    if head == NO_TEXTURE {
+        return Some(Vec4::ONE);
+    }
+    let colour = texture_colour(pages, head, fragment.corner.uv, fragment.uv_steps);
+    (!is_cut_out(pages, head, colour.w)).then_some(colour)
+}
+
 pub(super) fn draw_clusters(
     scene: &SceneInView,
     of_cluster: OfCluster,
     fragment: &Fragment,
+    texture: Vec4,
 ) -> Vec4 {
     let corner = fragment.corner;
     let face = fragment.face;
     let normal = normal_at(of_cluster.flags, corner.place, corner.normal, face);
-    shaded(scene, of_cluster, corner.colour, normal).extend(1.0)
+    let colour = corner.colour * texture.truncate();
+    shaded(scene, of_cluster, colour, normal).extend(1.0)
 }
 
 pub(super) fn draw_refiners(of_cluster: OfCluster) -> u32 {

@@ -1,9 +1,12 @@
 //! What should be drawn of a scene's units?
 
 use super::cull_clusters::{cull_clusters, is_seen};
-use super::draw_clusters::{OfCluster, draw_clusters, draw_refiners, place_corner};
+use super::draw_clusters::{
+    OfCluster, draw_clusters, draw_refiners, place_corner, texture_of_corner, texture_on,
+};
 use super::draw_points::{CloudInView, Splat, draw_point_refiners, draw_points, place_splat};
 use super::footprints::footprints;
+use super::shared::pages::TwinPages;
 use super::shared::raster::{Fragment, Sides, rasterise};
 use super::shared::scene::{SceneInView, triangles_of};
 use super::shared::wgsl::code;
@@ -12,23 +15,25 @@ use crate::image::RgbaImage;
 use crate::meshes::footprints::{
     FootprintSums, GazedParams, footprints_of, pixel_deg2, small_view,
 };
-use crate::meshes::params::{BACKGROUND, SceneParams, SceneStyle, TWO_SIDED};
+use crate::meshes::params::{SceneParams, SceneStyle, TWO_SIDED};
 use crate::meshes::placements::Placements;
 use crate::meshes::units::{ComingUnit, DrawnCluster, SceneUnits};
+use crate::pages::ComingPage;
 use crate::points::cubes::standing;
 use crate::points::units::{CloudUnits, ComingPoints};
-use foveal_core::content::scene::description::SceneObject;
+use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::footprints::Footprint;
 use foveal_core::perception::glance::Glance;
 use foveal_core::view::eye_view::EyeView;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec4};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// The units of a scene in main memory, and the pictures that are drawn of them.
 pub struct TwinScene {
     units: SceneUnits,
     placements: Placements,
+    pages: TwinPages,
     refiners: HashMap<(UnitId, u8), UnitId>,
     clouds: CloudUnits,
     objects: Vec<SceneObject>,
@@ -46,6 +51,12 @@ impl Depths {
         Self { size, depths }
     }
 
+    /// Whether something is in front of all before it.
+    fn has_behind(&self, fragment: &Fragment) -> bool {
+        let [x, y] = fragment.pixel.map(|it| it as usize);
+        fragment.depth > self.depths[y * self.size[0] as usize + x]
+    }
+
     /// Whether something is in front of all before it, which it is from now on.
     fn pass(&mut self, fragment: &Fragment) -> bool {
         let [x, y] = fragment.pixel.map(|it| it as usize);
@@ -57,12 +68,14 @@ impl Depths {
 }
 
 impl TwinScene {
-    /// No unit of these objects.
+    /// No unit of these objects and textures.
     #[must_use]
-    pub fn new(objects: &[SceneObject]) -> Self {
+    pub fn new(objects: &[SceneObject], textures: &[SceneTexture]) -> Self {
+        let pages = TwinPages::new(textures, objects);
         Self {
             units: SceneUnits::new(objects.len()),
-            placements: Placements::new(objects),
+            placements: Placements::new(objects, &pages.table),
+            pages,
             refiners: HashMap::new(),
             clouds: CloudUnits::new(objects),
             objects: objects.to_vec(),
@@ -85,6 +98,14 @@ impl TwinScene {
         self.clouds.insert(coming).map(|_| ())
     }
 
+    /// Adds a page of a texture after the page that it lies in.
+    ///
+    /// # Errors
+    /// It does not fit to what is there: nothing changed then.
+    pub fn upload_page(&mut self, coming: &ComingPage<'_>) -> Result<(), RenderError> {
+        self.pages.upload(coming)
+    }
+
     /// Takes a unit away.
     ///
     /// # Panics
@@ -100,6 +121,7 @@ impl TwinScene {
         for unit in self.clouds.to_go(wanted) {
             self.clouds.remove(unit);
         }
+        self.pages.retain(wanted);
     }
 
     /// From now on the new vertices of these units have gone so much of their way from the coarse
@@ -136,14 +158,14 @@ impl TwinScene {
     #[must_use]
     pub fn picture(&self, view: &EyeView, style: &SceneStyle) -> RgbaImage {
         let scene = self.scene(view, style);
-        let background = code(Vec3::splat(BACKGROUND).extend(1.0));
+        let background = style.background();
         let mut image = RgbaImage {
             size: view.size,
             pixels: background.repeat(view.size[0] as usize * view.size[1] as usize),
         };
         let mut depths = Depths::of(view.size);
-        self.draw(&scene, &mut depths, |of_cluster, fragment| {
-            let colour = draw_clusters(&scene, of_cluster, fragment);
+        self.draw(&scene, &mut depths, |of_cluster, fragment, texture| {
+            let colour = draw_clusters(&scene, of_cluster, fragment, texture);
             image.set_pixel(fragment.pixel, code(colour));
         });
         self.draw_clouds(&scene, view, &mut depths, |splat, fragment| {
@@ -160,7 +182,7 @@ impl TwinScene {
         let [columns, rows] = view.size.map(|side| side as usize);
         let mut ids = vec![u32::MAX; columns * rows];
         let mut depths = Depths::of(view.size);
-        self.draw(&scene, &mut depths, |of_cluster, fragment| {
+        self.draw(&scene, &mut depths, |of_cluster, fragment, _| {
             let [x, y] = fragment.pixel.map(|it| it as usize);
             ids[y * columns + x] = draw_refiners(of_cluster);
         });
@@ -205,12 +227,13 @@ impl TwinScene {
         })
     }
 
-    /// Calls `each` for every pixel that a triangle covers in front of all before it.
+    /// Calls `each` for every pixel that a triangle covers in front of all before it, with the
+    /// colour of its texture there.
     fn draw(
         &self,
         scene: &SceneInView,
         depths: &mut Depths,
-        mut each: impl FnMut(OfCluster, &Fragment),
+        mut each: impl FnMut(OfCluster, &Fragment, Vec4),
     ) {
         for (block, placement) in self.drawn() {
             let of_cluster = self.of_cluster(scene, &block, placement);
@@ -220,10 +243,14 @@ impl TwinScene {
             };
             let corners = cull_clusters(scene, &block, placement);
             let corner = |number| place_corner(scene, &block, placement, number);
-            for triangle in corners.as_chunks().0 {
+            for triangle in corners.as_chunks::<3>().0 {
+                let head = texture_of_corner(&self.pages, of_cluster, &block, triangle[0]);
                 rasterise(triangle.map(corner), depths.size, sides, |fragment| {
-                    if depths.pass(&fragment) {
-                        each(of_cluster, &fragment);
+                    if depths.has_behind(&fragment)
+                        && let Some(texture) = texture_on(&self.pages, head, &fragment)
+                    {
+                        depths.pass(&fragment);
+                        each(of_cluster, &fragment, texture);
                     }
                 });
             }
@@ -274,6 +301,7 @@ impl TwinScene {
             flags: scene.placements[placement as usize].flags,
             level: u32::from(block.note.level),
             refiner: refiner.map_or(u32::MAX, |unit| unit.0),
+            textures: scene.placements[placement as usize].textures,
         }
     }
 }

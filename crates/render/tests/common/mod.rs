@@ -3,6 +3,7 @@
 
 pub mod ball;
 pub mod levels;
+pub mod plate;
 pub mod torus;
 
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};

@@ -42,6 +42,7 @@ fn vertex([u, v]: [f64; 2]) -> MeshVertex {
             code((a + b).cos()),
             255,
         ],
+        ..MeshVertex::default()
     }
 }
 
@@ -158,6 +159,7 @@ pub fn object(attributes: Attributes) -> SceneObject {
         two_sided: false,
         unlit: false,
         placements: vec![DAffine3::IDENTITY.to_cols_array()],
+        texturing: None,
         points: None,
     }
 }
@@ -166,6 +168,7 @@ pub fn object(attributes: Attributes) -> SceneObject {
 pub const ALL: Attributes = Attributes {
     normals: true,
     colours: true,
+    textured: false,
 };
 
 /// The root of an object, ready to be uploaded.

@@ -1,7 +1,7 @@
 //! What is asked of a build, and what comes of it?
 
 use crate::source::Repairs;
-use foveal_core::content::scene::description::SceneObject;
+use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::pack::PackError;
 
@@ -12,6 +12,8 @@ pub struct BuildOptions {
     pub bits: u8,
     /// Number of threads; changes no byte.
     pub jobs: usize,
+    /// Whether textures keep every texel as it is.
+    pub exact: bool,
     /// Whether it is measured what units add: without, their signatures are zeros.
     pub signatures: bool,
 }
@@ -21,6 +23,7 @@ impl Default for BuildOptions {
         Self {
             bits: 14,
             jobs: 1,
+            exact: false,
             signatures: true,
         }
     }
@@ -42,8 +45,10 @@ pub struct BuiltUnit {
 pub struct Built {
     /// What stands in the scene.
     pub objects: Vec<SceneObject>,
-    /// All units; the place of one is its number. Coarsest level first, within a level by object,
-    /// then along a curve through space.
+    /// What its surfaces have.
+    pub textures: Vec<SceneTexture>,
+    /// All units; the place of one is its number. Coarsest level first, within a level meshes by
+    /// object, then along a curve through space, then pages of textures.
     pub units: Vec<BuiltUnit>,
     /// Number of levels.
     pub levels: u8,

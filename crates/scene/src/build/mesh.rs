@@ -4,11 +4,12 @@
 
 use super::built::BuildError;
 use super::numbering::IntegerMap;
+use super::textures::{MeshTexturing, ShownImages};
 use crate::source::{Material, SourceMesh, SourceObject, SourceScene};
 use foveal_core::content::mesh::octahedral::octahedral_from_direction;
-use foveal_core::content::mesh::payload::{Attributes, MeshVertex};
+use foveal_core::content::mesh::payload::{Attributes, MeshVertex, NO_TEXTURE};
 use foveal_core::content::scene::description::{Grid, ObjectBounds, SceneObject};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A mesh on the grid of its object.
 #[derive(Clone, Debug)]
@@ -23,6 +24,8 @@ pub(super) struct GridMesh {
     pub triangles: Vec<[u32; 3]>,
     /// Number of triangles that were left out, since two of their places are one.
     pub zero_area: u64,
+    /// Places of the grid that a step on the grid of textures spans along each axis, on average.
+    pub places_of_uv: [f32; 2],
 }
 
 /// Puts the mesh of an object on a grid.
@@ -30,6 +33,7 @@ pub(super) fn grid_mesh(
     source: &SourceScene,
     object: &SourceObject,
     bits: u8,
+    shown: &ShownImages,
 ) -> Result<GridMesh, BuildError> {
     let wrong = |what| BuildError::Source {
         object: object.name.clone(),
@@ -42,7 +46,7 @@ pub(super) fn grid_mesh(
         return Err(wrong("no placement"));
     }
     let grid = grid_of(&mesh.positions, bits);
-    let looks = Looks::of(source, mesh);
+    let looks = Looks::of(source, mesh, shown);
     let mut welder = Welder::new(mesh, grid, &looks);
     let mut zero_area = 0;
     let mut triangles = Vec::with_capacity(mesh.triangles.len());
@@ -66,9 +70,11 @@ pub(super) fn grid_mesh(
         two_sided: looks.two_sided,
         unlit: looks.unlit,
         placements: placements.map(glam::DAffine3::to_cols_array).collect(),
+        texturing: looks.texturing.as_ref().map(|it| it.texturing.clone()),
         points: None,
     };
     Ok(GridMesh {
+        places_of_uv: places_of_uv(&object, &welder.vertices, &triangles),
         object,
         same_place: same_place(&welder.vertices),
         vertices: welder.vertices,
@@ -77,14 +83,40 @@ pub(super) fn grid_mesh(
     })
 }
 
+/// How many places of the grid a step on the grid of textures spans.
+fn places_of_uv(object: &SceneObject, vertices: &[MeshVertex], triangles: &[[u32; 3]]) -> [f32; 2] {
+    let Some(texturing) = &object.texturing else {
+        return [0.0; 2];
+    };
+    let step = DVec2::from_array(texturing.step);
+    let (mut in_space, mut on_texture) = (0.0, 0.0);
+    for corners in triangles {
+        let [a, b, c] = corners.map(|it| &vertices[it as usize]);
+        let place = |it: &MeshVertex| DVec3::from_array(it.place.map(f64::from));
+        let uv = |it: &MeshVertex| DVec2::from_array(it.uv.map(f64::from)) * step;
+        let area = (uv(b) - uv(a)).perp_dot(uv(c) - uv(a)).abs();
+        if a.texture != NO_TEXTURE && area > 0.0 {
+            on_texture += area;
+            in_space += (place(b) - place(a)).cross(place(c) - place(a)).length();
+        }
+    }
+    let places = if on_texture > 0.0 {
+        (in_space / on_texture).sqrt()
+    } else {
+        0.0
+    };
+    (places * step).to_array().map(|it| it as f32)
+}
+
 fn check(source: &SourceScene, mesh: &SourceMesh) -> Result<(), &'static str> {
     let count = mesh.positions.len();
     let fits = |length: usize, all: usize| length == 0 || length == all;
     if u32::try_from(count).is_err() || u32::try_from(3 * mesh.triangles.len()).is_err() {
         return Err("more than 4 thousand million vertices");
     }
-    if !fits(mesh.normals.len(), count) || !fits(mesh.colours.len(), count) {
-        return Err("not one normal and colour a vertex");
+    let lists = [mesh.normals.len(), mesh.colours.len(), mesh.uvs.len()];
+    if !lists.iter().all(|length| fits(*length, count)) {
+        return Err("not one normal, colour and place on textures a vertex");
     }
     if !fits(mesh.materials.len(), mesh.triangles.len()) {
         return Err("not one material a triangle");
@@ -134,18 +166,20 @@ fn same_place(vertices: &[MeshVertex]) -> Vec<u32> {
     let places = vertices.iter().zip(0_u32..);
     let first = places.map(|(vertex, number)| {
         // The place lies in the low bits.
-        let place = key(vertex) as u64 & ((1 << 48) - 1);
+        let place = key(vertex).0 as u64 & ((1 << 48) - 1);
         *first.entry(place).or_insert(number)
     });
     first.collect()
 }
 
-/// All of a vertex in one number.
-fn key(vertex: &MeshVertex) -> u128 {
+/// All of a vertex in two numbers.
+fn key(vertex: &MeshVertex) -> (u128, u64) {
     let [x, y, z] = vertex.place.map(u128::from);
     let [u, v] = vertex.normal.map(|it| u128::from(it as u8));
     let colour = u128::from(u32::from_le_bytes(vertex.colour));
-    x | y << 16 | z << 32 | u << 48 | v << 56 | colour << 64
+    let rest = x | y << 16 | z << 32 | u << 48 | v << 56 | colour << 64;
+    let [u, v] = vertex.uv.map(u64::from);
+    (rest, u | v << 16 | u64::from(vertex.texture) << 32)
 }
 
 /// What the surface of a mesh looks like.
@@ -155,10 +189,11 @@ struct Looks<'a> {
     colour: [f32; 4],
     two_sided: bool,
     unlit: bool,
+    texturing: Option<MeshTexturing<'a>>,
 }
 
 impl<'a> Looks<'a> {
-    fn of(source: &'a SourceScene, mesh: &SourceMesh) -> Self {
+    fn of(source: &'a SourceScene, mesh: &SourceMesh, shown: &ShownImages) -> Self {
         let materials = &source.materials[..];
         let first = mesh.materials.first().copied().unwrap_or(0);
         let mut used = vec![first];
@@ -167,12 +202,14 @@ impl<'a> Looks<'a> {
         used.dedup();
         let used = used.iter().filter_map(|it| materials.get(*it as usize));
         let colour = used.clone().next().map_or([1.0; 4], |it| it.colour);
+        let texturing = MeshTexturing::of(source, mesh, shown);
         let is_plain = mesh.colours.is_empty() && used.clone().all(|it| it.colour == colour);
         Self {
             materials,
             attributes: Attributes {
                 normals: !mesh.normals.is_empty(),
                 colours: !is_plain,
+                textured: texturing.is_some(),
             },
             colour: if is_plain {
                 colour.map(|it| it.clamp(0.0, 1.0))
@@ -181,6 +218,7 @@ impl<'a> Looks<'a> {
             },
             two_sided: used.clone().any(|it| it.two_sided),
             unlit: used.clone().any(|it| it.unlit),
+            texturing,
         }
     }
 }
@@ -192,7 +230,7 @@ struct Welder<'a> {
     looks: &'a Looks<'a>,
     /// The vertices of the mesh as they were last welded: the material, and the number.
     last: Vec<Option<(u32, u32)>>,
-    numbers: IntegerMap<u128, u32>,
+    numbers: IntegerMap<(u128, u64), u32>,
     vertices: Vec<MeshVertex>,
 }
 
@@ -236,10 +274,15 @@ impl<'a> Welder<'a> {
             let vertex = self.mesh.colours.get(at).copied().unwrap_or([1.0; 4]);
             codes_from_linear([0, 1, 2, 3].map(|it| material[it] * vertex[it]))
         });
+        let texturing = self.looks.texturing.as_ref();
+        let uv = self.mesh.uvs.get(at).copied().unwrap_or_default();
+        let (uv, texture) = texturing.map_or(([0; 2], 0), |it| it.place(material, uv));
         MeshVertex {
             place: steps.round().to_array().map(|it| it as u16),
             normal: normal.map_or([0; 2], |it| octahedral_from_direction(*it)),
             colour: colour.unwrap_or_default(),
+            uv,
+            texture,
         }
     }
 }

@@ -13,8 +13,11 @@ mod groups;
 mod joined;
 mod mesh;
 mod numbering;
+mod pages;
+mod regions;
 mod simplify;
 mod sphere;
+mod textures;
 mod units;
 
 #[cfg(test)]
@@ -23,10 +26,12 @@ pub(crate) mod tests;
 use crate::source::{Repairs, SourceScene};
 pub use built::{BuildError, BuildOptions, Built, BuiltUnit};
 use foveal_core::content::scene::description::GRID_BITS;
+use glam::DVec3;
 use joined::{Graphed, joined};
 pub(crate) use mesh::codes_from_linear;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
+use textures::ShownImages;
 
 /// Most objects of a scene.
 const MOST_OBJECTS: usize = 4096;
@@ -81,8 +86,9 @@ fn build_here(
     options: &BuildOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Built, BuildError> {
+    let shown = ShownImages::new(source);
     let objects = source.objects.par_iter();
-    let meshes = objects.map(|object| mesh::grid_mesh(source, object, options.bits));
+    let meshes = objects.map(|object| mesh::grid_mesh(source, object, options.bits, &shown));
     let mut meshes = meshes.collect::<Result<Vec<_>, _>>()?;
     let mut repairs = source.repairs.clone();
     let zero_area = meshes.iter().map(|mesh| mesh.zero_area).sum();
@@ -108,7 +114,11 @@ fn build_here(
         .collect();
     let permissive = graphs.iter().map(|graph| graph.permissive).sum();
     count(&mut repairs, "permissive_groups", permissive);
-    let (units, levels) = units::write(&meshes, &graphs, options.signatures)?;
+    let light = DVec3::from_array(source.look().light);
+    let light = options.signatures.then_some(light);
+    let pages = pages::write(source, &shown, &mut meshes, options.exact)?;
+    count(&mut repairs, "missing_images", shown.missing + pages.broken);
+    let (units, levels) = units::write(&meshes, &graphs, &pages.all, light)?;
     let mut objects: Vec<_> = meshes.into_iter().map(|mesh| mesh.object).collect();
     drop(graphs);
     let mut graphed = vec![Graphed { units, levels }];
@@ -121,6 +131,7 @@ fn build_here(
     let (units, levels) = joined(graphed);
     Ok(Built {
         objects,
+        textures: pages.textures,
         units,
         levels,
         repairs,

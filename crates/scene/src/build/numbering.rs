@@ -57,7 +57,7 @@ impl Numbering {
     }
 }
 
-/// Hashes keys of one integer by a multiplication whose halves are folded: faster than what the
+/// Hashes keys of one integer or two by a multiplication whose halves are folded: faster than what the
 /// standard library does against chosen keys, and a file that is slow to build harms nobody else.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Fold(u64);
@@ -89,7 +89,7 @@ impl std::hash::Hasher for Fold {
     }
 }
 
-/// A map whose keys are single integers.
+/// A map whose keys are few integers.
 pub(super) type IntegerMap<K, V> =
     std::collections::HashMap<K, V, std::hash::BuildHasherDefault<Fold>>;
 

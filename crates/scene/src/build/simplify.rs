@@ -15,6 +15,8 @@ const STUCK: f64 = 0.85;
 const NORMAL_WEIGHT: f32 = 0.5;
 /// Weight of each channel of a colour.
 const COLOUR_WEIGHT: f32 = 0.5;
+/// Weight of a slide of a texture along a surface against a move off it by as much.
+const SLIDE_WEIGHT: f32 = 0.5;
 
 /// A group with about half the triangles.
 pub(super) struct Simplified {
@@ -97,6 +99,15 @@ struct Weighed {
     weights: Vec<f32>,
 }
 
+/// The largest extent of places along an axis, at least 1.
+fn extent(places: &[[f32; 3]]) -> f32 {
+    let along = |axis: usize| {
+        let along = places.iter().map(|place| place[axis]);
+        along.clone().fold(0.0, f32::max) - along.fold(f32::INFINITY, f32::min)
+    };
+    [0, 1, 2].map(along).into_iter().fold(1.0, f32::max)
+}
+
 fn attributes(mesh: &GridMesh, part: &Part) -> Weighed {
     let has = mesh.object.attributes;
     let mut weights = Vec::new();
@@ -106,6 +117,10 @@ fn attributes(mesh: &GridMesh, part: &Part) -> Weighed {
     if has.colours {
         weights.extend([COLOUR_WEIGHT; 4]);
     }
+    if has.textured {
+        // What a weight counts against is a move by the extent.
+        weights.extend([SLIDE_WEIGHT / extent(&part.positions); 2]);
+    }
     let mut values = Vec::with_capacity(weights.len() * part.vertices.len());
     for vertex in &part.vertices {
         let vertex = &mesh.vertices[*vertex as usize];
@@ -114,6 +129,10 @@ fn attributes(mesh: &GridMesh, part: &Part) -> Weighed {
         }
         if has.colours {
             values.extend(vertex.colour.map(|it| f32::from(it) / 255.0));
+        }
+        if has.textured {
+            let along = vertex.uv.iter().zip(mesh.places_of_uv);
+            values.extend(along.map(|(it, places)| f32::from(*it) * places));
         }
     }
     Weighed { values, weights }

@@ -4,32 +4,55 @@ use super::built::{BuildError, BuiltUnit};
 use super::graph::{Graph, Group};
 use super::mesh::GridMesh;
 use super::numbering::Numbering;
+use super::pages::BuiltPage;
 use crate::signatures::StepMeasure;
 use foveal_core::content::mesh::payload::{Cluster, ClusterRef, MeshUnit, MeshVertex};
 use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
 use foveal_core::pack::PackError;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::measures::contrast::Signature;
+use glam::DVec3;
 use rayon::prelude::*;
+use std::cmp::Reverse;
 
 /// Bits of a coordinate of a sphere's centre that count for the order.
 const ORDER_BITS: u32 = 20;
 
-/// All units in order, and the number of levels.
+/// All units in order, and the number of levels; what units add is measured under a `light` from
+/// some direction, or not at all.
 pub(super) fn write(
     meshes: &[GridMesh],
     graphs: &[Graph],
-    signatures: bool,
+    textures: &[Vec<BuiltPage>],
+    light: Option<DVec3>,
 ) -> Result<(Vec<BuiltUnit>, u8), BuildError> {
     let levels = graphs.iter().filter_map(|it| it.groups.last());
-    let coarsest = levels.map(|root| root.level).max().unwrap_or(0);
+    let levels = levels.map(|root| root.level);
+    let of_pages = textures.iter().flatten().map(|page| page.place.level);
+    let coarsest = levels.chain(of_pages).max().unwrap_or(0);
     let mut order = Vec::new();
     for (object, (mesh, graph)) in meshes.iter().zip(graphs).enumerate() {
         for (number, group) in graph.groups.iter().enumerate() {
             let is_root = group.coarse.is_empty();
             let level = if is_root { coarsest } else { group.level };
             let along = morton(group, mesh.object.grid.step);
-            order.push((std::cmp::Reverse(level), object, along, number));
+            let made = Made::Group(object);
+            order.push((Reverse(level), made, along, number));
+        }
+    }
+    for (texture, pages) in textures.iter().enumerate() {
+        for (number, page) in pages.iter().enumerate() {
+            let level = if page.coarser.is_none() {
+                coarsest
+            } else {
+                page.place.level
+            };
+            let along = morton_of([
+                u32::from(page.place.place[0]),
+                u32::from(page.place.place[1]),
+                0,
+            ]);
+            order.push((Reverse(level), Made::Page(texture), along, number));
         }
     }
     order.sort_unstable();
@@ -37,32 +60,55 @@ pub(super) fn write(
         .iter()
         .map(|graph| vec![UnitId(0); graph.groups.len()]);
     let mut unit_of: Vec<Vec<UnitId>> = groups.collect();
-    for ((_, object, _, number), unit) in order.iter().zip(0..) {
-        unit_of[*object][*number] = UnitId(unit);
+    let pages = textures.iter().map(|pages| vec![UnitId(0); pages.len()]);
+    let mut unit_of_page: Vec<Vec<UnitId>> = pages.collect();
+    for ((_, made, _, number), unit) in order.iter().zip(0..) {
+        match made {
+            Made::Group(object) => unit_of[*object][*number] = UnitId(unit),
+            Made::Page(texture) => unit_of_page[*texture][*number] = UnitId(unit),
+        }
     }
-    let measure = |mesh: &GridMesh| signatures.then(|| StepMeasure::new(&mesh.object));
+    let measure = |mesh: &GridMesh| light.map(|light| StepMeasure::new(&mesh.object, light));
     let measures: Vec<Option<StepMeasure>> = meshes.iter().map(measure).collect();
-    let units = order.par_iter().map(|(level, object, _, number)| {
-        let place = Place {
-            mesh: &meshes[*object],
-            graph: &graphs[*object],
-            unit_of: &unit_of[*object],
-            object: *object as u16,
-            measure: measures[*object].as_ref(),
-        };
-        place.unit(level.0, *number)
+    let units = order.par_iter().map(|(level, made, _, number)| match made {
+        Made::Group(object) => {
+            let place = Place {
+                mesh: &meshes[*object],
+                graph: &graphs[*object],
+                unit_of: &unit_of[*object],
+                object: *object as u16,
+                measure: measures[*object].as_ref(),
+            };
+            place.unit(level.0, *number)
+        }
+        Made::Page(texture) => {
+            let page = &textures[*texture][*number];
+            Ok(page.unit(level.0, &unit_of_page[*texture]))
+        }
     });
     Ok((units.collect::<Result<_, PackError>>()?, coarsest + 1))
+}
+
+/// What a unit is made of, and of which object or texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Made {
+    Group(usize),
+    Page(usize),
 }
 
 /// The place of a group's centre on a curve through space (Morton 1966).
 fn morton(group: &Group, step: f64) -> u64 {
     // A grid has at most 2^16 steps: 16 parts of a step count.
     let most = f64::from((1_u32 << ORDER_BITS) - 1);
-    let along = |it: f32| (f64::from(it) / step * 16.0).clamp(0.0, most) as u64;
-    let places = group.sphere.centre.map(along);
+    let along = |it: f32| (f64::from(it) / step * 16.0).clamp(0.0, most) as u32;
+    morton_of(group.sphere.centre.map(along))
+}
+
+/// The place of a cell on a curve through space.
+fn morton_of(places: [u32; 3]) -> u64 {
     let bits = (0..ORDER_BITS).flat_map(|bit| [0, 1, 2].map(|axis| (bit, axis)));
-    let bit = |(bit, axis): (u32, usize)| (places[axis] >> bit & 1) << (3 * bit + axis as u32);
+    let bit =
+        |(bit, axis): (u32, usize)| u64::from(places[axis] >> bit & 1) << (3 * bit + axis as u32);
     bits.map(bit).sum()
 }
 

@@ -80,7 +80,7 @@ pub enum ReadError {
 }
 
 /// The endings that are read.
-const ENDINGS: &str = ".glb, .gltf, .obj, .ply, .stl, .las or .laz";
+const ENDINGS: &str = ".glb, .gltf, .obj, .ply, .stl, .las, .laz or .toml";
 
 /// A [`ReadError`] that does not know its file yet.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -53,6 +53,18 @@ impl OnDisk {
 }
 
 impl OnDisk {
+    /// Where the file `name` lies, without links; refused if it lies elsewhere.
+    pub(super) fn find(&self, name: &str) -> Result<PathBuf, Fault> {
+        let told = |error: std::io::Error| missing(name, error.to_string());
+        let path = self.folder.join(inside(name)?);
+        let real = path.canonicalize().map_err(told)?;
+        let folder = self.folder.canonicalize().map_err(told)?;
+        match real.starts_with(folder) {
+            true => Ok(real),
+            false => Err(leads_out(name)),
+        }
+    }
+
     fn count(&mut self, bytes: &[u8]) {
         self.bytes += bytes.len() as u64;
         self.hashes.push(sha256_hex(bytes));
@@ -61,25 +73,11 @@ impl OnDisk {
 
 impl Folder for OnDisk {
     fn read(&mut self, name: &str) -> Result<Rc<Vec<u8>>, Fault> {
-        let missing = |reason: String| Fault::Missing {
-            name: shortened(name),
-            reason,
-        };
-        let path = self.folder.join(inside(name)?);
-        let real = path
-            .canonicalize()
-            .map_err(|error| missing(error.to_string()))?;
-        let folder = self
-            .folder
-            .canonicalize()
-            .map_err(|error| missing(error.to_string()))?;
-        if !real.starts_with(folder) {
-            return Err(leads_out(name));
-        }
+        let real = self.find(name)?;
         if let Some(bytes) = self.read.get(&real) {
             return Ok(Rc::clone(bytes));
         }
-        let bytes = Rc::new(read_regular(&real).map_err(missing)?);
+        let bytes = Rc::new(read_regular(&real).map_err(|reason| missing(name, reason))?);
         self.count(&bytes);
         self.read.insert(real, Rc::clone(&bytes));
         Ok(bytes)
@@ -133,6 +131,13 @@ fn inside(name: &str) -> Result<PathBuf, Fault> {
         return Err(leads_out(name));
     }
     Ok(path)
+}
+
+fn missing(name: &str, reason: String) -> Fault {
+    Fault::Missing {
+        name: shortened(name),
+        reason,
+    }
 }
 
 fn leads_out(name: &str) -> Fault {

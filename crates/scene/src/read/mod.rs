@@ -1,9 +1,11 @@
 //! How do files become a scene?
 
+mod arrangement;
 mod colour;
 mod error;
 mod files;
 mod gltf;
+pub(crate) mod image;
 mod las;
 #[cfg(test)]
 mod mangle;
@@ -76,7 +78,8 @@ pub fn is_scene_file(file: &Path) -> bool {
     SceneFormat::of(file).is_some()
 }
 
-/// Reads files into one scene with the objects of all, in their order.
+/// Reads files into one scene with the objects of all, in their order. A scene file (.toml) stands
+/// for those that it names.
 ///
 /// Refused are files that break their format, that name files outside their folder, or that have
 /// neither triangle nor point. Memory is a small multiple of the files' bytes, whatever they claim.
@@ -97,29 +100,47 @@ pub fn read(inputs: &[&Path], options: &ReadOptions) -> Result<SourceScene, Read
     }
     let mut scene = SourceScene::default();
     for path in inputs {
-        let format = SceneFormat::of(path).ok_or_else(|| ReadError::UnknownEnding {
-            path: (*path).to_owned(),
-        })?;
-        let mut folder = OnDisk::of(path);
-        let bytes = folder.read_scene(path)?;
-        let name = path.file_stem().map_or_else(
-            || "object".to_owned(),
-            |stem| stem.to_string_lossy().into_owned(),
-        );
-        let file = SceneFile {
-            name: &name,
-            format,
-            up: options.up.unwrap_or(format.up()),
-            bytes: &bytes,
-        };
-        let mut one = file
-            .read(&mut folder)
-            .map_err(|fault| fault.in_file(path))?;
-        one.bytes = folder.bytes;
-        one.hashes = folder.hashes;
-        scene.append(one);
+        scene.append(match is_arrangement(path) {
+            true => arrangement::read(path, options)?,
+            false => read_file(path, None, options.up)?,
+        });
     }
     Ok(scene)
+}
+
+/// Whether a file's name ends as that of a scene file: .toml.
+fn is_arrangement(file: &Path) -> bool {
+    let ending = file.extension().and_then(|ending| ending.to_str());
+    ending.is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
+}
+
+/// Reads a 3D file, whose objects without a name are called `name`, else as the file is.
+fn read_file(path: &Path, name: Option<&str>, up: Option<Up>) -> Result<SourceScene, ReadError> {
+    let format = SceneFormat::of(path).ok_or_else(|| ReadError::UnknownEnding {
+        path: path.to_owned(),
+    })?;
+    let mut folder = OnDisk::of(path);
+    let bytes = folder.read_scene(path)?;
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy());
+    let stem = stem.as_deref().unwrap_or("object");
+    let file = SceneFile {
+        name: name.unwrap_or(stem),
+        format,
+        up: up.unwrap_or(format.up()),
+        bytes: &bytes,
+    };
+    let mut one = file
+        .read(&mut folder)
+        .map_err(|fault| fault.in_file(path))?;
+    one.bytes = folder.bytes;
+    one.hashes = folder.hashes;
+    Ok(one)
+}
+
+/// Reads any bytes as a scene file, without what it names; `true` if they are one: for fuzzing and
+/// tests.
+pub fn read_any_arrangement(bytes: &[u8]) -> bool {
+    arrangement::Arrangement::parse(bytes).is_ok()
 }
 
 /// Reads any bytes as a format, with no files beside them; `true` if they are a scene. Panics if

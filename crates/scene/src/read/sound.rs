@@ -103,6 +103,7 @@ fn leave_out_unused_vertices(mesh: &mut SourceMesh) -> usize {
     keep(&mut mesh.positions, &used);
     keep(&mut mesh.normals, &used);
     keep(&mut mesh.colours, &used);
+    keep(&mut mesh.uvs, &used);
     unused
 }
 
@@ -145,6 +146,8 @@ pub(super) fn assert_sound(mesh: &SourceMesh, materials: usize) {
     assert!(mesh.positions.iter().all(|position| position.is_finite()));
     assert!(mesh.normals.is_empty() || mesh.normals.len() == vertices);
     assert!(mesh.colours.is_empty() || mesh.colours.len() == vertices);
+    assert!(mesh.uvs.is_empty() || mesh.uvs.len() == vertices);
+    assert!(mesh.uvs.iter().flatten().all(|it| it.is_finite()));
     assert!(mesh.materials.is_empty() || mesh.materials.len() == mesh.triangles.len());
     assert!(!mesh.triangles.is_empty());
     let mut named = mesh.triangles.iter().flatten();

@@ -5,12 +5,13 @@
 use foveal_core::content::mesh::octahedral::direction_from_octahedral;
 use foveal_core::content::mesh::payload::{Attributes, MeshVertex};
 use foveal_core::content::scene::description::SceneObject;
-use foveal_core::content::scene::lighting::{GROUND, LAMP, LAMP_DIRECTION, SKY, normal_matrix};
+use foveal_core::content::scene::lighting::{GROUND, LAMP, SKY, normal_matrix};
 use foveal_core::perception::luminance::linear_from_srgb;
 use foveal_core::perception::parameters::Parameters;
 use glam::{DAffine3, DMat3, DVec3};
 
-/// What the surface of an object looks like where the object stands first, on the default display.
+/// What the surface of an object looks like where the object stands first, on the default display,
+/// lit from one direction.
 pub(super) struct LitSurface {
     attributes: Attributes,
     /// Whether both sides are seen.
@@ -42,7 +43,7 @@ pub(super) struct LitTriangle {
 }
 
 impl LitSurface {
-    pub(super) fn new(object: &SceneObject) -> Self {
+    pub(super) fn new(object: &SceneObject, light: DVec3) -> Self {
         let world_from_object = object.placements().next().unwrap_or(DAffine3::IDENTITY);
         let [r, g, b, _] = object.colour.map(f64::from);
         Self {
@@ -51,7 +52,7 @@ impl LitSurface {
             unlit: object.unlit,
             colour: DVec3::new(r, g, b),
             normals: normal_matrix(world_from_object.matrix3),
-            lamp: unit(LAMP_DIRECTION),
+            lamp: unit(light),
             linear: std::array::from_fn(|code| linear_from_srgb(code as u8)),
             display: Parameters::default(),
         }

@@ -5,13 +5,13 @@
 
 mod lit;
 mod side_view;
-#[cfg(test)]
-mod tests;
 
 use foveal_core::content::mesh::payload::MeshVertex;
 use foveal_core::content::scene::description::SceneObject;
+use foveal_core::content::scene::lighting::LAMP_DIRECTION;
 use foveal_core::perception::measures::contrast::Signature;
 use foveal_core::perception::measures::step_contrast::StepContrast;
+use glam::DVec3;
 use lit::{LitSurface, LitTriangle};
 use side_view::{FARTHEST, Raster, Side, Window};
 
@@ -33,9 +33,9 @@ pub(crate) struct StepMeasure {
 }
 
 impl StepMeasure {
-    pub(crate) fn new(object: &SceneObject) -> Self {
+    pub(crate) fn new(object: &SceneObject, light: DVec3) -> Self {
         Self {
-            surface: LitSurface::new(object),
+            surface: LitSurface::new(object, light),
             step: object.grid.step,
         }
     }
@@ -137,6 +137,42 @@ impl Extent {
         let windows = windows.map(|(side, pixels)| (side, window(pixels)));
         (all <= MOST_WHOLE).then(|| windows.collect())
     }
+}
+
+/// What is seen of triangles from a side of their object.
+#[derive(Clone, Debug)]
+pub struct SideLook {
+    /// The axes of the object to the right and upwards; right times up is towards the eye.
+    pub across: [usize; 2],
+    /// The place in the middle of the picture, on the grid.
+    pub middle: [f64; 3],
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Luminance on the default display in cd/m², the lowest row first; 0 where nothing is.
+    pub luminance: Vec<f64>,
+}
+
+/// Triangles of an object as they are drawn to be measured, from all six sides, with pixels so wide
+/// in the object's space; none where that is more than some thousand pixels.
+#[must_use]
+pub fn side_looks(
+    object: &SceneObject,
+    triangles: &[[MeshVertex; 3]],
+    pixel: f64,
+) -> Vec<SideLook> {
+    let surface = LitSurface::new(object, LAMP_DIRECTION);
+    let triangles = triangles.iter().map(|it| surface.triangle(it)).collect();
+    let step = [Vec::new(), triangles];
+    let extent = Extent::of(&step);
+    let raster = extent.raster(&surface, pixel / object.grid.step);
+    let windows = extent.whole(&raster).unwrap_or_default().into_iter();
+    let looks = windows.map(|(side, window)| SideLook {
+        across: side.across(),
+        middle: raster.middle,
+        size: window.size,
+        luminance: raster.picture(side, window, &step[1]),
+    });
+    looks.collect()
 }
 
 /// Adds the contrasts of a step as seen from a side. Where nothing is drawn stands the mean of what

@@ -5,6 +5,7 @@ use super::side_view::{Raster, Side, Window};
 use crate::build::Built;
 use crate::build::tests::meshes::{sphere, torus, two_materials};
 use crate::build::tests::{built, full_cut, parsed};
+use foveal_core::content::scene::lighting::LAMP_DIRECTION;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::parameters::Parameters;
 use foveal_core::view::axes::Axes;
@@ -40,7 +41,7 @@ fn ours(built: &Built, surface: &LitSurface, side: Side) -> (Vec<f64>, f64) {
 /// The same by the renderer's twin, from far away.
 fn twins(built: &Built, side: Side, pixel: f64) -> RgbaImage {
     let object = &built.objects[0];
-    let mut twin = TwinScene::new(&built.objects);
+    let mut twin = TwinScene::new(&built.objects, &built.textures);
     for (number, unit) in built.units.iter().enumerate() {
         let coming = ComingUnit {
             unit: UnitId(number as u32),
@@ -88,7 +89,7 @@ fn all_sides_look_as_the_renderers_twin_draws_them() {
     let all = [torus(48, 24), turned, two_materials(8), two_sided];
     for (number, source) in all.iter().enumerate() {
         let built = built(source);
-        let surface = LitSurface::new(&built.objects[0]);
+        let surface = LitSurface::new(&built.objects[0], LAMP_DIRECTION);
         for side in Side::ALL {
             let (ours, pixel) = ours(&built, &surface, side);
             let theirs = twins(&built, side, pixel);

@@ -27,7 +27,8 @@ enum UpName {
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PrepareSceneArgs {
-    /// Files of one scene: .glb, .gltf, .obj, .ply, .stl, .las or .laz (.copc.laz too).
+    /// Files of one scene: .glb, .gltf, .obj, .ply, .stl, .las or .laz (.copc.laz too), or a scene
+    /// file .toml that says where such files stand.
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     /// The pack to write, with the ending .foveal.
@@ -39,6 +40,9 @@ pub(crate) struct PrepareSceneArgs {
     /// Bits of a vertex's place along the largest side of its object, 10 to 16.
     #[arg(long, value_name = "N", default_value_t = 14)]
     bits: u8,
+    /// Keep every texel of textures as it is, in PNG in place of JPEG.
+    #[arg(long)]
+    exact: bool,
     /// Threads (default: all cores); the pack is the same for any number.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
@@ -125,6 +129,7 @@ impl PrepareSceneArgs {
         let options = BuildOptions {
             bits: self.bits,
             jobs,
+            exact: self.exact,
             ..BuildOptions::default()
         };
         let bar = output::bar(Some(1), output::Counting::Frames);
@@ -156,8 +161,10 @@ impl PrepareSceneArgs {
                 bytes: source.bytes,
             },
             objects: built.objects.clone(),
+            textures: built.textures.clone(),
             units,
             page: PAGE,
+            look: source.look(),
             identity,
             remarks: source.remarks.clone(),
             repairs: built.repairs.clone(),
@@ -172,7 +179,10 @@ impl PrepareSceneArgs {
         Identity {
             program: format!("foveal {}", env!("CARGO_PKG_VERSION")),
             input: format!("{} {}", names.join(" "), source.hashes.join(" ")),
-            settings: format!("bits {}, up {:?}, page {PAGE}", self.bits, self.up),
+            settings: format!(
+                "bits {}, up {:?}, exact {}, page {PAGE}",
+                self.bits, self.up, self.exact
+            ),
         }
     }
 

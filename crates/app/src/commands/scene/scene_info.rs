@@ -1,8 +1,6 @@
 //! What is in the pack of a scene?
 
 use crate::report::output;
-use foveal_core::content::demand::Content;
-use foveal_core::content::scene::pack::ScenePack;
 use foveal_core::content::scene::unit_table::UnitKind;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::units::counted;
@@ -51,27 +49,26 @@ pub(crate) struct BytesByKind {
 }
 
 impl BytesByKind {
-    /// Of these units.
-    pub(crate) fn of(pack: &ScenePack, units: impl Iterator<Item = UnitId>) -> Self {
-        let mut all = Self::default();
+    /// The bytes of units of a pack.
+    pub(crate) fn of(file: &SceneFile, units: impl Iterator<Item = UnitId>) -> Self {
+        let mut bytes = Self::default();
         for unit in units {
-            let of_kind = match pack.row(unit).kind {
-                UnitKind::Mesh => &mut all.mesh,
-                UnitKind::Points => &mut all.points,
+            let of_kind = match file.pack().row(unit).kind {
+                UnitKind::Mesh => &mut bytes.mesh,
+                UnitKind::Image => &mut bytes.texture,
+                UnitKind::Points => &mut bytes.points,
             };
-            *of_kind += u64::from(pack.entry(unit).bytes);
+            *of_kind += u64::from(file.pack().entry(unit).bytes);
         }
-        all
+        bytes
     }
+}
 
-    /// Together with others.
-    pub(crate) fn and(self, other: Self) -> Self {
-        Self {
-            mesh: self.mesh + other.mesh,
-            texture: self.texture + other.texture,
-            points: self.points + other.points,
-        }
-    }
+/// Texels of the finest level of all textures.
+fn texels(file: &SceneFile) -> u64 {
+    let textures = file.pack().description().textures.iter();
+    let texels = textures.map(|it| it.size.map(u64::from).iter().product::<u64>());
+    texels.sum()
 }
 
 impl SceneInfo {
@@ -79,11 +76,13 @@ impl SceneInfo {
         let (pack, scene) = (file.pack(), file.scene());
         let about = pack.description();
         let bytes_per_level = pack.index().bytes_per_level();
-        let bytes_by_kind = BytesByKind::of(pack, pack.units());
-        let bytes: u64 = bytes_per_level.iter().sum();
-        let points = about.objects.iter().filter_map(|it| it.points);
+        let bytes_by_kind = BytesByKind::of(file, pack.units());
         let tables: u64 = about.tables.iter().map(|it| it.bytes).sum();
-        let leaves = scene.finest_samples();
+        let leaf_triangles = about.objects.iter().map(|it| it.leaf_triangles).sum();
+        let points = about.objects.iter().filter_map(|it| it.points);
+        let points = points.map(|it| it.count).sum();
+        let leaves: u64 = leaf_triangles + points;
+        let bytes = bytes_by_kind.mesh + bytes_by_kind.points;
         let per_leaf = |bytes: u64| bytes as f64 / leaves.max(1) as f64;
         Self {
             kind: "scene",
@@ -94,9 +93,9 @@ impl SceneInfo {
             bytes: file.bytes(),
             bytes_per_level,
             bytes_by_kind,
-            leaf_triangles: about.objects.iter().map(|it| it.leaf_triangles).sum(),
-            points: points.map(|it| it.count).sum(),
-            texels: 0,
+            leaf_triangles,
+            points,
+            texels: texels(file),
             bytes_per_leaf: per_leaf(bytes),
             bytes_per_leaf_with_tables: per_leaf(bytes + tables + file.header().index_bytes),
             repairs: about.repairs.clone(),
@@ -132,6 +131,14 @@ impl SceneInfo {
             self.bytes_per_leaf,
             self.bytes_per_leaf_with_tables,
         );
+        if self.texels > 0 {
+            let size = output::size(self.bytes_by_kind.texture);
+            let _ = writeln!(
+                text,
+                "{} in textures, {size}",
+                counted(self.texels, "texel")
+            );
+        }
         let [x, y, z] = self.centre;
         let _ = writeln!(
             text,

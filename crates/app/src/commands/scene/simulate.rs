@@ -252,10 +252,7 @@ fn summarise(
         error_fovea: judged.and_then(|it| it.fovea),
         error_all: judged.map(|it| it.all),
         units_by_level: last.map_or_else(Vec::new, |it| it.report.units_by_level.clone()),
-        bytes_by_kind: frames.iter().fold(BytesByKind::default(), |all, frame| {
-            let new = frame.report.new_units.iter().copied();
-            all.and(BytesByKind::of(player.scene().pack(), new))
-        }),
+        bytes_by_kind: BytesByKind::of(player.file(), player.fetched()),
         triangles_mean: mean(&|frame| frame.triangles as f64),
         cpu_ms_per_frame: mean(&|frame| ms(frame.report.cpu)),
         choose_ms_per_frame: mean(&|frame| ms(frame.report.choose)),

@@ -51,6 +51,7 @@ impl Foot {
             place,
             normal: mixed_normal(&[self.normal, vertex.normal], &shares),
             colour: mixed_colour(&[self.colour, vertex.colour], &shares),
+            ..*vertex
         }
     }
 }

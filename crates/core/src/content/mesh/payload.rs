@@ -8,14 +8,15 @@
 //! In order, numbers little-endian:
 //!
 //! 1. Head: a byte with the version in its high four bits and which attributes there are in its low
-//!    ones (1: normals, 2: colours); the number of clusters, a byte; the number of staying vertices
-//!    and that of new ones, two bytes each.
+//!    ones (1: normals, 2: colours, 4: textures); the number of clusters, a byte; the number of
+//!    staying vertices and that of new ones, two bytes each.
 //! 2. For each cluster: the number of its vertices, that of its triangles, and the length of its
 //!    stream: in one byte, or in two, of which the first adds 128 to the low seven bits.
 //! 3. For each cluster its triangles: meshoptimizer's meshlet codec, without vertices.
 //! 4. Bits, lowest first, up to a whole byte: which vertices clusters have, and where new ones lie,
 //!    as `payload/vertices.rs` says.
-//! 5. Normals and colours: meshoptimizer's vertex codec, four bytes of each that there is.
+//! 5. Normals and colours: meshoptimizer's vertex codec, four bytes of each that there is; of
+//!    textures eight: the place, two bytes along each axis, which texture, and three zeros.
 
 mod cluster;
 #[cfg(test)]
@@ -26,7 +27,7 @@ use crate::content::bits::{BitReader, BitWriter};
 use crate::pack::PackError;
 use crate::pack::unit::UnitId;
 use cluster::wrong;
-pub use cluster::{Cluster, MOST_OF_CLUSTER, MeshVertex};
+pub use cluster::{Cluster, MOST_OF_CLUSTER, MeshVertex, NO_TEXTURE};
 use meshoptimizer_rs::codec::{
     VertexEncoding, decode_meshlet_into, decode_vertex_buffer_into, encode_meshlet,
     encode_vertex_buffer,
@@ -93,17 +94,22 @@ pub struct Attributes {
     pub normals: bool,
     /// Colours; without, the object's own.
     pub colours: bool,
+    /// Places on textures.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub textured: bool,
 }
 
 impl Attributes {
     fn flags(self) -> u8 {
-        u8::from(self.normals) | u8::from(self.colours) << 1
+        u8::from(self.normals) | u8::from(self.colours) << 1 | u8::from(self.textured) << 2
     }
 
     /// Bytes of what a vertex has beside a place, before they are compressed.
     fn stride(self) -> usize {
         // The codec takes multiples of four.
-        4 * (usize::from(self.normals) + usize::from(self.colours))
+        let [normals, colours, textured] =
+            [self.normals, self.colours, self.textured].map(usize::from);
+        4 * (normals + colours + 2 * textured)
     }
 }
 
@@ -175,6 +181,10 @@ impl MeshUnit {
             }
             if attributes.colours {
                 raw.extend(vertex.colour);
+            }
+            if attributes.textured {
+                raw.extend(vertex.uv.iter().flat_map(|it| it.to_le_bytes()));
+                raw.extend([vertex.texture, 0, 0, 0]);
             }
         }
         let encoding = VertexEncoding::DEFAULT;
@@ -294,8 +304,15 @@ fn parse_attributes(
         if attributes.normals {
             vertex.normal = [raw[0] as i8, raw[1] as i8];
         }
-        if let (true, Some(colour)) = (attributes.colours, raw.last_chunk()) {
+        let rest = &raw[4 * usize::from(attributes.normals)..];
+        if let (true, Some(colour)) = (attributes.colours, rest.first_chunk()) {
             vertex.colour = *colour;
+        }
+        if let (true, Some([u, u_high, v, v_high, texture, ..])) =
+            (attributes.textured, raw.last_chunk::<8>())
+        {
+            vertex.uv = [[*u, *u_high], [*v, *v_high]].map(u16::from_le_bytes);
+            vertex.texture = *texture;
         }
     }
     Ok(vertices)

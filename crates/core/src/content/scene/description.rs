@@ -1,7 +1,10 @@
 //! What does a pack say about its scene?
 
+use crate::content::images::shape::MOST_SIDE;
+use crate::content::images::wrap::Wrap;
 use crate::content::mesh::payload::Attributes;
 use crate::content::points::payload::PointAttributes;
+use crate::content::scene::lighting::LAMP_DIRECTION;
 use crate::pack::{Identity, PackError, TableEntry};
 use glam::{DAffine3, DMat3, DVec3};
 use serde::{Deserialize, Serialize};
@@ -12,6 +15,10 @@ pub const KIND: &str = "scene";
 const MOST_OBJECTS: usize = 4096;
 /// Most levels of a scene.
 const MOST_LEVELS: usize = 40;
+/// Most textures of a scene.
+const MOST_TEXTURES: usize = 65_535;
+/// Most textures of an object: a vertex names one in a byte, or none.
+pub const MOST_TEXTURES_OF_OBJECT: usize = 254;
 /// Bits of a place on the grid of an object.
 pub const GRID_BITS: core::ops::RangeInclusive<u8> = 10..=16;
 
@@ -28,10 +35,16 @@ pub struct SceneDescription {
     pub source: SceneSource,
     /// What stands in it.
     pub objects: Vec<SceneObject>,
+    /// What its surfaces have.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub textures: Vec<SceneTexture>,
     /// Number of units of each level, finest first; the roots of all objects are the coarsest.
     pub units: Vec<u32>,
     /// Entries of a full page of the index, and rows of a full page of tables.
     pub page: u32,
+    /// What is round its objects.
+    #[serde(default, skip_serializing_if = "SceneLook::is_usual")]
+    pub look: SceneLook,
     /// How it was made, for who would make it again.
     #[serde(default)]
     pub identity: Identity,
@@ -43,6 +56,46 @@ pub struct SceneDescription {
     pub repairs: std::collections::BTreeMap<String, u64>,
     /// Where side tables lie.
     pub tables: Vec<TableEntry>,
+}
+
+/// What is seen where nothing stands, and where light comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SceneLook {
+    /// What is seen where nothing stands: red, green and blue in linear light, 0 to 1.
+    pub background: [f32; 3],
+    /// Where light comes from, in the world; finite, of any length but 0.
+    pub light: [f64; 3],
+}
+
+impl Default for SceneLook {
+    fn default() -> Self {
+        Self {
+            background: [0.03; 3],
+            light: LAMP_DIRECTION.to_array(),
+        }
+    }
+}
+
+impl SceneLook {
+    fn is_usual(&self) -> bool {
+        *self == Self::default()
+    }
+
+    fn check(&self) -> Result<(), PackError> {
+        if !self.background.iter().all(|it| (0.0..=1.0).contains(it)) {
+            let found = format!("{:?}", self.background);
+            return Err(PackError::new("look.background", found, "0 to 1"));
+        }
+        let light = DVec3::from_array(self.light);
+        match light.try_normalize() {
+            Some(_) if light.abs().max_element() <= 1e15 => Ok(()),
+            _ => {
+                let found = format!("{:?}", self.light);
+                Err(PackError::new("look.light", found, "a finite direction"))
+            }
+        }
+    }
 }
 
 /// What a scene was made of.
@@ -79,6 +132,9 @@ pub struct SceneObject {
     /// The cloud of points that it is, where it is no mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub points: Option<Cloud>,
+    /// The textures of its vertices; there where they have any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub texturing: Option<Texturing>,
 }
 
 /// A cloud of points, on the grid of its file.
@@ -166,6 +222,33 @@ impl Cloud {
     }
 }
 
+/// Which textures an object has, and where its vertices lie on them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Texturing {
+    /// Numbers of textures of the scene, at most 254; vertices name them by their place here.
+    pub textures: Vec<u16>,
+    /// Where the place [0, 0] lies: 0 to 1 is the texture once, to the right and down.
+    pub origin: [f64; 2],
+    /// Distance of two neighbouring places along each axis.
+    pub step: [f64; 2],
+}
+
+/// A picture that surfaces have.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneTexture {
+    /// Its name, for people.
+    pub name: String,
+    /// Columns and rows of texels, at most 16384 each.
+    pub size: [u32; 2],
+    /// What lies beside it, along rows and along columns.
+    pub wrap: [Wrap; 2],
+    /// Its mean colour in linear light, red, green and blue: what stands in until a page is there.
+    pub colour: [f32; 3],
+    /// Where its alpha is less, nothing is drawn; without, all of it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cutoff: Option<f32>,
+}
+
 /// A sphere round an object, in its own space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObjectBounds {
@@ -199,6 +282,18 @@ impl Grid {
         let step = DMat3::from_diagonal(DVec3::splat(self.step));
         DAffine3::from_mat3_translation(step, DVec3::from_array(self.origin))
     }
+}
+
+/// By how much lengths grow at most where an object stands.
+#[must_use]
+pub fn most_growth(world_from_object: &DAffine3) -> f64 {
+    let axes = world_from_object.matrix3;
+    let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis];
+    let lengths = [x, y, z].map(DVec3::length_squared);
+    // Of perpendicular axes the longest is meant; others may together stretch more.
+    let skew = [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs);
+    let most = lengths.into_iter().fold(0.0, f64::max) + skew.iter().sum::<f64>();
+    libm::sqrt(most)
 }
 
 impl SceneObject {
@@ -255,15 +350,18 @@ impl SceneDescription {
         Ok(about)
     }
 
-    /// Triangles and points at the finest level, each once.
+    /// Triangles, points and texels at the finest level, each once.
     #[must_use]
     pub fn finest_samples(&self) -> u64 {
+        let texels = |it: &SceneTexture| it.size.map(u64::from).iter().product::<u64>();
+        let texels = self.textures.iter().map(texels);
         let objects = self.objects.iter();
         objects
             .map(|it| {
                 it.leaf_triangles
                     .saturating_add(it.points.map_or(0, |it| it.count))
             })
+            .chain(texels)
             .fold(0, u64::saturating_add)
     }
 
@@ -287,12 +385,63 @@ impl SceneDescription {
             return Err(PackError::new("units", "no roots", "at least one"));
         }
         within("page", self.page as usize, 1 << 12)?;
-        self.objects.iter().try_for_each(SceneObject::check)
+        self.look.check()?;
+        within("textures", self.textures.len() + 1, MOST_TEXTURES + 1)?;
+        self.textures.iter().try_for_each(SceneTexture::check)?;
+        let textures = self.textures.len();
+        self.objects.iter().try_for_each(|it| it.check(textures))
+    }
+}
+
+impl SceneTexture {
+    fn check(&self) -> Result<(), PackError> {
+        let wrong = |field: &str, found: String, expected: &str| {
+            Err(PackError::new(
+                &format!("textures.{field}"),
+                found,
+                expected,
+            ))
+        };
+        if !self.size.iter().all(|side| (1..=MOST_SIDE).contains(side)) {
+            return wrong("size", format!("{:?}", self.size), "1 to 16384 each");
+        }
+        let numbers = self.colour.iter().chain(&self.cutoff);
+        match numbers.clone().all(|it| (0.0..=2.0).contains(it)) {
+            true => Ok(()),
+            false => wrong("colour, cutoff", format!("{self:?}"), "0 to 2"),
+        }
+    }
+}
+
+impl Texturing {
+    fn check(&self, textures: usize) -> Result<(), PackError> {
+        let wrong = |found: String, expected: String| {
+            Err(PackError::new("objects.texturing", found, expected))
+        };
+        let count = self.textures.len();
+        if !(1..=MOST_TEXTURES_OF_OBJECT).contains(&count) {
+            return wrong(format!("{count} textures"), "1 to 254".to_owned());
+        }
+        if let Some(beyond) = self
+            .textures
+            .iter()
+            .find(|it| usize::from(**it) >= textures)
+        {
+            return wrong(
+                format!("texture {beyond}"),
+                format!("fewer than {textures}"),
+            );
+        }
+        let mut numbers = self.origin.iter().chain(&self.step);
+        match numbers.all(|it| it.abs() <= 1e9) {
+            true => Ok(()),
+            false => wrong(format!("{self:?}"), "numbers of at most 1e9".to_owned()),
+        }
     }
 }
 
 impl SceneObject {
-    fn check(&self) -> Result<(), PackError> {
+    fn check(&self, textures: usize) -> Result<(), PackError> {
         let wrong = |field: &str, found: String, expected: &str| {
             Err(PackError::new(&format!("objects.{field}"), found, expected))
         };
@@ -317,9 +466,17 @@ impl SceneObject {
         if let Some(points) = &self.points {
             points.check()?;
         }
-        match self.colour.iter().all(|it| (0.0..=1.0).contains(it)) {
-            true => Ok(()),
-            false => wrong("colour", format!("{:?}", self.colour), "0 to 1"),
+        if !self.colour.iter().all(|it| (0.0..=1.0).contains(it)) {
+            return wrong("colour", format!("{:?}", self.colour), "0 to 1");
+        }
+        match (&self.texturing, self.attributes.textured) {
+            (Some(texturing), true) => texturing.check(textures),
+            (None, false) => Ok(()),
+            (there, _) => wrong(
+                "texturing",
+                format!("{there:?}"),
+                "as attributes.textured says",
+            ),
         }
     }
 }

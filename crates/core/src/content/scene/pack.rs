@@ -1,9 +1,12 @@
 //! Which units are in the pack of a scene, and where are their bytes?
 
-use super::Scene;
 use super::description::{KIND, SceneDescription};
-use super::unit_table::{UNITS, UNITS_VERSION, UnitKind, UnitRow, read_units, write_units};
+use super::unit_table::{OF_ALL, UNITS, UNITS_VERSION, UnitKind, UnitRow, read_units, write_units};
+use crate::content::images::payload::ImagePage;
+use crate::content::mesh::payload::{ClusterRef, MeshUnit};
+use crate::content::payload::Payload;
 use crate::content::points::cut::OCTANTS;
+use crate::content::points::payload::PointUnit;
 use crate::pack::paged_table::PageDirectory;
 use crate::pack::unit::UnitId;
 use crate::pack::{
@@ -11,7 +14,6 @@ use crate::pack::{
     TableEntry, UnitNumbers, check_crc,
 };
 use serde::Deserialize;
-use std::sync::Arc;
 
 /// Most units, each counted in every place where its object stands: a reader keeps a sphere of
 /// each.
@@ -105,13 +107,15 @@ impl ScenePack {
                 let field = format!("table {UNITS}, unit {}, {what}", unit.0);
                 Err(PackError::new(&field, found, expected))
             };
-            if usize::from(row.object) >= objects {
-                let expected = format!("fewer than {objects}");
-                return wrong("object", row.object.to_string(), expected);
-            }
-            stands += self.description.objects[usize::from(row.object)]
-                .placements
-                .len() as u64;
+            let object = self.description.objects.get(usize::from(row.object));
+            stands += match (object, row.object, row.kind) {
+                (Some(object), ..) => object.placements.len() as u64,
+                (None, OF_ALL, UnitKind::Image) => 1,
+                _ => {
+                    let expected = format!("fewer than {objects}");
+                    return wrong("object", row.object.to_string(), expected);
+                }
+            };
             if stands > MOST_STANDS {
                 let expected = format!("at most {MOST_STANDS}");
                 return wrong("units in all places", stands.to_string(), expected);
@@ -121,31 +125,40 @@ impl ScenePack {
                 let found = format!("{} at level {}", row.needs.len(), self.level_of(unit));
                 return wrong("needs", found, "none of a root, some of others".to_owned());
             }
-            let of_other = |need: &&UnitId| self.rows[need.0 as usize].object != row.object;
+            let of_other = |need: &&UnitId| {
+                let need = &self.rows[need.0 as usize];
+                (need.object, need.kind) != (row.object, row.kind)
+            };
             if let Some(need) = row.needs.iter().find(of_other) {
-                let found = format!("unit {} of another object", need.0);
-                return wrong("needs", found, "units of its object".to_owned());
+                let found = format!("unit {} of another object or kind", need.0);
+                return wrong("needs", found, "units of its object and kind".to_owned());
             }
-            let is_cloud = self.description.objects[usize::from(row.object)]
-                .points
-                .is_some();
-            if is_cloud != (row.kind == UnitKind::Points) {
-                let expected = "the kind of its object".to_owned();
-                return wrong("kind", format!("{:?}", row.kind), expected);
-            }
-            let is_octant = |octant: u8| usize::from(octant) < OCTANTS;
-            let refines = row
-                .replaces
-                .iter()
-                .filter(|it| is_octant(it.cluster))
-                .count();
-            let one = usize::from(!is_root);
-            if is_cloud && [row.needs.len(), row.replaces.len(), refines] != [one; 3] {
-                let found = format!("{:?} of {:?}", row.replaces, row.needs);
-                return wrong("replaces", found, "an octant of one unit".to_owned());
-            }
+            self.check_kind(row).map_err(|source| PackError {
+                field: format!("table {UNITS}, unit {}, {}", unit.0, source.field),
+                ..source
+            })?;
         }
         self.check_points()
+    }
+
+    /// Whether a unit is of the kind of its object, and one of points refines an octant.
+    fn check_kind(&self, row: &UnitRow) -> Result<(), PackError> {
+        let object = self.description.objects.get(usize::from(row.object));
+        let is_cloud = object.is_some_and(|it| it.points.is_some());
+        let is_points = row.kind == UnitKind::Points;
+        if is_cloud != is_points {
+            let found = format!("{:?}", row.kind);
+            return Err(PackError::new("kind", found, "the kind of its object"));
+        }
+        let is_octant = |it: &&ClusterRef| usize::from(it.cluster) < OCTANTS && it.need == 0;
+        let octants = row.replaces.iter().filter(is_octant).count();
+        let one = usize::from(!row.needs.is_empty());
+        if is_points && [row.needs.len(), row.replaces.len(), octants] != [one; 3] {
+            let found = format!("{:?} of {:?}", row.replaces, row.needs);
+            let expected = "an octant of one unit";
+            return Err(PackError::new("replaces", found, expected));
+        }
+        Ok(())
     }
 
     /// Whether all points of each cloud are there.
@@ -221,6 +234,35 @@ impl ScenePack {
     #[must_use]
     pub fn coarsest(&self) -> u8 {
         (self.description.units.len() - 1) as u8
+    }
+
+    /// What a unit's chunk says.
+    ///
+    /// # Errors
+    /// It is no such unit.
+    ///
+    /// # Panics
+    /// There must be such a unit.
+    pub fn payload(&self, unit: UnitId, chunk: &[u8]) -> Result<Payload, PackError> {
+        let row = self.row(unit);
+        let read = match row.kind {
+            UnitKind::Mesh => {
+                let object = &self.description.objects[usize::from(row.object)];
+                MeshUnit::parse(chunk, object.attributes, &row.replaces).map(Payload::Mesh)
+            }
+            UnitKind::Points => {
+                let object = &self.description.objects[usize::from(row.object)];
+                let attributes = object.points.map(|it| it.attributes);
+                PointUnit::parse(chunk, attributes.unwrap_or_default()).map(Payload::Points)
+            }
+            UnitKind::Image => {
+                ImagePage::parse(chunk, &self.description.textures).map(Payload::Image)
+            }
+        };
+        read.map_err(|source| PackError {
+            field: format!("unit {}: {}", unit.0, source.field),
+            ..source
+        })
     }
 
     /// Place and checksum of a unit's chunk.
@@ -347,12 +389,10 @@ pub fn parse_anything(data: &[u8]) -> bool {
     let Some(pack) = read() else {
         return false;
     };
-    let scene = Scene::new("anything", Arc::new(pack));
-    let pack = scene.pack();
     for unit in pack.units() {
         let entry = pack.entry(unit);
         if let Some(chunk) = part(entry.offset, u64::from(entry.bytes)) {
-            let _ = scene.parse_unit(unit, chunk);
+            let _ = pack.payload(unit, chunk);
         }
     }
     pack.check_coverage(&header).is_ok()

@@ -1,13 +1,10 @@
 //! Where do the units of a scene stand in the world?
 
-use super::description::SceneObject;
+use super::description::{SceneObject, most_growth};
 use super::pack::ScenePack;
 use super::sight::Sphere;
-use super::unit_table::{UnitKind, UnitRow};
-use crate::content::mesh::payload::{ClusterRef, MeshUnit};
-use crate::content::payload::Payload;
-use crate::content::points::payload::PointUnit;
-use crate::pack::PackError;
+use super::unit_table::{OF_ALL, UnitKind, UnitRow};
+use crate::content::mesh::payload::ClusterRef;
 use crate::pack::unit::UnitId;
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
@@ -31,7 +28,7 @@ pub struct Scene {
 pub(super) struct Stand {
     pub(super) sphere: Sphere,
     pub(super) error: f64,
-    /// Length of a side of the triangles that it is shown in place of, about.
+    /// Length of a side of the triangles that it is shown in place of, about; of a page 0.
     pub(super) side: f64,
 }
 
@@ -42,11 +39,18 @@ impl Scene {
         let objects = &pack.description().objects;
         let placed: Vec<Vec<(DAffine3, f64)>> = objects.iter().map(placements).collect();
         let (mut stands, mut first) = (Vec::new(), vec![0]);
+        let in_world = [(DAffine3::IDENTITY, 1.0)];
         for row in pack.rows() {
-            let object = usize::from(row.object);
-            let origin = DVec3::from_array(objects[object].grid.origin);
+            let (origin, placed) = match row.object {
+                OF_ALL => (DVec3::ZERO, &in_world[..]),
+                object => {
+                    let object = usize::from(object);
+                    let origin = DVec3::from_array(objects[object].grid.origin);
+                    (origin, &placed[object][..])
+                }
+            };
             let centre = origin + DVec3::from_array(row.centre.map(f64::from));
-            for (world_from_object, scale) in &placed[object] {
+            for (world_from_object, scale) in placed {
                 stands.push(Stand {
                     sphere: Sphere {
                         centre: world_from_object.transform_point3(centre),
@@ -84,34 +88,13 @@ impl Scene {
         self.bounds
     }
 
-    /// The object of a unit.
+    /// The object of a unit of a mesh.
     ///
     /// # Panics
     /// There must be such a unit.
     #[must_use]
     pub fn object_of(&self, unit: UnitId) -> &SceneObject {
         &self.pack.description().objects[usize::from(self.pack.row(unit).object)]
-    }
-
-    /// What the chunk of a unit says.
-    ///
-    /// # Errors
-    /// It is no unit of that kind.
-    ///
-    /// # Panics
-    /// There must be such a unit.
-    pub fn parse_unit(&self, unit: UnitId, bytes: &[u8]) -> Result<Payload, PackError> {
-        let (row, object) = (self.pack.row(unit), self.object_of(unit));
-        let payload = match (row.kind, &object.points) {
-            (UnitKind::Points, Some(points)) => {
-                PointUnit::parse(bytes, points.attributes).map(Payload::Points)
-            }
-            _ => MeshUnit::parse(bytes, object.attributes, &row.replaces).map(Payload::Mesh),
-        };
-        payload.map_err(|source| PackError {
-            field: format!("unit {}: {}", unit.0, source.field),
-            ..source
-        })
     }
 
     /// The unit that refines each cluster that one does, by the cluster's unit and its number there.
@@ -134,9 +117,9 @@ impl Scene {
 }
 
 /// Length of a side of the triangles that a unit is shown in place of: half as many as its own,
-/// over a disc of its sphere. Points have no sides: how far they are apart is their error.
+/// over a disc of its sphere. A page, and points, tell all by their error.
 fn coarse_side(row: &UnitRow) -> f64 {
-    if row.kind == UnitKind::Points {
+    if row.kind != UnitKind::Mesh {
         return 0.0;
     }
     let radius = f64::from(row.radius);
@@ -146,15 +129,7 @@ fn coarse_side(row: &UnitRow) -> f64 {
 
 /// Where an object stands, and by how much lengths grow there at most.
 fn placements(object: &SceneObject) -> Vec<(DAffine3, f64)> {
-    let scaled = |it: DAffine3| {
-        let axes = [it.matrix3.x_axis, it.matrix3.y_axis, it.matrix3.z_axis];
-        let lengths = axes.map(DVec3::length_squared);
-        let [x, y, z] = axes;
-        // Of perpendicular axes the longest is meant; others may together stretch more.
-        let skew = [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs);
-        let most = lengths.into_iter().fold(0.0, f64::max) + skew.iter().sum::<f64>();
-        (it, libm::sqrt(most))
-    };
+    let scaled = |it: DAffine3| (it, most_growth(&it));
     object.placements().map(scaled).collect()
 }
 

@@ -76,6 +76,7 @@ fn description() -> SceneDescription {
             [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
             [0.0, 0.0, -2.0, 0.0, 2.0, 0.0, 2.0, 0.0, 0.0, 3.0, 0.5, -1.0],
         ],
+        texturing: None,
         points: None,
     };
     SceneDescription {
@@ -84,8 +85,10 @@ fn description() -> SceneDescription {
         generator: "script".to_owned(),
         source: SceneSource::default(),
         objects: vec![object],
+        textures: Vec::new(),
         units: UNITS.to_vec(),
         page: 16,
+        look: Default::default(),
         identity: Default::default(),
         remarks: Vec::new(),
         repairs: Default::default(),

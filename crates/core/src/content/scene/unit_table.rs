@@ -2,6 +2,7 @@
 //!
 //! The side table `units`, in pages; `docs/formats/pack.md` is normative.
 
+use crate::content::images::shape::SLOT_BYTES;
 use crate::content::mesh::payload::{ClusterRef, MOST_CLUSTERS};
 use crate::pack::paged_table::{PageDirectory, write_pages};
 use crate::pack::unit::UnitId;
@@ -21,7 +22,7 @@ const FIXED_BYTES: usize = SPHERE_BYTES + Signature::BYTES;
 /// What a unit takes on the GPU beside its vertices and triangles, in bytes.
 const GPU_BYTES_OF_UNIT: u64 = 256;
 /// Bytes of a vertex on the GPU, and of its number in a cluster.
-const GPU_BYTES_OF_VERTEX: u64 = 16;
+const GPU_BYTES_OF_VERTEX: u64 = 20;
 /// Bytes of a triangle on the GPU, and of its corners in the list of what is drawn.
 const GPU_BYTES_OF_TRIANGLE: u64 = 16;
 
@@ -30,18 +31,42 @@ const GPU_BYTES_OF_TRIANGLE: u64 = 16;
 pub enum UnitKind {
     /// Clusters of triangles: [`MeshUnit`](crate::content::mesh::payload::MeshUnit).
     #[default]
-    Mesh = 0,
+    Mesh,
+    /// A page of a texture: [`ImagePage`](crate::content::images::payload::ImagePage).
+    Image,
     /// Points of a cloud: [`PointUnit`](crate::content::points::payload::PointUnit).
-    Points = 2,
+    Points,
 }
 
 impl UnitKind {
-    /// The kind that a row tells by this number.
-    fn of(number: u8) -> Option<Self> {
-        let all = [Self::Mesh, Self::Points];
-        all.into_iter().find(|kind| *kind as u8 == number)
+    /// How many of the pixels that a signature was measured in an error is wide.
+    #[must_use]
+    pub fn pixels_of_error(self) -> f64 {
+        match self {
+            Self::Mesh | Self::Points => 1.0,
+            // Those of a page are its texels, its error the side of the coarser level's.
+            Self::Image => 2.0,
+        }
+    }
+
+    fn to_byte(self) -> u8 {
+        match self {
+            Self::Mesh => 0,
+            Self::Image => 1,
+            Self::Points => 2,
+        }
+    }
+
+    fn from_byte(byte: u8) -> Option<Self> {
+        [Self::Mesh, Self::Image, Self::Points]
+            .into_iter()
+            .find(|it| it.to_byte() == byte)
     }
 }
+
+/// The object of what belongs to no object alone, and whose sphere and error are in the world: a
+/// page of a texture that several objects have.
+pub const OF_ALL: u16 = u16::MAX;
 
 /// Bytes of a point on the GPU.
 const GPU_BYTES_OF_POINT: u64 = 12;
@@ -54,7 +79,7 @@ const GPU_BYTES_OF_POINT_UNIT: u64 = 2048;
 pub struct UnitRow {
     /// What it is made of.
     pub kind: UnitKind,
-    /// Number of its object.
+    /// Number of its object, or [`OF_ALL`].
     pub object: u16,
     /// Centre of a sphere round all that it shows, in the object's space, from the origin of its
     /// grid. The spheres of its prerequisites enclose it.
@@ -62,12 +87,14 @@ pub struct UnitRow {
     /// Radius of the sphere.
     pub radius: f32,
     /// How far what it is shown in place of is from the source, in the object's space; of a root
-    /// infinite. No prerequisite's is smaller.
+    /// infinite. No prerequisite's is smaller. Of a page it is the side of a texel of the next
+    /// coarser level.
     pub error: f32,
-    /// What it adds to what it is shown in place of, both drawn so that [`Self::error`] is a pixel;
-    /// of a root nothing.
+    /// What it adds to what it is shown in place of, both drawn so that [`Self::error`] is a pixel,
+    /// of a page two pixels; of a root nothing.
     pub signature: Signature,
-    /// Samples that it shows: triangles of a mesh, points that are added to a cloud.
+    /// Samples that it shows: triangles of a mesh, texels of a page without its border, points that
+    /// are added to a cloud.
     pub samples: u32,
     /// Vertices of all its clusters, those that came before and those of several clusters counted
     /// in each.
@@ -87,13 +114,17 @@ impl UnitRow {
         if self.kind == UnitKind::Points {
             return u64::from(self.samples) * GPU_BYTES_OF_POINT + GPU_BYTES_OF_POINT_UNIT;
         }
+        if self.kind == UnitKind::Image {
+            // Beside a root lie the levels that are made from it.
+            return SLOT_BYTES * if self.needs.is_empty() { 2 } else { 1 };
+        }
         u64::from(self.vertices) * GPU_BYTES_OF_VERTEX
             + u64::from(self.samples) * GPU_BYTES_OF_TRIANGLE
             + GPU_BYTES_OF_UNIT
     }
 
     fn write(&self, unit: u32) -> Vec<u8> {
-        let mut bytes = vec![self.kind as u8, self.needs.len() as u8];
+        let mut bytes = vec![self.kind.to_byte(), self.needs.len() as u8];
         bytes.extend(self.object.to_le_bytes());
         let [x, y, z] = self.centre;
         let numbers = [x, y, z, self.radius, self.error];
@@ -118,8 +149,12 @@ impl UnitRow {
         let Some((fixed, mut rest)) = bytes.split_at_checked(FIXED_BYTES) else {
             return wrong("row", format!("{} bytes", bytes.len()), "36 and more");
         };
-        let Some(kind) = UnitKind::of(fixed[0]) else {
-            return wrong("kind", fixed[0].to_string(), "0, a mesh, or 2, points");
+        let Some(kind) = UnitKind::from_byte(fixed[0]) else {
+            return wrong(
+                "kind",
+                fixed[0].to_string(),
+                "0, a mesh, 1, a page of a texture, or 2, points",
+            );
         };
         let count = usize::from(fixed[1]);
         let number = |at| f32::from_bits(u32_at(fixed, at));
@@ -261,6 +296,7 @@ mod tests {
             signature: Signature::from_bytes([unit as u8; Signature::BYTES]),
             needs: (0..unit.min(3)).map(UnitId).collect(),
             replaces: (0..unit.min(3) as u8).map(ClusterRef::from_byte).collect(),
+            kind: [UnitKind::Mesh, UnitKind::Image][unit as usize % 2],
             ..UnitRow::default()
         };
         (0..40).map(row).collect()

@@ -1,14 +1,15 @@
 //! What is each unit of a scene worth to an eye, without drawing it?
 //!
-//! Signature x sensitivity x footprint: what the unit adds in each octave, how well the eye sees
-//! that octave there, and how many square degrees of the view it would refine. Footprints are
+//! Signature x sensitivity x footprint: what the unit adds in each octave, how likely the eye sees
+//! that octave there, and how much of the view it would refine, counted in what the eye resolves
+//! (docs/decisions/0023-what-a-step-of-a-scene-is-worth.md). Footprints are
 //! measured in what is drawn. A unit that would refine what is not drawn yet has a share of the
 //! footprints of the units that it needs, by the areas of their spheres.
 
 use super::Scene;
 use super::scene::Stand;
 use super::sight::{SeenExtent, Sight};
-use super::unit_table::UnitRow;
+use super::unit_table::{UnitKind, UnitRow};
 use crate::content::policy::ImportanceSource;
 use crate::pack::unit::UnitId;
 use crate::perception::footprints::Footprints;
@@ -22,7 +23,9 @@ use crate::units::Radians;
 pub(super) struct SceneWorth {
     parameters: Parameters,
     importance: ImportanceSource,
-    of_steps: StepWorth,
+    /// Steps of what is drawn without a filter, and of textures.
+    of_sampled: StepWorth,
+    of_filtered: StepWorth,
     /// For each unit the areas of the spheres of those that need it, in object space.
     needed_by: Vec<f64>,
     /// What was measured last; `None` where nothing was.
@@ -45,7 +48,8 @@ impl SceneWorth {
         }
         let parameters = parameters_of_morphs(parameters);
         Self {
-            of_steps: StepWorth::of_seen_differences(&parameters, DrawnFiner::Sampled),
+            of_sampled: StepWorth::of_what_is_drawn(&parameters, DrawnFiner::Sampled),
+            of_filtered: StepWorth::of_what_is_drawn(&parameters, DrawnFiner::Filtered),
             parameters,
             importance,
             needed_by,
@@ -68,7 +72,9 @@ impl SceneWorth {
         let extents = self.footprints.as_ref().map(|it| self.extents(scene, it));
         for (unit, row) in (0..).map(UnitId).zip(rows) {
             let at = unit.0 as usize;
-            let measured = extents.as_ref().map(|it| it[at]);
+            // What is measured is which meshes are drawn: a page counts by its sphere.
+            let measured = extents.as_ref().filter(|_| row.kind != UnitKind::Image);
+            let measured = measured.map(|it| it[at]);
             let is_hidden = measured.is_some_and(|it| it.area_deg2 <= 0.0);
             if row.needs.is_empty() || is_hidden {
                 continue;
@@ -133,15 +139,20 @@ impl SceneWorth {
         if extent.area_deg2 <= 0.0 {
             return 0.0;
         }
-        let ppd = sight.ppd_of(stand.error, &stand.sphere);
+        let pixel = stand.error / row.kind.pixels_of_error();
+        let ppd = sight.ppd_of(pixel, &stand.sphere);
         let display = sight.display_limit(&stand.sphere);
         let state = sight.glance.state;
         // Half of it about nearer than the mean, half about farther.
         let apart = (extent.mean.0 - extent.least.0) / 2.0;
         let gain = |eccentricity| {
             let place = SeenPlace::at(&self.parameters, Radians(eccentricity), display);
-            let gain = self.of_steps.gain(&row.signature, ppd, &place, state);
-            gain * self.of_steps.extent(ppd, extent.area_deg2, &place)
+            let of_steps = match row.kind {
+                UnitKind::Image => &self.of_filtered,
+                _ => &self.of_sampled,
+            };
+            let seen = of_steps.seen_samples(&row.signature, ppd, &place, state);
+            seen * extent.area_deg2
         };
         (gain(extent.mean.0 - apart) + gain(extent.mean.0 + apart)) / 2.0
     }

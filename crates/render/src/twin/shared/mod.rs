@@ -5,6 +5,7 @@ pub(crate) mod cube;
 pub(crate) mod footprint;
 pub(crate) mod lattice;
 pub(crate) mod mapping;
+pub(crate) mod pages;
 pub(crate) mod picture;
 pub(crate) mod plane;
 pub(crate) mod ramp;

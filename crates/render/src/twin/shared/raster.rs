@@ -17,6 +17,7 @@ pub(crate) struct Corner {
     pub(crate) place: Vec3,
     pub(crate) normal: Vec3,
     pub(crate) colour: Vec3,
+    pub(crate) uv: Vec2,
 }
 
 /// A pixel that a triangle covers.
@@ -28,6 +29,8 @@ pub(crate) struct Fragment {
     pub(crate) corner: Corner,
     /// Normal of the triangle, of any length and to either side.
     pub(crate) face: Vec3,
+    /// How far the place on the texture moves from one pixel to the next, to the right and down.
+    pub(crate) uv_steps: [Vec2; 2],
 }
 
 /// Which triangles are drawn.
@@ -86,6 +89,7 @@ fn weighted(corners: &[Corner; 3], weights: Vec3) -> Corner {
         place: of3(|it| it.place),
         normal: of3(|it| it.normal),
         colour: of3(|it| it.colour),
+        uv: a.uv * weights.x + b.uv * weights.y + c.uv * weights.z,
     }
 }
 
@@ -137,16 +141,41 @@ fn fill(corners: [Corner; 3], size: [u32; 2], sides: Sides, mut draw: impl FnMut
                 continue;
             };
             let shares = shares.map(|share| share as f32 / area as f32);
-            let over_depth = Vec3::from([0, 1, 2].map(|k| shares[k] / corners[k].position.w));
-            let weights = over_depth / (over_depth.x + over_depth.y + over_depth.z);
             draw(Fragment {
                 pixel: [x, y],
                 depth: Vec3::from(shares).dot(Vec3::from(depths)),
-                corner: weighted(&corners, weights),
+                corner: weighted(&corners, weights(&corners, shares)),
                 face: Vec3::ZERO,
+                uv_steps: [0, 1].map(|k| uv_step((&corners, &places, area), middle, k)),
             });
         }
     }
+}
+
+/// How much of each corner there is, seen in perspective.
+fn weights(corners: &[Corner; 3], shares: [f32; 3]) -> Vec3 {
+    let over_depth = Vec3::from([0, 1, 2].map(|k| shares[k] / corners[k].position.w));
+    over_depth / (over_depth.x + over_depth.y + over_depth.z)
+}
+
+/// How far the place on the texture moves across the two pixels of a quad in a row, or a column:
+/// also where the triangle covers one of them alone.
+fn uv_step(
+    (corners, places, area): (&[Corner; 3], &[[i64; 2]; 3], i64),
+    middle: [i64; 2],
+    axis: usize,
+) -> Vec2 {
+    let pixel = PARTS as i64;
+    let mut first = middle;
+    first[axis] -= middle[axis].div_euclid(pixel).rem_euclid(2) * pixel;
+    let mut second = first;
+    second[axis] += pixel;
+    let [first, second] = [first, second].map(|place| {
+        let shares = [0, 1, 2].map(|k| edge(places[(k + 1) % 3], places[(k + 2) % 3], place));
+        let weights = weights(corners, shares.map(|share| share as f32 / area as f32));
+        weighted(corners, weights).uv
+    });
+    second - first
 }
 
 /// The areas opposite to each corner as seen from a place inside; `None` outside.

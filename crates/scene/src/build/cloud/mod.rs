@@ -149,6 +149,7 @@ fn object_of(source: &SourceCloud, cloud: Cloud, root: &LocalSphere) -> SceneObj
             .map(DAffine3::to_cols_array)
             .collect(),
         points: Some(cloud),
+        texturing: None,
     }
 }
 

@@ -3,25 +3,43 @@
 mod codecs;
 pub(crate) mod meshes;
 mod signatures;
+pub(crate) mod textures;
 
+use super::mesh::GridMesh;
+use super::textures::ShownImages;
 use super::{BuildOptions, Built, build};
 use crate::source::SourceScene;
 use foveal_core::content::mesh::cut::MeshCut;
 use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
+use foveal_core::content::scene::unit_table::UnitKind;
 use foveal_core::pack::unit::UnitId;
 use meshes::{all_meshes, fan, sphere, torus, triangle, two_materials};
 
-pub(crate) fn built(source: &SourceScene) -> Built {
+fn built(source: &SourceScene) -> Built {
     build(source, &BuildOptions::default(), &|_, _| ()).unwrap()
+}
+
+fn all() -> Vec<(&'static str, SourceScene)> {
+    let mut all = all_meshes();
+    all.push(("textured", textures::sphere_with([48, 24], [700, 300])));
+    all
+}
+
+fn grid_mesh(source: &SourceScene) -> GridMesh {
+    let shown = ShownImages::new(source);
+    super::mesh::grid_mesh(source, &source.objects[0], 14, &shown).unwrap()
 }
 
 pub(crate) fn parsed(built: &Built, unit: usize) -> MeshUnit {
     let unit = &built.units[unit];
+    if unit.row.kind == UnitKind::Image {
+        return MeshUnit::default();
+    }
     let attributes = built.objects[usize::from(unit.row.object)].attributes;
     MeshUnit::parse(&unit.payload, attributes, &unit.row.replaces).unwrap()
 }
 
-pub(crate) fn full_cut(built: &Built) -> MeshCut {
+fn full_cut(built: &Built) -> MeshCut {
     let mut cut = MeshCut::default();
     for number in 0..built.units.len() {
         let (id, needs) = (UnitId(number as u32), &built.units[number].row.needs);
@@ -40,9 +58,9 @@ fn sorted(triangles: impl Iterator<Item = [MeshVertex; 3]>) -> Vec<[MeshVertex; 
 
 #[test]
 fn the_full_cut_is_the_source_on_its_grid() {
-    for (name, source) in all_meshes() {
+    for (name, source) in all() {
         let built = built(&source);
-        let mesh = super::mesh::grid_mesh(&source, &source.objects[0], 14).unwrap();
+        let mesh = grid_mesh(&source);
         let vertex = |it: u32| mesh.vertices[it as usize];
         let source = sorted(mesh.triangles.iter().map(|it| it.map(vertex)));
         let cut = full_cut(&built);
@@ -60,9 +78,9 @@ fn the_full_cut_is_the_source_on_its_grid() {
 
 #[test]
 fn each_vertex_is_sent_once() {
-    for (name, source) in all_meshes() {
+    for (name, source) in all() {
         let built = built(&source);
-        let mesh = super::mesh::grid_mesh(&source, &source.objects[0], 14).unwrap();
+        let mesh = grid_mesh(&source);
         let units = 0..built.units.len();
         let sent: usize = units.map(|it| parsed(&built, it).vertices.len()).sum();
         let mut used = mesh.triangles.as_flattened().to_vec();
@@ -90,7 +108,7 @@ fn errors_and_spheres_never_shrink_towards_the_root() {
         let square = |axis: usize| (f64::from(a[axis]) - f64::from(b[axis])).powi(2);
         [0, 1, 2].map(square).iter().sum::<f64>().sqrt()
     };
-    for (name, source) in all_meshes() {
+    for (name, source) in all() {
         let built = built(&source);
         for (number, unit) in built.units.iter().enumerate() {
             assert_eq!(
@@ -116,7 +134,7 @@ fn errors_and_spheres_never_shrink_towards_the_root() {
 
 #[test]
 fn spheres_enclose_what_units_show() {
-    for (name, source) in all_meshes() {
+    for (name, source) in all() {
         let built = built(&source);
         let step = built.objects[0].grid.step;
         for (unit, placed) in full_cut(&built).units() {

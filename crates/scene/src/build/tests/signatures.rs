@@ -10,6 +10,7 @@ use foveal_core::content::mesh::octahedral::{
 };
 use foveal_core::content::mesh::payload::MeshVertex;
 use foveal_core::content::scene::description::SceneObject;
+use foveal_core::content::scene::lighting::LAMP_DIRECTION;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::measures::contrast::Signature;
 use glam::DVec3;
@@ -35,7 +36,7 @@ fn steps(built: &Built) -> Vec<Step> {
 }
 
 fn measured(object: &SceneObject, step: &Step, pixel: f64) -> Signature {
-    StepMeasure::new(object).signature(step.each_ref().map(|it| &it[..]), pixel)
+    StepMeasure::new(object, LAMP_DIRECTION).signature(step.each_ref().map(|it| &it[..]), pixel)
 }
 
 fn differences(signature: &Signature) -> [f64; 3] {

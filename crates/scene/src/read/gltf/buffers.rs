@@ -54,7 +54,7 @@ impl<'a> Buffers<'a> {
             let bytes = match (&buffer.uri, binary) {
                 _ if buffer.is_fallback() => None,
                 (Some(uri), _) => {
-                    let bytes = bytes_of(uri, number, folder)?;
+                    let bytes = bytes_of(uri, &format!("buffer {number}"), folder)?;
                     if met.insert(Rc::as_ptr(&bytes)) {
                         total += bytes.len();
                     }
@@ -148,11 +148,16 @@ fn check_length(buffer: &Buffer, number: usize, found: usize) -> Result<(), Faul
     Err(Fault::at(format!("buffer {number}"), what))
 }
 
-fn bytes_of(uri: &str, number: usize, folder: &mut dyn Folder) -> Result<Rc<Vec<u8>>, Fault> {
+/// The bytes that a URI of something names.
+pub(super) fn bytes_of(
+    uri: &str,
+    what: &str,
+    folder: &mut dyn Folder,
+) -> Result<Rc<Vec<u8>>, Fault> {
     if let Some(inline) = uri.strip_prefix("data:") {
         return bytes_of_inline(inline)
             .map(Rc::new)
-            .map_err(|what| Fault::at(format!("buffer {number}"), what));
+            .map_err(|wrong| Fault::at(what, wrong));
     }
     let name = percent_decode_str(uri).decode_utf8_lossy();
     folder.read(&name)

@@ -37,9 +37,9 @@ const KNOWN: [&str; 22] = [
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_lights_punctual",
-    // Textures are not drawn yet, nor is motion.
-    "KHR_texture_basisu",
     "KHR_texture_transform",
+    // Without these, a material has its colour; motion is not drawn.
+    "KHR_texture_basisu",
     "EXT_texture_webp",
     "KHR_animation_pointer",
 ];

@@ -24,7 +24,9 @@ pub(super) struct Document {
     pub(super) accessors: Vec<Accessor>,
     pub(super) buffer_views: Vec<View>,
     pub(super) buffers: Vec<Buffer>,
-    pub(super) textures: Vec<IgnoredAny>,
+    pub(super) textures: Vec<GltfTexture>,
+    pub(super) images: Vec<Image>,
+    pub(super) samplers: Vec<Sampler>,
     pub(super) animations: Vec<IgnoredAny>,
     pub(super) extensions_used: Vec<String>,
     pub(super) extensions_required: Vec<String>,
@@ -120,18 +122,58 @@ pub(super) struct GltfAttributes {
     pub(super) normal: Option<u32>,
     #[serde(rename = "COLOR_0")]
     pub(super) colour: Option<u32>,
+    #[serde(rename = "TEXCOORD_0")]
+    uvs_0: Option<u32>,
+    #[serde(rename = "TEXCOORD_1")]
+    uvs_1: Option<u32>,
+    #[serde(rename = "TEXCOORD_2")]
+    uvs_2: Option<u32>,
+    #[serde(rename = "TEXCOORD_3")]
+    uvs_3: Option<u32>,
 }
 
 impl GltfAttributes {
     /// All of them, in the same order for each part.
-    pub(super) fn all(&mut self) -> [Option<&mut u32>; 3] {
+    pub(super) fn all(&mut self) -> [Option<&mut u32>; 7] {
         let Self {
             position,
             normal,
             colour,
+            uvs_0,
+            uvs_1,
+            uvs_2,
+            uvs_3,
         } = self;
-        [position, normal, colour].map(Option::as_mut)
+        [position, normal, colour, uvs_0, uvs_1, uvs_2, uvs_3].map(Option::as_mut)
     }
+
+    /// A set of places on textures.
+    pub(super) fn uvs(&self, set: u32) -> Option<u32> {
+        let sets = [self.uvs_0, self.uvs_1, self.uvs_2, self.uvs_3];
+        sets.get(set as usize).copied().flatten()
+    }
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct GltfTexture {
+    pub(super) source: Option<u32>,
+    pub(super) sampler: Option<u32>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Image {
+    pub(super) name: Option<String>,
+    pub(super) uri: Option<String>,
+    pub(super) buffer_view: Option<u32>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Sampler {
+    pub(super) wrap_s: Option<u32>,
+    pub(super) wrap_t: Option<u32>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -148,6 +190,10 @@ pub(super) struct GltfMaterial {
     pub(super) name: Option<String>,
     pub(super) pbr_metallic_roughness: BaseColour,
     pub(super) alpha_mode: Option<String>,
+    pub(super) alpha_cutoff: Option<f64>,
+    pub(super) normal_texture: Option<IgnoredAny>,
+    pub(super) occlusion_texture: Option<IgnoredAny>,
+    pub(super) emissive_texture: Option<IgnoredAny>,
     pub(super) double_sided: bool,
     pub(super) extensions: Extensions,
 }
@@ -157,6 +203,37 @@ pub(super) struct GltfMaterial {
 pub(super) struct BaseColour {
     #[serde(rename = "baseColorFactor")]
     pub(super) factor: Option<[f64; 4]>,
+    #[serde(rename = "baseColorTexture")]
+    pub(super) texture: Option<TextureNamed>,
+    #[serde(rename = "metallicRoughnessTexture")]
+    pub(super) metal: Option<IgnoredAny>,
+}
+
+/// Which texture a material has, and how it lies.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct TextureNamed {
+    pub(super) index: u32,
+    #[serde(rename = "texCoord")]
+    pub(super) set: u32,
+    pub(super) extensions: TextureExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct TextureExtensions {
+    #[serde(rename = "KHR_texture_transform")]
+    pub(super) transform: Option<Transform>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Transform {
+    pub(super) offset: Option<[f64; 2]>,
+    pub(super) rotation: Option<f64>,
+    pub(super) scale: Option<[f64; 2]>,
+    #[serde(rename = "texCoord")]
+    pub(super) set: Option<u32>,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -20,6 +20,8 @@ pub(super) struct MeshReader<'a> {
     pub(super) accessors: &'a Accessors<'a>,
     /// For each material, whether its alpha has no meaning.
     pub(super) opaque: Vec<bool>,
+    /// For each material the set of places on textures that it takes.
+    pub(super) uv_sets: Vec<Option<u32>>,
     /// The number of the material of parts that have none.
     pub(super) without_material: u32,
     pub(super) repairs: Repairs,
@@ -63,6 +65,7 @@ struct Streams {
     positions: u32,
     normals: Option<u32>,
     colours: Option<u32>,
+    uvs: Option<u32>,
     opaque: bool,
 }
 
@@ -103,6 +106,7 @@ impl MeshReader<'_> {
             let what = format!("names material {material}, which is not there");
             return Err(Fault::at(place, what));
         };
+        let uv_set = self.uv_sets.get(material as usize).copied().flatten();
         let Some(positions) = primitive.attributes.position else {
             count(&mut self.repairs, "primitives_without_positions", 1);
             return Ok(());
@@ -111,6 +115,7 @@ impl MeshReader<'_> {
             positions,
             normals: primitive.attributes.normal,
             colours: primitive.attributes.colour,
+            uvs: uv_set.and_then(|set| primitive.attributes.uvs(set)),
             opaque: *opaque,
         };
         if primitive.mode == Some(POINTS) {
@@ -217,7 +222,12 @@ impl MeshReader<'_> {
             mesh.colours.resize(first, WHITE);
             mesh.colours.extend(self.colours(number, streams.opaque)?);
         }
+        if let Some(number) = streams.uvs {
+            mesh.uvs.resize(first, [0.0; 2]);
+            mesh.uvs.extend(self.uvs(number)?);
+        }
         fill(&mut mesh.normals, first + count, [0.0; 3]);
+        fill(&mut mesh.uvs, first + count, [0.0; 2]);
         fill(&mut mesh.colours, first + count, WHITE);
         Ok(Vertices { first, count })
     }
@@ -262,7 +272,8 @@ impl MeshReader<'_> {
 
     /// Refuses streams of different lengths before they are read.
     fn check_lengths(&self, streams: Streams, count: usize) -> Result<(), Fault> {
-        for number in [streams.normals, streams.colours].into_iter().flatten() {
+        let lists = [streams.normals, streams.colours, streams.uvs];
+        for number in lists.into_iter().flatten() {
             let found = self.accessors.count(number)?;
             if found != count as u64 {
                 let what = format!(
@@ -273,6 +284,21 @@ impl MeshReader<'_> {
             }
         }
         Ok(())
+    }
+
+    fn uvs(&self, number: u32) -> Result<Vec<[f32; 2]>, Fault> {
+        let uvs = self.accessors.rows::<2>(number, &[2])?;
+        let checked = uvs.into_iter().enumerate().map(|(index, uv)| {
+            let uv = uv.map(|along| along as f32);
+            match uv.iter().all(|along| along.is_finite()) {
+                true => Ok(uv),
+                false => {
+                    let what = format!("element {index} is {uv:?}, which is no place");
+                    Err(Fault::at(format!("accessor {number}"), what))
+                }
+            }
+        });
+        checked.collect()
     }
 
     fn colours(&self, number: u32, opaque: bool) -> Result<Vec<[f32; 4]>, Fault> {

@@ -8,6 +8,7 @@ mod json;
 mod mesh;
 mod meshopt;
 mod nodes;
+mod textures;
 
 use std::collections::HashMap;
 
@@ -19,6 +20,7 @@ use accessor::Accessors;
 use buffers::Buffers;
 use json::{Document, GltfMaterial};
 use mesh::{MeshReader, Points};
+use textures::{TextureReader, uv_set};
 
 /// Reads a `.gltf` or `.glb` file; objects without a name are called `name` and a number.
 pub(super) fn read(
@@ -35,7 +37,7 @@ pub(super) fn read(
         buffers,
     };
     let mut scene = SourceScene::default();
-    let mut materials: Vec<Material> = document.materials.iter().map(material).collect();
+    let mut materials = materials(&accessors, folder, &mut scene)?;
     let mut meshes = MeshReader {
         accessors: &accessors,
         opaque: document
@@ -44,6 +46,7 @@ pub(super) fn read(
             .map(is_opaque)
             .chain([true])
             .collect(),
+        uv_sets: document.materials.iter().map(uv_set).collect(),
         without_material: materials.len() as u32,
         repairs: Repairs::new(),
         factors: materials.iter().map(|it| it.colour).collect(),
@@ -86,7 +89,7 @@ pub(super) fn read(
     let default = meshes.without_material;
     let is_used = |mesh: &SourceMesh| mesh.materials.contains(&default);
     materials.extend(scene.meshes.iter().any(is_used).then(Material::default));
-    scene.repairs = meshes.repairs;
+    scene.repairs.extend(meshes.repairs);
     scene.materials = materials;
     add_remarks(&mut scene, &document, object_of.keys());
     Ok(scene)
@@ -106,6 +109,26 @@ fn is_opaque(said: &GltfMaterial) -> bool {
         .is_none_or(|mode| mode == "OPAQUE")
 }
 
+fn materials(
+    accessors: &Accessors<'_>,
+    folder: &mut dyn Folder,
+    scene: &mut SourceScene,
+) -> Result<Vec<Material>, Fault> {
+    let mut textures = TextureReader {
+        accessors,
+        folder,
+        images: HashMap::new(),
+    };
+    let all = accessors.document.materials.iter();
+    let read = all.map(|said| {
+        Ok(Material {
+            texture: textures.read(said, scene)?,
+            ..material(said)
+        })
+    });
+    read.collect()
+}
+
 fn material(said: &GltfMaterial) -> Material {
     let factor = said.pbr_metallic_roughness.factor.unwrap_or([1.0; 4]);
     let mut colour = factor.map(|part| part.clamp(0.0, 1.0) as f32);
@@ -117,6 +140,7 @@ fn material(said: &GltfMaterial) -> Material {
         colour,
         two_sided: said.double_sided,
         unlit: said.extensions.contains_key("KHR_materials_unlit"),
+        texture: None,
     }
 }
 
@@ -126,9 +150,7 @@ fn add_remarks<'a>(
     document: &Document,
     meshes: impl Iterator<Item = &'a u32>,
 ) {
-    if !document.textures.is_empty() {
-        scene.remark_textures();
-    }
+    add_remarks_of_materials(scene, document);
     let mut parts = meshes.flat_map(|mesh| &document.meshes[*mesh as usize].primitives);
     if parts.any(|part| !part.targets.is_empty()) {
         scene.remark("shapes that morph are shown at rest");
@@ -148,6 +170,35 @@ fn add_remarks<'a>(
             "extensions that are not drawn: {}",
             lost.join(", ")
         ));
+    }
+}
+
+/// Says what of materials is not drawn.
+fn add_remarks_of_materials(scene: &mut SourceScene, document: &Document) {
+    let any = |has: fn(&GltfMaterial) -> bool| document.materials.iter().any(has);
+    let metal = |it: &GltfMaterial| it.pbr_metallic_roughness.metal.is_some();
+    for (is_lost, remark) in [
+        (
+            any(|it| it.normal_texture.is_some()),
+            "normal maps are not drawn",
+        ),
+        (any(metal), "metal and roughness are not drawn"),
+        (
+            any(|it| it.occlusion_texture.is_some()),
+            "shade in occlusion maps is not drawn",
+        ),
+        (
+            any(|it| it.emissive_texture.is_some()),
+            "light that surfaces give off is not drawn",
+        ),
+        (
+            any(|it| it.alpha_mode.as_deref() == Some("BLEND")),
+            "what is half transparent is drawn opaque",
+        ),
+    ] {
+        if is_lost {
+            scene.remark(remark);
+        }
     }
 }
 

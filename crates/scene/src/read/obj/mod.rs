@@ -8,14 +8,17 @@ mod mtl;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
-use glam::{DAffine3, DVec3};
+use foveal_core::content::images::wrap::Wrap;
+use glam::{DAffine2, DAffine3, DVec2, DVec3};
 
 use super::colour::linear_from_rgba;
 use super::error::Fault;
 use super::files::Folder;
 use super::sound::count;
 use super::text::{Words, lines, shortened};
-use crate::source::{Material, SourceMesh, SourceObject, SourceScene};
+use crate::source::{
+    Material, MaterialTexture, SourceImage, SourceMesh, SourceObject, SourceScene,
+};
 use mtl::Library;
 
 /// Reads an OBJ file into one object called `name`.
@@ -30,6 +33,8 @@ pub(super) fn read(
         places: Vec::new(),
         place_colours: Vec::new(),
         normals: Vec::new(),
+        uvs: Vec::new(),
+        images: HashMap::new(),
         vertices: HashMap::new(),
         library: Library::default(),
         libraries: HashSet::new(),
@@ -53,14 +58,26 @@ struct Reader<'a> {
     place_colours: Vec<[f32; 4]>,
     /// What `vn` lines say.
     normals: Vec<[f32; 3]>,
-    /// The vertex of the mesh for each place and normal.
-    vertices: HashMap<(u32, Option<u32>), u32>,
+    /// What `vt` lines say.
+    uvs: Vec<[f32; 2]>,
+    /// The vertex of the mesh for each place, texture place and normal.
+    vertices: HashMap<Corner, u32>,
+    /// The pictures that were read, by name; `None` for one that is missing.
+    images: HashMap<String, Option<usize>>,
     library: Library,
     /// What `mtllib` lines name: each is read once.
     libraries: HashSet<String>,
     material_numbers: HashMap<String, u32>,
     material: Option<u32>,
     folder: &'a mut dyn Folder,
+}
+
+/// What a corner of a face names, by numbers of lines.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Corner {
+    place: u32,
+    uv: Option<u32>,
+    normal: Option<u32>,
 }
 
 /// Each costs a search on the disk; exporters write one.
@@ -76,9 +93,17 @@ impl Reader<'_> {
                 self.normals.push(normal.map(|along| along as f32));
                 Ok(())
             }
+            Some("vt") => {
+                let u = words.number("a place on a texture")?;
+                let v = words.number_if_any("a place on a texture")?.unwrap_or(0.0);
+                // Here 0 is at the bottom of pictures.
+                self.uvs
+                    .push([u, 1.0 - v].map(|along| along.clamp(-1e6, 1e6) as f32));
+                Ok(())
+            }
             Some("f" | "fo") => self.read_face(words),
             Some("usemtl") => {
-                self.use_material(&words.rest());
+                self.use_material(&words.rest())?;
                 Ok(())
             }
             Some("mtllib") => self.read_library(words),
@@ -132,7 +157,7 @@ impl Reader<'_> {
                 .map_err(|what| Fault::line(words.line, what))?;
             corners += 1;
             if let (Some(first), Some(before)) = (first, before) {
-                self.add_triangle([first, before, next]);
+                self.add_triangle([first, before, next])?;
             }
             before = first.is_some().then_some(next);
             first = first.or(Some(next));
@@ -142,13 +167,14 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn add_triangle(&mut self, triangle: [u32; 3]) {
+    fn add_triangle(&mut self, triangle: [u32; 3]) -> Result<(), Fault> {
         let material = match self.material {
             Some(material) => material,
-            None => self.use_material(""),
+            None => self.use_material("")?,
         };
         self.mesh.triangles.push(triangle);
         self.mesh.materials.push(material);
+        Ok(())
     }
 
     /// The vertex of the mesh that `place`, `place/texture`, `place//normal` or
@@ -156,20 +182,26 @@ impl Reader<'_> {
     fn corner(&mut self, word: &str) -> Result<u32, String> {
         let mut parts = word.split('/');
         let place = index(parts.next().unwrap_or(""), self.places.len(), "vertex")?;
-        let normal = match parts.nth(1) {
+        let uv = match parts.next() {
+            None | Some("") => None,
+            // Some programs name what they do not write.
+            Some(uv) => index(uv, self.uvs.len(), "place on a texture").ok(),
+        };
+        let normal = match parts.next() {
             None | Some("") => None,
             Some(normal) => Some(index(normal, self.normals.len(), "normal")?),
         };
+        let corner = Corner { place, uv, normal };
         let next = u32::try_from(self.mesh.positions.len())
             .map_err(|_| "there are more vertices than 4294967295".to_owned())?;
-        let vertex = *self.vertices.entry((place, normal)).or_insert(next);
+        let vertex = *self.vertices.entry(corner).or_insert(next);
         if vertex == next {
-            self.add_vertex(place, normal);
+            self.add_vertex(corner);
         }
         Ok(vertex)
     }
 
-    fn add_vertex(&mut self, place: u32, normal: Option<u32>) {
+    fn add_vertex(&mut self, Corner { place, uv, normal }: Corner) {
         let vertices = self.mesh.positions.len();
         self.mesh.positions.push(self.places[place as usize]);
         if normal.is_some() || !self.mesh.normals.is_empty() {
@@ -178,6 +210,11 @@ impl Reader<'_> {
             let normal = normal.map_or([0.0; 3], |normal| self.normals[normal as usize]);
             self.mesh.normals.push(normal);
         }
+        if uv.is_some() || !self.mesh.uvs.is_empty() {
+            self.mesh.uvs.resize(vertices, [0.0; 2]);
+            let uv = uv.map_or([0.0; 2], |uv| self.uvs[uv as usize]);
+            self.mesh.uvs.push(uv);
+        }
         let colour = self.place_colours.get(place as usize);
         if colour.is_some() || !self.mesh.colours.is_empty() {
             self.mesh.colours.resize(vertices, WHITE);
@@ -185,7 +222,7 @@ impl Reader<'_> {
         }
     }
 
-    fn use_material(&mut self, name: &str) -> u32 {
+    fn use_material(&mut self, name: &str) -> Result<u32, Fault> {
         let number = match self.material_numbers.get(name) {
             Some(number) => *number,
             None => {
@@ -193,17 +230,59 @@ impl Reader<'_> {
                 let known = self.library.materials.get(name).cloned();
                 let lost = usize::from(known.is_none() && !name.is_empty());
                 count(&mut self.scene.repairs, "materials_not_found", lost);
-                self.scene.materials.push(known.unwrap_or_else(|| Material {
+                let mut material = known.unwrap_or_else(|| Material {
                     name: name.to_owned(),
                     two_sided: true,
                     ..Material::default()
-                }));
+                });
+                material.texture = self.texture(name)?;
+                self.scene.materials.push(material);
                 self.material_numbers.insert(name.to_owned(), number);
                 number
             }
         };
         self.material = Some(number);
-        number
+        Ok(number)
+    }
+
+    /// How a material shows a picture.
+    fn texture(&mut self, material: &str) -> Result<Option<MaterialTexture>, Fault> {
+        let Some(map) = self.library.pictures.get(material).cloned() else {
+            return Ok(None);
+        };
+        let image = match self.images.get(&map.file) {
+            Some(known) => *known,
+            None => {
+                let image = match self.folder.read(&map.file) {
+                    Ok(bytes) => {
+                        self.scene.images.push(SourceImage {
+                            name: map.file.clone(),
+                            bytes: bytes.as_slice().into(),
+                        });
+                        Some(self.scene.images.len() - 1)
+                    }
+                    Err(Fault::Missing { .. }) => None,
+                    Err(fault) => return Err(fault),
+                };
+                let missing = usize::from(image.is_none());
+                count(&mut self.scene.repairs, "missing_images", missing);
+                *self.images.entry(map.file).or_insert(image)
+            }
+        };
+        let wrap = if map.clamps {
+            Wrap::Clamp
+        } else {
+            Wrap::Repeat
+        };
+        // The picture's rows count from its top, the file's from the bottom.
+        let [u, v] = map.scale;
+        let offset = DVec2::new(map.offset[0], 1.0 - v - map.offset[1]);
+        Ok(image.map(|image| MaterialTexture {
+            image,
+            wrap: [wrap; 2],
+            picture_from_uv: DAffine2::from_scale_angle_translation(DVec2::new(u, v), 0.0, offset),
+            cutoff: None,
+        }))
     }
 
     /// The files of one line: their names have no blanks, unless it is one name.
@@ -240,9 +319,6 @@ impl Reader<'_> {
                 self.library
                     .read(&bytes)
                     .map_err(|fault| in_library(name, fault))?;
-                if self.library.has_textures {
-                    self.scene.remark_textures();
-                }
             }
             Err(Fault::Missing { reason, .. }) => {
                 let missing = "material_files_missing";
@@ -274,7 +350,7 @@ impl Reader<'_> {
 
     fn vertices_in_no_face(&self) -> usize {
         let mut used = vec![false; self.places.len()];
-        for (place, _) in self.vertices.keys() {
+        for Corner { place, .. } in self.vertices.keys() {
             used[*place as usize] = true;
         }
         used.iter().filter(|used| !**used).count()

@@ -13,7 +13,66 @@ use crate::source::Material;
 #[derive(Debug, Default)]
 pub(super) struct Library {
     pub(super) materials: HashMap<String, Material>,
-    pub(super) has_textures: bool,
+    /// The pictures of materials, by name, and how they lie.
+    pub(super) pictures: HashMap<String, MapOptions>,
+}
+
+/// What `map_Kd` says.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct MapOptions {
+    /// Name of the file.
+    pub(super) file: String,
+    pub(super) scale: [f64; 2],
+    pub(super) offset: [f64; 2],
+    pub(super) clamps: bool,
+}
+
+impl MapOptions {
+    /// Options with their values, then a name, maybe with blanks.
+    fn read(words: &mut Words<'_>) -> Self {
+        let mut options = Self {
+            file: String::new(),
+            scale: [1.0; 2],
+            offset: [0.0; 2],
+            clamps: false,
+        };
+        let mut rest = words.rest();
+        while let Some((name, behind)) = rest.split_once(' ').filter(|(it, _)| it.starts_with('-'))
+        {
+            let most = match name {
+                "-o" | "-s" | "-t" => 3,
+                "-mm" => 2,
+                _ => 1,
+            };
+            let is_of_it = |(at, word): &(usize, &str)| match most {
+                1 => *at < 1,
+                _ => *at < most && word.parse::<f64>().is_ok(),
+            };
+            let values: Vec<&str> = behind
+                .split(' ')
+                .enumerate()
+                .take_while(is_of_it)
+                .map(|it| it.1)
+                .collect();
+            let number = |at: usize| values.get(at).and_then(|it| it.parse().ok());
+            let target = match name {
+                "-o" => Some(&mut options.offset),
+                "-s" => Some(&mut options.scale),
+                _ => None,
+            };
+            for (at, along) in target.into_iter().flatten().enumerate() {
+                *along = number(at).unwrap_or(*along);
+            }
+            options.clamps |= name == "-clamp" && values.first() == Some(&"on");
+            rest = behind
+                .split(' ')
+                .skip(values.len())
+                .collect::<Vec<_>>()
+                .join(" ");
+        }
+        options.file = rest;
+        options
+    }
 }
 
 impl Library {
@@ -31,7 +90,10 @@ impl Library {
                 });
                 self.add(begun);
             } else if let Some(material) = &mut current {
-                self.has_textures |= keyword == "map_Kd";
+                if keyword == "map_Kd" {
+                    let options = MapOptions::read(&mut words);
+                    self.pictures.insert(material.name.clone(), options);
+                }
                 read_property(material, keyword, &mut words)?;
             }
         }

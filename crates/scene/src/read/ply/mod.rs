@@ -60,7 +60,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         ..SourceScene::default()
     };
     if header.has_textures {
-        scene.remark_textures();
+        scene.remark("textures of PLY files are not drawn: export the mesh as glTF");
     }
     Ok(scene)
 }

@@ -41,6 +41,7 @@ pub(super) fn build(
             let options = BuildOptions {
                 bits,
                 jobs,
+                exact: false,
                 signatures,
             };
             black_box(build_units(source, &options, &|_, _| ())?);

@@ -11,6 +11,7 @@ use foveal_core::content::policy::Policy;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::demand::SceneDemand;
 use foveal_core::content::scene::pack::ScenePack;
+use foveal_core::content::scene::unit_table::UnitKind;
 use foveal_core::perception::moment::Moment;
 use foveal_core::selection::greedy::Rule;
 use foveal_eval::bench_cases::{SCENE_BUDGET_BYTES, UNITS, scene_catalog, scene_value_at};
@@ -72,6 +73,9 @@ fn clusters(subject: &Subject) -> anyhow::Result<usize> {
     let file = &subject.file;
     let mut clusters = 0;
     for unit in file.pack().units() {
+        if file.pack().row(unit).kind != UnitKind::Mesh {
+            continue;
+        }
         let places = file.scene().object_of(unit).placements.len();
         clusters += places * file.read_mesh(unit)?.clusters.len();
     }

@@ -14,7 +14,14 @@ pub struct MeshVertex {
     pub normal: [i8; 2],
     /// Colour: red, green and blue as sRGB codes, and alpha; zeros where the object has none.
     pub colour: [u8; 4],
+    /// Place on the textures, on the object's grid of them; zeros where it has none.
+    pub uv: [u16; 2],
+    /// Which of the object's textures it has, [`NO_TEXTURE`] for none; 0 where the object has none.
+    pub texture: u8,
 }
+
+/// Stands for no texture of an object's.
+pub const NO_TEXTURE: u8 = 255;
 
 impl MeshVertex {
     /// A vertex that has a place alone.

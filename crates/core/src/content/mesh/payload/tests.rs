@@ -3,9 +3,12 @@
 use super::*;
 use proptest::prelude::*;
 
-fn all_attributes() -> [Attributes; 4] {
-    let of = |(normals, colours)| Attributes { normals, colours };
-    [(false, false), (true, false), (false, true), (true, true)].map(of)
+fn all_attributes() -> [Attributes; 8] {
+    core::array::from_fn(|flags| Attributes {
+        normals: flags & 1 > 0,
+        colours: flags & 2 > 0,
+        textured: flags & 4 > 0,
+    })
 }
 
 /// A unit whose second cluster shares vertices with the first.
@@ -22,6 +25,11 @@ fn unit(attributes: Attributes) -> MeshUnit {
         } else {
             [0; 4]
         },
+        uv: match attributes.textured {
+            true => [number, 60_000 - 5 * number],
+            false => [0; 2],
+        },
+        texture: u8::from(attributes.textured) * (number / 7) as u8,
     };
     let strip = |count: u8| (2..count).map(|it| [it - 2, it - 1, it]).collect();
     MeshUnit {

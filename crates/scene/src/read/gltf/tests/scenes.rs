@@ -177,7 +177,6 @@ fn what_is_not_drawn_is_said() {
     made.json["extensionsUsed"] = json!(["KHR_materials_unlit", "EXT_odd"]);
     made.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 0}]);
     let said = [
-        "textures are not drawn yet",
         "shapes that morph are shown at rest",
         "animations are not played",
         "extensions that are not drawn: EXT_odd",

@@ -1,0 +1,380 @@
+//! Which units does each texture become?
+
+use super::built::{BuildError, BuiltUnit};
+use super::mesh::GridMesh;
+use super::regions::{Region, regions};
+use super::sphere::LocalSphere;
+use super::textures::{ShownImage, ShownImages};
+use crate::read::image;
+use crate::source::SourceScene;
+use foveal_core::content::images::halving::Halving;
+use foveal_core::content::images::payload::{PageCodec, page_bytes};
+use foveal_core::content::images::picture::TexturePicture;
+use foveal_core::content::images::shape::{PagePlace, TextureShape};
+use foveal_core::content::scene::description::{SceneTexture, most_growth};
+use foveal_core::content::scene::unit_table::{OF_ALL, UnitKind, UnitRow};
+use foveal_core::pack::PackError;
+use foveal_core::pack::unit::UnitId;
+use foveal_core::perception::luminance::grey_from_rgb;
+use foveal_core::perception::measures::contrast::Signature;
+use foveal_core::perception::measures::signature::signature_of;
+use foveal_core::view::picture::{Colour, Matrix, Picture};
+use glam::DVec3;
+use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Quality of pages as JPEG, on the scale of the Independent JPEG Group: what photographs of
+/// surfaces are mostly stored with, so that a page is no larger than its part of the source.
+const JPEG_QUALITY: u8 = 85;
+/// How luma is told of for a signature.
+const GREY: Colour = Colour {
+    matrix: Matrix::Bt709,
+    full_range: true,
+    chroma_left: false,
+};
+
+/// A page of a texture, written.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct BuiltPage {
+    /// Where in its texture.
+    pub place: PagePlace,
+    /// Which page of the texture it lies in, by its place in their list; none of a root.
+    pub coarser: Option<usize>,
+    row: UnitRow,
+    payload: Vec<u8>,
+}
+
+impl BuiltPage {
+    /// The page as a unit, given its level and the units of all pages of its texture.
+    pub(super) fn unit(&self, level: u8, unit_of: &[UnitId]) -> BuiltUnit {
+        BuiltUnit {
+            level,
+            row: UnitRow {
+                needs: self.coarser.map(|it| unit_of[it]).into_iter().collect(),
+                ..self.row.clone()
+            },
+            payload: self.payload.clone(),
+        }
+    }
+}
+
+/// The textures of a scene, written.
+#[derive(Clone, Debug, Default)]
+pub(super) struct WrittenTextures {
+    /// What is told of each.
+    pub textures: Vec<SceneTexture>,
+    /// The pages of each.
+    pub all: Vec<Vec<BuiltPage>>,
+    /// Number of pictures that are broken: their texture is white, so that colours stand as they
+    /// are.
+    pub broken: u64,
+}
+
+/// Writes the textures that meshes show, and tells these their numbers.
+///
+/// One texture after the other is in memory.
+pub(super) fn write(
+    source: &SourceScene,
+    shown: &ShownImages,
+    meshes: &mut [GridMesh],
+    exact: bool,
+) -> Result<WrittenTextures, BuildError> {
+    let mut written = WrittenTextures::default();
+    for number in 0..shown.all.len() as u16 {
+        let seen = seen_regions(meshes, number, &shown.all[usize::from(number)]);
+        if seen.regions.is_empty() {
+            continue;
+        }
+        let about = &shown.all[usize::from(number)];
+        let texture = Texture {
+            number: written.all.len() as u16,
+            about: ShownImage { ..*about },
+            exact,
+            seen,
+        };
+        let image = &source.images[about.image];
+        let picture = image::decode(&image.bytes);
+        written.broken += u64::from(picture.is_none());
+        let (told, pages) = texture.write(&image.name, picture)?;
+        written.textures.push(told);
+        written.all.push(pages);
+        for texturing in meshes
+            .iter_mut()
+            .filter_map(|it| it.object.texturing.as_mut())
+        {
+            let numbers = texturing.textures.iter_mut();
+            let own = numbers.filter(|it| **it == number);
+            own.for_each(|it| *it = texture.number);
+        }
+    }
+    Ok(written)
+}
+
+/// Which parts of surfaces show the pages of level 0 of a texture.
+struct SeenRegions {
+    /// The object that all of them are of, or [`OF_ALL`].
+    object: u16,
+    regions: BTreeMap<PagePlace, Region>,
+}
+
+fn seen_regions(meshes: &[GridMesh], texture: u16, image: &ShownImage) -> SeenRegions {
+    let of_mesh = meshes.par_iter().enumerate().map(|(object, mesh)| {
+        let slots = mesh.object.texturing.iter().flat_map(|it| &it.textures);
+        let slot = slots.zip(0..).find(|(it, _)| **it == texture);
+        let regions = slot.map(|(_, slot)| regions(mesh, slot, image));
+        (object, regions.unwrap_or_default())
+    });
+    let of_mesh: Vec<_> = of_mesh.collect();
+    let mut of_mesh: Vec<_> = of_mesh
+        .into_iter()
+        .filter(|(_, it)| !it.is_empty())
+        .collect();
+    if let [(object, regions)] = &mut of_mesh[..] {
+        return SeenRegions {
+            object: *object as u16,
+            regions: std::mem::take(regions),
+        };
+    }
+    let mut in_world: BTreeMap<PagePlace, Vec<Region>> = BTreeMap::new();
+    for (object, regions) in of_mesh {
+        let object = &meshes[object].object;
+        for (page, region) in regions {
+            let placed = object.placements().map(|world_from_object| {
+                let origin = DVec3::from_array(object.grid.origin);
+                let centre = origin + DVec3::from_array(region.sphere.centre.map(f64::from));
+                let centre = world_from_object.transform_point3(centre);
+                let growth = most_growth(&world_from_object);
+                let rounded = centre.as_vec3();
+                let off = (centre - rounded.as_dvec3()).length();
+                let radius = f64::from(region.sphere.radius) * growth + off;
+                Region {
+                    sphere: LocalSphere {
+                        centre: rounded.to_array(),
+                        radius: (radius as f32).next_up(),
+                    },
+                    texel: region.texel * growth,
+                }
+            });
+            in_world.entry(page).or_default().extend(placed);
+        }
+    }
+    let regions = in_world.into_iter().map(|(page, all)| (page, round(&all)));
+    SeenRegions {
+        object: OF_ALL,
+        regions: regions.collect(),
+    }
+}
+
+/// What encloses regions, of which there is at least one.
+fn round(regions: &[Region]) -> Region {
+    if let [region] = regions {
+        return *region;
+    }
+    let spheres: Vec<LocalSphere> = regions.iter().map(|it| it.sphere).collect();
+    Region {
+        sphere: LocalSphere::round(&spheres),
+        texel: regions.iter().map(|it| it.texel).fold(0.0, f64::max),
+    }
+}
+
+/// A texture on its way to pages.
+struct Texture {
+    number: u16,
+    about: ShownImage,
+    exact: bool,
+    seen: SeenRegions,
+}
+
+/// A page whose texels are not cut out yet.
+struct Planned {
+    place: PagePlace,
+    region: Region,
+}
+
+impl Texture {
+    /// What is told of it, and its pages: coarsest first. A broken picture is white.
+    fn write(
+        &self,
+        name: &str,
+        picture: Option<TexturePicture>,
+    ) -> Result<(SceneTexture, Vec<BuiltPage>), PackError> {
+        let (shape, mut level) = match picture {
+            Some(picture) => (
+                TextureShape {
+                    size: self.about.size,
+                },
+                picture,
+            ),
+            None => (
+                TextureShape { size: [1, 1] },
+                TexturePicture::of_one([255; 4]),
+            ),
+        };
+        if self.about.cutoff.is_none() {
+            level.texels.par_iter_mut().for_each(|it| it[3] = 255);
+        }
+        let halving = Halving::default();
+        let planned = self.planned(&shape);
+        let mut pages = Vec::new();
+        for (number, planned) in planned.iter().enumerate() {
+            if number > 0 {
+                level = halving.halved(&level);
+            }
+            let written = planned.par_iter().map(|it| self.page(&shape, &level, it));
+            pages.push(written.collect::<Result<Vec<_>, _>>()?);
+        }
+        while level.size != [1, 1] {
+            level = halving.halved(&level);
+        }
+        let [r, g, b, _] = level.at([0, 0]);
+        let told = SceneTexture {
+            name: name.to_owned(),
+            size: shape.size,
+            wrap: self.about.wrap,
+            colour: [r, g, b].map(|it| halving.light(it)),
+            cutoff: self.about.cutoff,
+        };
+        Ok((told, linked(pages)))
+    }
+
+    /// The pages of each level, finest first; each in order.
+    fn planned(&self, shape: &TextureShape) -> Vec<Vec<Planned>> {
+        let in_order = |level: BTreeMap<PagePlace, Region>| {
+            let pages = level.into_iter();
+            pages
+                .map(|(place, region)| Planned { place, region })
+                .collect()
+        };
+        let is_there = |page: &PagePlace| shape.page_size(*page).is_some();
+        let mut level = self.seen.regions.clone();
+        if !level.keys().all(is_there) {
+            // The picture is broken: one page has all.
+            let all: Vec<Region> = level.values().copied().collect();
+            level = BTreeMap::from([(PagePlace::default(), round(&all))]);
+        }
+        let mut levels = Vec::new();
+        for _ in 0..shape.root() {
+            let mut coarser: BTreeMap<PagePlace, Vec<Region>> = BTreeMap::new();
+            for (page, region) in &level {
+                coarser.entry(page.coarser()).or_default().push(*region);
+            }
+            let coarser = coarser.into_iter().map(|(page, all)| (page, round(&all)));
+            let finer = std::mem::replace(&mut level, coarser.collect());
+            levels.push(in_order(finer));
+        }
+        levels.push(in_order(level));
+        levels
+    }
+
+    fn page(
+        &self,
+        shape: &TextureShape,
+        level: &TexturePicture,
+        planned: &Planned,
+    ) -> Result<BuiltPage, PackError> {
+        let Planned { place, region } = planned;
+        let picture = shape.cut(level, *place, self.about.wrap);
+        let codec = match self.exact || self.about.cutoff.is_some() {
+            true => PageCodec::Png,
+            false => PageCodec::Jpeg,
+        };
+        let file = match codec {
+            PageCodec::Png => png_of(&picture, self.about.cutoff.is_some()),
+            PageCodec::Jpeg => jpeg_of(&picture),
+        };
+        let file = file.map_err(|found| PackError {
+            field: "page of a texture".to_owned(),
+            found,
+            expected: "a file".to_owned(),
+        })?;
+        let is_root = place.level == shape.root();
+        let texel_of_coarser = region.texel * f64::from(1_u32 << (place.level + 1));
+        let [columns, rows] = shape.page_size(*place).unwrap_or_default();
+        Ok(BuiltPage {
+            place: *place,
+            coarser: None,
+            row: UnitRow {
+                kind: UnitKind::Image,
+                object: self.seen.object,
+                centre: region.sphere.centre,
+                radius: region.sphere.radius,
+                error: if is_root {
+                    f32::INFINITY
+                } else {
+                    texel_of_coarser as f32
+                },
+                signature: if is_root {
+                    Signature::default()
+                } else {
+                    signature(&picture)
+                },
+                samples: columns * rows,
+                ..UnitRow::default()
+            },
+            payload: page_bytes(self.number, *place, codec, &file),
+        })
+    }
+}
+
+/// All pages, coarsest level first, each told which one it lies in.
+fn linked(levels: Vec<Vec<BuiltPage>>) -> Vec<BuiltPage> {
+    let mut pages: Vec<BuiltPage> = levels.into_iter().rev().flatten().collect();
+    let numbers: BTreeMap<PagePlace, usize> = pages.iter().map(|it| it.place).zip(0..).collect();
+    for page in &mut pages {
+        page.coarser = numbers.get(&page.place.coarser()).copied();
+    }
+    pages
+}
+
+fn signature(picture: &TexturePicture) -> Signature {
+    let rgb: Vec<[u8; 3]> = picture
+        .texels
+        .iter()
+        .map(|[r, g, b, _]| [*r, *g, *b])
+        .collect();
+    let [width, height] = picture.size;
+    let grey = Picture {
+        width,
+        height,
+        planes: [grey_from_rgb(&rgb), Vec::new(), Vec::new()],
+    };
+    signature_of(&grey, GREY, 2)
+}
+
+fn rgb_of(picture: &TexturePicture) -> Vec<u8> {
+    let texels = picture.texels.iter();
+    texels.flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
+}
+
+fn jpeg_of(picture: &TexturePicture) -> Result<Vec<u8>, String> {
+    let mut file = Vec::new();
+    let mut encoder = Encoder::new(&mut file, JPEG_QUALITY);
+    encoder.set_sampling_factor(SamplingFactor::R_4_4_4);
+    encoder.set_optimized_huffman_tables(true);
+    // A page with its border has at most 258 texels along a side.
+    let [columns, rows] = picture.size.map(|side| side as u16);
+    let written = encoder.encode(&rgb_of(picture), columns, rows, ColorType::Rgb);
+    written.map_err(|error| error.to_string())?;
+    Ok(file)
+}
+
+fn png_of(picture: &TexturePicture, has_alpha: bool) -> Result<Vec<u8>, String> {
+    let [columns, rows] = picture.size;
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, columns, rows);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    let (kind, texels) = match has_alpha {
+        true => (png::ColorType::Rgba, picture.bytes().to_vec()),
+        false => (png::ColorType::Rgb, rgb_of(picture)),
+    };
+    encoder.set_color(kind);
+    let write = || {
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&texels)?;
+        writer.finish()
+    };
+    write().map_err(|error: png::EncodingError| error.to_string())?;
+    Ok(file)
+}

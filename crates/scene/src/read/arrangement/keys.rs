@@ -1,0 +1,97 @@
+//! Which keys has a scene file, and where is what is wrong in it?
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::super::error::Fault;
+use super::super::text::shortened;
+use super::NEXT;
+
+/// The keys of a table, and those of the tables in it.
+pub(super) struct Keys {
+    pub(super) names: &'static [&'static str],
+    pub(super) tables: &'static [(&'static str, Keys)],
+}
+
+/// The keys of a scene file.
+pub(super) const KEYS: Keys = Keys {
+    names: &["background", "light", "input"],
+    tables: &[("input", INPUT)],
+};
+const INPUT: Keys = Keys {
+    names: &["file", "name", "up", "place"],
+    tables: &[("place", PLACE)],
+};
+const PLACE: Keys = Keys {
+    names: &["translation", "rotation_deg", "scale"],
+    tables: &[],
+};
+
+/// Refuses what is no TOML, and keys that there are not.
+pub(super) fn check(text: &str) -> Result<(), Fault> {
+    let table = DeTable::parse(text).map_err(|error| wrong(text, &error))?;
+    KEYS.check(table.get_ref(), text)
+}
+
+/// What a parser says is wrong, with its line.
+pub(super) fn wrong(text: &str, error: &toml::de::Error) -> Fault {
+    let line = line_of(text, error.span().map_or(0, |span| span.start));
+    Fault::broken(line, error.message().replace('\n', " "), NEXT)
+}
+
+impl Keys {
+    fn check(&self, table: &DeTable<'_>, text: &str) -> Result<(), Fault> {
+        for (key, value) in table {
+            let name = key.get_ref().as_ref();
+            if !self.names.contains(&name) {
+                let line = line_of(text, key.span().start);
+                let nearest = self.names.iter().min_by_key(|it| edits(it, name));
+                let what = format!("there is no key {:?}", shortened(name));
+                let next = match nearest {
+                    Some(nearest) => format!("the nearest is {nearest:?}; {NEXT}"),
+                    None => NEXT.to_owned(),
+                };
+                return Err(Fault::broken(line, what, next));
+            }
+            if let Some((_, keys)) = self.tables.iter().find(|(table, _)| *table == name) {
+                keys.check_all(value, text)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks a table, or each of several; what is none is refused by its type later.
+    fn check_all(&self, value: &Spanned<DeValue<'_>>, text: &str) -> Result<(), Fault> {
+        match value.get_ref() {
+            DeValue::Table(table) => self.check(table, text),
+            DeValue::Array(all) => all.iter().try_for_each(|it| match it.get_ref() {
+                DeValue::Table(table) => self.check(table, text),
+                _ => Ok(()),
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The line of a byte, counted from 1.
+fn line_of(text: &str, byte: usize) -> String {
+    let before = text.as_bytes().iter().take(byte);
+    format!("line {}", before.filter(|it| **it == b'\n').count() + 1)
+}
+
+/// How many letters are to be changed, added or taken away to make one word of another
+/// (Levenshtein 1966); of a long word only the first letters count.
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().take(64).collect();
+    let mut before: Vec<usize> = (0..=b.len()).collect();
+    for (row, letter) in a.chars().enumerate() {
+        let mut now = vec![row + 1];
+        for (column, other) in b.iter().enumerate() {
+            let changed = before[column] + usize::from(letter != *other);
+            let least = changed.min(before[column + 1] + 1).min(now[column] + 1);
+            now.push(least);
+        }
+        before = now;
+    }
+    before[b.len()]
+}

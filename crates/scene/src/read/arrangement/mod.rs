@@ -1,0 +1,225 @@
+//! What does a scene file say: what stands where, before what, in which light?
+//!
+//! Normative: docs/formats/scene.md.
+
+mod keys;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+use glam::{DAffine3, DMat3, DVec3};
+use serde::Deserialize;
+
+use super::colour::linear_from_encoded;
+use super::error::{Fault, ReadError};
+use super::files::OnDisk;
+use super::place::{self, Up};
+use super::text::shortened;
+use super::{ReadOptions, SceneFormat, is_arrangement, read_file};
+use crate::source::SourceScene;
+
+/// Most bytes of a scene file.
+const MOST_BYTES: usize = 1 << 24;
+/// Most places where all objects stand together.
+const MOST_PLACES: usize = 1 << 20;
+/// Largest number of a place, in metres, and of a scale.
+const LARGEST: f64 = 1e9;
+/// What to do about a scene file that is wrong.
+const NEXT: &str = "docs/formats/scene.md says what a scene file says";
+
+/// A scene file, as far as its types and ranges are checked.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Arrangement {
+    background: Option<String>,
+    light: Option<[f64; 3]>,
+    input: Vec<ArrangedInput>,
+}
+
+/// A 3D file and where it stands.
+#[derive(Debug, Deserialize)]
+struct ArrangedInput {
+    file: String,
+    name: Option<String>,
+    up: Option<UpAxis>,
+    #[serde(default)]
+    place: Vec<ArrangedPlace>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum UpAxis {
+    Y,
+    Z,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct ArrangedPlace {
+    translation: [f64; 3],
+    rotation_deg: [f64; 3],
+    scale: Option<PlaceScale>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(untagged, expecting = "expected a number, or three in brackets")]
+enum PlaceScale {
+    Even(f64),
+    Each([f64; 3]),
+}
+
+impl Arrangement {
+    /// Reads the text of a scene file.
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, Fault> {
+        if bytes.len() > MOST_BYTES {
+            let what = format!("it has {} bytes, more than {MOST_BYTES}", bytes.len());
+            return Err(Fault::broken("scene file", what, NEXT));
+        }
+        let text = std::str::from_utf8(bytes).map_err(|error| {
+            let place = format!("byte {}", error.valid_up_to());
+            Fault::broken(place, "is no text in UTF-8", NEXT)
+        })?;
+        keys::check(text)?;
+        let said: Self = toml::from_str(text).map_err(|error| keys::wrong(text, &error))?;
+        said.check()?;
+        Ok(said)
+    }
+
+    fn check(&self) -> Result<(), Fault> {
+        let wrong = |place: &str, what: String| Err(Fault::broken(place, what, NEXT));
+        if let Some(text) = &self.background
+            && light_of(text).is_none()
+        {
+            let text = shortened(text);
+            return wrong("background", format!("{text:?} is no colour like #8fb0d0"));
+        }
+        let light = self.light.map(DVec3::from_array);
+        if light.is_some_and(|it| !is_sane(it) || it.try_normalize().is_none()) {
+            return wrong("light", format!("{:?} is no direction", self.light));
+        }
+        if self.input.is_empty() {
+            return wrong(
+                "input",
+                "there is none: nothing would stand there".to_owned(),
+            );
+        }
+        for (input, number) in self.input.iter().zip(1..) {
+            for (place, at) in input.place.iter().zip(1..) {
+                let place = place.world_from_file();
+                if !place.is_some_and(|it| it.is_finite()) {
+                    let place = format!("input {number}, place {at}");
+                    let what = format!("numbers must be at most {LARGEST}, no scale 0");
+                    return wrong(&place, what);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads all files that it names, which lie in `folder`.
+    fn read(&self, folder: &OnDisk, options: &ReadOptions) -> Result<SourceScene, Wrong> {
+        let mut scene = SourceScene {
+            background: self.background.as_deref().and_then(light_of),
+            light: self.light.map(DVec3::from_array),
+            ..SourceScene::default()
+        };
+        let mut places = 0;
+        for (input, number) in self.input.iter().zip(1..) {
+            let path = folder.find(&input.file)?;
+            if is_arrangement(&path) || SceneFormat::of(&path).is_none() {
+                let what = format!("{:?} is no 3D file", shortened(&input.file));
+                return Err(Fault::broken(format!("input {number}"), what, NEXT).into());
+            }
+            let up = input.up.map(|it| match it {
+                UpAxis::Y => Up::Y,
+                UpAxis::Z => Up::Z,
+            });
+            let mut one = read_file(&path, input.name.as_deref(), up.or(options.up))?;
+            let all = input
+                .place
+                .iter()
+                .filter_map(ArrangedPlace::world_from_file);
+            let all: Vec<DAffine3> = all.collect();
+            for object in one.objects.iter_mut().filter(|_| !all.is_empty()) {
+                places += object.placements.len().saturating_mul(all.len());
+                if places > MOST_PLACES {
+                    let what = format!("objects stand in more than {MOST_PLACES} places");
+                    return Err(Fault::broken(format!("input {number}"), what, NEXT).into());
+                }
+                let own = std::mem::take(&mut object.placements);
+                let placed = all.iter().flat_map(|all| own.iter().map(|own| *all * *own));
+                object.placements = placed.collect();
+            }
+            scene.append(one);
+        }
+        place::check(&scene)?;
+        Ok(scene)
+    }
+}
+
+impl ArrangedPlace {
+    /// Scaled, turned about x, then y, then z, and moved; `None` where a number is out of range.
+    fn world_from_file(&self) -> Option<DAffine3> {
+        let scale = DVec3::from_array(match self.scale {
+            None => [1.0; 3],
+            Some(PlaceScale::Even(scale)) => [scale; 3],
+            Some(PlaceScale::Each(scale)) => scale,
+        });
+        let turn = DVec3::from_array(self.rotation_deg);
+        let translation = DVec3::from_array(self.translation);
+        let is_none = scale.abs().min_element() < LARGEST.recip();
+        if is_none || ![scale, turn, translation].into_iter().all(is_sane) {
+            return None;
+        }
+        let [x, y, z] = turn.to_array().map(f64::to_radians);
+        let turned = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y);
+        let turned = turned * DMat3::from_rotation_x(x) * DMat3::from_diagonal(scale);
+        Some(DAffine3::from_mat3_translation(turned, translation))
+    }
+}
+
+fn is_sane(numbers: DVec3) -> bool {
+    numbers.is_finite() && numbers.abs().max_element() <= LARGEST
+}
+
+/// The linear light of a colour that is written as `#rrggbb`.
+fn light_of(text: &str) -> Option<[f32; 3]> {
+    let digits = text.strip_prefix('#')?;
+    let is_plain = digits.len() == 6 && digits.bytes().all(|it| it.is_ascii_hexdigit());
+    let code = u32::from_str_radix(digits, 16).ok().filter(|_| is_plain)?;
+    let [_, r, g, b] = code.to_be_bytes();
+    Some([r, g, b].map(|it| linear_from_encoded(f64::from(it) / 255.0)))
+}
+
+/// What is wrong with a scene file, or with a file that it names.
+enum Wrong {
+    Here(Fault),
+    There(ReadError),
+}
+
+impl From<Fault> for Wrong {
+    fn from(fault: Fault) -> Self {
+        Self::Here(fault)
+    }
+}
+
+impl From<ReadError> for Wrong {
+    fn from(error: ReadError) -> Self {
+        Self::There(error)
+    }
+}
+
+/// Reads a scene file and all files that it names.
+pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<SourceScene, ReadError> {
+    let mut folder = OnDisk::of(path);
+    let bytes = folder.read_scene(path)?;
+    let said = Arrangement::parse(&bytes).map_err(|fault| fault.in_file(path))?;
+    let mut scene = said.read(&folder, options).map_err(|wrong| match wrong {
+        Wrong::Here(fault) => fault.in_file(path),
+        Wrong::There(error) => error,
+    })?;
+    scene.bytes += folder.bytes;
+    scene.hashes.splice(0..0, folder.hashes);
+    Ok(scene)
+}

@@ -1,0 +1,149 @@
+//! Which pictures do the materials of a glTF file have, and how do they lie?
+
+use std::collections::HashMap;
+
+use foveal_core::content::images::wrap::Wrap;
+use glam::{DAffine2, DMat2, DVec2};
+
+use super::super::error::Fault;
+use super::super::files::Folder;
+use super::super::sound::count;
+use super::accessor::Accessors;
+use super::buffers::bytes_of;
+use super::json::{GltfMaterial, Image, TextureNamed};
+use crate::source::{MaterialTexture, SourceImage, SourceScene};
+
+/// What is discarded below where a material does not say.
+const CUTOFF: f64 = 0.5;
+/// The largest alpha that a cutoff may ask for: more than any.
+const MOST_CUTOFF: f64 = 2.0;
+
+/// Reads the pictures that materials name, each once.
+pub(super) struct TextureReader<'a> {
+    pub(super) accessors: &'a Accessors<'a>,
+    pub(super) folder: &'a mut dyn Folder,
+    /// Where each of the file's images went; `None` for one that is missing.
+    pub(super) images: HashMap<u32, Option<usize>>,
+}
+
+impl TextureReader<'_> {
+    /// How a material shows a picture; `None` where it has none, or that is missing.
+    pub(super) fn read(
+        &mut self,
+        material: &GltfMaterial,
+        scene: &mut SourceScene,
+    ) -> Result<Option<MaterialTexture>, Fault> {
+        let Some(named) = &material.pbr_metallic_roughness.texture else {
+            return Ok(None);
+        };
+        let document = self.accessors.document;
+        let texture = document.textures.get(named.index as usize);
+        let source = texture.and_then(|it| it.source);
+        if texture.is_some() && source.is_none() {
+            scene.remark("textures in KTX2 or WebP are not drawn: convert them to PNG or JPEG");
+        }
+        let Some(image) = self.image(source, scene)? else {
+            return Ok(None);
+        };
+        let sampler = texture.and_then(|it| it.sampler);
+        let sampler = sampler.and_then(|it| document.samplers.get(it as usize));
+        let wraps = sampler.map_or([None; 2], |it| [it.wrap_s, it.wrap_t]);
+        let alpha = material
+            .pbr_metallic_roughness
+            .factor
+            .map_or(1.0, |it| it[3]);
+        let is_masked = material.alpha_mode.as_deref() == Some("MASK");
+        let cutoff = is_masked.then(|| {
+            let cutoff = material.alpha_cutoff.unwrap_or(CUTOFF) / alpha;
+            if cutoff.is_finite() {
+                cutoff.clamp(0.0, MOST_CUTOFF) as f32
+            } else {
+                MOST_CUTOFF as f32
+            }
+        });
+        Ok(Some(MaterialTexture {
+            image,
+            wrap: wraps.map(wrap),
+            picture_from_uv: picture_from_uv(named),
+            cutoff,
+        }))
+    }
+
+    fn image(
+        &mut self,
+        number: Option<u32>,
+        scene: &mut SourceScene,
+    ) -> Result<Option<usize>, Fault> {
+        if let Some(known) = number.and_then(|it| self.images.get(&it)) {
+            return Ok(*known);
+        }
+        let images = &self.accessors.document.images;
+        let said = number.and_then(|it| images.get(it as usize));
+        let bytes = said.map(|it| self.bytes(it)).transpose()?.flatten();
+        let image = bytes.map(|bytes| {
+            let names = said.map(|it| [&it.name, &it.uri]).into_iter().flatten();
+            let mut names = names.flatten().filter(|it| !it.starts_with("data:"));
+            scene.images.push(SourceImage {
+                name: names.next().cloned().unwrap_or_default(),
+                bytes: bytes.into(),
+            });
+            scene.images.len() - 1
+        });
+        count(
+            &mut scene.repairs,
+            "missing_images",
+            usize::from(image.is_none()),
+        );
+        if let Some(number) = number {
+            self.images.insert(number, image);
+        }
+        Ok(image)
+    }
+
+    /// The bytes of an image; `None` where they are not there.
+    fn bytes(&mut self, said: &Image) -> Result<Option<Vec<u8>>, Fault> {
+        let read = match (&said.uri, said.buffer_view) {
+            (Some(uri), _) => bytes_of(uri, "image", self.folder).map(|it| it.to_vec()),
+            (None, Some(view)) => {
+                let document = self.accessors.document;
+                self.accessors
+                    .buffers
+                    .view(document, view)
+                    .map(<[u8]>::to_vec)
+            }
+            (None, None) => return Ok(None),
+        };
+        match read {
+            Ok(bytes) => Ok(Some(bytes)),
+            Err(Fault::Missing { .. }) => Ok(None),
+            Err(fault) => Err(fault),
+        }
+    }
+}
+
+/// Which set of places on textures a material takes.
+pub(super) fn uv_set(material: &GltfMaterial) -> Option<u32> {
+    let named = material.pbr_metallic_roughness.texture.as_ref()?;
+    let transform = named.extensions.transform.as_ref();
+    Some(transform.and_then(|it| it.set).unwrap_or(named.set))
+}
+
+fn wrap(code: Option<u32>) -> Wrap {
+    match code {
+        Some(33_071) => Wrap::Clamp,
+        Some(33_648) => Wrap::Mirror,
+        _ => Wrap::Repeat,
+    }
+}
+
+/// What KHR_texture_transform says: offset after rotation after scale.
+fn picture_from_uv(named: &TextureNamed) -> DAffine2 {
+    let Some(transform) = &named.extensions.transform else {
+        return DAffine2::IDENTITY;
+    };
+    let (sin, cos) = transform.rotation.unwrap_or(0.0).sin_cos();
+    let scale = transform.scale.unwrap_or([1.0; 2]);
+    let turned = [DVec2::new(cos, -sin), DVec2::new(sin, cos)];
+    let linear = DMat2::from_cols(turned[0] * scale[0], turned[1] * scale[1]);
+    DAffine2::from_mat2_translation(linear, transform.offset.unwrap_or([0.0; 2]).into())
+}
