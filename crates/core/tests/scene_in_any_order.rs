@@ -93,6 +93,7 @@ fn scene() -> Arc<Scene> {
             colour: [1.0; 4],
             two_sided: false,
             unlit: false,
+            points: None,
             placements: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -6.0]],
             texturing: None,
         }],

@@ -68,6 +68,8 @@ pub struct SceneReport {
     pub units_by_level: Vec<u32>,
     /// Bytes of units that this run had not needed before.
     pub unit_bytes: u64,
+    /// These units.
+    pub new_units: Vec<UnitId>,
     /// Bytes of the pages of index and table that tell of them.
     pub page_bytes: u64,
     /// Time of choosing.
@@ -175,6 +177,7 @@ impl ScenePlayer {
             moment: moment.clone(),
         };
         let (mut unit_bytes, mut page_bytes, mut choose) = (0, 0, Duration::ZERO);
+        let mut new_units = Vec::new();
         let mut has_measured = false;
         for round in 0..MOST_ROUNDS {
             if !has_measured && self.session.shown_tick().is_some() {
@@ -196,6 +199,7 @@ impl ScenePlayer {
                 page_bytes += self.load_pages(unit);
                 if self.fetched.insert(unit) {
                     unit_bytes += u64::from(self.file.pack().entry(unit).bytes);
+                    new_units.push(unit);
                 }
                 self.fetch(piece)?;
             }
@@ -204,6 +208,7 @@ impl ScenePlayer {
         Ok(SceneReport {
             units_by_level: self.session.figures.histogram.clone(),
             unit_bytes,
+            new_units,
             page_bytes,
             choose,
             cpu: begun.elapsed(),

@@ -88,6 +88,7 @@ fn about() -> SceneDescription {
         two_sided: false,
         unlit: false,
         texturing: None,
+        points: None,
         placements: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]],
     };
     SceneDescription {

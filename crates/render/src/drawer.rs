@@ -5,6 +5,7 @@ use crate::error::RenderError;
 use crate::meshes::morphs::Morphs;
 use crate::meshes::{ComingUnit, SceneDrawer, SceneStyle};
 use crate::pages::ComingPage;
+use crate::points::ComingPoints;
 use crate::tiles::drawer::{TileDrawer, TileStyle};
 use crate::{Overlay, RgbaImage};
 use foveal_core::content::demand::Content;
@@ -212,6 +213,18 @@ impl Drawer {
                     says: &says,
                 })
             }
+            (Layer::Scene(drawer, scene), Payload::Points(says)) => {
+                let unit = piece.unit.unit;
+                let row = scene.pack().row(unit);
+                let refines = scene.needs(unit).first().zip(row.replaces.first());
+                drawer.upload_points(&ComingPoints {
+                    unit,
+                    object: row.object,
+                    level: scene.pack().level_of(unit),
+                    refines: refines.map(|(need, octant)| (*need, octant.cluster)),
+                    says: &says,
+                })
+            }
             (Layer::Scene(drawer, scene), Payload::Image(says)) => {
                 let unit = piece.unit.unit;
                 let is_there = drawer.upload_page(&ComingPage {
@@ -257,9 +270,10 @@ impl Drawer {
                 }
                 SessionAction::Upload(piece) => {
                     if let Some(payload) = cache.take(piece) {
-                        let may_move = matches!(payload, Payload::Mesh(_));
+                        // Points do not move.
+                        let moves = matches!(payload, Payload::Mesh(_));
                         match self.upload(piece, payload) {
-                            Ok(()) => came.extend(may_move.then_some(piece.unit.unit)),
+                            Ok(()) => came.extend(moves.then_some(piece.unit.unit)),
                             // What is damaged so that it does not fit is left coarse.
                             Err(RenderError::Unit(_)) => self.refused += 1,
                             Err(other) => return Err(other),

@@ -26,6 +26,7 @@ const BLUR_HALVE: &str = include_str!("../shaders/blur_halve.wgsl");
 const BLUR_RADIAL: &str = include_str!("../shaders/blur_radial.wgsl");
 const RECONSTRUCT_TEXTURES: &str = include_str!("../shaders/reconstruct_textures.wgsl");
 const CULL_CLUSTERS: &str = include_str!("../shaders/cull_clusters.wgsl");
+const DRAW_POINTS: &str = include_str!("../shaders/draw_points.wgsl");
 const FOOTPRINTS: &str = include_str!("../shaders/footprints.wgsl");
 const DRAW_CLUSTERS: &str = include_str!("../shaders/draw_clusters.wgsl");
 const BAND: &str = include_str!("../shaders/shared/band.wgsl");
@@ -135,6 +136,19 @@ pub fn draw_clusters() -> Shader {
             ["place_corner", "draw_refiners"],
         ],
         text: [SCENE, RAMP, PAGES, DRAW_CLUSTERS].join("\n"),
+    }
+}
+
+/// The pass that draws points of clouds: their colours, or which units would refine them.
+#[must_use]
+pub fn draw_points() -> Shader {
+    Shader {
+        name: "draw_points",
+        steps: &[
+            ["place_splat", "draw_points"],
+            ["place_splat", "draw_point_refiners"],
+        ],
+        text: [SCENE, RAMP, DRAW_POINTS].join("\n"),
     }
 }
 

@@ -164,6 +164,29 @@ fn a_panorama_without_poles_at_the_corner_of_a_face_for_the_right_eye() {
 }
 
 #[test]
+fn a_cloud_refined_in_part() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let mut layer = SceneLayer::new(&gpu, &[ball::cloud()], &[], 1 << 24).unwrap();
+    let [root, fine] = ball::units();
+    layer
+        .upload_points(&ball::coming(ball::ROOT, &root, 0))
+        .unwrap();
+    layer
+        .upload_points(&ball::coming(ball::FINE, &fine, 0))
+        .unwrap();
+    let view = torus::view([0.0, 0.4, 4.0], [0.0, -6.0], [96, 64]);
+    let tinted = SceneStyle {
+        tint: 0.5,
+        ..SceneStyle::default()
+    };
+    assert_picture(
+        "points",
+        &layer.picture(&view, &SceneStyle::default()).unwrap(),
+    );
+    assert_picture("points_levels", &layer.picture(&view, &tinted).unwrap());
+}
+
+#[test]
 fn a_torus_of_meshes_refined_in_part() {
     let gpu = Gpu::open_blocking().unwrap();
     let objects = [torus::object(torus::ALL)];

@@ -6,7 +6,7 @@ mod common;
 use common::torus::{
     ALL, ROOT, coming, coming_root, from_above, object, refinement, root, squares_of, view,
 };
-use common::{Seeded, share_beyond, write_png};
+use common::{Seeded, bytes_of, share_beyond, write_png};
 use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
 use foveal_core::content::scene::description::{SceneLook, SceneObject};
 use foveal_core::gaze::sample::GazeSample;
@@ -16,7 +16,6 @@ use foveal_core::perception::glance::Glance;
 use foveal_core::perception::parameters::EyeState;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
-use foveal_render::gpu::readback::BytesBack;
 use foveal_render::meshes::unit_bytes;
 use foveal_render::twin::TwinScene;
 use foveal_render::{
@@ -432,28 +431,6 @@ fn footprints_add_up_what_each_unit_would_refine_as_the_twin_does() {
     for found in found {
         assert!(found.least <= found.mean);
     }
-}
-
-/// The bytes of a picture of 4 bytes a pixel, whose rows are multiples of 256 bytes.
-fn bytes_of(gpu: &Gpu, image: &wgpu::Texture) -> Vec<u8> {
-    let row = image.width() * 4;
-    let buffer = BytesBack::buffer(gpu, u64::from(row * image.height()));
-    let mut encoder = gpu.encoder("units to read");
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(row),
-        rows_per_image: None,
-    };
-    encoder.copy_texture_to_buffer(
-        image.as_image_copy(),
-        wgpu::TexelCopyBufferInfo {
-            buffer: &buffer,
-            layout,
-        },
-        image.size(),
-    );
-    gpu.submit(encoder);
-    BytesBack::map(buffer).wait(gpu).unwrap()
 }
 
 #[test]

@@ -6,9 +6,10 @@ use foveal_render::importance::{BandParams, EyeParams};
 use foveal_render::meshes::footprints::GazedParams;
 use foveal_render::meshes::params::{PlacementParams, SceneParams};
 use foveal_render::params::{BlurParams, Overlay, SparseParams, TileParams, ViewParams};
+use foveal_render::points::params::{CloudViewParams, CubeParams};
 use foveal_render::shaders::{
-    Shader, blur_halve, blur_radial, cull_clusters, draw_clusters, footprints, importance,
-    interpolate_sparse, overlay, reconstruct, reconstruct_textures,
+    Shader, blur_halve, blur_radial, cull_clusters, draw_clusters, draw_points, footprints,
+    importance, interpolate_sparse, overlay, reconstruct, reconstruct_textures,
 };
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -142,6 +143,33 @@ fn the_passes_of_meshes_are_valid_with_no_capability_that_a_browser_lacks() {
             ]
         );
     }
+}
+
+#[test]
+fn the_pass_of_points_is_valid_with_no_capability_that_a_browser_lacks() {
+    let module = parsed(&draw_points());
+    Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .unwrap_or_else(|e| panic!("{e:?}"));
+    same_layout!(
+        module,
+        "CloudView",
+        CloudViewParams,
+        [half_pixel, unused_pair]
+    );
+    same_layout!(
+        module,
+        "Cube",
+        CubeParams,
+        [
+            view_from_cube,
+            spacing,
+            level,
+            unused_pair,
+            octants,
+            refiners
+        ]
+    );
 }
 
 #[test]

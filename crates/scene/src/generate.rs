@@ -1,6 +1,6 @@
-//! Which meshes follow from numbers alone, for tests and benchmarks?
+//! Which meshes and clouds follow from numbers alone, for tests and benchmarks?
 
-use crate::source::{SourceMesh, SourceObject, SourceScene};
+use crate::source::{SourceCloud, SourceMesh, SourceObject, SourceScene};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::TAU;
 
@@ -90,4 +90,66 @@ pub fn textured_sphere(around: u32, along: u32) -> SourceMesh {
     };
     mesh.triangles = cells.into_iter().filter(|it| !is_flat(it)).collect();
     mesh
+}
+
+/// Numbers from 0 to 1 that follow from a seed.
+fn scattered(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        // Steele et al. 2014, "Fast splittable pseudorandom number generators".
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (state ^ state >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ mixed >> 31) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// A cloud of so many points on a torus with coloured rings, in millimetres.
+#[must_use]
+pub fn cloud_of_torus(points: u32) -> SourceCloud {
+    let mut any = scattered(1);
+    let mut cloud = SourceCloud {
+        name: "torus".to_owned(),
+        placements: vec![DAffine3::IDENTITY],
+        scale: [0.001; 3],
+        ..SourceCloud::default()
+    };
+    for _ in 0..points {
+        let [u, v] = [TAU * any(), TAU * any()];
+        let ring = 2.0 + 0.7 * v.cos();
+        let off = 0.002 * any();
+        let at = [
+            ring * u.cos() + off,
+            0.7 * v.sin() + off,
+            ring * u.sin() - off,
+        ];
+        cloud.places.push(at.map(|it| (it * 1000.0).round() as i32));
+        let stripe = if (12.0 * u).sin() > 0.0 { 180.0 } else { 60.0 };
+        let code = |light: f64| ((light + 12.0 * any()) as u16).min(255) * 257;
+        let colour = [stripe, 100.0 + 80.0 * v.sin(), 120.0 + 90.0 * u.cos()];
+        cloud.colours.push(colour.map(code));
+    }
+    cloud
+}
+
+/// A cloud of so many points on the ground with noise, in centimetres far from the origin: with
+/// intensities and classes, without colours.
+#[must_use]
+pub fn noisy_plane(points: u32) -> SourceCloud {
+    let mut any = scattered(2);
+    let mut cloud = SourceCloud {
+        name: "plane".to_owned(),
+        placements: vec![DAffine3::IDENTITY],
+        scale: [0.01; 3],
+        offset: [1e7, 0.0, -5e6],
+        ..SourceCloud::default()
+    };
+    for _ in 0..points {
+        let [x, z] = [10_000.0 * any(), 10_000.0 * any()];
+        let height = 300.0 * (x / 900.0).sin() + 10.0 * any();
+        cloud.places.push([x, height, z].map(|it| it as i32));
+        cloud.intensities.push((1000.0 * any()) as u16);
+        cloud.classes.push(if height > 0.0 { 2 } else { 5 });
+    }
+    cloud
 }

@@ -10,6 +10,7 @@ pub mod baseline;
 pub mod build;
 pub mod cracks;
 pub mod generate;
+pub mod laz_whole;
 pub mod read;
 pub mod signatures;
 pub mod source;

@@ -13,6 +13,8 @@ pub struct SourceScene {
     pub objects: Vec<SourceObject>,
     /// The meshes that objects show.
     pub meshes: Vec<SourceMesh>,
+    /// The clouds of points that stand in the scene beside objects.
+    pub clouds: Vec<SourceCloud>,
     /// What surfaces look like; triangles name them by number.
     pub materials: Vec<Material>,
     /// Pictures on surfaces; materials name them by number.
@@ -45,6 +47,7 @@ impl SourceScene {
             mesh.shift_materials(materials as u32);
             mesh
         }));
+        self.clouds.extend(other.clouds);
         self.materials
             .extend(other.materials.into_iter().map(|mut material| {
                 if let Some(texture) = &mut material.texture {
@@ -83,8 +86,9 @@ impl SourceScene {
         }
     }
 
-    /// Leaves out meshes without triangles, and the objects that show them.
+    /// Leaves out meshes without triangles, the objects that show them, and clouds without points.
     pub(crate) fn leave_out_empty(&mut self) {
+        self.clouds.retain(|cloud| !cloud.places.is_empty());
         let mut next = 0;
         let number: Vec<Option<usize>> = self
             .meshes
@@ -150,6 +154,75 @@ impl SourceMesh {
         for material in &mut self.materials {
             *material += by;
         }
+    }
+}
+
+/// A cloud of points on a grid, and the places where it stands. A point lies, along each axis, at
+/// its place times the scale and the offset beside 0.
+#[derive(Clone, Debug, Default)]
+pub struct SourceCloud {
+    /// Its name in the file, or one made of the file's name.
+    pub name: String,
+    /// World from cloud: right-handed, y up, metres; at least one.
+    pub placements: Vec<DAffine3>,
+    /// Length of a step along each axis; positive.
+    pub scale: [f64; 3],
+    /// Where places are 0.
+    pub offset: [f64; 3],
+    /// The place of each point.
+    pub places: Vec<[i32; 3]>,
+    /// Red, green and blue of each point, as codes of sixteen bits, or of eight bits times 1, 256
+    /// or 257; empty where the file has none.
+    pub colours: Vec<[u16; 3]>,
+    /// How much light came back from each point; empty where the file has none.
+    pub intensities: Vec<u16>,
+    /// What each point lies on, as the file counts it; empty where the file has none.
+    pub classes: Vec<u8>,
+}
+
+impl SourceCloud {
+    /// A cloud of points that lie anywhere, put on a grid of their own: half a step off at most, a
+    /// step being a power of two and at most a 2^20th of the longest side.
+    pub(crate) fn on_grid(name: &str, positions: &[DVec3]) -> Self {
+        let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (least, most) = positions
+            .iter()
+            .fold(none, |(least, most), it| (least.min(*it), most.max(*it)));
+        let side = (most - least).max_element();
+        let is_extended = side.is_finite() && side > 1e-290;
+        let step = if is_extended {
+            (side.log2().floor() - 20.0).exp2()
+        } else {
+            1.0
+        };
+        // Half a step beside a corner of the grid nothing is cut off.
+        let origin = if positions.is_empty() {
+            DVec3::ZERO
+        } else {
+            (least / step).floor() * step
+        };
+        let place = |it: &DVec3| {
+            ((*it - origin) / step)
+                .round()
+                .to_array()
+                .map(|it| it as i32)
+        };
+        Self {
+            name: name.to_owned(),
+            placements: vec![DAffine3::IDENTITY],
+            scale: [step; 3],
+            offset: origin.to_array(),
+            places: positions.iter().map(place).collect(),
+            ..Self::default()
+        }
+    }
+
+    /// How far from the origin of its space a point is along each axis, at most.
+    pub(crate) fn reach(&self) -> DVec3 {
+        let most = self.places.iter().fold([0.0_f64; 3], |most, it| {
+            [0, 1, 2].map(|k| most[k].max(f64::from(it[k]).abs()))
+        });
+        DVec3::from_array([0, 1, 2].map(|k| most[k] * self.scale[k] + self.offset[k].abs()))
     }
 }
 

@@ -6,6 +6,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod bridge;
+mod clouds;
 mod damage;
 mod endurance;
 mod experiments;

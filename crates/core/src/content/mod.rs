@@ -1,12 +1,14 @@
 //! What can be shown: kinds of content, in units that selection weighs.
 
 pub mod asked;
+mod bits;
 pub mod calibration;
 pub mod demand;
 pub mod head;
 pub mod images;
 pub mod mesh;
 pub mod payload;
+pub mod points;
 pub mod policies;
 pub mod policy;
 pub mod scene;

@@ -2,6 +2,7 @@
 
 use crate::content::images::payload::ImagePage;
 use crate::content::mesh::payload::MeshUnit;
+use crate::content::points::payload::PointUnit;
 use crate::view::picture::Picture;
 
 /// A decoded frame of a unit, of any kind of content.
@@ -13,4 +14,6 @@ pub enum Payload {
     Mesh(MeshUnit),
     /// A page of a texture.
     Image(ImagePage),
+    /// Points of a cloud.
+    Points(PointUnit),
 }

@@ -89,6 +89,7 @@ fn description() -> SceneDescription {
         colour: [1.0; 4],
         two_sided: false,
         unlit: false,
+        points: None,
         placements: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]],
         texturing: None,
     };

@@ -5,6 +5,7 @@ use crate::pack::pack_writer::PackWriter;
 use foveal_core::content::images::shape::BORDER;
 use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::payload::Payload;
+use foveal_core::content::points::whole::CloudCheck;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::description::SceneDescription;
 use foveal_core::content::scene::pack::{
@@ -152,6 +153,7 @@ impl SceneFile {
                 let is_its = quarter.is_none_or(|it| it == page.page.quarter());
                 [inner[0] * inner[1], usize::from(!is_its)]
             }
+            Payload::Points(points) => [points.points.len(), 0],
             Payload::Picture(_) => return Ok(()),
         };
         let told = [row.samples, row.vertices].map(|it| it as usize);
@@ -173,10 +175,13 @@ impl SceneFile {
             damage.push(self.open.format(source));
         }
         let mut done = 0;
+        let mut clouds = CloudCheck::default();
         for unit in self.pack().units() {
-            let checked = self
-                .read_unit(unit)
-                .and_then(|payload| self.check_row(unit, &payload));
+            let checked = self.read_unit(unit).and_then(|says| {
+                self.check_row(unit, &says)?;
+                let fits = clouds.add(unit, self.pack().row(unit), &says);
+                fits.map_err(|source| self.open.format(source))
+            });
             damage.extend(checked.err());
             done += u64::from(self.pack().entry(unit).bytes);
             progress(done, self.bytes());

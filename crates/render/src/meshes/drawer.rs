@@ -9,6 +9,7 @@ use crate::meshes::measuring::Measuring;
 use crate::meshes::params::SceneStyle;
 use crate::meshes::units::ComingUnit;
 use crate::pages::ComingPage;
+use crate::points::units::ComingPoints;
 use crate::twin::TwinScene;
 use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::content::unit::AssetId;
@@ -74,6 +75,18 @@ impl SceneDrawer {
         match &mut self.engine {
             Engine::Gpu(layer) => layer.upload(coming),
             Engine::Twin(twin) => twin.upload(coming),
+            Engine::Nothing => Ok(()),
+        }
+    }
+
+    /// Adds a unit of a cloud after the unit that it refines; one that is there stays as it is.
+    ///
+    /// # Errors
+    /// It does not fit to what is there or into the GPU's memory: nothing changed then.
+    pub fn upload_points(&mut self, coming: &ComingPoints<'_>) -> Result<(), RenderError> {
+        match &mut self.engine {
+            Engine::Gpu(layer) => layer.upload_points(coming),
+            Engine::Twin(twin) => twin.upload_points(coming),
             Engine::Nothing => Ok(()),
         }
     }

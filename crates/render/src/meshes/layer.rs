@@ -16,6 +16,8 @@ use crate::meshes::pass::{ClusterPass, Draws, UNITS_FORMAT};
 use crate::meshes::placements::Placements;
 use crate::meshes::units::{ComingUnit, SceneUnits};
 use crate::pages::{ComingPage, PageLayer};
+use crate::points::layer::PointLayer;
+use crate::points::units::ComingPoints;
 use crate::shaders;
 use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::pack::unit::UnitId;
@@ -60,6 +62,8 @@ pub struct SceneLayer {
     footprints: Option<FootprintPass>,
     output: PictureTarget,
     unit_image: Option<wgpu::Texture>,
+    /// Where there are clouds of points.
+    clouds: Option<PointLayer>,
 }
 
 impl SceneLayer {
@@ -79,6 +83,8 @@ impl SceneLayer {
         let placements = Placements::new(objects, pages.table());
         let bytes = placements.count() * size_of::<PlacementParams>();
         let view_bytes = size_of::<SceneParams>() as u64;
+        let has_clouds = objects.iter().any(|it| it.points.is_some());
+        let clouds = has_clouds.then(|| PointLayer::new(gpu, objects));
         let uniform = wgpu::BufferUsages::UNIFORM;
         Ok(Self {
             gpu: gpu.clone(),
@@ -98,6 +104,7 @@ impl SceneLayer {
             footprints: None,
             output: PictureTarget::new(gpu, [1, 1]),
             unit_image: None,
+            clouds: clouds.transpose()?,
         })
     }
 
@@ -109,12 +116,50 @@ impl SceneLayer {
         if !self.units.insert(coming)? {
             return Ok(());
         }
-        if let Err(error) = self.memory.insert(&self.units, coming.unit) {
+        self.share();
+        let mut placed = self.memory.insert(&self.units, coming.unit);
+        if let (Err(_), Some(clouds)) = (&placed, &mut self.clouds) {
+            clouds.pack()?;
+            self.share();
+            placed = self.memory.insert(&self.units, coming.unit);
+        }
+        if let Err(error) = placed {
             self.units.remove(coming.unit);
             return Err(error);
         }
         self.is_stale = true;
         Ok(())
+    }
+
+    /// Tells meshes what clouds take of the memory.
+    fn share(&mut self) {
+        let clouds = self.clouds.as_ref().map(PointLayer::point_bytes);
+        self.memory.share(clouds.unwrap_or_default());
+    }
+
+    /// Adds a unit of a cloud after the unit that it refines; one that is there stays as it is.
+    ///
+    /// # Errors
+    /// It does not fit to what is there or into the GPU's memory: nothing changed then.
+    pub fn upload_points(&mut self, coming: &ComingPoints<'_>) -> Result<(), RenderError> {
+        let Some(clouds) = &mut self.clouds else {
+            return Err(RenderError::OtherKind);
+        };
+        let [most, all] = self.memory.most();
+        let most = most.saturating_sub(self.memory.used_bytes());
+        let pages = self.pages.bytes();
+        let room = all.saturating_sub(self.memory.bytes() + pages);
+        match clouds.upload(coming, [most, room]) {
+            // Meshes keep more than they use.
+            Err(RenderError::NoRoom { bytes, .. }) if bytes <= most => {
+                self.memory.share([bytes, 2 * bytes]);
+                self.memory.pack(&self.units, 0)?;
+                self.is_stale = true;
+                let room = all.saturating_sub(self.memory.bytes() + pages);
+                clouds.upload(coming, [most, room])
+            }
+            other => other,
+        }
     }
 
     /// Adds a page of a texture after the page that it lies in; one that is there stays as it is.
@@ -123,6 +168,7 @@ impl SceneLayer {
     /// # Errors
     /// It does not fit to what is there: nothing changed then.
     pub fn upload_page(&mut self, coming: &ComingPage<'_>) -> Result<bool, RenderError> {
+        self.share();
         let mut is_there = self.pages.upload(coming, self.memory.room_beside())?;
         if !is_there {
             self.memory.tighten(&self.units)?;
@@ -140,11 +186,16 @@ impl SceneLayer {
         if self.units.remove(unit) {
             self.memory.remove(unit);
             self.is_stale = true;
+        } else if let Some(clouds) = &mut self.clouds {
+            clouds.remove(unit);
         }
     }
 
     /// Takes all units away but those that are wanted, what these need, and roots.
     pub fn retain(&mut self, wanted: &HashSet<UnitId>) {
+        if let Some(clouds) = &mut self.clouds {
+            clouds.retain(wanted);
+        }
         for unit in self.units.retain(wanted) {
             self.memory.remove(unit);
             self.is_stale = true;
@@ -164,6 +215,9 @@ impl SceneLayer {
     /// From now on these are the units that would refine clusters, each by its unit and its number
     /// in it: what [`Self::ids`] shows. Only those of units that are there or will be need be told.
     pub fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
+        if let Some(clouds) = &mut self.clouds {
+            clouds.set_refiners(refiners.clone());
+        }
         self.memory.set_refiners(refiners);
         self.footprints = None;
     }
@@ -172,7 +226,9 @@ impl SceneLayer {
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
         let lists: u64 = self.lists.iter().map(DrawList::bytes).sum();
-        self.memory.bytes() + self.pages.bytes() + lists + self.seen_placements.size()
+        let clouds = self.clouds.as_ref().map_or(0, PointLayer::gpu_bytes);
+        let all = self.memory.bytes() + self.pages.bytes() + lists + self.seen_placements.size();
+        all + clouds
     }
 
     /// Triangles of the clusters that the last picture was drawn of, also of those that cannot be
@@ -251,8 +307,13 @@ impl SceneLayer {
         let pass = self.refiners.take();
         let mut pass = pass.unwrap_or_else(|| ClusterPass::new(&gpu, Draws::Refiners));
         let bound = self.bind(&pass);
+        if let Some(clouds) = &mut self.clouds {
+            clouds.ready(Draws::Refiners);
+        }
         let target = (&image, style.background());
-        pass.record((&gpu, &mut encoder), target, listed(&self.lists, &bound));
+        let lists = listed(&self.lists, &bound);
+        let beside = beside(self.clouds.as_ref(), Draws::Refiners, &self.view);
+        pass.record((&gpu, &mut encoder), target, lists, beside);
         self.refiners = Some(pass);
         gpu.submit(encoder);
         Ok(self.unit_image.insert(image))
@@ -292,7 +353,9 @@ impl SceneLayer {
         let bound = self.bind(&self.colours);
         let lists = listed(&self.lists, &bound);
         let target = (&self.output.picture, style.background());
-        self.colours.record((&self.gpu, encoder), target, lists);
+        let beside = beside(self.clouds.as_ref(), Draws::Colours, &self.view);
+        self.colours
+            .record((&self.gpu, encoder), target, lists, beside);
         Ok(())
     }
 
@@ -308,8 +371,13 @@ impl SceneLayer {
             self.is_stale = false;
         }
         self.pages.settle();
+        let mut coarsest = self.units.coarsest();
+        if let Some(clouds) = &mut self.clouds {
+            coarsest = coarsest.max(clouds.coarsest());
+            clouds.prepare(view, style)?;
+        }
+        let params = SceneParams::new(view, style, coarsest);
         let queue = &self.gpu.queue;
-        let params = SceneParams::new(view, style, self.units.coarsest());
         queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&params));
         let placements = self.placements.seen_by(view);
         let bytes = bytemuck::cast_slice(&placements);
@@ -365,6 +433,19 @@ impl SceneLayer {
         let [vertices, words] = self.memory.buffers();
         let buffers = [&self.view, &self.seen_placements, words, vertices];
         [0, 1].map(|k| pass.bind(&self.gpu, buffers, self.lists[k].shown(), &self.pages))
+    }
+}
+
+/// What draws clouds into a pass, where there are any.
+fn beside<'a>(
+    clouds: Option<&'a PointLayer>,
+    draws: Draws,
+    view: &'a wgpu::Buffer,
+) -> impl FnOnce(&mut wgpu::RenderPass<'_>) + use<'a> {
+    move |pass| {
+        if let Some(clouds) = clouds {
+            clouds.draw(pass, draws, view);
+        }
     }
 }
 

@@ -59,6 +59,8 @@ pub(crate) struct UnitMemory {
     spans: BTreeMap<UnitId, Span>,
     used_bytes: u64,
     most_bytes: u64,
+    /// What others take of these bytes: of those in use, and of all.
+    others: [u64; 2],
     /// Bytes that pages of textures take beside.
     beside_bytes: u64,
     refiners: HashMap<(UnitId, u8), UnitId>,
@@ -78,6 +80,7 @@ impl UnitMemory {
             spans: BTreeMap::new(),
             used_bytes: 0,
             most_bytes,
+            others: [0; 2],
             beside_bytes: 0,
             refiners: HashMap::new(),
         })
@@ -93,19 +96,34 @@ impl UnitMemory {
         self.vertices.bytes() + self.words.bytes()
     }
 
+    /// Bytes of the units that are there.
+    pub(crate) fn used_bytes(&self) -> u64 {
+        self.used_bytes
+    }
+
+    /// Bytes that units may take, those of others too, and that all pools may take.
+    pub(crate) fn most(&self) -> [u64; 2] {
+        [self.most_bytes, self.most_bytes + self.most_bytes / 8]
+    }
+
+    /// From now on others take these of the bytes: of those in use, and of all.
+    pub(crate) fn share(&mut self, others: [u64; 2]) {
+        self.others = others;
+    }
+
     /// Bytes that both pools may take.
     fn most_taken(&self) -> u64 {
-        let most = self.most_bytes + self.most_bytes / 8;
-        most.saturating_sub(self.beside_bytes)
+        let taken = self.beside_bytes + self.others[1];
+        self.most()[1].saturating_sub(taken)
     }
 
-    /// Bytes that something else may take beside both pools as they are.
+    /// Bytes that pages may take beside both pools and clouds as they are.
     pub(crate) fn room_beside(&self) -> u64 {
-        let most = self.most_bytes + self.most_bytes / 8;
-        most.saturating_sub(self.bytes())
+        let taken = self.bytes() + self.others[1];
+        self.most()[1].saturating_sub(taken)
     }
 
-    /// From now on something else takes so many bytes.
+    /// From now on pages take so many bytes.
     pub(crate) fn set_beside(&mut self, bytes: u64) {
         self.beside_bytes = bytes;
     }
@@ -125,7 +143,7 @@ impl UnitMemory {
             return Ok(());
         };
         let bytes = self.used_bytes + placed_bytes(placed).iter().sum::<u64>();
-        let most = self.most_bytes;
+        let most = self.most_bytes.saturating_sub(self.others[0]);
         if bytes > most {
             return Err(RenderError::NoRoom { bytes, most });
         }
@@ -179,7 +197,7 @@ impl UnitMemory {
 
     /// Writes all units anew, one after the other, in pools of so many bytes, but of an eighth more
     /// than they need at least.
-    fn pack(&mut self, units: &SceneUnits, most: u64) -> Result<(), RenderError> {
+    pub(crate) fn pack(&mut self, units: &SceneUnits, most: u64) -> Result<(), RenderError> {
         let most_bound = most_bound(&self.gpu);
         let mut needed = [0; 2];
         for (_, _, placed) in units.all() {

@@ -10,9 +10,9 @@ mod measuring;
 mod memory;
 pub(crate) mod morphs;
 pub mod params;
-mod pass;
+pub(crate) mod pass;
 pub(crate) mod placements;
-mod pool;
+pub(crate) mod pool;
 pub(crate) mod units;
 
 pub use drawer::SceneDrawer;

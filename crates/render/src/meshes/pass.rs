@@ -9,7 +9,7 @@ use crate::shaders;
 
 /// Format of the depths of clusters: the nearest is the largest, so that single precision tells
 /// depths apart as well near as far.
-const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Format of an image of units.
 pub(crate) const UNITS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 /// Stands for no unit in an image of units.
@@ -74,13 +74,14 @@ impl ClusterPass {
         bind(gpu, "clusters", &self.layout, &resources)
     }
 
-    /// Records the pass over a whole picture, of which pixels have these codes where nothing
-    /// stands.
+    /// Records the pass over a whole picture, of which pixels have these codes where nothing stands;
+    /// `beside` draws into it what is no cluster.
     pub(crate) fn record(
         &mut self,
         (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
         (picture, background): (&wgpu::Texture, [u8; 4]),
         lists: [(&DrawList, &wgpu::BindGroup); 2],
+        beside: impl FnOnce(&mut wgpu::RenderPass<'_>),
     ) {
         let view = picture.create_view(&wgpu::TextureViewDescriptor::default());
         let depth = self.depth_of(gpu, picture.size());
@@ -117,6 +118,7 @@ impl ClusterPass {
                 pass.draw_indexed_indirect(list.arguments(), 0);
             }
         }
+        beside(&mut pass);
     }
 
     /// Depths of a picture's size.

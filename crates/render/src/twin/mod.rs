@@ -8,6 +8,7 @@ mod blur_halve;
 mod blur_radial;
 mod cull_clusters;
 mod draw_clusters;
+mod draw_points;
 mod footprints;
 mod interpolate_sparse;
 mod overlay;

@@ -4,6 +4,7 @@ use super::cull_clusters::{cull_clusters, is_seen};
 use super::draw_clusters::{
     OfCluster, draw_clusters, draw_refiners, place_corner, texture_of_corner, texture_on,
 };
+use super::draw_points::{CloudInView, Splat, draw_point_refiners, draw_points, place_splat};
 use super::footprints::footprints;
 use super::shared::pages::TwinPages;
 use super::shared::raster::{Fragment, Sides, rasterise};
@@ -18,12 +19,14 @@ use crate::meshes::params::{SceneParams, SceneStyle, TWO_SIDED};
 use crate::meshes::placements::Placements;
 use crate::meshes::units::{ComingUnit, DrawnCluster, SceneUnits};
 use crate::pages::ComingPage;
+use crate::points::cubes::standing;
+use crate::points::units::{CloudUnits, ComingPoints};
 use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::footprints::Footprint;
 use foveal_core::perception::glance::Glance;
 use foveal_core::view::eye_view::EyeView;
-use glam::Vec4;
+use glam::{Vec2, Vec4};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// The units of a scene in main memory, and the pictures that are drawn of them.
@@ -32,6 +35,36 @@ pub struct TwinScene {
     placements: Placements,
     pages: TwinPages,
     refiners: HashMap<(UnitId, u8), UnitId>,
+    clouds: CloudUnits,
+    objects: Vec<SceneObject>,
+}
+
+/// How near what is drawn in each pixel is; larger is nearer.
+struct Depths {
+    size: [u32; 2],
+    depths: Vec<f32>,
+}
+
+impl Depths {
+    fn of(size: [u32; 2]) -> Self {
+        let depths = vec![0.0; size[0] as usize * size[1] as usize];
+        Self { size, depths }
+    }
+
+    /// Whether something is in front of all before it.
+    fn has_behind(&self, fragment: &Fragment) -> bool {
+        let [x, y] = fragment.pixel.map(|it| it as usize);
+        fragment.depth > self.depths[y * self.size[0] as usize + x]
+    }
+
+    /// Whether something is in front of all before it, which it is from now on.
+    fn pass(&mut self, fragment: &Fragment) -> bool {
+        let [x, y] = fragment.pixel.map(|it| it as usize);
+        let depth = &mut self.depths[y * self.size[0] as usize + x];
+        let passes = fragment.depth > *depth;
+        *depth = depth.max(fragment.depth);
+        passes
+    }
 }
 
 impl TwinScene {
@@ -44,6 +77,8 @@ impl TwinScene {
             placements: Placements::new(objects, &pages.table),
             pages,
             refiners: HashMap::new(),
+            clouds: CloudUnits::new(objects),
+            objects: objects.to_vec(),
         }
     }
 
@@ -53,6 +88,14 @@ impl TwinScene {
     /// It does not fit to what is there: nothing changed then.
     pub fn upload(&mut self, coming: &ComingUnit<'_>) -> Result<(), RenderError> {
         self.units.insert(coming).map(|_| ())
+    }
+
+    /// Adds a unit of a cloud after the unit that it refines.
+    ///
+    /// # Errors
+    /// It does not fit to what is there: nothing changed then.
+    pub fn upload_points(&mut self, coming: &ComingPoints<'_>) -> Result<(), RenderError> {
+        self.clouds.insert(coming).map(|_| ())
     }
 
     /// Adds a page of a texture after the page that it lies in.
@@ -69,11 +112,15 @@ impl TwinScene {
     /// No other that is there may need it.
     pub fn remove(&mut self, unit: UnitId) {
         self.units.remove(unit);
+        self.clouds.remove(unit);
     }
 
     /// Takes all units away but those that are wanted, what these need, and roots.
     pub fn retain(&mut self, wanted: &HashSet<UnitId>) {
         self.units.retain(wanted);
+        for unit in self.clouds.to_go(wanted) {
+            self.clouds.remove(unit);
+        }
         self.pages.retain(wanted);
     }
 
@@ -103,6 +150,7 @@ impl TwinScene {
     /// From now on these are the units that would refine clusters, each by its unit and its number
     /// in it: what [`Self::ids`] shows.
     pub fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
+        self.clouds.set_refiners(refiners.clone());
         self.refiners = refiners;
     }
 
@@ -115,9 +163,13 @@ impl TwinScene {
             size: view.size,
             pixels: background.repeat(view.size[0] as usize * view.size[1] as usize),
         };
-        self.draw(&scene, view.size, |of_cluster, fragment, texture| {
+        let mut depths = Depths::of(view.size);
+        self.draw(&scene, &mut depths, |of_cluster, fragment, texture| {
             let colour = draw_clusters(&scene, of_cluster, fragment, texture);
             image.set_pixel(fragment.pixel, code(colour));
+        });
+        self.draw_clouds(&scene, view, &mut depths, |splat, fragment| {
+            image.set_pixel(fragment.pixel, code(draw_points(splat)));
         });
         image
     }
@@ -129,9 +181,14 @@ impl TwinScene {
         let scene = self.scene(view, style);
         let [columns, rows] = view.size.map(|side| side as usize);
         let mut ids = vec![u32::MAX; columns * rows];
-        self.draw(&scene, view.size, |of_cluster, fragment, _| {
+        let mut depths = Depths::of(view.size);
+        self.draw(&scene, &mut depths, |of_cluster, fragment, _| {
             let [x, y] = fragment.pixel.map(|it| it as usize);
             ids[y * columns + x] = draw_refiners(of_cluster);
+        });
+        self.draw_clouds(&scene, view, &mut depths, |splat, fragment| {
+            let [x, y] = fragment.pixel.map(|it| it as usize);
+            ids[y * columns + x] = draw_point_refiners(splat);
         });
         ids
     }
@@ -155,8 +212,9 @@ impl TwinScene {
     }
 
     fn scene(&self, view: &EyeView, style: &SceneStyle) -> SceneInView {
+        let coarsest = self.units.coarsest().max(self.clouds.coarsest());
         SceneInView {
-            params: SceneParams::new(view, style, self.units.coarsest()),
+            params: SceneParams::new(view, style, coarsest),
             placements: self.placements.seen_by(view),
         }
     }
@@ -174,10 +232,9 @@ impl TwinScene {
     fn draw(
         &self,
         scene: &SceneInView,
-        size: [u32; 2],
+        depths: &mut Depths,
         mut each: impl FnMut(OfCluster, &Fragment, Vec4),
     ) {
-        let mut depths = vec![0.0; size[0] as usize * size[1] as usize];
         for (block, placement) in self.drawn() {
             let of_cluster = self.of_cluster(scene, &block, placement);
             let sides = match of_cluster.flags & TWO_SIDED != 0 {
@@ -188,16 +245,47 @@ impl TwinScene {
             let corner = |number| place_corner(scene, &block, placement, number);
             for triangle in corners.as_chunks::<3>().0 {
                 let head = texture_of_corner(&self.pages, of_cluster, &block, triangle[0]);
-                rasterise(triangle.map(corner), size, sides, |fragment| {
-                    let [x, y] = fragment.pixel.map(|it| it as usize);
-                    let depth = &mut depths[y * size[0] as usize + x];
-                    if fragment.depth > *depth
+                rasterise(triangle.map(corner), depths.size, sides, |fragment| {
+                    if depths.has_behind(&fragment)
                         && let Some(texture) = texture_on(&self.pages, head, &fragment)
                     {
-                        *depth = fragment.depth;
+                        depths.pass(&fragment);
                         each(of_cluster, &fragment, texture);
                     }
                 });
+            }
+        }
+    }
+
+    /// Calls `each` for every pixel that a point covers in front of all before it.
+    fn draw_clouds(
+        &self,
+        scene: &SceneInView,
+        view: &EyeView,
+        depths: &mut Depths,
+        mut each: impl FnMut(&Splat, &Fragment),
+    ) {
+        let standing = standing(&self.clouds, &self.objects);
+        let cloud = CloudInView {
+            cubes: standing.iter().map(|it| it.seen_by(view)).collect(),
+            half_pixel: Vec2::from(view.size.map(|side| 1.0 / side.max(1) as f32)),
+        };
+        for (number, cube) in (0..).zip(&standing) {
+            let there = self.clouds.unit(cube.unit);
+            let of = there.and_then(|(note, _)| self.clouds.cloud(note.object));
+            let (Some((_, placed)), Some(of)) = (there, of) else {
+                continue;
+            };
+            for point in &placed.points {
+                let splat = place_splat(scene, &cloud, number, (point, of));
+                for triangle in [[0, 1, 2], [3, 2, 1]] {
+                    let triangle = triangle.map(|corner: usize| splat.corners[corner]);
+                    rasterise(triangle, depths.size, Sides::Both, |fragment| {
+                        if depths.pass(&fragment) {
+                            each(&splat, &fragment);
+                        }
+                    });
+                }
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Which pictures, tiles and views do the tests draw?
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
+pub mod ball;
 pub mod levels;
 pub mod plate;
 pub mod torus;
@@ -11,6 +12,7 @@ use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::picture::{Colour, Matrix, Picture, plane_size};
 use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
+use foveal_render::gpu::readback::BytesBack;
 use foveal_render::twin::TwinTiles;
 use foveal_render::{Gpu, Renderer, RgbaImage};
 
@@ -346,6 +348,28 @@ pub fn detail_around(surface: &Surface, face: u32, place: [f64; 2]) -> [f64; 3] 
     yuv[1] = 128.0 + 50.0 * (d.x * 3.0).sin();
     yuv[2] = 128.0 + 50.0 * (d.y * 3.0).cos();
     yuv
+}
+
+/// The bytes of a picture of 4 bytes a pixel, whose rows are multiples of 256 bytes.
+pub fn bytes_of(gpu: &Gpu, image: &wgpu::Texture) -> Vec<u8> {
+    let row = image.width() * 4;
+    let buffer = BytesBack::buffer(gpu, u64::from(row * image.height()));
+    let mut encoder = gpu.encoder("units to read");
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(row),
+        rows_per_image: None,
+    };
+    encoder.copy_texture_to_buffer(
+        image.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout,
+        },
+        image.size(),
+    );
+    gpu.submit(encoder);
+    BytesBack::map(buffer).wait(gpu).unwrap()
 }
 
 /// Share of pixels of which a channel differs by more than `most`.

@@ -60,6 +60,7 @@ pub fn object(textures: u16, times: f64) -> SceneObject {
         colour: [1.0; 4],
         two_sided: false,
         unlit: true,
+        points: None,
         placements: vec![DAffine3::IDENTITY.to_cols_array()],
         texturing: Some(Texturing {
             textures: (0..textures).collect(),

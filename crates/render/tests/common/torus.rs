@@ -160,6 +160,7 @@ pub fn object(attributes: Attributes) -> SceneObject {
         unlit: false,
         placements: vec![DAffine3::IDENTITY.to_cols_array()],
         texturing: None,
+        points: None,
     }
 }
 

@@ -62,8 +62,8 @@ pub enum BuildError {
     /// A number of bits that no grid has.
     #[error("bits of the grid: {0}; choose 10 to 16")]
     Bits(u8),
-    /// Nothing that has an area.
-    #[error("scene: no triangle with an area; choose files with meshes")]
+    /// Nothing that has an area, and no point.
+    #[error("scene: no triangle with an area, and no point; choose files with meshes or points")]
     Empty,
     /// More than a pack can tell of.
     #[error("scene: {0} objects; at most 4096 fit")]

@@ -71,6 +71,7 @@ pub(super) fn grid_mesh(
         unlit: looks.unlit,
         placements: placements.map(glam::DAffine3::to_cols_array).collect(),
         texturing: looks.texturing.as_ref().map(|it| it.texturing.clone()),
+        points: None,
     };
     Ok(GridMesh {
         places_of_uv: places_of_uv(&object, &welder.vertices, &triangles),
@@ -287,7 +288,7 @@ impl<'a> Welder<'a> {
 }
 
 /// Linear light as sRGB codes (IEC 61966-2-1), and alpha times 255.
-fn codes_from_linear([r, g, b, alpha]: [f32; 4]) -> [u8; 4] {
+pub(crate) fn codes_from_linear([r, g, b, alpha]: [f32; 4]) -> [u8; 4] {
     let code = |light: f32| match light {
         _ if light <= 0.003_130_8 => 12.92 * light,
         _ => 1.055 * light.powf(1.0 / 2.4) - 0.055,

@@ -2,12 +2,15 @@
 //!
 //! Each mesh is put on a grid, cut into clusters of triangles, and simplified in groups of a few
 //! clusters whose borders stay; the coarse clusters are grouped anew, until one is left (Karis et
-//! al. 2021, "A deep dive into Nanite virtualized geometry"). Each group becomes a unit.
+//! al. 2021, "A deep dive into Nanite virtualized geometry"). Each group becomes a unit. Clouds of
+//! points become octrees, each of whose nodes is one.
 
 mod built;
+mod cloud;
 mod clusters;
 mod graph;
 mod groups;
+mod joined;
 mod mesh;
 mod numbering;
 mod pages;
@@ -24,6 +27,8 @@ use crate::source::{Repairs, SourceScene};
 pub use built::{BuildError, BuildOptions, Built, BuiltUnit};
 use foveal_core::content::scene::description::GRID_BITS;
 use glam::DVec3;
+use joined::{Graphed, joined};
+pub(crate) use mesh::codes_from_linear;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use textures::ShownImages;
@@ -31,13 +36,14 @@ use textures::ShownImages;
 /// Most objects of a scene.
 const MOST_OBJECTS: usize = 4096;
 
-/// Turns a scene into units; `progress` hears how many triangles are done, of about how many.
+/// Turns a scene into units; `progress` hears how many triangles and points are done, of about
+/// how many.
 ///
 /// The result depends on the source and the bits alone. Takes about three seconds for a million
 /// triangles on one thread, and about 200 bytes of memory for each triangle.
 ///
 /// # Errors
-/// A source without triangles, or one whose numbers are out of range.
+/// A source without triangles and points, or one whose numbers are out of range.
 ///
 /// # Example
 /// ```
@@ -65,8 +71,9 @@ pub fn build(
     if !GRID_BITS.contains(&options.bits) {
         return Err(BuildError::Bits(options.bits));
     }
-    if source.objects.len() > MOST_OBJECTS {
-        return Err(BuildError::Objects(source.objects.len()));
+    let objects = source.objects.len() + source.clouds.len();
+    if objects > MOST_OBJECTS {
+        return Err(BuildError::Objects(objects));
     }
     let threads = rayon::ThreadPoolBuilder::new().num_threads(options.jobs.max(1));
     threads
@@ -89,21 +96,22 @@ fn build_here(
     let all = meshes.len();
     meshes.retain(|mesh| !mesh.triangles.is_empty());
     count(&mut repairs, "empty_objects", (all - meshes.len()) as u64);
-    if meshes.is_empty() {
+    if meshes.is_empty() && source.clouds.is_empty() {
         return Err(BuildError::Empty);
     }
     // Each level has half the triangles of the one before: all together twice the source's.
-    let all: u64 = meshes.iter().map(|it| 2 * it.triangles.len() as u64).sum();
+    let triangles = meshes.iter().map(|it| 2 * it.triangles.len() as u64);
+    let points = source.clouds.iter().map(|it| it.places.len() as u64);
+    let all: u64 = triangles.chain(points).sum();
     let done = AtomicU64::new(0);
-    let step = |triangles: u64| {
-        let before = done.fetch_add(triangles, Ordering::Relaxed);
-        progress((before + triangles).min(all), all);
+    let step = |samples: u64| {
+        let before = done.fetch_add(samples, Ordering::Relaxed);
+        progress((before + samples).min(all), all);
     };
     let graphs: Vec<_> = meshes
         .par_iter()
         .map(|it| graph::build(it, &step))
         .collect();
-    progress(all, all);
     let permissive = graphs.iter().map(|graph| graph.permissive).sum();
     count(&mut repairs, "permissive_groups", permissive);
     let light = DVec3::from_array(source.look().light);
@@ -111,8 +119,18 @@ fn build_here(
     let pages = pages::write(source, &shown, &mut meshes, options.exact)?;
     count(&mut repairs, "missing_images", shown.missing + pages.broken);
     let (units, levels) = units::write(&meshes, &graphs, &pages.all, light)?;
+    let mut objects: Vec<_> = meshes.into_iter().map(|mesh| mesh.object).collect();
+    drop(graphs);
+    let mut graphed = vec![Graphed { units, levels }];
+    for source in &source.clouds {
+        let built = cloud::build(source, objects.len() as u16, &step)?;
+        objects.push(built.object);
+        graphed.push(built.units);
+    }
+    progress(all, all);
+    let (units, levels) = joined(graphed);
     Ok(Built {
-        objects: meshes.into_iter().map(|mesh| mesh.object).collect(),
+        objects,
         textures: pages.textures,
         units,
         levels,

@@ -41,7 +41,7 @@ impl LocalSphere {
     }
 
     /// How far it reaches from a point.
-    fn reach(&self, from: [f32; 3]) -> f64 {
+    pub(super) fn reach(&self, from: [f32; 3]) -> f64 {
         let along = |axis: usize| f64::from(self.centre[axis]) - f64::from(from[axis]);
         let square: f64 = [0, 1, 2].map(along).iter().map(|it| it * it).sum();
         square.sqrt() + f64::from(self.radius)

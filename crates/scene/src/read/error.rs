@@ -66,7 +66,7 @@ pub enum ReadError {
         /// What the system said.
         reason: String,
     },
-    /// The file has no triangle.
+    /// The file has neither triangle nor point.
     #[error(
         "{}: there is nothing to draw: {found}; export the surfaces as triangles",
         path.display()
@@ -80,7 +80,7 @@ pub enum ReadError {
 }
 
 /// The endings that are read.
-const ENDINGS: &str = ".glb, .gltf, .obj, .ply, .stl or .toml";
+const ENDINGS: &str = ".glb, .gltf, .obj, .ply, .stl, .las, .laz or .toml";
 
 /// A [`ReadError`] that does not know its file yet.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -6,6 +6,7 @@ mod error;
 mod files;
 mod gltf;
 pub(crate) mod image;
+mod las;
 #[cfg(test)]
 mod mangle;
 mod obj;
@@ -31,11 +32,12 @@ use single::{SceneFile, read_file};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReadOptions {
     /// Which axis points up in all of them; if not given, the one that is usual for the format: z
-    /// in STL, y in all others.
+    /// in STL, LAS and LAZ, y in all others.
     pub up: Option<Up>,
 }
 
-/// Whether a file's name ends as one that [`read`] reads: .glb, .gltf, .obj, .ply or .stl.
+/// Whether a file's name ends as one that [`read`] reads: .glb, .gltf, .obj, .ply, .stl, .las
+/// or .laz.
 #[must_use]
 pub fn is_scene_file(file: &Path) -> bool {
     SceneFormat::of(file).is_some()
@@ -45,7 +47,7 @@ pub fn is_scene_file(file: &Path) -> bool {
 /// for those that it names.
 ///
 /// Refused are files that break their format, that name files outside their folder, or that have
-/// no triangle. Memory is a small multiple of the files' bytes, whatever they claim.
+/// neither triangle nor point. Memory is a small multiple of the files' bytes, whatever they claim.
 ///
 /// ```
 /// use foveal_scene::read::{ReadOptions, read};
@@ -95,7 +97,8 @@ pub fn read_anything(format: SceneFormat, bytes: &[u8]) -> bool {
     let Ok(scene) = file.read(&mut Nowhere) else {
         return false;
     };
-    assert!(!scene.objects.is_empty());
+    assert!(!(scene.objects.is_empty() && scene.clouds.is_empty()));
+    scene.clouds.iter().for_each(sound::assert_sound_cloud);
     for mesh in &scene.meshes {
         sound::assert_sound(mesh, scene.materials.len());
     }

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::error::Fault;
-use crate::source::{SourceObject, SourceScene};
+use crate::source::SourceScene;
 
 /// Which axis of a file points up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,10 +20,10 @@ pub(super) fn turn_up(scene: &mut SourceScene, up: Up) {
         return;
     }
     let world_from_file = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y));
-    for object in &mut scene.objects {
-        for world_from_mesh in &mut object.placements {
-            *world_from_mesh = world_from_file * *world_from_mesh;
-        }
+    let objects = scene.objects.iter_mut().map(|it| &mut it.placements);
+    let clouds = scene.clouds.iter_mut().map(|it| &mut it.placements);
+    for world_from_mesh in objects.chain(clouds).flatten() {
+        *world_from_mesh = world_from_file * *world_from_mesh;
     }
 }
 
@@ -37,23 +37,31 @@ pub(super) fn check(scene: &SourceScene) -> Result<(), Fault> {
             all.fold(DVec3::ZERO, |reach, position| reach.max(position.abs()))
         })
         .collect();
-    for object in &scene.objects {
+    let objects = scene
+        .objects
+        .iter()
+        .map(|it| (&it.name, &it.placements, reach[it.mesh]));
+    let clouds = scene
+        .clouds
+        .iter()
+        .map(|it| (&it.name, &it.placements, it.reach()));
+    for (name, placements, reach) in objects.chain(clouds) {
         let stands = |world_from_mesh: &DAffine3| {
             let axes = world_from_mesh.matrix3;
             let farthest =
                 DMat3::from_cols(axes.x_axis.abs(), axes.y_axis.abs(), axes.z_axis.abs());
-            let far = farthest * reach[object.mesh] + world_from_mesh.translation.abs();
+            let far = farthest * reach + world_from_mesh.translation.abs();
             far.is_finite()
         };
-        if !object.placements.iter().all(stands) {
-            return Err(stands_nowhere(object));
+        if !placements.iter().all(stands) {
+            return Err(stands_nowhere(name));
         }
     }
     Ok(())
 }
 
-fn stands_nowhere(object: &SourceObject) -> Fault {
-    let name = super::text::shortened(&object.name);
+fn stands_nowhere(name: &str) -> Fault {
+    let name = super::text::shortened(name);
     Fault::broken(
         format!("object {name:?}"),
         "is moved or scaled beyond what numbers can say",
@@ -64,6 +72,7 @@ fn stands_nowhere(object: &SourceObject) -> Fault {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::source::SourceObject;
 
     #[test]
     fn z_becomes_y_without_a_mirror() {

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::error::{Fault, ReadError};
 use super::files::{Folder, OnDisk};
 use super::place::{self, Up};
-use super::{gltf, obj, ply, sound, stl};
+use super::{gltf, las, obj, ply, sound, stl};
 use crate::source::SourceScene;
 
 /// How a scene is written in a file.
@@ -19,6 +19,8 @@ pub enum SceneFormat {
     Ply,
     /// STL, as text or binary.
     Stl,
+    /// LAS 1.0 to 1.4 or LAZ, with a hierarchy (COPC) or without.
+    Las,
 }
 
 impl SceneFormat {
@@ -31,13 +33,14 @@ impl SceneFormat {
             "obj" => Some(Self::Obj),
             "ply" => Some(Self::Ply),
             "stl" => Some(Self::Stl),
+            "las" | "laz" => Some(Self::Las),
             _ => None,
         }
     }
 
     pub(super) fn up(self) -> Up {
         match self {
-            Self::Stl => Up::Z,
+            Self::Stl | Self::Las => Up::Z,
             Self::Gltf | Self::Obj | Self::Ply => Up::Y,
         }
     }
@@ -86,6 +89,7 @@ impl SceneFile<'_> {
             SceneFormat::Obj => obj::read(self.bytes, self.name, folder),
             SceneFormat::Ply => ply::read(self.bytes, self.name),
             SceneFormat::Stl => stl::read(self.bytes, self.name),
+            SceneFormat::Las => las::read(self.bytes, self.name),
         }?;
         for mesh in &mut scene.meshes {
             sound::make_sound(mesh, &mut scene.repairs);
@@ -93,7 +97,7 @@ impl SceneFile<'_> {
         scene.leave_out_empty();
         place::turn_up(&mut scene, self.up);
         place::check(&scene)?;
-        if scene.objects.is_empty() {
+        if scene.objects.is_empty() && scene.clouds.is_empty() {
             return Err(Fault::Empty {
                 found: found_instead(&scene),
             });

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 
-use crate::source::{Repairs, SourceMesh};
+use crate::source::{Repairs, SourceCloud, SourceMesh};
 
 /// Counts what was repaired under a name.
 pub(super) fn count(repairs: &mut Repairs, name: &str, times: usize) {
@@ -159,6 +159,20 @@ pub(super) fn assert_sound(mesh: &SourceMesh, materials: usize) {
     assert!(lengths.all(|length| (length - 1.0).abs() < 1e-4));
     let mut parts = mesh.colours.iter().flatten();
     assert!(parts.all(|part| (0.0..=1.0).contains(part)));
+}
+
+/// Panics unless a cloud keeps what [`SourceCloud`] promises: for tests and fuzzing.
+pub(super) fn assert_sound_cloud(cloud: &SourceCloud) {
+    let points = cloud.places.len();
+    assert!(points > 0 && !cloud.placements.is_empty());
+    let lengths = [
+        cloud.colours.len(),
+        cloud.intensities.len(),
+        cloud.classes.len(),
+    ];
+    assert!(lengths.iter().all(|it| *it == 0 || *it == points));
+    assert!(cloud.scale.iter().all(|it| *it > 0.0 && it.is_finite()));
+    assert!(cloud.placements.iter().all(glam::DAffine3::is_finite) && cloud.reach().is_finite());
 }
 
 #[cfg(test)]

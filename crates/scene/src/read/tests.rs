@@ -82,7 +82,8 @@ fn endings_that_are_read_are_known() {
     for name in ["a.fbx", "obj", ".obj", "a.obj.gz", ""] {
         assert!(!is_scene_file(Path::new(name)), "{name}");
     }
-    assert!(refusal(Path::new("a.fbx")).contains(".glb, .gltf, .obj, .ply, .stl or .toml"));
+    let endings = ".glb, .gltf, .obj, .ply, .stl, .las, .laz or .toml";
+    assert!(refusal(Path::new("a.fbx")).contains(endings));
     let none = read(&[], &ReadOptions::default());
     assert!(matches!(none, Err(ReadError::NoFile)));
 }

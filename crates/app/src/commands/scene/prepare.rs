@@ -27,14 +27,14 @@ enum UpName {
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PrepareSceneArgs {
-    /// Files of one scene: .glb, .gltf, .obj, .ply or .stl, or a scene file .toml that says where
-    /// such files stand.
+    /// Files of one scene: .glb, .gltf, .obj, .ply, .stl, .las or .laz (.copc.laz too), or a scene
+    /// file .toml that says where such files stand.
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     /// The pack to write, with the ending .foveal.
     #[arg(long, value_name = "PACK")]
     out: Option<PathBuf>,
-    /// Which axis points up in the files (default: z in STL, y elsewhere).
+    /// Which axis points up in the files (default: z in STL, LAS and LAZ, y elsewhere).
     #[arg(long, value_enum)]
     up: Option<UpName>,
     /// Bits of a vertex's place along the largest side of its object, 10 to 16.
@@ -63,6 +63,7 @@ struct Estimate {
     dry_run: bool,
     objects: usize,
     triangles: u64,
+    points: u64,
     #[serde(rename = "prepare_s")]
     seconds: f64,
     bytes: u64,
@@ -235,19 +236,24 @@ impl PrepareSceneArgs {
         let placed = source.objects.iter().map(|object| object.mesh);
         let meshes = placed.map(|mesh| source.meshes[mesh].triangles.len() as u64);
         let triangles: u64 = meshes.sum();
-        let seconds = read_s + triangles as f64 * BUILD_S / (jobs.min(4) as f64).max(1.0);
+        let points = source.clouds.iter().map(|it| it.places.len() as u64);
+        let points: u64 = points.sum();
+        let work = triangles as f64 * BUILD_S + points as f64 * BUILD_S_OF_POINT;
+        let seconds = read_s + work / (jobs.min(4) as f64).max(1.0);
         let estimate = Estimate {
             dry_run: true,
-            objects: source.objects.len(),
+            objects: source.objects.len() + source.clouds.len(),
             triangles,
+            points,
             seconds,
-            bytes: (triangles as f64 * BYTES_OF_TRIANGLE) as u64,
+            bytes: (triangles as f64 * BYTES_OF_TRIANGLE + points as f64 * BYTES_OF_POINT) as u64,
             repairs: source.repairs.clone(),
         };
         let text = format!(
-            "{}, {}: about {:.0} s and {} (nothing written)",
+            "{}, {}, {}: about {:.0} s and {} (nothing written)",
             counted(estimate.objects, "object"),
             counted(triangles, "triangle"),
+            counted(points, "point"),
             seconds,
             output::size(estimate.bytes),
         );
@@ -259,6 +265,9 @@ impl PrepareSceneArgs {
 /// as measured on a scan of 871,414 triangles.
 const BUILD_S: f64 = 6e-6;
 const BYTES_OF_TRIANGLE: f64 = 6.0;
+/// The same of a point with colours.
+const BUILD_S_OF_POINT: f64 = 2e-6;
+const BYTES_OF_POINT: f64 = 6.0;
 
 /// The most memory that this program had so far, where the system tells.
 pub(crate) fn peak_memory_bytes() -> Option<u64> {

@@ -24,7 +24,7 @@ pub(crate) struct SceneInfo {
     leaf_triangles: u64,
     points: u64,
     texels: u64,
-    /// Bytes of units a triangle of the finest level, and with index and table.
+    /// Bytes of units a triangle or point of the finest level, and with index and table.
     bytes_per_leaf: f64,
     bytes_per_leaf_with_tables: f64,
     repairs: BTreeMap<String, u64>,
@@ -56,6 +56,7 @@ impl BytesByKind {
             let of_kind = match file.pack().row(unit).kind {
                 UnitKind::Mesh => &mut bytes.mesh,
                 UnitKind::Image => &mut bytes.texture,
+                UnitKind::Points => &mut bytes.points,
             };
             *of_kind += u64::from(file.pack().entry(unit).bytes);
         }
@@ -77,8 +78,11 @@ impl SceneInfo {
         let bytes_per_level = pack.index().bytes_per_level();
         let bytes_by_kind = BytesByKind::of(file, pack.units());
         let tables: u64 = about.tables.iter().map(|it| it.bytes).sum();
-        let leaves: u64 = about.objects.iter().map(|it| it.leaf_triangles).sum();
-        let mesh = bytes_by_kind.mesh;
+        let leaf_triangles = about.objects.iter().map(|it| it.leaf_triangles).sum();
+        let points = about.objects.iter().filter_map(|it| it.points);
+        let points = points.map(|it| it.count).sum();
+        let leaves: u64 = leaf_triangles + points;
+        let bytes = bytes_by_kind.mesh + bytes_by_kind.points;
         let per_leaf = |bytes: u64| bytes as f64 / leaves.max(1) as f64;
         Self {
             kind: "scene",
@@ -89,11 +93,11 @@ impl SceneInfo {
             bytes: file.bytes(),
             bytes_per_level,
             bytes_by_kind,
-            leaf_triangles: leaves,
-            points: 0,
+            leaf_triangles,
+            points,
             texels: texels(file),
-            bytes_per_leaf: per_leaf(mesh),
-            bytes_per_leaf_with_tables: per_leaf(mesh + tables + file.header().index_bytes),
+            bytes_per_leaf: per_leaf(bytes),
+            bytes_per_leaf_with_tables: per_leaf(bytes + tables + file.header().index_bytes),
             repairs: about.repairs.clone(),
             remarks: about.remarks.clone(),
             centre: scene.bounds().centre.to_array(),
@@ -106,12 +110,20 @@ impl SceneInfo {
         }
     }
 
+    /// Its triangles and points, of what there is.
+    fn samples_text(&self) -> String {
+        let all = [(self.leaf_triangles, "triangle"), (self.points, "point")];
+        let there = all.into_iter().filter(|(count, _)| *count > 0);
+        let told: Vec<String> = there.map(|(count, what)| counted(count, what)).collect();
+        told.join(", ")
+    }
+
     pub(crate) fn text(&self) -> String {
         let mut text = format!(
             "{}: {}, {}, {} of {} from {}\n{}, {:.2} bytes each, {:.2} with index and table\n",
             self.source.join(", "),
             counted(self.objects, "object"),
-            counted(self.leaf_triangles, "triangle"),
+            self.samples_text(),
             counted(self.levels, "level"),
             output::size(self.bytes),
             output::size(self.source_bytes),

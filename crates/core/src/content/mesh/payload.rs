@@ -18,15 +18,14 @@
 //! 5. Normals and colours: meshoptimizer's vertex codec, four bytes of each that there is; of
 //!    textures eight: the place, two bytes along each axis, which texture, and three zeros.
 
-mod bits;
 mod cluster;
 #[cfg(test)]
 mod tests;
 mod vertices;
 
+use crate::content::bits::{BitReader, BitWriter};
 use crate::pack::PackError;
 use crate::pack::unit::UnitId;
-use bits::{BitReader, BitWriter};
 use cluster::wrong;
 pub use cluster::{Cluster, MOST_OF_CLUSTER, MeshVertex, NO_TEXTURE};
 use meshoptimizer_rs::codec::{

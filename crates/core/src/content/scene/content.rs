@@ -2,7 +2,6 @@
 
 use super::Scene;
 use super::demand::SceneDemand;
-use super::description::SceneTexture;
 use crate::content::demand::{Content, Demand};
 use crate::content::head::ContentHead;
 use crate::content::policy::{HasTables, PolicyConfig};
@@ -48,10 +47,7 @@ impl Content for Scene {
     }
 
     fn finest_samples(&self) -> u64 {
-        let about = self.pack().description();
-        let triangles: u64 = about.objects.iter().map(|it| it.leaf_triangles).sum();
-        let texels = |it: &SceneTexture| it.size.map(u64::from).iter().product::<u64>();
-        triangles + about.textures.iter().map(texels).sum::<u64>()
+        self.pack().description().finest_samples()
     }
 
     fn has(&self) -> HasTables {

@@ -3,6 +3,7 @@
 use crate::content::images::shape::MOST_SIDE;
 use crate::content::images::wrap::Wrap;
 use crate::content::mesh::payload::Attributes;
+use crate::content::points::payload::PointAttributes;
 use crate::content::scene::lighting::LAMP_DIRECTION;
 use crate::pack::{Identity, PackError, TableEntry};
 use glam::{DAffine3, DMat3, DVec3};
@@ -111,7 +112,7 @@ pub struct SceneSource {
 pub struct SceneObject {
     /// Its name, for people.
     pub name: String,
-    /// Triangles at the finest level.
+    /// Triangles at the finest level; of points none.
     pub leaf_triangles: u64,
     /// A small sphere round it, in its own space.
     pub bounds: ObjectBounds,
@@ -128,9 +129,97 @@ pub struct SceneObject {
     pub unlit: bool,
     /// Where it stands: world from object, columns x, y, z and place; at least one.
     pub placements: Vec<[f64; 12]>,
+    /// The cloud of points that it is, where it is no mesh.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points: Option<Cloud>,
     /// The textures of its vertices; there where they have any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub texturing: Option<Texturing>,
+}
+
+/// A cloud of points, on the grid of its file.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cloud {
+    /// Number of all points.
+    pub count: u64,
+    /// Length of a step along each axis, in the object's space.
+    pub scale: [f64; 3],
+    /// Where the file's coordinates are 0, in the object's space.
+    pub offset: [f64; 3],
+    /// The file's coordinates of the place [0, 0, 0].
+    pub least: [i64; 3],
+    /// What its points have.
+    pub attributes: PointAttributes,
+    /// Bits of a code of a colour: 8 or 16.
+    pub colour_bits: u8,
+    /// What a code of eight bits was multiplied by in the file.
+    pub colour_times: u16,
+    /// The largest intensity.
+    pub most_intensity: u16,
+}
+
+impl Default for Cloud {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            scale: [1.0; 3],
+            offset: [0.0; 3],
+            least: [0; 3],
+            attributes: PointAttributes::default(),
+            colour_bits: 8,
+            colour_times: 1,
+            most_intensity: 0,
+        }
+    }
+}
+
+impl Cloud {
+    /// A place on its grid, in the object's space: as the file says by whole numbers.
+    #[must_use]
+    pub fn at(&self, place: [u32; 3]) -> DVec3 {
+        let along = |axis: usize| {
+            let steps = self.least[axis] + i64::from(place[axis]);
+            steps as f64 * self.scale[axis] + self.offset[axis]
+        };
+        DVec3::from_array([0, 1, 2].map(along))
+    }
+
+    /// A code of a colour as one of eight bits.
+    #[must_use]
+    pub fn shown_code(&self, code: u16) -> u8 {
+        match self.colour_bits {
+            8 => code.min(255) as u8,
+            _ => (code >> 8) as u8,
+        }
+    }
+
+    /// The grey of an intensity, as a code of a colour of this cloud.
+    pub(crate) fn grey_of(&self, intensity: u16) -> u16 {
+        let most = u32::from(self.most_intensity).max(1);
+        let white = if self.colour_bits == 8 { 255 } else { 65535 };
+        // The square root, about as a display encodes light.
+        let share = f64::from(intensity) / f64::from(most);
+        (libm::sqrt(share.min(1.0)) * f64::from(white)) as u16
+    }
+
+    fn check(&self) -> Result<(), PackError> {
+        let wrong = |field: &str, found: String, expected: &str| {
+            let field = format!("objects.points.{field}");
+            Err(PackError::new(&field, found, expected))
+        };
+        let is_step = |it: &f64| *it > 0.0 && *it <= 1e12;
+        if !(self.scale.iter().all(is_step) && self.offset.iter().all(|it| it.abs() <= 1e15)) {
+            let found = format!("{:?}, {:?}", self.scale, self.offset);
+            return wrong("scale, offset", found, "a finite grid");
+        }
+        if self.least.iter().any(|it| it.unsigned_abs() > 1 << 40) {
+            return wrong("least", format!("{:?}", self.least), "below 2^40");
+        }
+        match self.colour_bits {
+            8 | 16 => Ok(()),
+            bits => wrong("colour_bits", bits.to_string(), "8 or 16"),
+        }
+    }
 }
 
 /// Which textures an object has, and where its vertices lie on them.
@@ -261,6 +350,21 @@ impl SceneDescription {
         Ok(about)
     }
 
+    /// Triangles, points and texels at the finest level, each once.
+    #[must_use]
+    pub fn finest_samples(&self) -> u64 {
+        let texels = |it: &SceneTexture| it.size.map(u64::from).iter().product::<u64>();
+        let texels = self.textures.iter().map(texels);
+        let objects = self.objects.iter();
+        objects
+            .map(|it| {
+                it.leaf_triangles
+                    .saturating_add(it.points.map_or(0, |it| it.count))
+            })
+            .chain(texels)
+            .fold(0, u64::saturating_add)
+    }
+
     /// Triangles at the finest level, each as often as it stands there.
     #[must_use]
     pub fn triangles(&self) -> u64 {
@@ -358,6 +462,9 @@ impl SceneObject {
         let is_finite = |it: &&f64| it.abs() <= 1e15;
         if !self.placements.iter().flatten().all(|it| is_finite(&it)) {
             return wrong("placements", "too large".to_owned(), "finite numbers");
+        }
+        if let Some(points) = &self.points {
+            points.check()?;
         }
         if !self.colour.iter().all(|it| (0.0..=1.0).contains(it)) {
             return wrong("colour", format!("{:?}", self.colour), "0 to 1");

@@ -3,8 +3,10 @@
 use super::description::{KIND, SceneDescription};
 use super::unit_table::{OF_ALL, UNITS, UNITS_VERSION, UnitKind, UnitRow, read_units, write_units};
 use crate::content::images::payload::ImagePage;
-use crate::content::mesh::payload::MeshUnit;
+use crate::content::mesh::payload::{ClusterRef, MeshUnit};
 use crate::content::payload::Payload;
+use crate::content::points::cut::OCTANTS;
+use crate::content::points::payload::PointUnit;
 use crate::pack::paged_table::PageDirectory;
 use crate::pack::unit::UnitId;
 use crate::pack::{
@@ -131,6 +133,46 @@ impl ScenePack {
                 let found = format!("unit {} of another object or kind", need.0);
                 return wrong("needs", found, "units of its object and kind".to_owned());
             }
+            self.check_kind(row).map_err(|source| PackError {
+                field: format!("table {UNITS}, unit {}, {}", unit.0, source.field),
+                ..source
+            })?;
+        }
+        self.check_points()
+    }
+
+    /// Whether a unit is of the kind of its object, and one of points refines an octant.
+    fn check_kind(&self, row: &UnitRow) -> Result<(), PackError> {
+        let object = self.description.objects.get(usize::from(row.object));
+        let is_cloud = object.is_some_and(|it| it.points.is_some());
+        let is_points = row.kind == UnitKind::Points;
+        if is_cloud != is_points {
+            let found = format!("{:?}", row.kind);
+            return Err(PackError::new("kind", found, "the kind of its object"));
+        }
+        let is_octant = |it: &&ClusterRef| usize::from(it.cluster) < OCTANTS && it.need == 0;
+        let octants = row.replaces.iter().filter(is_octant).count();
+        let one = usize::from(!row.needs.is_empty());
+        if is_points && [row.needs.len(), row.replaces.len(), octants] != [one; 3] {
+            let found = format!("{:?} of {:?}", row.replaces, row.needs);
+            let expected = "an octant of one unit";
+            return Err(PackError::new("replaces", found, expected));
+        }
+        Ok(())
+    }
+
+    /// Whether all points of each cloud are there.
+    fn check_points(&self) -> Result<(), PackError> {
+        let objects = &self.description.objects;
+        let mut counts = vec![0_u64; objects.len()];
+        let points = self.rows.iter().filter(|it| it.kind == UnitKind::Points);
+        points.for_each(|it| counts[usize::from(it.object)] += u64::from(it.samples));
+        for (object, count) in objects.iter().zip(counts) {
+            if object.points.is_some_and(|it| it.count != count) {
+                let field = format!("table {UNITS}, points of {:?}", object.name);
+                let expected = object.points.map_or(0, |it| it.count);
+                return Err(PackError::new(&field, count, expected));
+            }
         }
         Ok(())
     }
@@ -207,6 +249,11 @@ impl ScenePack {
             UnitKind::Mesh => {
                 let object = &self.description.objects[usize::from(row.object)];
                 MeshUnit::parse(chunk, object.attributes, &row.replaces).map(Payload::Mesh)
+            }
+            UnitKind::Points => {
+                let object = &self.description.objects[usize::from(row.object)];
+                let attributes = object.points.map(|it| it.attributes);
+                PointUnit::parse(chunk, attributes.unwrap_or_default()).map(Payload::Points)
             }
             UnitKind::Image => {
                 ImagePage::parse(chunk, &self.description.textures).map(Payload::Image)

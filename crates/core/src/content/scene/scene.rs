@@ -117,9 +117,9 @@ impl Scene {
 }
 
 /// Length of a side of the triangles that a unit is shown in place of: half as many as its own,
-/// over a disc of its sphere. A page tells all by its error.
+/// over a disc of its sphere. A page, and points, tell all by their error.
 fn coarse_side(row: &UnitRow) -> f64 {
-    if row.kind == UnitKind::Image {
+    if row.kind != UnitKind::Mesh {
         return 0.0;
     }
     let radius = f64::from(row.radius);

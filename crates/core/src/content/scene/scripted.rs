@@ -77,6 +77,7 @@ fn description() -> SceneDescription {
             [0.0, 0.0, -2.0, 0.0, 2.0, 0.0, 2.0, 0.0, 0.0, 3.0, 0.5, -1.0],
         ],
         texturing: None,
+        points: None,
     };
     SceneDescription {
         kind: KIND.to_owned(),

@@ -34,6 +34,8 @@ pub enum UnitKind {
     Mesh,
     /// A page of a texture: [`ImagePage`](crate::content::images::payload::ImagePage).
     Image,
+    /// Points of a cloud: [`PointUnit`](crate::content::points::payload::PointUnit).
+    Points,
 }
 
 impl UnitKind {
@@ -41,7 +43,7 @@ impl UnitKind {
     #[must_use]
     pub fn pixels_of_error(self) -> f64 {
         match self {
-            Self::Mesh => 1.0,
+            Self::Mesh | Self::Points => 1.0,
             // Those of a page are its texels, its error the side of the coarser level's.
             Self::Image => 2.0,
         }
@@ -51,11 +53,12 @@ impl UnitKind {
         match self {
             Self::Mesh => 0,
             Self::Image => 1,
+            Self::Points => 2,
         }
     }
 
     fn from_byte(byte: u8) -> Option<Self> {
-        [Self::Mesh, Self::Image]
+        [Self::Mesh, Self::Image, Self::Points]
             .into_iter()
             .find(|it| it.to_byte() == byte)
     }
@@ -64,6 +67,12 @@ impl UnitKind {
 /// The object of what belongs to no object alone, and whose sphere and error are in the world: a
 /// page of a texture that several objects have.
 pub const OF_ALL: u16 = u16::MAX;
+
+/// Bytes of a point on the GPU.
+const GPU_BYTES_OF_POINT: u64 = 12;
+/// What a unit of points takes on the GPU beside them at most: what is left of the last block, and
+/// where it stands.
+const GPU_BYTES_OF_POINT_UNIT: u64 = 2048;
 
 /// What is told of one unit.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -84,7 +93,8 @@ pub struct UnitRow {
     /// What it adds to what it is shown in place of, both drawn so that [`Self::error`] is a pixel,
     /// of a page two pixels; of a root nothing.
     pub signature: Signature,
-    /// Samples that it shows: triangles of a mesh, texels of a page without its border.
+    /// Samples that it shows: triangles of a mesh, texels of a page without its border, points that
+    /// are added to a cloud.
     pub samples: u32,
     /// Vertices of all its clusters, those that came before and those of several clusters counted
     /// in each.
@@ -93,7 +103,8 @@ pub struct UnitRow {
     /// them needs in turn.
     pub needs: Vec<UnitId>,
     /// Of a mesh the coarse clusters in whose place it is shown, at most 16; of a page the quarter
-    /// of the page that it lies in, as a cluster of it.
+    /// of the page that it lies in, and of points the octant of the unit that it needs, as a cluster
+    /// of it.
     pub replaces: Vec<ClusterRef>,
 }
 
@@ -101,6 +112,9 @@ impl UnitRow {
     /// Bytes that it takes on the GPU, at most.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
+        if self.kind == UnitKind::Points {
+            return u64::from(self.samples) * GPU_BYTES_OF_POINT + GPU_BYTES_OF_POINT_UNIT;
+        }
         if self.kind == UnitKind::Image {
             // Beside a root lie the levels that are made from it.
             return SLOT_BYTES * if self.needs.is_empty() { 2 } else { 1 };
@@ -140,7 +154,7 @@ impl UnitRow {
             return wrong(
                 "kind",
                 fixed[0].to_string(),
-                "0, a mesh, or 1, a page of a texture",
+                "0, a mesh, 1, a page of a texture, or 2, points",
             );
         };
         let count = usize::from(fixed[1]);
@@ -273,6 +287,7 @@ mod tests {
 
     fn rows() -> Vec<UnitRow> {
         let row = |unit: u32| UnitRow {
+            kind: [UnitKind::Mesh, UnitKind::Image, UnitKind::Points][unit as usize % 3],
             object: (unit % 3) as u16,
             centre: [unit as f32, -1.5, 2.0],
             radius: 10.0 / (unit + 1) as f32,
@@ -282,7 +297,6 @@ mod tests {
             signature: Signature::from_bytes([unit as u8; Signature::BYTES]),
             needs: (0..unit.min(3)).map(UnitId).collect(),
             replaces: (0..unit.min(3) as u8).map(ClusterRef::from_byte).collect(),
-            kind: [UnitKind::Mesh, UnitKind::Image][unit as usize % 2],
             ..UnitRow::default()
         };
         (0..40).map(row).collect()

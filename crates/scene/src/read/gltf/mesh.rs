@@ -8,7 +8,8 @@ use super::super::error::Fault;
 use super::super::sound::count;
 use super::accessor::Accessors;
 use super::json::{GltfAttributes, Primitive};
-use crate::source::{Repairs, SourceMesh};
+use crate::build::codes_from_linear;
+use crate::source::{Repairs, SourceCloud, SourceMesh};
 
 /// How many vertices and corners may be made of each byte of the buffers. Eight-bit strips give
 /// one; parts of meshes may also show the same bytes several times.
@@ -24,8 +25,38 @@ pub(super) struct MeshReader<'a> {
     /// The number of the material of parts that have none.
     pub(super) without_material: u32,
     pub(super) repairs: Repairs,
+    /// The colour of each material.
+    pub(super) factors: Vec<[f32; 4]>,
+    /// The points of the mesh that was read last.
+    pub(super) points: Points,
     /// Vertices and corners that were read.
     pub(super) spent: usize,
+}
+
+/// Points of a mesh: where they lie, and their colours in linear light.
+#[derive(Default)]
+pub(super) struct Points {
+    positions: Vec<DVec3>,
+    colours: Vec<[f32; 4]>,
+}
+
+impl Points {
+    /// As a cloud; none where there are no points.
+    pub(super) fn cloud(&self, name: &str) -> Option<SourceCloud> {
+        let has_colours = self.colours.iter().any(|it| *it != WHITE);
+        let code = |it: &[f32; 4]| {
+            let [red, green, blue, _] = codes_from_linear(*it);
+            [red, green, blue].map(|it| u16::from(it) * 257)
+        };
+        let cloud = SourceCloud {
+            colours: match has_colours {
+                true => self.colours.iter().map(code).collect(),
+                false => Vec::new(),
+            },
+            ..SourceCloud::on_grid(name, &self.positions)
+        };
+        (!self.positions.is_empty()).then_some(cloud)
+    }
 }
 
 /// What vertices are made of; parts with the same share them.
@@ -53,6 +84,7 @@ impl MeshReader<'_> {
             let what = format!("there are only {} meshes", meshes.len());
             return Err(Fault::at(format!("mesh {number}"), what));
         };
+        self.points = Points::default();
         let mut mesh = SourceMesh::default();
         let mut met = HashMap::new();
         for (index, primitive) in said.primitives.iter().enumerate() {
@@ -86,6 +118,9 @@ impl MeshReader<'_> {
             uvs: uv_set.and_then(|set| primitive.attributes.uvs(set)),
             opaque: *opaque,
         };
+        if primitive.mode == Some(POINTS) {
+            return self.add_points(primitive, (streams, material), place);
+        }
         // Parts with other shapes have other vertices at rest.
         let moves = moves(primitive, weights);
         let known = met.get(&streams).filter(|_| moves.is_empty());
@@ -106,6 +141,32 @@ impl MeshReader<'_> {
             .map_err(|what| Fault::at(place, what))?;
         let added = mesh.triangles.len() - before;
         mesh.materials.extend(std::iter::repeat_n(material, added));
+        Ok(())
+    }
+
+    /// Adds the points of a part.
+    fn add_points(
+        &mut self,
+        primitive: &Primitive,
+        (streams, material): (Streams, u32),
+        place: &str,
+    ) -> Result<(), Fault> {
+        let mut vertices = SourceMesh::default();
+        let bare = Streams {
+            normals: None,
+            ..streams
+        };
+        let added = self.add_vertices(&mut vertices, bare, place)?;
+        let corners = self.corners(primitive, added, place)?;
+        let factor = self.factors.get(material as usize).copied();
+        let factor = factor.unwrap_or(WHITE);
+        for corner in corners {
+            let corner = corner as usize;
+            let colour = vertices.colours.get(corner).copied().unwrap_or(WHITE);
+            let colour = [0, 1, 2, 3].map(|k| factor[k] * colour[k]);
+            self.points.positions.push(vertices.positions[corner]);
+            self.points.colours.push(colour);
+        }
         Ok(())
     }
 
@@ -291,7 +352,6 @@ impl MeshReader<'_> {
         let triangles = &mut mesh.triangles;
         let left_out = &mut self.repairs;
         match mode {
-            0 => count(left_out, "points_left_out", corners.len()),
             1 => count(left_out, "lines_left_out", corners.len() / 2),
             2 => count(left_out, "lines_left_out", corners.len()),
             3 => count(left_out, "lines_left_out", corners.len().saturating_sub(1)),
@@ -325,6 +385,8 @@ fn moves<'a>(primitive: &'a Primitive, weights: &[f64]) -> Vec<(&'a GltfAttribut
     all.filter(|(_, weight)| *weight != 0.0).collect()
 }
 
+/// The mode of a part that is points.
+const POINTS: u32 = 0;
 const WHITE: [f32; 4] = [1.0; 4];
 
 /// Fills up a list that is not empty.

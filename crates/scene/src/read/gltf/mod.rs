@@ -15,11 +15,11 @@ use std::collections::HashMap;
 use super::error::Fault;
 use super::files::Folder;
 use super::text::shortened;
-use crate::source::{Material, Repairs, SourceObject, SourceScene};
+use crate::source::{Material, Repairs, SourceCloud, SourceMesh, SourceObject, SourceScene};
 use accessor::Accessors;
 use buffers::Buffers;
 use json::{Document, GltfMaterial};
-use mesh::MeshReader;
+use mesh::{MeshReader, Points};
 use textures::{TextureReader, uv_set};
 
 /// Reads a `.gltf` or `.glb` file; objects without a name are called `name` and a number.
@@ -49,9 +49,12 @@ pub(super) fn read(
         uv_sets: document.materials.iter().map(uv_set).collect(),
         without_material: materials.len() as u32,
         repairs: Repairs::new(),
+        factors: materials.iter().map(|it| it.colour).collect(),
+        points: Points::default(),
         spent: 0,
     };
     let mut object_of: HashMap<u32, usize> = HashMap::new();
+    let mut cloud_of: HashMap<u32, usize> = HashMap::new();
     for shown in nodes::shown(&accessors)? {
         if let Some(object) = object_of.get(&shown.mesh) {
             let object: &mut SourceObject = &mut scene.objects[*object];
@@ -59,25 +62,33 @@ pub(super) fn read(
                 object.name = object_name(&document, shown.mesh, None, name);
             }
             object.placements.push(shown.world_from_mesh);
+            if let Some(cloud) = cloud_of.get(&shown.mesh) {
+                let cloud = &mut scene.clouds[*cloud];
+                (cloud.name).clone_from(&object.name);
+                cloud.placements.push(shown.world_from_mesh);
+            }
             continue;
         }
         scene.meshes.push(meshes.read(shown.mesh)?);
         object_of.insert(shown.mesh, scene.objects.len());
         let of_node = document.nodes[shown.node].name.as_deref();
+        let name = object_name(&document, shown.mesh, of_node, name);
+        if let Some(cloud) = meshes.points.cloud(&name) {
+            cloud_of.insert(shown.mesh, scene.clouds.len());
+            scene.clouds.push(SourceCloud {
+                placements: vec![shown.world_from_mesh],
+                ..cloud
+            });
+        }
         scene.objects.push(SourceObject {
-            name: object_name(&document, shown.mesh, of_node, name),
+            name,
             mesh: scene.meshes.len() - 1,
             placements: vec![shown.world_from_mesh],
         });
     }
     let default = meshes.without_material;
-    if scene
-        .meshes
-        .iter()
-        .any(|mesh| mesh.materials.contains(&default))
-    {
-        materials.push(Material::default());
-    }
+    let is_used = |mesh: &SourceMesh| mesh.materials.contains(&default);
+    materials.extend(scene.meshes.iter().any(is_used).then(Material::default));
     scene.repairs.extend(meshes.repairs);
     scene.materials = materials;
     add_remarks(&mut scene, &document, object_of.keys());

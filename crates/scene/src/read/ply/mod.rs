@@ -1,7 +1,8 @@
 //! How is a PLY file read?
 //!
 //! Source: G. Turk, "The PLY Polygon File Format", 1994, and what Stanford's and scanners' files
-//! hold: vertices with colours and normals, faces, and strips of triangles.
+//! hold: vertices with colours and normals, faces, and strips of triangles. Vertices without faces
+//! are a cloud of points.
 
 mod header;
 mod numbers;
@@ -11,7 +12,7 @@ use glam::{DAffine3, DVec3};
 use super::colour::linear_from_rgba;
 use super::error::Fault;
 use super::sound::count;
-use crate::source::{Material, Repairs, SourceMesh, SourceObject, SourceScene};
+use crate::source::{Material, Repairs, SourceCloud, SourceMesh, SourceObject, SourceScene};
 use header::{Element, PlyHeader, Property, Scalar};
 use numbers::Numbers;
 
@@ -19,16 +20,26 @@ use numbers::Numbers;
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     let header = PlyHeader::parse(bytes)?;
     let mut numbers = Numbers::of(&header, bytes);
-    let mut reader = Reader::default();
+    let faces = header.elements.iter().filter(|it| is_face(it));
+    let mut reader = Reader {
+        is_cloud: faces.map(|it| it.count).sum::<u64>() == 0,
+        ..Reader::default()
+    };
     for element in &header.elements {
         numbers.check_count(element)?;
         match element.name.as_str() {
             "vertex" => reader.read_vertices(element, &mut numbers)?,
-            "face" | "tristrips" => reader.read_faces(element, &mut numbers)?,
+            _ if is_face(element) => reader.read_faces(element, &mut numbers)?,
             _ => skip(element, &mut numbers)?,
         }
     }
     reader.check_corners()?;
+    if reader.is_cloud {
+        return Ok(SourceScene {
+            clouds: vec![reader.cloud(name)],
+            ..SourceScene::default()
+        });
+    }
     if reader.mesh.triangles.is_empty() {
         let points = reader.mesh.positions.len();
         count(&mut reader.repairs, "points_left_out", points);
@@ -54,6 +65,11 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     Ok(scene)
 }
 
+/// Whether rows are faces.
+fn is_face(element: &Element) -> bool {
+    matches!(element.name.as_str(), "face" | "tristrips")
+}
+
 fn skip(element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
     for index in 0..element.count {
         for property in &element.properties {
@@ -65,7 +81,11 @@ fn skip(element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
 
 #[derive(Default)]
 struct Reader {
+    /// Whether there are no faces.
+    is_cloud: bool,
     mesh: SourceMesh,
+    /// Colours of the points of a cloud, as codes of sixteen bits.
+    codes: Vec<[u16; 3]>,
     repairs: Repairs,
 }
 
@@ -119,7 +139,7 @@ impl Reader {
                 return Err(numbers.fault(element, index, format!("stands at {position}")));
             }
             self.mesh.positions.push(position);
-            if has_normals {
+            if has_normals && !self.is_cloud {
                 self.mesh.normals.push([nx as f32, ny as f32, nz as f32]);
             }
             if has_colours {
@@ -129,11 +149,24 @@ impl Reader {
                 {
                     return Err(numbers.fault(element, index, "has a colour that is no number"));
                 }
-                let colour = linear_from_rgba([red, green, blue, alpha]);
-                self.mesh.colours.push(colour);
+                if self.is_cloud {
+                    // A code of eight bits becomes 257 times as much.
+                    let code = |it: f64| (it.clamp(0.0, 1.0) * 65_535.0).round() as u16;
+                    self.codes.push([red, green, blue].map(code));
+                } else {
+                    let colour = linear_from_rgba([red, green, blue, alpha]);
+                    self.mesh.colours.push(colour);
+                }
             }
         }
         Ok(())
+    }
+
+    fn cloud(self, name: &str) -> SourceCloud {
+        SourceCloud {
+            colours: self.codes,
+            ..SourceCloud::on_grid(name, &self.mesh.positions)
+        }
     }
 
     fn read_faces(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {

@@ -206,9 +206,41 @@ fn headers_without_meaning_are_refused_by_line() {
 }
 
 #[test]
-fn points_alone_are_nothing_to_draw() {
-    let elements = format!("element vertex 2\n{XYZ}");
-    let bytes = text(&elements, "0 0 0\n1 1 1\n");
-    assert_eq!(scene(&bytes).repairs["points_left_out"], 2);
-    assert!(!read_anything(SceneFormat::Ply, &bytes));
+fn points_without_faces_are_a_cloud_half_a_step_off_at_most() {
+    let rows = "0.1 2 3 255 0 7\n-50.25 1e-3 8 1 2 3\n";
+    let properties = "property float x\nproperty float y\nproperty float z\n\
+                      property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    let bytes = text(&format!("element vertex 2\n{properties}"), rows);
+    let scene = scene(&bytes);
+    assert!(scene.objects.is_empty() && scene.repairs.is_empty());
+    let cloud = &scene.clouds[0];
+    let told = [[0.1, 2.0, 3.0], [-50.25, 1e-3, 8.0]];
+    for (place, told) in cloud.places.iter().zip(told) {
+        for k in 0..3 {
+            let at = f64::from(place[k]) * cloud.scale[k] + cloud.offset[k];
+            assert!(
+                (at - told[k]).abs() <= cloud.scale[k] / 2.0,
+                "{at} {}",
+                told[k]
+            );
+        }
+    }
+    assert!(cloud.scale[0] <= 50.35 / f64::from(1 << 20));
+    assert_eq!(cloud.colours, [[65_535, 0, 7 * 257], [257, 514, 771]]);
+}
+
+#[test]
+fn points_that_stand_nowhere_are_refused_with_their_line() {
+    let properties = "property double x\nproperty double y\nproperty double z\n";
+    let bytes = text(
+        &format!("element vertex 2\n{properties}"),
+        "1 2 3\nnan 0 0\n",
+    );
+    let refused = refusal(&bytes);
+    assert!(
+        refused.contains("line 9") && refused.contains("vertex 1 of 2"),
+        "{refused}"
+    );
+    let none = text(&format!("element vertex 0\n{properties}"), "");
+    assert!(!read_anything(SceneFormat::Ply, &none));
 }

@@ -15,7 +15,7 @@ use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::route::Route;
 use foveal_render::DrawDevice;
-use foveal_scene::source::SourceMesh;
+use foveal_scene::source::{SourceCloud, SourceMesh};
 
 /// What preparing may take: so many times the decoded source, and so many bytes besides.
 const TIMES: f64 = 8.0;
@@ -32,7 +32,8 @@ pub(super) fn memory(
 ) -> anyhow::Result<Vec<BenchRow>> {
     let mut rows = Vec::new();
     if let (Some(source), Some(peak)) = (&subject.source, subject.prepare_peak) {
-        let decoded: f64 = source.meshes.iter().map(decoded_bytes).sum();
+        let meshes = source.meshes.iter().map(decoded_bytes);
+        let decoded: f64 = meshes.chain(source.clouds.iter().map(cloud_bytes)).sum();
         let turns = Turns::once(peak, Some(TIMES * decoded + BESIDES));
         let what = "peak of prepare, of 8 times the decoded source and 300 MB";
         let row = turns.row(&subject.name, what, "bytes").asked("ratio <= 1");
@@ -49,6 +50,15 @@ pub(super) fn memory(
         rows.push(turns.row(&subject.name, what, "bytes").asked("ratio <= 1"));
     }
     Ok(rows)
+}
+
+/// What a cloud takes in memory as it was read.
+fn cloud_bytes(cloud: &SourceCloud) -> f64 {
+    let bytes = size_of_val(&cloud.places[..])
+        + size_of_val(&cloud.colours[..])
+        + size_of_val(&cloud.intensities[..])
+        + size_of_val(&cloud.classes[..]);
+    bytes as f64
 }
 
 /// What a mesh takes in memory as it was read.

@@ -10,6 +10,7 @@ mod drawing;
 mod fovea;
 mod memory;
 mod place;
+mod points;
 mod row;
 mod subject;
 mod worth;
@@ -33,7 +34,8 @@ pub(crate) struct SceneBenchArgs {
     #[arg(value_name = "FILE|PACK")]
     inputs: Vec<PathBuf>,
     /// Rows to measure, by number or name: closed, bytes, build, decode, choose, triangles,
-    /// selection, first-picture, worth, fovea, memory (default: all).
+    /// selection, first-picture, worth, fovea, memory, points (default: all, as far as the scene has
+    /// what they measure).
     #[arg(long, value_name = "ROW,..", value_delimiter = ',')]
     only: Vec<String>,
     /// Turns of what is timed; 1 to 100.
@@ -58,28 +60,39 @@ struct Measured {
     measure: Measure,
     /// Whether pictures are drawn for it.
     draws: bool,
+    /// Whether it is about triangles.
+    of_triangles: bool,
 }
 
 /// All rows; they are numbered from 1.
-const ROWS: [Measured; 11] = [
-    without_pictures("closed", bytes::closed),
-    without_pictures("bytes", bytes::of_leaves),
-    without_pictures("build", building::build),
-    without_pictures("decode", building::decode),
-    without_pictures("choose", choosing::choose),
-    with_pictures("triangles", drawing::triangles),
+const ROWS: [Measured; 12] = [
+    of_triangles(without_pictures("closed", bytes::closed)),
+    of_triangles(without_pictures("bytes", bytes::of_leaves)),
+    of_triangles(without_pictures("build", building::build)),
+    of_triangles(without_pictures("decode", building::decode)),
+    of_triangles(without_pictures("choose", choosing::choose)),
+    of_triangles(with_pictures("triangles", drawing::triangles)),
     without_pictures("selection", choosing::select),
     without_pictures("first-picture", bytes::first_picture),
     with_pictures("worth", worth::worth),
     with_pictures("fovea", fovea::bytes_to_fovea),
     with_pictures("memory", memory::memory),
+    with_pictures("points", points::points),
 ];
+
+const fn of_triangles(measured: Measured) -> Measured {
+    Measured {
+        of_triangles: true,
+        ..measured
+    }
+}
 
 const fn without_pictures(name: &'static str, measure: Measure) -> Measured {
     Measured {
         name,
         measure,
         draws: false,
+        of_triangles: false,
     }
 }
 
@@ -88,6 +101,7 @@ const fn with_pictures(name: &'static str, measure: Measure) -> Measured {
         name,
         measure,
         draws: true,
+        of_triangles: false,
     }
 }
 
@@ -160,7 +174,8 @@ impl SceneBenchArgs {
         let mut rows = Vec::new();
         for (number, input) in subjects.into_iter().enumerate() {
             let subject = Subject::prepare(input, &folder.join(format!("{number}.foveal")))?;
-            for measured in asked {
+            let has_triangles = subject.leaves() > 0.0;
+            for measured in asked.iter().filter(|it| has_triangles || !it.of_triangles) {
                 output::say(&format!("{}: {}", subject.name, measured.name));
                 rows.extend((measured.measure)(&subject, conditions)?);
             }

@@ -10,10 +10,10 @@
 //! of low bits, four bits each; for each other three Rice codes, the signed distances along the
 //! axes from where it is predicted. All distances wrap at 2^16; signed ones count 0, -1, 1, -2.
 
-use super::bits::{
+use super::cluster::{Cluster, MOST_OF_CLUSTER, wrong};
+use crate::content::bits::{
     BitReader, BitWriter, best_low_bits, signed_from_unsigned, unsigned_from_signed,
 };
-use super::cluster::{Cluster, MOST_OF_CLUSTER, wrong};
 use crate::pack::PackError;
 
 /// Bits of a number of low bits.

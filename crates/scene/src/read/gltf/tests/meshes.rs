@@ -24,7 +24,6 @@ fn strips_and_fans_become_triangles_that_face_one_way() {
 #[test]
 fn points_lines_and_left_over_corners_are_counted() {
     for (mode, name, times) in [
-        (0, "points_left_out", 4),
         (1, "lines_left_out", 2),
         (2, "lines_left_out", 4),
         (3, "lines_left_out", 3),

@@ -1,5 +1,6 @@
 //! What of glTF is read, and what is refused?
 
+mod clouds;
 mod made;
 mod meshes;
 mod packed;

@@ -10,17 +10,17 @@ const ESCAPE: u32 = 18;
 const PLAIN_BITS: u32 = 16;
 
 /// A signed number, small ones first: 0, -1, 1, -2 and so on.
-pub(super) fn unsigned_from_signed(it: i16) -> u16 {
+pub(in crate::content) fn unsigned_from_signed(it: i16) -> u16 {
     (it << 1 ^ it >> 15) as u16
 }
 
 /// The inverse of [`unsigned_from_signed`].
-pub(super) fn signed_from_unsigned(it: u16) -> i16 {
+pub(in crate::content) fn signed_from_unsigned(it: u16) -> i16 {
     (it >> 1) as i16 ^ -((it & 1) as i16)
 }
 
 /// The number of low bits, up to 15, with which these numbers take the fewest.
-pub(super) fn best_low_bits(numbers: impl Iterator<Item = u16> + Clone) -> u32 {
+pub(in crate::content) fn best_low_bits(numbers: impl Iterator<Item = u16> + Clone) -> u32 {
     let cost = |low: &u32| {
         let bits = |it: u16| match u32::from(it) >> low {
             high if high < ESCAPE => high + 1 + low,
@@ -33,7 +33,7 @@ pub(super) fn best_low_bits(numbers: impl Iterator<Item = u16> + Clone) -> u32 {
 
 /// Bits that are written one after another.
 #[derive(Default)]
-pub(super) struct BitWriter {
+pub(in crate::content) struct BitWriter {
     bytes: Vec<u8>,
     held: u64,
     count: u32,
@@ -41,7 +41,7 @@ pub(super) struct BitWriter {
 
 impl BitWriter {
     /// Writes a number of at most 32 bits.
-    pub(super) fn plain(&mut self, number: u32, bits: u32) {
+    pub(in crate::content) fn plain(&mut self, number: u32, bits: u32) {
         self.held |= u64::from(number) << self.count;
         self.count += bits;
         while self.count >= 8 {
@@ -52,7 +52,7 @@ impl BitWriter {
     }
 
     /// Writes a number as a Rice code.
-    pub(super) fn rice(&mut self, number: u16, low_bits: u32) {
+    pub(in crate::content) fn rice(&mut self, number: u16, low_bits: u32) {
         let number = u32::from(number);
         let high = number >> low_bits;
         if high >= ESCAPE {
@@ -64,7 +64,7 @@ impl BitWriter {
     }
 
     /// The bytes; zeros fill the last.
-    pub(super) fn finish(mut self) -> Vec<u8> {
+    pub(in crate::content) fn finish(mut self) -> Vec<u8> {
         if self.count > 0 {
             self.bytes.push(self.held as u8);
         }
@@ -73,7 +73,7 @@ impl BitWriter {
 }
 
 /// Bits that are read one after another; after the end come zeros.
-pub(super) struct BitReader<'a> {
+pub(in crate::content) struct BitReader<'a> {
     bytes: &'a [u8],
     /// Bytes that are in `held`, or were.
     taken: usize,
@@ -82,7 +82,7 @@ pub(super) struct BitReader<'a> {
 }
 
 impl<'a> BitReader<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
+    pub(in crate::content) fn new(bytes: &'a [u8]) -> Self {
         Self {
             bytes,
             taken: 0,
@@ -92,6 +92,7 @@ impl<'a> BitReader<'a> {
     }
 
     /// At least 56 bits are held then.
+    #[inline]
     fn fill(&mut self) {
         if let Some(next) = self.bytes.get(self.taken..).and_then(<[u8]>::first_chunk) {
             self.held |= u64::from_le_bytes(*next) << self.count;
@@ -108,38 +109,55 @@ impl<'a> BitReader<'a> {
         }
     }
 
+    #[inline]
     fn drop_bits(&mut self, bits: u32) {
         self.held >>= bits;
         self.count -= bits;
     }
 
     /// Reads a number of at most 32 bits.
-    pub(super) fn plain(&mut self, bits: u32) -> u32 {
+    pub(in crate::content) fn plain(&mut self, bits: u32) -> u32 {
         self.fill();
         let number = self.held & ((1 << bits) - 1);
         self.drop_bits(bits);
         number as u32
     }
 
+    /// The next bits, at most 32, which are not passed yet.
+    #[inline]
+    pub(in crate::content) fn next_bits(&mut self, bits: u32) -> u64 {
+        self.fill();
+        self.held & ((1 << bits) - 1)
+    }
+
+    /// Passes a code and reads what follows, right after [`Self::next_bits`]: at most 56 bits, which
+    /// are held then.
+    #[inline]
+    pub(in crate::content) fn code_and_rest(&mut self, code: u32, rest: u32) -> u64 {
+        let number = self.held >> code & ((1 << rest) - 1);
+        self.drop_bits(code + rest);
+        number
+    }
+
     /// The next two bits.
-    pub(super) fn next_two(&mut self) -> u64 {
+    pub(in crate::content) fn next_two(&mut self) -> u64 {
         self.fill();
         self.held & 3
     }
 
-    /// Drops at most two bits that were looked at.
-    pub(super) fn pass(&mut self, bits: u32) {
+    /// Drops bits that were looked at.
+    pub(in crate::content) fn pass(&mut self, bits: u32) {
         self.drop_bits(bits);
     }
 
     /// Reads a Rice code.
-    pub(super) fn rice(&mut self, low_bits: u32) -> u16 {
+    pub(in crate::content) fn rice(&mut self, low_bits: u32) -> u16 {
         self.fill();
         self.rice_held(low_bits)
     }
 
     /// Reads a Rice code right after [`Self::next_two`]: at most 36 bits, which are held.
-    pub(super) fn rice_held(&mut self, low_bits: u32) -> u16 {
+    pub(in crate::content) fn rice_held(&mut self, low_bits: u32) -> u16 {
         let high = self.held.trailing_ones();
         if high >= ESCAPE {
             let number = self.held >> ESCAPE;
@@ -152,12 +170,12 @@ impl<'a> BitReader<'a> {
     }
 
     /// Number of bits that are left; none where it was read beyond the end.
-    pub(super) fn left(&self) -> Option<usize> {
+    pub(in crate::content) fn left(&self) -> Option<usize> {
         (8 * self.bytes.len() + self.count as usize).checked_sub(8 * self.taken)
     }
 
     /// The whole bytes that are left.
-    pub(super) fn rest(&self) -> Option<&'a [u8]> {
+    pub(in crate::content) fn rest(&self) -> Option<&'a [u8]> {
         let whole = self.left()? / 8;
         self.bytes.get(self.bytes.len() - whole..)
     }

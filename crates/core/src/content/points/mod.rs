@@ -1,0 +1,7 @@
+//! Point clouds: points in units, each of which adds points to a cube of space.
+
+mod curve;
+pub mod cut;
+mod lengths;
+pub mod payload;
+pub mod whole;

@@ -1,0 +1,140 @@
+//! Where on the GPU do the points of units lie?
+//!
+//! In blocks of 64, which need not lie in a row: nothing is ever in too small pieces.
+//! `shaders/draw_points.wgsl` reads them.
+
+use crate::error::RenderError;
+use crate::gpu::device::Gpu;
+use crate::meshes::pool::Pool;
+use crate::points::units::CloudUnits;
+use foveal_core::content::points::cut::{PlacedPoints, ShownPoint};
+use foveal_core::content::scene::description::Cloud;
+use foveal_core::pack::unit::UnitId;
+use std::collections::BTreeMap;
+
+const POINTS: &str = "points of clouds";
+/// Points of a block.
+pub(crate) const BLOCK: usize = 64;
+/// Words of a point.
+const WORDS: usize = 3;
+/// Bytes of a block.
+pub(crate) const BLOCK_BYTES: u64 = (4 * WORDS * BLOCK) as u64;
+/// Blocks of a new pool.
+const FIRST_BLOCKS: u32 = 64;
+
+/// The units on the GPU.
+pub(crate) struct PointMemory {
+    gpu: Gpu,
+    pool: Pool,
+    blocks: BTreeMap<UnitId, Vec<u32>>,
+    used: u64,
+}
+
+/// Bytes of the blocks of a unit.
+pub(crate) fn placed_bytes(placed: &PlacedPoints) -> u64 {
+    placed.points.len().div_ceil(BLOCK) as u64 * BLOCK_BYTES
+}
+
+impl PointMemory {
+    /// No unit.
+    ///
+    /// # Errors
+    /// The device binds next to nothing.
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        Ok(Self {
+            gpu: gpu.clone(),
+            pool: Pool::new(gpu, POINTS, BLOCK_BYTES, Some(FIRST_BLOCKS))?,
+            blocks: BTreeMap::new(),
+            used: 0,
+        })
+    }
+
+    /// All blocks.
+    pub(crate) fn buffer(&self) -> &wgpu::Buffer {
+        self.pool.buffer()
+    }
+
+    /// Bytes of all blocks, in use or not.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.pool.bytes()
+    }
+
+    /// Bytes of the blocks that are in use.
+    pub(crate) fn used_bytes(&self) -> u64 {
+        self.used * BLOCK_BYTES
+    }
+
+    /// The blocks of a unit, in order.
+    pub(crate) fn blocks(&self, unit: UnitId) -> &[u32] {
+        self.blocks.get(&unit).map_or(&[], Vec::as_slice)
+    }
+
+    /// Finds blocks for a unit, in a pool of at most `most_bytes`, and writes it there; `false`
+    /// where there are none.
+    pub(crate) fn insert(
+        &mut self,
+        unit: UnitId,
+        (placed, cloud): (&PlacedPoints, &Cloud),
+        most_bytes: u64,
+    ) -> bool {
+        let count = placed.points.len().div_ceil(BLOCK) as u32;
+        let mut taken = Vec::with_capacity(count as usize);
+        match self.pool.take(&self.gpu, count, most_bytes) {
+            Some(first) => taken.extend(first..first + count),
+            None => taken.extend((0..count).map_while(|_| self.pool.take(&self.gpu, 1, 0))),
+        }
+        if taken.len() < count as usize {
+            taken
+                .iter()
+                .for_each(|block| self.pool.give_back(*block, 1));
+            return false;
+        }
+        self.used += u64::from(count);
+        self.blocks.insert(unit, taken);
+        self.write(unit, placed, cloud);
+        true
+    }
+
+    /// Writes the points of a unit that is there.
+    pub(crate) fn write(&self, unit: UnitId, placed: &PlacedPoints, cloud: &Cloud) {
+        for (block, points) in self.blocks(unit).iter().zip(placed.points.chunks(BLOCK)) {
+            let words: Vec<u32> = points.iter().flat_map(|it| words_of(it, cloud)).collect();
+            self.pool.write(&self.gpu, *block, &words);
+        }
+    }
+
+    /// Forgets a unit.
+    pub(crate) fn remove(&mut self, unit: UnitId) {
+        let blocks = self.blocks.remove(&unit).unwrap_or_default();
+        self.used -= blocks.len() as u64;
+        blocks
+            .into_iter()
+            .for_each(|block| self.pool.give_back(block, 1));
+    }
+
+    /// Moves all into a pool of no more bytes than they take.
+    ///
+    /// # Errors
+    /// The device cannot bind as many.
+    pub(crate) fn pack(&mut self, units: &CloudUnits) -> Result<(), RenderError> {
+        let blocks = (self.used as u32).max(FIRST_BLOCKS);
+        self.pool = Pool::new(&self.gpu, POINTS, BLOCK_BYTES, Some(blocks))?;
+        let there: Vec<UnitId> = std::mem::take(&mut self.blocks).into_keys().collect();
+        self.used = 0;
+        for unit in there {
+            let placed = units.unit(unit);
+            let cloud = placed.and_then(|(note, _)| units.cloud(note.object));
+            if let (Some((_, placed)), Some(cloud)) = (placed, cloud) {
+                self.insert(unit, (placed, cloud), 0);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A point as the shaders read it.
+fn words_of(point: &ShownPoint, cloud: &Cloud) -> [u32; WORDS] {
+    let [x, y, z] = point.place.map(u32::from);
+    let [r, g, b] = point.colour.map(|code| cloud.shown_code(code));
+    [x | y << 16, z, u32::from_le_bytes([r, g, b, 255])]
+}

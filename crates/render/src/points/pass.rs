@@ -1,0 +1,115 @@
+//! How is the pass recorded that draws points?
+
+use crate::gpu::bindings::bind;
+use crate::gpu::device::Gpu;
+use crate::gpu::picture_target::FORMAT;
+use crate::meshes::pass::{DEPTH_FORMAT, Draws, UNITS_FORMAT};
+use crate::shaders;
+
+/// Which bindings there are, and whether one is a uniform.
+const BINDINGS: [(u32, bool); 5] = [(0, true), (3, false), (4, false), (5, false), (6, true)];
+
+/// What draws points into a pass that draws clusters.
+pub(crate) struct PointPass {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+impl PointPass {
+    /// What draws this.
+    pub(crate) fn new(gpu: &Gpu, draws: Draws) -> Self {
+        let entries = BINDINGS.map(entry);
+        let layout = gpu
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("points"),
+                entries: &entries,
+            });
+        Self {
+            pipeline: pipeline(gpu, &layout, draws),
+            layout,
+        }
+    }
+
+    /// Binds what is drawn with: view, cubes, blocks, points, and the view's pixels.
+    pub(crate) fn bind(&self, gpu: &Gpu, buffers: [&wgpu::Buffer; 5]) -> wgpu::BindGroup {
+        let numbers = BINDINGS.iter().map(|(number, _)| *number);
+        let resources = numbers.zip(buffers.map(wgpu::Buffer::as_entire_binding));
+        bind(gpu, "points", &self.layout, &resources.collect::<Vec<_>>())
+    }
+
+    /// Draws so many corners.
+    pub(crate) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        bound: &wgpu::BindGroup,
+        corners: u32,
+    ) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, bound, &[]);
+        pass.draw(0..corners, 0..1);
+    }
+}
+
+fn entry((binding, is_uniform): (u32, bool)) -> wgpu::BindGroupLayoutEntry {
+    let ty = match is_uniform {
+        true => wgpu::BufferBindingType::Uniform,
+        false => wgpu::BufferBindingType::Storage { read_only: true },
+    };
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::VERTEX,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    }
+}
+
+fn pipeline(gpu: &Gpu, layout: &wgpu::BindGroupLayout, draws: Draws) -> wgpu::RenderPipeline {
+    let shader = shaders::draw_points();
+    let device = &gpu.device;
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(shader.name),
+        source: wgpu::ShaderSource::Wgsl(shader.text.as_str().into()),
+    });
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(shader.name),
+        bind_group_layouts: &[Some(layout)],
+        immediate_size: 0,
+    });
+    let (step, format) = match draws {
+        Draws::Colours => (0, FORMAT),
+        Draws::Refiners => (1, UNITS_FORMAT),
+    };
+    let [vertex, fragment] = shader.steps[step];
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(fragment),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some(vertex),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some(fragment),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(format.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

@@ -1,0 +1,150 @@
+//! Which units of clouds are there, and which must stay?
+
+use crate::error::RenderError;
+use foveal_core::content::points::cut::{PlacedPoints, PointCut};
+use foveal_core::content::points::payload::PointUnit;
+use foveal_core::content::scene::description::{Cloud, SceneObject};
+use foveal_core::pack::unit::UnitId;
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// A unit of a cloud on its way to where it is drawn from.
+#[derive(Clone, Copy, Debug)]
+pub struct ComingPoints<'a> {
+    /// Its number.
+    pub unit: UnitId,
+    /// Number of its object.
+    pub object: u16,
+    /// Its level, 0 the finest: what it is tinted by.
+    pub level: u8,
+    /// The unit that it refines, which is there already, and the octant of that; of a root none.
+    pub refines: Option<(UnitId, u8)>,
+    /// What it says.
+    pub says: &'a PointUnit,
+}
+
+/// What is known of a unit that is there, beside its points.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CloudNote {
+    /// Number of its object.
+    pub(crate) object: u16,
+    /// Its level, 0 the finest.
+    pub(crate) level: u8,
+}
+
+/// The units of clouds that are there.
+#[derive(Default)]
+pub(crate) struct CloudUnits {
+    clouds: Vec<Option<Cloud>>,
+    cut: PointCut,
+    notes: BTreeMap<UnitId, CloudNote>,
+    refiners: HashMap<(UnitId, u8), UnitId>,
+    coarsest: u8,
+}
+
+impl CloudUnits {
+    /// No unit of these objects.
+    pub(crate) fn new(objects: &[SceneObject]) -> Self {
+        Self {
+            clouds: objects.iter().map(|it| it.points).collect(),
+            ..Self::default()
+        }
+    }
+
+    /// Adds a unit; `false` where it was there already.
+    ///
+    /// # Errors
+    /// It does not fit to what is there: nothing changed then.
+    pub(crate) fn insert(&mut self, coming: &ComingPoints<'_>) -> Result<bool, RenderError> {
+        let ComingPoints { unit, object, .. } = *coming;
+        if self.notes.contains_key(&unit) {
+            return Ok(false);
+        }
+        let misfit = |what: &str, found: String, expected: &str| RenderError::Misfit {
+            what: format!("unit {}, {what}", unit.0),
+            expected: expected.to_owned(),
+            found,
+        };
+        let cloud = self.clouds.get(usize::from(object)).copied().flatten();
+        let cloud = cloud.ok_or_else(|| misfit("object", object.to_string(), "a cloud"))?;
+        if let Some((parent, _)) = coming.refines {
+            let there = self.notes.get(&parent);
+            if there.is_none_or(|it| it.object != object) || parent >= unit {
+                let expected = "an earlier unit of the same object that is there";
+                return Err(misfit("prerequisite", parent.0.to_string(), expected));
+            }
+        }
+        self.cut.insert(unit, coming.refines, coming.says, &cloud)?;
+        let note = CloudNote {
+            object,
+            level: coming.level,
+        };
+        self.notes.insert(unit, note);
+        self.coarsest = self.coarsest.max(coming.level);
+        Ok(true)
+    }
+
+    /// Takes a unit away; returns the one whose colours changed by that.
+    ///
+    /// # Panics
+    /// No other that is there may need it.
+    pub(crate) fn remove(&mut self, unit: UnitId) -> Option<UnitId> {
+        let there = self.cut.unit(unit)?;
+        let is_needed = there.refined_by.iter().any(Option::is_some);
+        assert!(!is_needed, "unit {} is still needed by others", unit.0);
+        self.notes.remove(&unit);
+        self.cut.remove(unit)
+    }
+
+    /// Which are to go so that only those stay that are wanted, what these need, and roots: each
+    /// before what it refines.
+    pub(crate) fn to_go(&self, wanted: &HashSet<UnitId>) -> Vec<UnitId> {
+        let mut stays = HashSet::new();
+        let mut gone = Vec::new();
+        let there: Vec<_> = self.all().collect();
+        for (unit, _, placed) in there.into_iter().rev() {
+            // Those that need it have higher numbers.
+            let parent = placed.parent();
+            if parent.is_none() || stays.contains(&unit) || wanted.contains(&unit) {
+                stays.extend(parent);
+            } else {
+                gone.push(unit);
+            }
+        }
+        gone
+    }
+
+    /// From now on these are the units that would refine octants of others.
+    pub(crate) fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
+        self.refiners = refiners;
+    }
+
+    /// The unit that would refine an octant of another.
+    pub(crate) fn refiner(&self, unit: UnitId, octant: u8) -> Option<UnitId> {
+        self.refiners.get(&(unit, octant)).copied()
+    }
+
+    /// The cloud of an object.
+    pub(crate) fn cloud(&self, object: u16) -> Option<&Cloud> {
+        self.clouds.get(usize::from(object))?.as_ref()
+    }
+
+    /// The coarsest level that was ever there.
+    pub(crate) fn coarsest(&self) -> u8 {
+        self.coarsest
+    }
+
+    /// The units that are there, in order.
+    pub(crate) fn all(
+        &self,
+    ) -> impl DoubleEndedIterator<Item = (UnitId, CloudNote, &PlacedPoints)> {
+        let noted = |(unit, note): (&UnitId, &CloudNote)| {
+            self.cut.unit(*unit).map(|placed| (*unit, *note, placed))
+        };
+        self.notes.iter().filter_map(noted)
+    }
+
+    /// A unit that is there.
+    pub(crate) fn unit(&self, unit: UnitId) -> Option<(CloudNote, &PlacedPoints)> {
+        Some((*self.notes.get(&unit)?, self.cut.unit(unit)?))
+    }
+}

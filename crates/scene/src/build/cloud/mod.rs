@@ -1,0 +1,194 @@
+//! How does a cloud of points become units?
+//!
+//! As an octree that adds: a unit holds at most 8,192 points of a cube, evenly spread, and the units
+//! of its octants hold the others. While only some are there, each stands for those round it, in
+//! their mean colour; what is missing to its own comes with the unit of the octant that it lies in.
+
+mod colours;
+mod octree;
+mod signature;
+#[cfg(test)]
+mod tests;
+
+use super::built::{BuildError, BuiltUnit};
+use super::joined::Graphed;
+use super::sphere::LocalSphere;
+use crate::source::SourceCloud;
+use colours::Codes;
+use foveal_core::content::mesh::payload::{Attributes, ClusterRef};
+use foveal_core::content::points::payload::{CloudPoint, PointAttributes};
+use foveal_core::content::scene::description::{Cloud, Grid, ObjectBounds, SceneObject};
+use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
+use foveal_core::pack::unit::UnitId;
+use glam::{DAffine3, DVec3};
+use octree::{Node, Octree};
+use rayon::prelude::*;
+use signature::Light;
+
+/// A cloud as units.
+pub(super) struct BuiltCloud {
+    pub(super) object: SceneObject,
+    pub(super) units: Graphed,
+}
+
+/// Turns a cloud into units; `step` hears how many points are done.
+pub(super) fn build(
+    source: &SourceCloud,
+    object: u16,
+    step: &(dyn Fn(u64) + Sync),
+) -> Result<BuiltCloud, BuildError> {
+    check(source).map_err(|what| BuildError::Source {
+        object: source.name.clone(),
+        what,
+    })?;
+    let codes = Codes::of(&source.colours);
+    let least = [0, 1, 2].map(|k| source.places.iter().map(|it| it[k]).min().unwrap_or(0));
+    let mut points: Vec<CloudPoint> = (0..source.places.len())
+        .into_par_iter()
+        .map(|number| point(source, &codes, least, number))
+        .collect();
+    let has = |is: fn(&CloudPoint) -> bool| points.par_iter().any(is);
+    let attributes = PointAttributes {
+        colours: has(|it| it.colour != [0; 3]),
+        intensities: has(|it| it.intensity != 0),
+        classes: has(|it| it.class != 0),
+    };
+    let cloud = Cloud {
+        count: points.len() as u64,
+        scale: source.scale,
+        offset: source.offset,
+        least: least.map(i64::from),
+        attributes,
+        colour_bits: codes.bits,
+        colour_times: codes.times,
+        most_intensity: points.par_iter().map(|it| it.intensity).max().unwrap_or(0),
+    };
+    let octree = Octree {
+        attributes,
+        light: Light::new(attributes, codes.bits, cloud.most_intensity),
+        scale: source.scale,
+        step,
+    };
+    let nodes = octree.build(&mut points).map_err(|error| match error {
+        octree::OctreeError::Deep => BuildError::Source {
+            object: source.name.clone(),
+            what: "more than 200 thousand points at one place",
+        },
+        octree::OctreeError::Unit(error) => BuildError::Unit(error),
+    })?;
+    drop(points);
+    let root = nodes.first().map(|root| root.sphere).unwrap_or_default();
+    let object_of = object_of(source, cloud, &root);
+    Ok(BuiltCloud {
+        object: object_of,
+        units: numbered(nodes, object),
+    })
+}
+
+fn check(source: &SourceCloud) -> Result<(), &'static str> {
+    let count = source.places.len();
+    let fits = |length: usize| length == 0 || length == count;
+    let lengths = [
+        source.colours.len(),
+        source.intensities.len(),
+        source.classes.len(),
+    ];
+    if count == 0 || u32::try_from(count).is_err() {
+        return Err("no point, or more than 4 thousand million");
+    }
+    if !lengths.into_iter().all(fits) {
+        return Err("not one colour, intensity and class a point");
+    }
+    if source.placements.is_empty() {
+        return Err("no placement");
+    }
+    let is_step = |it: &f64| *it > 0.0 && *it <= 1e12;
+    let is_near = source.reach().max_element() <= 1e15;
+    match source.scale.iter().all(is_step) && is_near {
+        true => Ok(()),
+        false => Err("a scale that is none, or a position beyond 1e15"),
+    }
+}
+
+/// A point on the grid whose first place is the cloud's least.
+fn point(source: &SourceCloud, codes: &Codes, least: [i32; 3], number: usize) -> CloudPoint {
+    let place = source.places[number];
+    CloudPoint {
+        place: [0, 1, 2].map(|k| place[k].wrapping_sub(least[k]) as u32),
+        colour: source
+            .colours
+            .get(number)
+            .map_or([0; 3], |it| codes.told(*it)),
+        intensity: source.intensities.get(number).copied().unwrap_or(0),
+        class: source.classes.get(number).copied().unwrap_or(0),
+    }
+}
+
+fn object_of(source: &SourceCloud, cloud: Cloud, root: &LocalSphere) -> SceneObject {
+    let origin = cloud.at([0; 3]);
+    let centre = origin + DVec3::from_array(root.centre.map(f64::from));
+    SceneObject {
+        name: source.name.clone(),
+        leaf_triangles: 0,
+        bounds: ObjectBounds {
+            centre: centre.to_array(),
+            radius: f64::from(root.radius),
+        },
+        grid: Grid {
+            origin: origin.to_array(),
+            step: cloud.scale.into_iter().fold(0.0, f64::max),
+            bits: 16,
+        },
+        attributes: Attributes::default(),
+        colour: [1.0; 4],
+        two_sided: true,
+        unlit: true,
+        placements: source
+            .placements
+            .iter()
+            .map(DAffine3::to_cols_array)
+            .collect(),
+        points: Some(cloud),
+        texturing: None,
+    }
+}
+
+/// The nodes as units in order, and the number of levels. Nodes come parents first, along a curve.
+fn numbered(nodes: Vec<Node>, object: u16) -> Graphed {
+    let deepest = nodes.iter().map(|node| node.depth).max().unwrap_or(0);
+    let mut order: Vec<usize> = (0..nodes.len()).collect();
+    order.sort_by_key(|node| nodes[*node].depth);
+    let mut unit_of = vec![UnitId(0); nodes.len()];
+    for (node, unit) in order.iter().zip(0..) {
+        unit_of[*node] = UnitId(unit);
+    }
+    let mut nodes: Vec<Option<Node>> = nodes.into_iter().map(Some).collect();
+    let taken = order.iter().filter_map(|node| nodes[*node].take());
+    let unit = |node: Node| BuiltUnit {
+        level: (deepest - node.depth) as u8,
+        row: UnitRow {
+            kind: UnitKind::Points,
+            object,
+            centre: node.sphere.centre,
+            radius: node.sphere.radius,
+            error: node.error,
+            signature: node.signature,
+            samples: node.count,
+            vertices: 0,
+            needs: node.parent.map(|it| unit_of[it]).into_iter().collect(),
+            replaces: node
+                .parent
+                .map(|_| ClusterRef {
+                    need: 0,
+                    cluster: node.octant,
+                })
+                .into_iter()
+                .collect(),
+        },
+        payload: node.payload,
+    };
+    Graphed {
+        units: taken.map(unit).collect(),
+        levels: deepest as u8 + 1,
+    }
+}

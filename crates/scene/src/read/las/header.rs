@@ -1,0 +1,241 @@
+//! What does the header of a LAS file say, and does it fit to the file?
+
+use super::super::error::Fault;
+
+/// What mends counts.
+const REPAIR: &str = "copy the file again if it was cut short, or repair it, for instance with \
+                      `lasinfo -repair`";
+/// Bytes of the header up to LAS 1.2, and of those of 1.3 and 1.4.
+const HEADER_BYTES: [usize; 3] = [227, 235, 375];
+/// A record before the points begins with that many bytes.
+const RECORD_HEAD: usize = 54;
+/// Bits of the point format by which LASzip says that points are packed.
+const PACKED: u8 = 0xc0;
+
+pub(super) fn half_at(bytes: &[u8], at: usize) -> u16 {
+    u16::from_le_bytes([bytes[at], bytes[at + 1]])
+}
+
+pub(super) fn word_at(bytes: &[u8], at: usize) -> u32 {
+    u32::from(half_at(bytes, at)) | u32::from(half_at(bytes, at + 2)) << 16
+}
+
+pub(super) fn long_at(bytes: &[u8], at: usize) -> u64 {
+    u64::from(word_at(bytes, at)) | u64::from(word_at(bytes, at + 4)) << 32
+}
+
+/// Where in a record is what is kept of a point?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Layout {
+    /// Bytes of a record without what a file adds.
+    pub(super) least_bytes: usize,
+    /// Where red begins.
+    pub(super) colour: Option<usize>,
+    /// Whether it is one of the formats of LAS 1.4.
+    is_new: bool,
+    /// Whether it names a waveform.
+    pub(super) has_waves: bool,
+}
+
+impl Layout {
+    /// Of a point format: tables of the specification's chapter 2.6.
+    fn of(format: u8) -> Option<Self> {
+        let (least_bytes, colour) = match format {
+            0 => (20, None),
+            1 => (28, None),
+            2 => (26, Some(20)),
+            3 => (34, Some(28)),
+            4 => (57, None),
+            5 => (63, Some(28)),
+            6 => (30, None),
+            7 => (36, Some(30)),
+            8 => (38, Some(30)),
+            9 => (59, None),
+            10 => (67, Some(30)),
+            _ => return None,
+        };
+        Some(Self {
+            least_bytes,
+            colour,
+            is_new: format >= 6,
+            has_waves: matches!(format, 4 | 5 | 9 | 10),
+        })
+    }
+
+    /// The class: up to LAS 1.3 in the low bits of a byte, of which the others are flags.
+    pub(super) fn class_of(&self, record: &[u8]) -> u8 {
+        match self.is_new {
+            true => record[16],
+            false => record[15] & 31,
+        }
+    }
+}
+
+/// What is to be known of a file before its points.
+#[derive(Clone, Debug)]
+pub(super) struct LasHeader {
+    pub(super) layout: Layout,
+    /// Whether LASzip packed the points.
+    pub(super) is_packed: bool,
+    /// Bytes of a record.
+    pub(super) record_bytes: usize,
+    /// Number of points that it says.
+    pub(super) count: u64,
+    /// Where the points begin, in bytes.
+    pub(super) points_at: usize,
+    /// Where what comes after the points begins, or the file ends.
+    pub(super) points_end: usize,
+    pub(super) scale: [f64; 3],
+    pub(super) offset: [f64; 3],
+    header_bytes: usize,
+    /// Number of records before the points.
+    records: u32,
+}
+
+impl LasHeader {
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, Fault> {
+        if !bytes.starts_with(b"LASF") {
+            return Err(Fault::at("byte 0", "a LAS file begins with `LASF`"));
+        }
+        let short = |least: usize| {
+            let what = format!(
+                "the file ends after {} of {least} bytes of its header",
+                bytes.len()
+            );
+            Err(Fault::at(format!("byte {}", bytes.len()), what))
+        };
+        if bytes.len() < HEADER_BYTES[0] {
+            return short(HEADER_BYTES[0]);
+        }
+        let [major, minor] = [bytes[24], bytes[25]];
+        if major != 1 || minor > 4 {
+            return Err(Fault::unsupported(
+                format!("LAS {major}.{minor}"),
+                "write it as LAS 1.4, or 1.2",
+            ));
+        }
+        let least = HEADER_BYTES[usize::from(minor).saturating_sub(2)];
+        if bytes.len() < least {
+            return short(least);
+        }
+        let [is_packed, format] = [bytes[104] & PACKED, bytes[104] & !PACKED];
+        let layout = Layout::of(format).ok_or_else(|| {
+            let what = format!("point format {format}");
+            Fault::unsupported(what, "write it with a point format from 0 to 10")
+        })?;
+        let number = |at: usize| f64::from_bits(long_at(bytes, at));
+        let header = Self {
+            layout,
+            is_packed: is_packed != 0,
+            record_bytes: usize::from(half_at(bytes, 105)),
+            count: count(bytes, minor)?,
+            points_at: word_at(bytes, 96) as usize,
+            points_end: end_of_points(bytes, minor),
+            scale: [131, 139, 147].map(number),
+            offset: [155, 163, 171].map(number),
+            header_bytes: usize::from(half_at(bytes, 94)),
+            records: word_at(bytes, 100),
+        };
+        header.check(least, bytes.len())?;
+        Ok(header)
+    }
+
+    fn check(&self, least: usize, length: usize) -> Result<(), Fault> {
+        let wrong = |at: u32, what: String| Err(Fault::at(format!("byte {at}"), what));
+        if self.header_bytes < least || self.header_bytes > self.points_at {
+            let what = format!("the header has {} bytes, of {least}", self.header_bytes);
+            return wrong(94, what);
+        }
+        if self.points_at > length {
+            let what = format!("points begin at byte {}, behind the end", self.points_at);
+            return wrong(96, what);
+        }
+        if self.record_bytes < self.layout.least_bytes {
+            let [found, least] = [self.record_bytes, self.layout.least_bytes];
+            return wrong(
+                105,
+                format!("a point has {found} bytes, of at least {least}"),
+            );
+        }
+        let is_step = |it: &f64| it.is_finite() && *it > 0.0 && *it <= 1e12;
+        if !self.scale.iter().all(is_step) {
+            return wrong(131, format!("the scale {:?} is none", self.scale));
+        }
+        if !self.offset.iter().all(|it| it.abs() <= 1e15) {
+            return wrong(155, format!("the offset {:?} is none", self.offset));
+        }
+        if self.count == 0 {
+            let found = "the file has no points".to_owned();
+            return Err(Fault::Empty { found });
+        }
+        if u32::try_from(self.count).is_err() {
+            let next = "cut the file into tiles of less than 4 thousand million points";
+            return Err(Fault::unsupported(format!("{} points", self.count), next));
+        }
+        Ok(())
+    }
+
+    /// What is wrong with the number of points.
+    pub(super) fn wrong_count(&self, what: &str) -> Fault {
+        let what = format!("the header counts {} points, but {what}", self.count);
+        Fault::broken("byte 107", what, REPAIR)
+    }
+
+    /// The records of a file that is not packed.
+    pub(super) fn plain_records<'a>(&self, bytes: &'a [u8]) -> Result<&'a [u8], Fault> {
+        let room = self.points_end.saturating_sub(self.points_at);
+        let fitting = (room / self.record_bytes) as u64;
+        if fitting != self.count {
+            let length = self.record_bytes;
+            let what = format!("{fitting} of {length} bytes fit into the {room} bytes there are");
+            return Err(self.wrong_count(&what));
+        }
+        Ok(&bytes[self.points_at..self.points_at + fitting as usize * self.record_bytes])
+    }
+
+    /// What the record before the points says that `user` wrote with this number.
+    pub(super) fn record<'a>(&self, bytes: &'a [u8], user: &[u8], number: u16) -> Option<&'a [u8]> {
+        let mut rest = bytes.get(self.header_bytes..self.points_at)?;
+        for _ in 0..self.records {
+            let (head, behind) = rest.split_at_checked(RECORD_HEAD)?;
+            let (said, behind) = behind.split_at_checked(usize::from(half_at(head, 20)))?;
+            let named = head[2..18].strip_prefix(user);
+            let is_user = named.is_some_and(|rest| rest.iter().all(|it| *it == 0));
+            if is_user && half_at(head, 18) == number {
+                return Some(said);
+            }
+            rest = behind;
+        }
+        None
+    }
+}
+
+/// The number of points; of both that LAS 1.4 tells the one that is told.
+fn count(bytes: &[u8], minor: u8) -> Result<u64, Fault> {
+    let old = u64::from(word_at(bytes, 107));
+    let new = if minor >= 4 { long_at(bytes, 247) } else { old };
+    match [old, new] {
+        [old, 0] => Ok(old),
+        [0, new] => Ok(new),
+        [old, new] if old == new => Ok(new),
+        [old, new] => {
+            let what = format!("the header counts {old} points, and at byte 247 {new}");
+            Err(Fault::broken("byte 107", what, REPAIR))
+        }
+    }
+}
+
+/// Where waveforms and records after the points begin, or else the file ends.
+fn end_of_points(bytes: &[u8], minor: u8) -> usize {
+    let mut end = bytes.len();
+    for (version, at) in [(3, 227), (4, 235)] {
+        if minor >= version {
+            let begin = usize::try_from(long_at(bytes, at)).unwrap_or(usize::MAX);
+            let points_at = word_at(bytes, 96) as usize;
+            if begin > points_at {
+                end = end.min(begin);
+            }
+        }
+    }
+    end
+}

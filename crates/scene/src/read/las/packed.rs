@@ -1,0 +1,293 @@
+//! How are the points of a LAZ file unpacked, however damaged it is?
+//!
+//! Chunk by chunk. What the file says of chunks and of the layers in them is compared with its
+//! length before `laz` is given a chunk, for that allocates what it is told.
+
+use super::super::error::Fault;
+use super::header::{LasHeader, half_at, word_at};
+use laz::laszip::ChunkTable;
+use laz::{DecompressionSelection, LasZipDecompressor, LazItemType, LazVlr};
+use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Who writes the record that tells how points are packed, and its number.
+const LASZIP: &[u8] = b"laszip encoded";
+const LASZIP_NUMBER: u16 = 22204;
+/// Bytes of what that says before its items, and of an item.
+const HEAD_BYTES: usize = 34;
+const ITEM_BYTES: usize = 6;
+/// Where in it the size of chunks stands.
+const CHUNK_SIZE_AT: usize = 12;
+/// Stands for chunks of several sizes.
+const ANY_SIZE: u32 = u32::MAX;
+/// Bytes that say where the table of chunks lies.
+const POINTER_BYTES: usize = 8;
+/// Most points that a byte unpacks to: more would be the same point, over and over.
+const MOST_PER_BYTE: u64 = 16;
+/// Bytes that may be left of a chunk behind its points: what ends a coder.
+const MOST_LEFT: u64 = 16;
+/// Most points of a chunk.
+const MOST_OF_CHUNK: u64 = 1 << 24;
+
+/// How points are packed: all in one, in chunks, or in chunks of layers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Packing {
+    One,
+    Chunks,
+    Layers,
+}
+
+/// A stretch of packed points: where it lies, and how many these are.
+struct Chunk<'a> {
+    at: usize,
+    bytes: &'a [u8],
+    points: u64,
+}
+
+/// Unpacks all points and hands them on, record by record.
+pub(super) fn read(
+    bytes: &[u8],
+    header: &LasHeader,
+    each: &mut dyn FnMut(&[u8]),
+) -> Result<(), Fault> {
+    let said = header.record(bytes, LASZIP, LASZIP_NUMBER);
+    let said = said.ok_or_else(|| {
+        Fault::at(
+            "header",
+            "points are packed, but no record says how LASzip did it",
+        )
+    })?;
+    let (packing, vlr) = packing_of(said, header)?;
+    let room = header.points_end.saturating_sub(header.points_at) as u64;
+    if header.count > room.saturating_mul(MOST_PER_BYTE) {
+        return Err(header.wrong_count(&format!("only {room} bytes follow")));
+    }
+    let chunks = match packing {
+        Packing::One => vec![Chunk {
+            at: header.points_at,
+            bytes: &bytes[header.points_at..header.points_end.max(header.points_at)],
+            points: header.count,
+        }],
+        _ => chunks(bytes, header, &vlr)?,
+    };
+    let layers = layers_of(&vlr);
+    let mut records = Vec::new();
+    for (number, chunk) in chunks.iter().enumerate() {
+        let fault = |what: String| {
+            let place = format!("byte {}, chunk {number} of {}", chunk.at, chunks.len());
+            Fault::at(place, what)
+        };
+        if packing == Packing::Layers {
+            check_layers(chunk.bytes, header.record_bytes, layers).map_err(fault)?;
+            let told = u64::from(word_at(chunk.bytes, header.record_bytes));
+            if told != chunk.points {
+                return Err(header.wrong_count(&format!("chunk {number} has {told}")));
+            }
+        }
+        records.clear();
+        records.resize(chunk.points as usize * header.record_bytes, 0);
+        let left = unpack(chunk, said, packing, &mut records).map_err(fault)?;
+        if left > MOST_LEFT && packing != Packing::Layers {
+            let what = format!("{left} bytes of chunk {number} are left behind them");
+            return Err(header.wrong_count(&what));
+        }
+        records
+            .chunks_exact(header.record_bytes)
+            .for_each(&mut *each);
+    }
+    Ok(())
+}
+
+/// How a record says that points are packed.
+fn packing_of(said: &[u8], header: &LasHeader) -> Result<(Packing, LazVlr), Fault> {
+    let fault = |what: String| Fault::at("record `laszip encoded`", what);
+    if said.len() < HEAD_BYTES {
+        return Err(fault(format!(
+            "it has {} bytes, of {HEAD_BYTES}",
+            said.len()
+        )));
+    }
+    let items = usize::from(half_at(said, HEAD_BYTES - 2));
+    if items == 0 || said.len() < HEAD_BYTES + items * ITEM_BYTES {
+        return Err(fault(format!(
+            "{items} items do not fit into its {} bytes",
+            said.len()
+        )));
+    }
+    let packing = match half_at(said, 0) {
+        1 => Packing::One,
+        2 => Packing::Chunks,
+        3 => Packing::Layers,
+        other => return Err(fault(format!("packing {other} is none"))),
+    };
+    let vlr = LazVlr::from_buffer(said).map_err(|error| fault(error.to_string()))?;
+    // What an item says of its own size counts where its length is open.
+    let is_honest = |item: &laz::LazItem| match item.item_type() {
+        LazItemType::Byte(size) | LazItemType::Byte14(size) => item.size() == size,
+        LazItemType::Point10 => item.size() == 20,
+        LazItemType::GpsTime => item.size() == 8,
+        LazItemType::RGB12 | LazItemType::RGB14 => item.size() == 6,
+        LazItemType::RGBNIR14 => item.size() == 8,
+        LazItemType::WavePacket13 | LazItemType::WavePacket14 => item.size() == 29,
+        LazItemType::Point14 => item.size() == 30,
+    };
+    let first = vlr.items().first().map(laz::LazItem::item_type);
+    let begins = match packing {
+        Packing::Layers => first == Some(LazItemType::Point14),
+        _ => first == Some(LazItemType::Point10),
+    };
+    let is_whole = vlr.items_size() == header.record_bytes as u64;
+    if !(begins && is_whole && vlr.items().iter().all(is_honest)) {
+        let what = format!("its items are no point of {} bytes", header.record_bytes);
+        return Err(fault(what));
+    }
+    let versions = vlr.items().iter().map(laz::LazItem::version);
+    let is_layered = packing == Packing::Layers;
+    if versions.into_iter().any(|it| (it > 2) != is_layered) {
+        return Err(fault(
+            "the versions of its items do not fit to its packing".to_owned(),
+        ));
+    }
+    Ok((packing, vlr))
+}
+
+/// Number of layers in each chunk.
+fn layers_of(vlr: &LazVlr) -> usize {
+    let layers = vlr.items().iter().map(|item| match item.item_type() {
+        LazItemType::Point14 => 9,
+        LazItemType::RGBNIR14 => 2,
+        LazItemType::Byte14(size) => usize::from(size),
+        _ => 1,
+    });
+    layers.sum()
+}
+
+/// Refuses a chunk whose layers do not fit into it.
+fn check_layers(chunk: &[u8], record_bytes: usize, layers: usize) -> Result<(), String> {
+    let sizes_at = record_bytes + 4;
+    let data_at = sizes_at + 4 * layers;
+    if chunk.len() < data_at {
+        return Err(format!(
+            "it has {} bytes, of at least {data_at}",
+            chunk.len()
+        ));
+    }
+    let sizes = (0..layers).map(|layer| u64::from(word_at(chunk, sizes_at + 4 * layer)));
+    let (all, room) = (sizes.sum::<u64>(), chunk.len() - data_at);
+    match all <= room as u64 {
+        true => Ok(()),
+        false => Err(format!("its layers have {all} bytes, but {room} are left")),
+    }
+}
+
+/// Where chunks lie, of which there is a table.
+fn chunks<'a>(bytes: &'a [u8], header: &LasHeader, vlr: &LazVlr) -> Result<Vec<Chunk<'a>>, Fault> {
+    let (table_at, table) = table_of_chunks(bytes, header)?;
+    let first = header.points_at + POINTER_BYTES;
+    let count = u64::from(word_at(table, 4));
+    let fault = |what: String| Fault::at(format!("byte {table_at}, table of chunks"), what);
+    if count == 0 || count > header.count || count > (table_at - first) as u64 {
+        let what = format!("{count} chunks of {} bytes cannot be", table_at - first);
+        return Err(fault(what));
+    }
+    let is_open = vlr.chunk_size() == ANY_SIZE;
+    let entries = ChunkTable::read(&mut Cursor::new(table), is_open);
+    let entries = entries.map_err(|error| fault(error.to_string()))?;
+    let mut left = header.count;
+    let mut at = first;
+    let mut chunks = Vec::with_capacity(count as usize);
+    for entry in &entries {
+        let size = if is_open {
+            entry.point_count
+        } else {
+            u64::from(vlr.chunk_size())
+        };
+        let points = size.min(left);
+        let end = at.checked_add(usize::try_from(entry.byte_count).unwrap_or(usize::MAX));
+        let chunk = end
+            .filter(|end| *end <= table_at)
+            .and_then(|end| bytes.get(at..end));
+        let Some(chunk) = chunk else {
+            return Err(fault(format!(
+                "a chunk of {} bytes does not fit",
+                entry.byte_count
+            )));
+        };
+        if size > left && is_open || points == 0 {
+            return Err(header.wrong_count("the table of chunks counts others"));
+        }
+        let most = (chunk.len() as u64)
+            .saturating_mul(MOST_PER_BYTE)
+            .min(MOST_OF_CHUNK);
+        if points > most {
+            let what = format!("a chunk of {} bytes has {points} points", chunk.len());
+            return Err(fault(what));
+        }
+        chunks.push(Chunk {
+            at,
+            bytes: chunk,
+            points,
+        });
+        (left, at) = (left - points, at + chunk.len());
+    }
+    match left {
+        0 => Ok(chunks),
+        _ => Err(header.wrong_count("the table of chunks counts fewer")),
+    }
+}
+
+/// Where the table of chunks lies, and what is there.
+fn table_of_chunks<'a>(bytes: &'a [u8], header: &LasHeader) -> Result<(usize, &'a [u8]), Fault> {
+    let first = header.points_at + POINTER_BYTES;
+    let pointer = |at: usize| {
+        let told = bytes.get(at..at + POINTER_BYTES)?.try_into().ok()?;
+        let table = usize::try_from(i64::from_le_bytes(told)).ok()?;
+        (table >= first).then_some(table)
+    };
+    // Who wrote without going back left the pointer at the end.
+    let at_end = || pointer(bytes.len().checked_sub(POINTER_BYTES)?);
+    let at = pointer(header.points_at).or_else(at_end);
+    let table = at.and_then(|at| Some((at, bytes.get(at..)?)));
+    let whole = table.filter(|(_, table)| table.len() >= POINTER_BYTES);
+    whole.ok_or_else(|| {
+        let what = "the table of chunks is missing: the file was cut short, or never finished";
+        Fault::at(format!("byte {}", header.points_at), what)
+    })
+}
+
+/// Unpacks a chunk into records, and returns how many bytes of it are left.
+fn unpack(
+    chunk: &Chunk<'_>,
+    said: &[u8],
+    packing: Packing,
+    records: &mut [u8],
+) -> Result<u64, String> {
+    // As a file of one chunk: a pointer to its table, the chunk, and a table of none.
+    let mut file = Vec::with_capacity(chunk.bytes.len() + 2 * POINTER_BYTES);
+    if packing != Packing::One {
+        file.extend(((POINTER_BYTES + chunk.bytes.len()) as u64).to_le_bytes());
+    }
+    file.extend(chunk.bytes);
+    let end = file.len() as u64;
+    file.extend([0; POINTER_BYTES]);
+    let mut said = said.to_vec();
+    let size = (chunk.points as u32).to_le_bytes();
+    said[CHUNK_SIZE_AT..CHUNK_SIZE_AT + 4].copy_from_slice(&size);
+    let vlr = LazVlr::from_buffer(said).map_err(|error| error.to_string())?;
+    let kept = DecompressionSelection::xy_returns_channel()
+        .decompress_z()
+        .decompress_intensity()
+        .decompress_classification()
+        .decompress_rgb();
+    let unpacked = || {
+        let mut unpacking = LasZipDecompressor::selective(Cursor::new(file), vlr, kept)
+            .map_err(|error| error.to_string())?;
+        let unpacked = unpacking.decompress_many(records);
+        unpacked.map_err(|error| format!("its {} points end too early: {error}", chunk.points))?;
+        Ok(end.saturating_sub(unpacking.into_inner().position()))
+    };
+    // It takes for granted that what a coder tells is in range, and unwinds where it is not; the
+    // records are cleared by whoever goes on.
+    let unwound = |_| Err("it is damaged".to_owned());
+    catch_unwind(AssertUnwindSafe(unpacked)).unwrap_or_else(unwound)
+}

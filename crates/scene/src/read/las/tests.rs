@@ -1,0 +1,141 @@
+use super::super::mangle::cut_and_flip;
+use super::super::{ReadOptions, SceneFormat};
+use super::*;
+use las::point::Format;
+use las::{Builder, Color, Point, Transform, Vector, Writer};
+use std::io::Cursor;
+
+/// Points that are far from the origin, in steps of a millimetre.
+fn points(count: i32) -> Vec<Point> {
+    let point = |k: i32| Point {
+        x: 1e7 + f64::from(k) * 0.001,
+        y: -5e6 + f64::from(k * 7 % 1000) * 0.001,
+        z: 100.0 + f64::from(k % 13) * 0.001,
+        intensity: (k % 2000 * 31) as u16,
+        classification: las::point::Classification::new((k % 5 + 2) as u8).unwrap(),
+        color: Some(Color::new((k % 256) as u16 * 257, 5, 65_535 - k as u16)),
+        gps_time: Some(f64::from(k)),
+        ..Point::default()
+    };
+    (0..count).map(point).collect()
+}
+
+/// A file of these points.
+fn file(points: &[Point], format: u8, version: (u8, u8), packs: bool) -> Vec<u8> {
+    let mut builder = Builder::from(version);
+    builder.point_format = Format::new(format).unwrap();
+    builder.point_format.is_compressed = packs;
+    let along = |offset| Transform {
+        scale: 0.001,
+        offset,
+    };
+    builder.transforms = Vector {
+        x: along(1e7),
+        y: along(-5e6),
+        z: along(0.0),
+    };
+    let format = builder.point_format;
+    let mut writer = Writer::new(Cursor::new(Vec::new()), builder.into_header().unwrap()).unwrap();
+    for point in points {
+        let mut point = point.clone();
+        point.color = point.color.filter(|_| format.has_color);
+        point.gps_time = point.gps_time.filter(|_| format.has_gps_time);
+        writer.write_point(point).unwrap();
+    }
+    writer.close().unwrap();
+    writer.into_inner().unwrap().into_inner()
+}
+
+#[test]
+fn every_version_and_format_tells_the_same_whole_numbers() {
+    let points = points(700);
+    let kinds = [
+        (0, (1, 0)),
+        (1, (1, 1)),
+        (2, (1, 2)),
+        (3, (1, 3)),
+        (6, (1, 4)),
+        (7, (1, 4)),
+    ];
+    for (format, version) in kinds {
+        for packs in [false, true] {
+            let what = format!("format {format} of {version:?}, packed: {packs}");
+            let scene = read(&file(&points, format, version, packs), "a").unwrap();
+            let cloud = &scene.clouds[0];
+            assert_eq!(cloud.places.len(), 700, "{what}");
+            assert_eq!((cloud.scale, cloud.offset), ([0.001; 3], [1e7, -5e6, 0.0]));
+            for (k, point) in points.iter().enumerate() {
+                let number = k as i32;
+                let place = [number, number * 7 % 1000, 100_000 + number % 13];
+                assert_eq!(cloud.places[k], place, "{what}");
+                assert_eq!(cloud.intensities[k], point.intensity, "{what}");
+                assert_eq!(cloud.classes[k], u8::from(point.classification), "{what}");
+                let Some(colour) = point.color.filter(|_| !cloud.colours.is_empty()) else {
+                    continue;
+                };
+                assert_eq!(cloud.colours[k], [colour.red, colour.green, colour.blue]);
+            }
+            let has_colours = matches!(format, 2 | 3 | 7);
+            assert_eq!(cloud.colours.is_empty(), !has_colours, "{what}");
+        }
+    }
+}
+
+#[test]
+fn packed_points_of_several_chunks_all_come() {
+    let points = points(60_000);
+    let scene = read(&file(&points, 2, (1, 2), true), "a").unwrap();
+    assert_eq!(scene.clouds[0].places[59_999][0], 59_999);
+    let scene = read(&file(&points, 7, (1, 4), true), "a").unwrap();
+    assert_eq!(scene.clouds[0].places[59_999][0], 59_999);
+}
+
+fn refusal(bytes: &[u8]) -> String {
+    let fault = read(bytes, "a").unwrap_err();
+    fault.in_file(std::path::Path::new("a.las")).to_string()
+}
+
+#[test]
+fn wrong_counts_are_refused_with_place_and_what_to_do() {
+    for packs in [false, true] {
+        for count in [0_u32, 5, 700_000, u32::MAX] {
+            let mut bytes = file(&points(700), 2, (1, 2), packs);
+            bytes[107..111].copy_from_slice(&count.to_le_bytes());
+            let said = refusal(&bytes);
+            let expected = match count {
+                0 => "the file has no points",
+                _ => "a.las: byte 107: the header counts",
+            };
+            assert!(said.contains(expected), "{said}");
+            assert!(count == 0 || said.contains("lasinfo -repair"), "{said}");
+        }
+    }
+    let cut = file(&points(700), 2, (1, 2), false);
+    assert!(refusal(&cut[..cut.len() - 26]).contains("699 of 26 bytes fit"));
+    let cut = file(&points(700), 2, (1, 2), true);
+    assert!(refusal(&cut[..cut.len() - 26]).contains("table of chunks"));
+}
+
+#[test]
+fn damaged_files_are_refused_or_read_and_never_panic() {
+    for (format, version, packs) in [
+        (2, (1, 2), false),
+        (2, (1, 2), true),
+        (7, (1, 4), false),
+        (7, (1, 4), true),
+    ] {
+        cut_and_flip(SceneFormat::Las, &file(&points(9), format, version, packs));
+    }
+}
+
+#[test]
+fn z_is_up_in_a_cloud_and_where_it_is_said_so() {
+    let path = std::env::temp_dir().join(format!("foveal-las-{}.LAZ", std::process::id()));
+    std::fs::write(&path, file(&points(3), 2, (1, 2), true)).unwrap();
+    let scene = super::super::read(&[&path], &ReadOptions::default()).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    let cloud = &scene.clouds[0];
+    let at = cloud.placements[0].transform_point3(glam::DVec3::new(1.0, 2.0, 3.0));
+    assert_eq!(at, glam::DVec3::new(1.0, 3.0, -2.0));
+    assert!(cloud.name.starts_with("foveal-las"));
+}
