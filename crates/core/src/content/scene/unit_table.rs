@@ -102,8 +102,8 @@ pub struct UnitRow {
     /// The units that must be there first, at most 16, all with lower numbers; none that another of
     /// them needs in turn.
     pub needs: Vec<UnitId>,
-    /// Of a mesh the coarse clusters in whose place it is shown, at most 16; of points the octant of
-    /// the unit that it needs.
+    /// Of a mesh the coarse clusters in whose place it is shown, at most 16; of points the octant
+    /// of the unit that it needs.
     pub replaces: Vec<ClusterRef>,
 }
 
