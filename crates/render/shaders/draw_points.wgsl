@@ -1,7 +1,7 @@
 // draw_points: which colour has each pixel of the nearest point?
 //
-// Reads: cubes of points where they stand, blocks of points that may be seen. Writes: sRGB codes, or
-// the units that would refine what is drawn. Size: a square for each of the points of a block.
+// Reads: cubes of points where they stand, blocks of points that may be seen. Writes: sRGB codes,
+// or the units that would refine what is drawn. Size: a square for each of the points of a block.
 
 struct CloudView {
     half_pixel: vec2f,

@@ -130,8 +130,8 @@ impl<'a> BitReader<'a> {
         self.held & ((1 << bits) - 1)
     }
 
-    /// Passes a code and reads what follows, right after [`Self::next_bits`]: at most 56 bits, which
-    /// are held then.
+    /// Passes a code and reads what follows, right after [`Self::next_bits`]: at most 56 bits,
+    /// which are held then.
     #[inline]
     pub(in crate::content) fn code_and_rest(&mut self, code: u32, rest: u32) -> u64 {
         let number = self.held >> code & ((1 << rest) - 1);

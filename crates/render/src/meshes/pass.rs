@@ -74,8 +74,8 @@ impl ClusterPass {
         bind(gpu, "clusters", &self.layout, &resources)
     }
 
-    /// Records the pass over a whole picture, of which pixels have these codes where nothing stands;
-    /// `beside` draws into it what is no cluster.
+    /// Records the pass over a whole picture, of which pixels have these codes where nothing
+    /// stands; `beside` draws into it what is no cluster.
     pub(crate) fn record(
         &mut self,
         (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),

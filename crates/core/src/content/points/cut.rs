@@ -3,7 +3,8 @@
 //! All points of all units that are there are shown. A point has the mean colour of those that it
 //! stands for until the unit is there in whose cube it lies, and from then on its own.
 
-use super::payload::{CloudPoint, Correction, PointUnit, octant_of, wrong};
+use super::cloud_point::wrong;
+use super::payload::{CloudPoint, Correction, PointUnit, octant_of};
 use crate::content::scene::description::Cloud;
 use crate::pack::PackError;
 use crate::pack::unit::UnitId;

@@ -9,8 +9,8 @@
 //!
 //! 1. Head: a byte with the version in its high four bits and in its low ones what points have (1:
 //!    colours, 2: intensities, 4: classes); which [`Order`] they come in, a byte; the bits of a
-//!    place in the cube along an axis, a byte; into how many cells a side of the cube is cut so that
-//!    about one point lies in each that has any, as a power of two, a byte; the number of
+//!    place in the cube along an axis, a byte; into how many cells a side of the cube is cut so
+//!    that about one point lies in each that has any, as a power of two, a byte; the number of
 //!    points and that of corrections, two bytes each; the corner of the cube, four bytes an axis.
 //! 2. Bits, lowest first, up to a whole byte: lists of numbers as `lengths.rs` says. Where points
 //!    lie, as `payload/places.rs` says; of colours green, then red and blue as `payload/colours.rs`
@@ -22,6 +22,8 @@ mod places;
 #[cfg(test)]
 mod tests;
 
+use super::cloud_point::wrong;
+pub use super::cloud_point::{CloudPoint, Correction};
 use super::lengths::{NumberReader, signed_from_unsigned, unsigned_from_signed, write_numbers};
 use crate::content::bits::{BitReader, BitWriter};
 use crate::pack::PackError;
@@ -53,29 +55,13 @@ impl PointAttributes {
     }
 }
 
-/// A point of a cloud; what its object's points have not is 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct CloudPoint {
-    /// Its place on the grid of its object, in steps along each axis.
-    pub place: [u32; 3],
-    /// Red, green and blue as codes of the file, of eight or sixteen bits as the object says.
-    pub colour: [u16; 3],
-    /// How much light came back to the scanner.
-    pub intensity: u16,
-    /// What it lies on, as the file counts it.
-    pub class: u8,
-}
-
-/// What is missing to the own colour of a point that is shown in a mean one.
-pub type Correction = [i32; 3];
-
 /// What one unit says.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PointUnit {
     /// The corner of its cube with the smallest coordinates, on the grid of its object.
     pub corner: [u32; 3],
-    /// Bits of a place in the cube along an axis, up to 32. An octant has one less, and no less than
-    /// 0.
+    /// Bits of a place in the cube along an axis, up to 32. An octant has one less, and no less
+    /// than 0.
     pub bits: u8,
     /// Into how many cells a side of the cube is cut so that about one point is shown in each that
     /// has any, as a power of two.
@@ -85,14 +71,6 @@ pub struct PointUnit {
     /// For each point of the unit that it needs which lies in its cube, in the order in which that
     /// has them, what is added to its colour from now on.
     pub corrections: Vec<Correction>,
-}
-
-pub(super) fn wrong(what: &str, found: impl ToString, expected: impl ToString) -> PackError {
-    PackError::new(
-        &format!("points, {what}"),
-        found.to_string(),
-        expected.to_string(),
-    )
 }
 
 impl PointUnit {

@@ -1,7 +1,8 @@
 //! Do the units of clouds fit to each other?
 
+use super::cloud_point::wrong;
 use super::cut::OCTANTS;
-use super::payload::{PointUnit, octant_of, wrong};
+use super::payload::{PointUnit, octant_of};
 use crate::content::payload::Payload;
 use crate::content::scene::unit_table::UnitRow;
 use crate::pack::PackError;

@@ -1,12 +1,13 @@
 //! How does a cloud of points become units?
 //!
-//! As an octree that adds: a unit holds at most 8,192 points of a cube, evenly spread, and the units
-//! of its octants hold the others. While only some are there, each stands for those round it, in
-//! their mean colour; what is missing to its own comes with the unit of the octant that it lies in.
+//! As an octree that adds: a unit holds at most 8,192 points of a cube, evenly spread, and those of
+//! its octants hold the others. While only some are there, each stands for those round it, in their
+//! mean colour; what is missing to its own comes with the unit of the octant that it lies in.
 
 mod colours;
 mod octree;
 mod signature;
+mod stretches;
 #[cfg(test)]
 mod tests;
 
@@ -21,7 +22,7 @@ use foveal_core::content::scene::description::{Cloud, Grid, ObjectBounds, SceneO
 use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
 use foveal_core::pack::unit::UnitId;
 use glam::{DAffine3, DVec3};
-use octree::{Node, Octree};
+use octree::{CloudNode, Octree};
 use rayon::prelude::*;
 use signature::Light;
 
@@ -154,7 +155,7 @@ fn object_of(source: &SourceCloud, cloud: Cloud, root: &LocalSphere) -> SceneObj
 }
 
 /// The nodes as units in order, and the number of levels. Nodes come parents first, along a curve.
-fn numbered(nodes: Vec<Node>, object: u16) -> Graphed {
+fn numbered(nodes: Vec<CloudNode>, object: u16) -> Graphed {
     let deepest = nodes.iter().map(|node| node.depth).max().unwrap_or(0);
     let mut order: Vec<usize> = (0..nodes.len()).collect();
     order.sort_by_key(|node| nodes[*node].depth);
@@ -162,9 +163,9 @@ fn numbered(nodes: Vec<Node>, object: u16) -> Graphed {
     for (node, unit) in order.iter().zip(0..) {
         unit_of[*node] = UnitId(unit);
     }
-    let mut nodes: Vec<Option<Node>> = nodes.into_iter().map(Some).collect();
+    let mut nodes: Vec<Option<CloudNode>> = nodes.into_iter().map(Some).collect();
     let taken = order.iter().filter_map(|node| nodes[*node].take());
-    let unit = |node: Node| BuiltUnit {
+    let unit = |node: CloudNode| BuiltUnit {
         level: (deepest - node.depth) as u8,
         row: UnitRow {
             kind: UnitKind::Points,

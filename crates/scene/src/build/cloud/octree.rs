@@ -3,6 +3,7 @@
 use super::super::sphere::LocalSphere;
 use super::colours::Mix;
 use super::signature::{Light, signature_of};
+use super::stretches::{along_curve, cell_ends, common_depth};
 use foveal_core::content::points::payload::{
     CloudPoint, Correction, MOST_POINTS, PointAttributes, PointUnit,
 };
@@ -10,7 +11,6 @@ use foveal_core::pack::PackError;
 use foveal_core::perception::measures::contrast::Signature;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::cmp::Ordering;
 use std::collections::HashMap;
 
 /// Most levels below a cube at which cells are told apart there: places are shown in 65536ths of a
@@ -20,7 +20,7 @@ const MOST_CELLS: u32 = 12;
 const MOST_DEPTH: u32 = 38;
 
 /// A unit before it has a number.
-pub(super) struct Node {
+pub(super) struct CloudNode {
     /// The node whose octant it refines; of the root none.
     pub(super) parent: Option<usize>,
     pub(super) octant: u8,
@@ -84,7 +84,7 @@ struct Added {
 
 impl Octree<'_> {
     /// The nodes of a tree of these points, which are put in order: parents first, along a curve.
-    pub(super) fn build(&self, points: &mut [CloudPoint]) -> Result<Vec<Node>, OctreeError> {
+    pub(super) fn build(&self, points: &mut [CloudPoint]) -> Result<Vec<CloudNode>, OctreeError> {
         points.par_sort_unstable_by(along_curve);
         let most = points.par_iter().map(|it| it.place.map(u32::leading_zeros));
         let zeros = most.map(|it| it[0].min(it[1]).min(it[2])).min();
@@ -103,7 +103,7 @@ impl Octree<'_> {
     }
 
     /// A node and all below it, whose cube is one of `bits` at depth 0.
-    fn node(&self, mut part: Part<'_>, bits: u32) -> Result<Vec<Node>, OctreeError> {
+    fn node(&self, mut part: Part<'_>, bits: u32) -> Result<Vec<CloudNode>, OctreeError> {
         if part.depth > MOST_DEPTH {
             return Err(OctreeError::Deep);
         }
@@ -124,7 +124,7 @@ impl Octree<'_> {
             signature_of(part.points, [coarse, fine], bits, &self.light)
         });
         let signature = signature.unwrap_or_default();
-        let mut nodes = vec![Node {
+        let mut nodes = vec![CloudNode {
             parent: None,
             octant: part.octant,
             depth,
@@ -194,7 +194,7 @@ impl Octree<'_> {
 }
 
 /// Adds the nodes of an octant of the first.
-fn add_below(nodes: &mut Vec<Node>, mut below: Vec<Node>) {
+fn add_below(nodes: &mut Vec<CloudNode>, mut below: Vec<CloudNode>) {
     let first = nodes.len();
     for node in &mut below {
         node.parent = Some(node.parent.map_or(0, |parent| parent + first));
@@ -215,36 +215,6 @@ fn round(outer: LocalSphere, inner: &LocalSphere) -> LocalSphere {
             ..outer
         },
     }
-}
-
-/// Along a curve through space (Morton 1966); equal places in the order of what else points have.
-fn along_curve(a: &CloudPoint, b: &CloudPoint) -> Ordering {
-    let differ = [0, 1, 2].map(|k| a.place[k] ^ b.place[k]);
-    // Of equal heights z counts before y, and y before x.
-    let higher = |k: usize, than: usize| match differ[than].leading_zeros() {
-        zeros if differ[k].leading_zeros() < zeros => k,
-        _ => than,
-    };
-    let axis = higher(0, higher(1, 2));
-    a.place[axis].cmp(&b.place[axis]).then_with(|| a.cmp(b))
-}
-
-/// Down to which depth two points lie in the same cell.
-pub(super) fn common_depth(a: &CloudPoint, b: &CloudPoint, bits: u32) -> u32 {
-    let differ = [0, 1, 2].map(|k| a.place[k] ^ b.place[k]);
-    let all = differ[0] | differ[1] | differ[2];
-    bits - (u32::BITS - all.leading_zeros())
-}
-
-/// The stretches of a part that lie in one cell of a depth each, as ends.
-pub(super) fn cell_ends(
-    points: &[CloudPoint],
-    depth: u32,
-    bits: u32,
-) -> impl Iterator<Item = usize> + '_ {
-    let ends = (1..points.len())
-        .filter(move |at| common_depth(&points[at - 1], &points[*at], bits) < depth);
-    ends.chain([points.len()])
 }
 
 /// The octants of a part that have points: these, and the octant's number.

@@ -3,7 +3,7 @@
 //! Measured where points lie, not in pictures: a cell of the coarser unit is a pixel, and octaves
 //! are cells of twice the size each.
 
-use super::octree::{cell_ends, common_depth};
+use super::stretches::{cell_ends, common_depth};
 use foveal_core::content::points::payload::{CloudPoint, PointAttributes};
 use foveal_core::perception::measures::contrast::{BandContrast, SIGNATURE_BANDS, Signature};
 use foveal_core::perception::parameters::Parameters;

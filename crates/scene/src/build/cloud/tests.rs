@@ -1,3 +1,5 @@
+//! Does a cloud come back from its units?
+
 use super::super::{BuildOptions, Built, build};
 use crate::generate::{cloud_of_torus, noisy_plane};
 use crate::source::{SourceCloud, SourceScene};
@@ -212,7 +214,7 @@ fn units_of_a_cloud_of_one_grey_add_no_contrast_and_those_of_noise_much() {
         added.iter().sum::<f64>() / added.len() as f64
     };
     cloud.colours = vec![[120 * 257; 3]; 40_000];
-    assert_eq!(contrast(&cloud), 0.0);
+    assert!(contrast(&cloud) < 1e-9, "{}", contrast(&cloud));
     cloud.colours = (0..40_000)
         .map(|k| [[60 * 257; 3], [200 * 257; 3]][k % 2])
         .collect();

@@ -15,7 +15,7 @@ use std::collections::HashMap;
 use super::error::Fault;
 use super::files::Folder;
 use super::text::shortened;
-use crate::source::{Material, Repairs, SourceCloud, SourceMesh, SourceObject, SourceScene};
+use crate::source::{Material, Repairs, SourceCloud, SourceObject, SourceScene};
 use accessor::Accessors;
 use buffers::Buffers;
 use json::{Document, GltfMaterial};
@@ -87,8 +87,9 @@ pub(super) fn read(
         });
     }
     let default = meshes.without_material;
-    let is_used = |mesh: &SourceMesh| mesh.materials.contains(&default);
-    materials.extend(scene.meshes.iter().any(is_used).then(Material::default));
+    let mut used = scene.meshes.iter().flat_map(|mesh| &mesh.materials);
+    let is_used = used.any(|it| *it == default);
+    materials.extend(is_used.then(Material::default));
     scene.repairs.extend(meshes.repairs);
     scene.materials = materials;
     add_remarks(&mut scene, &document, object_of.keys());

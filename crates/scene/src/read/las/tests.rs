@@ -1,3 +1,5 @@
+//! Are LAS and LAZ files read to the last bit, and damaged ones refused?
+
 use super::super::mangle::cut_and_flip;
 use super::super::{ReadOptions, SceneFormat};
 use super::*;

@@ -238,7 +238,7 @@ fn points_that_stand_nowhere_are_refused_with_their_line() {
     );
     let refused = refusal(&bytes);
     assert!(
-        refused.contains("line 9") && refused.contains("vertex 1 of 2"),
+        refused.contains("line 10") && refused.contains("vertex 1 of 2"),
         "{refused}"
     );
     let none = text(&format!("element vertex 0\n{properties}"), "");

@@ -4,8 +4,8 @@
 //! then one of all reds and one of all blues, each less what is added to green. Corrections are
 //! told as they are, in the same three lists.
 
-use super::{CloudPoint, Correction, wrong};
 use crate::content::bits::{BitReader, BitWriter};
+use crate::content::points::cloud_point::{CloudPoint, Correction, wrong};
 use crate::content::points::lengths::{
     NumberReader, signed_from_unsigned, unsigned_from_signed, write_numbers,
 };

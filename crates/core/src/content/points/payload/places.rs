@@ -7,10 +7,11 @@
 //!    number: bit `n` of x, y and z is its bit `3
 //!    n`, `3 n + 1` and `3 n + 2`. A list of what is added to the number before, from 0. Then point
 //!    by point the bits that are left, of x, y and z, as they are.
-//! 2. Along a plane: the same of all bits of the plane's two axes, in the order x, y, z. Then a list of what is added to the third coordinate of the point before, from 0.
+//! 2. Along a plane: the same of all bits of the plane's two axes, in the order x, y, z. Then
+//!    a list of what is added to the third coordinate of the point before, from 0.
 
-use super::{CloudPoint, wrong};
 use crate::content::bits::{BitReader, BitWriter};
+use crate::content::points::cloud_point::{CloudPoint, wrong};
 use crate::content::points::curve::{
     BITS_OF_THREE, number_of_three, number_of_two, three_of_number, two_of_number,
 };

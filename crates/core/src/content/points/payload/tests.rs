@@ -1,3 +1,5 @@
+//! Do units of points come back as they were written?
+
 use super::*;
 use crate::view::random::Random;
 

@@ -1,3 +1,5 @@
+//! Do the points of a glTF file become clouds?
+
 use super::made::{F32, Made, U8};
 use super::scene;
 use serde_json::json;
