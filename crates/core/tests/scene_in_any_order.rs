@@ -327,5 +327,5 @@ fn policies_of_pictures_are_refused_with_the_reason() {
         .into_iter()
         .filter(|policy| why_not(*policy).is_some());
     let refused: Vec<&str> = refused.map(Policy::name).collect();
-    assert_eq!(refused, ["grid", "distance", "sampled", "perceptual"]);
+    assert_eq!(refused, ["grid", "distance", "sampled"]);
 }
