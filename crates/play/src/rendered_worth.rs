@@ -138,8 +138,8 @@ impl RenderedWorth {
     }
 }
 
-/// What the units of a scene are worth at a moment: by signatures and footprints in a picture of its
-/// roots, and by pictures of all its levels. Of roots nothing.
+/// What the units of a scene are worth at a moment: by signatures and footprints in a picture of
+/// its roots, and by pictures of all its levels. Of roots nothing.
 ///
 /// # Errors
 /// A unit is damaged, or the device was lost.

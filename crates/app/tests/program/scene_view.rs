@@ -97,7 +97,7 @@ fn a_window_flies_through_a_scene_and_the_log_is_replayed() {
 fn policies_and_options_that_are_for_video_are_refused_for_scenes() {
     let folder = Folder::new();
     let pack = torus_pack(&folder);
-    let works = "viewport, acuity, eccentricity, uniform, full, coarsest";
+    let works = "viewport, acuity, perceptual, eccentricity, uniform, full, coarsest";
     refused(
         2,
         &["view", &pack, "--policy", "grid"],

@@ -102,8 +102,9 @@ pub enum ImportanceSource {
     /// Signatures, which were measured while preparing, and footprints in what is drawn.
     #[default]
     Signatures,
-    /// Pictures of all levels, drawn for each choice: slow, the reference for signatures. Footprints
-    /// then tell the worth itself, the bits of a number of 32 bits in the place of the area.
+    /// Pictures of all levels, drawn for each choice: slow, the reference for signatures.
+    /// Footprints then tell the worth itself, the bits of a number of 32 bits in the place of the
+    /// area.
     Rendered,
 }
 

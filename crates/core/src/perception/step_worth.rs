@@ -17,7 +17,7 @@ const SEEING_EXPONENT: f64 = 3.5;
 
 /// How an eye sees a place of the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SeenPlace {
+pub struct LookedPlace {
     /// By how many octaves eccentricity raises frequency at the cortex.
     pub octaves_raised: f64,
     /// Highest frequency that the eye resolves there.
@@ -26,7 +26,7 @@ pub struct SeenPlace {
     pub display: Cpd,
 }
 
-impl SeenPlace {
+impl LookedPlace {
     /// A place at an eccentricity, where the display shows frequencies up to `display`.
     #[must_use]
     pub fn at(parameters: &Parameters, eccentricity: Radians, display: Cpd) -> Self {
@@ -52,8 +52,8 @@ impl SeenPlace {
 pub enum DrawnFiner {
     /// Not at all: a filter takes it out.
     Filtered,
-    /// As noise: each pixel shows what lies in its middle, and detail is seen as the finest that the
-    /// display shows.
+    /// As noise: each pixel shows what lies in its middle, and detail is seen as the finest that
+    /// the display shows.
     Sampled,
 }
 
@@ -89,7 +89,13 @@ impl StepWorth {
     /// What a step is worth that is seen at `place` with `ppd` of the signature's pixels a degree:
     /// for each of what [`Self::extent`] counts. Takes about a tenth of a microsecond.
     #[must_use]
-    pub fn gain(&self, signature: &Signature, ppd: Ppd, place: &SeenPlace, state: EyeState) -> f64 {
+    pub fn gain(
+        &self,
+        signature: &Signature,
+        ppd: Ppd,
+        place: &LookedPlace,
+        state: EyeState,
+    ) -> f64 {
         let weights = self.parameters.weights(state);
         let mut gain = weights.acuity * place.acuity.0 + weights.constant;
         for band in band_steps(signature, ppd) {
@@ -113,7 +119,7 @@ impl StepWorth {
         &self,
         signature: &Signature,
         ppd: Ppd,
-        place: &SeenPlace,
+        place: &LookedPlace,
         state: EyeState,
     ) -> f64 {
         if self.parameters.model == Model::Paper {
@@ -130,7 +136,7 @@ impl StepWorth {
     /// What a place counts that fills so many square degrees with content of `ppd`: these, or, as
     /// Chen et al. 2022 printed it, pixels of the display; without a display, of the content.
     #[must_use]
-    pub fn extent(&self, ppd: Ppd, area_deg2: f64, place: &SeenPlace) -> f64 {
+    pub fn extent(&self, ppd: Ppd, area_deg2: f64, place: &LookedPlace) -> f64 {
         if self.parameters.weights(EyeState::Steady).by_area {
             return area_deg2;
         }
@@ -139,7 +145,7 @@ impl StepWorth {
     }
 
     /// The frequency at which a band is seen.
-    fn shown(&self, band: Cpd, place: &SeenPlace) -> Cpd {
+    fn shown(&self, band: Cpd, place: &LookedPlace) -> Cpd {
         match self.drawn {
             DrawnFiner::Filtered => band,
             // The octave that ends at the display's limit.
@@ -147,7 +153,7 @@ impl StepWorth {
         }
     }
 
-    fn seen(&self, frequency: Cpd, place: &SeenPlace, state: EyeState) -> Seen {
+    fn seen(&self, frequency: Cpd, place: &LookedPlace, state: EyeState) -> Seen {
         let octave = libm::log2(frequency.0);
         let table = |k: usize, state| {
             self.seen[k].get_or_init(|| SensitivityTable::new(&self.parameters, state))

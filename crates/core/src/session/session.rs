@@ -14,8 +14,7 @@ mod wanting;
 
 use crate::content::demand::Content;
 use crate::content::policy::PolicyConfig;
-use crate::content::unit::{AssetId, UnitRef};
-use crate::perception::footprints::Footprints;
+use crate::content::unit::UnitRef;
 use crate::perception::moment::Moment;
 use crate::session::actions::{Now, Pace, SessionAction, SessionEvent};
 use crate::session::bounds::Bounds;
@@ -47,8 +46,8 @@ pub struct SessionSettings {
     pub since: Option<Seconds>,
     /// Whether the view can be zoomed: then less is kept fine beside a narrow one.
     pub zooms: bool,
-    /// Whether [`Session::see`] is told what parts of the view units would refine, once something is
-    /// drawn.
+    /// Whether [`Session::see`] is told what parts of the view units would refine, once something
+    /// is drawn.
     pub measures: bool,
     /// What is kept below; by default nothing that can be played comes near.
     pub bounds: Bounds,
@@ -199,25 +198,6 @@ impl Session {
             frames,
             is_damaged,
         });
-    }
-
-    /// The units of an asset would refine these parts of what is drawn.
-    ///
-    /// # Panics
-    /// There must be such an asset.
-    pub fn see(&mut self, asset: AssetId, footprints: Footprints) {
-        self.run.see(asset, footprints);
-    }
-
-    /// Whether [`Self::see`] is about to be told more.
-    pub fn expect_footprints(&mut self, is_expected: bool) {
-        self.expects_footprints = is_expected;
-    }
-
-    /// Whether what is chosen depends on what [`Self::see`] is told.
-    #[must_use]
-    pub fn needs_footprints(&self) -> bool {
-        self.run.needs_footprints()
     }
 
     /// Moves on to `now`: shows what is due, and orders what comes. What is to be done is handed

@@ -171,8 +171,8 @@ impl SceneDrawer {
         }
     }
 
-    /// Tells a session what parts of the view units would refine, where it chooses by that: what was
-    /// measured since the last call. Begins to measure what is drawn now, where that is due.
+    /// Tells a session what parts of the view units would refine, where it chooses by that: what
+    /// was measured since the last call. Begins to measure what is drawn now, where that is due.
     ///
     /// # Errors
     /// The device was lost, or binds no buffer for as many units.

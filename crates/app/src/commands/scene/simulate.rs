@@ -188,7 +188,8 @@ impl SimulateArgs {
         let is_limited = self.watching.link.is_some() || self.budget.is_some();
         if is_limited && !config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
-                "--link, --budget: {name} spends no budget; give --policy perceptual, eccentricity or uniform"
+                "--link, --budget: {name} spends no budget; give --policy perceptual, \
+                 eccentricity or uniform"
             )));
         }
         Ok(config)

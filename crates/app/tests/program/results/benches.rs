@@ -38,7 +38,7 @@ fn what_a_scene_costs_is_told_of_beside_its_baselines_as_documented() {
     let report = json(&bench);
     agrees("bench scene", &[&report]);
     let rows = report["rows"].as_array().unwrap();
-    assert_eq!(rows.len(), 15, "{report}");
+    assert_eq!(rows.len(), 16, "{report}");
     for row in rows {
         assert!(row["ours"].is_number(), "{row}");
         assert!(

@@ -97,7 +97,7 @@ impl Scene {
         &self.pack.description().objects[usize::from(self.pack.row(unit).object)]
     }
 
-    /// The unit that refines each cluster that one does, by the cluster's unit and its number there.
+    /// The unit that refines each cluster that one does, by the cluster's unit and number there.
     #[must_use]
     pub fn refiners(&self) -> HashMap<(UnitId, u8), UnitId> {
         let units = (0..).map(UnitId).zip(self.pack.rows());

@@ -105,8 +105,8 @@ impl Sight {
         })
     }
 
-    /// What a sphere covers where nothing is before it; nothing where it is out of view by more than
-    /// the margin.
+    /// What a sphere covers where nothing is before it; nothing where it is out of view by more
+    /// than the margin.
     #[must_use]
     pub fn extent(&self, sphere: &Sphere) -> SeenExtent {
         let Some(seen) = self.seen(sphere, 0.0) else {

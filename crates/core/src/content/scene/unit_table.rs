@@ -103,8 +103,8 @@ pub struct UnitRow {
     /// them needs in turn.
     pub needs: Vec<UnitId>,
     /// Of a mesh the coarse clusters in whose place it is shown, at most 16; of a page the quarter
-    /// of the page that it lies in, and of points the octant of the unit that it needs, as a cluster
-    /// of it.
+    /// of the page that it lies in, and of points the octant of the unit that it needs, as a
+    /// cluster of it.
     pub replaces: Vec<ClusterRef>,
 }
 
@@ -297,7 +297,6 @@ mod tests {
             signature: Signature::from_bytes([unit as u8; Signature::BYTES]),
             needs: (0..unit.min(3)).map(UnitId).collect(),
             replaces: (0..unit.min(3) as u8).map(ClusterRef::from_byte).collect(),
-            ..UnitRow::default()
         };
         (0..40).map(row).collect()
     }

@@ -15,7 +15,7 @@ use crate::pack::unit::UnitId;
 use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
 use crate::perception::parameters::{Model, Parameters};
-use crate::perception::step_worth::{DrawnFiner, SeenPlace, StepWorth};
+use crate::perception::step_worth::{DrawnFiner, LookedPlace, StepWorth};
 use crate::units::Radians;
 
 /// Values the units of a scene for one viewer.
@@ -146,7 +146,7 @@ impl SceneWorth {
         // Half of it about nearer than the mean, half about farther.
         let apart = (extent.mean.0 - extent.least.0) / 2.0;
         let gain = |eccentricity| {
-            let place = SeenPlace::at(&self.parameters, Radians(eccentricity), display);
+            let place = LookedPlace::at(&self.parameters, Radians(eccentricity), display);
             let of_steps = match row.kind {
                 UnitKind::Image => &self.of_filtered,
                 _ => &self.of_sampled,
@@ -172,8 +172,8 @@ pub fn parameters_of_morphs(parameters: &Parameters) -> Parameters {
     }
 }
 
-/// Share of the detail that an eye can see of a scene, hidden or not, that these units show: of what
-/// all are worth. 1 where none is worth anything. Takes some microseconds for each unit.
+/// Share of the detail that an eye can see of a scene, hidden or not, that these units show: of
+/// what all are worth. 1 where none is worth anything. Takes some microseconds for each unit.
 #[must_use]
 pub fn detail_share(scene: &Scene, moment: &Moment, shows: impl Fn(UnitId) -> bool) -> f64 {
     let worth = SceneWorth::new(scene, &Parameters::default(), ImportanceSource::Signatures);

@@ -14,7 +14,7 @@ use crate::perception::measures::contrast::Signature;
 use crate::perception::measures::saliency::saliency;
 use crate::perception::parameters::{EyeState, Parameters};
 use crate::perception::spread::SpreadTable;
-use crate::perception::step_worth::{SeenPlace, StepWorth};
+use crate::perception::step_worth::{LookedPlace, StepWorth};
 use crate::units::{Cpd, Ppd, Radians};
 use crate::view::axes::angle_between;
 
@@ -127,7 +127,7 @@ pub struct Worth {
 struct Looked {
     ppd: Ppd,
     area_deg2: f64,
-    place: SeenPlace,
+    place: LookedPlace,
 }
 
 impl Worth {
@@ -221,7 +221,7 @@ impl Worth {
         Looked {
             ppd: place.ppd,
             area_deg2: place.area_deg2,
-            place: SeenPlace::at(&self.config.perception, eccentricity, display),
+            place: LookedPlace::at(&self.config.perception, eccentricity, display),
         }
     }
 

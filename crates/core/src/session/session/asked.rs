@@ -3,6 +3,8 @@
 use super::{Session, Staged};
 use crate::content::demand::Content;
 use crate::content::policy::PolicyConfig;
+use crate::content::unit::AssetId;
+use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
 use crate::session::log::SessionHead;
 use crate::session::unit_states::{Piece, UnitStates};
@@ -60,6 +62,25 @@ impl Session {
     #[must_use]
     pub fn log_head(&self, moment: &Moment) -> SessionHead {
         self.run.head(moment)
+    }
+
+    /// The units of an asset would refine these parts of what is drawn.
+    ///
+    /// # Panics
+    /// There must be such an asset.
+    pub fn see(&mut self, asset: AssetId, footprints: Footprints) {
+        self.run.see(asset, footprints);
+    }
+
+    /// Whether [`Self::see`] is about to be told more.
+    pub fn expect_footprints(&mut self, is_expected: bool) {
+        self.expects_footprints = is_expected;
+    }
+
+    /// Whether what is chosen depends on what [`Self::see`] is told.
+    #[must_use]
+    pub fn needs_footprints(&self) -> bool {
+        self.run.needs_footprints()
     }
 
     /// How far each unit has come.

@@ -40,12 +40,7 @@ pub(super) fn read(
     let mut materials = materials(&accessors, folder, &mut scene)?;
     let mut meshes = MeshReader {
         accessors: &accessors,
-        opaque: document
-            .materials
-            .iter()
-            .map(is_opaque)
-            .chain([true])
-            .collect(),
+        opaque: opaque(&document),
         uv_sets: document.materials.iter().map(uv_set).collect(),
         without_material: materials.len() as u32,
         repairs: Repairs::new(),
@@ -94,6 +89,12 @@ pub(super) fn read(
     scene.materials = materials;
     add_remarks(&mut scene, &document, object_of.keys());
     Ok(scene)
+}
+
+/// Whether each material is opaque, and what has none.
+fn opaque(document: &Document) -> Vec<bool> {
+    let materials = document.materials.iter();
+    materials.map(is_opaque).chain([true]).collect()
 }
 
 /// The name of the only node that shows a mesh, else of the mesh, else one of the file's name.
