@@ -223,11 +223,11 @@ impl Pages {
     /// Leaves of the first polygon what lies on a page or just beside it (Sutherland and Hodgman
     /// 1974); the second is room to work in.
     fn clip(&self, page: [u16; 2], [polygon, spare]: &mut [Vec<At>; 2]) {
-        for k in 0..2 {
-            let first = u32::from(page[k]) * PAGE_SIDE;
+        for (k, number) in page.into_iter().enumerate() {
+            let first = u32::from(number) * PAGE_SIDE;
             let last = f64::from(first + PAGE_SIDE).min(self.size[k]);
             let clamps = self.wrap[k] == Wrap::Clamp;
-            let is_open = [page[k] == 0, u32::from(page[k]) + 1 == self.count[k]];
+            let is_open = [number == 0, u32::from(number) + 1 == self.count[k]];
             for (side, edge) in [f64::from(first) - BESIDE, last + BESIDE]
                 .into_iter()
                 .enumerate()
