@@ -1,5 +1,5 @@
 //! Does a unit of points that is damaged do harm?
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod point_units;
 

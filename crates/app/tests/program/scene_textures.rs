@@ -38,7 +38,11 @@ fn corners() -> Vec<([f64; 3], [f64; 2])> {
     let corner = |row: u32, column: u32| {
         let [u, v] = [(column, columns), (row, rows)].map(|(n, of)| f64::from(n) / f64::from(of));
         let turn = TAU * f64::from(column % columns) / f64::from(columns);
-        let ring = if row.is_multiple_of(rows) { 0.0 } else { (PI * v).sin() };
+        let ring = if row.is_multiple_of(rows) {
+            0.0
+        } else {
+            (PI * v).sin()
+        };
         // The middle of the picture looks to +z.
         (
             [-ring * turn.sin(), (PI * v).cos(), -ring * turn.cos()],

@@ -84,7 +84,7 @@ pub fn texture(picture: &TexturePicture, wrap: Wrap) -> SceneTexture {
 /// Squares of so many texels in two colours, with a gradient over all, so that each place differs.
 pub fn checker(size: [u32; 2], side: u32) -> TexturePicture {
     let texel = |column: u32, row: u32| {
-        let is_light = (column / side + row / side) % 2 == 0;
+        let is_light = (column / side + row / side).is_multiple_of(2);
         let [x, y] = [column * 200 / size[0], row * 200 / size[1]];
         let base = if is_light { 55 } else { 0 };
         [
