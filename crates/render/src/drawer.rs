@@ -1,5 +1,8 @@
 //! What draws what a session shows: the GPU, the CPU twin of its passes, or nothing?
 
+use crate::Overlay;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::RgbaImage;
 use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 use crate::meshes::morphs::Morphs;
@@ -7,7 +10,6 @@ use crate::meshes::{ComingUnit, SceneDrawer, SceneStyle};
 use crate::pages::ComingPage;
 use crate::points::ComingPoints;
 use crate::tiles::drawer::{TileDrawer, TileStyle};
-use crate::{Overlay, RgbaImage};
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::PolicyConfig;
