@@ -140,7 +140,7 @@ fn an_eye_gets_a_scan_by_rule_and_within_a_budget() {
         assert!(error <= before, "{frames}: {error} after {before}");
         before = error;
     }
-    assert!(before < 0.05, "{before}");
+    assert!(before < 0.15, "{before}");
 }
 
 #[test]
