@@ -5,7 +5,7 @@ use crate::gpu::device::Gpu;
 use crate::gpu::picture_target::FORMAT;
 use crate::meshes::lists::DrawList;
 use crate::pages::PageLayer;
-use crate::shaders;
+use crate::shaders::{self, Shader};
 
 /// Format of the depths of clusters: the nearest is the largest, so that single precision tells
 /// depths apart as well near as far.
@@ -173,6 +173,19 @@ fn entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
 /// The pipeline that draws from outside, and the one that draws from both sides.
 fn pipelines(gpu: &Gpu, layout: &wgpu::BindGroupLayout, draws: Draws) -> [wgpu::RenderPipeline; 2] {
     let shader = shaders::draw_clusters();
+    [Some(wgpu::Face::Back), None]
+        .map(|cull_mode| nearest_pipeline(gpu, &shader, layout, draws, cull_mode))
+}
+
+/// A pipeline of a shader that draws what is nearest to the eye: colours in its first step, units
+/// that would refine them in its second.
+pub(crate) fn nearest_pipeline(
+    gpu: &Gpu,
+    shader: &Shader,
+    layout: &wgpu::BindGroupLayout,
+    draws: Draws,
+    cull_mode: Option<wgpu::Face>,
+) -> wgpu::RenderPipeline {
     let device = &gpu.device;
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(shader.name),
@@ -188,36 +201,34 @@ fn pipelines(gpu: &Gpu, layout: &wgpu::BindGroupLayout, draws: Draws) -> [wgpu::
         Draws::Refiners => (1, UNITS_FORMAT),
     };
     let [vertex, fragment] = shader.steps[step];
-    [Some(wgpu::Face::Back), None].map(|cull_mode| {
-        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(fragment),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some(vertex),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState {
-                cull_mode,
-                ..wgpu::PrimitiveState::default()
-            },
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH_FORMAT,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Greater),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some(fragment),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[Some(format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(fragment),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some(vertex),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState {
+            cull_mode,
+            ..wgpu::PrimitiveState::default()
+        },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some(fragment),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(format.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
     })
 }

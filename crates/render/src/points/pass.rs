@@ -2,8 +2,7 @@
 
 use crate::gpu::bindings::bind;
 use crate::gpu::device::Gpu;
-use crate::gpu::picture_target::FORMAT;
-use crate::meshes::pass::{DEPTH_FORMAT, Draws, UNITS_FORMAT};
+use crate::meshes::pass::{Draws, nearest_pipeline};
 use crate::shaders;
 
 /// Which bindings there are, and whether one is a uniform.
@@ -26,7 +25,7 @@ impl PointPass {
                 entries: &entries,
             });
         Self {
-            pipeline: pipeline(gpu, &layout, draws),
+            pipeline: nearest_pipeline(gpu, &shaders::draw_points(), &layout, draws, None),
             layout,
         }
     }
@@ -66,50 +65,4 @@ fn entry((binding, is_uniform): (u32, bool)) -> wgpu::BindGroupLayoutEntry {
         },
         count: None,
     }
-}
-
-fn pipeline(gpu: &Gpu, layout: &wgpu::BindGroupLayout, draws: Draws) -> wgpu::RenderPipeline {
-    let shader = shaders::draw_points();
-    let device = &gpu.device;
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(shader.name),
-        source: wgpu::ShaderSource::Wgsl(shader.text.as_str().into()),
-    });
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(shader.name),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    let (step, format) = match draws {
-        Draws::Colours => (0, FORMAT),
-        Draws::Refiners => (1, UNITS_FORMAT),
-    };
-    let [vertex, fragment] = shader.steps[step];
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(fragment),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some(vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some(fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }
