@@ -5,9 +5,8 @@
 //! are levels, and as many passes over them.
 
 use crate::error::PlayError;
-use foveal_core::content::demand::Content;
 use foveal_core::content::policy::{Policy, PolicyConfig};
-use foveal_core::content::scene::worth::parameters_of_morphs;
+use foveal_core::content::scene::worth::{parameters_of_morphs, visible_errors};
 use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::eye::Gaze;
@@ -138,8 +137,8 @@ impl RenderedWorth {
     }
 }
 
-/// What the units of a scene are worth at a moment: by signatures and footprints in a picture of
-/// its roots, and by pictures of all its levels. Of roots nothing.
+/// Visible error that units of a scene remove at a moment, of those that refine something that is
+/// seen: by signatures and footprints, and by pictures of all levels.
 ///
 /// # Errors
 /// A unit is damaged, or the device was lost.
@@ -148,20 +147,24 @@ pub fn worth_both_ways(
     gpu: &Gpu,
     moment: &Moment,
 ) -> Result<[Vec<f64>; 2], PlayError> {
+    let Some(view) = moment.views.first() else {
+        return Ok([Vec::new(), Vec::new()]);
+    };
     let config = PolicyConfig::new(Policy::Perceptual);
     let mut rendered = RenderedWorth::new(file, gpu, &config.perception);
     let scene = Arc::clone(file.scene());
     let mut drawer = Drawer::of_scene(&DrawDevice::Gpu(gpu.clone()), &scene, MOST_BYTES)?;
-    rendered.upload_level(&mut drawer, scene.pack().coarsest())?;
-    let mut demand = Arc::clone(&scene).demand(&scene.head(), &config);
-    demand.see(&drawer.footprints(moment)?);
-    demand.begin(0, moment, None);
-    let by_signatures = demand.offers().into_iter().map(|offer| offer.value);
-    let roots = scene.base(0).len();
-    let by_signatures = std::iter::repeat_n(0.0, roots).chain(by_signatures);
-    let worths = match moment.views.first() {
-        Some(view) => rendered.worths(moment, view)?,
-        None => vec![0.0; scene.pack().len()],
+    let mut footprints = Vec::new();
+    for level in (1..=scene.pack().coarsest()).rev() {
+        rendered.upload_level(&mut drawer, level)?;
+        footprints.extend_from_slice(drawer.footprints(moment)?.list());
+    }
+    let footprints = Footprints::new(footprints);
+    let by_signatures = visible_errors(&scene, moment, &footprints);
+    let by_pictures = rendered.worths(moment, view)?;
+    let seen = |worths: Vec<f64>| {
+        let of = |it: &Footprint| worths.get(it.unit.0 as usize).copied();
+        footprints.list().iter().filter_map(of).collect()
     };
-    Ok([by_signatures.collect(), worths])
+    Ok([seen(by_signatures), seen(by_pictures)])
 }

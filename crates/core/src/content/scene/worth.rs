@@ -18,6 +18,15 @@ use crate::perception::parameters::{Model, Parameters};
 use crate::perception::step_worth::{DrawnFiner, LookedPlace, StepWorth};
 use crate::units::Radians;
 
+/// What a unit is worth, in a square degree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Counted {
+    /// Samples of the eye that see what it changes.
+    SeenSamples,
+    /// Visible error that it removes: what pictures of levels tell.
+    VisibleError,
+}
+
 /// Values the units of a scene for one viewer.
 #[derive(Debug)]
 pub(super) struct SceneWorth {
@@ -28,6 +37,7 @@ pub(super) struct SceneWorth {
     of_filtered: StepWorth,
     /// For each unit the areas of the spheres of those that need it, in object space.
     needed_by: Vec<f64>,
+    counts: Counted,
     /// What was measured last; `None` where nothing was.
     footprints: Option<Footprints>,
 }
@@ -53,6 +63,7 @@ impl SceneWorth {
             parameters,
             importance,
             needed_by,
+            counts: Counted::SeenSamples,
             footprints: None,
         }
     }
@@ -114,6 +125,9 @@ impl SceneWorth {
                 mean,
             };
         }
+        if self.counts == Counted::VisibleError {
+            return extents;
+        }
         // What a unit needs has lower numbers.
         for (at, row) in rows.iter().enumerate() {
             for need in row.needs.iter().map(|need| need.0 as usize) {
@@ -151,8 +165,11 @@ impl SceneWorth {
                 UnitKind::Image => &self.of_filtered,
                 _ => &self.of_sampled,
             };
-            let seen = of_steps.seen_samples(&row.signature, ppd, &place, state);
-            seen * extent.area_deg2
+            let worth = match self.counts {
+                Counted::SeenSamples => of_steps.seen_samples(&row.signature, ppd, &place, state),
+                Counted::VisibleError => of_steps.gain(&row.signature, ppd, &place, state),
+            };
+            worth * extent.area_deg2
         };
         (gain(extent.mean.0 - apart) + gain(extent.mean.0 + apart)) / 2.0
     }
@@ -170,6 +187,20 @@ pub fn parameters_of_morphs(parameters: &Parameters) -> Parameters {
         },
         Model::Paper => *parameters,
     }
+}
+
+/// Visible error that each unit of a scene removes for a viewer, in thresholds times square
+/// degrees: by signatures what [`importance`](crate::perception::importance) tells by pictures of
+/// levels. `footprints` are those of every unit, measured where it is what would refine a level.
+#[must_use]
+pub fn visible_errors(scene: &Scene, moment: &Moment, footprints: &Footprints) -> Vec<f64> {
+    let signatures = ImportanceSource::Signatures;
+    let mut worth = SceneWorth::new(scene, &Parameters::default(), signatures);
+    worth.counts = Counted::VisibleError;
+    worth.see(footprints);
+    let sight = |glance| Sight::new(&glance, Radians(0.0));
+    let sights: Vec<Sight> = moment.glances().map(sight).collect();
+    worth.values(scene, &sights)
 }
 
 /// Share of the detail that an eye can see of a scene, hidden or not, that these units show: of
