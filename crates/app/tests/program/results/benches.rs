@@ -57,3 +57,13 @@ fn what_a_scene_costs_is_told_of_beside_its_baselines_as_documented() {
         &["--only 13", "first-picture"],
     );
 }
+
+#[test]
+fn signatures_order_the_units_of_a_scene_as_pictures_of_its_levels_do() {
+    let folder = Folder::new();
+    let source = folder.holding("torus.obj", torus(300, 120).as_bytes());
+    let bench = ["bench", "scene", &source, "--fast", "--only", "worth"];
+    let report = json(&bench);
+    let rank = report["rows"][0]["ours"].as_f64().unwrap();
+    assert!(rank >= 0.8, "{report}");
+}
