@@ -168,10 +168,10 @@ test("only the policies of scenes are offered, and each shows the ring", async (
   await on("view.html?pack=torus.foveal&demo", async (opened) => {
     const { page } = opened;
     await told(page, "settled");
-    expect((await stats(opened)).policy).toBe("acuity");
+    expect((await stats(opened)).policy).toBe("perceptual");
     const offered = await page.locator("foveal-view select option").allTextContents();
-    const expected = ["viewport", "acuity", "eccentricity", "uniform", "full", "coarsest"];
-    expect(offered).toEqual(expected);
+    const gazing = ["acuity", "perceptual", "eccentricity"];
+    expect(offered).toEqual(["viewport", ...gazing, "uniform", "full", "coarsest"]);
     for (const policy of offered) {
       const since = await countTold(page);
       await page.evaluate((name) => {
