@@ -52,7 +52,7 @@ pub(super) fn build(mesh: &GridMesh, step: &(dyn Fn(u64) + Sync)) -> Graph {
     let mut level = 0;
     while active.len() > 1 && level < MOST_LEVELS {
         let groups = partition(mesh, &graph.clusters, &active);
-        let locks = locked(mesh, &graph.clusters, &groups);
+        let locks = locked(mesh, &graph.clusters, &groups, &ended);
         let halve = |group: &Vec<u32>| {
             let fine: Vec<_> = group.iter().map(|it| graph.cluster(*it)).collect();
             let simplified = simplify(mesh, &fine, &locks);

@@ -47,8 +47,14 @@ pub(super) fn partition(
     groups
 }
 
-/// Whether each vertex lies, by its place, in more than one group.
-pub(super) fn locked(mesh: &GridMesh, clusters: &[GraphCluster], groups: &[Vec<u32>]) -> Vec<bool> {
+/// Whether each vertex lies, by its place, in more than one group, or in a cluster that has `ended`
+/// as a root: such a cluster stays as it is, so what meets it must.
+pub(super) fn locked(
+    mesh: &GridMesh,
+    clusters: &[GraphCluster],
+    groups: &[Vec<u32>],
+    ended: &[u32],
+) -> Vec<bool> {
     const NONE: u32 = u32::MAX;
     const SEVERAL: u32 = u32::MAX - 1;
     let mut group_of = vec![NONE; mesh.vertices.len()];
@@ -62,6 +68,9 @@ pub(super) fn locked(mesh: &GridMesh, clusters: &[GraphCluster], groups: &[Vec<u
                 _ => SEVERAL,
             };
         }
+    }
+    for vertex in ended.iter().flat_map(|it| &clusters[*it as usize].vertices) {
+        group_of[mesh.same_place[*vertex as usize] as usize] = SEVERAL;
     }
     let places = mesh.same_place.iter();
     places.map(|it| group_of[*it as usize] == SEVERAL).collect()

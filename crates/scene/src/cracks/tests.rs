@@ -1,7 +1,9 @@
 //! Do cuts keep what was closed closed?
 
 use super::{CutReport, CutTrial, check_cuts, odd_edges};
-use crate::build::tests::meshes::{many_pieces, sheet, sphere, torus, two_materials};
+use crate::build::tests::meshes::{
+    bladed_torus, many_pieces, mosaic, sheet, sphere, torus, two_materials,
+};
 use crate::build::{BuildOptions, Built, build};
 use crate::source::SourceScene;
 use foveal_core::content::mesh::cut::MeshCut;
@@ -39,10 +41,12 @@ fn checked(built: &Built, trial: &CutTrial) -> CutReport {
 #[test]
 fn no_cut_of_a_closed_mesh_has_an_odd_edge() {
     let closed = [
+        mosaic(96, 48),
         torus(128, 64),
         sphere(64, 32),
         two_materials(24),
         many_pieces(200),
+        mosaic(96, 48),
     ];
     for source in closed {
         let report = checked(&built(&source), &TRIAL);
@@ -60,6 +64,14 @@ fn foveated_cuts_of_the_torus_have_at_least_three_levels() {
 fn an_open_mesh_never_has_more_odd_edges_than_its_source() {
     let report = checked(&built(&sheet(64)), &TRIAL);
     assert_eq!(report.source_odd_edges, 4 * 64);
+    assert_eq!(report.odd_edges_max, report.source_odd_edges);
+}
+
+/// What cannot be simplified ends as a root, and what meets it stays.
+#[test]
+fn a_mesh_with_an_edge_of_many_triangles_never_has_more_odd_edges_than_its_source() {
+    let report = checked(&built(&bladed_torus(128, 64, 199)), &TRIAL);
+    assert!(report.source_odd_edges >= 2 * 199, "{report:?}");
     assert_eq!(report.odd_edges_max, report.source_odd_edges);
 }
 

@@ -6,7 +6,7 @@ use crate::run::pack_place::pack_at;
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use foveal_core::content::scene::description::{GRID_BITS, KIND, SceneDescription, SceneSource};
-use foveal_core::pack::Identity;
+use foveal_core::pack::{Identity, MAX_DESCRIPTION_BYTES};
 use foveal_core::units::counted;
 use foveal_media::pack::scene_file::{SceneFile, write_scene};
 use foveal_scene::build::{BuildOptions, Built, build};
@@ -18,6 +18,8 @@ use std::time::Instant;
 
 /// Entries of a page of the index, and rows of a page of the table.
 const PAGE: u32 = 64;
+/// What a description takes at most for where its tables lie, in bytes.
+const BYTES_OF_TABLES: u64 = 1024;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum UpName {
@@ -102,6 +104,7 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
     source.remarks.iter().for_each(|remark| output::say(remark));
     let built = args.build(&source, jobs)?;
     let description = args.description(&source, &built, identity);
+    refuse_too_long(&description)?;
     drop(source);
     let units = built.units.into_iter().map(|unit| (unit.row, unit.payload));
     write_scene(out, description, units)?;
@@ -111,6 +114,24 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
     scene.peak_memory_bytes = peak_memory_bytes();
     let text = format!("{}: {seconds:.1} s\n{}", out.display(), scene.text());
     args.say_done(&scene, false, &text)
+}
+
+/// A pack whose description is too long could not be opened.
+fn refuse_too_long(description: &SceneDescription) -> anyhow::Result<()> {
+    let bytes = serde_json::to_vec(description)?.len() as u64 + BYTES_OF_TABLES;
+    let most = u64::from(MAX_DESCRIPTION_BYTES);
+    if bytes > most {
+        let placements = description.objects.iter().map(|it| it.placements.len());
+        bail!(
+            "{} in {} places take {}, and a pack's description holds {}: give fewer places, or \
+             several packs; nothing was written",
+            counted(description.objects.len(), "object"),
+            placements.sum::<usize>(),
+            output::size(bytes),
+            output::size(most),
+        );
+    }
+    Ok(())
 }
 
 impl PrepareSceneArgs {

@@ -171,9 +171,7 @@ impl SimulateArgs {
 
     /// The policy, where scenes are chosen by it.
     fn scene_config(&self) -> anyhow::Result<PolicyConfig> {
-        let config = self
-            .policy
-            .config_of(self.policy.policy.unwrap_or(Policy::Acuity))?;
+        let config = self.policy.config_of(self.policy.policy())?;
         let name = config.policy.name();
         if let Some(why) = why_not(config.policy) {
             let others = Policy::ALL

@@ -9,7 +9,7 @@ use crate::content::mesh::morph::{Foot, feet};
 use crate::content::mesh::payload::{MeshUnit, MeshVertex};
 use crate::pack::PackError;
 use crate::pack::unit::UnitId;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 #[cfg(test)]
 mod tests;
@@ -47,6 +47,8 @@ pub struct PlacedUnit {
     pub clusters: Vec<PlacedCluster>,
     /// Which clusters it is shown in place of.
     replaces: Vec<(UnitId, u8)>,
+    /// Whether a new vertex is at the place of one that stays, as where attributes jump.
+    stands_twice: bool,
 }
 
 /// The units of meshes that are there, and what of them is drawn.
@@ -127,6 +129,8 @@ impl MeshCut {
                 expected,
             ));
         }
+        let places: HashSet<_> = vertices.iter().map(|vertex| vertex.place).collect();
+        let stands_twice = says.vertices.iter().any(|it| places.contains(&it.place));
         vertices.extend(&says.vertices);
         let clusters = says.clusters.iter().map(|cluster| PlacedCluster {
             vertices: cluster.vertices.clone(),
@@ -139,6 +143,7 @@ impl MeshCut {
             origins,
             clusters: clusters.collect(),
             replaces,
+            stands_twice,
         })
     }
 
@@ -178,8 +183,8 @@ impl MeshCut {
 /// Vertices on their way.
 impl MeshCut {
     /// From now on the new vertices of these units have gone so much of their way from the coarse
-    /// surface, 0 to 1, and all others are in their places. Returns the units of which vertices
-    /// moved.
+    /// surface, 0 to 1, and all others are in their places, but for those at the place of one that
+    /// is on its way. Returns the units of which vertices moved.
     ///
     /// Whatever the shares are, the surface is as closed as it is when all are 1: vertices at one
     /// place move together, and those on the border of a unit's triangles stay.
@@ -188,9 +193,16 @@ impl MeshCut {
     /// some hundred.
     pub fn morph(&mut self, shares: &BTreeMap<UnitId, f64>) -> BTreeSet<UnitId> {
         let mut moved: BTreeSet<UnitId> = self.moving.keys().copied().collect();
+        let mut shares = shares.clone();
+        // What has arrived goes with what it stands on, where another vertex stands at its place.
+        for unit in self.refining(shares.keys().copied()) {
+            if self.units.get(&unit).is_some_and(|it| it.stands_twice) {
+                shares.entry(unit).or_insert(1.0);
+            }
+        }
         self.moving.retain(|unit, _| shares.contains_key(unit));
         // Units come after those on which they stand, which have moved by then.
-        for (unit, share) in shares {
+        for (unit, share) in &shares {
             let Some(placed) = self.units.get(unit) else {
                 continue;
             };
@@ -273,15 +285,20 @@ impl MeshCut {
     /// The units of which vertices are on their way, and all that refine these.
     #[must_use]
     pub fn unsteady(&self) -> BTreeSet<UnitId> {
-        let mut unsteady = BTreeSet::new();
-        let mut next: Vec<UnitId> = self.moving.keys().copied().collect();
+        self.refining(self.moving.keys().copied())
+    }
+
+    /// These units, and all that refine them.
+    fn refining(&self, units: impl Iterator<Item = UnitId>) -> BTreeSet<UnitId> {
+        let mut all = BTreeSet::new();
+        let mut next: Vec<UnitId> = units.collect();
         while let Some(unit) = next.pop() {
-            if unsteady.insert(unit) {
+            if all.insert(unit) {
                 let clusters = self.units.get(&unit).map_or(&[][..], |it| &it.clusters);
                 next.extend(clusters.iter().filter_map(|cluster| cluster.refined_by));
             }
         }
-        unsteady
+        all
     }
 }
 

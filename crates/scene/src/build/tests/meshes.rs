@@ -98,6 +98,32 @@ pub(crate) fn fan(blades: u32) -> SourceScene {
     source(mesh, Vec::new())
 }
 
+/// A closed torus on which every triangle has vertices and a colour of its own.
+pub(crate) fn mosaic(around: u32, along: u32) -> SourceScene {
+    let whole = generate::torus(around, along);
+    let mut mesh = SourceMesh::default();
+    for (triangle, number) in whole.triangles.iter().zip(0_u32..) {
+        let shade = |turn: u32| f64::from(number * turn % 97) as f32 / 96.0;
+        let colour = [shade(31), shade(53), shade(71), 1.0];
+        mesh.triangles.push([0, 1, 2].map(|it| 3 * number + it));
+        for corner in triangle {
+            mesh.positions.push(whole.positions[*corner as usize]);
+            mesh.colours.push(colour);
+        }
+    }
+    source(mesh, Vec::new())
+}
+
+/// A closed torus with blades on one of its edges.
+pub(crate) fn bladed_torus(around: u32, along: u32, blades: u32) -> SourceScene {
+    let mut mesh = generate::torus(around, along);
+    let [from, to, _] = mesh.triangles[0];
+    let far = mesh.positions.len() as u32 / 2;
+    let blades = (0..blades).map(|blade| [from, to, far + blade]);
+    mesh.triangles.extend(blades);
+    source(mesh, Vec::new())
+}
+
 /// Tetrahedra that lie about.
 pub(crate) fn many_pieces(count: u32) -> SourceScene {
     let mut mesh = SourceMesh::default();
@@ -135,6 +161,8 @@ pub(crate) fn all_meshes() -> Vec<(&'static str, SourceScene)> {
         ("sheet", sheet(60)),
         ("cube", two_materials(16)),
         ("fan", fan(40)),
+        ("mosaic", mosaic(48, 24)),
+        ("blades", bladed_torus(48, 24, 60)),
         ("pieces", many_pieces(1000)),
         ("triangle", triangle()),
     ]

@@ -23,7 +23,7 @@ use keys::NEXT;
 /// Most bytes of a scene file.
 const MOST_BYTES: usize = 1 << 24;
 /// Most places where all objects stand together.
-const MOST_PLACES: usize = 1 << 20;
+const MOST_PLACES: usize = 1 << 15;
 /// Largest number of a place, in metres, and of a scale.
 const LARGEST: f64 = 1e9;
 
@@ -140,15 +140,16 @@ impl Arrangement {
                 .iter()
                 .filter_map(ArrangedPlace::world_from_file);
             let all: Vec<DAffine3> = all.collect();
-            for object in one.objects.iter_mut().filter(|_| !all.is_empty()) {
-                places += object.placements.len().saturating_mul(all.len());
+            let objects = one.objects.iter_mut().map(|it| &mut it.placements);
+            let clouds = one.clouds.iter_mut().map(|it| &mut it.placements);
+            for own in objects.chain(clouds).filter(|_| !all.is_empty()) {
+                places += own.len().saturating_mul(all.len());
                 if places > MOST_PLACES {
                     let what = format!("objects stand in more than {MOST_PLACES} places");
                     return Err(Fault::broken(format!("input {number}"), what, NEXT).into());
                 }
-                let own = std::mem::take(&mut object.placements);
                 let placed = all.iter().flat_map(|all| own.iter().map(|own| *all * *own));
-                object.placements = placed.collect();
+                *own = placed.collect();
             }
             scene.append(one);
         }

@@ -83,6 +83,25 @@ fn files_stand_in_all_their_places_before_a_background_and_in_a_light() {
 }
 
 #[test]
+fn points_stand_in_all_their_places_too() {
+    let place = "place = [{ translation = [0, 2, 0], scale = 0.5 }, {}]";
+    let site = Site::new("cloud", &format!("[[input]]\nfile = \"p.ply\"\n{place}"));
+    let text = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n\
+                property float z\nend_header\n0 0 0\n1 0 0\n";
+    std::fs::write(site.0.join("p.ply"), text).unwrap();
+    let cloud = &site.read().unwrap().clouds[0];
+    let half = cloud.placements[0].matrix3 * DVec3::X;
+    assert_eq!(cloud.placements.len(), 2);
+    let lengths = [half.length(), cloud.placements[1].matrix3.x_axis.length()];
+    assert!(
+        (2.0 * lengths[0] / lengths[1] - 1.0).abs() < 1e-9,
+        "{lengths:?}"
+    );
+    let lift = cloud.placements[0].translation.y - 0.5 * cloud.placements[1].translation.y;
+    assert!((lift - 2.0).abs() < 1e-9, "{lift}");
+}
+
+#[test]
 fn what_is_not_said_is_as_usual() {
     let scene = Site::new("bare", "[[input]]\nfile = \"a.obj\"")
         .read()
@@ -218,7 +237,7 @@ fn a_small_file_cannot_put_objects_into_places_without_end() {
     let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     std::fs::write(site.0.join("a.bin"), corners.map(f32::to_le_bytes).concat()).unwrap();
     let error = site.read().unwrap_err();
-    assert!(error.contains("more than 1048576 places"), "{error}");
+    assert!(error.contains("more than 32768 places"), "{error}");
 }
 
 #[test]
