@@ -74,7 +74,7 @@ enum Command {
 enum Prepare {
     /// Flat or 360° video, or a still picture.
     Video(commands::prepare::PrepareVideoArgs),
-    /// 3D meshes: glTF, OBJ, PLY and STL files of one scene.
+    /// 3D files of one scene: meshes (glTF, OBJ, PLY, STL) and laser scans (LAS, LAZ, PLY).
     Scene(commands::scene::prepare::PrepareSceneArgs),
 }
 

@@ -8,7 +8,7 @@ use crate::rendered_worth::RenderedWorth;
 use crate::step::decide;
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
-use foveal_core::content::policy::{ImportanceSource, PolicyConfig};
+use foveal_core::content::policy::{ImportanceSource, Policy, PolicyConfig};
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::worth::detail_share;
 use foveal_core::content::unit::{AssetId, UnitRef};
@@ -88,7 +88,9 @@ impl ScenePlayer {
         // What draws may take an eighth more than units do.
         let most = options.gpu_bytes - options.gpu_bytes / 8;
         let drawer = Drawer::of_scene(&options.drawing, &scene, most)?;
-        let is_rendered = options.config.importance == ImportanceSource::Rendered;
+        let config = &options.config;
+        let is_rendered =
+            config.policy == Policy::Perceptual && config.importance == ImportanceSource::Rendered;
         let rendered = match &options.drawing {
             DrawDevice::Gpu(gpu) if is_rendered => {
                 Some(RenderedWorth::new(&file, gpu, &options.config.perception))

@@ -51,7 +51,8 @@ pub(crate) enum EdgeRuleName {
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PolicyOptions {
     /// How levels are chosen (default: perceptual; acuity where a pack does not tell what its units
-    /// add, and with --acuity, --slope or --safety-disc; or the preset's).
+    /// add, for a scene where nothing limits bytes, and with --acuity, --slope or --safety-disc; or
+    /// the preset's).
     #[arg(long, value_parser = policy_parser())]
     pub(crate) policy: Option<Policy>,
     /// The score in JOD that what is shown is expected to keep against every finest tile, 1 to

@@ -16,8 +16,8 @@ use foveal_core::view::surface::Projection;
 use foveal_eval::disc_error::{FOVEA_DEG, disc, error_over};
 use foveal_eval::score::Viewing;
 use foveal_media::pack::scene_file::SceneFile;
-use foveal_play::{ScenePlayer, ScenePlayerOptions, SceneReport};
-use foveal_render::{DrawDevice, RgbaImage};
+use foveal_play::{PlayError, ScenePlayer, ScenePlayerOptions, SceneReport};
+use foveal_render::{DrawDevice, RenderError, RgbaImage};
 use std::sync::Arc;
 
 /// How far what came is from full detail, once it is in its place: root mean square of the
@@ -104,9 +104,19 @@ impl Judge {
             .as_ref()
             .is_none_or(|(view, _)| *view != standing.view)
         {
-            whole.show(Seconds(0.0), &standing.moment)?;
-            let picture = whole.picture(&standing.view)?;
-            self.drawn = picture.map(|picture| (standing.view, picture));
+            self.drawn = match whole_picture(whole, standing) {
+                Err(PlayError::Render(error @ RenderError::TooMuch { .. }))
+                    if self.scoring.is_none() =>
+                {
+                    output::say(&format!(
+                        "errors are not told: the whole scene, which they are from, cannot be \
+                         drawn: {error}"
+                    ));
+                    self.whole = None;
+                    return Ok(None);
+                }
+                drawn => drawn?,
+            };
         }
         let (Some((_, reference)), Some(test)) =
             (&self.drawn, player.picture_in_place(&standing.view)?)
@@ -140,6 +150,16 @@ impl Judge {
     pub(crate) fn score(self, gaze: String) -> anyhow::Result<Option<ScoreReport>> {
         self.scoring.map(|scoring| scoring.report(gaze)).transpose()
     }
+}
+
+/// What the whole scene looks like from a view.
+fn whole_picture(
+    whole: &mut ScenePlayer,
+    standing: &Standing,
+) -> Result<Option<(EyeView, RgbaImage)>, PlayError> {
+    whole.show(Seconds(0.0), &standing.moment)?;
+    let picture = whole.picture(&standing.view)?;
+    Ok(picture.map(|picture| (standing.view, picture)))
 }
 
 impl Scoring {

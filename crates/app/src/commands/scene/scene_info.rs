@@ -120,7 +120,7 @@ impl SceneInfo {
 
     pub(crate) fn text(&self) -> String {
         let mut text = format!(
-            "{}: {}, {}, {} of {} from {}\n{}, {:.2} bytes each, {:.2} with index and table\n",
+            "{}: {}, {}, {} of {} from {}\n{}, {:.2} bytes a {}, {:.2} with index and table\n",
             self.source.join(", "),
             counted(self.objects, "object"),
             self.samples_text(),
@@ -129,6 +129,11 @@ impl SceneInfo {
             output::size(self.source_bytes),
             counted(self.units, "unit"),
             self.bytes_per_leaf,
+            if self.leaf_triangles > 0 {
+                "triangle"
+            } else {
+                "point"
+            },
             self.bytes_per_leaf_with_tables,
         );
         if self.texels > 0 {

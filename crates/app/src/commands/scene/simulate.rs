@@ -171,7 +171,13 @@ impl SimulateArgs {
 
     /// The policy, where scenes are chosen by it.
     fn scene_config(&self) -> anyhow::Result<PolicyConfig> {
-        let config = self.policy.config_of(self.policy.policy())?;
+        let is_limited = self.watching.link.is_some() || self.budget.is_some();
+        // All that is worth anything is all: it is a choice only where bytes are few.
+        let usual = match is_limited {
+            true => self.policy.policy(),
+            false => self.policy.policy.unwrap_or(Policy::Acuity),
+        };
+        let config = self.policy.config_of(usual)?;
         let name = config.policy.name();
         if let Some(why) = why_not(config.policy) {
             let others = Policy::ALL
@@ -183,7 +189,6 @@ impl SimulateArgs {
                 others.join(", ")
             )));
         }
-        let is_limited = self.watching.link.is_some() || self.budget.is_some();
         if is_limited && !config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
                 "--link, --budget: {name} spends no budget; give --policy perceptual, \

@@ -13,7 +13,6 @@ mod tests;
 
 use super::built::{BuildError, BuiltUnit};
 use super::joined::Graphed;
-use super::sphere::LocalSphere;
 use crate::source::SourceCloud;
 use colours::Codes;
 use foveal_core::content::mesh::payload::{Attributes, ClusterRef};
@@ -77,9 +76,9 @@ pub(super) fn build(
         },
         octree::OctreeError::Unit(error) => BuildError::Unit(error),
     })?;
+    let bounds = bounds(&cloud, &points);
     drop(points);
-    let root = nodes.first().map(|root| root.sphere).unwrap_or_default();
-    let object_of = object_of(source, cloud, &root);
+    let object_of = object_of(source, cloud, bounds);
     Ok(BuiltCloud {
         object: object_of,
         units: numbered(nodes, object),
@@ -125,16 +124,26 @@ fn point(source: &SourceCloud, codes: &Codes, least: [i32; 3], number: usize) ->
     }
 }
 
-fn object_of(source: &SourceCloud, cloud: Cloud, root: &LocalSphere) -> SceneObject {
+/// The sphere round all points about the middle of their box.
+fn bounds(cloud: &Cloud, points: &[CloudPoint]) -> ObjectBounds {
+    let all = || points.iter().map(|it| cloud.at(it.place));
+    let low = all().fold(DVec3::INFINITY, DVec3::min);
+    let high = all().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let centre = (low + high) / 2.0;
+    // A single point has the size of a step.
+    let step = cloud.scale.into_iter().fold(0.0, f64::max);
+    ObjectBounds {
+        centre: centre.to_array(),
+        radius: all().map(|it| it.distance(centre)).fold(step, f64::max),
+    }
+}
+
+fn object_of(source: &SourceCloud, cloud: Cloud, bounds: ObjectBounds) -> SceneObject {
     let origin = cloud.at([0; 3]);
-    let centre = origin + DVec3::from_array(root.centre.map(f64::from));
     SceneObject {
         name: source.name.clone(),
         leaf_triangles: 0,
-        bounds: ObjectBounds {
-            centre: centre.to_array(),
-            radius: f64::from(root.radius),
-        },
+        bounds,
         grid: Grid {
             origin: origin.to_array(),
             step: cloud.scale.into_iter().fold(0.0, f64::max),

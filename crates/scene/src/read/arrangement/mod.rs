@@ -93,9 +93,12 @@ impl Arrangement {
             let text = shortened(text);
             return wrong("background", format!("{text:?} is no colour like #8fb0d0"));
         }
-        let light = self.light.map(DVec3::from_array);
-        if light.is_some_and(|it| !is_sane(it) || it.try_normalize().is_none()) {
-            return wrong("light", format!("{:?} is no direction", self.light));
+        let is_direction = |light: DVec3| is_sane(light) && light.try_normalize().is_some();
+        if let Some(light) = self
+            .light
+            .filter(|it| !is_direction(DVec3::from_array(*it)))
+        {
+            return wrong("light", format!("{light:?} is no direction"));
         }
         if self.input.is_empty() {
             return wrong(
