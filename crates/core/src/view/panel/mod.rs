@@ -1,0 +1,11 @@
+//! Where does a pixel of one of many displays look, and which place of one source does it show?
+//!
+//! Normative for the file that describes them: docs/formats/panels.md. Angles are radians, lengths
+//! are in distances from the eye to the panel, places are pixels with centres at +0.5, rows down.
+
+pub mod distortion;
+pub mod lens;
+pub mod pixel_map;
+pub mod placement;
+pub mod residual_grid;
+pub mod rig;
