@@ -55,7 +55,7 @@ fn tangent(view: &EyeView, place: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|k| place[k] * pitch[k] - edge[k])
 }
 
-/// The elliptic paraboloid of Strege 2009, section 3.6: `max(0, b (1 - X² - Y²))` of X and Y from
+/// The elliptic paraboloid of Strege 2009, section 3.2.4: `max(0, b (1 - X² - Y²))` of X and Y from
 /// -1 to 1 over the panel, along its normal. A pixel is where the ray through its height meets the
 /// flat panel.
 #[derive(Clone, Copy, Debug, PartialEq)]

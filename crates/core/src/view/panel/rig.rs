@@ -147,7 +147,7 @@ impl Panel {
     }
 
     /// Corners at unit distance: top left, top right, bottom left, bottom right; Strege 2009,
-    /// section 3.1.
+    /// section 3.2.1.
     #[must_use]
     pub fn corners(&self) -> [DVec3; 4] {
         let f = self.view.field;
@@ -201,7 +201,7 @@ impl Rig {
     }
 }
 
-/// Axes of a panel turned by Strege 2009's matrices `R_roll R_pitch R_yaw` (section 3.1): yaw turns
+/// Axes of a panel turned by Strege 2009's matrices `R_roll R_pitch R_yaw` (section 3.2.1): yaw turns
 /// right, and then about the axes of the head pitch turns down and roll turns clockwise.
 #[must_use]
 pub fn axes_from_seed_angles(roll: f64, pitch: f64, yaw: f64) -> Axes {

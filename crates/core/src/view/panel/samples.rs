@@ -1,0 +1,116 @@
+//! Where do panels look, at enough of their places to place a source by?
+
+use super::distortion::{Distortion, GREEN};
+use super::pixel_map::PanelRay;
+use super::rig::Panel;
+use crate::view::axes::{angle_between, direction_at};
+use glam::DVec3;
+
+/// Steps of pattern searches begin at this many radians (6°) and end below the last (0.001°).
+pub(super) const FIRST_STEP: f64 = 0.104_719_755;
+const LAST_STEP: f64 = 1.7e-5;
+
+/// The rays of one panel that placements are judged by.
+pub(super) struct PanelSamples<'a> {
+    pub(super) panel: &'a Panel,
+    /// Unit rays round the lit part, corners first where nothing bends: no other place of the panel
+    /// looks outside of them.
+    pub(super) rim: Vec<DVec3>,
+    /// Centres of pixels, evenly over the panel with its outermost ones.
+    pub(super) inner: Vec<PanelRay>,
+}
+
+impl<'a> PanelSamples<'a> {
+    /// With `count` x `count` inner pixels.
+    pub(super) fn of(panel: &'a Panel, count: u32) -> Self {
+        let size = panel.view.size;
+        let centres = |side: u32| -> Vec<f64> {
+            let last = (count - 1).max(1);
+            let pixel = move |k| u64::from(k) * u64::from(side - 1) / u64::from(last);
+            (0..count).map(|k| pixel(k) as f64 + 0.5).collect()
+        };
+        let (columns, rows) = (centres(size[0]), centres(size[1]));
+        let all = rows.iter().flat_map(|y| columns.iter().map(|x| [*x, *y]));
+        Self {
+            panel,
+            rim: rim(panel),
+            inner: all.filter_map(|at| panel.ray_at(at, GREEN)).collect(),
+        }
+    }
+
+    /// Whether the panel looks in a direction: of a bent one, whether its ideal pixel lies within
+    /// the bent rim.
+    pub(super) fn sees(&self, direction: DVec3) -> bool {
+        self.panel.view.place(direction).is_some_and(|place| {
+            let size = self.panel.view.size.map(f64::from);
+            [0, 1].iter().all(|&k| (0.0..size[k]).contains(&place[k]))
+        })
+    }
+}
+
+/// Places on the border, at every pixel; with a bent panel's inner places, which may look outside
+/// of it where parts are unlit.
+fn rim(panel: &Panel) -> Vec<DVec3> {
+    let [w, h] = panel.view.size;
+    let [right, bottom] = [w, h].map(f64::from);
+    let corners = [[0.0, 0.0], [right, 0.0], [0.0, bottom], [right, bottom]];
+    let columns = (1..w).map(f64::from).flat_map(|x| [[x, 0.0], [x, bottom]]);
+    let rows = (1..h).map(f64::from).flat_map(|y| [[0.0, y], [right, y]]);
+    let mut places: Vec<[f64; 2]> = corners.into_iter().chain(columns).chain(rows).collect();
+    if matches!(panel.distortion, Distortion::Grid(_)) {
+        let step = |side: u32| (0..=side.div_ceil(8)).map(move |k| (8 * k).min(side));
+        places.extend(step(h).flat_map(|y| step(w).map(move |x| [x, y].map(f64::from))));
+    }
+    let rays = places.into_iter().filter_map(|at| panel.ray_at(at, GREEN));
+    rays.map(|found| found.ray.normalize()).collect()
+}
+
+/// The smallest cone round unit rays: its axis and half angle in radians.
+pub(super) fn cone(rays: &[DVec3]) -> (DVec3, f64) {
+    // Towards the farthest ray by ever smaller steps (Badoiu and Clarkson 2003), then exactly.
+    let mut centre = rays.iter().sum::<DVec3>();
+    centre /= rays.len().max(1) as f64;
+    for turn in 1..64 {
+        let farthest = rays.iter().max_by(|a, b| {
+            a.distance_squared(centre)
+                .total_cmp(&b.distance_squared(centre))
+        });
+        let Some(farthest) = farthest else { break };
+        centre += (*farthest - centre) / f64::from(turn + 1);
+    }
+    let axis = centre.try_normalize().unwrap_or(DVec3::NEG_Z);
+    let widest = |axis: DVec3| {
+        let angles = rays.iter().map(|ray| angle_between(axis, *ray).0);
+        angles.fold(0.0, f64::max)
+    };
+    search(axis, FIRST_STEP, |axis| Some(widest(axis))).unwrap_or((axis, widest(axis)))
+}
+
+/// The direction of least cost near another, and the cost: pattern search, steps halved where none
+/// is better. Nothing where there is no cost at the beginning.
+pub(super) fn search(
+    from: DVec3,
+    first_step: f64,
+    cost: impl Fn(DVec3) -> Option<f64>,
+) -> Option<(DVec3, f64)> {
+    let mut best = (from, cost(from)?);
+    let mut step = first_step;
+    while step > LAST_STEP {
+        let around = (0..8).map(|k| core::f64::consts::FRAC_PI_4 * f64::from(k));
+        let near = around.map(|bearing| {
+            direction_at(
+                best.0,
+                crate::units::Radians(bearing),
+                crate::units::Radians(step),
+            )
+        });
+        let costs = near.filter_map(|direction| Some((direction, cost(direction)?)));
+        let least = costs.min_by(|a, b| a.1.total_cmp(&b.1));
+        match least {
+            // Gains in the last digits are none: what is symmetrical stays so.
+            Some(better) if better.1 < best.1 * (1.0 - 1e-9) => best = better,
+            _ => step /= 2.0,
+        }
+    }
+    Some(best)
+}
