@@ -74,9 +74,28 @@ fn round(
     if projection != SourceProjection::Fisheye && spans[0][1] - spans[0][0] > TAU - SMALLEST_GAP {
         spans[0] = [-PI, PI];
     }
-    let [[left, right], [up, down]] = spans.map(widened);
-    let window = grown([-left, right, -up, down], aspect);
-    Some(Placement { window, ..open })
+    let [[mut left, mut right], [up, down]] = spans.map(widened);
+    let mut axes = axes;
+    if projection != SourceProjection::Fisheye {
+        let middle = f64::midpoint(left, right);
+        axes = turned(axes, middle);
+        (left, right) = (left - middle, right - middle);
+    }
+    Some(Placement {
+        window: grown([-left, right, -up, down], aspect),
+        axes,
+        ..open
+    })
+}
+
+/// Axes turned to the right about their own down: azimuths count from there on.
+fn turned(axes: Axes, azimuth: f64) -> Axes {
+    let (sin, cos) = (libm::sin(azimuth), libm::cos(azimuth));
+    Axes {
+        forward: axes.forward * cos + axes.right * sin,
+        right: axes.right * cos - axes.forward * sin,
+        down: axes.down,
+    }
 }
 
 /// By a millionth: places between those that were tried lie within.

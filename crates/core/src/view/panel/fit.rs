@@ -17,10 +17,14 @@ pub const WIDEST_PLANE: f64 = 1.134_464_013_796_314_4;
 /// Inner pixels along a side while searching, and to judge by at last.
 const SEARCHED: u32 = 9;
 const JUDGED: u32 = 65;
+/// Minified by less than this nothing is: sizes are whole.
+const EVEN: f64 = 1.01;
 /// Columns of the coarsest grid of residuals, in pixels, and the error that makes it finer.
 const COARSEST: u32 = 32;
 const FINEST: u32 = 4;
 const GRID_ERROR: f64 = 1.0 / 64.0;
+/// Grids of more places get no finer.
+const MANY_NODES: usize = 1 << 18;
 
 /// How the source is placed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -298,7 +302,7 @@ fn panel_fit(one: &PanelSamples<'_>, placement: &Placement, size: [u32; 2]) -> P
         sigma_min,
         sigma_max,
         filter: match () {
-            () if sigma_max <= 1.0 + 1e-6 => PanelFilter::Bicubic,
+            () if sigma_max <= EVEN => PanelFilter::Bicubic,
             () if stretched < 1.5 => PanelFilter::Trilinear,
             () => PanelFilter::Anisotropic,
         },
@@ -339,7 +343,7 @@ pub fn drawn_grid(panel: &Panel, channel: usize) -> Option<ResidualGrid> {
     loop {
         let grid = grid_of(panel, channel, cell);
         let error = grid_error(panel, channel, &grid);
-        if cell <= FINEST || error <= GRID_ERROR {
+        if cell <= FINEST || error <= GRID_ERROR || grid.residuals.len() > MANY_NODES {
             return Some(grid);
         }
         cell /= 2;

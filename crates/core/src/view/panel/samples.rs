@@ -45,14 +45,44 @@ impl<'a> PanelSamples<'a> {
         }
     }
 
-    /// Whether the panel looks in a direction: of a bent one, whether its ideal pixel lies within
-    /// the bent rim.
+    /// Whether a lit place of the panel looks in a direction.
     pub(super) fn sees(&self, direction: DVec3) -> bool {
-        self.panel.view.place(direction).is_some_and(|place| {
-            let size = self.panel.view.size.map(f64::from);
-            [0, 1].iter().all(|&k| (0.0..size[k]).contains(&place[k]))
-        })
+        let Some(ideal) = self.panel.view.place(direction) else {
+            return false;
+        };
+        let seen = match self.panel.distortion.is_none() {
+            true => Some(ideal),
+            false => seen_from_ideal(self.panel, ideal),
+        };
+        let size = self.panel.view.size.map(f64::from);
+        seen.is_some_and(|place| [0, 1].iter().all(|&k| (0.0..size[k]).contains(&place[k])))
     }
+}
+
+/// The place that is seen where an ideal panel has one, by Newton's method; `None` where there is
+/// none near the panel.
+fn seen_from_ideal(panel: &Panel, ideal: [f64; 2]) -> Option<[f64; 2]> {
+    const MOST_STEPS: u32 = 16;
+    /// Panel pixels.
+    const NEAR_ENOUGH: f64 = 1e-3;
+    let size = panel.view.size.map(f64::from);
+    // Beyond the edge a lens may be anything: no step goes far beyond.
+    let kept = |place: [f64; 2]| [0, 1].map(|k| place[k].clamp(-0.05 * size[k], 1.05 * size[k]));
+    let mut place = kept(ideal);
+    for _ in 0..MOST_STEPS {
+        let bent = panel.distortion.ideal(&panel.view, place, GREEN)?;
+        let [x, y] = [0, 1].map(|k| ideal[k] - bent.place[k]);
+        if x * x + y * y < NEAR_ENOUGH * NEAR_ENOUGH {
+            return Some(place);
+        }
+        let [[a, b], [c, d]] = bent.jacobian;
+        let area = bent.area();
+        place = kept([
+            place[0] + (d * x - b * y) / area,
+            place[1] + (a * y - c * x) / area,
+        ]);
+    }
+    None
 }
 
 /// Places on the border, at every pixel and no fewer than 512 a side; with a bent panel's inner

@@ -255,6 +255,11 @@ fn grids_that_panels_are_drawn_by_follow_their_distortion() {
             continue;
         };
         assert!(grid.step.iter().all(|step| *step <= 32.0));
+        // What is seen of a sphere beside the panel is what its pixels cover of it.
+        let found = fit(&[&panel], PlacementRule::Equirect, Some([640, 480])).unwrap();
+        let covered = found.panels[0].density * found.panels[0].density * 4800.0;
+        let seen = found.seen_share * 640.0 * 480.0;
+        assert!((covered / seen - 1.0).abs() < 0.01, "{covered} {seen}");
         for at in [[0.0, 0.0], [80.0, 60.0], [13.0, 47.0], [40.5, 30.5]] {
             let told = grid.ideal(at).unwrap().place;
             let wanted = panel
