@@ -129,10 +129,13 @@ impl FitReport {
             pitch_deg,
             roll_deg,
         } = self.axis;
+        // No -0.00.
+        let [yaw, pitch, roll] =
+            [yaw_deg, pitch_deg, roll_deg].map(|it| (it * 100.0).round() / 100.0 + 0.0);
         let ([nw, nh], [w, h]) = (self.need, self.source);
         let mut text = format!(
             "{}: {:.2} megapixels needed, {nw}x{nh}\n\
-             axis {yaw_deg:.2}° right, {pitch_deg:.2}° up, {roll_deg:.2}° clockwise\n",
+             axis {yaw:.2}° right, {pitch:.2}° up, {roll:.2}° clockwise\n",
             self.placement, self.need_megapixels,
         );
         let [left, right, up, down] = self.window;
@@ -143,7 +146,14 @@ impl FitReport {
             ),
             None => {
                 let [left, right] = [left, right].map(f64::to_degrees);
-                writeln!(text, "azimuth {left:.2}° left, {right:.2}° right")
+                let rows = match self.placement {
+                    "cylinder" => format!("tangents {up:.4} up, {down:.4} down"),
+                    _ => {
+                        let [up, down] = [up, down].map(f64::to_degrees);
+                        format!("{up:.2}° up, {down:.2}° down")
+                    }
+                };
+                writeln!(text, "azimuth {left:.2}° left, {right:.2}° right; {rows}")
             }
         };
         let _ = writeln!(text, "{:.1} % of it are seen", self.seen_share * 100.0);
