@@ -370,7 +370,7 @@ const PROBES: [GoldenProbes<'_>; 6] = [
     ),
     (
         (TURNED, 16),
-        [6.0, 2.0, 0.523599],
+        [6.0, 2.0, core::f64::consts::FRAC_PI_6],
         (5.0, 5, 1.0),
         [1.732051, 1.0],
         &OF_FIVE,
