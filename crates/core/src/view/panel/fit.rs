@@ -49,10 +49,10 @@ pub enum FitError {
     /// Nobody looks.
     #[error("no panel is before this eye; choose another --eye")]
     NoPanel,
-    /// A corner lies at 90° or more from where the source would lie.
+    /// A place of it lies at 90° or more from where the source would lie, of the best plane at 85°.
     #[error(
-        "panel {panel}: it looks 90° or more away from a {placement} source's axis, where that has \
-         no place; use --placement {works}"
+        "panel {panel}: it looks too far away from a {placement} source's axis, where that has no \
+         place; use --placement {works}"
     )]
     Beyond {
         /// The panel's id.
