@@ -7,6 +7,7 @@ pub mod frustum;
 pub mod head_pose;
 pub mod keys;
 pub mod navigation;
+pub mod panel;
 pub mod picture;
 pub mod random;
 pub mod route;
