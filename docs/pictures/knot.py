@@ -1,4 +1,4 @@
-"""Writes a knot of 672,000 coloured triangles, as docs/pictures/scene.png shows it: knot.py FILE.ply
+"""Writes the knot of 672,000 coloured triangles of docs/pictures/scene.png: knot.py FILE.ply
 
 foveal prepare scene knot.ply --out knot.foveal
 foveal simulate knot.foveal --gaze 10,7 --fov 40 --view 1000x1000 \
