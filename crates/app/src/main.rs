@@ -47,6 +47,9 @@ enum Command {
     View(commands::view::ViewArgs),
     /// Prepare and play clips under several policies, and show in a page what was saved.
     Demo(commands::demo::DemoArgs),
+    /// Fill many displays from one source, as one picture.
+    #[command(subcommand)]
+    Panels(commands::panels::PanelsCommand),
     /// What the eye sees, and what a finer picture is worth to it.
     #[command(subcommand)]
     Perception(commands::perception::Perception),
@@ -100,6 +103,7 @@ fn main() -> ExitCode {
         Command::Simulate(args) => commands::simulate::run(&args),
         Command::View(args) => commands::view::run(&args),
         Command::Demo(args) => commands::demo::run(&args),
+        Command::Panels(command) => commands::panels::run(&command),
         Command::Perception(command) => commands::perception::run(&command),
         Command::Bench(command) => commands::bench::run(&command),
         Command::Score(args) => commands::score::run(&args),

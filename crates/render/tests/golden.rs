@@ -233,17 +233,17 @@ fn assert_filled(name: &str, panels: &[Panel], placement: &Placement, style: &Wa
 #[test]
 fn three_panels_filled_from_a_plane() {
     let auto = WarpStyle::default();
-    assert_filled("warp_three", &three([96, 72]), &seed_plane(), &auto);
+    assert_filled("warp_three", &three([60, 45]), &seed_plane(), &auto);
     let painted = WarpStyle {
         filter: WarpFilter::Feline,
         paints: true,
     };
-    assert_filled("warp_painted", &three([64, 48]), &seed_plane(), &painted);
+    assert_filled("warp_painted", &three([60, 45]), &seed_plane(), &painted);
 }
 
 #[test]
 fn turned_panels_with_optics_that_fade_filled_from_a_curved_source() {
-    let mut panels = three([96, 72]);
+    let mut panels = three([60, 45]);
     panels[0].scanout = Scanout::Rot90;
     panels[1].distortion = Distortion::Bulge(Bulge { height: 0.3 });
     panels.iter_mut().for_each(|it| it.blend = 0.2);

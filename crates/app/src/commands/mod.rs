@@ -5,6 +5,7 @@ pub(crate) mod demo;
 pub(crate) mod evaluate;
 pub(crate) mod gaze;
 pub(crate) mod info;
+pub(crate) mod panels;
 pub(crate) mod perception;
 pub(crate) mod prepare;
 pub(crate) mod replay;
