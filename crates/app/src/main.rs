@@ -49,7 +49,7 @@ enum Command {
     Demo(commands::demo::DemoArgs),
     /// Fill many displays from one source, as one picture.
     #[command(subcommand)]
-    Panels(commands::panels::PanelsCommand),
+    Panels(commands::panels::Panels),
     /// What the eye sees, and what a finer picture is worth to it.
     #[command(subcommand)]
     Perception(commands::perception::Perception),

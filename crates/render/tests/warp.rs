@@ -127,11 +127,11 @@ fn records_lead_to_the_places_of_the_pixel_map() {
                 size: source,
             };
             let back = panel.scanout.seen_from_sent(panel.view.size);
-            // Optics are as good as their grid; a bulge has a fold that cells of 4 pixels smooth.
-            let most = if panel.distortion.is_none() {
-                2e-3
-            } else {
-                0.1
+            // Optics are as good as their grid; the fold of a bulge is smoothed over 4 pixels.
+            let most = match panel.distortion {
+                Distortion::None => 2e-3,
+                Distortion::Bulge(_) => 0.25,
+                _ => 0.05,
             };
             let channel = if panel.distortion.parts_colours() {
                 0

@@ -4,7 +4,10 @@ use crate::support::{Folder, Rgb, json, refused};
 use serde_json::Value;
 
 fn rig(name: &str) -> String {
-    format!("{}/../../examples/panels/{name}.toml", env!("CARGO_MANIFEST_DIR"))
+    format!(
+        "{}/../../examples/panels/{name}.toml",
+        env!("CARGO_MANIFEST_DIR")
+    )
 }
 
 fn warp(rig: &str, source: &str, out: &str, more: &[&str]) -> Value {
@@ -17,7 +20,12 @@ fn warp(rig: &str, source: &str, out: &str, more: &[&str]) -> Value {
 fn decibels(result: &Value) -> Vec<(String, f64)> {
     let panels = result["panels"].as_array().unwrap().iter();
     panels
-        .map(|it| (it["id"].as_str().unwrap().to_owned(), it["psnr_db"].as_f64().unwrap()))
+        .map(|it| {
+            (
+                it["id"].as_str().unwrap().to_owned(),
+                it["psnr_db"].as_f64().unwrap(),
+            )
+        })
         .collect()
 }
 
@@ -68,8 +76,19 @@ fn a_plane_that_is_turned_to_twelve_panels_beats_that_of_the_seed() {
     let folder = Folder::new();
     for (world, least) in [("world:gratings", 10.0), ("world:valley", 6.0)] {
         let db = |placement: &str| {
-            let more = ["--compare", "--source", "1920x1440", "--placement", placement];
-            mean(&decibels(&warp(&rig("twelve"), world, &folder.name(placement), &more)))
+            let more = [
+                "--compare",
+                "--source",
+                "1920x1440",
+                "--placement",
+                placement,
+            ];
+            mean(&decibels(&warp(
+                &rig("twelve"),
+                world,
+                &folder.name(placement),
+                &more,
+            )))
         };
         let [plane, seed] = ["plane", "seed"].map(db);
         println!("{world}: plane {plane:.2} dB, seed {seed:.2} dB");
@@ -81,7 +100,14 @@ fn a_plane_that_is_turned_to_twelve_panels_beats_that_of_the_seed() {
 fn maps_of_the_seed_give_the_picture_of_the_matrices() {
     let folder = Folder::new();
     let of = |name: &str, more: &[&str]| {
-        let mut all = vec!["--filter", "bilinear", "--placement", "seed", "--source", "800x600"];
+        let mut all = vec![
+            "--filter",
+            "bilinear",
+            "--placement",
+            "seed",
+            "--source",
+            "800x600",
+        ];
         all.extend(more);
         warp(&rig("three"), "world:gratings", &folder.name(name), &all);
         Rgb::read(&folder.name(&format!("{name}/atlas.png")))
@@ -103,9 +129,16 @@ fn worlds_move_and_patterns_are_pictures_that_panels_show() {
     assert_ne!(frame(0).pixels, frame(1).pixels);
     for name in ["grid", "white", "numbers"] {
         let file = folder.name(&format!("{name}.png"));
-        let made = ["panels", "pattern", name, "--size", "640x480", "--out", &file];
+        let made = [
+            "panels", "pattern", name, "--size", "640x480", "--out", &file,
+        ];
         assert_eq!(json(&made)["size"][0], 640);
-        let result = warp(&rig("three"), &file, &folder.name(name), &["--show-anisotropy"]);
+        let result = warp(
+            &rig("three"),
+            &file,
+            &folder.name(name),
+            &["--show-anisotropy"],
+        );
         assert!(result["multi_probe_share"].as_f64().is_some());
         assert!(folder.join(name).join("R.png").exists());
     }
@@ -114,7 +147,15 @@ fn worlds_move_and_patterns_are_pictures_that_panels_show() {
 #[test]
 fn the_model_of_the_seed_says_its_numbers() {
     let all = [
-        "panels", "bench", &rig("three"), "--panels", "3", "--runs", "1", "--model", "seed",
+        "panels",
+        "bench",
+        &rig("three"),
+        "--panels",
+        "3",
+        "--runs",
+        "1",
+        "--model",
+        "seed",
     ];
     let result = json(&all);
     assert!((result["panels_trilinear"].as_f64().unwrap() - 38.194).abs() < 1e-3);
@@ -129,7 +170,9 @@ fn what_cannot_be_warped_is_refused_in_words() {
     let out = folder.name("out");
     let three = rig("three");
     let white = folder.name("white.png");
-    json(&["panels", "pattern", "white", "--size", "64x48", "--out", &white]);
+    json(&[
+        "panels", "pattern", "white", "--size", "64x48", "--out", &white,
+    ]);
     let refuse = |source: &str, more: &[&str], words: &str| {
         let mut all = vec!["panels", "warp", &three, source, "--out", &out];
         all.extend(more);
@@ -140,7 +183,13 @@ fn what_cannot_be_warped_is_refused_in_words() {
     refuse(&white, &["--source", "10x10"], "has its own size, 64x48");
     refuse("world:valley", &["--stereo", "sbs"], "leave it out");
     refuse("world:valley", &["--distance", "0"], "0.05 to 1000000");
-    refuse("world:valley", &["--compare", "--show-anisotropy"], "paints over");
-    let size = ["panels", "pattern", "grid", "--size", "99999x4", "--out", &white];
+    refuse(
+        "world:valley",
+        &["--compare", "--show-anisotropy"],
+        "paints over",
+    );
+    let size = [
+        "panels", "pattern", "grid", "--size", "99999x4", "--out", &white,
+    ];
     refused(2, &size, &["16384"]);
 }

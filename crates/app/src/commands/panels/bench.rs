@@ -147,7 +147,11 @@ impl PanelsBenchArgs {
     fn check(&self) -> anyhow::Result<()> {
         let most = MOST_PANELS as u32;
         if let Some(wrong) = self.panels.iter().find(|it| !(1..=most).contains(*it)) {
-            bail!(out_of_range("--panels", wrong, &format!("numbers of 1 to {most}")));
+            bail!(out_of_range(
+                "--panels",
+                wrong,
+                &format!("numbers of 1 to {most}")
+            ));
         }
         if !(self.texel_rate > 0.0 && self.texel_rate.is_finite()) {
             let range = "million texels a second, as 26400";
@@ -190,7 +194,8 @@ impl Stage {
             let start = Instant::now();
             let mut encoder = self.gpu.encoder("bench");
             let timer = self.timer.as_ref();
-            self.warper.record(&mut encoder, plan, &self.source, style, timer);
+            self.warper
+                .record(&mut encoder, plan, &self.source, style, timer);
             let stamps = BytesBack::buffer(&self.gpu, Timer::BYTES);
             if let Some(timer) = timer {
                 timer.copy(&mut encoder, &stamps, 0);

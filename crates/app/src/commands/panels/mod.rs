@@ -1,8 +1,12 @@
-//! Which question about tiled displays does `foveal panels` answer?
+//! Which of the `foveal panels` commands runs?
 
 mod bench;
 mod comparing;
+mod fit;
+mod map;
 mod pattern;
+mod rig_args;
+mod schema;
 mod sent;
 mod warp;
 mod warp_device;
@@ -11,19 +15,28 @@ mod warp_source;
 use clap::Subcommand;
 
 #[derive(Debug, Subcommand)]
-pub(crate) enum PanelsCommand {
+pub(crate) enum Panels {
+    /// Where the source lies, and how many of its pixels are needed.
+    Fit(fit::FitArgs),
+    /// Where pixels of panels land in the source.
+    Map(map::MapArgs),
     /// Fill all panels from one source.
     Warp(warp::WarpArgs),
     /// What it costs to fill any number of panels.
     Bench(bench::PanelsBenchArgs),
     /// Pictures to line up panels by.
     Pattern(pattern::PatternArgs),
+    /// The JSON Schema of rig files.
+    Schema(schema::SchemaArgs),
 }
 
-pub(crate) fn run(command: &PanelsCommand) -> anyhow::Result<()> {
+pub(crate) fn run(command: &Panels) -> anyhow::Result<()> {
     match command {
-        PanelsCommand::Warp(args) => warp::run(args),
-        PanelsCommand::Bench(args) => bench::run(args),
-        PanelsCommand::Pattern(args) => pattern::run(args),
+        Panels::Fit(args) => fit::run(args),
+        Panels::Map(args) => map::run(args),
+        Panels::Warp(args) => warp::run(args),
+        Panels::Bench(args) => bench::run(args),
+        Panels::Pattern(args) => pattern::run(args),
+        Panels::Schema(args) => schema::run(args),
     }
 }
