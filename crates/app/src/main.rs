@@ -47,7 +47,7 @@ enum Command {
     View(commands::view::ViewArgs),
     /// Prepare and play clips under several policies, and show in a page what was saved.
     Demo(commands::demo::DemoArgs),
-    /// Fill many displays from one source, as one picture.
+    /// One source for many displays: a tiled headset, a wall, projectors.
     #[command(subcommand)]
     Panels(commands::panels::Panels),
     /// What the eye sees, and what a finer picture is worth to it.

@@ -1,4 +1,4 @@
-//! 3D files in, units of a scene pack out.
+//! 3D files in, units of a scene pack out; and files that say which displays show them.
 //!
 //! [`read`] turns files into a [`SourceScene`](source::SourceScene), [`build`] turns that into
 //! units that a viewer can fetch in any order. Nothing here is needed to play: payloads are decoded
@@ -11,6 +11,8 @@ pub mod build;
 pub mod cracks;
 pub mod generate;
 pub mod laz_whole;
+mod nearest;
 pub mod read;
+pub mod rig;
 pub mod signatures;
 pub mod source;

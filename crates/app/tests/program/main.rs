@@ -22,6 +22,7 @@ mod loss;
 mod no_adapter;
 mod numbers;
 mod options;
+mod panels;
 mod panels_warp;
 mod perception;
 mod perceptual;

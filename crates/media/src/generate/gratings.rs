@@ -4,7 +4,7 @@ use super::colour::Rgb;
 use super::ray::Ray;
 use super::texture::step;
 use foveal_core::view::random::Random;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Waves.
 const COUNT: usize = 24;
@@ -12,8 +12,8 @@ const COUNT: usize = 24;
 /// Cycles a radian of the longest wave and of the shortest.
 const CYCLES: [f64; 2] = [5.0, 240.0];
 
-/// How far all waves together go from the mean at most, in linear light of 0 to 1.
-const REACH: f64 = 0.48;
+/// Root mean square of all waves together, in linear light of 0 to 1; what goes beyond is cut.
+const RMS: f64 = 0.17;
 
 /// Plane waves over direction, of lengths spread evenly by their logarithm and of power 1/f.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,13 +38,13 @@ impl Gratings {
             let share = k as f64 / (COUNT - 1) as f64;
             CYCLES[0] * libm::pow(CYCLES[1] / CYCLES[0], share)
         };
-        let sum: f64 = (0..COUNT).map(|k| 1.0 / cycles(k).sqrt()).sum();
+        let power: f64 = (0..COUNT).map(|k| 0.5 / cycles(k)).sum();
         let mut wave = |k| {
             let cycles = cycles(k);
             Wave {
                 vector: (random.direction() * cycles).to_array(),
                 cycles,
-                amplitude: REACH / cycles.sqrt() / sum,
+                amplitude: RMS / (cycles * power).sqrt(),
                 phase: TAU * random.unit(),
             }
         };
@@ -58,16 +58,22 @@ impl Gratings {
     pub(super) fn colour(&self, direction: [f64; 3], ray: &Ray, moved: f64) -> Rgb {
         let mut light = [0.5; 3];
         for wave in &self.waves {
-            let left = 1.0 - step(0.4, 0.5, wave.cycles as f32 * ray.pixel);
+            let [x, y, z] = wave.vector;
+            let along = x * direction[0] + y * direction[1] + z * direction[2];
+            // A wave that runs away from the eye is long across.
+            let across = (wave.cycles * wave.cycles - along * along).max(0.0).sqrt();
+            let left = 1.0 - step(0.45, 0.5, across as f32 * ray.pixel);
             if left <= 0.0 {
                 continue;
             }
-            let [x, y, z] = wave.vector;
-            let along = x * direction[0] + y * direction[1] + z * direction[2] + moved;
-            for (k, channel) in light.iter_mut().enumerate() {
-                let phase = wave.phase + k as f64 * PI / 3.0;
-                *channel += f64::from(left) * wave.amplitude * libm::cos(TAU * along + phase);
-            }
+            let turn = TAU * (along + moved) + wave.phase;
+            let (sin, cos) = libm::sincos(turn);
+            // Colours are a sixth of a turn apart.
+            let height = f64::from(left) * wave.amplitude;
+            let [half, third] = [0.5, 0.75_f64.sqrt()];
+            light[0] += height * cos;
+            light[1] += height * (half * cos - third * sin);
+            light[2] += height * (-half * cos - third * sin);
         }
         light.map(coded)
     }
@@ -75,6 +81,7 @@ impl Gratings {
 
 /// The sRGB code of linear light; IEC 61966-2-1.
 fn coded(light: f64) -> f32 {
+    let light = light.clamp(0.0, 1.0);
     let code = if light <= 0.003_130_8 {
         12.92 * light
     } else {

@@ -84,19 +84,24 @@ fn trilinear(taken: Taken) -> vec3f {
     return light_at(taken, taken.at, max(0.5 * log2(max(step, 1e-20)), 0.0));
 }
 
-// Catmull-Rom's weights of four texels, by the place between the middle two.
-fn catmull_rom(t: f32) -> vec4f {
-    let outer = vec2f(t * (-0.5 + t * (1.0 - 0.5 * t)), t * t * (-0.5 + 0.5 * t));
-    let inner = vec2f(1.0 + t * t * (-2.5 + 1.5 * t), t * (0.5 + t * (2.0 - 1.5 * t)));
-    return vec4f(outer.x, inner.x, inner.y, outer.y);
+// How far the cubic undershoots: -0.5 would be Catmull and Rom's.
+const UNDERSHOOT: f32 = -0.6;
+
+// Keys' weights of four texels, by the place between the middle two.
+fn keys(t: f32) -> vec4f {
+    let s = 1.0 - t;
+    let outer = UNDERSHOOT * vec2f(t * s * s, s * t * t);
+    let first = 1.0 + t * t * ((UNDERSHOOT + 2.0) * t - (UNDERSHOOT + 3.0));
+    let second = 1.0 + s * s * ((UNDERSHOOT + 2.0) * s - (UNDERSHOOT + 3.0));
+    return vec4f(outer.x, first, second, outer.y);
 }
 
 // Sixteen texels by nine samples, each between the middle two texels or on an outer one.
 fn bicubic(taken: Taken) -> vec3f {
     let texel = floor(taken.at - 0.5) + 0.5;
     let part = taken.at - texel;
-    let wx = catmull_rom(part.x);
-    let wy = catmull_rom(part.y);
+    let wx = keys(part.x);
+    let wy = keys(part.y);
     let x = vec3f(-1.0, wx.z / (wx.y + wx.z), 2.0) + texel.x;
     let y = vec3f(-1.0, wy.z / (wy.y + wy.z), 2.0) + texel.y;
     let weight_x = vec3f(wx.x, wx.y + wx.z, wx.w);

@@ -1,7 +1,7 @@
 //! How much of a picture does a pixel take? Twin of `shaders/shared/filters.wgsl`.
 //!
-//! What a device's own anisotropic filter takes is its own affair: here it is never `by_device`. The
-//! elliptical weighted average is here alone.
+//! What a device's own anisotropic filter takes is its own affair: here it is never `by_device`.
+//! The elliptical weighted average is here alone.
 
 use super::shared::wgsl::mix;
 use crate::image::RgbaImage;
@@ -214,20 +214,21 @@ fn trilinear(source: &TwinSource, taken: &Taken) -> Vec3 {
     light_at(source, taken, taken.at, level)
 }
 
-fn catmull_rom(t: f32) -> Vec4 {
-    let outer = Vec2::new(t * (-0.5 + t * (1.0 - 0.5 * t)), t * t * (-0.5 + 0.5 * t));
-    let inner = Vec2::new(
-        1.0 + t * t * (-2.5 + 1.5 * t),
-        t * (0.5 + t * (2.0 - 1.5 * t)),
-    );
-    Vec4::new(outer.x, inner.x, inner.y, outer.y)
+const UNDERSHOOT: f32 = -0.6;
+
+fn keys(t: f32) -> Vec4 {
+    let s = 1.0 - t;
+    let outer = UNDERSHOOT * Vec2::new(t * s * s, s * t * t);
+    let first = 1.0 + t * t * ((UNDERSHOOT + 2.0) * t - (UNDERSHOOT + 3.0));
+    let second = 1.0 + s * s * ((UNDERSHOOT + 2.0) * s - (UNDERSHOOT + 3.0));
+    Vec4::new(outer.x, first, second, outer.y)
 }
 
 fn bicubic(source: &TwinSource, taken: &Taken) -> Vec3 {
     let texel = (taken.at - 0.5).floor() + 0.5;
     let part = taken.at - texel;
-    let wx = catmull_rom(part.x);
-    let wy = catmull_rom(part.y);
+    let wx = keys(part.x);
+    let wy = keys(part.y);
     let x = Vec3::new(-1.0, wx.z / (wx.y + wx.z), 2.0) + texel.x;
     let y = Vec3::new(-1.0, wy.z / (wy.y + wy.z), 2.0) + texel.y;
     let weight_x = Vec3::new(wx.x, wx.y + wx.z, wx.w);
@@ -297,8 +298,8 @@ fn automatic(source: &TwinSource, taken: &Taken, stretch: Stretch, most: f32) ->
     )
 }
 
-/// What a texel more or less weighs within a pixel's ellipse, in double precision and on the finest
-/// level: the elliptical weighted average of Greene and Heckbert 1986, section 4, and Heckbert 1989,
+/// What a texel more or less weighs within a pixel's ellipse, in double precision and on the
+/// finest level: the elliptical weighted average of Greene and Heckbert 1986, section 4, and Heckbert 1989,
 /// section 3.5, widened by one texel for the source's own pixels. The oracle of all other filters.
 fn ewa(source: &TwinSource, taken: &Taken) -> Vec3 {
     let [ux, vx] = taken.right.as_dvec2().to_array();

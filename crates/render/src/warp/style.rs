@@ -7,7 +7,7 @@ pub enum WarpFilter {
     Bilinear,
     /// As coarse as the longer step from pixel to pixel.
     Trilinear,
-    /// Sixteen texels of the finest level, by Catmull and Rom.
+    /// Sixteen texels of the finest level, by a cubic.
     Bicubic,
     /// At most 16 even samples along the longer step: the device's own filter, where it has a good
     /// one.

@@ -309,7 +309,7 @@ impl PanelsBench {
         if let Some(model) = &self.model {
             let _ = writeln!(
                 text,
-                "by the seed's model {:.2} panels trilinear, {:.2} Feline; by what is sampled {:.0}",
+                "by the seed's model {:.2} panels trilinear, {:.2} Feline; as sampled {:.0}",
                 model.panels_trilinear, model.panels_feline, model.panels_corrected
             );
         }

@@ -44,7 +44,10 @@ impl PanelSource {
     pub(super) fn open(name: &str) -> anyhow::Result<Self> {
         match name {
             "world:valley" => return Ok(Self::World(GeneratedWorld::valley())),
-            "world:gratings" => return Ok(Self::World(GeneratedWorld::gratings(0))),
+            "world:gratings" => {
+                let seed = GeneratedWorld::FRONTAL;
+                return Ok(Self::World(GeneratedWorld::gratings(seed)));
+            }
             _ => {}
         }
         if let Some(world) = name.strip_prefix("world:") {

@@ -2,11 +2,10 @@
 
 use super::placement::{Placement, SourceProjection};
 use super::plane::{least_sigma, upright};
-use super::samples::{PanelSamples, cone};
+use super::samples::{PanelSamples, cone_of};
 use crate::units::Radians;
 use crate::view::axes::{Axes, yaw_pitch_from_direction};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
-use glam::DVec3;
 
 /// How much less must be needed of a source that does not stand upright: people look at it, too.
 const WORTH_TILTING: f64 = 0.9;
@@ -20,8 +19,7 @@ pub(super) fn best_curved(
     projection: SourceProjection,
     aspect: Option<f64>,
 ) -> Option<Placement> {
-    let rays: Vec<DVec3> = all.iter().flat_map(|it| it.rim.iter().copied()).collect();
-    let (axis, _) = cone(&rays);
+    let (axis, _) = cone_of(all);
     let (yaw, _) = yaw_pitch_from_direction(axis);
     let level = Axes::from_yaw_pitch_roll(yaw, Radians(0.0), Radians(0.0));
     let need = |placement: &Placement| {
@@ -76,14 +74,33 @@ fn round(
     if projection != SourceProjection::Fisheye && spans[0][1] - spans[0][0] > TAU - SMALLEST_GAP {
         spans[0] = [-PI, PI];
     }
-    let [[left, right], [up, down]] = spans.map(widened);
-    let window = grown([-left, right, -up, down], aspect);
-    Some(Placement { window, ..open })
+    let [[mut left, mut right], [up, down]] = spans.map(widened);
+    let mut axes = axes;
+    if projection != SourceProjection::Fisheye {
+        let middle = f64::midpoint(left, right);
+        axes = turned(axes, middle);
+        (left, right) = (left - middle, right - middle);
+    }
+    Some(Placement {
+        window: grown([-left, right, -up, down], aspect),
+        axes,
+        ..open
+    })
 }
 
-/// By a ten-millionth: places between those that were tried lie within.
+/// Axes turned to the right about their own down: azimuths count from there on.
+fn turned(axes: Axes, azimuth: f64) -> Axes {
+    let (sin, cos) = (libm::sin(azimuth), libm::cos(azimuth));
+    Axes {
+        forward: axes.forward * cos + axes.right * sin,
+        right: axes.right * cos - axes.forward * sin,
+        down: axes.down,
+    }
+}
+
+/// By a millionth: places between those that were tried lie within.
 fn widened([low, high]: [f64; 2]) -> [f64; 2] {
-    let more = (high - low) * 1e-7;
+    let more = (high - low) * 1e-6;
     [low - more, high + more]
 }
 

@@ -7,7 +7,7 @@ use super::placement::{Placement, SourceProjection};
 use super::plane::{best_plane, least_sigma};
 use super::residual_grid::ResidualGrid;
 use super::rig::Panel;
-use super::samples::{PanelSamples, cone};
+use super::samples::{PanelSamples, cone_of};
 use super::seed::SeedPlane;
 use super::share::seen_share;
 use glam::DVec3;
@@ -17,10 +17,14 @@ pub const WIDEST_PLANE: f64 = 1.134_464_013_796_314_4;
 /// Inner pixels along a side while searching, and to judge by at last.
 const SEARCHED: u32 = 9;
 const JUDGED: u32 = 65;
+/// Minified by less than this nothing is: sizes are whole.
+const EVEN: f64 = 1.01;
 /// Columns of the coarsest grid of residuals, in pixels, and the error that makes it finer.
 const COARSEST: u32 = 32;
 const FINEST: u32 = 4;
 const GRID_ERROR: f64 = 1.0 / 64.0;
+/// Grids of more places get no finer.
+const MANY_NODES: usize = 1 << 18;
 
 /// How the source is placed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -163,9 +167,27 @@ pub fn place(
         PlacementRule::Plane => (best_plane(&all, aspect), "plane"),
         PlacementRule::Cylinder => (curved(SourceProjection::Cylinder), "cylinder"),
         PlacementRule::Equirect => (curved(SourceProjection::Equirect), "equirect"),
-        PlacementRule::Auto => return auto(&all, aspect),
+        PlacementRule::Auto => {
+            let (found, name) = auto(&all, aspect)?;
+            return Ok((round_all(found, &all), name));
+        }
     };
-    Ok((found.ok_or_else(|| beyond(&all, name))?, name))
+    let found = found.ok_or_else(|| beyond(&all, name))?;
+    Ok((round_all(found, &all), name))
+}
+
+/// Round bent panels a source is wider by a millionth: the rim between places that were tried lies
+/// within, too.
+fn round_all(placement: Placement, all: &[PanelSamples<'_>]) -> Placement {
+    if all.iter().all(|it| it.panel.distortion.is_none()) {
+        return placement;
+    }
+    let [width, height] = placement.extent().map(|side| side * 1e-6);
+    let [left, right, up, down] = placement.window;
+    Placement {
+        window: [left + width, right + width, up + height, down + height],
+        ..placement
+    }
 }
 
 fn sampled<'a>(panels: &[&'a Panel], count: u32) -> Result<Vec<PanelSamples<'a>>, FitError> {
@@ -184,10 +206,6 @@ fn sampled<'a>(panels: &[&'a Panel], count: u32) -> Result<Vec<PanelSamples<'a>>
     all.collect()
 }
 
-fn rays(all: &[PanelSamples<'_>]) -> Vec<DVec3> {
-    all.iter().flat_map(|it| it.rim.iter().copied()).collect()
-}
-
 /// Of the seed only corners count where nothing is bent; else all places that are mapped.
 ///
 /// With a free aspect it is as narrow as it can be; the seed has 4:3 throughout.
@@ -196,7 +214,7 @@ fn seed(all: &[PanelSamples<'_>], aspect: Option<f64>) -> Option<Placement> {
     for one in all {
         match one.panel.distortion.is_none() {
             true => places.extend(one.panel.corners()),
-            false => places.extend(one.rim.iter().copied()),
+            false => places.extend(one.outer.iter().copied()),
         }
     }
     Some(SeedPlane::round(&places, aspect)?.placement())
@@ -206,7 +224,7 @@ fn auto(
     all: &[PanelSamples<'_>],
     aspect: Option<f64>,
 ) -> Result<(Placement, &'static str), FitError> {
-    let (_, half) = cone(&rays(all));
+    let (_, half) = cone_of(all);
     if half <= WIDEST_PLANE
         && let Some(plane) = best_plane(all, aspect)
     {
@@ -230,7 +248,7 @@ fn auto(
 /// Names the panel that reaches farthest from the axis that all share.
 fn beyond(all: &[PanelSamples<'_>], placement: &'static str) -> FitError {
     let axis = match placement {
-        "plane" => cone(&rays(all)).0,
+        "plane" => cone_of(all).0,
         _ => DVec3::NEG_Z,
     };
     let least = |one: &PanelSamples<'_>| {
@@ -238,7 +256,7 @@ fn beyond(all: &[PanelSamples<'_>], placement: &'static str) -> FitError {
         depths.fold(f64::INFINITY, f64::min)
     };
     let worst = all.iter().min_by(|a, b| least(a).total_cmp(&least(b)));
-    let (_, half) = cone(&rays(all));
+    let (_, half) = cone_of(all);
     FitError::Beyond {
         panel: worst.map_or_else(String::new, |it| it.panel.id.clone()),
         placement,
@@ -284,7 +302,7 @@ fn panel_fit(one: &PanelSamples<'_>, placement: &Placement, size: [u32; 2]) -> P
         sigma_min,
         sigma_max,
         filter: match () {
-            () if sigma_max <= 1.0 => PanelFilter::Bicubic,
+            () if sigma_max <= EVEN => PanelFilter::Bicubic,
             () if stretched < 1.5 => PanelFilter::Trilinear,
             () => PanelFilter::Anisotropic,
         },
@@ -325,7 +343,7 @@ pub fn drawn_grid(panel: &Panel, channel: usize) -> Option<ResidualGrid> {
     loop {
         let grid = grid_of(panel, channel, cell);
         let error = grid_error(panel, channel, &grid);
-        if cell <= FINEST || error <= GRID_ERROR {
+        if cell <= FINEST || error <= GRID_ERROR || grid.residuals.len() > MANY_NODES {
             return Some(grid);
         }
         cell /= 2;

@@ -5,7 +5,7 @@
 
 use super::hull::{TurnedRectangle, hull, least_rectangle};
 use super::placement::{Placement, SourceProjection};
-use super::samples::{FIRST_STEP, PanelSamples, cone, search};
+use super::samples::{FIRST_STEP, PanelSamples, cone_of, search};
 use crate::units::Radians;
 use crate::view::axes::{Axes, direction_at, yaw_pitch_from_direction};
 use glam::DVec3;
@@ -78,8 +78,8 @@ fn placed(axes: Axes, rectangle: TurnedRectangle) -> Placement {
 /// The plane that needs the fewest pixels, with a source's aspect or a free one; `None` where no
 /// plane has all panels.
 pub(super) fn best_plane(all: &[PanelSamples<'_>], aspect: Option<f64>) -> Option<Placement> {
-    let rays: Vec<DVec3> = all.iter().flat_map(|it| it.rim.iter().copied()).collect();
-    let (axis, _) = cone(&rays);
+    let (axis, _) = cone_of(all);
+    let rays: Vec<DVec3> = all.iter().flat_map(|it| it.outer.iter().copied()).collect();
     let rays = outermost(&rays, axis)?;
     let placement_for = |forward: DVec3| {
         let axes = upright(forward);

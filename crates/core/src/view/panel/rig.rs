@@ -201,8 +201,8 @@ impl Rig {
     }
 }
 
-/// Axes of a panel turned by Strege 2009's matrices `R_roll R_pitch R_yaw` (section 3.2.1): yaw turns
-/// right, and then about the axes of the head pitch turns down and roll turns clockwise.
+/// Axes of a panel turned by Strege 2009's matrices `R_roll R_pitch R_yaw` (section 3.2.1): yaw
+/// turns right, and then about the axes of the head pitch turns down and roll turns clockwise.
 #[must_use]
 pub fn axes_from_seed_angles(roll: f64, pitch: f64, yaw: f64) -> Axes {
     let turn = |angle: f64| (libm::sin(angle), libm::cos(angle));

@@ -13,9 +13,10 @@ const LAST_STEP: f64 = 1.7e-5;
 /// The rays of one panel that placements are judged by.
 pub(super) struct PanelSamples<'a> {
     pub(super) panel: &'a Panel,
-    /// Unit rays round the lit part, corners first where nothing bends: no other place of the panel
-    /// looks outside of them.
+    /// Unit rays round the lit part: no other place of the panel looks outside of them.
     pub(super) rim: Vec<DVec3>,
+    /// The corners where nothing bends, else the whole rim: what is outermost on any plane.
+    pub(super) outer: Vec<DVec3>,
     /// Centres of pixels, evenly over the panel with its outermost ones.
     pub(super) inner: Vec<PanelRay>,
 }
@@ -31,32 +32,72 @@ impl<'a> PanelSamples<'a> {
         };
         let (columns, rows) = (centres(size[0]), centres(size[1]));
         let all = rows.iter().flat_map(|y| columns.iter().map(|x| [*x, *y]));
+        let rim = rim(panel);
+        let outer = match panel.distortion.is_none() {
+            true => panel.corners().map(DVec3::normalize).to_vec(),
+            false => rim.clone(),
+        };
         Self {
             panel,
-            rim: rim(panel),
+            rim,
+            outer,
             inner: all.filter_map(|at| panel.ray_at(at, GREEN)).collect(),
         }
     }
 
-    /// Whether the panel looks in a direction: of a bent one, whether its ideal pixel lies within
-    /// the bent rim.
+    /// Whether a lit place of the panel looks in a direction.
     pub(super) fn sees(&self, direction: DVec3) -> bool {
-        self.panel.view.place(direction).is_some_and(|place| {
-            let size = self.panel.view.size.map(f64::from);
-            [0, 1].iter().all(|&k| (0.0..size[k]).contains(&place[k]))
-        })
+        let Some(ideal) = self.panel.view.place(direction) else {
+            return false;
+        };
+        let seen = match self.panel.distortion.is_none() {
+            true => Some(ideal),
+            false => seen_from_ideal(self.panel, ideal),
+        };
+        let size = self.panel.view.size.map(f64::from);
+        seen.is_some_and(|place| [0, 1].iter().all(|&k| (0.0..size[k]).contains(&place[k])))
     }
 }
 
-/// Places on the border, at every pixel; with a bent panel's inner places, which may look outside
-/// of it where parts are unlit.
+/// The place that is seen where an ideal panel has one, by Newton's method; `None` where there is
+/// none near the panel.
+fn seen_from_ideal(panel: &Panel, ideal: [f64; 2]) -> Option<[f64; 2]> {
+    const MOST_STEPS: u32 = 16;
+    /// Panel pixels.
+    const NEAR_ENOUGH: f64 = 1e-3;
+    let size = panel.view.size.map(f64::from);
+    // Beyond the edge a lens may be anything: no step goes far beyond.
+    let kept = |place: [f64; 2]| [0, 1].map(|k| place[k].clamp(-0.05 * size[k], 1.05 * size[k]));
+    let mut place = kept(ideal);
+    for _ in 0..MOST_STEPS {
+        let bent = panel.distortion.ideal(&panel.view, place, GREEN)?;
+        let [x, y] = [0, 1].map(|k| ideal[k] - bent.place[k]);
+        if x * x + y * y < NEAR_ENOUGH * NEAR_ENOUGH {
+            return Some(place);
+        }
+        let [[a, b], [c, d]] = bent.jacobian;
+        let area = bent.area();
+        place = kept([
+            place[0] + (d * x - b * y) / area,
+            place[1] + (a * y - c * x) / area,
+        ]);
+    }
+    None
+}
+
+/// Places on the border, at every pixel and no fewer than 512 a side; with a bent panel's inner
+/// places, which may look outside of it where parts are unlit.
 fn rim(panel: &Panel) -> Vec<DVec3> {
+    const FEWEST: u32 = 512;
     let [w, h] = panel.view.size;
+    let along = |side: u32| {
+        let count = side.max(FEWEST);
+        (0..=count).map(move |k| f64::from(side) * f64::from(k) / f64::from(count))
+    };
     let [right, bottom] = [w, h].map(f64::from);
-    let corners = [[0.0, 0.0], [right, 0.0], [0.0, bottom], [right, bottom]];
-    let columns = (1..w).map(f64::from).flat_map(|x| [[x, 0.0], [x, bottom]]);
-    let rows = (1..h).map(f64::from).flat_map(|y| [[0.0, y], [right, y]]);
-    let mut places: Vec<[f64; 2]> = corners.into_iter().chain(columns).chain(rows).collect();
+    let columns = along(w).flat_map(|x| [[x, 0.0], [x, bottom]]);
+    let rows = along(h).flat_map(|y| [[0.0, y], [right, y]]);
+    let mut places: Vec<[f64; 2]> = columns.chain(rows).collect();
     if matches!(panel.distortion, Distortion::Grid(_)) {
         let step = |side: u32| (0..=side.div_ceil(8)).map(move |k| (8 * k).min(side));
         places.extend(step(h).flat_map(|y| step(w).map(move |x| [x, y].map(f64::from))));
@@ -65,8 +106,18 @@ fn rim(panel: &Panel) -> Vec<DVec3> {
     rays.map(|found| found.ray.normalize()).collect()
 }
 
+/// The smallest cone round all panels: its axis and half angle in radians. Of bent rims a part of
+/// the rays will do.
+pub(super) fn cone_of(all: &[PanelSamples<'_>]) -> (DVec3, f64) {
+    let rays = all.iter().flat_map(|it| {
+        let step = it.outer.len().div_ceil(256).max(1);
+        it.outer.iter().copied().step_by(step)
+    });
+    cone(&rays.collect::<Vec<_>>())
+}
+
 /// The smallest cone round unit rays: its axis and half angle in radians.
-pub(super) fn cone(rays: &[DVec3]) -> (DVec3, f64) {
+fn cone(rays: &[DVec3]) -> (DVec3, f64) {
     // Towards the farthest ray by ever smaller steps (Badoiu and Clarkson 2003), then exactly.
     let mut centre = rays.iter().sum::<DVec3>();
     centre /= rays.len().max(1) as f64;

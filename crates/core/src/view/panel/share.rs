@@ -7,11 +7,9 @@ use super::rig::Panel;
 use super::samples::PanelSamples;
 
 /// Most columns and rows that are tried of a source.
-const MOST_TRIED: u32 = 2048;
+const MOST_TRIED: u32 = 1024;
 
 /// Share of a source of `size` pixels that some panel sees, by its pixels' centres.
-///
-/// Bent panels count as flat: what they do not see at their rim is not told apart.
 #[must_use]
 pub fn seen_share(panels: &[&Panel], placement: &Placement, size: [u32; 2]) -> f64 {
     let tried = size.map(|side| side.min(MOST_TRIED));

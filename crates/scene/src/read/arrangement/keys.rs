@@ -5,6 +5,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::super::error::Fault;
 use super::super::text::shortened;
+use crate::nearest::{line_number, nearest};
 
 /// What to do about a scene file that is wrong.
 pub(super) const NEXT: &str = "docs/formats/scene.md says what a scene file says";
@@ -47,7 +48,7 @@ impl Keys {
             let name = key.get_ref().as_ref();
             if !self.names.contains(&name) {
                 let line = line_of(text, key.span().start);
-                let nearest = self.names.iter().min_by_key(|it| edits(it, name));
+                let nearest = nearest(self.names.iter().copied(), name);
                 let what = format!("there is no key {:?}", shortened(name));
                 let next = match nearest {
                     Some(nearest) => format!("the nearest is {nearest:?}; {NEXT}"),
@@ -75,25 +76,6 @@ impl Keys {
     }
 }
 
-/// The line of a byte, counted from 1.
 fn line_of(text: &str, byte: usize) -> String {
-    let before = text.as_bytes().iter().take(byte);
-    format!("line {}", before.filter(|it| **it == b'\n').count() + 1)
-}
-
-/// How many letters are to be changed, added or taken away to make one word of another
-/// (Levenshtein 1966); of a long word only the first letters count.
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().take(64).collect();
-    let mut before: Vec<usize> = (0..=b.len()).collect();
-    for (row, letter) in a.chars().enumerate() {
-        let mut now = vec![row + 1];
-        for (column, other) in b.iter().enumerate() {
-            let changed = before[column] + usize::from(letter != *other);
-            let least = changed.min(before[column + 1] + 1).min(now[column] + 1);
-            now.push(least);
-        }
-        before = now;
-    }
-    before[b.len()]
+    format!("line {}", line_number(text, byte))
 }

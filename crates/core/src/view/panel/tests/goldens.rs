@@ -331,69 +331,74 @@ fn turns_of_the_seed_have_their_golden_matrix() {
     assert!(looks(ten, 0.0, 0.0).right.y < -0.17);
 }
 
+/// The Jacobian and most probes; radii and angle; wanted, count and level; step; weights up to the
+/// middle.
+type GoldenProbes<'a> = (
+    ([[f64; 2]; 2], u32),
+    [f64; 3],
+    (f64, u32, f64),
+    [f64; 2],
+    &'a [f64],
+);
+
+const OF_SEVEN: [f64; 4] = [0.070159, 0.131075, 0.190713, 0.216106];
+const OF_FIVE: [f64; 3] = [0.120078, 0.233881, 0.292082];
+/// Square roots of 27 and 3.
+const TURNED: [[f64; 2]; 2] = [[5.196152422706632, -1.0], [3.0, 1.7320508075688772]];
+
+const PROBES: [GoldenProbes<'_>; 6] = [
+    (
+        ([[4.0, 0.0], [0.0, 1.0]], 16),
+        [4.0, 1.0, 0.0],
+        (7.0, 7, 0.0),
+        [1.0, 0.0],
+        &OF_SEVEN,
+    ),
+    (
+        ([[1.0, 0.0], [0.0, 4.0]], 16),
+        [4.0, 1.0, core::f64::consts::FRAC_PI_2],
+        (7.0, 7, 0.0),
+        [0.0, 1.0],
+        &OF_SEVEN,
+    ),
+    (
+        ([[8.0, 0.0], [0.0, 1.0]], 4),
+        [8.0, 3.2, 0.0],
+        (15.0, 4, 1.678072),
+        [3.2, 0.0],
+        &[0.172623, 0.327377],
+    ),
+    (
+        (TURNED, 16),
+        [6.0, 2.0, 0.523599],
+        (5.0, 5, 1.0),
+        [1.732051, 1.0],
+        &OF_FIVE,
+    ),
+    (
+        ([[3.2, 0.4], [0.3, 1.1]], 16),
+        [3.257378, 1.085793, 0.149249],
+        (5.241479, 5, 0.118749),
+        [1.073722, 0.161453],
+        &OF_FIVE,
+    ),
+    (
+        ([[3.401235, 0.0], [0.657321, 1.909335]], 16),
+        [3.490692, 1.860405, 0.269077],
+        (2.752616, 3, 0.895616),
+        [1.571624, 0.433398],
+        &[0.281937, 0.436127],
+    ),
+];
+
 #[test]
 fn probes_of_feline_are_golden() {
-    let of = |ux, uy, vx, vy, most| Probes::of([[ux, uy], [vx, vy]], most, 20.0);
-    let of_seven: [f64; 4] = [0.070159, 0.131075, 0.190713, 0.216106];
-    let of_five: [f64; 3] = [0.120078, 0.233881, 0.292082];
-    let half_pi = core::f64::consts::FRAC_PI_2;
-    // Probes; radii; angle; wanted, count, level; step; weights up to the middle.
-    type GoldenProbes<'a> = (Probes, [f64; 2], f64, (f64, u32, f64), [f64; 2], &'a [f64]);
-    let wanted: [GoldenProbes<'_>; 6] = [
-        (
-            of(4.0, 0.0, 0.0, 1.0, 16),
-            [4.0, 1.0],
-            0.0,
-            (7.0, 7, 0.0),
-            [1.0, 0.0],
-            &of_seven,
-        ),
-        (
-            of(1.0, 0.0, 0.0, 4.0, 16),
-            [4.0, 1.0],
-            half_pi,
-            (7.0, 7, 0.0),
-            [0.0, 1.0],
-            &of_seven,
-        ),
-        (
-            of(8.0, 0.0, 0.0, 1.0, 4),
-            [8.0, 3.2],
-            0.0,
-            (15.0, 4, 1.678072),
-            [3.2, 0.0],
-            &[0.172623, 0.327377],
-        ),
-        (
-            of(27.0_f64.sqrt(), -1.0, 3.0, 3.0_f64.sqrt(), 16),
-            [6.0, 2.0],
-            0.523599,
-            (5.0, 5, 1.0),
-            [1.732051, 1.0],
-            &of_five,
-        ),
-        (
-            of(3.2, 0.4, 0.3, 1.1, 16),
-            [3.257378, 1.085793],
-            0.149249,
-            (5.241479, 5, 0.118749),
-            [1.073722, 0.161453],
-            &of_five,
-        ),
-        (
-            of(3.401235, 0.0, 0.657321, 1.909335, 16),
-            [3.490692, 1.860405],
-            0.269077,
-            (2.752616, 3, 0.895616),
-            [1.571624, 0.433398],
-            &[0.281937, 0.436127],
-        ),
-    ];
-    for (found, radii, angle, (asked, count, level), step, half) in wanted {
-        near(found.major, radii[0], 2e-6);
-        near(found.minor, radii[1], 2e-6);
+    for ((jacobian, most), [major, minor, angle], (wanted, count, level), step, half) in PROBES {
+        let found = Probes::of(jacobian, most, 20.0);
+        near(found.major, major, 2e-6);
+        near(found.minor, minor, 2e-6);
         near(found.angle, angle, 1e-6);
-        near(found.wanted, asked, 2e-6);
+        near(found.wanted, wanted, 2e-6);
         assert_eq!(found.count, count);
         near(found.level, level, 1e-6);
         near(found.step[0], step[0], 2e-6);
@@ -406,7 +411,7 @@ fn probes_of_feline_are_golden() {
             near(weights[weights.len() - 1 - k], *wanted, 1e-6);
         }
     }
-    let one = of(0.5, 0.0, 0.0, 0.4, 16);
+    let one = Probes::of([[0.5, 0.0], [0.0, 0.4]], 16, 20.0);
     assert_eq!((one.major, one.minor, one.count), (1.0, 1.0, 1));
     assert_eq!((one.level, one.weights()), (0.0, vec![1.0]));
     // Beyond the coarsest mip there is one probe in it.

@@ -1,4 +1,5 @@
-//! Do panels look where Strege 2009's and note them do, and is the source placed as well as said?
+//! Do panels look where Strege 2009 and an independent script say, and is the source placed well?
 
 mod goldens;
+mod properties;
 mod sets;

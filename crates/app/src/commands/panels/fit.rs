@@ -1,0 +1,172 @@
+//! Where does the source lie, and how many of its pixels are needed?
+
+use super::rig_args::{RigArgs, source_size};
+use crate::report::output;
+use clap::Args;
+use foveal_core::units::Radians;
+use foveal_core::view::axes::{Axes, yaw_pitch_from_direction};
+use foveal_core::view::panel::fit::SourceFit;
+use foveal_core::view::panel::placement::SourceProjection;
+use foveal_core::view::panel::rig::Panel;
+use foveal_core::view::surface::Eye;
+use serde::Serialize;
+use std::fmt::Write as _;
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct FitArgs {
+    #[command(flatten)]
+    rig: RigArgs,
+    /// Size of the source as 1600x1200, or a picture or video that has it; a free one if not given.
+    #[arg(long, value_name = "WxH|FILE")]
+    source: Option<String>,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is told of a placed source.
+#[derive(Debug, Serialize)]
+pub(super) struct FitReport {
+    placement: &'static str,
+    /// Half the window at distance 1; null of a curved source.
+    tan_x: Option<f64>,
+    tan_y: Option<f64>,
+    /// Where the plane is cut: z of the farthest corner.
+    s_z: Option<f64>,
+    half_width: Option<f64>,
+    half_height: Option<f64>,
+    axis: AxisReport,
+    /// Left, right, up and down of the axis, outward: tangents, or radians.
+    window: [f64; 4],
+    need_megapixels: f64,
+    need: [u32; 2],
+    source: [u32; 2],
+    seen_share: f64,
+    map_error_px: f64,
+    panels: Vec<PanelReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct AxisReport {
+    yaw_deg: f64,
+    pitch_deg: f64,
+    roll_deg: f64,
+}
+
+impl AxisReport {
+    fn of(axes: &Axes) -> Self {
+        let (yaw, pitch) = yaw_pitch_from_direction(axes.forward);
+        let upright = Axes::from_yaw_pitch_roll(yaw, pitch, Radians(0.0));
+        let across = axes.right.dot(upright.right);
+        let roll = axes.right.dot(upright.down).atan2(across);
+        Self {
+            yaw_deg: yaw.to_degrees(),
+            pitch_deg: pitch.to_degrees(),
+            roll_deg: roll.to_degrees(),
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct PanelReport {
+    id: String,
+    eye: &'static str,
+    density: f64,
+    sigma_min: f64,
+    sigma_max: f64,
+    filter: &'static str,
+}
+
+/// The eye that looks at a panel, by name.
+fn eye_name(panel: &Panel) -> &'static str {
+    match (panel.is_for_both, panel.view.eye) {
+        (true, _) => "both",
+        (false, Eye::Left) => "left",
+        (false, Eye::Right) => "right",
+    }
+}
+
+impl FitReport {
+    pub(super) fn of(panels: &[&Panel], found: &SourceFit) -> Self {
+        let placement = &found.placement;
+        let is_plane = placement.projection == SourceProjection::Plane;
+        let [x, y] = placement
+            .extent()
+            .map(|side| is_plane.then_some(side / 2.0));
+        let at_depth = |half: Option<f64>| Some(half? * found.depth?.abs());
+        let rows = panels
+            .iter()
+            .zip(&found.panels)
+            .map(|(panel, row)| PanelReport {
+                id: panel.id.clone(),
+                eye: eye_name(panel),
+                density: row.density,
+                sigma_min: row.sigma_min,
+                sigma_max: row.sigma_max,
+                filter: row.filter.name(),
+            });
+        Self {
+            placement: found.name,
+            tan_x: x,
+            tan_y: y,
+            s_z: found.depth,
+            half_width: at_depth(x),
+            half_height: at_depth(y),
+            axis: AxisReport::of(&placement.axes),
+            window: placement.window,
+            need_megapixels: found.need[0] * found.need[1] / 1e6,
+            need: found.need.map(|side| (side - 1e-6).ceil() as u32),
+            source: found.size,
+            seen_share: found.seen_share,
+            map_error_px: found.map_error,
+            panels: rows.collect(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let AxisReport {
+            yaw_deg,
+            pitch_deg,
+            roll_deg,
+        } = self.axis;
+        let ([nw, nh], [w, h]) = (self.need, self.source);
+        let mut text = format!(
+            "{}: {:.2} megapixels needed, {nw}x{nh}\n\
+             axis {yaw_deg:.2}° right, {pitch_deg:.2}° up, {roll_deg:.2}° clockwise\n",
+            self.placement, self.need_megapixels,
+        );
+        let [left, right, up, down] = self.window;
+        let _ = match self.tan_x {
+            Some(_) => writeln!(
+                text,
+                "tangents {left:.4} left, {right:.4} right, {up:.4} up, {down:.4} down"
+            ),
+            None => {
+                let [left, right] = [left, right].map(f64::to_degrees);
+                writeln!(text, "azimuth {left:.2}° left, {right:.2}° right")
+            }
+        };
+        let _ = writeln!(text, "{:.1} % of it are seen", self.seen_share * 100.0);
+        if self.map_error_px > 0.0 {
+            let _ = writeln!(text, "maps are at most {:.4} pixels off", self.map_error_px);
+        }
+        let _ = writeln!(text, "at {w}x{h}:");
+        for panel in &self.panels {
+            let _ = writeln!(
+                text,
+                "  {:<12} {:<5} density {:.3}, a step is {:.3} to {:.3} pixels: {}",
+                panel.id, panel.eye, panel.density, panel.sigma_min, panel.sigma_max, panel.filter,
+            );
+        }
+        text
+    }
+}
+
+pub(crate) fn run(args: &FitArgs) -> anyhow::Result<()> {
+    let source = args.source.as_deref().map(source_size).transpose()?;
+    let rig = args.rig.read()?;
+    let panels = args.rig.panels(&rig);
+    let found = args.rig.fit(&panels, source)?;
+    let report = FitReport::of(&panels, &found);
+    output::result(args.json, &report, &report.text())
+}

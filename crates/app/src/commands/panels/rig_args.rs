@@ -1,0 +1,105 @@
+//! Which rig, whose eye, which source, and where does that lie?
+
+use crate::options::policy::parse_size;
+use anyhow::Context;
+use clap::{Args, ValueEnum};
+use foveal_core::view::panel::fit::{PlacementRule, SourceFit, fit};
+use foveal_core::view::panel::rig::{Panel, Rig};
+use foveal_core::view::surface::Eye;
+use foveal_media::VideoInput;
+use foveal_scene::rig::read_rig;
+use std::path::{Path, PathBuf};
+
+/// Whose panels are served together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum RigEye {
+    /// Those that the left eye looks at.
+    Left,
+    /// Those that the right eye looks at.
+    Right,
+    /// All, by one source.
+    Both,
+}
+
+impl RigEye {
+    /// The eye, where it is one.
+    pub(crate) fn eye(self) -> Option<Eye> {
+        match self {
+            Self::Left => Some(Eye::Left),
+            Self::Right => Some(Eye::Right),
+            Self::Both => None,
+        }
+    }
+}
+
+/// Where the source lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PlacementName {
+    /// A plane while panels lie within 65° of one axis, else what needs least of the curved ones.
+    Auto,
+    /// Square to the head and centred, as Strege 2009 has it.
+    Seed,
+    /// The plane of which the fewest pixels are needed.
+    Plane,
+    /// A cylinder: columns are azimuths, rows tangents of elevations.
+    Cylinder,
+    /// A sphere: columns are azimuths, rows elevations.
+    Equirect,
+}
+
+impl From<PlacementName> for PlacementRule {
+    fn from(name: PlacementName) -> Self {
+        match name {
+            PlacementName::Auto => Self::Auto,
+            PlacementName::Seed => Self::Seed,
+            PlacementName::Plane => Self::Plane,
+            PlacementName::Cylinder => Self::Cylinder,
+            PlacementName::Equirect => Self::Equirect,
+        }
+    }
+}
+
+/// What every command of a rig is told.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct RigArgs {
+    /// File that describes the panels: TOML or JSON, docs/formats/panels.md.
+    pub(crate) rig: PathBuf,
+    /// Whose panels one source serves.
+    #[arg(long, value_enum, default_value = "left")]
+    pub(crate) eye: RigEye,
+    /// Where the source lies.
+    #[arg(long, value_enum, default_value = "auto")]
+    pub(crate) placement: PlacementName,
+}
+
+impl RigArgs {
+    /// Reads the rig.
+    pub(crate) fn read(&self) -> anyhow::Result<Rig> {
+        Ok(read_rig(&self.rig)?)
+    }
+
+    /// The panels that are asked for.
+    pub(crate) fn panels<'a>(&self, rig: &'a Rig) -> Vec<&'a Panel> {
+        rig.seen_by(self.eye.eye())
+    }
+
+    /// Places a source of a size, or of any, before panels.
+    pub(crate) fn fit(
+        &self,
+        panels: &[&Panel],
+        source: Option<[u32; 2]>,
+    ) -> anyhow::Result<SourceFit> {
+        let found = fit(panels, self.placement.into(), source);
+        found.with_context(|| format!("{}: no source can be placed", self.rig.display()))
+    }
+}
+
+/// Columns and rows of what is written as `WxH`, else of a picture or video file.
+pub(crate) fn source_size(source: &str) -> anyhow::Result<[u32; 2]> {
+    if let Ok(size) = parse_size(source) {
+        return Ok(size);
+    }
+    let input = VideoInput::open(Path::new(source))
+        .with_context(|| format!("--source {source:?}: give a size as 1600x1200, or a file"))?;
+    Ok([input.info().width, input.info().height])
+}
