@@ -299,8 +299,9 @@ fn automatic(source: &TwinSource, taken: &Taken, stretch: Stretch, most: f32) ->
 }
 
 /// What a texel more or less weighs within a pixel's ellipse, in double precision and on the
-/// finest level: the elliptical weighted average of Greene and Heckbert 1986, section 4, and Heckbert 1989,
-/// section 3.5, widened by one texel for the source's own pixels. The oracle of all other filters.
+/// finest level: the elliptical weighted average of Greene and Heckbert 1986, section 4, and
+/// Heckbert 1989, section 3.5, widened by one texel for the source's own pixels. The oracle of all
+/// other filters.
 fn ewa(source: &TwinSource, taken: &Taken) -> Vec3 {
     let [ux, vx] = taken.right.as_dvec2().to_array();
     let [uy, vy] = taken.down.as_dvec2().to_array();
@@ -353,12 +354,6 @@ pub(super) fn filtered(source: &TwinSource, params: &WarpParams, taken: &Taken) 
     light
 }
 
-/// WGSL's `mat2x2f` of a step to the right and one down, for tests.
-#[cfg(test)]
-fn steps(rows: [[f32; 2]; 2]) -> glam::Mat2 {
-    glam::Mat2::from_cols_array_2d(&rows).transpose()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -373,6 +368,10 @@ mod tests {
         let sum: f32 = all.iter().sum();
         all.iter().map(|it| it / sum).collect()
     }
+
+    const WIDE: [[f32; 2]; 2] = [[5.196_152, -1.0], [3.0, 1.732_051]];
+    const FINE: [[f32; 2]; 2] = [[3.2, 0.4], [0.3, 1.1]];
+    const SHEARED: [[f32; 2]; 2] = [[3.401_235, 0.0], [0.657_321, 1.909_335]];
 
     #[test]
     fn feline_takes_the_samples_of_the_paper() {
@@ -402,16 +401,9 @@ mod tests {
                 [3.2, 0.0],
                 0.172_623,
             ),
+            (WIDE, 16.0, 5.0, 1.0, [1.732_051, 1.0], 0.120_078),
             (
-                [[5.196_152, -1.0], [3.0, 1.732_051]],
-                16.0,
-                5.0,
-                1.0,
-                [1.732_051, 1.0],
-                0.120_078,
-            ),
-            (
-                [[3.2, 0.4], [0.3, 1.1]],
+                FINE,
                 16.0,
                 5.0,
                 0.118_749,
@@ -419,7 +411,7 @@ mod tests {
                 0.120_078,
             ),
             (
-                [[3.401_235, 0.0], [0.657_321, 1.909_335]],
+                SHEARED,
                 16.0,
                 3.0,
                 0.895_616,
@@ -429,7 +421,7 @@ mod tests {
             ([[0.5, 0.0], [0.0, 0.4]], 16.0, 1.0, 0.0, [0.0, 0.0], 1.0),
         ];
         for (rows, most, count, level, step, first) in cases {
-            let by = steps(rows);
+            let by = glam::Mat2::from_cols_array_2d(&rows).transpose();
             let probes = probes_of(stretch_of(by.x_axis, by.y_axis), most, 12.0);
             assert_eq!(probes.count, count, "{rows:?}");
             assert!(

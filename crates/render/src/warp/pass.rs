@@ -194,8 +194,8 @@ impl Warper {
 }
 
 /// Whether to leave anisotropic filtering to the device: never to software. Mesa's llvmpipe
-/// (22.3.6) does filter along the longer axis, but from places up to texels away, with a seam along the
-/// diagonal of every quad, and some hundred times slower than by single samples.
+/// (22.3.6) does filter along the longer axis, but from places up to texels away, with a seam along
+/// the diagonal of every quad, and some hundred times slower than by single samples.
 fn filters_along(gpu: &Gpu) -> bool {
     gpu.device.adapter_info().device_type != wgpu::DeviceType::Cpu
 }

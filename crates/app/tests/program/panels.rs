@@ -1,0 +1,180 @@
+//! Does `foveal panels` tell where a source lies before many displays, and refuse what is no rig?
+
+use crate::results::agrees;
+use crate::support::{Folder, done, json, refused};
+use serde_json::Value;
+
+/// A rig that is shipped.
+fn example(name: &str) -> String {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    format!("{root}/examples/panels/{name}.toml")
+}
+
+fn near(value: &Value, wanted: f64, tolerance: f64) {
+    let found = value.as_f64().unwrap();
+    assert!((found - wanted).abs() <= tolerance, "{found}, not {wanted}");
+}
+
+#[test]
+fn a_source_is_placed_as_the_seed_does_and_better() {
+    let three = example("three");
+    let seed = ["--placement", "seed", "--source", "1600x1200"];
+    let fit = json(&[&["panels", "fit", &three], &seed[..]].concat());
+    near(&fit["s_z"], -1.077_261_440_646_962_5, 1e-9);
+    near(&fit["tan_x"], 1.679_364_055_042_270_4, 1e-9);
+    near(&fit["tan_y"], 1.259_523_041_281_703, 1e-9);
+    near(&fit["half_width"], 1.809_114_141_305_561, 1e-9);
+    near(&fit["half_height"], 1.356_835_605_979_170_9, 1e-9);
+    near(&fit["need_megapixels"], 10.21, 0.2);
+    near(&fit["seen_share"], 0.353, 0.003);
+    near(&fit["panels"][0]["density"], 0.644_f64.sqrt(), 1e-3);
+    assert_eq!(fit["placement"], "seed");
+    assert_eq!(fit["map_error_px"], 0.0);
+    let names = |key: &str| -> Vec<&str> {
+        let panels = fit["panels"].as_array().unwrap().iter();
+        panels.map(|it| it[key].as_str().unwrap()).collect()
+    };
+    assert_eq!(names("id"), ["L", "C", "R"]);
+    assert_eq!(names("eye"), ["left"; 3]);
+    let plane = json(&["panels", "fit", &three, "--placement", "plane"]);
+    assert!(
+        plane["need_megapixels"].as_f64().unwrap() <= 4.98,
+        "{plane}"
+    );
+    let round = json(&["panels", "fit", &example("dome-4"), "--eye", "right"]);
+    assert_eq!(round["tan_x"], Value::Null);
+    assert_eq!(round["panels"][0]["eye"], "both");
+    // Both eyes by one source: 6 panels; of a bent one the error of its map.
+    let both = json(&["panels", "fit", &three, "--eye", "both"]);
+    assert_eq!(both["panels"][5]["id"], "R.right");
+    let lens = json(&["panels", "fit", &example("lens")]);
+    let error = lens["map_error_px"].as_f64().unwrap();
+    assert!(error > 0.0 && error < 0.1, "{error}");
+    agrees("panels fit", &[&fit, &plane, &round, &lens]);
+    let text = done(&[&["panels", "fit", &three], &seed[..]].concat()).stdout;
+    assert!(text.contains("megapixels needed"), "{text}");
+}
+
+#[test]
+fn pixels_land_where_the_seed_s_do_and_maps_of_them_are_files() {
+    let folder = Folder::new();
+    let three = example("three");
+    let seed = ["--placement", "seed", "--source", "1600x1200"];
+    let base = [&["panels", "map", &three], &seed[..]].concat();
+    let at = ["--at", "L:0,0", "--at", "R:100,200"];
+    let map = json(&[&base[..], &at].concat());
+    let [first, second] = [0, 1].map(|k| &map["points"][k]);
+    near(&first["u"], 0.850_798, 1e-6);
+    near(&first["v"], 314.077_106, 1e-6);
+    near(&first["du_dx"], 1.700_618, 2e-6);
+    near(&first["sigma_max"], 1.745_346, 2e-6);
+    near(&second["u"], 940.017_456, 1e-6);
+    near(&second["dv_dx"], -0.033_570, 2e-6);
+    let out = folder.name("maps");
+    let write = |format: &str| json(&[&base[..], &["--out", &out, "--format", format]].concat());
+    let pfm = write("pfm");
+    let bytes = std::fs::read(format!("{out}/L.pfm")).unwrap();
+    assert!(bytes.starts_with(b"PF\n800 600\n-1.0\n"));
+    let pixels = &bytes[16..];
+    assert_eq!(pixels.len(), 800 * 600 * 12);
+    let upper_left = &pixels[599 * 800 * 12..];
+    let share = f32::from_le_bytes([upper_left[0], upper_left[1], upper_left[2], upper_left[3]]);
+    assert!((share * 1600.0 - 0.850_798).abs() < 1e-4, "{share}");
+    write("seed");
+    let mut names = folder_names(&out);
+    names.retain(|name| name.starts_with("C."));
+    assert_eq!(
+        names,
+        ["C.derivative.png", "C.fraction.png", "C.pfm", "C.whole.png"]
+    );
+    agrees("panels map", &[&map, &pfm]);
+}
+
+fn folder_names(folder: &str) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let names = entries.map(|it| it.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn the_schema_is_that_of_the_documents() {
+    let text = done(&["panels", "schema"]).stdout;
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../docs/formats/tiled-view.schema.json"
+    );
+    assert_eq!(text, std::fs::read_to_string(path).unwrap());
+    agrees("panels schema", &[&json(&["panels", "schema"])]);
+}
+
+#[test]
+fn what_is_no_rig_or_fits_none_is_refused() {
+    let folder = Folder::new();
+    let rig = |name: &str, lines: &str| {
+        let text = format!(
+            "format = \"tiled-view/1\"\n[[panel]]\nid = \"a\"\neye = \"left\"\npixels = [80, 60]\n\
+             {lines}\n"
+        );
+        folder.holding(name, text.as_bytes())
+    };
+    let fit = |file: &str, code: i32, words: &[&str]| {
+        refused(code, &["panels", "fit", file], words);
+    };
+    let wrong = rig("wrong.toml", "sizes = [1, 1]");
+    fit(
+        &wrong,
+        1,
+        &["wrong.toml", "line 6", "\"size\"", "docs/formats/panels.md"],
+    );
+    fit(
+        &rig("nan.toml", "size = [nan, 1]"),
+        1,
+        &["nan.toml", "line 6, panel[1].size"],
+    );
+    fit(
+        &folder.name("none.toml"),
+        1,
+        &["none.toml", "cannot be read"],
+    );
+    fit(
+        &folder.holding("a.txt", b""),
+        1,
+        &["a.txt", ".toml or .json"],
+    );
+    fit(
+        &folder.holding("a.json", b"{\"format\": 3}"),
+        1,
+        &["a.json", "line 1, format"],
+    );
+    let far = rig(
+        "far.toml",
+        "size = [1, 1]\npose = { order = \"seed002\", yaw = 80 }",
+    );
+    let seed = ["panels", "fit", &far, "--placement", "seed"];
+    refused(1, &seed, &["far.toml", "panel a", "--placement plane"]);
+    refused(
+        1,
+        &["panels", "fit", &far, "--eye", "right"],
+        &["far.toml", "--eye"],
+    );
+    refused(
+        1,
+        &["panels", "fit", &far, "--source", "0x5"],
+        &["--source"],
+    );
+    refused(2, &["panels", "map", &far], &["--at"]);
+    refused(
+        2,
+        &["panels", "map", &far, "--at", "b:0,0"],
+        &["--at b", "one of a"],
+    );
+    refused(2, &["panels", "map", &far, "--at", "a:80,0"], &["80 x 60"]);
+    refused(2, &["panels", "map", &far, "--at", "a:-1,0"], &["--at"]);
+    refused(
+        2,
+        &["panels", "map", &far, "--out", &folder.name("x")],
+        &["--format"],
+    );
+}
