@@ -12,9 +12,9 @@ use foveal_core::view::panel::placement::Placement;
 use foveal_core::view::panel::rig::Panel;
 use glam::DVec3;
 
-/// Pixels of the panorama whose finest detail the valley has: about that of a display of 16 pixels
-/// a degree.
-const VALLEY: [u32; 2] = [5600, 2800];
+/// Pixels of the panorama whose finest rings the valley has: those of a source of 8 pixels a
+/// degree, so that one of few megapixels can hold them.
+const VALLEY: [u32; 2] = [2880, 1440];
 
 /// Cycles of every wave a second.
 const WAVE_SPEED: f64 = 0.5;
@@ -146,7 +146,8 @@ impl GeneratedWorld {
     }
 }
 
-/// The direction of a place and its ray, as wide as the longer step to a neighbour.
+/// The direction of a place and its ray, as wide as the mean of its steps to the right and down: a
+/// source before oblique panels has pixels that are much longer than wide.
 fn looked(looking: &Looking<'_>, place: [f64; 2], channel: usize) -> Option<(DVec3, Ray)> {
     let at = |x: f64, y: f64| Some(looking([place[0] + x, place[1] + y], channel)?.normalize());
     let direction = at(0.0, 0.0)?;
@@ -156,7 +157,7 @@ fn looked(looking: &Looking<'_>, place: [f64; 2], channel: usize) -> Option<(DVe
         direction: [x, y, z],
         yaw: libm::atan2f(x, -z),
         pitch: libm::asinf(y.clamp(-1.0, 1.0)),
-        pixel: step(0.5, 0.0).max(step(0.0, 0.5)) as f32,
+        pixel: (step(0.5, 0.0) * step(0.0, 0.5)).sqrt() as f32,
     };
     Some((direction, ray))
 }
