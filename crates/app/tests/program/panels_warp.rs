@@ -49,7 +49,7 @@ fn three_panels_look_as_drawn_directly_where_the_source_has_as_many_pixels_as_ar
     for panel in result["panels"].as_array().unwrap() {
         assert!(panel["jod"].as_f64().unwrap() > 9.5, "{panel}");
         assert!(panel["ssim"].as_f64().unwrap() > 0.99, "{panel}");
-        assert!(panel["flip"].as_f64().unwrap() < 0.02, "{panel}");
+        assert!(panel["flip"].as_f64().unwrap() < 0.05, "{panel}");
     }
     let atlas = Rgb::read(&format!("{out}/atlas.png"));
     assert_eq!(atlas.size, [2400, 600]);
