@@ -5,9 +5,11 @@
 //! Both are the same on every machine, 8-bit BT.709 of limited range, chroma between luma samples.
 
 mod colour;
+mod gratings;
 mod numbered;
 mod objects;
 mod pan;
+mod placed;
 mod ray;
 mod text;
 mod texture;
@@ -23,6 +25,7 @@ use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::CUBE_FACES;
 pub use numbered::{numbered_tiles, read_number};
 pub use pan::Pan;
+pub use placed::{DrawnRgb, GeneratedWorld};
 use ray::Ray;
 use std::f32::consts::{PI, TAU};
 pub use turn::Turn;

@@ -21,6 +21,7 @@ pub mod points;
 pub mod shaders;
 mod tiles;
 pub mod twin;
+pub mod warp;
 
 pub use crate::gpu::device::Gpu;
 pub use crate::gpu::readback::ReadBack;

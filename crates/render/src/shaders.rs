@@ -37,6 +37,9 @@ const HALVE: &str = include_str!("../shaders/halve.wgsl");
 const CONTRAST: &str = include_str!("../shaders/contrast.wgsl");
 const SEEN: &str = include_str!("../shaders/seen.wgsl");
 const GAIN: &str = include_str!("../shaders/gain.wgsl");
+const FILTERS: &str = include_str!("../shaders/shared/filters.wgsl");
+const WARP: &str = include_str!("../shaders/warp.wgsl");
+const REDUCE_SOURCE: &str = include_str!("../shaders/reduce_source.wgsl");
 const ACCUMULATE: &str = include_str!("../shaders/accumulate.wgsl");
 
 /// A shader's text and its entries.
@@ -123,6 +126,26 @@ pub fn blur_radial() -> Shader {
         name: "blur_radial",
         steps: &[["cover", "blur_radial"]],
         text: [COVER, BLUR_RADIAL].join("\n"),
+    }
+}
+
+/// The pass that fills the panels of an atlas from one source.
+#[must_use]
+pub fn warp() -> Shader {
+    Shader {
+        name: "warp",
+        steps: &[["place_panel", "warp"]],
+        text: [FILTERS, WARP].join("\n"),
+    }
+}
+
+/// The pass that makes a coarser level of a source.
+#[must_use]
+pub fn reduce_source() -> Shader {
+    Shader {
+        name: "reduce_source",
+        steps: &[["cover", "reduce_source"]],
+        text: [COVER, REDUCE_SOURCE].join("\n"),
     }
 }
 

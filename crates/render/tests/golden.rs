@@ -6,11 +6,17 @@
 
 mod common;
 
+use common::panels::{curved, painted, plan_of, seed_plane, three};
 use common::torus::{self, coming, coming_root, from_above};
 use common::*;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::panel::distortion::Distortion;
+use foveal_core::view::panel::lens::Bulge;
+use foveal_core::view::panel::placement::{Placement, SourceProjection};
+use foveal_core::view::panel::rig::{Panel, Scanout};
 use foveal_core::view::surface::{Eye, Surface};
+use foveal_render::warp::{SourceTexture, WarpFilter, WarpStyle, Warper};
 use foveal_render::{Gpu, Overlay, RgbaImage, SceneLayer, SceneStyle};
 use std::path::Path;
 
@@ -202,4 +208,45 @@ fn a_torus_of_meshes_refined_in_part() {
     let plain = layer.picture(&view, &SceneStyle::default()).unwrap();
     assert_picture("meshes", &plain);
     assert_picture("meshes_levels", &layer.picture(&view, &tinted).unwrap());
+}
+
+/// Panels filled from crisp content.
+fn assert_filled(name: &str, panels: &[Panel], placement: &Placement, style: &WarpStyle) {
+    let gpu = Gpu::open_blocking().unwrap();
+    let picture = painted([400, 300], |x, y| {
+        let [luma, u, v] = detail(x / 60.0 - 3.3, y / 60.0 - 2.5, 0.0);
+        [
+            luma,
+            (luma + u - 128.0).clamp(0.0, 255.0),
+            (luma + v - 128.0).clamp(0.0, 255.0),
+        ]
+    });
+    let plan = plan_of(panels, placement, picture.size);
+    let warper = Warper::new(&gpu);
+    let source = SourceTexture::new(&gpu, picture.size, true).unwrap();
+    source.write(&gpu, &picture).unwrap();
+    let loaded = warper.load(&plan).unwrap();
+    let drawn = warper.read(&loaded, &source, style).wait(&gpu).unwrap();
+    assert_picture(name, &drawn);
+}
+
+#[test]
+fn three_panels_filled_from_a_plane() {
+    let auto = WarpStyle::default();
+    assert_filled("warp_three", &three([60, 45]), &seed_plane(), &auto);
+    let painted = WarpStyle {
+        filter: WarpFilter::Feline,
+        paints: true,
+    };
+    assert_filled("warp_painted", &three([60, 45]), &seed_plane(), &painted);
+}
+
+#[test]
+fn turned_panels_with_optics_that_fade_filled_from_a_curved_source() {
+    let mut panels = three([60, 45]);
+    panels[0].scanout = Scanout::Rot90;
+    panels[1].distortion = Distortion::Bulge(Bulge { height: 0.3 });
+    panels.iter_mut().for_each(|it| it.blend = 0.2);
+    let curved = curved(SourceProjection::Equirect);
+    assert_filled("warp_faded", &panels, &curved, &WarpStyle::default());
 }

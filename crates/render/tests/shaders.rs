@@ -9,8 +9,10 @@ use foveal_render::params::{BlurParams, Overlay, SparseParams, TileParams, ViewP
 use foveal_render::points::params::{CloudViewParams, CubeParams};
 use foveal_render::shaders::{
     Shader, blur_halve, blur_radial, cull_clusters, draw_clusters, draw_points, footprints,
-    importance, interpolate_sparse, overlay, reconstruct, reconstruct_textures,
+    importance, interpolate_sparse, overlay, reconstruct, reconstruct_textures, reduce_source,
+    warp,
 };
+use foveal_render::warp::params::{BlendParams, PanelParams, WarpParams};
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Module, TypeInner};
@@ -143,6 +145,59 @@ fn the_passes_of_meshes_are_valid_with_no_capability_that_a_browser_lacks() {
             ]
         );
     }
+}
+
+#[test]
+fn the_passes_that_fill_panels_are_valid_with_no_capability_that_a_browser_lacks() {
+    for shader in [warp(), reduce_source()] {
+        let module = parsed(&shader);
+        Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{}: {e:?}", shader.name));
+        assert!(!shader.text.contains("enable "), "{}", shader.name);
+    }
+    let module = parsed(&warp());
+    assert_eq!(size_of::<PanelParams>(), 128);
+    same_layout!(
+        module,
+        "Panel",
+        PanelParams,
+        [
+            right, projection, down, black, corner, blend, origin, size, scale, offset, low, high,
+            gain, grid, cell, channels, unused
+        ]
+    );
+    same_layout!(
+        module,
+        "Blend",
+        BlendParams,
+        [
+            right,
+            sharpness,
+            down,
+            first,
+            corner,
+            count,
+            edges,
+            most,
+            unused,
+            unused_pair
+        ]
+    );
+    same_layout!(
+        module,
+        "Warp",
+        WarpParams,
+        [
+            atlas,
+            filter_by,
+            last,
+            most_probes,
+            paints,
+            by_device,
+            unused
+        ]
+    );
 }
 
 #[test]

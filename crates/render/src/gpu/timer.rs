@@ -53,6 +53,15 @@ impl Timer {
         }
     }
 
+    /// The same of a pass that draws.
+    pub(crate) fn around_drawing(&self) -> wgpu::RenderPassTimestampWrites<'_> {
+        wgpu::RenderPassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: Some(0),
+            end_of_pass_write_index: Some(1),
+        }
+    }
+
     /// Records the copy of both stamps, [`Self::BYTES`] bytes, to the byte `at` of `to`.
     pub fn copy(&self, encoder: &mut wgpu::CommandEncoder, to: &wgpu::Buffer, at: u64) {
         encoder.resolve_query_set(&self.queries, 0..2, &self.resolved, 0);

@@ -9,15 +9,19 @@ mod blur_radial;
 mod cull_clusters;
 mod draw_clusters;
 mod draw_points;
+mod filters;
 mod footprints;
 mod interpolate_sparse;
 mod overlay;
 mod reconstruct_cube;
 mod reconstruct_plane;
 mod reconstruct_textures;
+mod reduce_source;
 mod scene;
 mod shared;
+mod warp;
 
+pub use filters::TwinSource;
 pub use interpolate_sparse::TwinSamples;
 pub use scene::TwinScene;
 pub use shared::tiles::TwinTiles;
@@ -25,6 +29,8 @@ pub use shared::tiles::TwinTiles;
 use crate::blur::{FirstHalf, RadialBlur, half, halvings};
 use crate::image::RgbaImage;
 use crate::params::{BlurParams, Overlay, ViewParams};
+use crate::warp::params::WarpParams;
+use crate::warp::{WarpPlan, WarpStyle};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Projection;
 use glam::{Mat3, Vec2, Vec3, Vec4};
@@ -125,6 +131,45 @@ pub fn marked(
         let blended = drawn.truncate() * drawn.w + Vec3::new(r, g, b) * (1.0 - drawn.w);
         image.set_pixel(at, code(blended.extend(a)));
     });
+    image
+}
+
+/// All panels of a plan, filled from a source.
+#[must_use]
+pub fn warp(source: &TwinSource, plan: &WarpPlan, style: &WarpStyle) -> RgbaImage {
+    let params = WarpParams::new(plan.atlas, source.levels(), style);
+    filled(source, plan, &params)
+}
+
+/// The same by the elliptical weighted average of the finest level, in double precision: slow, and
+/// what all filters are judged by.
+#[must_use]
+pub fn warp_by_ewa(source: &TwinSource, plan: &WarpPlan) -> RgbaImage {
+    let params = WarpParams {
+        filter_by: filters::EWA,
+        ..WarpParams::new(plan.atlas, source.levels(), &WarpStyle::default())
+    };
+    filled(source, plan, &params)
+}
+
+/// Where in the source the pixel of a panel looks, by the record that the pass reads; `None` where
+/// it is black. Pixels are those that are sent, with centres at +0.5.
+#[must_use]
+pub fn warped_place(plan: &WarpPlan, panel: usize, pixel: [f32; 2]) -> Option<[f32; 2]> {
+    let taken = warp::taken_by(plan, panel, pixel.into(), 0)?;
+    Some(taken.at.to_array())
+}
+
+fn filled(source: &TwinSource, plan: &WarpPlan, params: &WarpParams) -> RgbaImage {
+    let mut image = RgbaImage::black(plan.atlas);
+    for (index, panel) in plan.panels.iter().enumerate() {
+        for_every_pixel(panel.size, |at, position| {
+            let at = [0, 1].map(|k| at[k] + panel.origin[k]);
+            let position = position + Vec2::from(panel.origin.map(|k| k as f32));
+            let light = warp::warp((source, plan, params), index, position);
+            image.set_pixel(at, filters::srgb_code(light));
+        });
+    }
     image
 }
 

@@ -3,6 +3,7 @@
 
 pub mod ball;
 pub mod levels;
+pub mod panels;
 pub mod plate;
 pub mod torus;
 

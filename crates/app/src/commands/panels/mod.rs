@@ -1,9 +1,16 @@
 //! Which of the `foveal panels` commands runs?
 
+mod bench;
+mod comparing;
 mod fit;
 mod map;
+mod pattern;
 mod rig_args;
 mod schema;
+mod sent;
+mod warp;
+mod warp_device;
+mod warp_source;
 
 use clap::Subcommand;
 
@@ -13,6 +20,12 @@ pub(crate) enum Panels {
     Fit(fit::FitArgs),
     /// Where pixels of panels land in the source.
     Map(map::MapArgs),
+    /// Fill all panels from one source.
+    Warp(warp::WarpArgs),
+    /// What it costs to fill any number of panels.
+    Bench(bench::PanelsBenchArgs),
+    /// Pictures to line up panels by.
+    Pattern(pattern::PatternArgs),
     /// The JSON Schema of rig files.
     Schema(schema::SchemaArgs),
 }
@@ -21,6 +34,9 @@ pub(crate) fn run(command: &Panels) -> anyhow::Result<()> {
     match command {
         Panels::Fit(args) => fit::run(args),
         Panels::Map(args) => map::run(args),
+        Panels::Warp(args) => warp::run(args),
+        Panels::Bench(args) => bench::run(args),
+        Panels::Pattern(args) => pattern::run(args),
         Panels::Schema(args) => schema::run(args),
     }
 }

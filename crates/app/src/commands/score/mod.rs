@@ -21,7 +21,7 @@ pub(crate) use engine::{Companions, Engine};
 use foveal_eval::score::Display;
 pub(crate) use pack_frames::{LastGaze, display_of_view, picture_of};
 use pair::Judged;
-pub(crate) use picture::{from_image, read_picture};
+pub(crate) use picture::{check_source, from_image, is_png, read_picture};
 pub(crate) use report::{ScoreConditions, ScoreReport};
 
 pub(crate) fn run(args: &ScoreArgs) -> anyhow::Result<()> {

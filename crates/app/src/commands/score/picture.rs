@@ -31,7 +31,7 @@ pub(crate) fn read_picture(path: &Path) -> anyhow::Result<ScorePicture> {
 }
 
 /// Refuses what FFmpeg would bring to 8-bit codes as what it is not.
-pub(super) fn check_source(path: &Path, about: &SourceInfo) -> anyhow::Result<()> {
+pub(crate) fn check_source(path: &Path, about: &SourceInfo) -> anyhow::Result<()> {
     let (name, format) = (path.display(), &about.pixel_format);
     if is_floating(format) {
         bail!(
@@ -56,7 +56,7 @@ fn is_floating(format: &str) -> bool {
 }
 
 /// Whether a file is PNG by its first bytes.
-pub(super) fn is_png(path: &Path) -> bool {
+pub(crate) fn is_png(path: &Path) -> bool {
     let mut head = [0; PNG_HEAD.len()];
     let read = File::open(path).and_then(|mut file| file.read_exact(&mut head));
     read.is_ok() && head == PNG_HEAD

@@ -116,7 +116,8 @@ impl Placement {
 
     /// Where the eye's ray meets the source, from the head's middle: a plane at distance 1 along
     /// the axis, or a sphere of radius 1; with its change.
-    fn met(&self, ray: DVec3) -> Option<(DVec3, DMat3)> {
+    #[must_use]
+    pub fn met(&self, ray: DVec3) -> Option<(DVec3, DMat3)> {
         let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
         let eye = self.eye;
         if self.projection == SourceProjection::Plane {

@@ -1,0 +1,117 @@
+//! What draws panels: a GPU, or the twin of its pass?
+
+use crate::commands::panels::warp::FilterName;
+use crate::options::renderer::{RendererName, open_device};
+use crate::report::output::{WrongUsage, say};
+use anyhow::bail;
+use foveal_render::twin::{self, TwinSource};
+use foveal_render::warp::{LoadedPlan, SourceTexture, WarpFilter, WarpPlan, WarpStyle, Warper};
+use foveal_render::{DrawDevice, Gpu, RgbaImage};
+
+/// What draws a plan, frame after frame.
+pub(super) enum WarpDevice {
+    Gpu(Box<OnGpu>),
+    /// The twin draws; whether by the elliptical weighted average.
+    Twin {
+        plan: WarpPlan,
+        style: WarpStyle,
+        by_ewa: bool,
+    },
+}
+
+pub(super) struct OnGpu {
+    gpu: Gpu,
+    warper: Warper,
+    plan: LoadedPlan,
+    source: SourceTexture,
+    style: WarpStyle,
+}
+
+impl WarpDevice {
+    /// A device for a plan and sources of `size`.
+    pub(super) fn open(
+        renderer: RendererName,
+        plan: WarpPlan,
+        size: [u32; 2],
+        (filter, paints): (FilterName, bool),
+    ) -> anyhow::Result<Self> {
+        let by_ewa = filter == FilterName::Ewa;
+        let style = WarpStyle {
+            filter: filter.of_pass().unwrap_or_default(),
+            paints,
+        };
+        if by_ewa {
+            say("ewa is drawn on the CPU: it is what the other filters are judged by, and slow");
+            return Ok(Self::Twin {
+                plan,
+                style,
+                by_ewa,
+            });
+        }
+        Ok(match open_device(renderer)? {
+            DrawDevice::Gpu(gpu) => {
+                let warper = Warper::new(&gpu);
+                let needs_levels = style.filter.reads_levels();
+                Self::Gpu(Box::new(OnGpu {
+                    plan: warper.load(&plan)?,
+                    source: SourceTexture::new(&gpu, size, needs_levels)?,
+                    warper,
+                    gpu,
+                    style,
+                }))
+            }
+            DrawDevice::Twin => Self::Twin {
+                plan,
+                style,
+                by_ewa,
+            },
+            DrawDevice::Nothing => bail!(WrongUsage(
+                "--renderer none: panels are drawn here; give gpu or cpu".to_owned()
+            )),
+        })
+    }
+
+    /// The atlas, filled from a picture.
+    pub(super) fn fill(&self, picture: &RgbaImage) -> anyhow::Result<RgbaImage> {
+        match self {
+            Self::Gpu(it) => {
+                it.source.write(&it.gpu, picture)?;
+                let read = it.warper.read(&it.plan, &it.source, &it.style);
+                Ok(read.wait(&it.gpu)?)
+            }
+            Self::Twin {
+                plan,
+                style,
+                by_ewa,
+            } => {
+                let source = TwinSource::new(picture, style.filter.reads_levels() && !by_ewa);
+                Ok(match by_ewa {
+                    true => twin::warp_by_ewa(&source, plan),
+                    false => twin::warp(&source, plan, style),
+                })
+            }
+        }
+    }
+
+    pub(super) fn name(&self) -> &str {
+        match self {
+            Self::Gpu(it) => it.gpu.adapter_name(),
+            Self::Twin { .. } => "the CPU twin",
+        }
+    }
+}
+
+impl FilterName {
+    /// The pass's own; of the elliptical weighted average there is none.
+    pub(super) fn of_pass(self) -> Option<WarpFilter> {
+        Some(match self {
+            Self::Auto => WarpFilter::Auto,
+            Self::Bilinear => WarpFilter::Bilinear,
+            Self::Trilinear => WarpFilter::Trilinear,
+            Self::Bicubic => WarpFilter::Bicubic,
+            Self::Anisotropic => WarpFilter::Anisotropic,
+            Self::Feline => WarpFilter::Feline,
+            Self::Ewa => return None,
+        })
+    }
+}

@@ -1,0 +1,195 @@
+//! Are panels filled from one source as they would be drawn, and sent where they belong?
+
+use crate::support::{Folder, Rgb, json, refused};
+use serde_json::Value;
+
+fn rig(name: &str) -> String {
+    format!(
+        "{}/../../examples/panels/{name}.toml",
+        env!("CARGO_MANIFEST_DIR")
+    )
+}
+
+fn warp(rig: &str, source: &str, out: &str, more: &[&str]) -> Value {
+    let mut arguments = vec!["panels", "warp", rig, source, "--out", out];
+    arguments.extend(more);
+    json(&arguments)
+}
+
+/// Decibels of the panels that were compared, by their ids.
+fn decibels(result: &Value) -> Vec<(String, f64)> {
+    let panels = result["panels"].as_array().unwrap().iter();
+    panels
+        .map(|it| {
+            (
+                it["id"].as_str().unwrap().to_owned(),
+                it["psnr_db"].as_f64().unwrap(),
+            )
+        })
+        .collect()
+}
+
+/// Over all panels together.
+fn mean(all: &[(String, f64)]) -> f64 {
+    let errors = all.iter().map(|(_, db)| 10.0_f64.powf(-db / 10.0));
+    -10.0 * (errors.sum::<f64>() / all.len() as f64).log10()
+}
+
+#[test]
+fn three_panels_look_as_drawn_directly_where_the_source_has_as_many_pixels_as_are_needed() {
+    let folder = Folder::new();
+    let out = folder.name("three");
+    let result = warp(&rig("three"), "world:gratings", &out, &["--compare"]);
+    println!("{result:#}");
+    assert_eq!(result["frames"], 1);
+    assert_eq!(result["placement"], "plane");
+    for (id, db) in decibels(&result) {
+        assert!(db >= 48.0, "{id}: {db} dB");
+    }
+    for panel in result["panels"].as_array().unwrap() {
+        assert!(panel["jod"].as_f64().unwrap() > 9.5, "{panel}");
+        assert!(panel["ssim"].as_f64().unwrap() > 0.99, "{panel}");
+        assert!(panel["flip"].as_f64().unwrap() < 0.05, "{panel}");
+    }
+    let atlas = Rgb::read(&format!("{out}/atlas.png"));
+    assert_eq!(atlas.size, [2400, 600]);
+    assert_eq!(Rgb::read(&format!("{out}/C.png")).size, [800, 600]);
+    assert_eq!(Rgb::read(&format!("{out}/compare/C.png")).size, [1600, 600]);
+}
+
+#[test]
+fn a_magnified_panel_gains_six_db_by_cubics() {
+    let folder = Folder::new();
+    let db = |filter: &str| {
+        let more = ["--compare", "--source", "1600x1200", "--filter", filter];
+        let result = warp(&rig("three"), "world:gratings", &folder.name(filter), &more);
+        let all = decibels(&result);
+        all.iter().find(|(id, _)| id == "C").unwrap().1
+    };
+    let [auto, bilinear] = ["auto", "bilinear"].map(db);
+    println!("auto {auto:.2} dB, bilinear {bilinear:.2} dB");
+    assert!(auto >= bilinear + 6.0, "{auto} {bilinear}");
+}
+
+#[test]
+fn a_plane_that_is_turned_to_twelve_panels_beats_that_of_the_seed() {
+    let folder = Folder::new();
+    for (world, least) in [("world:gratings", 10.0), ("world:valley", 6.0)] {
+        let db = |placement: &str| {
+            let more = [
+                "--compare",
+                "--source",
+                "1920x1440",
+                "--placement",
+                placement,
+            ];
+            mean(&decibels(&warp(
+                &rig("twelve"),
+                world,
+                &folder.name(placement),
+                &more,
+            )))
+        };
+        let [plane, seed] = ["plane", "seed"].map(db);
+        println!("{world}: plane {plane:.2} dB, seed {seed:.2} dB");
+        assert!(plane >= seed + least, "{world}: {plane} {seed}");
+    }
+}
+
+#[test]
+fn maps_of_the_seed_give_the_picture_of_the_matrices() {
+    let folder = Folder::new();
+    let of = |name: &str, more: &[&str]| {
+        let mut all = vec![
+            "--filter",
+            "bilinear",
+            "--placement",
+            "seed",
+            "--source",
+            "800x600",
+        ];
+        all.extend(more);
+        warp(&rig("three"), "world:gratings", &folder.name(name), &all);
+        Rgb::read(&folder.name(&format!("{name}/atlas.png")))
+    };
+    let (maps, matrices) = (of("maps", &["--mode", "seed"]), of("matrices", &[]));
+    let apart = maps.pixels.iter().zip(&matrices.pixels);
+    let apart = apart.map(|(a, b)| a.abs_diff(*b));
+    assert!(apart.max() <= Some(1));
+}
+
+#[test]
+fn worlds_move_and_patterns_are_pictures_that_panels_show() {
+    let folder = Folder::new();
+    let out = folder.name("moving");
+    let more = ["--frames", "2", "--source", "320x240", "--eye", "both"];
+    let result = warp(&rig("three"), "world:valley", &out, &more);
+    assert_eq!(result["frames"], 2);
+    let frame = |n: u32| Rgb::read(&format!("{out}/L.right/frame_0000{n}.png"));
+    assert_ne!(frame(0).pixels, frame(1).pixels);
+    for name in ["grid", "white", "numbers"] {
+        let file = folder.name(&format!("{name}.png"));
+        let made = [
+            "panels", "pattern", name, "--size", "640x480", "--out", &file,
+        ];
+        assert_eq!(json(&made)["size"][0], 640);
+        let result = warp(
+            &rig("three"),
+            &file,
+            &folder.name(name),
+            &["--show-anisotropy"],
+        );
+        assert!(result["multi_probe_share"].as_f64().is_some());
+        assert!(folder.join(name).join("R.png").exists());
+    }
+}
+
+#[test]
+fn the_model_of_the_seed_says_its_numbers() {
+    let all = [
+        "panels",
+        "bench",
+        &rig("three"),
+        "--panels",
+        "3",
+        "--runs",
+        "1",
+        "--model",
+        "seed",
+    ];
+    let result = json(&all);
+    assert!((result["panels_trilinear"].as_f64().unwrap() - 38.194).abs() < 1e-3);
+    assert!((result["panels_feline"].as_f64().unwrap() - 28.646).abs() < 1e-3);
+    assert_eq!(result["rows"].as_array().unwrap().len(), 3);
+    assert!(result["rows"][0]["map_mib"].as_f64().unwrap() <= 3.0 * 128.0 / 1048576.0);
+}
+
+#[test]
+fn what_cannot_be_warped_is_refused_in_words() {
+    let folder = Folder::new();
+    let out = folder.name("out");
+    let three = rig("three");
+    let white = folder.name("white.png");
+    json(&[
+        "panels", "pattern", "white", "--size", "64x48", "--out", &white,
+    ]);
+    let refuse = |source: &str, more: &[&str], words: &str| {
+        let mut all = vec!["panels", "warp", &three, source, "--out", &out];
+        all.extend(more);
+        refused(2, &all, &[words]);
+    };
+    refuse("world:moon", &[], "world:valley or world:gratings");
+    refuse(&white, &["--compare"], "cannot be drawn directly");
+    refuse(&white, &["--source", "10x10"], "has its own size, 64x48");
+    refuse("world:valley", &["--stereo", "sbs"], "leave it out");
+    refuse("world:valley", &["--distance", "0"], "0.05 to 1000000");
+    refuse(
+        "world:valley",
+        &["--compare", "--show-anisotropy"],
+        "paints over",
+    );
+    let size = [
+        "panels", "pattern", "grid", "--size", "99999x4", "--out", &white,
+    ];
+    refused(2, &size, &["16384"]);
+}

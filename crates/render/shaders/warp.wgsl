@@ -1,0 +1,279 @@
+// Which light does a pixel of a panel send, that all panels together show one source?
+//
+// One quad a panel in an atlas. A panel's matrix knows its place in the source and how the panel
+// is scanned out, so pixels here are those that are sent. See shared/filters.wgsl.
+
+// Pixels from which on a residual says that nothing is lit.
+const UNLIT: f32 = 1e8;
+
+struct Panel {
+    // Columns of the matrix that turns (column, row, 1) into a ray of the source: right, down,
+    // forward.
+    right: vec3f,
+    projection: u32,
+    down: vec3f,
+    // Light that is sent where the picture is black.
+    black: f32,
+    corner: vec3f,
+    // Which of `blends` is this panel's, from 1 on; 0 where none is.
+    blend: u32,
+    origin: vec2u,
+    size: vec2u,
+    // Texels of the source from what the projection makes of a ray.
+    scale: vec2f,
+    offset: vec2f,
+    // The part of the source that may be taken, in texels.
+    low: vec2f,
+    high: vec2f,
+    gain: vec3f,
+    // Where in `grids` the panel's grid begins.
+    grid: u32,
+    // Pixels from one node of the grid to the next; 0 where there is no grid.
+    cell: u32,
+    // Grids of the panel: one, or one a colour.
+    channels: u32,
+    unused: vec2u,
+}
+
+// How a panel fades into its neighbours.
+struct Blend {
+    // Columns of the matrix that turns (column, row, 1) into a ray in the world.
+    right: vec3f,
+    // One over the width of the fade, a radian.
+    sharpness: f32,
+    down: vec3f,
+    // Where in `neighbours` this panel's begin, and how many there are.
+    first: u32,
+    corner: vec3f,
+    count: u32,
+    // Inward normals of the planes through the eye and the four edges.
+    edges: array<vec4f, 4>,
+    // The most panels that show one direction.
+    most: f32,
+    unused: f32,
+    unused_pair: vec2f,
+}
+
+struct Warp {
+    atlas: vec2f,
+    // 0 bilinear, 1 trilinear, 2 bicubic, 3 anisotropic, 4 Feline, 5 by the stretch.
+    filter_by: u32,
+    // Index of the coarsest level of the source.
+    last: f32,
+    most_probes: f32,
+    // Whether pixels of more than one of Feline's samples are painted.
+    paints: u32,
+    // Whether the device's own anisotropic filter is taken.
+    by_device: u32,
+    unused: u32,
+}
+
+@group(0) @binding(0) var<uniform> warping: Warp;
+@group(0) @binding(4) var<storage, read> panels: array<Panel>;
+@group(0) @binding(5) var<storage, read> blends: array<Blend>;
+@group(0) @binding(6) var<storage, read> neighbours: array<u32>;
+// Numbers of f32 as their bits, or the maps of seed 002.
+@group(0) @binding(7) var<storage, read> grids: array<u32>;
+
+struct Corner {
+    @builtin(position) position: vec4f,
+    @location(0) @interpolate(flat) panel: u32,
+}
+
+// A pixel after distortion, and how that moves with one pixel to the right and one down.
+struct Moved {
+    pixel: vec2f,
+    right: vec2f,
+    down: vec2f,
+}
+
+// What a projection makes of a ray and of its changes.
+struct Projected {
+    ahead: bool,
+    at: vec2f,
+    right: vec2f,
+    down: vec2f,
+}
+
+@vertex
+fn place_panel(
+    @builtin(vertex_index) corner: u32,
+    @builtin(instance_index) index: u32,
+) -> Corner {
+    let beside = vec2f(vec2u(corner & 1u, corner >> 1u));
+    let at = vec2f(panels[index].origin) + beside * vec2f(panels[index].size);
+    let share = at / warping.atlas;
+    return Corner(vec4f(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y, 0.0, 1.0), index);
+}
+
+// Columns and rows of nodes of a panel's grid.
+fn nodes_of(index: u32) -> vec2u {
+    let cell = panels[index].cell;
+    return (panels[index].size + cell - 1u) / cell + 1u;
+}
+
+fn node(index: u32, at: vec2u, channel: u32) -> vec2f {
+    let nodes = nodes_of(index);
+    let k = panels[index].grid + 2u * ((channel * nodes.y + at.y) * nodes.x + at.x);
+    return vec2f(bitcast<f32>(grids[k]), bitcast<f32>(grids[k + 1u]));
+}
+
+// Where light comes from that is seen in a pixel, in ideal pixels.
+fn moved_by(index: u32, pixel: vec2f, channel: u32) -> Moved {
+    if (panels[index].cell == 0u) {
+        return Moved(pixel, vec2f(1.0, 0.0), vec2f(0.0, 1.0));
+    }
+    let cell = f32(panels[index].cell);
+    let most = vec2f(nodes_of(index)) - 2.0;
+    let low = clamp(floor(pixel / cell), vec2f(0.0), most);
+    let part = pixel / cell - low;
+    let at = vec2u(low);
+    let a = node(index, at, channel);
+    let b = node(index, at + vec2u(1u, 0u), channel);
+    let c = node(index, at + vec2u(0u, 1u), channel);
+    let d = node(index, at + vec2u(1u, 1u), channel);
+    let by = mix(mix(a, b, part.x), mix(c, d, part.x), part.y);
+    let right = mix(b - a, d - c, part.y) / cell;
+    let down = mix(c - a, d - b, part.x) / cell;
+    return Moved(pixel + by, vec2f(1.0, 0.0) + right, vec2f(0.0, 1.0) + down);
+}
+
+// By projection: 0 plane, 1 cylinder, 2 equirectangular, 3 fisheye.
+fn projected(projection: u32, ray: vec3f, right: vec3f, down: vec3f) -> Projected {
+    if (projection == 0u) {
+        let at = ray.xy / ray.z;
+        let by_right = (right.xy - at * right.z) / ray.z;
+        return Projected(ray.z > 0.0, at, by_right, (down.xy - at * down.z) / ray.z);
+    }
+    if (projection == 3u) {
+        return through_fisheye(ray, right, down);
+    }
+    let level2 = ray.x * ray.x + ray.z * ray.z;
+    let level = sqrt(level2);
+    let turn = vec2f(ray.z * right.x - ray.x * right.z, ray.z * down.x - ray.x * down.z) / level2;
+    let grown = vec2f(ray.x * right.x + ray.z * right.z, ray.x * down.x + ray.z * down.z) / level;
+    let yaw = atan2(ray.x, ray.z);
+    if (projection == 1u) {
+        let height = ray.y / level;
+        let climb = (vec2f(right.y, down.y) - height * grown) / level;
+        return Projected(true, vec2f(yaw, height), vec2f(turn.x, climb.x), vec2f(turn.y, climb.y));
+    }
+    let climb = (level * vec2f(right.y, down.y) - ray.y * grown) / (level2 + ray.y * ray.y);
+    let pitch = atan2(ray.y, level);
+    return Projected(true, vec2f(yaw, pitch), vec2f(turn.x, climb.x), vec2f(turn.y, climb.y));
+}
+
+// The angle from the axis, along the direction across it.
+fn through_fisheye(ray: vec3f, right: vec3f, down: vec3f) -> Projected {
+    let across = length(ray.xy);
+    if (across < 1e-6 * abs(ray.z)) {
+        return Projected(ray.z > 0.0, ray.xy / ray.z, right.xy / ray.z, down.xy / ray.z);
+    }
+    let angle = atan2(across, ray.z);
+    let grown = vec2f(dot(ray.xy, right.xy), dot(ray.xy, down.xy)) / across;
+    let turned = (ray.z * grown - across * vec2f(right.z, down.z)) / dot(ray, ray);
+    let share = angle / across;
+    let growth = (turned - share * grown) / across;
+    let by_right = growth.x * ray.xy + share * right.xy;
+    return Projected(true, share * ray.xy, by_right, growth.y * ray.xy + share * down.xy);
+}
+
+// The place by the two maps of seed 002, of 16 bits before and 16 after the point, and by its
+// third of derivatives of 8 bits up to 4: of the column with column and row, of the row.
+fn mapped(index: u32, pixel: vec2f) -> Projected {
+    let at = vec2u(pixel);
+    let k = panels[index].grid + 3u * (at.y * panels[index].size.x + at.x);
+    let whole = vec2f(vec2u(grids[k] >> 16u, grids[k] & 0xffffu));
+    let part = vec2f(vec2u(grids[k + 1u] >> 16u, grids[k + 1u] & 0xffffu));
+    let steps = 4.0 * unpack4x8snorm(grids[k + 2u]);
+    return Projected(true, whole + part / 65536.0, steps.xz, steps.yw);
+}
+
+// Light of the source that a pixel sees; colours may see different places.
+fn seen_light(index: u32, pixel: vec2f, channel: u32) -> vec3f {
+    let moved = moved_by(index, pixel, channel);
+    let m = mat3x3f(panels[index].right, panels[index].down, panels[index].corner);
+    var seen: Projected;
+    if (panels[index].projection == 4u) {
+        seen = mapped(index, pixel);
+    } else {
+        let ray = m * vec3f(moved.pixel, 1.0);
+        let by = mat2x3f(m * vec3f(moved.right, 0.0), m * vec3f(moved.down, 0.0));
+        seen = projected(panels[index].projection, ray, by[0], by[1]);
+    }
+    let scale = panels[index].scale;
+    let at = seen.at * scale + panels[index].offset;
+    let low = panels[index].low;
+    let high = panels[index].high;
+    let is_lit = abs(moved.pixel.x) < UNLIT;
+    if (!(seen.ahead && is_lit && all(at >= low) && all(at <= high))) {
+        return vec3f(0.0);
+    }
+    return filtered(Taken(at, seen.right * scale, seen.down * scale, low, high));
+}
+
+fn filtered(taken: Taken) -> vec3f {
+    let stretch = stretch_of(taken.right, taken.down);
+    let most = warping.most_probes;
+    let probes = probes_of(stretch, most, warping.last);
+    let by_device = warping.by_device != 0u;
+    var light: vec3f;
+    switch (warping.filter_by) {
+        case 0u: { light = light_at(taken, taken.at, 0.0); }
+        case 1u: { light = trilinear(taken); }
+        case 2u: { light = bicubic(taken); }
+        case 3u: { light = anisotropic(taken, most, by_device); }
+        case 4u: { light = feline(taken, probes); }
+        default: { light = automatic(taken, stretch, most, by_device); }
+    }
+    if (warping.paints != 0u && probes.count > 1.0) {
+        let warm = min((probes.count - 1.0) / 4.0, 1.0);
+        return mix(light, vec3f(1.0, 0.5 * (1.0 - warm), 0.0), 0.5);
+    }
+    return light;
+}
+
+// How far inside a blending panel a direction lies, 0 at its edge and outside, 1 beyond its fade.
+fn inside_of(blend: u32, direction: vec3f) -> f32 {
+    var share = 1.0;
+    for (var edge = 0u; edge < 4u; edge = edge + 1u) {
+        let angle = asin(clamp(dot(blends[blend].edges[edge].xyz, direction), -1.0, 1.0));
+        share = min(share, angle * blends[blend].sharpness);
+    }
+    return max(share, 0.0);
+}
+
+// A panel's share of the light of a pixel, and the black that it adds.
+fn share_of(index: u32, pixel: vec2f) -> vec2f {
+    let black = panels[index].black;
+    if (panels[index].blend == 0u) {
+        return vec2f(1.0, black);
+    }
+    let blend = panels[index].blend - 1u;
+    let m = mat3x3f(blends[blend].right, blends[blend].down, blends[blend].corner);
+    let direction = normalize(m * vec3f(moved_by(index, pixel, 0u).pixel, 1.0));
+    let own = max(inside_of(blend, direction), 1e-6);
+    var sum = own;
+    var showing = 1.0;
+    let end = blends[blend].first + blends[blend].count;
+    for (var k = blends[blend].first; k < end; k = k + 1u) {
+        let other = inside_of(neighbours[k], direction);
+        sum += other;
+        showing += select(0.0, 1.0, other > 0.0);
+    }
+    return vec2f(own / sum, black * max(blends[blend].most - showing, 0.0));
+}
+
+@fragment
+fn warp(in: Corner) -> @location(0) vec4f {
+    let index = in.panel;
+    let pixel = in.position.xy - vec2f(panels[index].origin);
+    var light = seen_light(index, pixel, 0u);
+    if (panels[index].channels == 3u) {
+        light.g = seen_light(index, pixel, 1u).g;
+        light.b = seen_light(index, pixel, 2u).b;
+    }
+    let share = share_of(index, pixel);
+    let sent = clamp(light * panels[index].gain * share.x, vec3f(0.0), vec3f(1.0));
+    return vec4f(share.y + (1.0 - share.y) * sent, 1.0);
+}

@@ -1,0 +1,233 @@
+//! Which light does a pixel of a panel send? Twin of `shaders/warp.wgsl`.
+
+use super::filters::{Taken, TwinSource, filtered};
+use super::shared::wgsl::mix;
+use crate::warp::WarpPlan;
+use crate::warp::params::WarpParams;
+use glam::{Mat3, UVec2, Vec2, Vec3};
+
+const UNLIT: f32 = 1e8;
+
+pub(super) struct Moved {
+    pub(super) pixel: Vec2,
+    right: Vec2,
+    down: Vec2,
+}
+
+struct Projected {
+    ahead: bool,
+    at: Vec2,
+    right: Vec2,
+    down: Vec2,
+}
+
+fn nodes_of(plan: &WarpPlan, index: usize) -> UVec2 {
+    let cell = plan.panels[index].cell;
+    (UVec2::from(plan.panels[index].size) + cell - 1) / cell + 1
+}
+
+fn node(plan: &WarpPlan, index: usize, at: UVec2, channel: u32) -> Vec2 {
+    let nodes = nodes_of(plan, index);
+    let k = plan.panels[index].grid + 2 * ((channel * nodes.y + at.y) * nodes.x + at.x);
+    Vec2::new(
+        f32::from_bits(plan.grids[k as usize]),
+        f32::from_bits(plan.grids[k as usize + 1]),
+    )
+}
+
+fn moved_by(plan: &WarpPlan, index: usize, pixel: Vec2, channel: u32) -> Moved {
+    if plan.panels[index].cell == 0 {
+        return Moved {
+            pixel,
+            right: Vec2::X,
+            down: Vec2::Y,
+        };
+    }
+    let cell = plan.panels[index].cell as f32;
+    let most = nodes_of(plan, index).as_vec2() - 2.0;
+    let low = (pixel / cell).floor().clamp(Vec2::ZERO, most);
+    let part = pixel / cell - low;
+    let at = low.as_uvec2();
+    let a = node(plan, index, at, channel);
+    let b = node(plan, index, at + UVec2::new(1, 0), channel);
+    let c = node(plan, index, at + UVec2::new(0, 1), channel);
+    let d = node(plan, index, at + UVec2::new(1, 1), channel);
+    let by = mix(mix(a, b, part.x), mix(c, d, part.x), part.y);
+    let right = mix(b - a, d - c, part.y) / cell;
+    let down = mix(c - a, d - b, part.x) / cell;
+    Moved {
+        pixel: pixel + by,
+        right: Vec2::X + right,
+        down: Vec2::Y + down,
+    }
+}
+
+fn projected(projection: u32, ray: Vec3, right: Vec3, down: Vec3) -> Projected {
+    if projection == 0 {
+        let at = ray.truncate() / ray.z;
+        return Projected {
+            ahead: ray.z > 0.0,
+            at,
+            right: (right.truncate() - at * right.z) / ray.z,
+            down: (down.truncate() - at * down.z) / ray.z,
+        };
+    }
+    if projection == 3 {
+        return through_fisheye(ray, right, down);
+    }
+    let level2 = ray.x * ray.x + ray.z * ray.z;
+    let level = level2.sqrt();
+    let turn = Vec2::new(
+        ray.z * right.x - ray.x * right.z,
+        ray.z * down.x - ray.x * down.z,
+    ) / level2;
+    let grown = Vec2::new(
+        ray.x * right.x + ray.z * right.z,
+        ray.x * down.x + ray.z * down.z,
+    ) / level;
+    let yaw = ray.x.atan2(ray.z);
+    let (height, climb) = if projection == 1 {
+        let height = ray.y / level;
+        (
+            height,
+            (Vec2::new(right.y, down.y) - height * grown) / level,
+        )
+    } else {
+        let rise = level * Vec2::new(right.y, down.y) - ray.y * grown;
+        (ray.y.atan2(level), rise / (level2 + ray.y * ray.y))
+    };
+    Projected {
+        ahead: true,
+        at: Vec2::new(yaw, height),
+        right: Vec2::new(turn.x, climb.x),
+        down: Vec2::new(turn.y, climb.y),
+    }
+}
+
+fn through_fisheye(ray: Vec3, right: Vec3, down: Vec3) -> Projected {
+    let across = ray.truncate().length();
+    if across < 1e-6 * ray.z.abs() {
+        return Projected {
+            ahead: ray.z > 0.0,
+            at: ray.truncate() / ray.z,
+            right: right.truncate() / ray.z,
+            down: down.truncate() / ray.z,
+        };
+    }
+    let angle = across.atan2(ray.z);
+    let grown = Vec2::new(
+        ray.truncate().dot(right.truncate()),
+        ray.truncate().dot(down.truncate()),
+    ) / across;
+    let turned = (ray.z * grown - across * Vec2::new(right.z, down.z)) / ray.dot(ray);
+    let share = angle / across;
+    let growth = (turned - share * grown) / across;
+    Projected {
+        ahead: true,
+        at: share * ray.truncate(),
+        right: growth.x * ray.truncate() + share * right.truncate(),
+        down: growth.y * ray.truncate() + share * down.truncate(),
+    }
+}
+
+fn mapped(plan: &WarpPlan, index: usize, pixel: Vec2) -> Projected {
+    let at = pixel.as_uvec2();
+    let k = (plan.panels[index].grid + 3 * (at.y * plan.panels[index].size[0] + at.x)) as usize;
+    let halves = |bits: u32| Vec2::new((bits >> 16) as f32, (bits & 0xffff) as f32);
+    let steps = plan.grids[k + 2].to_le_bytes();
+    let steps = steps.map(|byte| 4.0 * f32::from(byte.cast_signed().max(-127)) / 127.0);
+    Projected {
+        ahead: true,
+        at: halves(plan.grids[k]) + halves(plan.grids[k + 1]) / 65_536.0,
+        right: Vec2::new(steps[0], steps[2]),
+        down: Vec2::new(steps[1], steps[3]),
+    }
+}
+
+/// Where in the source a pixel as sent looks; `None` where it is black.
+pub(super) fn taken_by(plan: &WarpPlan, index: usize, pixel: Vec2, channel: u32) -> Option<Taken> {
+    let moved = moved_by(plan, index, pixel, channel);
+    let panel = &plan.panels[index];
+    let m = Mat3::from_cols(panel.right.into(), panel.down.into(), panel.corner.into());
+    let seen = if panel.projection == 4 {
+        mapped(plan, index, pixel)
+    } else {
+        let ray = m * moved.pixel.extend(1.0);
+        let (right, down) = (m * moved.right.extend(0.0), m * moved.down.extend(0.0));
+        projected(panel.projection, ray, right, down)
+    };
+    let scale = Vec2::from(panel.scale);
+    let at = seen.at * scale + Vec2::from(panel.offset);
+    let low = Vec2::from(panel.low);
+    let high = Vec2::from(panel.high);
+    let is_lit = moved.pixel.x.abs() < UNLIT;
+    let inside = seen.ahead && is_lit && at.cmpge(low).all() && at.cmple(high).all();
+    inside.then(|| Taken {
+        at,
+        right: seen.right * scale,
+        down: seen.down * scale,
+        low,
+        high,
+    })
+}
+
+fn seen_light(
+    (source, plan, params): (&TwinSource, &WarpPlan, &WarpParams),
+    index: usize,
+    pixel: Vec2,
+    channel: u32,
+) -> Vec3 {
+    let taken = taken_by(plan, index, pixel, channel);
+    taken.map_or(Vec3::ZERO, |taken| filtered(source, params, &taken))
+}
+
+fn inside_of(plan: &WarpPlan, blend: usize, direction: Vec3) -> f32 {
+    let mut share = 1.0_f32;
+    for edge in plan.blends[blend].edges {
+        let normal = Vec3::new(edge[0], edge[1], edge[2]);
+        let angle = normal.dot(direction).clamp(-1.0, 1.0).asin();
+        share = share.min(angle * plan.blends[blend].sharpness);
+    }
+    share.max(0.0)
+}
+
+fn share_of(plan: &WarpPlan, index: usize, pixel: Vec2) -> Vec2 {
+    let black = plan.panels[index].black;
+    if plan.panels[index].blend == 0 {
+        return Vec2::new(1.0, black);
+    }
+    let blend = plan.panels[index].blend as usize - 1;
+    let record = &plan.blends[blend];
+    let m = Mat3::from_cols(
+        record.right.into(),
+        record.down.into(),
+        record.corner.into(),
+    );
+    let direction = (m * moved_by(plan, index, pixel, 0).pixel.extend(1.0)).normalize();
+    let own = inside_of(plan, blend, direction).max(1e-6);
+    let mut sum = own;
+    let mut showing = 1.0;
+    for k in record.first..record.first + record.count {
+        let other = inside_of(plan, plan.neighbours[k as usize] as usize, direction);
+        sum += other;
+        showing += if other > 0.0 { 1.0 } else { 0.0 };
+    }
+    Vec2::new(own / sum, black * (record.most - showing).max(0.0))
+}
+
+pub(super) fn warp(
+    (source, plan, params): (&TwinSource, &WarpPlan, &WarpParams),
+    index: usize,
+    position: Vec2,
+) -> Vec3 {
+    let pixel = position - UVec2::from(plan.panels[index].origin).as_vec2();
+    let from = (source, plan, params);
+    let mut light = seen_light(from, index, pixel, 0);
+    if plan.panels[index].channels == 3 {
+        light.y = seen_light(from, index, pixel, 1).y;
+        light.z = seen_light(from, index, pixel, 2).z;
+    }
+    let share = share_of(plan, index, pixel);
+    let sent = (light * Vec3::from(plan.panels[index].gain) * share.x).clamp(Vec3::ZERO, Vec3::ONE);
+    Vec3::splat(share.y) + (1.0 - share.y) * sent
+}

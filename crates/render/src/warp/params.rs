@@ -1,0 +1,119 @@
+//! Which numbers does the pass that fills panels need?
+//!
+//! The structs here have the layout of the WGSL structs whose names lack the `Params`;
+//! `tests/shaders.rs` compares them.
+
+use super::style::{WarpFilter, WarpStyle};
+use bytemuck::{Pod, Zeroable};
+
+/// A panel: 128 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct PanelParams {
+    /// First column of the matrix that turns (column, row, 1) of the panel as it is sent into a ray
+    /// of the source: right, down, forward.
+    pub right: [f32; 3],
+    /// 0 plane, 1 cylinder, 2 equirectangular, 3 fisheye, 4 the maps of the seed.
+    pub projection: u32,
+    /// Second column.
+    pub down: [f32; 3],
+    /// Linear light where the picture is black.
+    pub black: f32,
+    /// Third column.
+    pub corner: [f32; 3],
+    /// Number of the panel's [`BlendParams`] from 1 on; 0 where it has none.
+    pub blend: u32,
+    /// First column and row in the atlas.
+    pub origin: [u32; 2],
+    /// Columns and rows as they are sent.
+    pub size: [u32; 2],
+    /// Texels of the source by unit of the projection.
+    pub scale: [f32; 2],
+    /// Texel of the source on the projection's axis.
+    pub offset: [f32; 2],
+    /// Where the part of the source begins that is taken.
+    pub low: [f32; 2],
+    /// Where it ends.
+    pub high: [f32; 2],
+    /// What linear light is multiplied by.
+    pub gain: [f32; 3],
+    /// Index of the panel's first number among the grids.
+    pub grid: u32,
+    /// Pixels from one node of the grid to the next; 0 where there is none.
+    pub cell: u32,
+    /// Grids of the panel: 1, or 3 where colours part.
+    pub channels: u32,
+    /// Padding.
+    pub unused: [u32; 2],
+}
+
+/// How a panel fades into its neighbours.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct BlendParams {
+    /// First column of the matrix that turns (column, row, 1) as sent into a ray in the world.
+    pub right: [f32; 3],
+    /// One over the width of the fade, a radian.
+    pub sharpness: f32,
+    /// Second column.
+    pub down: [f32; 3],
+    /// Index of the first neighbour.
+    pub first: u32,
+    /// Third column.
+    pub corner: [f32; 3],
+    /// How many neighbours there are.
+    pub count: u32,
+    /// Inward unit normals of the planes through the eye and the edges.
+    pub edges: [[f32; 4]; 4],
+    /// The most panels that show one direction.
+    pub most: f32,
+    /// Padding.
+    pub unused: f32,
+    /// Padding.
+    pub unused_pair: [f32; 2],
+}
+
+/// What all panels share.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct WarpParams {
+    /// Columns and rows of the atlas.
+    pub atlas: [f32; 2],
+    /// Number of the filter.
+    pub filter_by: u32,
+    /// Index of the coarsest level of the source.
+    pub last: f32,
+    /// Most of Feline's samples.
+    pub most_probes: f32,
+    /// Whether pixels of more than one sample are painted.
+    pub paints: u32,
+    /// Whether the device's own anisotropic filter is taken.
+    pub by_device: u32,
+    /// Padding.
+    pub unused: u32,
+}
+
+/// Most samples of Feline's, and of the device's anisotropic filter.
+pub(crate) const MOST_PROBES: u16 = 16;
+
+impl WarpParams {
+    pub(crate) fn new(atlas: [u32; 2], levels: u32, style: &WarpStyle) -> Self {
+        let filter_by = match style.filter {
+            WarpFilter::Bilinear => 0,
+            WarpFilter::Trilinear => 1,
+            WarpFilter::Bicubic => 2,
+            WarpFilter::Anisotropic => 3,
+            WarpFilter::Feline => 4,
+            WarpFilter::Auto => 5,
+        };
+        Self {
+            atlas: atlas.map(|side| side as f32),
+            filter_by,
+            last: (levels - 1) as f32,
+            most_probes: f32::from(MOST_PROBES),
+            paints: u32::from(style.paints),
+            by_device: 0,
+            unused: 0,
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! How are all panels of a plan drawn at once?
+
+use super::params::{MOST_PROBES, WarpParams};
+use super::plan::WarpPlan;
+use super::source::{SOURCE_FORMAT, SourceTexture};
+use super::style::WarpStyle;
+use crate::error::RenderError;
+use crate::gpu::bindings::bind;
+use crate::gpu::buffers::{storage, written};
+use crate::gpu::device::Gpu;
+use crate::gpu::picture_target::check_size;
+use crate::gpu::readback::{PictureCopy, ReadBack};
+use crate::gpu::timer::Timer;
+use crate::shaders::{Shader, reduce_source, warp};
+
+/// Draws plans: one pass into one atlas, and before it one for each coarser level of a source.
+pub struct Warper {
+    gpu: Gpu,
+    fill: wgpu::RenderPipeline,
+    reduce: wgpu::RenderPipeline,
+    between: wgpu::Sampler,
+    along: wgpu::Sampler,
+    params: wgpu::Buffer,
+    /// Whether the device's own anisotropic filter is taken.
+    by_device: bool,
+}
+
+/// A plan on the GPU, and the atlas that it fills.
+pub struct LoadedPlan {
+    atlas: wgpu::Texture,
+    view: wgpu::TextureView,
+    /// Records, blends, neighbours and grids.
+    buffers: [wgpu::Buffer; 4],
+    panels: u32,
+}
+
+impl Warper {
+    /// Builds the passes.
+    #[must_use]
+    pub fn new(gpu: &Gpu) -> Self {
+        let sampler = |anisotropy_clamp| {
+            gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("source"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                anisotropy_clamp,
+                ..wgpu::SamplerDescriptor::default()
+            })
+        };
+        let usage = wgpu::BufferUsages::UNIFORM;
+        let by_device = filters_along(gpu);
+        Self {
+            gpu: gpu.clone(),
+            fill: pipeline(gpu, &warp(), wgpu::PrimitiveTopology::TriangleStrip),
+            reduce: pipeline(gpu, &reduce_source(), wgpu::PrimitiveTopology::TriangleList),
+            between: sampler(1),
+            along: sampler(if by_device { MOST_PROBES } else { 1 }),
+            by_device,
+            params: written(gpu, "warp", size_of::<WarpParams>() as u64, usage),
+        }
+    }
+
+    /// Uploads a plan and makes its atlas.
+    ///
+    /// # Errors
+    /// The atlas is larger than the device draws, or the plan larger than it binds.
+    pub fn load(&self, plan: &WarpPlan) -> Result<LoadedPlan, RenderError> {
+        let gpu = &self.gpu;
+        let size = plan.atlas.map(|side| side.max(1));
+        check_size(gpu, size)?;
+        let atlas = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("panels"),
+            size: wgpu::Extent3d {
+                width: size[0],
+                height: size[1],
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: SOURCE_FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::COPY_SRC
+                | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        let held = |what, bytes: &[u8]| {
+            // A binding holds one record at least.
+            let buffer = storage(gpu, what, (bytes.len() as u64).max(128))?;
+            gpu.queue.write_buffer(&buffer, 0, bytes);
+            Ok::<_, RenderError>(buffer)
+        };
+        Ok(LoadedPlan {
+            view: atlas.create_view(&wgpu::TextureViewDescriptor::default()),
+            atlas,
+            buffers: [
+                held("panels", bytemuck::cast_slice(&plan.panels))?,
+                held("blends", bytemuck::cast_slice(&plan.blends))?,
+                held("neighbours", bytemuck::cast_slice(&plan.neighbours))?,
+                held("grids", bytemuck::cast_slice(&plan.grids))?,
+            ],
+            panels: plan.panels.len() as u32,
+        })
+    }
+
+    /// Fills all panels; returns the texture of codes that they are sent.
+    pub fn draw<'a>(
+        &self,
+        plan: &'a LoadedPlan,
+        source: &SourceTexture,
+        style: &WarpStyle,
+    ) -> &'a wgpu::Texture {
+        let mut encoder = self.gpu.encoder("panels");
+        self.record(&mut encoder, plan, source, style, None);
+        self.gpu.submit(encoder);
+        &plan.atlas
+    }
+
+    /// [`Self::draw`], with the atlas on its way back to the CPU.
+    #[must_use]
+    pub fn read(&self, plan: &LoadedPlan, source: &SourceTexture, style: &WarpStyle) -> ReadBack {
+        let mut encoder = self.gpu.encoder("panels to read");
+        self.record(&mut encoder, plan, source, style, None);
+        let copy = PictureCopy::record(&self.gpu, &mut encoder, &plan.atlas);
+        self.gpu.submit(encoder);
+        copy.map()
+    }
+
+    /// Records the source's coarser levels and the pass that fills all panels; the pass alone is
+    /// stamped by `timer`.
+    pub fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        plan: &LoadedPlan,
+        source: &SourceTexture,
+        style: &WarpStyle,
+        timer: Option<&Timer>,
+    ) {
+        let size = [plan.atlas.width(), plan.atlas.height()];
+        let levels = source.texture.mip_level_count();
+        let params = WarpParams {
+            by_device: u32::from(self.by_device),
+            ..WarpParams::new(size, levels, style)
+        };
+        self.gpu
+            .queue
+            .write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
+        for pair in source.levels.windows(2) {
+            let finer = wgpu::BindingResource::TextureView(&pair[0]);
+            let group = self.bound("coarser level", &self.reduce, &[(0, finer)]);
+            let mut pass = begin(encoder, "coarser level", &pair[1], None);
+            pass.set_pipeline(&self.reduce);
+            pass.set_bind_group(0, &group, &[]);
+            pass.draw(0..3, 0..1);
+        }
+        let whole = source
+            .texture
+            .create_view(&wgpu::TextureViewDescriptor::default());
+        let [panels, blends, neighbours, grids] = &plan.buffers;
+        let group = self.bound(
+            "panels",
+            &self.fill,
+            &[
+                (0, self.params.as_entire_binding()),
+                (1, wgpu::BindingResource::TextureView(&whole)),
+                (2, wgpu::BindingResource::Sampler(&self.between)),
+                (3, wgpu::BindingResource::Sampler(&self.along)),
+                (4, panels.as_entire_binding()),
+                (5, blends.as_entire_binding()),
+                (6, neighbours.as_entire_binding()),
+                (7, grids.as_entire_binding()),
+            ],
+        );
+        let mut pass = begin(encoder, "panels", &plan.view, timer);
+        pass.set_pipeline(&self.fill);
+        pass.set_bind_group(0, &group, &[]);
+        pass.draw(0..4, 0..plan.panels);
+    }
+
+    fn bound(
+        &self,
+        name: &'static str,
+        pipeline: &wgpu::RenderPipeline,
+        resources: &[(u32, wgpu::BindingResource<'_>)],
+    ) -> wgpu::BindGroup {
+        bind(
+            &self.gpu,
+            name,
+            &pipeline.get_bind_group_layout(0),
+            resources,
+        )
+    }
+}
+
+/// Whether to leave anisotropic filtering to the device: never to software. Mesa's llvmpipe
+/// (22.3.6) does filter along the longer axis, but from places up to texels away, with a seam along
+/// the diagonal of every quad, and some hundred times slower than by single samples.
+fn filters_along(gpu: &Gpu) -> bool {
+    gpu.device.adapter_info().device_type != wgpu::DeviceType::Cpu
+}
+
+/// Begins a pass on black.
+fn begin<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    name: &'static str,
+    target: &wgpu::TextureView,
+    timer: Option<&Timer>,
+) -> wgpu::RenderPass<'a> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(name),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        timestamp_writes: timer.map(Timer::around_drawing),
+        ..wgpu::RenderPassDescriptor::default()
+    })
+}
+
+fn pipeline(gpu: &Gpu, shader: &Shader, topology: wgpu::PrimitiveTopology) -> wgpu::RenderPipeline {
+    let module = gpu
+        .device
+        .create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(shader.name),
+            source: wgpu::ShaderSource::Wgsl(shader.text.as_str().into()),
+        });
+    let [vertex, fragment] = shader.steps[0];
+    gpu.device
+        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(fragment),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some(vertex),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState {
+                topology,
+                ..wgpu::PrimitiveState::default()
+            },
+            depth_stencil: None,
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some(fragment),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(SOURCE_FORMAT.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+}
+
+impl LoadedPlan {
+    /// Bytes of the atlas, and of what the pass reads beside the source.
+    #[must_use]
+    pub fn gpu_bytes(&self) -> u64 {
+        let pixels = u64::from(self.atlas.width()) * u64::from(self.atlas.height());
+        4 * pixels + self.buffers.iter().map(wgpu::Buffer::size).sum::<u64>()
+    }
+}

@@ -1,0 +1,152 @@
+//! What does each panel of an atlas show of a source?
+
+use super::blends::Blends;
+use super::grids::Bend;
+use super::params::{BlendParams, PanelParams};
+use foveal_core::view::panel::placement::{Placement, SourceProjection};
+use foveal_core::view::panel::rig::Panel;
+use foveal_core::view::panel::seed::SeedTexel;
+use glam::{DMat3, DVec3};
+
+/// A panel, the part of a source that it looks at, and its place in the atlas.
+#[derive(Clone, Copy, Debug)]
+pub struct PanelOnSource<'a> {
+    /// The panel.
+    pub panel: &'a Panel,
+    /// Where the part of the source lies before the eye.
+    pub placement: &'a Placement,
+    /// The part: left, top, width and height in texels; one of two halves where each eye has its
+    /// own.
+    pub part: [u32; 4],
+    /// First column and row in the atlas.
+    pub origin: [u32; 2],
+}
+
+/// All that the pass reads of a rig: 128 bytes a flat panel.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WarpPlan {
+    /// Columns and rows of the atlas.
+    pub atlas: [u32; 2],
+    /// A record a panel.
+    pub panels: Vec<PanelParams>,
+    /// Of panels that fade.
+    pub blends: Vec<BlendParams>,
+    /// Of panels that fade, who shows the same directions.
+    pub neighbours: Vec<u32>,
+    /// Of panels with optics, bits of residuals in pixels; or the seed's maps.
+    pub grids: Vec<u32>,
+}
+
+impl WarpPlan {
+    /// The plan of panels, in an atlas just large enough.
+    #[must_use]
+    pub fn new(panels: &[PanelOnSource<'_>]) -> Self {
+        let all: Vec<&Panel> = panels.iter().map(|it| it.panel).collect();
+        let blends = Blends::new(&all);
+        let mut plan = Self::default();
+        for (it, blend) in panels.iter().zip(&blends.of_panel) {
+            let mut record = straight(it);
+            record.blend = *blend;
+            if let Some(bend) = Bend::of(it.panel, it.placement) {
+                let grid = bend.grid();
+                record.grid = plan.grids.len() as u32;
+                record.cell = grid.cell;
+                record.channels = grid.channels;
+                plan.grids.extend(grid.bits);
+            }
+            for k in 0..2 {
+                plan.atlas[k] = plan.atlas[k].max(record.origin[k] + record.size[k]);
+            }
+            plan.panels.push(record);
+        }
+        plan.blends = blends.records;
+        plan.neighbours = blends.neighbours;
+        plan
+    }
+
+    /// The same, with each panel's place in the source read from the maps of Strege 2009, section
+    /// 3.2.5, in place of its matrix: a texel for every pixel as it is sent, row by row. They tell
+    /// no optics of single colours.
+    ///
+    /// # Panics
+    /// When there are not as many maps as panels, or a map has not as many texels as its panel has
+    /// pixels.
+    #[must_use]
+    pub fn by_seed_maps(mut self, maps: &[Vec<SeedTexel>]) -> Self {
+        assert_eq!(maps.len(), self.panels.len(), "a map a panel");
+        self.grids.clear();
+        for (record, map) in self.panels.iter_mut().zip(maps) {
+            let pixels = record.size[0] as usize * record.size[1] as usize;
+            assert_eq!(map.len(), pixels, "an entry a pixel");
+            record.projection = 4;
+            record.scale = [1.0; 2];
+            record.offset = [0.0; 2];
+            record.cell = 0;
+            record.channels = 1;
+            record.grid = self.grids.len() as u32;
+            self.grids.extend(map.iter().flat_map(bits_of));
+        }
+        self
+    }
+
+    /// Bytes that the pass reads beside the source.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let records = size_of_val(self.panels.as_slice()) + size_of_val(self.blends.as_slice());
+        let words = self.neighbours.len() + self.grids.len();
+        (records + words * size_of::<u32>()) as u64
+    }
+}
+
+/// Columns above rows, and four bytes of derivatives.
+fn bits_of(texel: &SeedTexel) -> [u32; 3] {
+    let pair = |[column, row]: [u16; 2]| u32::from(column) << 16 | u32::from(row);
+    let change = u32::from_le_bytes(texel.change.map(i8::cast_unsigned));
+    [pair(texel.whole), pair(texel.fraction), change]
+}
+
+/// A panel without what bends or fades.
+fn straight(it: &PanelOnSource<'_>) -> PanelParams {
+    let Placement { axes, window, .. } = *it.placement;
+    let rows = DMat3::from_cols(axes.right, axes.down, axes.forward).transpose();
+    let panel = it.panel;
+    let seen_from_sent = panel.scanout.seen_from_sent(panel.view.size);
+    let rays = rows * nearness(it.placement) * panel.view.ray_from_pixel() * seen_from_sent;
+    let column = |v: DVec3| v.as_vec3().to_array();
+    let [left, top, width, height] = it.part.map(f64::from);
+    let extent = it.placement.extent();
+    let scale = [width / extent[0], height / extent[1]];
+    let offset = [left + window[0] * scale[0], top + window[2] * scale[1]];
+    PanelParams {
+        right: column(rays.x_axis),
+        projection: match it.placement.projection {
+            SourceProjection::Plane => 0,
+            SourceProjection::Cylinder => 1,
+            SourceProjection::Equirect => 2,
+            SourceProjection::Fisheye => 3,
+        },
+        down: column(rays.y_axis),
+        black: panel.black as f32,
+        corner: column(rays.z_axis),
+        origin: it.origin,
+        size: panel.sent_size(),
+        scale: scale.map(|k| k as f32),
+        offset: offset.map(|k| k as f32),
+        low: [left, top].map(|k| k as f32),
+        high: [left + width, top + height].map(|k| k as f32),
+        gain: panel.gain.map(|k| k as f32),
+        channels: 1,
+        ..PanelParams::default()
+    }
+}
+
+/// From rays of the eye to rays of the head's middle, where the source is a plane at hand:
+/// e (d . forward) + d (1 - e . forward).
+fn nearness(placement: &Placement) -> DMat3 {
+    if placement.projection != SourceProjection::Plane {
+        return DMat3::IDENTITY;
+    }
+    let (eye, forward) = (placement.eye, placement.axes.forward);
+    let sheared = DMat3::from_cols(eye * forward.x, eye * forward.y, eye * forward.z);
+    sheared + DMat3::from_diagonal(DVec3::splat(1.0 - eye.dot(forward)))
+}

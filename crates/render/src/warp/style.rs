@@ -1,0 +1,47 @@
+//! How is the source filtered?
+
+/// How the samples of a source become the light of a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum WarpFilter {
+    /// Four texels of the finest level.
+    Bilinear,
+    /// As coarse as the longer step from pixel to pixel.
+    Trilinear,
+    /// Sixteen texels of the finest level, by a cubic.
+    Bicubic,
+    /// At most 16 even samples along the longer step: the device's own filter, where it has a good
+    /// one.
+    Anisotropic,
+    /// Feline, with at most 16 samples.
+    Feline,
+    /// Bicubic where the source is magnified, anisotropic where it is minified.
+    #[default]
+    Auto,
+}
+
+/// How a plan is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WarpStyle {
+    /// The filter.
+    pub filter: WarpFilter,
+    /// Whether pixels of which Feline takes more than one sample are painted.
+    pub paints: bool,
+}
+
+impl WarpFilter {
+    /// All of them, in the order of the shader's numbers.
+    pub const ALL: [Self; 6] = [
+        Self::Bilinear,
+        Self::Trilinear,
+        Self::Bicubic,
+        Self::Anisotropic,
+        Self::Feline,
+        Self::Auto,
+    ];
+
+    /// Whether coarser levels of the source are read where some pixel covers more than a texel.
+    #[must_use]
+    pub fn reads_levels(self) -> bool {
+        !matches!(self, Self::Bilinear | Self::Bicubic)
+    }
+}
