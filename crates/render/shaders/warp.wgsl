@@ -68,6 +68,10 @@ struct Warp {
     unused: u32,
 }
 
+// The same as `filter_by`, known when the pipeline is built: software draws every branch of what is
+// not.
+override pipeline_filter: u32 = 5u;
+
 @group(0) @binding(0) var<uniform> warping: Warp;
 @group(0) @binding(4) var<storage, read> panels: array<Panel>;
 @group(0) @binding(5) var<storage, read> blends: array<Blend>;
@@ -218,7 +222,7 @@ fn filtered(taken: Taken) -> vec3f {
     let probes = probes_of(stretch, most, warping.last);
     let by_device = warping.by_device != 0u;
     var light: vec3f;
-    switch (warping.filter_by) {
+    switch (pipeline_filter) {
         case 0u: { light = light_at(taken, taken.at, 0.0); }
         case 1u: { light = trilinear(taken); }
         case 2u: { light = bicubic(taken); }
