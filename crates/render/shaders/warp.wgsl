@@ -68,6 +68,10 @@ struct Warp {
     unused: u32,
 }
 
+// The same as `filter_by`, known when the pipeline is built: software draws every branch of what is
+// not.
+override pipeline_filter: u32 = 5u;
+
 @group(0) @binding(0) var<uniform> warping: Warp;
 @group(0) @binding(4) var<storage, read> panels: array<Panel>;
 @group(0) @binding(5) var<storage, read> blends: array<Blend>;
@@ -81,7 +85,7 @@ struct Corner {
 }
 
 // A pixel after distortion, and how that moves with one pixel to the right and one down.
-struct Moved {
+struct MovedPixel {
     pixel: vec2f,
     right: vec2f,
     down: vec2f,
@@ -119,9 +123,9 @@ fn node(index: u32, at: vec2u, channel: u32) -> vec2f {
 }
 
 // Where light comes from that is seen in a pixel, in ideal pixels.
-fn moved_by(index: u32, pixel: vec2f, channel: u32) -> Moved {
+fn moved_by(index: u32, pixel: vec2f, channel: u32) -> MovedPixel {
     if (panels[index].cell == 0u) {
-        return Moved(pixel, vec2f(1.0, 0.0), vec2f(0.0, 1.0));
+        return MovedPixel(pixel, vec2f(1.0, 0.0), vec2f(0.0, 1.0));
     }
     let cell = f32(panels[index].cell);
     let most = vec2f(nodes_of(index)) - 2.0;
@@ -135,7 +139,7 @@ fn moved_by(index: u32, pixel: vec2f, channel: u32) -> Moved {
     let by = mix(mix(a, b, part.x), mix(c, d, part.x), part.y);
     let right = mix(b - a, d - c, part.y) / cell;
     let down = mix(c - a, d - b, part.x) / cell;
-    return Moved(pixel + by, vec2f(1.0, 0.0) + right, vec2f(0.0, 1.0) + down);
+    return MovedPixel(pixel + by, vec2f(1.0, 0.0) + right, vec2f(0.0, 1.0) + down);
 }
 
 // By projection: 0 plane, 1 cylinder, 2 equirectangular, 3 fisheye.
@@ -218,7 +222,7 @@ fn filtered(taken: Taken) -> vec3f {
     let probes = probes_of(stretch, most, warping.last);
     let by_device = warping.by_device != 0u;
     var light: vec3f;
-    switch (warping.filter_by) {
+    switch (pipeline_filter) {
         case 0u: { light = light_at(taken, taken.at, 0.0); }
         case 1u: { light = trilinear(taken); }
         case 2u: { light = bicubic(taken); }

@@ -3,6 +3,7 @@
 //! What a device's own anisotropic filter takes is its own affair: here it is never `by_device`.
 //! The elliptical weighted average is here alone.
 
+use super::reduce_source::{Light, reduced, srgb_code};
 use super::shared::wgsl::mix;
 use crate::image::RgbaImage;
 use crate::warp::levels_of;
@@ -12,12 +13,6 @@ use glam::{Vec2, Vec3, Vec4};
 /// A source with its coarser levels, in linear light.
 pub struct TwinSource {
     levels: Vec<Light>,
-}
-
-/// Linear light of a picture.
-pub(super) struct Light {
-    size: [u32; 2],
-    texels: Vec<Vec3>,
 }
 
 pub(super) struct Taken {
@@ -53,7 +48,7 @@ impl TwinSource {
             1
         };
         for level in 1..count as usize {
-            let coarser = super::reduce_source::reduced(&levels[level - 1]);
+            let coarser = reduced(&levels[level - 1]);
             levels.push(Light::of(&coarser));
         }
         Self { levels }
@@ -82,66 +77,6 @@ impl TwinSource {
     fn size(&self) -> Vec2 {
         self.levels[0].size()
     }
-}
-
-impl Light {
-    pub(super) fn of(picture: &RgbaImage) -> Self {
-        let decoded: Vec<f32> = (0..=255_u8)
-            .map(|code| linear(f32::from(code) / 255.0))
-            .collect();
-        let texels = picture.pixels.chunks_exact(4).map(|rgba| {
-            let channel = |k: usize| decoded[usize::from(rgba[k])];
-            Vec3::new(channel(0), channel(1), channel(2))
-        });
-        Self {
-            size: picture.size,
-            texels: texels.collect(),
-        }
-    }
-
-    pub(super) fn size(&self) -> Vec2 {
-        Vec2::new(self.size[0] as f32, self.size[1] as f32)
-    }
-
-    /// WGSL's `textureLoad`, of the nearest texel inside.
-    pub(super) fn load(&self, texel: Vec2) -> Vec3 {
-        let inside = texel.clamp(Vec2::ZERO, self.size() - 1.0);
-        let [x, y] = inside.to_array().map(|k| k as usize);
-        self.texels[y * self.size[0] as usize + x]
-    }
-
-    /// WGSL's `textureSampleLevel` of one level, clamped to the edge.
-    fn sample(&self, place: Vec2) -> Vec3 {
-        let at = place * self.size() - 0.5;
-        let low = at.floor();
-        let part = at - low;
-        let texel = |x: f32, y: f32| self.load(low + Vec2::new(x, y));
-        let above = mix(texel(0.0, 0.0), texel(1.0, 0.0), part.x);
-        let below = mix(texel(0.0, 1.0), texel(1.0, 1.0), part.x);
-        mix(above, below, part.y)
-    }
-}
-
-/// Linear light of an sRGB code of 0 to 1; IEC 61966-2-1.
-fn linear(code: f32) -> f32 {
-    if code <= 0.04045 {
-        code / 12.92
-    } else {
-        ((code + 0.055) / 1.055).powf(2.4)
-    }
-}
-
-/// What an sRGB target makes of linear light.
-pub(super) fn srgb_code(light: Vec3) -> [u8; 4] {
-    let [r, g, b] = light.clamp(Vec3::ZERO, Vec3::ONE).to_array().map(|k| {
-        let code = if k <= 0.003_130_8 {
-            12.92 * k
-        } else {
-            1.055 * k.powf(1.0 / 2.4) - 0.055
-        };
-        (code * 255.0 + 0.5) as u8
-    });
-    [r, g, b, 255]
 }
 
 pub(super) fn stretch_of(right: Vec2, down: Vec2) -> Stretch {

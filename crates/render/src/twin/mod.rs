@@ -167,7 +167,7 @@ fn filled(source: &TwinSource, plan: &WarpPlan, params: &WarpParams) -> RgbaImag
             let at = [0, 1].map(|k| at[k] + panel.origin[k]);
             let position = position + Vec2::from(panel.origin.map(|k| k as f32));
             let light = warp::warp((source, plan, params), index, position);
-            image.set_pixel(at, filters::srgb_code(light));
+            image.set_pixel(at, reduce_source::srgb_code(light));
         });
     }
     image

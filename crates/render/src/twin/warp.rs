@@ -8,7 +8,7 @@ use glam::{Mat3, UVec2, Vec2, Vec3};
 
 const UNLIT: f32 = 1e8;
 
-pub(super) struct Moved {
+pub(super) struct MovedPixel {
     pub(super) pixel: Vec2,
     right: Vec2,
     down: Vec2,
@@ -35,9 +35,9 @@ fn node(plan: &WarpPlan, index: usize, at: UVec2, channel: u32) -> Vec2 {
     )
 }
 
-fn moved_by(plan: &WarpPlan, index: usize, pixel: Vec2, channel: u32) -> Moved {
+fn moved_by(plan: &WarpPlan, index: usize, pixel: Vec2, channel: u32) -> MovedPixel {
     if plan.panels[index].cell == 0 {
-        return Moved {
+        return MovedPixel {
             pixel,
             right: Vec2::X,
             down: Vec2::Y,
@@ -55,7 +55,7 @@ fn moved_by(plan: &WarpPlan, index: usize, pixel: Vec2, channel: u32) -> Moved {
     let by = mix(mix(a, b, part.x), mix(c, d, part.x), part.y);
     let right = mix(b - a, d - c, part.y) / cell;
     let down = mix(c - a, d - b, part.x) / cell;
-    Moved {
+    MovedPixel {
         pixel: pixel + by,
         right: Vec2::X + right,
         down: Vec2::Y + down,

@@ -18,7 +18,7 @@ const COLOURS_APART: f64 = 0.25;
 const UNLIT: f32 = 1e9;
 
 /// A panel's residuals.
-pub(super) struct Grid {
+pub(super) struct BentGrid {
     /// Pixels from node to node.
     pub(super) cell: u32,
     /// One, or three of red, green and blue.
@@ -73,7 +73,7 @@ impl<'a> Bend<'a> {
     }
 
     /// The coarsest grid that is good enough, or the finest.
-    pub(super) fn grid(&self) -> Grid {
+    pub(super) fn grid(&self) -> BentGrid {
         let channels: &[usize] = match self.parts_colours() {
             true => &[0, 1, 2],
             false => &[GREEN],
@@ -94,7 +94,7 @@ impl<'a> Bend<'a> {
                 }
             }
         }
-        Grid {
+        BentGrid {
             cell,
             channels: channels.len() as u32,
             bits,

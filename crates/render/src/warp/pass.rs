@@ -3,7 +3,7 @@
 use super::params::{MOST_PROBES, WarpParams};
 use super::plan::WarpPlan;
 use super::source::{SOURCE_FORMAT, SourceTexture};
-use super::style::WarpStyle;
+use super::style::{WarpFilter, WarpStyle};
 use crate::error::RenderError;
 use crate::gpu::bindings::bind;
 use crate::gpu::buffers::{storage, written};
@@ -12,11 +12,13 @@ use crate::gpu::picture_target::check_size;
 use crate::gpu::readback::{PictureCopy, ReadBack};
 use crate::gpu::timer::Timer;
 use crate::shaders::{Shader, reduce_source, warp};
+use std::cell::OnceCell;
 
 /// Draws plans: one pass into one atlas, and before it one for each coarser level of a source.
 pub struct Warper {
     gpu: Gpu,
-    fill: wgpu::RenderPipeline,
+    /// By the number of the filter, once it was drawn with.
+    fill: [OnceCell<wgpu::RenderPipeline>; WarpFilter::ALL.len()],
     reduce: wgpu::RenderPipeline,
     between: wgpu::Sampler,
     along: wgpu::Sampler,
@@ -52,8 +54,13 @@ impl Warper {
         let by_device = filters_along(gpu);
         Self {
             gpu: gpu.clone(),
-            fill: pipeline(gpu, &warp(), wgpu::PrimitiveTopology::TriangleStrip),
-            reduce: pipeline(gpu, &reduce_source(), wgpu::PrimitiveTopology::TriangleList),
+            fill: Default::default(),
+            reduce: pipeline(
+                gpu,
+                &reduce_source(),
+                wgpu::PrimitiveTopology::TriangleList,
+                &[],
+            ),
             between: sampler(1),
             along: sampler(if by_device { MOST_PROBES } else { 1 }),
             by_device,
@@ -146,6 +153,11 @@ impl Warper {
         self.gpu
             .queue
             .write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
+        let fill = self.fill[params.filter_by as usize].get_or_init(|| {
+            let constants = [("pipeline_filter", f64::from(params.filter_by))];
+            let strip = wgpu::PrimitiveTopology::TriangleStrip;
+            pipeline(&self.gpu, &warp(), strip, &constants)
+        });
         for pair in source.levels.windows(2) {
             let finer = wgpu::BindingResource::TextureView(&pair[0]);
             let group = self.bound("coarser level", &self.reduce, &[(0, finer)]);
@@ -160,7 +172,7 @@ impl Warper {
         let [panels, blends, neighbours, grids] = &plan.buffers;
         let group = self.bound(
             "panels",
-            &self.fill,
+            fill,
             &[
                 (0, self.params.as_entire_binding()),
                 (1, wgpu::BindingResource::TextureView(&whole)),
@@ -173,7 +185,7 @@ impl Warper {
             ],
         );
         let mut pass = begin(encoder, "panels", &plan.view, timer);
-        pass.set_pipeline(&self.fill);
+        pass.set_pipeline(fill);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..4, 0..plan.panels);
     }
@@ -223,7 +235,12 @@ fn begin<'a>(
     })
 }
 
-fn pipeline(gpu: &Gpu, shader: &Shader, topology: wgpu::PrimitiveTopology) -> wgpu::RenderPipeline {
+fn pipeline(
+    gpu: &Gpu,
+    shader: &Shader,
+    topology: wgpu::PrimitiveTopology,
+    constants: &[(&str, f64)],
+) -> wgpu::RenderPipeline {
     let module = gpu
         .device
         .create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -250,7 +267,10 @@ fn pipeline(gpu: &Gpu, shader: &Shader, topology: wgpu::PrimitiveTopology) -> wg
             fragment: Some(wgpu::FragmentState {
                 module: &module,
                 entry_point: Some(fragment),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants,
+                    ..wgpu::PipelineCompilationOptions::default()
+                },
                 targets: &[Some(SOURCE_FORMAT.into())],
             }),
             multiview_mask: None,

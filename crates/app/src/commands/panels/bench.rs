@@ -1,7 +1,8 @@
 //! What does it cost to fill any number of panels?
 
+use crate::commands::panels::filter_name::FilterName;
 use crate::commands::panels::rig_args::{RigArgs, source_size};
-use crate::commands::panels::warp::{FilterName, WarpModeName, seed_map};
+use crate::commands::panels::warp::{WarpModeName, seed_map};
 use crate::commands::panels::warp_source::opaque;
 use crate::report::output::{self, WrongUsage, out_of_range};
 use anyhow::{Context, bail};

@@ -2,6 +2,7 @@
 
 mod bench;
 mod comparing;
+mod filter_name;
 mod fit;
 mod map;
 mod pattern;

@@ -1,6 +1,7 @@
 //! What does each panel of a rig show of one source?
 
 use crate::commands::panels::comparing::{PanelJudge, PanelScore};
+use crate::commands::panels::filter_name::FilterName;
 use crate::commands::panels::rig_args::{PlacementName, RigArgs, source_size};
 use crate::commands::panels::sent::{SentLayout, as_seen};
 use crate::commands::panels::warp_device::WarpDevice;
@@ -27,25 +28,6 @@ use std::path::PathBuf;
 
 /// Most of Feline's samples of a pixel.
 const MOST_PROBES: u32 = 16;
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum FilterName {
-    /// Bicubic where the source is magnified, anisotropic where it is minified.
-    #[default]
-    Auto,
-    /// Four texels.
-    Bilinear,
-    /// As coarse as the longer step between pixels.
-    Trilinear,
-    /// Sixteen texels, for sources that are magnified.
-    Bicubic,
-    /// At most 16 samples along the longer step.
-    Anisotropic,
-    /// Feline: at most 16 samples along the ellipse of a pixel.
-    Feline,
-    /// The elliptical weighted average, on the CPU: what the others are judged by.
-    Ewa,
-}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum WarpModeName {
@@ -445,13 +427,6 @@ impl Laid {
             pixels += panel.pixels();
         }
         several / pixels
-    }
-}
-
-impl FilterName {
-    pub(super) fn name(self) -> String {
-        self.to_possible_value()
-            .map_or_else(String::new, |it| it.get_name().to_owned())
     }
 }
 

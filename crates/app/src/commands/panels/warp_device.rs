@@ -1,11 +1,11 @@
 //! What draws panels: a GPU, or the twin of its pass?
 
-use crate::commands::panels::warp::FilterName;
+use crate::commands::panels::filter_name::FilterName;
 use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{WrongUsage, say};
 use anyhow::bail;
 use foveal_render::twin::{self, TwinSource};
-use foveal_render::warp::{LoadedPlan, SourceTexture, WarpFilter, WarpPlan, WarpStyle, Warper};
+use foveal_render::warp::{LoadedPlan, SourceTexture, WarpPlan, WarpStyle, Warper};
 use foveal_render::{DrawDevice, Gpu, RgbaImage};
 
 /// What draws a plan, frame after frame.
@@ -98,20 +98,5 @@ impl WarpDevice {
             Self::Gpu(it) => it.gpu.adapter_name(),
             Self::Twin { .. } => "the CPU twin",
         }
-    }
-}
-
-impl FilterName {
-    /// The pass's own; of the elliptical weighted average there is none.
-    pub(super) fn of_pass(self) -> Option<WarpFilter> {
-        Some(match self {
-            Self::Auto => WarpFilter::Auto,
-            Self::Bilinear => WarpFilter::Bilinear,
-            Self::Trilinear => WarpFilter::Trilinear,
-            Self::Bicubic => WarpFilter::Bicubic,
-            Self::Anisotropic => WarpFilter::Anisotropic,
-            Self::Feline => WarpFilter::Feline,
-            Self::Ewa => return None,
-        })
     }
 }
