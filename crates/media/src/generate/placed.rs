@@ -63,7 +63,7 @@ impl GeneratedWorld {
     /// ```
     /// use foveal_core::view::axes::Axes;
     /// use foveal_core::view::eye_view::{EyeView, Field};
-    /// use foveal_media::generate::GeneratedWorld;
+    /// use foveal_media::generate::placed::GeneratedWorld;
     ///
     /// let view = EyeView {
     ///     position: Default::default(),

@@ -12,7 +12,7 @@ use foveal_core::view::panel::pixel_map::PixelMap;
 use foveal_core::view::panel::placement::Placement;
 use foveal_core::view::panel::rig::{MOST_PANELS, Panel};
 use foveal_core::view::panel::seed::{SeedTexel, panels_by_fill_rate};
-use foveal_media::generate::GeneratedWorld;
+use foveal_media::generate::placed::GeneratedWorld;
 use foveal_render::Gpu;
 use foveal_render::gpu::readback::BytesBack;
 use foveal_render::gpu::timer::Timer;

@@ -126,7 +126,7 @@ fn numbers(size: [u32; 2]) -> RgbaImage {
             0 => [share(0), share(1), 90],
             _ => [share(0) / 2, share(1) / 2, 60],
         };
-        let edge = within.iter().any(|k| *k == 0);
+        let edge = within.contains(&0);
         let row = usize::from(within[1] >= CELL / 2);
         let place = [within[0], within[1] % (CELL / 2)];
         match edge || is_inked(cell[row], place) {

@@ -8,7 +8,7 @@ use foveal_core::view::panel::placement::Placement;
 use foveal_core::view::picture::Colour;
 use foveal_core::view::surface::Eye;
 use foveal_media::VideoInput;
-use foveal_media::generate::{DrawnRgb, GeneratedWorld};
+use foveal_media::generate::placed::{DrawnRgb, GeneratedWorld};
 use foveal_render::RgbaImage;
 use std::path::Path;
 

@@ -105,9 +105,7 @@ impl Judge {
             .is_none_or(|(view, _)| *view != standing.view)
         {
             self.drawn = match whole_picture(whole, standing) {
-                Err(PlayError::Render(error @ RenderError::TooMuch { .. }))
-                    if self.scoring.is_none() =>
-                {
+                Err(error) if self.scoring.is_none() && is_too_much(&error) => {
                     output::say(&format!(
                         "errors are not told: the whole scene, which they are from, cannot be \
                          drawn: {error}"
@@ -156,10 +154,16 @@ impl Judge {
 fn whole_picture(
     whole: &mut ScenePlayer,
     standing: &Standing,
-) -> Result<Option<(EyeView, RgbaImage)>, PlayError> {
+) -> anyhow::Result<Option<(EyeView, RgbaImage)>> {
     whole.show(Seconds(0.0), &standing.moment)?;
     let picture = whole.picture(&standing.view)?;
     Ok(picture.map(|picture| (standing.view, picture)))
+}
+
+/// Whether a device has no room for what was to be drawn.
+fn is_too_much(error: &anyhow::Error) -> bool {
+    let error = error.downcast_ref();
+    matches!(error, Some(PlayError::Render(RenderError::TooMuch { .. })))
 }
 
 impl Scoring {
