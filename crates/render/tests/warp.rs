@@ -309,8 +309,8 @@ fn white_on_overlapping_panels_that_fade_is_flat_within_one_code() {
     for own in &panels {
         for k in 0..4000_u32 {
             let place = [
-                (k * 7 % size[0]) as f64 + 0.5,
-                (k * 13 % size[1]) as f64 + 0.5,
+                f64::from(k * 7 % size[0]) + 0.5,
+                f64::from(k * 13 % size[1]) + 0.5,
             ];
             let ray = own.view.ray(place);
             let places: Vec<_> = panels.iter().map(|other| other.view.place(ray)).collect();
