@@ -1,5 +1,6 @@
 //! Are panels filled from one source as they would be drawn, and sent where they belong?
 
+use crate::results::agrees;
 use crate::support::{Folder, Rgb, json, refused};
 use serde_json::Value;
 
@@ -40,7 +41,7 @@ fn three_panels_look_as_drawn_directly_where_the_source_has_as_many_pixels_as_ar
     let folder = Folder::new();
     let out = folder.name("three");
     let result = warp(&rig("three"), "world:gratings", &out, &["--compare"]);
-    println!("{result:#}");
+    agrees("panels warp", &[&result]);
     assert_eq!(result["frames"], 1);
     assert_eq!(result["placement"], "plane");
     for (id, db) in decibels(&result) {
@@ -132,7 +133,9 @@ fn worlds_move_and_patterns_are_pictures_that_panels_show() {
         let made = [
             "panels", "pattern", name, "--size", "640x480", "--out", &file,
         ];
-        assert_eq!(json(&made)["size"][0], 640);
+        let made = json(&made);
+        agrees("panels pattern", &[&made]);
+        assert_eq!(made["size"][0], 640);
         let result = warp(
             &rig("three"),
             &file,
@@ -158,6 +161,7 @@ fn the_model_of_the_seed_says_its_numbers() {
         "seed",
     ];
     let result = json(&all);
+    agrees("panels bench", &[&result]);
     assert!((result["panels_trilinear"].as_f64().unwrap() - 38.194).abs() < 1e-3);
     assert!((result["panels_feline"].as_f64().unwrap() - 28.646).abs() < 1e-3);
     assert_eq!(result["rows"].as_array().unwrap().len(), 3);

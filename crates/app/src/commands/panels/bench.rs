@@ -96,7 +96,9 @@ pub(crate) fn run(args: &PanelsBenchArgs) -> anyhow::Result<()> {
     args.check()?;
     let rig = args.rig.read()?;
     let panels = args.rig.panels(&rig);
-    let size = args.source.as_deref().map_or(Ok(SOURCE), source_size)?;
+    let size = source_size(args.source.as_deref())?
+        .told()
+        .unwrap_or(SOURCE);
     let fit = args.rig.fit(&panels, Some(size))?;
     let gpu = Gpu::open_blocking().context("panels bench draws on a GPU")?;
     let picture = GeneratedWorld::gratings(0).placed(0, &fit.placement, size);

@@ -173,7 +173,7 @@ impl FitReport {
 }
 
 pub(crate) fn run(args: &FitArgs) -> anyhow::Result<()> {
-    let source = args.source.as_deref().map(source_size).transpose()?;
+    let source = source_size(args.source.as_deref())?;
     let rig = args.rig.read()?;
     let panels = args.rig.panels(&rig);
     let found = args.rig.fit(&panels, source)?;

@@ -139,7 +139,7 @@ pub(crate) fn run(args: &MapArgs) -> anyhow::Result<()> {
         let what = "panels map needs --at ID:I,J, or --out DIR with --format";
         return Err(WrongUsage(what.to_owned()).into());
     }
-    let source = args.source.as_deref().map(source_size).transpose()?;
+    let source = source_size(args.source.as_deref())?;
     let rig = args.rig.read()?;
     let panels = args.rig.panels(&rig);
     let asked = args.at.iter().map(|at| Ok((at, panel_of(&panels, at)?)));

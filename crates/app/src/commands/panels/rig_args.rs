@@ -3,7 +3,7 @@
 use crate::options::policy::parse_size;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
-use foveal_core::view::panel::fit::{PlacementRule, SourceFit, fit};
+use foveal_core::view::panel::fit::{PlacementRule, SourceFit, SourceSize, fit};
 use foveal_core::view::panel::rig::{Panel, Rig};
 use foveal_core::view::surface::Eye;
 use foveal_media::VideoInput;
@@ -87,19 +87,23 @@ impl RigArgs {
     pub(crate) fn fit(
         &self,
         panels: &[&Panel],
-        source: Option<[u32; 2]>,
+        source: impl Into<SourceSize>,
     ) -> anyhow::Result<SourceFit> {
         let found = fit(panels, self.placement.into(), source);
         found.with_context(|| format!("{}: no source can be placed", self.rig.display()))
     }
 }
 
-/// Columns and rows of what is written as `WxH`, else of a picture or video file.
-pub(crate) fn source_size(source: &str) -> anyhow::Result<[u32; 2]> {
+/// What is drawn for the window where it is written as `WxH`, else a picture or video file.
+pub(crate) fn source_size(source: Option<&str>) -> anyhow::Result<SourceSize> {
+    let Some(source) = source else {
+        return Ok(SourceSize::Needed);
+    };
     if let Ok(size) = parse_size(source) {
-        return Ok(size);
+        return Ok(SourceSize::Drawn(size));
     }
     let input = VideoInput::open(Path::new(source))
         .with_context(|| format!("--source {source:?}: give a size as 1600x1200, or a file"))?;
-    Ok([input.info().width, input.info().height])
+    let info = input.info();
+    Ok(SourceSize::Picture([info.width, info.height]))
 }

@@ -12,7 +12,7 @@ use crate::report::picture_file::write_png;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::units::counted;
-use foveal_core::view::panel::fit::SourceFit;
+use foveal_core::view::panel::fit::{SourceFit, SourceSize};
 use foveal_core::view::panel::pixel_map::PixelMap;
 use foveal_core::view::panel::rig::{Panel, Rig};
 use foveal_core::view::panel::seed::SeedTexel;
@@ -253,7 +253,7 @@ impl WarpArgs {
     }
 
     /// Places a source of a size, or of any, before panels.
-    fn fit(&self, panels: &[&Panel], source: Option<[u32; 2]>) -> anyhow::Result<SourceFit> {
+    fn fit(&self, panels: &[&Panel], source: SourceSize) -> anyhow::Result<SourceFit> {
         let mut rig = self.rig.clone();
         if self.mode.is_some() && rig.placement == PlacementName::Auto {
             rig.placement = PlacementName::Seed;
@@ -311,7 +311,7 @@ impl WarpArgs {
                 self.source_name
             );
         }
-        let found = self.fit(panels, Some([parts[0][2], parts[0][3]]))?;
+        let found = self.fit(panels, SourceSize::Picture([parts[0][2], parts[0][3]]))?;
         let eyes = [Eye::Left, Eye::Right];
         let part = |(eye, part)| EyePart {
             eye,
@@ -326,7 +326,7 @@ impl WarpArgs {
     }
 
     fn lay_world(&self, panels: &[&Panel]) -> anyhow::Result<Laid> {
-        let size = self.source.as_deref().map(source_size).transpose()?;
+        let size = source_size(self.source.as_deref())?;
         let mut laid = Laid {
             placement: "",
             size: [0; 2],

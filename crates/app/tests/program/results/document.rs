@@ -25,13 +25,14 @@ const TEXT: &str = include_str!("../../../../../docs/formats/results.md");
 const HEADER: [&str; 4] = ["key", "unit", "meaning", "when"];
 /// Whose unit another key tells.
 pub(super) const TOLD: &str = "as told";
-const UNITS: [&str; 35] = [
+const UNITS: [&str; 36] = [
     TOLD,
     "1/degree²",
     "1/minute",
     "JOD",
     "Hz",
     "Mbit/s",
+    "MiB",
     "Mpx",
     "Mpx/s",
     "arcmin",

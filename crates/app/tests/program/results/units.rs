@@ -15,7 +15,7 @@ const WHICH: [&str; 10] = [
 ];
 
 /// Endings and what they say; of two that fit the longer one counts.
-const ENDINGS: [(&str, &str); 29] = [
+const ENDINGS: [(&str, &str); 30] = [
     ("arcmin", "arcmin"),
     ("bytes", "bytes"),
     ("cd_m2", "cd/m²"),
@@ -30,6 +30,7 @@ const ENDINGS: [(&str, &str); 29] = [
     ("hz", "Hz"),
     ("jod", "JOD"),
     ("mbit_s", "Mbit/s"),
+    ("mib", "MiB"),
     ("megapixels", "Mpx"),
     ("mpix_per_cpu_s", "Mpx/s"),
     ("mpix_per_s", "Mpx/s"),

@@ -128,13 +128,52 @@ pub struct SourceFit {
     pub panels: Vec<PanelFit>,
 }
 
-/// Places a source before panels, its aspect free where it is not given, and judges that.
+/// Columns and rows of a source that is placed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SourceSize {
+    /// As many as are needed.
+    #[default]
+    Needed,
+    /// So many, drawn for the window: pixels need not be square. Only the seed's placement, which
+    /// is the seed's, keeps their aspect.
+    Drawn([u32; 2]),
+    /// Those of a picture that is there, which no placement stretches.
+    Picture([u32; 2]),
+}
+
+impl From<Option<[u32; 2]>> for SourceSize {
+    fn from(size: Option<[u32; 2]>) -> Self {
+        size.map_or(Self::Needed, Self::Drawn)
+    }
+}
+
+impl SourceSize {
+    /// The size, where it is told.
+    #[must_use]
+    pub fn told(self) -> Option<[u32; 2]> {
+        match self {
+            Self::Needed => None,
+            Self::Drawn(size) | Self::Picture(size) => Some(size),
+        }
+    }
+
+    /// Width over height that a window must have.
+    fn aspect(self, rule: PlacementRule) -> Option<f64> {
+        let is_kept = rule == PlacementRule::Seed || matches!(self, Self::Picture(_));
+        let size = self.told().filter(|_| is_kept);
+        size.map(|[w, h]| f64::from(w) / f64::from(h))
+    }
+}
+
+/// Places a source before panels, and judges that.
 pub fn fit(
     panels: &[&Panel],
     rule: PlacementRule,
-    source: Option<[u32; 2]>,
+    source: impl Into<SourceSize>,
 ) -> Result<SourceFit, FitError> {
+    let source = source.into();
     let (placement, name) = place(panels, rule, source)?;
+    let source = source.told();
     let judged = sampled(panels, JUDGED)?;
     let sigma = least_sigma(&judged, &placement).ok_or_else(|| beyond(&judged, name))?;
     let need = placement.extent().map(|side| side / sigma);
@@ -157,10 +196,10 @@ pub fn fit(
 pub fn place(
     panels: &[&Panel],
     rule: PlacementRule,
-    source: Option<[u32; 2]>,
+    source: impl Into<SourceSize>,
 ) -> Result<(Placement, &'static str), FitError> {
     let all = sampled(panels, SEARCHED)?;
-    let aspect = source.map(|[w, h]| f64::from(w) / f64::from(h));
+    let aspect = source.into().aspect(rule);
     let curved = |projection| best_curved(&all, projection, aspect);
     let (found, name) = match rule {
         PlacementRule::Seed => (seed(&all, aspect), "seed"),

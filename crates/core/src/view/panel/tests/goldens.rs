@@ -2,7 +2,7 @@
 
 use super::sets::{panel, six, three, twelve};
 use crate::view::panel::distortion::Distortion;
-use crate::view::panel::fit::{PlacementRule, covered, fit, place};
+use crate::view::panel::fit::{PlacementRule, SourceSize, covered, fit, place};
 use crate::view::panel::footprint::Probes;
 use crate::view::panel::lens::Bulge;
 use crate::view::panel::pixel_map::{MappedPixel, PixelMap, homography};
@@ -437,9 +437,17 @@ fn needs_are_those_of_the_seed_and_less_of_better_placements() {
         };
         let found = [
             need(PlacementRule::Seed, Some(SOURCE)),
-            need(PlacementRule::Plane, None),
+            need(PlacementRule::Plane, Some(SOURCE)),
             need(PlacementRule::Equirect, None),
         ];
+        // A picture is not stretched: its window is grown.
+        let picture = fit(&panels, PlacementRule::Plane, SourceSize::Picture(SOURCE)).unwrap();
+        let [width, height] = picture.placement.extent();
+        assert!(
+            (height * 4.0 / 3.0 / width - 1.0).abs() < 1e-9,
+            "{picture:?}"
+        );
+        assert!(picture.need[0] * picture.need[1] > found[1] * 1e6);
         assert!((found[0] / seed - 1.0).abs() < 0.02, "{found:?}");
         assert!(found[1] <= plane && found[2] <= equirect, "{found:?}");
         assert!(found[2] > 0.9 * equirect, "{found:?}");

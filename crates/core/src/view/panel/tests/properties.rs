@@ -4,7 +4,9 @@ use super::sets::{panel, six, three, twelve};
 use crate::units::Radians;
 use crate::view::axes::Axes;
 use crate::view::panel::distortion::{Distortion, GREEN};
-use crate::view::panel::fit::{FitError, PanelFilter, PlacementRule, drawn_grid, fit, place};
+use crate::view::panel::fit::{
+    FitError, PanelFilter, PlacementRule, SourceSize, drawn_grid, fit, place,
+};
 use crate::view::panel::footprint::Probes;
 use crate::view::panel::lens::{BrownConrady, Bulge, RadialPolynomial};
 use crate::view::panel::pixel_map::{PixelMap, homography};
@@ -138,10 +140,14 @@ fn every_mapped_place_lies_within_the_source() {
     }
     for panels in sets {
         let panels = refs(&panels);
-        for (rule, source) in RULES
-            .into_iter()
-            .flat_map(|it| [(it, None), (it, Some(SOURCE))])
-        {
+        for (rule, source) in RULES.into_iter().flat_map(|it| {
+            [
+                SourceSize::Needed,
+                SourceSize::Drawn(SOURCE),
+                SourceSize::Picture(SOURCE),
+            ]
+            .map(|size| (it, size))
+        }) {
             let (placement, name) = place(&panels, rule, source).unwrap();
             for panel in &panels {
                 let [w, h] = panel.view.size;
