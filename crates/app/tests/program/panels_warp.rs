@@ -63,6 +63,7 @@ fn a_magnified_panel_gains_six_db_by_cubics() {
     let folder = Folder::new();
     let db = |filter: &str| {
         let more = ["--compare", "--source", "1600x1200", "--filter", filter];
+        let more = [&more[..], &["--placement", "seed"]].concat();
         let result = warp(&rig("three"), "world:gratings", &folder.name(filter), &more);
         let all = decibels(&result);
         all.iter().find(|(id, _)| id == "C").unwrap().1

@@ -26,7 +26,7 @@ fn error(code: i32, arguments: &[&str]) -> [String; 3] {
 fn a_command_line_that_cannot_be_read_fails_as_json() {
     for (arguments, place, next) in [
         (&[][..], "foveal", "foveal --help"),
-        (&["dance"], "dance", "foveal --help"),
+        (&["waltz"], "waltz", "foveal --help"),
         (&["info"], "<PACK>", "foveal info --help"),
         (&["info", "a.foveal", "--jsn"], "--jsn", "--json"),
         (&["--json", "info", "a.foveal"], "foveal", "info --json"),
