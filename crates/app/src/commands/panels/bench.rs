@@ -24,6 +24,12 @@ use std::time::Instant;
 /// Columns and rows of the source if none are given: those of seed 002's study.
 const SOURCE: [u32; 2] = [1600, 1200];
 
+/// Panels that are timed if none are given.
+const PANELS: [u32; 9] = [3, 6, 12, 18, 24, 30, 36, 48, 130];
+
+/// Longest that a row is timed, in seconds.
+const LONGEST_S: f64 = 10.0;
+
 /// Pixels of a panel of the model, and texel fetches a pixel as it counts them.
 const MODEL_PIXELS: f64 = 480_000.0;
 const MODEL_FETCHES: [f64; 2] = [3.0, 4.0];
@@ -37,21 +43,21 @@ const REAL_SAMPLES: f64 = 4.0;
 pub(crate) struct PanelsBenchArgs {
     #[command(flatten)]
     rig: RigArgs,
-    /// How many panels: those of the rig, again and again.
+    /// How many panels: those of the rig, again and again (default: 3,6,12,18,24,30,36,48,130, and
+    /// none with --model).
     #[arg(long, value_name = "N,N,..", value_delimiter = ',')]
-    #[arg(default_value = "3,6,12,18,24,30,36,48,130")]
-    panels: Vec<u32>,
+    panels: Option<Vec<u32>>,
     /// By maps instead of matrices.
     #[arg(long, value_enum)]
     mode: Option<WarpModeName>,
     /// Size of the source as 1600x1200, or a picture or video that has it.
     #[arg(long, value_name = "WxH|FILE")]
     source: Option<String>,
-    /// Times that each is drawn; the median counts.
+    /// Times that each is drawn, fewer where that takes more than 10 s; the median counts.
     #[arg(long, value_name = "N", default_value = "9")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
     runs: u32,
-    /// Also say how many panels a fill rate is enough for.
+    /// Say how many panels a fill rate is enough for.
     #[arg(long, value_enum)]
     model: Option<WarpModeName>,
     /// Million texels a second of the model.
@@ -114,7 +120,7 @@ pub(crate) fn run(args: &PanelsBenchArgs) -> anyhow::Result<()> {
         Some(WarpModeName::Seed) => &[FilterName::Trilinear, FilterName::Feline],
     };
     let mut rows = Vec::new();
-    for count in &args.panels {
+    for count in args.counts() {
         let many = Many::of(&stage.gpu, &panels, *count)?;
         let plan = many.plan(&fit.placement, size, args.mode);
         let loaded = stage.warper.load(&plan)?;
@@ -149,7 +155,7 @@ pub(crate) fn run(args: &PanelsBenchArgs) -> anyhow::Result<()> {
 impl PanelsBenchArgs {
     fn check(&self) -> anyhow::Result<()> {
         let most = MOST_PANELS as u32;
-        if let Some(wrong) = self.panels.iter().find(|it| !(1..=most).contains(*it)) {
+        if let Some(wrong) = self.counts().iter().find(|it| !(1..=most).contains(*it)) {
             bail!(out_of_range(
                 "--panels",
                 wrong,
@@ -161,6 +167,15 @@ impl PanelsBenchArgs {
             bail!(out_of_range("--texel-rate", self.texel_rate, range));
         }
         Ok(())
+    }
+
+    /// How many panels are timed, in turn.
+    fn counts(&self) -> &[u32] {
+        match (&self.panels, self.model) {
+            (Some(panels), _) => panels,
+            (None, Some(_)) => &[],
+            (None, None) => &PANELS,
+        }
     }
 
     fn modelled(&self) -> FillModel {
@@ -192,8 +207,12 @@ impl Stage {
         runs: u32,
     ) -> anyhow::Result<(Option<f64>, f64)> {
         let (mut by_gpu, mut by_wall) = (Vec::new(), Vec::new());
+        let begun = Instant::now();
         // The first one warms up.
         for run in 0..=runs {
+            if run > 1 && begun.elapsed().as_secs_f64() > LONGEST_S {
+                break;
+            }
             let start = Instant::now();
             let mut encoder = self.gpu.encoder("bench");
             let timer = self.timer.as_ref();
