@@ -13,10 +13,10 @@ use foveal_core::view::panel::placement::Placement;
 use foveal_core::view::panel::rig::{MOST_PANELS, Panel};
 use foveal_core::view::panel::seed::{SeedTexel, panels_by_fill_rate};
 use foveal_media::generate::placed::GeneratedWorld;
-use foveal_render::Gpu;
 use foveal_render::gpu::readback::BytesBack;
 use foveal_render::gpu::timer::Timer;
 use foveal_render::warp::{LoadedPlan, PanelOnSource, SourceTexture, WarpPlan, WarpStyle, Warper};
+use foveal_render::{Gpu, RenderError};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::time::Instant;
@@ -83,7 +83,8 @@ struct PanelsRow {
     filter: String,
     /// Null where the device has no clock.
     gpu_ms: Option<f64>,
-    wall_ms: f64,
+    /// Null where the device has no room.
+    wall_ms: Option<f64>,
     /// Written, and read of source and maps.
     bytes_per_pixel: f64,
     /// Records, grids and maps.
@@ -123,13 +124,22 @@ pub(crate) fn run(args: &PanelsBenchArgs) -> anyhow::Result<()> {
     for count in args.counts() {
         let many = Many::of(&stage.gpu, &panels, *count)?;
         let plan = many.plan(&fit.placement, size, args.mode);
-        let loaded = stage.warper.load(&plan)?;
+        let loaded = match stage.warper.load(&plan) {
+            Err(error @ RenderError::TooMuch { .. }) => {
+                output::say(&format!("{count} panels are not drawn: {error}"));
+                None
+            }
+            loaded => Some(loaded?),
+        };
         for filter in filters {
             let style = WarpStyle {
                 filter: filter.of_pass().unwrap_or_default(),
                 paints: false,
             };
-            let (gpu_ms, wall_ms) = stage.timed(&loaded, &style, args.runs)?;
+            let (gpu_ms, wall_ms) = match &loaded {
+                Some(loaded) => stage.timed(loaded, &style, args.runs)?,
+                None => (None, None),
+            };
             let maps = many.map_bytes(*filter, args.mode, &plan);
             rows.push(PanelsRow {
                 panels: *count,
@@ -205,7 +215,7 @@ impl Stage {
         plan: &LoadedPlan,
         style: &WarpStyle,
         runs: u32,
-    ) -> anyhow::Result<(Option<f64>, f64)> {
+    ) -> anyhow::Result<(Option<f64>, Option<f64>)> {
         let (mut by_gpu, mut by_wall) = (Vec::new(), Vec::new());
         let begun = Instant::now();
         // The first one warms up.
@@ -231,7 +241,7 @@ impl Stage {
                 by_wall.push(wall.as_secs_f64() * 1000.0);
             }
         }
-        Ok((median(by_gpu), median(by_wall).unwrap_or_default()))
+        Ok((median(by_gpu), median(by_wall)))
     }
 }
 
@@ -320,12 +330,13 @@ impl PanelsBench {
     fn text(&self) -> String {
         let mut text = format!("{} (clock: {})\n", self.adapter, self.clock);
         for row in &self.rows {
-            let gpu = row.gpu_ms.map_or("-".to_owned(), |ms| format!("{ms:.3}"));
+            let told = |ms: Option<f64>| ms.map_or("-".to_owned(), |ms| format!("{ms:.3}"));
+            let [gpu, wall] = [row.gpu_ms, row.wall_ms].map(told);
             let _ = writeln!(
                 text,
-                "{:>5} panels  {:<11}  GPU {gpu:>9} ms  wall {:>9.3} ms  {:>5.2} B/pixel  maps \
+                "{:>5} panels  {:<11}  GPU {gpu:>9} ms  wall {wall:>9} ms  {:>5.2} B/pixel  maps \
                  {:.2} MiB",
-                row.panels, row.filter, row.wall_ms, row.bytes_per_pixel, row.map_mib
+                row.panels, row.filter, row.bytes_per_pixel, row.map_mib
             );
         }
         if let Some(model) = &self.model {
