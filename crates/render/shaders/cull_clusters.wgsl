@@ -4,8 +4,8 @@
 // those that meet the field of view, do not show their back and are not hidden, in any order; their
 // corners and how many these are. Size: the clusters, one a workgroup.
 //
-// A picture is drawn in two goes: first what the depths of the picture before do not hide, then what
-// the depths of this first go do not hide either. So the picture is that of all clusters.
+// A picture is drawn in two goes: first what the depths of the picture before do not hide, then
+// what the depths of this first go do not hide either. So the picture is that of all clusters.
 
 // As `draw_indexed_indirect` reads them; then the number of clusters, that of those that an earlier
 // go found, and 1 in the second go.

@@ -52,7 +52,7 @@ fn replay_scene(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::R
     let found = || pack_beside(path, name);
     let Some(pack) = pack.map(Path::to_owned).or_else(found) else {
         bail!(WrongUsage(format!(
-            "--pack is needed: this run went through a scene; give {name}"
+            "--pack is needed: this run went through a scene; give {name}, which is {NOWHERE}"
         )));
     };
     let file = SceneFile::open(&pack)?;
@@ -84,7 +84,7 @@ fn replay_video(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::R
     let found = || pack_beside(path, &weighed.head.pack);
     let Some(pack) = pack.map(Path::to_owned).or_else(found) else {
         bail!(WrongUsage(format!(
-            "--pack is needed: this run weighed what is in its tiles; give {}",
+            "--pack is needed: this run weighed what is in its tiles; give {}, which is {NOWHERE}",
             weighed.head.pack
         )));
     };
@@ -104,6 +104,9 @@ fn replay_video(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::R
         .try_for_each(|part| check_belongs(part, &file))?;
     Ok(log.replay(&|_, head, config| Arc::clone(&video).demand(head, config)))
 }
+
+/// Where a pack was looked for and is not.
+const NOWHERE: &str = "not beside the log, a folder above it, or here";
 
 /// The pack that a log names: beside it, a folder above, or where the program was started.
 fn pack_beside(log: &Path, name: &str) -> Option<PathBuf> {

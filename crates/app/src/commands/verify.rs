@@ -2,7 +2,7 @@
 
 use crate::commands::scene::verify::{Trials, run as verify_scene};
 use crate::report::damage::listed;
-use crate::report::output;
+use crate::report::output::{self, WrongUsage};
 use anyhow::anyhow;
 use clap::Args;
 use foveal_core::units::counted;
@@ -38,8 +38,27 @@ struct Verified {
     damage: Vec<String>,
 }
 
+impl VerifyArgs {
+    /// Refuses options that would do nothing.
+    fn check(&self, is_scene: bool) -> Result<(), WrongUsage> {
+        let tries = self.cuts > 0 || self.orders > 0;
+        if !is_scene && (tries || self.ignore_prerequisites) {
+            let what = "--cuts, --orders, --ignore-prerequisites: are about scenes, and this is a \
+                        pack of video; leave them out";
+            return Err(WrongUsage(what.to_owned()));
+        }
+        if self.ignore_prerequisites && !tries {
+            let what = "--ignore-prerequisites: nothing is cut; give --cuts N or --orders N too";
+            return Err(WrongUsage(what.to_owned()));
+        }
+        Ok(())
+    }
+}
+
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
-    if is_scene_pack(&args.pack) {
+    let is_scene = is_scene_pack(&args.pack);
+    args.check(is_scene)?;
+    if is_scene {
         let trials = Trials {
             cuts: args.cuts,
             orders: args.orders,

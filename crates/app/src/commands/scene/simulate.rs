@@ -5,7 +5,7 @@ use crate::commands::scene::moving::{Mover, route_of};
 use crate::commands::scene::scene_info::BytesByKind;
 use crate::commands::score::ScoreReport;
 use crate::commands::simulate_options::{SimulateArgs, WrittenPictures};
-use crate::options::renderer::open_device;
+use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage};
 use crate::report::picture_file::write_png;
 use anyhow::{Context, bail};
@@ -151,8 +151,8 @@ impl SimulateArgs {
             (self.start > 0, "--start: a scene has no frames in time"),
             (self.paced, "--paced: a scene has no frames in time"),
             (
-                self.heat_map,
-                "--heat-map: marks tiles, and a scene has none",
+                self.heat_map && self.renderer == RendererName::None,
+                "--heat-map: --renderer none draws nothing to mark; leave one of them out",
             ),
             (
                 self.pictures == WrittenPictures::Video,
@@ -217,7 +217,11 @@ fn write_picture(
     frame: u32,
     view: &EyeView,
 ) -> anyhow::Result<()> {
-    match player.picture(view)? {
+    let picture = match args.heat_map {
+        true => player.picture_of_levels(view)?,
+        false => player.picture(view)?,
+    };
+    match picture {
         Some(image) => write_png(&args.out.join(format!("frame_{frame:05}.png")), &image),
         None => Ok(()),
     }

@@ -279,7 +279,8 @@ fn check_later_records(bytes: &[u8], minor: u8) -> Result<(), Fault> {
         });
         if behind.is_none() {
             let what = format!(
-                "the header counts {said} records behind the points, but {found} fit from byte {} on",
+                "the header counts {said} records behind the points, but {found} fit from byte {} \
+                 on",
                 long_at(bytes, 235)
             );
             return Err(Fault::broken("byte 243", what, REPAIR));
