@@ -8,10 +8,7 @@ mod map;
 mod pattern;
 mod rig_args;
 mod schema;
-mod sent;
 mod warp;
-mod warp_device;
-mod warp_source;
 
 use clap::Subcommand;
 
@@ -22,7 +19,7 @@ pub(crate) enum Panels {
     /// Where pixels of panels land in the source.
     Map(map::MapArgs),
     /// Fill all panels from one source.
-    Warp(warp::WarpArgs),
+    Warp(warp::args::WarpArgs),
     /// What it costs to fill any number of panels.
     Bench(bench::PanelsBenchArgs),
     /// Pictures to line up panels by.
