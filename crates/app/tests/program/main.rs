@@ -5,6 +5,7 @@
 // A test that cannot go on panics.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod bounded;
 mod bridge;
 mod clouds;
 mod damage;

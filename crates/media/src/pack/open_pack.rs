@@ -1,6 +1,6 @@
 //! How are the parts of a pack's file read, whatever is in it?
 
-use foveal_core::pack::{HEADER_BYTES, Header, PackError, TableEntry, check_crc};
+use foveal_core::pack::{HEADER_BYTES, Header, Index, PackError, TableEntry, check_crc};
 use foveal_core::units::counted;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
@@ -141,10 +141,13 @@ impl OpenPack {
         &self.header
     }
 
-    /// The whole index.
-    pub(crate) fn read_index(&self) -> Result<Vec<u8>, PackFileError> {
-        let (offset, bytes) = (self.header.index_offset, self.header.index_bytes);
-        self.read(offset, bytes, &|| "index".to_owned())
+    /// Reads all pages of an index, page by page.
+    pub(crate) fn read_index(&self, index: &Index) -> Result<(), PackFileError> {
+        let read = |place: std::ops::Range<u64>| {
+            let bytes = place.end - place.start;
+            self.read(place.start, bytes, &|| "index".to_owned())
+        };
+        index.read_all(read, |source| self.format(source))
     }
 
     /// A side table, its checksum checked.

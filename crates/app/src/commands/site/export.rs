@@ -90,10 +90,10 @@ fn tell_damage(packs: &[PathBuf]) -> anyhow::Result<()> {
         let bar = output::bar(Some(file.bytes()), Counting::Bytes);
         let damage = file.verify(|done, _| bar.set_position(done));
         bar.finish_and_clear();
-        if let Some(first) = damage.first() {
+        if let Some(first) = damage.first().first() {
             output::say(&format!(
                 "foveal: {first} ({} in all; the site shows the rest of it)",
-                counted(damage.len(), "damaged place")
+                counted(damage.places(), "damaged place")
             ));
         }
     }
