@@ -9,10 +9,11 @@ use crate::report::called::called;
 use crate::report::fault::Fault;
 pub(crate) use crate::report::fault::told;
 use anyhow::{Context, bail};
+use foveal_media::plain_file::open_plain;
 use indicatif::{ProgressBar, ProgressStyle};
 use old_names::with_old_names;
 use serde::Serialize;
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -130,23 +131,37 @@ const MAX_TEXT_BYTES: u64 = 1 << 30;
 /// The text of a file that a person named; `what` it should be goes into the message.
 pub(crate) fn read_text(path: &Path, what: &str) -> anyhow::Result<String> {
     let name = path.display();
-    let there =
-        std::fs::metadata(path).with_context(|| format!("{name}: cannot be read as {what}"))?;
-    if !there.is_file() || there.len() > MAX_TEXT_BYTES {
-        bail!("{name}: expected {what}: a file of at most {MAX_TEXT_BYTES} bytes");
+    let unread = || format!("{name}: cannot be read as {what}");
+    let expected = || format!("{name}: expected {what}: a file of at most {MAX_TEXT_BYTES} bytes");
+    let (file, there) = opened(path, unread, expected)?;
+    if there.len() > MAX_TEXT_BYTES {
+        bail!(expected());
     }
-    std::fs::read_to_string(path).with_context(|| format!("{name}: cannot be read as {what}"))
+    std::io::read_to_string(file).with_context(unread)
 }
 
 /// Opens the file that a person named; `what` it should be goes into the message. A pipe, which
 /// nobody may ever write into, is refused.
 pub(crate) fn open_file(path: &Path, what: &str) -> anyhow::Result<File> {
     let name = path.display();
-    let there = std::fs::metadata(path).with_context(|| format!("{name}: no {what} there"))?;
-    if !there.is_file() {
-        bail!("{name}: expected a {what}: a CSV file");
+    let missing = || format!("{name}: no {what} there");
+    let expected = || format!("{name}: expected a {what}: a CSV file");
+    Ok(opened(path, missing, expected)?.0)
+}
+
+/// A plain file, or what to say where it is none, or cannot be opened.
+fn opened(
+    path: &Path,
+    unopened: impl Fn() -> String,
+    expected: impl Fn() -> String,
+) -> anyhow::Result<(File, Metadata)> {
+    match open_plain(path) {
+        Ok(opened) => Ok(opened),
+        Err(error) if matches!(error.kind(), ErrorKind::IsADirectory | ErrorKind::Other) => {
+            bail!(expected())
+        }
+        Err(error) => Err(error).with_context(unopened),
     }
-    File::open(path).with_context(|| format!("{name}: the {what} cannot be opened"))
 }
 
 /// Refuses to write where one of the inputs lies, under whatever name.

@@ -42,6 +42,7 @@ mod score;
 mod score_conditions;
 mod score_many;
 mod selection;
+mod serving;
 mod site;
 mod support;
 mod unwritable;

@@ -1,5 +1,6 @@
 //! How are the parts of a pack's file read, whatever is in it?
 
+use crate::plain_file::open_plain;
 use foveal_core::pack::{HEADER_BYTES, Header, Index, PackError, TableEntry, check_crc};
 use foveal_core::units::counted;
 use std::fs::File;
@@ -96,19 +97,15 @@ impl OpenPack {
             path: path.to_owned(),
             source,
         };
-        let found = std::fs::metadata(path).map_err(|e| io("cannot be opened", e))?;
-        if !found.is_file() {
-            let what = if found.is_dir() {
-                "is a folder"
-            } else {
-                "is no plain file"
+        let (mut file, found) = open_plain(path).map_err(|error| {
+            let what = match error.kind() {
+                ErrorKind::IsADirectory => "is a folder",
+                ErrorKind::Other => "is no plain file",
+                _ => return io("cannot be opened", error),
             };
-            return Err(PackFileError::NoFile {
-                path: path.to_owned(),
-                what,
-            });
-        }
-        let mut file = File::open(path).map_err(|e| io("cannot be opened", e))?;
+            let path = path.to_owned();
+            PackFileError::NoFile { path, what }
+        })?;
         let mut head = Vec::new();
         let mut first = (&mut file).take(HEADER_BYTES as u64);
         first
