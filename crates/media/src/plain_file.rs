@@ -25,6 +25,21 @@ pub fn open_unlinked(path: &Path) -> Result<(File, Metadata)> {
     judged(path, flags)
 }
 
+/// Gives a file that is on disk another name, and makes that durable: a name is in its folder.
+///
+/// # Errors
+/// It cannot be renamed, or its folder not be written.
+pub fn rename_durably(from: &Path, to: &Path) -> Result<()> {
+    std::fs::rename(from, to)?;
+    let folder = to.parent().filter(|it| !it.as_os_str().is_empty());
+    // Elsewhere than on Unix a folder cannot be opened.
+    #[cfg(unix)]
+    File::open(folder.unwrap_or(Path::new(".")))?.sync_all()?;
+    #[cfg(not(unix))]
+    let _ = folder;
+    Ok(())
+}
+
 fn judged(path: &Path, flags: i32) -> Result<(File, Metadata)> {
     let mut options = OpenOptions::new();
     options.read(true);

@@ -8,11 +8,13 @@ mod old_names;
 use crate::report::called::called;
 use crate::report::fault::Fault;
 pub(crate) use crate::report::fault::told;
+use crate::report::visible::visible;
 use anyhow::{Context, bail};
-use foveal_media::plain_file::open_plain;
+use foveal_media::plain_file::{open_plain, rename_durably};
 use indicatif::{ProgressBar, ProgressStyle};
 use old_names::with_old_names;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fs::{File, Metadata};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -27,7 +29,7 @@ pub(crate) fn result(json: bool, result: &impl Serialize, text: &str) -> anyhow:
     let line = if json {
         with_old_names(&called().command, serde_json::to_string(result)?)
     } else {
-        text.trim_end().to_owned()
+        visible(text.trim_end()).into_owned()
     };
     PRINTED.store(true, Ordering::Relaxed);
     match writeln!(std::io::stdout(), "{line}") {
@@ -91,6 +93,11 @@ pub(crate) fn fail_usage(error: &clap::Error) -> ! {
     if error.use_stderr() {
         print_fault(&Fault::of_usage(error, called()));
     }
+    let text = error.render().to_string();
+    if let Cow::Owned(text) = visible(&text) {
+        say(text.trim_end());
+        std::process::exit(error.exit_code());
+    }
     error.exit()
 }
 
@@ -108,7 +115,7 @@ fn print_fault(fault: &Fault) {
 
 /// A line for people on stderr; nobody may be listening.
 pub(crate) fn say(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(std::io::stderr(), "{}", visible(line));
 }
 
 /// Most threads that may be asked for.
@@ -203,7 +210,13 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
         let written = std::fs::write(path, bytes);
         return written.with_context(|| format!("{}: cannot be written", path.display()));
     };
-    let written = std::fs::write(&growing, bytes).and_then(|()| std::fs::rename(&growing, path));
+    let write = || {
+        let mut file = File::create(&growing)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        rename_durably(&growing, path)
+    };
+    let written = write();
     if written.is_err() {
         let _ = std::fs::remove_file(&growing);
     }

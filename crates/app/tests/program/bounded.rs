@@ -207,3 +207,51 @@ fn reserved_bytes_of_the_header_are_zeros_or_the_pack_is_refused() {
         assert_refused(&within([20, 1_000_000], &["info", &path]), 1, &[words]);
     }
 }
+
+#[test]
+fn nothing_that_a_terminal_obeys_is_shown_of_a_name() {
+    let folder = Folder::new();
+    let name = "a\u{1b}[2J\u{202e}b\u{9b}.foveal";
+    let path = folder.holding(
+        name,
+        b"no pack, but long enough to have a header of 64 bytes.........",
+    );
+    let shown = ["\\u{1b}[2J\\u{202e}b\\u{9b}.foveal"];
+    for command in ["info", "verify", "replay"] {
+        let ran = within([20, 2_000_000], &[command, &path]);
+        assert_refused(&ran, 1, &shown);
+        assert!(
+            !ran.stderr.contains(['\u{1b}', '\u{202e}', '\u{9b}']),
+            "{ran:?}"
+        );
+    }
+    let wrong = format!("--{name}");
+    let ran = within([20, 2_000_000], &["info", &wrong]);
+    assert_refused(&ran, 2, &["\\u{202e}b\\u{9b}.foveal"]);
+    assert!(!ran.stderr.contains('\u{1b}'), "{ran:?}");
+}
+
+#[test]
+fn a_log_that_is_written_otherwise_replays_the_same_selection() {
+    let folder = Folder::new();
+    let pack = pack_at(&folder, "plain", [25, 1], 1);
+    let out = folder.name("out");
+    done(&[
+        "simulate",
+        &pack,
+        "--out",
+        &out,
+        "--policy",
+        "acuity",
+        "--renderer",
+        "none",
+        "--pictures",
+        "none",
+        "--frames",
+        "3",
+    ]);
+    let text = std::fs::read_to_string(format!("{out}/session.jsonl")).unwrap();
+    let spaced = folder.holding("spaced.jsonl", text.replacen('{', "{ ", 1).as_bytes());
+    let ran = within([20, 2_000_000], &["replay", &spaced]);
+    assert_refused(&ran, 1, &["the same selection, written otherwise"]);
+}

@@ -158,7 +158,7 @@ fn packs_of_other_pixels_have_another_tag_whatever_their_size_and_time() {
     let other = with_other_pixels(&good);
     let server = Server::start(&[&folder.name(".")]);
     let time = std::fs::metadata(&pack).unwrap().modified().unwrap();
-    let mut tag = |bytes: &[u8]| {
+    let tag = |bytes: &[u8]| {
         let place = folder.holding("b.foveal", bytes);
         let file = std::fs::File::options().write(true).open(&place).unwrap();
         file.set_modified(time).unwrap();

@@ -8,7 +8,9 @@ use crate::report::output::{self, Counting};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 use foveal_core::units::counted;
+use foveal_media::plain_file::rename_durably;
 use serde::Serialize;
+use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 
@@ -216,9 +218,10 @@ fn place(from: &Path, to: &Path) -> anyhow::Result<bool> {
     let placed = if linked {
         Ok(())
     } else {
-        std::fs::copy(&from, growing).map(drop)
+        let copied = std::fs::copy(&from, growing);
+        copied.and_then(|_| File::open(growing)?.sync_all())
     };
-    let placed = placed.and_then(|()| std::fs::rename(growing, to));
+    let placed = placed.and_then(|()| rename_durably(growing, to));
     // Renaming one name of a file to another name of it does nothing, and a failure leaves a part.
     let _ = std::fs::remove_file(growing);
     placed.with_context(|| format!("{}: cannot be written", to.display()))?;
