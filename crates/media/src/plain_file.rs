@@ -25,11 +25,13 @@ pub fn open_unlinked(path: &Path) -> Result<(File, Metadata)> {
     judged(path, flags)
 }
 
-/// Gives a file that is on disk another name, and makes that durable: a name is in its folder.
+/// Gives a file another name once its bytes are on disk, and makes the name durable, which is in
+/// its folder.
 ///
 /// # Errors
 /// It cannot be renamed, or its folder not be written.
 pub fn rename_durably(from: &Path, to: &Path) -> Result<()> {
+    File::open(from)?.sync_all()?;
     std::fs::rename(from, to)?;
     let folder = to.parent().filter(|it| !it.as_os_str().is_empty());
     // Elsewhere than on Unix a folder cannot be opened.

@@ -210,13 +210,7 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
         let written = std::fs::write(path, bytes);
         return written.with_context(|| format!("{}: cannot be written", path.display()));
     };
-    let write = || {
-        let mut file = File::create(&growing)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        rename_durably(&growing, path)
-    };
-    let written = write();
+    let written = std::fs::write(&growing, bytes).and_then(|()| rename_durably(&growing, path));
     if written.is_err() {
         let _ = std::fs::remove_file(&growing);
     }

@@ -228,10 +228,8 @@ impl Sink {
     }
 
     fn finish(self, counts: Counts, source_start_s: f64) -> anyhow::Result<Recorded> {
-        let durable = self.file.sync_all();
         drop(self.file);
-        let named = durable.and_then(|()| rename_durably(&self.growing, &self.path));
-        named.with_context(|| {
+        rename_durably(&self.growing, &self.path).with_context(|| {
             let kept = self.growing.display();
             format!("{}; the recording is in {kept}", cannot_write(&self.path))
         })?;

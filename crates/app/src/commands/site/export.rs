@@ -10,7 +10,6 @@ use clap::{Args, Subcommand};
 use foveal_core::units::counted;
 use foveal_media::plain_file::rename_durably;
 use serde::Serialize;
-use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 
@@ -218,8 +217,7 @@ fn place(from: &Path, to: &Path) -> anyhow::Result<bool> {
     let placed = if linked {
         Ok(())
     } else {
-        let copied = std::fs::copy(&from, growing);
-        copied.and_then(|_| File::open(growing)?.sync_all())
+        std::fs::copy(&from, growing).map(drop)
     };
     let placed = placed.and_then(|()| rename_durably(growing, to));
     // Renaming one name of a file to another name of it does nothing, and a failure leaves a part.
