@@ -204,13 +204,27 @@ pub(crate) fn growing_name(path: &Path) -> Option<PathBuf> {
     Some(growing.into())
 }
 
-/// Writes a file whole or not at all.
+/// Writes a file whole or not at all, and to the disk.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write_as(path, bytes, rename_durably)
+}
+
+/// The same for one of many, such as the pictures of a run, which the system may write when it
+/// likes.
+pub(crate) fn write_soon(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write_as(path, bytes, |from, to| std::fs::rename(from, to))
+}
+
+fn write_as(
+    path: &Path,
+    bytes: &[u8],
+    rename: impl FnOnce(&Path, &Path) -> std::io::Result<()>,
+) -> anyhow::Result<()> {
     let Some(growing) = growing_name(path) else {
         let written = std::fs::write(path, bytes);
         return written.with_context(|| format!("{}: cannot be written", path.display()));
     };
-    let written = std::fs::write(&growing, bytes).and_then(|()| rename_durably(&growing, path));
+    let written = std::fs::write(&growing, bytes).and_then(|()| rename(&growing, path));
     if written.is_err() {
         let _ = std::fs::remove_file(&growing);
     }
