@@ -4,6 +4,7 @@ mod bench;
 mod comparing;
 mod filter_name;
 mod fit;
+mod import;
 mod map;
 mod pattern;
 mod rig_args;
@@ -21,6 +22,8 @@ pub(crate) enum Panels {
     Fit(fit::FitArgs),
     /// Where pixels of panels land in the source.
     Map(map::MapArgs),
+    /// Turn another program's file into a rig file.
+    Import(import::ImportArgs),
     /// Fill all panels from one source.
     Warp(warp::WarpArgs),
     /// What it costs to fill any number of panels.
@@ -35,6 +38,7 @@ pub(crate) fn run(command: &Panels) -> anyhow::Result<()> {
     match command {
         Panels::Fit(args) => fit::run(args),
         Panels::Map(args) => map::run(args),
+        Panels::Import(args) => import::run(args),
         Panels::Warp(args) => warp::run(args),
         Panels::Bench(args) => bench::run(args),
         Panels::Pattern(args) => pattern::run(args),

@@ -1,5 +1,7 @@
 //! Does a rig file give the panels that it describes, and is what is wrong refused by its place?
 
+mod foreign;
+mod meshes;
 mod refused;
 
 use std::path::{Path, PathBuf};
@@ -200,7 +202,7 @@ fn maps_of_floats_are_read_where_they_fit_and_unlit_pixels_stay_dark() {
     assert!(
         read(pfm_bytes(f32::INFINITY))
             .unwrap_err()
-            .contains("infinite at column 3, row 2")
+            .contains("infinite at column 3, line 0")
     );
     let mut other = pfm_bytes(0.9);
     other[3] = b'5';
