@@ -1,5 +1,6 @@
 //! Turns files into packs and packs into frames.
 
+pub mod capture;
 pub mod error;
 mod ffmpeg;
 pub mod generate;

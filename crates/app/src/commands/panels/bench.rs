@@ -2,8 +2,9 @@
 
 use crate::commands::panels::filter_name::FilterName;
 use crate::commands::panels::rig_args::{RigArgs, source_size};
-use crate::commands::panels::warp::{WarpModeName, seed_map};
-use crate::commands::panels::warp_source::opaque;
+use crate::commands::panels::warp::args::WarpModeName;
+use crate::commands::panels::warp::laid::seed_map;
+use crate::commands::panels::warp::source::opaque;
 use crate::report::output::{self, WrongUsage, out_of_range};
 use anyhow::{Context, bail};
 use clap::Args;

@@ -9,10 +9,7 @@ mod map;
 mod pattern;
 mod rig_args;
 mod schema;
-mod sent;
 mod warp;
-mod warp_device;
-mod warp_source;
 
 use clap::Subcommand;
 
@@ -25,7 +22,7 @@ pub(crate) enum Panels {
     /// Turn another program's file into a rig file.
     Import(import::ImportArgs),
     /// Fill all panels from one source.
-    Warp(warp::WarpArgs),
+    Warp(warp::args::WarpArgs),
     /// What it costs to fill any number of panels.
     Bench(bench::PanelsBenchArgs),
     /// Pictures to line up panels by.
