@@ -43,7 +43,8 @@ pub struct PanelParams {
     pub cell: u32,
     /// Grids of the panel: 1, or 3 where colours part.
     pub channels: u32,
-    /// Index among the grids of the shares of light that pixels keep, plus 1; 0 where they keep all.
+    /// Index among the grids of the shares of light that pixels keep, plus 1; 0 where they keep
+    /// all.
     pub alpha: u32,
     /// Padding.
     pub unused: u32,

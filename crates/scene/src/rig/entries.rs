@@ -70,8 +70,8 @@ pub(super) struct PanelEntry {
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 90.0))]
     pub(super) blend: f64,
-    /// A grey PNG of the panel's pixels in the rig file's folder: the share of its linear light that
-    /// each pixel keeps.
+    /// A grey PNG of the panel's pixels in the rig file's folder: the share of its linear light
+    /// that each pixel keeps.
     pub(super) alpha: Option<String>,
     /// What linear red, green and blue are multiplied by.
     #[serde(default = "no_gain")]

@@ -2,6 +2,7 @@
 
 mod bench;
 mod comparing;
+mod figures;
 mod filter_name;
 mod fit;
 mod import;
@@ -25,6 +26,8 @@ pub(crate) enum Panels {
     Warp(warp::args::WarpArgs),
     /// What it costs to fill any number of panels.
     Bench(bench::PanelsBenchArgs),
+    /// Drawings of panels, their source and what pixels take of it.
+    Figures(figures::FiguresArgs),
     /// Pictures to line up panels by.
     Pattern(pattern::PatternArgs),
     /// The JSON Schema of rig files.
@@ -38,6 +41,7 @@ pub(crate) fn run(command: &Panels) -> anyhow::Result<()> {
         Panels::Import(args) => import::run(args),
         Panels::Warp(args) => warp::run(args),
         Panels::Bench(args) => bench::run(args),
+        Panels::Figures(args) => figures::run(args),
         Panels::Pattern(args) => pattern::run(args),
         Panels::Schema(args) => schema::run(args),
     }

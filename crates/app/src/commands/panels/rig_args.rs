@@ -35,8 +35,8 @@ impl RigEye {
 /// Where the source lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PlacementName {
-    /// The rig's screen where it has one; a plane while panels lie within 65° of one axis, else what
-    /// needs least of the curved ones.
+    /// The rig's screen where it has one; a plane while panels lie within 65° of one axis, else
+    /// what needs least of the curved ones.
     Auto,
     /// Square to the head and centred, as Strege 2009 has it.
     Seed,

@@ -57,7 +57,8 @@ fn lines_of(panel: &Panel) -> String {
     let output = &panel.output;
     format!(
         "\n[[panel]]\nid = {}\npixels = [{w}, {h}]\n\
-         pose = {{ order = \"yaw-pitch-roll\", yaw = {yaw:?}, pitch = {pitch:?}, roll = {roll:?} }}\n\
+         pose = {{ order = \"yaw-pitch-roll\", yaw = {yaw:?}, pitch = {pitch:?}, \
+         roll = {roll:?} }}\n\
          tangents = {{ left = {:?}, right = {:?}, up = {:?}, down = {:?} }}\n\
          scanout = \"{scanout}\"\n\
          output = {{ surface = {}, x = {}, y = {} }}\n",

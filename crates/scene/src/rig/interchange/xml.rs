@@ -15,10 +15,13 @@ pub(super) fn parse(text: &str) -> Result<Document<'_>, RigFault> {
         ..ParsingOptions::default()
     };
     Document::parse_with_options(text, options).map_err(|error| {
-        let line = error.pos().row;
-        let what = match error {
-            roxmltree::Error::DtdDetected => "it declares its own entities, which are not read",
-            _ => &error.to_string(),
+        let (line, what) = match error {
+            // It does not say where.
+            roxmltree::Error::DtdDetected => {
+                let line = line_number(text, text.find("<!DOCTYPE").unwrap_or(0));
+                (line, "it declares its own entities, which are not read")
+            }
+            _ => (error.pos().row as usize, &*error.to_string()),
         };
         RigFault::new(&format!("line {line}"), what, NEXT)
     })

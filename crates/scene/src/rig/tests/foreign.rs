@@ -328,10 +328,12 @@ fn alpha_is_read_as_linear_light_and_a_flat_profile_is_a_screen() {
     );
 }
 
-#[test]
-fn what_is_wrong_with_a_document_is_refused_by_its_line_and_element() {
+/// A wrong document, and what the message names.
+type WrongDocument = (String, &'static [&'static str]);
+
+fn wrong_documents() -> [WrongDocument; 16] {
     let sound = document(FRUSTUM, "");
-    let cases: [(String, &[&str]); 16] = [
+    [
         (sound.replace("MPCDI", "HTML"), &["line 2", "no MPCDI"]),
         (
             sound.replace("\"3d\"", "\"sl\""),
@@ -371,7 +373,10 @@ fn what_is_wrong_with_a_document_is_refused_by_its_line_and_element() {
             sound.replace("id=\"a\"", "id=\"../a\""),
             &["line 4", "id", "names no file"],
         ),
-        (sound.replace("</region>", ""), &["line 4", "expected 'region'"]),
+        (
+            sound.replace("</region>", ""),
+            &["line 4", "expected 'region'"],
+        ),
         (
             sound.replace("<MPCDI", "<!DOCTYPE x [<!ENTITY a \"b\">]><MPCDI"),
             &["line 2", "entities"],
@@ -390,8 +395,12 @@ fn what_is_wrong_with_a_document_is_refused_by_its_line_and_element() {
             document(FRUSTUM, SET).replace("3d", "a3"),
             &["line 5", "geometryWarpFile", "points in space"],
         ),
-    ];
-    for (text, names) in cases {
+    ]
+}
+
+#[test]
+fn what_is_wrong_with_a_document_is_refused_by_its_line_and_element() {
+    for (text, names) in wrong_documents() {
         let error = read(text.as_bytes()).unwrap_err();
         for name in names {
             assert!(error.contains(name), "{error}: no {name:?}\n{text}");
