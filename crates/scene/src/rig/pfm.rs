@@ -145,7 +145,8 @@ pub(super) fn by_shares(size: [u32; 2], share: impl Fn(usize, usize) -> [f64; 2]
     }
 }
 
-/// The four words before the floats, and what follows the single white space after them.
+/// The four words before the floats, and what follows the line's end or single white space after
+/// them.
 fn header(bytes: &[u8]) -> Result<([&str; 4], &[u8]), String> {
     let cut = || "ends within its header".to_owned();
     let mut rest = bytes;
@@ -158,5 +159,7 @@ fn header(bytes: &[u8]) -> Result<([&str; 4], &[u8]), String> {
         *word = std::str::from_utf8(&rest[..end]).map_err(|_| "is no such map".to_owned())?;
         rest = &rest[end..];
     }
-    Ok((words, &rest[1..]))
+    // A line that Windows ended is ended by two.
+    let end = if rest.starts_with(b"\r\n") { 2 } else { 1 };
+    Ok((words, &rest[end..]))
 }

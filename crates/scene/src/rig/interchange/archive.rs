@@ -6,6 +6,8 @@ use zip::ZipArchive;
 
 /// Most entries of an archive.
 const MOST_ENTRIES: usize = 10_000;
+/// What an entry of its directory begins with.
+const ENTRY: &[u8] = b"PK\x01\x02";
 
 /// Files by name; nothing is ever written where a name says.
 pub(super) struct Archive<'a> {
@@ -20,11 +22,13 @@ impl<'a> Archive<'a> {
     }
 
     pub(super) fn open(bytes: &'a [u8]) -> Result<Self, String> {
+        // Before anything is kept of them.
+        let entries = bytes.windows(ENTRY.len()).filter(|it| *it == ENTRY);
+        if entries.take(MOST_ENTRIES + 1).count() > MOST_ENTRIES {
+            return Err(format!("holds more than {MOST_ENTRIES} files"));
+        }
         let zip = ZipArchive::new(Cursor::new(bytes));
         let zip = zip.map_err(|error| format!("is no whole zip: {error}"))?;
-        if zip.len() > MOST_ENTRIES {
-            return Err(format!("holds {} files of {MOST_ENTRIES}", zip.len()));
-        }
         // A name that is no text is nobody's: nothing asks for it.
         let names = zip
             .file_names()

@@ -447,6 +447,8 @@ fn what_is_wrong_with_a_map_is_refused_and_no_more_is_unpacked_than_it_may_need(
     assert!(error.contains("leads out"), "{error}");
     let error = read(&zipped(&[("a.pfm", &warp(as_is))])).unwrap_err();
     assert!(error.contains("no .xml"), "{error}");
+    let many = [b"PK".to_vec(), b"PK\x01\x02".repeat(10_001)].concat();
+    assert!(read(&many).unwrap_err().contains("more than 10000 files"));
     let blank = vec![b' '; (1 << 24) + 1];
     let error = read(&zipped(&[("a.xml", &blank)])).unwrap_err();
     assert!(error.contains("unpacks to more"), "{error}");

@@ -211,6 +211,8 @@ fn maps_of_floats_are_read_where_they_fit_and_unlit_pixels_stay_dark() {
         assert!(!read_any_pfm(&pfm_bytes(0.9)[..cut]));
     }
     assert!(read_any_pfm(&pfm_bytes(0.875)));
+    let windows = [&b"PF\r\n4 3\r\n-1.0\r\n"[..], &pfm_bytes(0.875)[12..]].concat();
+    assert!(read_any_pfm(&windows));
 }
 
 proptest! {
