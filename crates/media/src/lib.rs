@@ -6,6 +6,7 @@ mod ffmpeg;
 pub mod generate;
 pub mod pack;
 mod parallel;
+pub mod plain_file;
 pub mod prepare;
 pub mod read;
 pub mod source_view;

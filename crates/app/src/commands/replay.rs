@@ -171,10 +171,12 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
         replay_sha256: sha256_hex(again.write().as_bytes()),
         same: again.write() == text,
     };
-    let verdict = if replayed.same {
-        "the same selection again"
-    } else {
-        "another selection"
+    let is_written_otherwise =
+        !replayed.same && before == after && log.parts.len() == again.parts.len();
+    let verdict = match (replayed.same, is_written_otherwise) {
+        (true, _) => "the same selection again",
+        (_, true) => "the same selection, written otherwise",
+        _ => "another selection",
     };
     let text = format!(
         "{}: {verdict}\nsha256 {}",
@@ -183,6 +185,13 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     );
     if replayed.same {
         return output::result(args.json, &replayed, &text);
+    }
+    if is_written_otherwise {
+        let error = anyhow!(
+            "{name}: the same selection, written otherwise: the log was changed, or another \
+             version wrote it; take the log as it was written to compare its text"
+        );
+        return output::result_that_fails(args.json, &replayed, &text, error);
     }
     let from = first_difference.map_or("its first line".to_owned(), |f| format!("frame {f}"));
     let error = anyhow!(

@@ -36,6 +36,7 @@ struct Verified {
     bytes: u64,
     units: usize,
     damage: Vec<String>,
+    damaged_places: u64,
 }
 
 impl VerifyArgs {
@@ -70,12 +71,13 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
     let bar = output::bar(Some(file.bytes()), output::Counting::Bytes);
     let damage = file.verify(|done, _| bar.set_position(done));
     bar.finish_and_clear();
-    let found = damage.len();
+    let found = damage.places();
     let verified = Verified {
         ok: damage.is_empty(),
         bytes: file.bytes(),
         units: file.pack().units().count(),
         damage: listed(&damage),
+        damaged_places: damage.places(),
     };
     if verified.ok {
         let text = format!(

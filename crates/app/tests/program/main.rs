@@ -5,6 +5,7 @@
 // A test that cannot go on panics.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod bounded;
 mod bridge;
 mod clouds;
 mod damage;
@@ -41,6 +42,7 @@ mod score;
 mod score_conditions;
 mod score_many;
 mod selection;
+mod serving;
 mod site;
 mod support;
 mod unwritable;
