@@ -176,7 +176,7 @@ fn the_passes_that_fill_panels_are_valid_with_no_capability_that_a_browser_lacks
         PanelParams,
         [
             right, projection, down, black, corner, blend, origin, size, scale, offset, low, high,
-            gain, grid, cell, channels, unused
+            gain, grid, cell, channels, alpha, unused
         ]
     );
     same_layout!(

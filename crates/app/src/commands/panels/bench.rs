@@ -107,7 +107,7 @@ pub(crate) fn run(args: &PanelsBenchArgs) -> anyhow::Result<()> {
     let size = source_size(args.source.as_deref())?
         .told()
         .unwrap_or(SOURCE);
-    let fit = args.rig.fit(&panels, Some(size))?;
+    let fit = args.rig.fit(&rig, &panels, Some(size))?;
     let gpu = Gpu::open_blocking().context("panels bench draws on a GPU")?;
     let picture = GeneratedWorld::gratings(0).placed(0, &fit.placement, size);
     let stage = Stage {

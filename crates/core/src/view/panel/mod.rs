@@ -3,6 +3,7 @@
 //! Normative for the file that describes them: docs/formats/panels.md. Angles are radians, lengths
 //! are in distances from the eye to the panel, places are pixels with centres at +0.5, rows down.
 
+pub mod alpha;
 mod curved;
 pub mod distortion;
 pub mod fit;

@@ -118,6 +118,7 @@ impl WarpArgs {
             false => panel.clone(),
             true => Panel {
                 blend: 0.0,
+                alpha: None,
                 gain: [1.0; 3],
                 black: 0.0,
                 ..panel.clone()

@@ -48,12 +48,12 @@ impl WarpArgs {
     }
 
     /// Places a source of a size, or of any, before panels.
-    fn fit(&self, panels: &[&Panel], source: SourceSize) -> anyhow::Result<SourceFit> {
-        let mut rig = self.rig.clone();
-        if self.mode.is_some() && rig.placement == PlacementName::Auto {
-            rig.placement = PlacementName::Seed;
+    fn fit(&self, rig: &Rig, panels: &[&Panel], source: SourceSize) -> anyhow::Result<SourceFit> {
+        let mut args = self.rig.clone();
+        if self.mode.is_some() && args.placement == PlacementName::Auto {
+            args.placement = PlacementName::Seed;
         }
-        rig.fit(panels, source)
+        args.fit(rig, panels, source)
     }
 
     /// Places the source before the eyes: a world for each by itself, a file before all panels.
@@ -70,8 +70,8 @@ impl WarpArgs {
             )));
         }
         let mut laid = match source.size() {
-            Some(size) => self.lay_file(panels, size)?,
-            None => self.lay_world(panels)?,
+            Some(size) => self.lay_file(rig, panels, size)?,
+            None => self.lay_world(rig, panels)?,
         };
         if let Some(distance) = self.distance {
             for it in &mut laid.parts {
@@ -86,7 +86,7 @@ impl WarpArgs {
         Ok(laid)
     }
 
-    fn lay_file(&self, panels: &[&Panel], size: [u32; 2]) -> anyhow::Result<Laid> {
+    fn lay_file(&self, rig: &Rig, panels: &[&Panel], size: [u32; 2]) -> anyhow::Result<Laid> {
         let [w, h] = size;
         let parts = match self.stereo {
             StereoName::Mono => [[0, 0, w, h]; 2],
@@ -99,7 +99,7 @@ impl WarpArgs {
                 self.source_name
             );
         }
-        let found = self.fit(panels, SourceSize::Picture([parts[0][2], parts[0][3]]))?;
+        let found = self.fit(rig, panels, SourceSize::Picture([parts[0][2], parts[0][3]]))?;
         let eyes = [Eye::Left, Eye::Right];
         let part = |(eye, part)| EyePart {
             eye,
@@ -113,7 +113,7 @@ impl WarpArgs {
         })
     }
 
-    fn lay_world(&self, panels: &[&Panel]) -> anyhow::Result<Laid> {
+    fn lay_world(&self, rig: &Rig, panels: &[&Panel]) -> anyhow::Result<Laid> {
         let size = source_size(self.source.as_deref())?;
         let mut laid = Laid {
             placement: "",
@@ -129,7 +129,7 @@ impl WarpArgs {
             if of_eye.is_empty() {
                 continue;
             }
-            let found = self.fit(&of_eye, size)?;
+            let found = self.fit(rig, &of_eye, size)?;
             let [w, h] = found.size;
             // Below what is there: sources are wider than high, and devices draw squares.
             laid.parts.push(EyePart {
