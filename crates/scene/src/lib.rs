@@ -12,6 +12,7 @@ pub mod cracks;
 pub mod generate;
 pub mod laz_whole;
 mod nearest;
+mod plain_bytes;
 pub mod read;
 pub mod rig;
 pub mod signatures;

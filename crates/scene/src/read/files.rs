@@ -1,8 +1,8 @@
 //! Where are the files that a scene names, and what is in them?
 
+use crate::plain_bytes::{PlainBytesError, plain_bytes};
 use foveal_core::pack::sha256_hex;
 use std::collections::HashMap;
-use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 use std::rc::Rc;
 
@@ -149,24 +149,11 @@ fn leads_out(name: &str) -> Fault {
     )
 }
 
-/// The bytes of a file; devices, pipes and folders, which may have no end, are refused.
-/// What is opened is judged, and opening waits for nobody.
 fn read_regular(path: &Path) -> Result<Vec<u8>, String> {
-    let mut options = std::fs::OpenOptions::new();
-    options.read(true);
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK);
-    let opened = options
-        .open(path)
-        .and_then(|file| Ok((file.metadata()?, file)));
-    let (there, mut file) = opened.map_err(|error| error.to_string())?;
-    if !there.is_file() {
-        return Err("it is no regular file".to_owned());
-    }
-    let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes)
-        .map_err(|error| error.to_string())?;
-    Ok(bytes)
+    plain_bytes(path, u64::MAX).map_err(|error| match error {
+        PlainBytesError::System(error) => error.to_string(),
+        PlainBytesError::Other => "it is no regular file".to_owned(),
+    })
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ mod places;
 #[cfg(test)]
 mod tests;
 
+use crate::plain_bytes::{PlainBytesError, plain_bytes};
 use std::path::Path;
 
 use foveal_core::view::panel::rig::{Panel, Rig};
@@ -69,17 +70,17 @@ pub fn read_rig(path: &Path) -> Result<Rig, RigError> {
                     .xml, .data, .mesh or .txt";
         return Err(RigFault::new("", what, NEXT).in_file(path));
     };
-    let failed = |error: std::io::Error| {
-        let what = format!("cannot be read: {error}");
-        RigFault::new("", what, "check the path and the permissions").in_file(path)
-    };
-    let about = std::fs::metadata(path).map_err(failed)?;
     let most = kind.most_bytes();
-    if !about.is_file() || about.len() > most {
-        let what = format!("is no file of at most {most} bytes");
-        return Err(RigFault::new("", what, NEXT).in_file(path));
-    }
-    let bytes = std::fs::read(path).map_err(failed)?;
+    let bytes = plain_bytes(path, most).map_err(|error| match error {
+        PlainBytesError::System(error) => {
+            let what = format!("cannot be read: {error}");
+            RigFault::new("", what, "check the path and the permissions").in_file(path)
+        }
+        PlainBytesError::Other => {
+            let what = format!("is no file of at most {most} bytes");
+            RigFault::new("", what, NEXT).in_file(path)
+        }
+    })?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let read = |name: &str| -> Result<Vec<u8>, String> { beside(folder, name) };
     let found = match kind {
@@ -117,12 +118,10 @@ fn beside(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
     if name.is_empty() || !only_names(Path::new(name)) {
         return Err("names no file in the rig file's folder".to_owned());
     }
-    let path = folder.join(name);
-    let about = std::fs::metadata(&path).map_err(|error| format!("cannot be read: {error}"))?;
-    if !about.is_file() || about.len() > MOST_BESIDE {
-        return Err(format!("is no file of at most {MOST_BESIDE} bytes"));
-    }
-    std::fs::read(&path).map_err(|error| format!("cannot be read: {error}"))
+    plain_bytes(&folder.join(name), MOST_BESIDE).map_err(|error| match error {
+        PlainBytesError::System(error) => format!("cannot be read: {error}"),
+        PlainBytesError::Other => format!("is no file of at most {MOST_BESIDE} bytes"),
+    })
 }
 
 fn parse_rig(
