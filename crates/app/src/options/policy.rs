@@ -263,6 +263,7 @@ impl PolicyOptions {
             saliency: self.saliency == Switch::On,
             importance: self.importance.into(),
             target: self.target(policy)?,
+            together: false,
         })
     }
 

@@ -23,6 +23,7 @@ mod no_adapter;
 mod numbers;
 mod options;
 mod panels;
+mod panels_pack;
 mod panels_warp;
 mod perception;
 mod perceptual;

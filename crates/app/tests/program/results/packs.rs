@@ -112,7 +112,12 @@ fn what_is_chosen_and_played_is_told_of_as_documented() {
     let choose = ["select", "--projection", "cube", "--face-size", "256"];
     let one = json(&choose);
     let many = json(&[&choose[..], &["--random-gazes", "3"]].concat());
-    agrees("select", &[&one, &many]);
+    let rig = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/panels/six.toml"
+    );
+    let panels = json(&[&choose[..], &["--panels", rig]].concat());
+    agrees("select", &[&one, &many, &panels]);
     let play = [
         "simulate",
         &pack,

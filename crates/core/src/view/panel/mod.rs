@@ -9,6 +9,7 @@ pub mod fit;
 pub mod footprint;
 mod hull;
 pub mod lens;
+pub mod mounted;
 pub mod pixel_map;
 pub mod placement;
 mod plane;
@@ -18,4 +19,4 @@ mod samples;
 pub mod seed;
 pub mod share;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

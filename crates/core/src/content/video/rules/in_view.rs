@@ -21,7 +21,7 @@ impl Rules {
         let sight = self.sight(view);
         let mut cells = self.cells.iter();
         let mut levels = LevelMap::from_cells(&self.grid, |_| {
-            let level = |bounds| self.shown_level(bounds, view, &sight);
+            let level = |bounds| self.shown_level(bounds, view, &sight, 0);
             cells.next().map_or(self.grid.coarsest(), level)
         });
         self.refine_under(view, &mut levels, |probe| self.level_shown(view, probe));
@@ -37,19 +37,34 @@ impl Rules {
         level_of_footprint(&self.grid, view.footprint(probe.ppd, probe.direction))
     }
 
-    /// The level at which the display shows no more of a cell.
-    pub(super) fn shown_level(&self, bounds: &CellBounds, view: &EyeView, sight: &Frustum) -> u8 {
+    /// The level at which the display shows no more of a cell; any level up to `enough` where that
+    /// is as fine.
+    pub(super) fn shown_level(
+        &self,
+        bounds: &CellBounds,
+        view: &EyeView,
+        sight: &Frustum,
+        enough: u8,
+    ) -> u8 {
         if bounds.is_beyond(sight) {
             return self.grid.coarsest();
         }
         let corners = corners(&self.grid, bounds.cell);
         let floor = level_of_footprint(&self.grid, least_footprint(view, &corners));
+        let stop = floor.max(enough);
         let finest = |probes: &mut dyn Iterator<Item = Probe>| {
-            let seen = probes.filter(|probe| sight.reaches(probe.direction));
-            seen.map(|probe| self.level_shown(view, &probe)).min()
+            let mut finest = None;
+            for probe in probes.filter(|probe| sight.reaches(probe.direction)) {
+                let level = self.level_shown(view, &probe);
+                finest = Some(finest.map_or(level, |finest: u8| finest.min(level)));
+                if level <= stop {
+                    break;
+                }
+            }
+            finest
         };
         match finest(&mut corners.into_iter()) {
-            Some(level) if level == floor => level,
+            Some(level) if level <= stop => level,
             _ => finest(&mut probes(&self.grid, bounds.cell)).unwrap_or(self.grid.coarsest()),
         }
     }
