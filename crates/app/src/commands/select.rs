@@ -1,7 +1,9 @@
 //! What would be chosen, without content?
 
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel, parse_gaze};
-use crate::options::panels::{NamedPanel, PanelsOptions, around_the_head};
+use crate::options::panels::{
+    NamedPanel, PanelsOptions, SAMPLES_ONE_VIEW, around_the_head, screen_before,
+};
 use crate::options::policy::{
     CutOptions, MappingName, PolicyOptions, ViewOptions, check_thresholds, parse_size,
 };
@@ -22,6 +24,7 @@ use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::head_pose::HeadPose;
 use foveal_core::view::panel::mounted::MountedPanel;
+use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::random::Random;
 use foveal_core::view::surface::{Projection, Surface};
 use foveal_render::sample_count;
@@ -129,13 +132,15 @@ enum Bounding {
 const MOST_GAZES: u32 = 1_000_000;
 
 pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
+    let panels = args.panels.read(args.eye)?;
+    let args = &args.before(panels.as_deref())?;
     let surface = args.surface()?;
     let args = &args.with_preset(&surface);
     let levels = args.cut.levels.unwrap_or(5);
     let grid = TileGrid::new(surface, args.cut.cut(&surface), levels, args.cut.ratio())
         .map_err(|error| WrongUsage(error.to_string()))?;
     let config = args.config(&grid)?;
-    let bounding = args.bounding(&surface, config.policy)?;
+    let bounding = args.bounding(&surface, config.policy, panels)?;
     let samples = match config.policy {
         Policy::Sampled => Some(sample_count(&config, &args.view.eye_view(&surface)?)),
         _ => None,
@@ -181,6 +186,20 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
 }
 
 impl SelectArgs {
+    /// These options with those that panels stand for.
+    fn before(&self, panels: Option<&[Panel]>) -> anyhow::Result<Self> {
+        let mut with = self.clone();
+        if let Some(panels) = panels {
+            if let (ProjectionName::Flat, Some(size)) = (self.projection, self.size) {
+                with.view.screen = screen_before(panels, size)?;
+            }
+            if self.preset.is_none() {
+                with.policy = self.policy.seen_by_many(panels);
+            }
+        }
+        Ok(with)
+    }
+
     /// These options with those that the preset stands for.
     fn with_preset(&self, surface: &Surface) -> Self {
         let mut with = self.clone();
@@ -259,15 +278,15 @@ impl SelectArgs {
     }
 
     /// What bounds what is worth choosing: a view only where one was asked for, or needed.
-    fn bounding(&self, surface: &Surface, policy: Policy) -> anyhow::Result<Bounding> {
-        if let Some(panels) = self.panels.read(self.eye)? {
-            if surface.projection == Projection::Flat {
-                bail!(wrong("--panels turn with the head; give --projection cube"));
-            }
+    fn bounding(
+        &self,
+        surface: &Surface,
+        policy: Policy,
+        panels: Option<Vec<Panel>>,
+    ) -> anyhow::Result<Bounding> {
+        if let Some(panels) = panels {
             if policy == Policy::Sampled {
-                bail!(wrong(
-                    "--policy sampled shows samples in one view; with --panels give another policy"
-                ));
+                bail!(wrong(SAMPLES_ONE_VIEW));
             }
             let names = panels.iter().map(NamedPanel::of).collect();
             return Ok(Bounding::Panels(around_the_head(&panels), names));
@@ -307,7 +326,13 @@ impl Bounding {
                     ..*view
                 },
             }],
-            Self::Panels(panels, _) => MountedPanel::views_from(panels, &head, DVec3::ZERO),
+            Self::Panels(panels, _) => {
+                let head = match surface.projection {
+                    Projection::Flat => HeadPose::default(),
+                    Projection::Cube => head,
+                };
+                MountedPanel::views_from(panels, &head, DVec3::ZERO)
+            }
         }
     }
 

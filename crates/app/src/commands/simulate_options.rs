@@ -5,6 +5,7 @@ use crate::gaze_source::{GazeChoice, parse_gaze};
 use crate::options::bytes::{parse_budget, parse_memory};
 use crate::options::decoding::DecodingOptions;
 use crate::options::link::parse_delay;
+use crate::options::panels::PanelsOptions;
 use crate::options::policy::{PolicyOptions, ViewOptions};
 use crate::options::renderer::RendererName;
 use crate::options::showing::{EyeName, ShowingOptions};
@@ -50,6 +51,8 @@ pub(crate) struct SimulateArgs {
     #[command(flatten)]
     pub(crate) view: ViewOptions,
     #[command(flatten)]
+    pub(crate) panels: PanelsOptions,
+    #[command(flatten)]
     pub(crate) showing: ShowingOptions,
     /// First frame to play; decoding starts at its group's key frame, without showing.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -64,7 +67,8 @@ pub(crate) struct SimulateArgs {
     /// What pictures to write.
     #[arg(long, value_enum, default_value = "png")]
     pub(crate) pictures: WrittenPictures,
-    /// Whose picture to write, of content for two eyes; both lie side by side.
+    /// Whose picture to write, of content for two eyes; both lie side by side. With --panels, whose
+    /// panels there are.
     #[arg(long, value_enum, default_value = "left")]
     pub(crate) eye: EyeName,
     /// Write every Nth picture.

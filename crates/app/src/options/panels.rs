@@ -4,9 +4,10 @@ use crate::options::showing::EyeName;
 use crate::report::output::WrongUsage;
 use anyhow::bail;
 use clap::Args;
+use foveal_core::view::panel::fit::{PlacementRule, SourceSize, fit};
 use foveal_core::view::panel::mounted::MountedPanel;
 use foveal_core::view::panel::rig::Panel;
-use foveal_core::view::surface::Eye;
+use foveal_core::view::surface::{Eye, Screen};
 use foveal_scene::rig::read_rig;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -28,6 +29,19 @@ pub(crate) struct NamedPanel {
     /// Whose it is: left, right or both.
     pub(crate) eye: &'static str,
 }
+
+/// A panel that a pack was played on.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct PlayedPanel {
+    id: String,
+    /// How good it looked beside the full picture, where somebody asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    jod: Option<f64>,
+}
+
+/// Why samples are not shown on panels.
+pub(crate) const SAMPLES_ONE_VIEW: &str =
+    "--policy sampled shows samples in one view; with --panels give another policy";
 
 impl PanelsOptions {
     /// The panels that `eye` looks at, as the rig has them; `None` where there is no rig.
@@ -57,6 +71,25 @@ impl PanelsOptions {
     }
 }
 
+impl PanelsOptions {
+    /// The same where a pack is drawn on them: flat ones alone can be.
+    pub(crate) fn flat(&self, eye: EyeName) -> anyhow::Result<Option<Vec<Panel>>> {
+        let panels = self.read(eye)?;
+        let mut bent = panels
+            .iter()
+            .flatten()
+            .filter(|it| !it.distortion.is_none());
+        if let Some(panel) = bent.next() {
+            bail!(WrongUsage(format!(
+                "--panels: panel {} has a distortion, and packs are drawn on flat panels alone; \
+                 leave its distortion out, or fill it by `foveal panels warp RIG SOURCE`",
+                panel.id
+            )));
+        }
+        Ok(panels)
+    }
+}
+
 impl NamedPanel {
     pub(crate) fn of(panel: &Panel) -> Self {
         Self {
@@ -70,8 +103,49 @@ impl NamedPanel {
     }
 }
 
+impl PlayedPanel {
+    /// Panels with their scores, in the same order, where there are any.
+    pub(crate) fn all(panels: &[Panel], jods: Option<&[f64]>) -> Vec<Self> {
+        let one = |(at, panel): (usize, &Panel)| Self {
+            id: panel.id.clone(),
+            jod: jods.and_then(|jods| jods.get(at).copied()),
+        };
+        panels.iter().enumerate().map(one).collect()
+    }
+
+    /// All of them, for people.
+    pub(crate) fn text(panels: &[Self]) -> String {
+        let one = |panel: &Self| match panel.jod {
+            Some(jod) => format!("{} {jod:.2} JOD", panel.id),
+            None => panel.id.clone(),
+        };
+        let all: Vec<String> = panels.iter().map(one).collect();
+        format!("panels: {}\n", all.join(", "))
+    }
+}
+
 /// Panels for pictures on a surface around the head, which look the same from either eye.
 pub(crate) fn around_the_head(panels: &[Panel]) -> Vec<MountedPanel> {
     let mounted = panels.iter().map(MountedPanel::of);
     mounted.map(MountedPanel::centred).collect()
+}
+
+/// The screen that flat content of a shape fills before panels: square to the head and centred, as
+/// `foveal panels fit --placement seed` tells, at a distance of a metre.
+pub(crate) fn screen_before(panels: &[Panel], shape: [u32; 2]) -> anyhow::Result<Screen> {
+    const METRES_AN_INCH: f64 = 0.0254;
+    let panels: Vec<&Panel> = panels.iter().collect();
+    let found = fit(&panels, PlacementRule::Seed, SourceSize::Picture(shape));
+    let Ok(found) = found else {
+        bail!(WrongUsage(
+            "--panels: a panel looks 90° or more to the side, and a flat pack lies on a plane \
+             before the head; give a rig that looks ahead, or a pack of a sphere"
+                .to_owned()
+        ));
+    };
+    let [right, down] = found.placement.extent().map(|side| side / 2.0);
+    Ok(Screen {
+        diagonal_inches: 2.0 * right.hypot(down) / METRES_AN_INCH,
+        distance_m: 1.0,
+    })
 }

@@ -1,6 +1,8 @@
 //! Do the panels of a rig show a pack as a window does, each for itself and all together?
 
-use crate::support::{json, refused};
+use crate::scene::torus_pack;
+use crate::scenes::{noise, waves, write_clip};
+use crate::support::{Folder, done, json, refused};
 use serde_json::Value;
 
 /// A choice for a small cube.
@@ -77,7 +79,157 @@ fn panels_are_named_and_wrong_ones_are_told_of() {
     let sampled = ["--panels", &three, "--policy", "sampled"];
     refused(2, &of(&sampled), &["--policy sampled"]);
     let flat = ["select", "--projection", "flat", "--size", "640x480"];
-    let flat = [&flat[..], &["--panels", &three]].concat();
-    refused(2, &flat, &["--projection cube"]);
+    json(&[&flat[..], &["--panels", &three]].concat());
+    // A wall is looked at by many: no gaze makes anything coarse.
+    let wall = json(&of(&["--panels", &example("wall-2x2")]));
+    assert_eq!(wall["panels"][0]["eye"], "both");
+    let beside = json(&of(&[
+        "--panels",
+        &example("wall-2x2"),
+        "--policy",
+        "viewport",
+    ]));
+    assert_eq!(wall["pixels"], beside["pixels"]);
     refused(1, &of(&["--panels", "no-such.toml"]), &["no-such.toml"]);
+}
+
+/// One panel that shows what a window of 400x300 pixels and 90° does.
+const WINDOW: &str = r#"
+format = "tiled-view/1"
+[[panel]]
+id = "w"
+eye = "left"
+pixels = [400, 300]
+pose = { order = "yaw-pitch-roll", yaw = 0, pitch = 0, roll = 0 }
+tangents = { left = 1.0, right = 1.0, up = 0.75, down = 0.75 }
+"#;
+
+/// A pack of a sphere, of some frames that move.
+fn sphere_pack(folder: &Folder) -> String {
+    let clip = write_clip(folder, "sphere.mkv", &waves([512, 256], 3));
+    let pack = folder.name("sphere.foveal");
+    let how = ["--projection", "equirect", "--tile", "32", "--fast"];
+    done(&[&["prepare", "video", &clip, "--out", &pack], &how[..]].concat());
+    pack
+}
+
+#[test]
+fn a_panel_like_a_window_shows_its_picture_byte_for_byte() {
+    let folder = Folder::new();
+    let (pack, rig) = (
+        sphere_pack(&folder),
+        folder.holding("w.toml", WINDOW.as_bytes()),
+    );
+    let [window, panel] = ["window", "panel"].map(|name| folder.name(name));
+    for how in [
+        &["--gaze", "12,-7", "--policy", "acuity"][..],
+        &["--gaze", "scan"],
+    ] {
+        let play = [&["simulate", &pack, "--renderer", "cpu"], how].concat();
+        let view = ["--fov", "90", "--view", "400x300", "--out", &window];
+        let one = json(&[&play[..], &view].concat());
+        let same = json(&[&play[..], &["--panels", &rig, "--out", &panel]].concat());
+        assert_eq!(one["pixels_share_mean"], same["pixels_share_mean"]);
+        assert_eq!(one["bytes"], same["bytes"]);
+        assert_eq!(same["intermediate_pixels"], 0);
+        for frame in 0..3 {
+            let [own, panels] = [&window, &format!("{panel}/w")]
+                .map(|folder| std::fs::read(format!("{folder}/frame_{frame:05}.png")).unwrap());
+            assert!(own == panels, "frame {frame}");
+        }
+        let log = format!("{panel}/session.jsonl");
+        assert_eq!(json(&["replay", &log, "--pack", &pack])["same"], true);
+    }
+}
+
+#[test]
+fn a_run_on_six_panels_replays_and_each_is_scored_by_itself() {
+    let folder = Folder::new();
+    let (pack, out) = (sphere_pack(&folder), folder.name("out"));
+    let play = [
+        "simulate",
+        &pack,
+        "--panels",
+        &example("six"),
+        "--out",
+        &out,
+    ];
+    for policy in ["viewport", "perceptual", "eccentricity"] {
+        let how = [
+            "--policy",
+            policy,
+            "--pictures",
+            "none",
+            "--renderer",
+            "none",
+        ];
+        json(&[&play[..], &how].concat());
+        let log = format!("{out}/session.jsonl");
+        assert_eq!(json(&["replay", &log, "--pack", &pack])["same"], true);
+    }
+    let how = [
+        "--score",
+        "--frames",
+        "1",
+        "--gaze",
+        "20,5",
+        "--renderer",
+        "cpu",
+    ];
+    let scored = json(&[&play[..], &how].concat());
+    let panels = scored["panels"].as_array().unwrap();
+    let jods: Vec<f64> = panels.iter().map(|it| number(it, "jod")).collect();
+    let lowest = jods.iter().copied().fold(f64::INFINITY, f64::min);
+    assert_eq!(jods.len(), 6);
+    assert_eq!(number(&scored["score"], "jod"), lowest);
+    assert!(std::path::Path::new(&format!("{out}/r1c2/frame_00000.png")).is_file());
+}
+
+#[test]
+fn flat_packs_and_scenes_are_shown_on_panels_too() {
+    let folder = Folder::new();
+    let clip = write_clip(&folder, "flat.mkv", &[noise([128, 96], 0)]);
+    let (flat, out) = (folder.name("flat.foveal"), folder.name("out"));
+    let three = example("three");
+    done(&[
+        "prepare", "video", &clip, "--tile", "32", "--fast", "--out", &flat,
+    ]);
+    for pack in [flat, torus_pack(&folder)] {
+        let play = ["simulate", &pack, "--out", &out, "--frames", "2"];
+        let play = [&play[..], &["--panels", &three, "--eye", "both"]].concat();
+        let shown = json(&[&play[..], &["--renderer", "cpu", "--gaze", "5,3"]].concat());
+        assert_eq!(shown["panels"].as_array().unwrap().len(), 6);
+        for id in ["L", "C.right"] {
+            let picture = std::fs::read(format!("{out}/{id}/frame_00000.png")).unwrap();
+            // Of one colour it would be far smaller.
+            assert!(picture.len() > 6000, "{pack} {id}: {}", picture.len());
+        }
+        let log = format!("{out}/session.jsonl");
+        assert_eq!(json(&["replay", &log, "--pack", &pack])["same"], true);
+    }
+}
+
+#[test]
+fn panels_that_packs_are_not_drawn_on_are_named() {
+    let folder = Folder::new();
+    let (pack, out) = (sphere_pack(&folder), folder.name("out"));
+    let play = ["simulate", &pack, "--out", &out, "--pictures", "none"];
+    let said = |options: &[&str], words: &[&str]| {
+        refused(2, &[&play[..], options].concat(), words);
+    };
+    let three = example("three");
+    for option in ["--view=64x48", "--fov=90", "--screen=24,1"] {
+        let told = option.split_once('=').unwrap().0;
+        said(&["--panels", &three, option], &["--panels", told]);
+    }
+    said(
+        &["--panels", &example("lens")],
+        &["panel left", "distortion"],
+    );
+    said(&["--panels", &three, "--policy", "sampled"], &["sampled"]);
+    let one = folder.holding("one.toml", WINDOW.as_bytes());
+    said(
+        &["--panels", &one, "--eye", "right"],
+        &["no panel", "--eye left"],
+    );
 }
