@@ -184,7 +184,7 @@ impl Open {
             bytes_per_s: args.link.map(|link| link.bytes_per_s),
             since: Some(Seconds(0.0)),
             zooms: true,
-            measures: true,
+            measures: ready.in_scene(),
             bounds: ready.bounds(),
         };
         let length = ready.pack.content().timeline().length();
