@@ -197,9 +197,8 @@ impl SimulateArgs {
         if self.policy.policy == Some(Policy::Sampled) {
             bail!(WrongUsage(SAMPLES_ONE_VIEW.to_owned()));
         }
-        if about.projection == Projection::Flat {
-            let shown = [0, 1].map(|k| about.size[k].saturating_mul(about.pixel_aspect[k]));
-            with.view.screen = screen_before(panels, shown)?;
+        if let Some(shape) = about.flat_shape() {
+            with.view.screen = screen_before(panels, shape)?;
         }
         if self.watching.link.is_none() {
             with.policy = self.policy.seen_by_many(panels);

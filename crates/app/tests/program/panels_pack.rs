@@ -2,7 +2,8 @@
 
 use crate::scene::torus_pack;
 use crate::scenes::{noise, waves, write_clip};
-use crate::support::{Folder, done, json, refused};
+use crate::support::{Folder, Rgb, done, json, refused};
+use crate::view::watched;
 use serde_json::Value;
 
 /// A choice for a small cube.
@@ -232,4 +233,103 @@ fn panels_that_packs_are_not_drawn_on_are_named() {
         &["--panels", &one, "--eye", "right"],
         &["no panel", "--eye left"],
     );
+}
+
+/// Three panels, of which one is sent on its side and one mirrored.
+const TURNED: &str = r#"
+format = "tiled-view/1"
+[[panel]]
+id = "L"
+eye = "left"
+pixels = [120, 90]
+pose = { order = "yaw-pitch-roll", yaw = -35 }
+size = [0.9, 0.675]
+scanout = "rot90"
+output = { surface = "main", x = 0, y = 0 }
+[[panel]]
+id = "C"
+eye = "left"
+pixels = [120, 90]
+size = [0.9, 0.675]
+output = { surface = "main", x = 90, y = 0 }
+[[panel]]
+id = "R"
+eye = "left"
+pixels = [120, 90]
+pose = { order = "yaw-pitch-roll", yaw = 35 }
+size = [0.9, 0.675]
+scanout = "flip-x"
+output = { surface = "main", x = 90, y = 90 }
+"#;
+
+#[test]
+fn a_window_shows_every_panel_where_and_how_it_is_sent() {
+    let folder = Folder::new();
+    let pack = sphere_pack(&folder);
+    let rig = folder.holding("turned.toml", TURNED.as_bytes());
+    let shot = folder.name("shot.png");
+    let script = format!("0 settle\n0 screenshot {shot}\n0.1 quit");
+    let options = ["--panels", &rig, "--paused"];
+    let Some(summary) = watched(&folder, &pack, &script, &options) else {
+        return;
+    };
+    assert_eq!(summary["gpu_errors"], 0);
+    let out = folder.name("out");
+    let play = ["simulate", &pack, "--panels", &rig, "--out", &out];
+    let how = ["--policy", "viewport", "--gaze", "0,0", "--frames", "1"];
+    done(&[&play[..], &how].concat());
+    let atlas = Rgb::read(&shot);
+    assert_eq!(atlas.size, [210, 180]);
+    let seen = |id: &str| Rgb::read(&format!("{out}/{id}/frame_00000.png"));
+    let [left, middle, right] = ["L", "C", "R"].map(seen);
+    let mut most = 0;
+    let mut apart = |sent: [u32; 2], own: [u8; 3]| {
+        let shown = atlas.at(sent);
+        let off = (0..3).map(|k| shown[k].abs_diff(own[k]));
+        most = most.max(off.max().unwrap());
+    };
+    for [x, y] in middle.places() {
+        apart([90 + x, y], middle.at([x, y]));
+        apart([90 + 119 - x, 90 + y], right.at([x, y]));
+        // Turned a quarter clockwise, what is low comes to the left.
+        apart([89 - y, x], left.at([x, y]));
+    }
+    assert!(most <= 2, "{most}");
+}
+
+#[test]
+fn the_mouse_looks_through_the_panel_under_it_and_keys_turn_the_head() {
+    let folder = Folder::new();
+    let pack = sphere_pack(&folder);
+    let rig = folder.holding("turned.toml", TURNED.as_bytes());
+    let log = folder.name("view.jsonl");
+    // The middle of the second panel, of a window as large as the three together, then of the one
+    // on its side.
+    let script = "0 settle\n0.1 move 150 45\n0.2 settle\n0.3 key Right\n0.4 settle\n\
+                  0.5 move 45 60\n0.6 settle\n0.7 quit";
+    let options = ["--panels", &rig, "--paused", "--demo", "--log", &log];
+    if watched(&folder, &pack, script, &options).is_none() {
+        return;
+    }
+    let text = std::fs::read_to_string(&log).unwrap();
+    let lines = text.lines().skip(1).map(serde_json::from_str);
+    let frames: Vec<Value> = lines.map(Result::unwrap).collect();
+    let yaw_of = |frame: &Value| {
+        let gaze = [0, 2].map(|k| frame["gaze"][k].as_f64().unwrap());
+        gaze[0].atan2(-gaze[1])
+    };
+    let turned = |frame: &Value| number(&frame["head"], "yaw");
+    let is_ahead = |frame: &Value| yaw_of(frame).abs() < 1e-6 && turned(frame) == 0.0;
+    assert!(frames.iter().any(is_ahead));
+    let last = frames.last().unwrap();
+    assert!(turned(last) > 0.05, "{last}");
+    let aside = turned(last) - 35.0_f64.to_radians();
+    assert!((yaw_of(last) - aside).abs() < 0.02, "{last}");
+    // What is looked at is not left at the coarsest level.
+    let tiles = last["tiles"].as_array().unwrap();
+    assert!(
+        tiles[..tiles.len() - 1].iter().any(|count| *count != 0),
+        "{last}"
+    );
+    assert_eq!(json(&["replay", &log, "--pack", &pack])["same"], true);
 }

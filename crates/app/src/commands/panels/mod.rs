@@ -8,7 +8,7 @@ mod map;
 mod pattern;
 mod rig_args;
 mod schema;
-mod sent;
+pub(crate) mod sent;
 mod warp;
 mod warp_device;
 mod warp_source;
