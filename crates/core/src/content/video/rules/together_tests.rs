@@ -114,6 +114,41 @@ fn a_cell_gets_the_finest_level_that_any_panel_asks_for() {
 }
 
 #[test]
+fn what_skips_cells_and_probes_gives_the_levels_that_all_probes_give() {
+    let (mut random, grid) = (Random::new(4), cube_16k());
+    for (degrees, panels) in [(0.0, mounted(&six())), (4.0, mounted(&three()[..1]))] {
+        let config = PolicyConfig {
+            safety_disc: Radians::from_degrees(degrees),
+            ..PolicyConfig::new(Policy::Acuity)
+        };
+        let rules = Rules::new(grid, config.clone());
+        let moment = moment(&panels, random.direction());
+        let found = levels(&config, &moment);
+        for (levels, glance) in found.iter().zip(moment.glances()) {
+            let view = glance.view.unwrap();
+            let sight = rules.sight(&view);
+            for (rank, bounds) in rules.cells.iter().enumerate() {
+                let all = || probes(&grid, bounds.cell);
+                let resolved = all()
+                    .map(|probe| rules.allowed_level(&glance, &probe))
+                    .min();
+                let seen = all().filter(|probe| sight.reaches(probe.direction));
+                let shown = seen.map(|probe| rules.level_shown(&view, &probe)).min();
+                let nearest = bounds.least_eccentricity(glance.gaze.gaze_in_content);
+                let disc = rules.disc_footprint(nearest, bounds.least_ppd());
+                let exempt = level_of_footprint(&grid, disc);
+                let shown = shown.unwrap_or(grid.coarsest()).min(exempt);
+                assert_eq!(
+                    levels.levels()[rank],
+                    resolved.unwrap().max(shown),
+                    "{bounds:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn the_eye_is_asked_once_for_all_panels_of_a_density() {
     let rules = Rules::new(cube_16k(), PolicyConfig::new(Policy::Acuity));
     let mut other = three();
