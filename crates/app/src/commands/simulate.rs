@@ -13,6 +13,7 @@ use crate::options::renderer::{RendererName, open_device};
 use crate::options::showing::{EyeName, InterpolationName};
 use crate::report::output::{self, WrongUsage, out_of_range};
 use crate::run::open_player::open_player;
+use crate::run::optics::intermediate_pixels;
 use anyhow::bail;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::bytes::description::Description;
@@ -83,7 +84,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     args.check()?;
     let file = Arc::new(PackFile::open(&args.pack)?);
     let about = file.pack().description();
-    let panels = args.panels.flat(args.eye)?;
+    let panels = args.panels.read(args.eye)?;
     let args = &args.with_preset(about.projection);
     let args = &args.on_rig(panels.as_deref(), about)?;
     let config = args.config()?;
@@ -124,8 +125,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         length,
         &args.watching.viewer()?,
     )?;
-    let ids = panels.iter().flatten().map(|panel| panel.id.as_str());
-    let mut pictures = PictureSinks::new(args, fps, &ids.collect::<Vec<_>>())?;
+    let mut pictures = PictureSinks::new(args, fps, panels.as_deref())?;
     let reports = play(&mut player, &mut gaze, frames, &mut pictures, &mut scoring)?;
     pictures.finish()?;
     let session = session(&player, &reports).write();
@@ -136,7 +136,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let scores = scoring.map(judged).transpose()?;
     let jods = scores.as_ref().map(|scores| scores.jods.as_slice());
     let summary = RunSummary {
-        intermediate_pixels: panels.as_ref().map(|_| 0),
+        intermediate_pixels: panels.as_deref().map(intermediate_pixels),
         panels: panels.map(|panels| PlayedPanel::all(&panels, jods)),
         score: scores.map(|scores| scores.lowest),
         ..summarise(policy.to_owned(), &reports, &mut player, &session)

@@ -11,9 +11,10 @@ use crate::options::renderer::RendererName;
 use crate::options::showing::{EyeName, ShowingOptions};
 use crate::options::watching::Watching;
 use crate::report::output::out_of_range;
-use anyhow::bail;
+use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::units::Seconds;
+use foveal_core::view::panel::rig::Panel;
 use std::path::PathBuf;
 
 /// Most frames between two pictures.
@@ -123,6 +124,21 @@ impl SimulateArgs {
             bail!(out_of_range("--frames", 0, "at least 1"));
         }
         Ok(())
+    }
+
+    /// Where the pictures of each view go, made where they are not there.
+    pub(crate) fn folders(&self, panels: Option<&[Panel]>) -> anyhow::Result<Vec<PathBuf>> {
+        let folders = match panels {
+            None => vec![self.out.clone()],
+            Some(panels) => panels.iter().map(|it| self.out.join(&it.id)).collect(),
+        };
+        let writes = self.pictures != WrittenPictures::None;
+        for folder in std::iter::once(&self.out).chain(folders.iter().filter(|_| writes)) {
+            std::fs::create_dir_all(folder).with_context(|| {
+                format!("--out {}: the folder cannot be made", folder.display())
+            })?;
+        }
+        Ok(folders)
     }
 }
 

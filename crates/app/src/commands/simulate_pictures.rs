@@ -2,9 +2,10 @@
 
 use crate::commands::simulate_options::{SimulateArgs, WrittenPictures};
 use crate::report::picture_file::write_png;
-use anyhow::Context;
+use crate::run::optics::on_panel;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::picture::{Colour, Matrix};
 use foveal_media::write::picture_from_rgba::picture_from_rgba;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
@@ -30,11 +31,12 @@ pub(crate) struct PictureSinks<'a> {
     args: &'a SimulateArgs,
     /// One for each view of a frame.
     sinks: Vec<PictureSink>,
-    of_panels: bool,
 }
 
 /// Where the pictures of one view go.
 struct PictureSink {
+    /// The panel that it is of, where it is of one.
+    panel: Option<Panel>,
     folder: PathBuf,
     /// Frames a second, as a fraction.
     rate: [u32; 2],
@@ -51,33 +53,25 @@ const VIDEO_COLOUR: Colour = Colour {
 const VIDEO_QUALITY: u8 = 16;
 
 impl<'a> PictureSinks<'a> {
-    /// Makes the folders: the one that was asked for, and in it one for each panel by these names.
+    /// Makes the folders: the one that was asked for, and in it one for each panel.
     pub(crate) fn new(
         args: &'a SimulateArgs,
         frame_rate: [u32; 2],
-        panels: &[&str],
+        panels: Option<&[Panel]>,
     ) -> anyhow::Result<Self> {
         let [frames, seconds] = frame_rate;
-        let rate = [frames, seconds.saturating_mul(args.every)];
-        let writes = args.pictures != WrittenPictures::None;
-        let folders: Vec<PathBuf> = match panels {
-            [] => vec![args.out.clone()],
-            panels => panels.iter().map(|id| args.out.join(id)).collect(),
-        };
-        for folder in std::iter::once(&args.out).chain(folders.iter().filter(|_| writes)) {
-            std::fs::create_dir_all(folder).with_context(|| {
-                format!("--out {}: the folder cannot be made", folder.display())
-            })?;
-        }
-        let sink = |folder| PictureSink {
+        let folders = args.folders(panels)?;
+        let panels = panels.map(|panels| panels.iter().cloned().map(Some).collect());
+        let panels: Vec<Option<Panel>> = panels.unwrap_or_else(|| vec![None]);
+        let sink = |(panel, folder)| PictureSink {
+            panel,
             folder,
-            rate,
+            rate: [frames, seconds.saturating_mul(args.every)],
             video: None,
         };
         Ok(Self {
             args,
-            sinks: folders.into_iter().map(sink).collect(),
-            of_panels: !panels.is_empty(),
+            sinks: panels.into_iter().zip(folders).map(sink).collect(),
         })
     }
 
@@ -93,7 +87,7 @@ impl<'a> PictureSinks<'a> {
             return Ok(());
         }
         for (sink, view) in self.sinks.iter_mut().zip(&report.views) {
-            let eyes = match self.of_panels {
+            let eyes = match sink.panel.is_some() {
                 true => std::slice::from_ref(&view.eye),
                 false => args.eye.eyes(),
             };
@@ -108,6 +102,10 @@ impl<'a> PictureSinks<'a> {
                     (left, None) => left,
                 };
             }
+            let picture = picture.map(|image| match &sink.panel {
+                Some(panel) => on_panel(panel, image),
+                None => image,
+            });
             match picture {
                 Some(image) if args.pictures == WrittenPictures::Png => {
                     write_png(&sink.folder.join(format!("frame_{frame:05}.png")), &image)?;

@@ -72,7 +72,7 @@ impl PanelsOptions {
 }
 
 impl PanelsOptions {
-    /// The same where a pack is drawn on them: flat ones alone can be.
+    /// The same in a window, which draws on flat ones alone.
     pub(crate) fn flat(&self, eye: EyeName) -> anyhow::Result<Option<Vec<Panel>>> {
         let panels = self.read(eye)?;
         let mut bent = panels
@@ -81,8 +81,8 @@ impl PanelsOptions {
             .filter(|it| !it.distortion.is_none());
         if let Some(panel) = bent.next() {
             bail!(WrongUsage(format!(
-                "--panels: panel {} has a distortion, and packs are drawn on flat panels alone; \
-                 leave its distortion out, or fill it by `foveal panels warp RIG SOURCE`",
+                "--panels: panel {} has a distortion, and a window draws flat panels alone; leave \
+                 its distortion out, or draw it by `foveal simulate`",
                 panel.id
             )));
         }

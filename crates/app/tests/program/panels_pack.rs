@@ -223,10 +223,12 @@ fn panels_that_packs_are_not_drawn_on_are_named() {
         let told = option.split_once('=').unwrap().0;
         said(&["--panels", &three, option], &["--panels", told]);
     }
-    said(
-        &["--panels", &example("lens")],
-        &["panel left", "distortion"],
-    );
+    let lens = example("lens");
+    let window = ["view", &pack, "--panels", &lens];
+    refused(2, &window, &["panel left", "distortion", "foveal simulate"]);
+    let bent = ["--panels", &lens, "--renderer", "cpu"];
+    let bent = json(&[&play[..], &bent].concat());
+    assert!(number(&bent, "intermediate_pixels") > 0.0, "{bent}");
     said(&["--panels", &three, "--policy", "sampled"], &["sampled"]);
     let one = folder.holding("one.toml", WINDOW.as_bytes());
     said(

@@ -9,7 +9,8 @@ use crate::options::panels::PlayedPanel;
 use crate::options::renderer::open_device;
 use crate::report::output::{self, WrongUsage};
 use crate::report::picture_file::write_png;
-use anyhow::{Context, bail};
+use crate::run::optics::{intermediate_pixels, on_panel};
+use anyhow::bail;
 use foveal_core::content::policy::{ImportanceSource, Policy, PolicyConfig};
 use foveal_core::content::scene::demand::why_not;
 use foveal_core::session::log::sha256_hex;
@@ -25,7 +26,7 @@ use foveal_play::{ScenePlayer, ScenePlayerOptions, SceneReport};
 use foveal_render::DrawDevice;
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -126,8 +127,9 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         let report = player.show(time, &standing.moment)?;
         let judged = judge.frame(&mut player, &standing, &report)?;
         if args.pictures == WrittenPictures::Png && frame.is_multiple_of(args.every) {
-            for (folder, view) in folders.iter().zip(&standing.moment.views) {
-                write_picture(&mut player, folder, frame, view)?;
+            for (at, view) in standing.moment.views.iter().enumerate() {
+                let panel = panels.as_ref().map(|panels| &panels[at]);
+                write_picture(&mut player, (&folders[at], frame), view, panel)?;
             }
         }
         let head = if frame == 0 { player.head_bytes() } else { 0 };
@@ -146,7 +148,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     output::write_whole(&args.out.join("frames.csv"), csv(&shown).as_bytes())?;
     let score = judge.score(args.gaze.as_judged())?;
     let summary = SceneSummary {
-        intermediate_pixels: panels.as_ref().map(|_| 0),
+        intermediate_pixels: panels.as_deref().map(intermediate_pixels),
         panels: panels.map(|panels| PlayedPanel::all(&panels, None)),
         ..summarise(config.policy, &shown, &mut player, score)
     };
@@ -230,7 +232,7 @@ impl SimulateArgs {
 
     /// The panels that it is shown on, where there is a rig.
     fn panels_in(&self, config: &PolicyConfig) -> anyhow::Result<Option<Vec<Panel>>> {
-        let panels = self.panels.flat(self.eye)?;
+        let panels = self.panels.read(self.eye)?;
         let of_one_view = [
             (self.scoring.is_asked(), "--score"),
             (
@@ -245,21 +247,6 @@ impl SimulateArgs {
             )));
         }
         Ok(panels)
-    }
-
-    /// Where the pictures of each view go, made where they are not there.
-    fn folders(&self, panels: Option<&[Panel]>) -> anyhow::Result<Vec<PathBuf>> {
-        let folders = match panels {
-            None => vec![self.out.clone()],
-            Some(panels) => panels.iter().map(|it| self.out.join(&it.id)).collect(),
-        };
-        let writes = self.pictures != WrittenPictures::None;
-        for folder in std::iter::once(&self.out).chain(folders.iter().filter(|_| writes)) {
-            std::fs::create_dir_all(folder).with_context(|| {
-                format!("--out {}: the folder cannot be made", folder.display())
-            })?;
-        }
-        Ok(folders)
     }
 
     /// The view, before anybody stands anywhere.
@@ -277,11 +264,15 @@ impl SimulateArgs {
 
 fn write_picture(
     player: &mut ScenePlayer,
-    folder: &Path,
-    frame: u32,
+    (folder, frame): (&Path, u32),
     view: &EyeView,
+    panel: Option<&Panel>,
 ) -> anyhow::Result<()> {
-    match player.picture(view)? {
+    let picture = player.picture(view)?.map(|image| match panel {
+        Some(panel) => on_panel(panel, image),
+        None => image,
+    });
+    match picture {
         Some(image) => write_png(&folder.join(format!("frame_{frame:05}.png")), &image),
         None => Ok(()),
     }
