@@ -8,7 +8,7 @@ export INPUT
 # Where there is no desktop, Mesa's Vulkan layers complain about its absence.
 export XDG_RUNTIME_DIR ?= /tmp
 
-.PHONY: help setup build web demo test check fuzz clean
+.PHONY: help setup build web demo samples test check fuzz clean
 
 help: ## list these targets
 	@sed -nE 's/^([a-z]+):[^#]*## (.*)/make \1|\2/p' Makefile | \
@@ -35,6 +35,9 @@ demo: build ## prepare, stream and judge a clip into demo/ (INPUT=file for your 
 		esac; \
 	fi; \
 	"$(TARGET)/release/foveal" demo --out demo "$${input[@]}"
+
+samples: ## fetch two scanned meshes into samples/, to try scenes on
+	@scripts/fetch-scenes.sh samples
 
 test: setup ## check everything, as CI does
 	cargo xtask ci

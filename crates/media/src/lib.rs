@@ -1,10 +1,12 @@
 //! Turns files into packs and packs into frames.
 
+pub mod capture;
 pub mod error;
 mod ffmpeg;
 pub mod generate;
 pub mod pack;
 mod parallel;
+pub mod plain_file;
 pub mod prepare;
 pub mod read;
 pub mod source_view;

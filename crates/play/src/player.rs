@@ -29,7 +29,7 @@ use foveal_core::session::unit_states::{Piece, UnitState};
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::angle_between;
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::panel::mounted::MountedPanel;
+use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::surface::{Projection, Screen};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::tiles::decode_pool::{DecodePool, DecodedTile, TileError};

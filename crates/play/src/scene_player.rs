@@ -20,8 +20,9 @@ use foveal_core::session::session::{Session, SessionSettings};
 use foveal_core::session::unit_states::Piece;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::panel::mounted::MountedPanel;
+use foveal_core::view::mounted::MountedPanel;
 use foveal_media::pack::scene_file::SceneFile;
+use foveal_render::params::Overlay;
 use foveal_render::{DrawDevice, Drawer, RgbaImage};
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -298,6 +299,14 @@ impl ScenePlayer {
     /// The picture is larger than the device draws.
     pub fn picture(&mut self, view: &EyeView) -> Result<Option<RgbaImage>, PlayError> {
         Ok(self.drawer.picture(view, None)?)
+    }
+
+    /// The same with the colours of levels over it.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn picture_of_levels(&mut self, view: &EyeView) -> Result<Option<RgbaImage>, PlayError> {
+        Ok(self.drawer.picture(view, Some(&Overlay::default()))?)
     }
 
     /// The same with everything that came in its place.

@@ -50,10 +50,6 @@ fn unit(direction: vec3f) -> vec3f {
     return direction / max(length(direction), 1e-18);
 }
 
-fn times(rows: array<vec4f, 3>, place: vec4f) -> vec3f {
-    return vec3f(dot(rows[0], place), dot(rows[1], place), dot(rows[2], place));
-}
-
 fn clip_from_view(place: vec3f) -> vec4f {
     let across = place.xy * scene.clip_from_view.xy + place.z * scene.clip_from_view.zw;
     return vec4f(across, scene.near, place.z);

@@ -32,7 +32,9 @@ struct Panel {
     cell: u32,
     // Grids of the panel: one, or one a colour.
     channels: u32,
-    unused: vec2u,
+    // Where in `grids` the shares of light begin that pixels keep, plus 1; 0 where they keep all.
+    alpha: u32,
+    unused: u32,
 }
 
 // How a panel fades into its neighbours.
@@ -268,6 +270,17 @@ fn share_of(index: u32, pixel: vec2f) -> vec2f {
     return vec2f(own / sum, black * max(blends[blend].most - showing, 0.0));
 }
 
+// The share of its light that a pixel keeps: two a word, row by row.
+fn kept_by(index: u32, pixel: vec2f) -> f32 {
+    if (panels[index].alpha == 0u) {
+        return 1.0;
+    }
+    let at = vec2u(pixel);
+    let k = at.y * panels[index].size.x + at.x;
+    let pair = grids[panels[index].alpha - 1u + k / 2u];
+    return f32((pair >> (16u * (k & 1u))) & 0xffffu) / 65535.0;
+}
+
 @fragment
 fn warp(in: Corner) -> @location(0) vec4f {
     let index = in.panel;
@@ -278,6 +291,7 @@ fn warp(in: Corner) -> @location(0) vec4f {
         light.b = seen_light(index, pixel, 2u).b;
     }
     let share = share_of(index, pixel);
-    let sent = clamp(light * panels[index].gain * share.x, vec3f(0.0), vec3f(1.0));
+    let kept = share.x * kept_by(index, pixel);
+    let sent = clamp(light * panels[index].gain * kept, vec3f(0.0), vec3f(1.0));
     return vec4f(share.y + (1.0 - share.y) * sent, 1.0);
 }

@@ -36,7 +36,7 @@ pub use drawer::Drawer;
 pub use error::RenderError;
 pub use frame::Renderer;
 pub use image::RgbaImage;
-pub use meshes::{ComingUnit, SceneDrawer, SceneLayer, SceneStyle};
+pub use meshes::{ComingUnit, Culling, SceneDrawer, SceneLayer, SceneStyle};
 pub use pages::ComingPage;
 pub use params::Overlay;
 pub use points::ComingPoints;

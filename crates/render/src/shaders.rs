@@ -26,6 +26,8 @@ const BLUR_HALVE: &str = include_str!("../shaders/blur_halve.wgsl");
 const BLUR_RADIAL: &str = include_str!("../shaders/blur_radial.wgsl");
 const RECONSTRUCT_TEXTURES: &str = include_str!("../shaders/reconstruct_textures.wgsl");
 const CULL_CLUSTERS: &str = include_str!("../shaders/cull_clusters.wgsl");
+const DEPTHS: &str = include_str!("../shaders/shared/depths.wgsl");
+const HALVE_DEPTHS: &str = include_str!("../shaders/halve_depths.wgsl");
 const DRAW_POINTS: &str = include_str!("../shaders/draw_points.wgsl");
 const FOOTPRINTS: &str = include_str!("../shaders/footprints.wgsl");
 const DRAW_CLUSTERS: &str = include_str!("../shaders/draw_clusters.wgsl");
@@ -180,8 +182,17 @@ pub fn draw_points() -> Shader {
 pub fn cull_clusters() -> ComputeShader {
     ComputeShader {
         name: "cull_clusters",
-        text: [SCENE, CULL_CLUSTERS].join("\n"),
+        text: [SCENE, DEPTHS, CULL_CLUSTERS].join("\n"),
     }
+}
+
+/// The passes that make a coarser level of depths: of those of a picture, and of the level before.
+#[must_use]
+pub fn halve_depths() -> [ComputeShader; 2] {
+    ["first_depths", "halve_depths"].map(|name| ComputeShader {
+        name,
+        text: [DEPTHS, HALVE_DEPTHS].join("\n"),
+    })
 }
 
 /// The pass that adds up how much of a view each unit of a scene would refine.

@@ -19,7 +19,8 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_render::meshes::unit_bytes;
 use foveal_render::twin::TwinScene;
 use foveal_render::{
-    ComingUnit, DrawDevice, Gpu, RenderError, RgbaImage, SceneDrawer, SceneLayer, SceneStyle,
+    ComingUnit, Culling, DrawDevice, Gpu, RenderError, RgbaImage, SceneDrawer, SceneLayer,
+    SceneStyle,
 };
 use glam::{DAffine3, DVec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -169,7 +170,7 @@ fn culling_leaves_clusters_out_and_the_picture_as_it_is() {
         ([-39.0, 0.2, 4.0], [0.0, 40.0]),
     ] {
         let view = view(position, to, SIZE);
-        let [culls, draws_all] = [true, false].map(|culls| SceneStyle {
+        let [culls, draws_all] = [Culling::ALL, Culling::NONE].map(|culls| SceneStyle {
             culls,
             ..SceneStyle::default()
         });
@@ -207,7 +208,7 @@ fn clusters_that_show_their_backs_are_left_out_unless_both_sides_are_seen() {
         }
         let culls = SceneStyle::default();
         let draws_all = SceneStyle {
-            culls: false,
+            culls: Culling::NONE,
             ..culls
         };
         let view = from_above(SIZE);

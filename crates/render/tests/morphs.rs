@@ -8,7 +8,7 @@ use common::torus::{ALL, coming, coming_root, from_above, object, refinement, ro
 use foveal_core::content::mesh::payload::{Cluster, ClusterRef, MeshUnit, MeshVertex};
 use foveal_core::pack::unit::UnitId;
 use foveal_render::twin::TwinScene;
-use foveal_render::{ComingUnit, Gpu, RgbaImage, SceneLayer, SceneStyle};
+use foveal_render::{ComingUnit, Culling, Gpu, RgbaImage, SceneLayer, SceneStyle};
 use std::collections::{BTreeMap, HashSet};
 
 const SIZE: [u32; 2] = [192, 128];
@@ -132,7 +132,7 @@ fn what_is_on_its_way_is_drawn_as_by_its_twin_also_below_other_units() {
     let view = from_above(SIZE);
     let style = SceneStyle::default();
     let draws_all = SceneStyle {
-        culls: false,
+        culls: Culling::NONE,
         ..style
     };
     let mut before = drawn(&mut layer);

@@ -10,7 +10,7 @@ use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::view::eye_view::EyeView;
 use foveal_render::twin::TwinScene;
-use foveal_render::{Gpu, RenderError, RgbaImage, SceneLayer, SceneStyle};
+use foveal_render::{Culling, Gpu, RenderError, RgbaImage, SceneLayer, SceneStyle};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -94,7 +94,7 @@ fn leaving_out_what_is_beside_the_view_changes_no_pixel() {
     layer.upload_points(&coming(ROOT, &root, 0)).unwrap();
     layer.upload_points(&coming(FINE, &fine, 0)).unwrap();
     let all = SceneStyle {
-        culls: false,
+        culls: Culling::NONE,
         ..SceneStyle::default()
     };
     for yaw in (0..360).step_by(40) {

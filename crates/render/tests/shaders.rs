@@ -4,13 +4,13 @@
 use foveal_core::view::surface::Projection;
 use foveal_render::importance::{BandParams, EyeParams};
 use foveal_render::meshes::footprints::GazedParams;
-use foveal_render::meshes::params::{PlacementParams, SceneParams};
+use foveal_render::meshes::params::{HalvingParams, PlacementParams, SceneParams};
 use foveal_render::params::{BlurParams, Overlay, SparseParams, TileParams, ViewParams};
 use foveal_render::points::params::{CloudViewParams, CubeParams};
 use foveal_render::shaders::{
     Shader, blur_halve, blur_radial, cull_clusters, draw_clusters, draw_points, footprints,
-    importance, interpolate_sparse, overlay, reconstruct, reconstruct_textures, reduce_source,
-    warp,
+    halve_depths, importance, interpolate_sparse, overlay, reconstruct, reconstruct_textures,
+    reduce_source, warp,
 };
 use foveal_render::warp::params::{BlendParams, PanelParams, WarpParams};
 use naga::proc::Layouter;
@@ -104,6 +104,18 @@ fn the_pass_that_adds_up_footprints_is_valid_with_no_capability_that_a_browser_l
 }
 
 #[test]
+fn the_passes_that_halve_depths_are_valid_with_no_capability_that_a_browser_lacks() {
+    let [first, further] = halve_depths();
+    assert_eq!(first.text, further.text);
+    let module = naga::front::wgsl::parse_str(&first.text)
+        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&first.text)));
+    Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .unwrap();
+    same_layout!(module, "Halving", HalvingParams, [picture, level, unused]);
+}
+
+#[test]
 fn the_passes_of_meshes_are_valid_with_no_capability_that_a_browser_lacks() {
     let (draw, cull) = (draw_clusters(), cull_clusters());
     for (name, text) in [(draw.name, draw.text), (cull.name, cull.text)] {
@@ -126,7 +138,7 @@ fn the_passes_of_meshes_are_valid_with_no_capability_that_a_browser_lacks() {
                 tint,
                 coarsest,
                 culls,
-                unused_pair
+                picture
             ]
         );
         same_layout!(
@@ -164,7 +176,7 @@ fn the_passes_that_fill_panels_are_valid_with_no_capability_that_a_browser_lacks
         PanelParams,
         [
             right, projection, down, black, corner, blend, origin, size, scale, offset, low, high,
-            gain, grid, cell, channels, unused
+            gain, grid, cell, channels, alpha, unused
         ]
     );
     same_layout!(

@@ -7,6 +7,7 @@ use common::difference;
 use common::panels::*;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::Field;
+use foveal_core::view::panel::alpha::AlphaMap;
 use foveal_core::view::panel::distortion::{Distortion, GREEN};
 use foveal_core::view::panel::lens::{Bulge, RadialPolynomial};
 use foveal_core::view::panel::pixel_map::PixelMap;
@@ -98,6 +99,11 @@ fn panels_with_optics_that_fade_and_are_turned_are_filled_as_by_their_twin() {
         ..colour_lens(panels[1].clone())
     };
     panels[2].black = 0.05;
+    for (panel, size) in panels.iter_mut().zip([[96, 72]; 3]) {
+        let fade = |k: u32| (k * 7919 % 65_536) as u16;
+        let shares = (0..size[0] * size[1]).map(fade).collect();
+        panel.alpha = Some(AlphaMap::new(size, shares).into());
+    }
     for panel in &mut panels {
         panel.blend = 0.2;
     }

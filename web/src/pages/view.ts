@@ -14,7 +14,7 @@ import { missing } from "./missing.ts";
 
 /** Parameters of the address that are attributes of the element. */
 const FLAGS = ["demo", "muted", "paused", "once"] as const;
-const VALUES = ["policy", "gaze", "privacy", ...DETAIL, ...DIRECTION] as const;
+const VALUES = ["policy", "privacy", ...DETAIL, ...DIRECTION] as const;
 
 /** How often the address is rewritten at most, in milliseconds: browsers refuse more than about ten
  *  a second. */
@@ -49,8 +49,28 @@ function show(): void {
   });
   main.replaceChildren(view);
   view.focus();
+  const tracker = asked.get("gaze");
+  if (tracker !== null) askForGaze(view, tracker);
   keepInAddress(view);
   void showFacts(pack, view);
+}
+
+/** Asks before a tracker is connected to: an address that somebody sent must not do that. */
+function askForGaze(view: FovealView, address: string): void {
+  const yes = element("button", { type: "button" }, "Connect");
+  const no = element("button", { type: "button" }, "No");
+  const text = `Take the gaze of an eye tracker from ${address}? `;
+  const question = element("p", { class: "said asked" }, text, yes, " ", no);
+  yes.addEventListener("click", () => {
+    view.setAttribute("gaze", address);
+    question.remove();
+    view.focus();
+  });
+  no.addEventListener("click", () => {
+    question.remove();
+    view.focus();
+  });
+  view.before(question);
 }
 
 function showTitle(title: string): void {

@@ -52,7 +52,7 @@ fn replay_scene(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::R
     let found = || pack_beside(path, name);
     let Some(pack) = pack.map(Path::to_owned).or_else(found) else {
         bail!(WrongUsage(format!(
-            "--pack is needed: this run went through a scene; give {name}"
+            "--pack is needed: this run went through a scene; give {name}, which is {NOWHERE}"
         )));
     };
     let file = SceneFile::open(&pack)?;
@@ -84,7 +84,7 @@ fn replay_video(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::R
     let found = || pack_beside(path, &weighed.head.pack);
     let Some(pack) = pack.map(Path::to_owned).or_else(found) else {
         bail!(WrongUsage(format!(
-            "--pack is needed: this run weighed what is in its tiles; give {}",
+            "--pack is needed: this run weighed what is in its tiles; give {}, which is {NOWHERE}",
             weighed.head.pack
         )));
     };
@@ -104,6 +104,9 @@ fn replay_video(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::R
         .try_for_each(|part| check_belongs(part, &file))?;
     Ok(log.replay(&|_, head, config| Arc::clone(&video).demand(head, config)))
 }
+
+/// Where a pack was looked for and is not.
+const NOWHERE: &str = "not beside the log, a folder above it, or here";
 
 /// The pack that a log names: beside it, a folder above, or where the program was started.
 fn pack_beside(log: &Path, name: &str) -> Option<PathBuf> {
@@ -168,10 +171,12 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
         replay_sha256: sha256_hex(again.write().as_bytes()),
         same: again.write() == text,
     };
-    let verdict = if replayed.same {
-        "the same selection again"
-    } else {
-        "another selection"
+    let is_written_otherwise =
+        !replayed.same && before == after && log.parts.len() == again.parts.len();
+    let verdict = match (replayed.same, is_written_otherwise) {
+        (true, _) => "the same selection again",
+        (_, true) => "the same selection, written otherwise",
+        _ => "another selection",
     };
     let text = format!(
         "{}: {verdict}\nsha256 {}",
@@ -180,6 +185,13 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     );
     if replayed.same {
         return output::result(args.json, &replayed, &text);
+    }
+    if is_written_otherwise {
+        let error = anyhow!(
+            "{name}: the same selection, written otherwise: the log was changed, or another \
+             version wrote it; take the log as it was written to compare its text"
+        );
+        return output::result_that_fails(args.json, &replayed, &text, error);
     }
     let from = first_difference.map_or("its first line".to_owned(), |f| format!("frame {f}"));
     let error = anyhow!(

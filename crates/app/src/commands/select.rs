@@ -23,7 +23,7 @@ use foveal_core::units::{Radians, Seconds, counted};
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::head_pose::HeadPose;
-use foveal_core::view::panel::mounted::MountedPanel;
+use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::random::Random;
 use foveal_core::view::surface::{Projection, Surface};

@@ -21,7 +21,7 @@ use foveal_core::session::log::{SessionLogPart, sha256_hex};
 use foveal_core::units::counted;
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::head_pose::HeadPose;
-use foveal_core::view::panel::mounted::MountedPanel;
+use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::surface::Projection;
 use foveal_media::pack::pack_file::PackFile;

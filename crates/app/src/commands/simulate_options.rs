@@ -75,7 +75,7 @@ pub(crate) struct SimulateArgs {
     /// Write every Nth picture.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) every: u32,
-    /// Draw levels as colours, tile borders and the gaze over the pictures.
+    /// Draw levels as colours over the pictures; of video also tile borders and the gaze.
     #[arg(long)]
     pub(crate) heat_map: bool,
     /// What draws the pictures.

@@ -2,7 +2,7 @@
 
 use crate::commands::scene::verify::{Trials, run as verify_scene};
 use crate::report::damage::listed;
-use crate::report::output;
+use crate::report::output::{self, WrongUsage};
 use anyhow::anyhow;
 use clap::Args;
 use foveal_core::units::counted;
@@ -36,10 +36,30 @@ struct Verified {
     bytes: u64,
     units: usize,
     damage: Vec<String>,
+    damaged_places: u64,
+}
+
+impl VerifyArgs {
+    /// Refuses options that would do nothing.
+    fn check(&self, is_scene: bool) -> Result<(), WrongUsage> {
+        let tries = self.cuts > 0 || self.orders > 0;
+        if !is_scene && (tries || self.ignore_prerequisites) {
+            let what = "--cuts, --orders, --ignore-prerequisites: are about scenes, and this is a \
+                        pack of video; leave them out";
+            return Err(WrongUsage(what.to_owned()));
+        }
+        if self.ignore_prerequisites && !tries {
+            let what = "--ignore-prerequisites: nothing is cut; give --cuts N or --orders N too";
+            return Err(WrongUsage(what.to_owned()));
+        }
+        Ok(())
+    }
 }
 
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
-    if is_scene_pack(&args.pack) {
+    let is_scene = is_scene_pack(&args.pack);
+    args.check(is_scene)?;
+    if is_scene {
         let trials = Trials {
             cuts: args.cuts,
             orders: args.orders,
@@ -51,12 +71,13 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
     let bar = output::bar(Some(file.bytes()), output::Counting::Bytes);
     let damage = file.verify(|done, _| bar.set_position(done));
     bar.finish_and_clear();
-    let found = damage.len();
+    let found = damage.places();
     let verified = Verified {
         ok: damage.is_empty(),
         bytes: file.bytes(),
         units: file.pack().units().count(),
         damage: listed(&damage),
+        damaged_places: damage.places(),
     };
     if verified.ok {
         let text = format!(

@@ -4,7 +4,7 @@ use crate::gaze_source::choice::LiveChoice;
 use crate::report::output::say;
 use anyhow::{Context, anyhow, bail};
 use std::io::ErrorKind;
-use std::net::{TcpStream, ToSocketAddrs, UdpSocket};
+use std::net::{SocketAddr, TcpStream, ToSocketAddrs, UdpSocket};
 use std::time::{Duration, Instant};
 use tungstenite::http::Uri;
 use tungstenite::protocol::WebSocketConfig;
@@ -14,6 +14,8 @@ use tungstenite::{Message, WebSocket};
 const POLL: Duration = Duration::from_millis(20);
 /// Largest message: what a datagram can hold.
 const MOST_BYTES: usize = 65_536;
+/// A sender who says nothing for this long holds a source no longer.
+const SILENCE: Duration = Duration::from_secs(1);
 /// Longest wait for a server's answer.
 const ANSWER: Duration = Duration::from_secs(3);
 /// Pause before a lost server is tried again.
@@ -21,7 +23,7 @@ const AGAIN: Duration = Duration::from_secs(1);
 
 /// Where messages come from.
 pub(super) enum GazeFeed {
-    Datagrams(UdpSocket),
+    Datagrams(UdpSocket, SourceHolder),
     WebSocket(Box<WebSocketFeed>),
 }
 
@@ -31,6 +33,8 @@ pub(super) enum Received {
     /// A message, in the buffer.
     Message,
     Nothing,
+    /// A message of another sender than the one who holds the source.
+    Foreign(SocketAddr),
     /// The server is gone, for this reason; it will be tried again.
     Lost(String),
 }
@@ -49,7 +53,7 @@ impl GazeFeed {
                     "foveal: {choice} listens on {}",
                     socket.local_addr()?
                 ));
-                Ok(Self::Datagrams(socket))
+                Ok(Self::Datagrams(socket, SourceHolder::default()))
             }
             LiveChoice::WebSocket(url) => Ok(Self::WebSocket(Box::new(WebSocketFeed {
                 socket: Some(connect(url).with_context(|| {
@@ -64,10 +68,13 @@ impl GazeFeed {
     /// Waits a little for the next message, which replaces what is in the buffer.
     pub(super) fn receive(&mut self, buffer: &mut Vec<u8>) -> Received {
         match self {
-            Self::Datagrams(socket) => {
+            Self::Datagrams(socket, holder) => {
                 buffer.resize(MOST_BYTES, 0);
-                match socket.recv(buffer) {
-                    Ok(length) => {
+                match socket.recv_from(buffer) {
+                    Ok((_, sender)) if !holder.is_taken(sender, Instant::now()) => {
+                        Received::Foreign(sender)
+                    }
+                    Ok((length, _)) => {
                         buffer.truncate(length);
                         Received::Message
                     }
@@ -82,6 +89,25 @@ impl GazeFeed {
             }
             Self::WebSocket(feed) => feed.receive(buffer),
         }
+    }
+}
+
+/// Who is listened to of several that send: the first, until it has been silent.
+#[derive(Debug, Default)]
+pub(super) struct SourceHolder {
+    held: Option<(SocketAddr, Instant)>,
+}
+
+impl SourceHolder {
+    /// Whether a message of this sender is taken.
+    fn is_taken(&mut self, sender: SocketAddr, now: Instant) -> bool {
+        let other = self.held.filter(|(holder, _)| *holder != sender);
+        let is_silent = |since: Instant| now.saturating_duration_since(since) > SILENCE;
+        let is_taken = other.is_none_or(|(_, since)| is_silent(since));
+        if is_taken {
+            self.held = Some((sender, now));
+        }
+        is_taken
     }
 }
 
@@ -161,5 +187,29 @@ fn greet(url: &str, stream: TcpStream) -> anyhow::Result<WebSocket<TcpStream>> {
             bail!("the server did not answer within {} s", ANSWER.as_secs())
         }
         Err(tungstenite::HandshakeError::Failure(error)) => Err(error.into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_sender_holds_a_source_until_it_is_silent() {
+        let [a, b] = [1, 2].map(|port| SocketAddr::from(([127, 0, 0, 1], port)));
+        let begun = Instant::now();
+        let at = |ms: u64| begun + Duration::from_millis(ms);
+        let mut holder = SourceHolder::default();
+        let taken = [
+            (a, 0),
+            (b, 10),
+            (a, 900),
+            (b, 1800),
+            (b, 1901),
+            (a, 1950),
+            (b, 2000),
+        ]
+        .map(|(sender, ms)| holder.is_taken(sender, at(ms)));
+        assert_eq!(taken, [true, false, true, false, true, false, true]);
     }
 }

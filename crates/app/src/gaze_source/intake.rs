@@ -19,6 +19,10 @@ pub(crate) struct Counts {
     pub(crate) late: u64,
     /// Rows that nobody fetched in time.
     pub(crate) dropped: u64,
+    /// Messages of others than the sender who holds the source.
+    pub(crate) foreign: u64,
+    /// How often the sender's clock began anew.
+    pub(crate) anew: u64,
 }
 
 /// Makes rows of messages.
@@ -58,11 +62,13 @@ impl Intake {
         rows
     }
 
-    pub(super) fn counts(&self, dropped: u64) -> Counts {
+    pub(super) fn counts(&self, dropped: u64, foreign: u64) -> Counts {
         Counts {
             skipped: self.skipped,
             late: self.stream.late(),
             dropped,
+            foreign,
+            anew: self.stream.anew(),
         }
     }
 
@@ -159,8 +165,10 @@ mod tests {
             skipped: 1,
             late: 1,
             dropped: 4,
+            foreign: 5,
+            anew: 0,
         };
-        assert_eq!(intake.counts(4), counts);
+        assert_eq!(intake.counts(4, 5), counts);
     }
 
     #[test]
@@ -204,7 +212,7 @@ mod tests {
             bad.truncate((random.unit() * 2.0 * bad.len() as f64) as usize);
             rows += intake.take(&bad, Seconds(f64::from(n) * 0.01)).len();
         }
-        let skipped = intake.counts(0).skipped;
+        let skipped = intake.counts(0, 0).skipped;
         assert!(
             rows > 100 && skipped > 1000,
             "{rows} rows, {skipped} skipped"
@@ -228,6 +236,6 @@ mod tests {
         for bytes in [&nested[..], tags.as_bytes(), b"hello", b"", &long, &bad] {
             assert!(intake.take(bytes, Seconds(1.0)).is_empty());
         }
-        assert!(intake.counts(0).skipped >= 4);
+        assert!(intake.counts(0, 0).skipped >= 4);
     }
 }

@@ -35,6 +35,7 @@ struct Inner {
     intake: Intake,
     waiting: VecDeque<TraceRow>,
     dropped: u64,
+    foreign: u64,
 }
 
 impl Live {
@@ -48,6 +49,7 @@ impl Live {
                 intake: Intake::new(choice),
                 waiting: VecDeque::new(),
                 dropped: 0,
+                foreign: 0,
             }),
             came: Condvar::new(),
         });
@@ -72,7 +74,7 @@ impl Live {
                 return Ok(false);
             }
             if Instant::now() >= until {
-                let skipped = match inner.intake.counts(0).skipped {
+                let skipped = match inner.intake.counts(0, 0).skipped {
                     0 => "nothing came at all".to_owned(),
                     skipped => format!("{} came without a gaze", counted(skipped, "message")),
                 };
@@ -103,7 +105,7 @@ impl Live {
     /// What became of what was sent so far.
     pub(crate) fn counts(&self) -> Counts {
         let inner = self.shared.lock();
-        inner.intake.counts(inner.dropped)
+        inner.intake.counts(inner.dropped, inner.foreign)
     }
 
     /// The sender's own time of a row at 0.
@@ -132,13 +134,16 @@ impl Drop for Live {
                 skipped,
                 late,
                 dropped,
+                foreign,
+                anew,
             } = counts;
             say(&format!(
-                "foveal: {}: skipped {} without a gaze, {late} that came after newer ones, and {} \
-                 that nobody took in time",
+                "foveal: {}: skipped {} without a gaze, {foreign} of other senders, {late} that \
+                 came after newer ones, and {} that nobody took in time; its clock began anew {}",
                 self.name,
                 counted(skipped, "message"),
-                counted(dropped, "sample")
+                counted(dropped, "sample"),
+                counted(anew, "time")
             ));
         }
     }
@@ -176,6 +181,15 @@ fn receive(name: &str, mut feed: GazeFeed, shared: &Shared) {
             ));
         }
         let mut inner = shared.lock();
+        if let Received::Foreign(sender) = &received {
+            inner.foreign += 1;
+            if inner.foreign == 1 {
+                say(&format!(
+                    "foveal: {name}: {sender} sends too, and is left out while the first goes on; \
+                     others like it are only counted"
+                ));
+            }
+        }
         let mut rows = match received {
             Received::Message => inner.intake.take(&buffer, now),
             _ => Vec::new(),

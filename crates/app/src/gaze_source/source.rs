@@ -23,6 +23,9 @@ pub(crate) const FIRST_SAMPLE: Duration = Duration::from_secs(10);
 
 /// Rate at which a simulated eye is watched, in hertz: that of a headset's tracker.
 const SCAN_HZ: f64 = 120.0;
+/// What a tracker is given of a gap between two pictures, in seconds. Filters, saccades and motion
+/// forget within a second; what was learned before of how the eyes go with the head stays.
+const REMEMBERED_S: f64 = 10.0;
 
 /// A gaze, and the head it belongs to, at any time.
 pub(crate) struct GazeSource {
@@ -61,7 +64,7 @@ impl GazeSource {
                 let degrees = Radians::from_degrees;
                 GazePath::At(GazeSample::at(Seconds(0.0), degrees(*yaw), degrees(*pitch)))
             }
-            GazeChoice::Scan => GazePath::Scan(ScanPath::new(surface, seed, length)),
+            GazeChoice::Scan => GazePath::Scan(ScanPath::new(surface, seed)),
             GazeChoice::Trace(file) => GazePath::Trace(read_over(file, length)?),
             GazeChoice::Head(file) => {
                 let trace = read_over(file, length)?;
@@ -109,7 +112,7 @@ impl GazeSource {
         let expected = self.tracker.predict(asked);
         let mut expected = expected.unwrap_or_else(|| unknown(&self.path, time));
         expected.gaze.time = time;
-        let gaze = match &self.path {
+        let gaze = match &mut self.path {
             GazePath::At(sample) => GazeSample { time, ..*sample },
             GazePath::Scan(path) => path.at(time).0,
             GazePath::Trace(trace) => trace.at(time),
@@ -144,9 +147,11 @@ impl GazeSource {
 
     /// Gives the tracker what was sent until `time`.
     fn watch(&mut self, time: Seconds) {
-        match &self.path {
+        match &mut self.path {
             GazePath::At(_) => {}
             GazePath::Scan(path) => {
+                let oldest = ((time.0 - REMEMBERED_S) * SCAN_HZ).max(0.0) as u64;
+                self.given = self.given.max(oldest);
                 while self.given as f64 / SCAN_HZ <= time.0 {
                     let at = Seconds(self.given as f64 / SCAN_HZ);
                     let mut sample = path.at(at).0;

@@ -8,3 +8,4 @@ pub(crate) mod html;
 pub(crate) mod output;
 pub(crate) mod picture_file;
 pub(crate) mod plot;
+pub(crate) mod visible;

@@ -8,11 +8,14 @@ mod old_names;
 use crate::report::called::called;
 use crate::report::fault::Fault;
 pub(crate) use crate::report::fault::told;
+use crate::report::visible::visible;
 use anyhow::{Context, bail};
+use foveal_media::plain_file::{open_plain, rename_durably};
 use indicatif::{ProgressBar, ProgressStyle};
 use old_names::with_old_names;
 use serde::Serialize;
-use std::fs::File;
+use std::borrow::Cow;
+use std::fs::{File, Metadata};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -26,7 +29,7 @@ pub(crate) fn result(json: bool, result: &impl Serialize, text: &str) -> anyhow:
     let line = if json {
         with_old_names(&called().command, serde_json::to_string(result)?)
     } else {
-        text.trim_end().to_owned()
+        visible(text.trim_end()).into_owned()
     };
     PRINTED.store(true, Ordering::Relaxed);
     match writeln!(std::io::stdout(), "{line}") {
@@ -90,6 +93,11 @@ pub(crate) fn fail_usage(error: &clap::Error) -> ! {
     if error.use_stderr() {
         print_fault(&Fault::of_usage(error, called()));
     }
+    let text = error.render().to_string();
+    if let Cow::Owned(text) = visible(&text) {
+        say(text.trim_end());
+        std::process::exit(error.exit_code());
+    }
     error.exit()
 }
 
@@ -107,7 +115,7 @@ fn print_fault(fault: &Fault) {
 
 /// A line for people on stderr; nobody may be listening.
 pub(crate) fn say(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(std::io::stderr(), "{}", visible(line));
 }
 
 /// Most threads that may be asked for.
@@ -130,23 +138,37 @@ const MAX_TEXT_BYTES: u64 = 1 << 30;
 /// The text of a file that a person named; `what` it should be goes into the message.
 pub(crate) fn read_text(path: &Path, what: &str) -> anyhow::Result<String> {
     let name = path.display();
-    let there =
-        std::fs::metadata(path).with_context(|| format!("{name}: cannot be read as {what}"))?;
-    if !there.is_file() || there.len() > MAX_TEXT_BYTES {
-        bail!("{name}: expected {what}: a file of at most {MAX_TEXT_BYTES} bytes");
+    let unread = || format!("{name}: cannot be read as {what}");
+    let expected = || format!("{name}: expected {what}: a file of at most {MAX_TEXT_BYTES} bytes");
+    let (file, there) = opened(path, unread, expected)?;
+    if there.len() > MAX_TEXT_BYTES {
+        bail!(expected());
     }
-    std::fs::read_to_string(path).with_context(|| format!("{name}: cannot be read as {what}"))
+    std::io::read_to_string(file).with_context(unread)
 }
 
 /// Opens the file that a person named; `what` it should be goes into the message. A pipe, which
 /// nobody may ever write into, is refused.
 pub(crate) fn open_file(path: &Path, what: &str) -> anyhow::Result<File> {
     let name = path.display();
-    let there = std::fs::metadata(path).with_context(|| format!("{name}: no {what} there"))?;
-    if !there.is_file() {
-        bail!("{name}: expected a {what}: a CSV file");
+    let missing = || format!("{name}: no {what} there");
+    let expected = || format!("{name}: expected a {what}: a CSV file");
+    Ok(opened(path, missing, expected)?.0)
+}
+
+/// A plain file, or what to say where it is none, or cannot be opened.
+fn opened(
+    path: &Path,
+    unopened: impl Fn() -> String,
+    expected: impl Fn() -> String,
+) -> anyhow::Result<(File, Metadata)> {
+    match open_plain(path) {
+        Ok(opened) => Ok(opened),
+        Err(error) if matches!(error.kind(), ErrorKind::IsADirectory | ErrorKind::Other) => {
+            bail!(expected())
+        }
+        Err(error) => Err(error).with_context(unopened),
     }
-    File::open(path).with_context(|| format!("{name}: the {what} cannot be opened"))
 }
 
 /// Refuses to write where one of the inputs lies, under whatever name.
@@ -182,13 +204,27 @@ pub(crate) fn growing_name(path: &Path) -> Option<PathBuf> {
     Some(growing.into())
 }
 
-/// Writes a file whole or not at all.
+/// Writes a file whole or not at all, and to the disk.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write_as(path, bytes, rename_durably)
+}
+
+/// The same for one of many, such as the pictures of a run, which the system may write when it
+/// likes.
+pub(crate) fn write_soon(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write_as(path, bytes, |from, to| std::fs::rename(from, to))
+}
+
+fn write_as(
+    path: &Path,
+    bytes: &[u8],
+    rename: impl FnOnce(&Path, &Path) -> std::io::Result<()>,
+) -> anyhow::Result<()> {
     let Some(growing) = growing_name(path) else {
         let written = std::fs::write(path, bytes);
         return written.with_context(|| format!("{}: cannot be written", path.display()));
     };
-    let written = std::fs::write(&growing, bytes).and_then(|()| std::fs::rename(&growing, path));
+    let written = std::fs::write(&growing, bytes).and_then(|()| rename(&growing, path));
     if written.is_err() {
         let _ = std::fs::remove_file(&growing);
     }

@@ -1,6 +1,6 @@
 //! How does a picture get into a file and out of one?
 
-use crate::report::output::write_whole;
+use crate::report::output::write_soon;
 use anyhow::{Context, bail};
 use foveal_render::RgbaImage;
 use png::{ColorType, Compression, Transformations};
@@ -12,7 +12,7 @@ use std::path::Path;
 pub(crate) fn write_png(path: &Path, image: &RgbaImage) -> anyhow::Result<()> {
     let mut bytes = Vec::new();
     encode_png(image, Compression::Fast, &mut bytes)?;
-    write_whole(path, &bytes)
+    write_soon(path, &bytes)
 }
 
 /// Most pixels of a picture that is read: 8K.

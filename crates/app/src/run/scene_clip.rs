@@ -4,6 +4,7 @@ use crate::report::output::{self, Counting};
 use anyhow::Context;
 use foveal_core::view::picture::{Colour, Matrix};
 use foveal_media::generate::{FRAMES_PER_SECOND, GeneratedScene as Scene};
+use foveal_media::plain_file::rename_durably;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use std::path::Path;
 
@@ -28,7 +29,7 @@ pub(crate) fn write_scene(
         let _ = std::fs::remove_file(&partial);
         return Err(error);
     }
-    std::fs::rename(&partial, path)
+    rename_durably(&partial, path)
         .with_context(|| format!("{}: cannot be given its name", partial.display()))
 }
 

@@ -277,11 +277,22 @@ fn a_sender_that_stops_loses_the_eye_and_is_taken_up_again() {
     let (address, lines) = (recording.address(), lines());
     send_all(&address, &lines[..10]);
     recording.wait(|text| text.lines().any(|line| line.split(',').nth(4) == Some("0")));
-    // The sender was started again: its clock begins anew.
+    // Another sender is left out while the first may go on.
+    send_all(&address, &[r#"{"t_s":900,"yaw_deg":55,"pitch_deg":0}"#]);
+    // The sender was started again, from another port: its clock begins anew.
+    std::thread::sleep(Duration::from_millis(1100));
     let again = r#"{"t_s":0.5,"yaw_deg":77,"pitch_deg":0}"#;
     send_all(&address, &[again]);
     recording.wait(|text| text.contains(",77,"));
-    let (trace, ..) = recording.stop();
+    let (trace, summary, said) = recording.stop();
+    assert_eq!([&summary["foreign"], &summary["anew"]], [1, 1], "{summary}");
+    assert!(said.contains("sends too"), "{said}");
+    assert!(
+        !trace
+            .rows()
+            .iter()
+            .any(|row| row.gaze_deg == Some([55.0, 0.0]))
+    );
     let lost = trace.rows().iter().position(|row| !row.valid).unwrap();
     let (lost, after) = (trace.rows()[lost], trace.rows()[lost + 1]);
     assert!(lost.received.0 - lost.time.0 > 0.2, "{lost:?}");

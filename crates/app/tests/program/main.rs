@@ -5,6 +5,7 @@
 // A test that cannot go on panics.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod bounded;
 mod bridge;
 mod clouds;
 mod damage;
@@ -23,6 +24,7 @@ mod no_adapter;
 mod numbers;
 mod options;
 mod panels;
+mod panels_live;
 mod panels_pack;
 mod panels_warp;
 mod perception;
@@ -41,6 +43,7 @@ mod score;
 mod score_conditions;
 mod score_many;
 mod selection;
+mod serving;
 mod site;
 mod support;
 mod unwritable;

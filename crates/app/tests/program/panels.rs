@@ -111,16 +111,85 @@ fn the_schema_is_that_of_the_documents() {
     agrees("panels schema", &[&told]);
 }
 
+/// A mesh of 2 x 2 nodes that shows the middle half of the picture, darker to the right.
+const MESH: &[u8] = b"2\n2 2\n-1 -1 0.25 0.25 1\n1 -1 0.75 0.25 0.5\n-1 1 0.25 0.75 1\n\
+    1 1 0.75 0.75 0.5\n";
+
 #[test]
-fn what_is_no_rig_or_fits_none_is_refused() {
+fn rigs_go_through_files_of_other_programs_and_come_back() {
     let folder = Folder::new();
-    let rig = |name: &str, lines: &str| {
-        let text = format!(
-            "format = \"tiled-view/1\"\n[[panel]]\nid = \"a\"\neye = \"left\"\npixels = [80, 60]\n\
-             {lines}\n"
-        );
-        folder.holding(name, text.as_bytes())
-    };
+    let three = example("three");
+    let out = folder.name("maps");
+    let map = json(&["panels", "map", &three, "--out", &out, "--format", "mpcdi"]);
+    let file = map["files"][0].as_str().unwrap();
+    assert!(file.ends_with("main.mpcdi"), "{file}");
+    let fit = |rig: &str| json(&["panels", "fit", rig, "--placement", "plane"]);
+    let ours = folder.name("rigs/back.toml");
+    let import = json(&["panels", "import", file, "--out", &ours]);
+    assert_eq!(
+        (&import["panels"], &import["files"][0]),
+        (&Value::from(3), &Value::from(&*ours))
+    );
+    let wanted = fit(&three)["need_megapixels"].as_f64().unwrap();
+    for rig in [file, &ours] {
+        near(&fit(rig)["need_megapixels"], wanted, 1e-6);
+    }
+    let mesh = folder.holding("dome.data", MESH);
+    let found = json(&["panels", "fit", &mesh, "--source", "400x300"]);
+    assert_eq!(found["placement"], "screen");
+    let imported = folder.name("dome.toml");
+    let import = json(&["panels", "import", &mesh, "--out", &imported]);
+    assert_eq!(import["files"].as_array().unwrap().len(), 3);
+    for rig in [&mesh, &imported] {
+        let at = ["--source", "400x300", "--at", "mesh:0,0"];
+        let map = json(&[&["panels", "map", rig][..], &at].concat());
+        near(&map["points"][0]["u"], 100.0 + 100.0 / 1080.0, 1e-4);
+        near(&map["points"][0]["v"], 75.0 + 75.0 / 1080.0, 1e-4);
+    }
+    agrees("panels import", &[&import]);
+    refused(
+        2,
+        &["panels", "import", &three, "--out", &ours],
+        &["no MPCDI", ".mpcdi"],
+    );
+    refused(
+        2,
+        &["panels", "import", &mesh, "--out", "a.json"],
+        &["--out a.json", ".toml"],
+    );
+}
+
+#[test]
+fn figures_show_a_rig_and_what_its_pixels_take() {
+    let folder = Folder::new();
+    let out = folder.name("figures");
+    let figures = json(&["panels", "figures", &example("three"), "--out", &out]);
+    let names = folder_names(&out);
+    let wanted = "above.svg filters.png grid.png lines.svg magnification.png panels.svg probes.png \
+                  source.svg";
+    assert_eq!(names.join(" "), wanted);
+    assert_eq!(figures["files"].as_array().unwrap().len(), names.len());
+    let svg = std::fs::read_to_string(format!("{out}/source.svg")).unwrap();
+    assert!(
+        svg.contains("3688 x 1321 pixels") && svg.contains(">R</text>"),
+        "{svg}"
+    );
+    agrees("panels figures", &[&figures]);
+}
+
+/// A rig of one panel, with more lines.
+fn rig_of(folder: &Folder, name: &str, lines: &str) -> String {
+    let text = format!(
+        "format = \"tiled-view/1\"\n[[panel]]\nid = \"a\"\neye = \"left\"\npixels = [80, 60]\n\
+         {lines}\n"
+    );
+    folder.holding(name, text.as_bytes())
+}
+
+#[test]
+fn what_is_no_rig_is_refused() {
+    let folder = Folder::new();
+    let rig = |name: &str, lines: &str| rig_of(&folder, name, lines);
     let fit = |file: &str, code: i32, words: &[&str]| {
         refused(code, &["panels", "fit", file], words);
     };
@@ -141,16 +210,32 @@ fn what_is_no_rig_or_fits_none_is_refused() {
         &["none.toml", "cannot be read"],
     );
     fit(
-        &folder.holding("a.txt", b""),
+        &folder.holding("a.bin", b""),
         1,
-        &["a.txt", ".toml or .json"],
+        &["a.bin", ".toml, .json, .mpcdi"],
+    );
+    fit(
+        &folder.holding("a.txt", b"2\n5 1\n"),
+        1,
+        &["a.txt", "line 2", "docs/formats/panels.md"],
+    );
+    fit(
+        &folder.holding("a.mpcdi", b"PK\x03\x04"),
+        1,
+        &["a.mpcdi", "no whole zip", "export it again"],
     );
     fit(
         &folder.holding("a.json", b"{\"format\": 3}"),
         1,
         &["a.json", "line 1, format"],
     );
-    let far = rig(
+}
+
+#[test]
+fn what_no_source_fits_and_pixels_that_there_are_not_are_refused() {
+    let folder = Folder::new();
+    let far = rig_of(
+        &folder,
         "far.toml",
         "size = [1, 1]\npose = { order = \"seed002\", yaw = 80 }",
     );

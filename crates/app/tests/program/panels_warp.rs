@@ -198,3 +198,79 @@ fn what_cannot_be_warped_is_refused_in_words() {
     ];
     refused(2, &size, &["16384"]);
 }
+
+/// One panel before each eye, looking ahead.
+const PAIR: &str = r#"
+format = "tiled-view/1"
+mirror = true
+[[panel]]
+id = "P"
+eye = "left"
+pixels = [160, 120]
+pose = { order = "yaw-pitch-roll" }
+tangents = { left = 0.4, right = 0.4, up = 0.3, down = 0.3 }
+output = { surface = "main" }
+"#;
+
+#[test]
+fn each_eye_sees_its_half_of_a_source_for_two_eyes() {
+    let folder = Folder::new();
+    let rig = folder.holding("pair.toml", PAIR.as_bytes());
+    let [red, blue] = [[200_u8, 20, 20], [20, 20, 200]];
+    for (stereo, is_left) in [
+        ("sbs", (|x: u32, _: u32| x < 64) as fn(u32, u32) -> bool),
+        ("tb", |_, y| y < 48),
+    ] {
+        let source = Rgb {
+            size: [128, 96],
+            pixels: (0..96)
+                .flat_map(|y| (0..128).map(move |x| [x, y]))
+                .flat_map(|[x, y]| if is_left(x, y) { red } else { blue })
+                .collect(),
+        };
+        let file = folder.name("halves.png");
+        source.write(&file);
+        let out = folder.name(stereo);
+        warp(&rig, &file, &out, &["--stereo", stereo, "--eye", "both"]);
+        for (id, expected) in [("P", red), ("P.right", blue)] {
+            let seen = Rgb::read(&format!("{out}/{id}.png"));
+            let off = |at: [u32; 2]| {
+                let pixel = seen.at(at);
+                (0..3)
+                    .map(|k| pixel[k].abs_diff(expected[k]))
+                    .max()
+                    .unwrap()
+            };
+            assert!(seen.places().all(|at| off(at) <= 1), "{stereo} {id}");
+        }
+    }
+}
+
+#[test]
+fn a_source_at_a_distance_lies_apart_for_the_two_eyes_and_a_far_one_does_not() {
+    let folder = Folder::new();
+    let rig = folder.holding("pair.toml", PAIR.as_bytes());
+    let file = folder.name("numbers.png");
+    json(&[
+        "panels", "pattern", "numbers", "--size", "640x480", "--out", &file,
+    ]);
+    let pictures = |more: &[&str]| {
+        let out = folder.name("distance");
+        warp(&rig, &file, &out, &[&["--eye", "both"], more].concat());
+        ["P", "P.right"].map(|id| Rgb::read(&format!("{out}/{id}.png")))
+    };
+    let [left, right] = pictures(&[]);
+    assert_eq!(left.difference(&right), 0);
+    // At half a metre eyes that are 63 mm apart see it 0.126 of a tangent apart: 25 of 160 columns.
+    let [left, right] = pictures(&["--distance", "0.5"]);
+    let off = |shift: u32| -> u64 {
+        let places = (0..120).flat_map(|y| (40..100).map(move |x| [x, y]));
+        let of = |[x, y]: [u32; 2]| {
+            let [a, b] = [left.at([x + shift, y])[1], right.at([x, y])[1]];
+            u64::from(a.abs_diff(b))
+        };
+        places.map(of).sum()
+    };
+    let best = (0..50).min_by_key(|shift| off(*shift)).unwrap();
+    assert!((24..=26).contains(&best), "{best} columns");
+}

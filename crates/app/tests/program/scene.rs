@@ -1,6 +1,6 @@
 //! Does a scene go from its file to the picture that an eye gets?
 
-use crate::support::{Folder, Ran, command, finish, json};
+use crate::support::{Folder, Ran, Rgb, command, finish, frame_picture, json};
 use serde_json::Value;
 use std::fmt::Write as _;
 
@@ -255,7 +255,54 @@ fn what_a_scene_cannot_do_is_said() {
         code == Some(1) && stderr.contains("bad.obj") && stderr.contains("line 3"),
         "{stderr}"
     );
+    for (name, bytes, expected) in [
+        (
+            "empty.glb",
+            &b""[..],
+            "empty.glb: there is nothing to draw: the file has no bytes",
+        ),
+        (
+            "far.obj",
+            b"v 0 0 0\nv 1 0 0\nv 0 2e15 0\nf 1 2 3\n",
+            "far.obj: object",
+        ),
+    ] {
+        let bad = folder.holding(name, bytes);
+        let (code, stderr) = refused(&["prepare", "scene", &bad, "--out", &to]);
+        assert!(code == Some(1) && stderr.contains(expected), "{stderr}");
+    }
     assert!(!folder.names().contains(&"bad.foveal".to_owned()));
+    let (code, stderr) = refused(&["verify", &pack, "--ignore-prerequisites"]);
+    assert!(code == Some(2) && stderr.contains("--cuts N"), "{stderr}");
+}
+
+#[test]
+fn a_heat_map_has_the_colours_of_levels() {
+    let folder = Folder::new();
+    let pack = torus_pack(&folder);
+    let pictures = [&[][..], &["--heat-map"]].map(|more| {
+        let still = [
+            &["--policy", "acuity", "--frames", "1", "--gaze", "0,0"],
+            more,
+        ]
+        .concat();
+        simulate(&folder, &pack, &still);
+        frame_picture(&folder.name("out"), 0)
+    });
+    // Of a grey torus: no pixel has a colour without, many have with.
+    let colourful = |picture: &Rgb| {
+        let is_colour = |[r, g, b]: &[u8; 3]| r.abs_diff(*g).max(g.abs_diff(*b)) > 40;
+        picture
+            .places()
+            .filter(|it| is_colour(&picture.at(*it)))
+            .count()
+    };
+    assert_eq!(colourful(&pictures[0]), 0);
+    assert!(
+        colourful(&pictures[1]) > 3000,
+        "{}",
+        colourful(&pictures[1])
+    );
 }
 
 #[test]

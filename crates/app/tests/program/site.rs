@@ -8,18 +8,23 @@ use std::net::TcpStream;
 use std::process::{Child, ChildStdout, Stdio};
 
 /// A server that ends with the value.
-struct Server {
-    child: Child,
-    address: String,
+pub(crate) struct Server {
+    pub(crate) child: Child,
+    pub(crate) address: String,
     _stdout: BufReader<ChildStdout>,
 }
 
 impl Server {
-    fn start(arguments: &[&str]) -> Self {
+    pub(crate) fn start(arguments: &[&str]) -> Self {
+        Self::listening("127.0.0.1:0", arguments)
+    }
+
+    /// One that listens at an address.
+    pub(crate) fn listening(address: &str, arguments: &[&str]) -> Self {
         let mut command = command(&["serve"]);
         command
             .args(arguments)
-            .args(["--listen", "127.0.0.1:0", "--json"]);
+            .args(["--listen", address, "--json"]);
         let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
         let mut stdout = BufReader::new(child.stdout.take().unwrap());
         let mut line = String::new();
@@ -35,12 +40,12 @@ impl Server {
     }
 
     /// The answer to a request with these header lines.
-    fn ask(&self, method: &str, path: &str, headers: &[&str]) -> Answer {
+    pub(crate) fn ask(&self, method: &str, path: &str, headers: &[&str]) -> Answer {
         let host = format!("Host: {}", self.address);
         self.ask_as(&host, method, path, headers)
     }
 
-    fn ask_as(&self, host: &str, method: &str, path: &str, headers: &[&str]) -> Answer {
+    pub(crate) fn ask_as(&self, host: &str, method: &str, path: &str, headers: &[&str]) -> Answer {
         let mut stream = TcpStream::connect(&self.address).unwrap();
         let lines = headers.join("\r\n");
         let more = if lines.is_empty() { "" } else { "\r\n" };
@@ -62,14 +67,14 @@ impl Drop for Server {
 }
 
 #[derive(Debug)]
-struct Answer {
-    status: u16,
+pub(crate) struct Answer {
+    pub(crate) status: u16,
     head: String,
-    body: Vec<u8>,
+    pub(crate) body: Vec<u8>,
 }
 
 impl Answer {
-    fn parse(bytes: &[u8]) -> Self {
+    pub(crate) fn parse(bytes: &[u8]) -> Self {
         let end = bytes
             .windows(4)
             .position(|four| four == b"\r\n\r\n")
@@ -83,7 +88,7 @@ impl Answer {
     }
 
     /// The value of a header, by its name in small letters.
-    fn header(&self, name: &str) -> Option<&str> {
+    pub(crate) fn header(&self, name: &str) -> Option<&str> {
         let line = self.head.lines().find(|line| {
             line.split_once(':')
                 .is_some_and(|(found, _)| found.eq_ignore_ascii_case(name))
@@ -302,7 +307,7 @@ fn what_cannot_be_served_or_exported_is_refused_with_the_next_step() {
 }
 
 /// A pack of waves, and whether this program carries its pages.
-fn wave_pack(folder: &Folder) -> Option<String> {
+pub(crate) fn wave_pack(folder: &Folder) -> Option<String> {
     let clip = write_clip(folder, "a.mkv", &waves([96, 64], 9));
     let pack = folder.name("a.foveal");
     done(&["prepare", "video", &clip, "--out", &pack]);

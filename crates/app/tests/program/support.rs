@@ -187,6 +187,14 @@ impl Rgb {
         }
     }
 
+    pub(crate) fn write(&self, path: &str) {
+        let file = File::create(path).unwrap();
+        let mut encoder = png::Encoder::new(file, self.size[0], self.size[1]);
+        encoder.set_color(png::ColorType::Rgb);
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(&self.pixels).unwrap();
+    }
+
     pub(crate) fn at(&self, [x, y]: [u32; 2]) -> [u8; 3] {
         let place = (y as usize * self.size[0] as usize + x as usize) * 3;
         [0, 1, 2].map(|k| self.pixels[place + k])

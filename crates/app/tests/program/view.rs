@@ -10,9 +10,9 @@ use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 
 /// A display without a screen, which goes away with the value.
-struct Display {
+pub(crate) struct Display {
     server: Child,
-    name: String,
+    pub(crate) name: String,
     /// Where it keeps what is on its screen.
     kept: Folder,
 }
@@ -21,7 +21,7 @@ impl Display {
     /// Starts one; `None`, and a line that says so, where there is no Xvfb. The server chooses a
     /// number nobody holds and tells it when clients may come: a socket left behind by one that
     /// was killed is not taken for a server.
-    fn start() -> Option<Self> {
+    pub(crate) fn start() -> Option<Self> {
         let kept = Folder::new();
         let started = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "1000x700x24"])
@@ -44,7 +44,7 @@ impl Display {
 
     /// What is on the screen: an XWD file, whose header is 32-bit numbers, the big end first, and
     /// whose pixels are blue, green, red and nothing.
-    fn screen(&self) -> Rgb {
+    pub(crate) fn screen(&self) -> Rgb {
         let bytes = std::fs::read(self.kept.name("Xvfb_screen0")).unwrap();
         let number = |at: usize| u32::from_be_bytes(bytes[4 * at..4 * at + 4].try_into().unwrap());
         let [header, width, height, line, colours] = [0, 4, 5, 12, 19].map(number);
@@ -60,7 +60,13 @@ impl Display {
     }
 
     /// The program in a window on it, with a script.
-    fn view(&self, folder: &Folder, pack: &str, script: &str, options: &[&str]) -> Command {
+    pub(crate) fn view(
+        &self,
+        folder: &Folder,
+        pack: &str,
+        script: &str,
+        options: &[&str],
+    ) -> Command {
         let script = folder.holding("script.txt", script.as_bytes());
         let mut view = command(&["view", pack, "--script", &script, "--json"]);
         view.args(options);
@@ -94,7 +100,7 @@ pub(crate) fn watched(
 }
 
 /// A flat pack of six frames in which every tile tells its frame.
-fn flat_pack(folder: &Folder) -> String {
+pub(crate) fn flat_pack(folder: &Folder) -> String {
     let pictures: Vec<Picture> = (0..6)
         .map(|frame| numbered_tiles([512, 288], 64, frame))
         .collect();

@@ -9,6 +9,8 @@ pub const MAGIC: [u8; 8] = *b"FOVEAL\r\n";
 pub const VERSION: u32 = 1;
 /// Bytes of the fixed header.
 pub const HEADER_BYTES: usize = 64;
+/// Bytes of the header that say nothing yet.
+const RESERVED: [core::ops::Range<usize>; 2] = [20..24, 48..60];
 /// Longest description in bytes that is read.
 pub const MAX_DESCRIPTION_BYTES: u32 = 1 << 20;
 
@@ -47,6 +49,12 @@ impl Header {
             return Err(wrong_version(version));
         }
         check_crc("header", &bytes[..60], u32_at(bytes, 60))?;
+        for place in RESERVED {
+            if let Some(found) = bytes[place.clone()].iter().find(|it| **it != 0) {
+                let field = format!("reserved bytes {} to {}", place.start, place.end - 1);
+                return Err(PackError::new(&field, found, "0"));
+            }
+        }
         let header = Self {
             description_bytes: u32_at(bytes, 12),
             description_crc: u32_at(bytes, 16),

@@ -228,6 +228,25 @@ impl Index {
         Ok(())
     }
 
+    /// Reads page after page by `read`, which is told where in the file each lies; each is checked
+    /// before the next is read.
+    ///
+    /// # Errors
+    /// What `read` refuses, and what [`Self::add_page`] does, as `wrong` tells it.
+    pub fn read_all<E>(
+        &self,
+        mut read: impl FnMut(Range<u64>) -> Result<Vec<u8>, E>,
+        wrong: impl Fn(PackError) -> E,
+    ) -> Result<(), E> {
+        for page in 0..self.pages() {
+            if let Some(place) = self.page_place(page) {
+                let bytes = read(place)?;
+                self.add_page(page, &bytes).map_err(&wrong)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Takes the bytes of a page, wherever among the others it comes. Refuses a wrong checksum,
     /// another page, and entries outside the chunks' part of the file or longer than
     /// [`MAX_CHUNK_BYTES`].

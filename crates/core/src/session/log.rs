@@ -15,7 +15,7 @@ use crate::perception::parameters::EyeState;
 use crate::selection::scheduler::Scheduler;
 use crate::units::{Radians, Seconds};
 use crate::view::eye_view::{EyeView, Field};
-use crate::view::panel::mounted::MountedPanel;
+use crate::view::mounted::MountedPanel;
 use crate::view::panel::rig::MOST_PANELS;
 use crate::view::surface::Eye;
 use glam::DVec3;

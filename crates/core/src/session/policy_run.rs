@@ -15,7 +15,7 @@ use crate::session::log::{AssetHead, SessionFrame, SessionHead, SessionLogPart};
 use crate::units::{Radians, Seconds};
 use crate::view::axes::angle_between;
 use crate::view::eye_view::{EyeView, Field};
-use crate::view::panel::mounted::MountedPanel;
+use crate::view::mounted::MountedPanel;
 use std::sync::Arc;
 
 /// What is kept fine beside the view, at most in shares of its width: a window that is zoomed to a

@@ -95,7 +95,7 @@ pub(super) fn scripted_session(surface: Surface, config: PolicyConfig) -> Sessio
         noise_threshold: Some(3000.0),
         ..config
     };
-    let path = ScanPath::new(&surface, 7, Seconds(2.0));
+    let mut path = ScanPath::new(&surface, 7);
     let demand = scripted_demand(&head, &config);
     let mut scheduler = Scheduler::new(&config, vec![demand]);
     let view = window();

@@ -40,6 +40,16 @@ impl Axes {
         }
     }
 
+    /// The angles that [`from_yaw_pitch_roll`](Self::from_yaw_pitch_roll) makes these axes from.
+    #[must_use]
+    pub fn yaw_pitch_roll(&self) -> [Radians; 3] {
+        let (yaw, pitch) = yaw_pitch_from_direction(self.forward);
+        let upright = Self::from_yaw_pitch_roll(yaw, pitch, Radians(0.0));
+        let across = self.right.dot(upright.right);
+        let roll = libm::atan2(self.right.dot(upright.down), across);
+        [yaw, pitch, Radians(roll)]
+    }
+
     /// The vector `forward + right * a + down * b` at unit distance, not normalised.
     #[must_use]
     pub fn at(&self, [a, b]: [f64; 2]) -> DVec3 {

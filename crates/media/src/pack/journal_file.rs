@@ -5,6 +5,7 @@
 //! there is
 //! at most one for each name of a pack.
 
+use crate::plain_file::open_unlinked;
 use foveal_core::content::video::bytes::build::begin_pack;
 use foveal_core::content::video::bytes::chunk::named_chunk;
 use foveal_core::content::video::bytes::description::Description;
@@ -142,10 +143,9 @@ impl JournalFile {
 }
 
 fn is_journal(path: &Path) -> bool {
-    let is_file = std::fs::symlink_metadata(path).is_ok_and(|there| there.is_file());
     let mut begins = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(8).read_to_end(&mut begins));
-    is_file && read.is_ok() && (begins == JOURNAL_MAGIC || begins.iter().all(|byte| *byte == 0))
+    let read = open_unlinked(path).and_then(|(file, _)| file.take(8).read_to_end(&mut begins));
+    read.is_ok() && (begins == JOURNAL_MAGIC || begins.iter().all(|byte| *byte == 0))
 }
 
 fn read_journal(path: &Path) -> Result<Vec<u8>, String> {
@@ -153,11 +153,13 @@ fn read_journal(path: &Path) -> Result<Vec<u8>, String> {
         ErrorKind::NotFound => "nothing of it is whole".to_owned(),
         _ => format!("{}: {e}", path.display()),
     };
-    let there = std::fs::symlink_metadata(path).map_err(none)?;
-    if !there.is_file() || there.len() > MOST_BYTES {
+    let (mut file, there) = open_unlinked(path).map_err(none)?;
+    if there.len() > MOST_BYTES {
         return Err(format!("{} is no journal", path.display()));
     }
-    std::fs::read(path).map_err(none)
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes).map_err(none)?;
+    Ok(bytes)
 }
 
 /// The steps up to the first whose frames, tiles or bytes in the pack are not as they should be.

@@ -1,5 +1,7 @@
 //! A pack from and to a file, and what an unfinished one is good for.
 
+pub mod content_tag;
+pub mod damage;
 pub(crate) mod journal_file;
 mod open_pack;
 pub mod pack_file;

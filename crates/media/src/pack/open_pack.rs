@@ -1,6 +1,7 @@
 //! How are the parts of a pack's file read, whatever is in it?
 
-use foveal_core::pack::{HEADER_BYTES, Header, PackError, TableEntry, check_crc};
+use crate::plain_file::open_plain;
+use foveal_core::pack::{HEADER_BYTES, Header, Index, PackError, TableEntry, check_crc};
 use foveal_core::units::counted;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
@@ -96,19 +97,15 @@ impl OpenPack {
             path: path.to_owned(),
             source,
         };
-        let found = std::fs::metadata(path).map_err(|e| io("cannot be opened", e))?;
-        if !found.is_file() {
-            let what = if found.is_dir() {
-                "is a folder"
-            } else {
-                "is no plain file"
+        let (mut file, found) = open_plain(path).map_err(|error| {
+            let what = match error.kind() {
+                ErrorKind::IsADirectory => "is a folder",
+                ErrorKind::Other => "is no plain file",
+                _ => return io("cannot be opened", error),
             };
-            return Err(PackFileError::NoFile {
-                path: path.to_owned(),
-                what,
-            });
-        }
-        let mut file = File::open(path).map_err(|e| io("cannot be opened", e))?;
+            let path = path.to_owned();
+            PackFileError::NoFile { path, what }
+        })?;
         let mut head = Vec::new();
         let mut first = (&mut file).take(HEADER_BYTES as u64);
         first
@@ -141,10 +138,13 @@ impl OpenPack {
         &self.header
     }
 
-    /// The whole index.
-    pub(crate) fn read_index(&self) -> Result<Vec<u8>, PackFileError> {
-        let (offset, bytes) = (self.header.index_offset, self.header.index_bytes);
-        self.read(offset, bytes, &|| "index".to_owned())
+    /// Reads all pages of an index, page by page.
+    pub(crate) fn read_index(&self, index: &Index) -> Result<(), PackFileError> {
+        let read = |place: std::ops::Range<u64>| {
+            let bytes = place.end - place.start;
+            self.read(place.start, bytes, &|| "index".to_owned())
+        };
+        index.read_all(read, |source| self.format(source))
     }
 
     /// A side table, its checksum checked.

@@ -1,5 +1,6 @@
 //! How is a pack read from a file?
 
+use crate::pack::damage::Damage;
 use crate::pack::open_pack::OpenPack;
 pub use crate::pack::open_pack::PackFileError;
 use foveal_core::content::video::Video;
@@ -28,18 +29,9 @@ impl PackFile {
     /// Opens a pack of video and reads its header, description and index.
     pub fn open(path: &Path) -> Result<Self, PackFileError> {
         let (open, description) = OpenPack::open(path)?;
-        let header = open.header();
-        let format = |source| open.format(source);
-        let expected = VideoPack::expected_index_bytes(&description).map_err(format)?;
-        if header.index_bytes != expected {
-            return Err(format(PackError {
-                field: "index_bytes".to_owned(),
-                found: header.index_bytes.to_string(),
-                expected: expected.to_string(),
-            }));
-        }
-        let index = open.read_index()?;
-        let pack = VideoPack::parse(header, &description, &index).map_err(format)?;
+        let pack = VideoPack::begin(open.header(), &description);
+        let pack = pack.map_err(|source| open.format(source))?;
+        open.read_index(pack.index())?;
         Ok(Self {
             pack: Arc::new(pack),
             open,
@@ -147,21 +139,23 @@ impl PackFile {
         parsed.map(Some).map_err(|source| self.open.format(source))
     }
 
-    /// Reads every byte and checks it: `progress` is told how many bytes are done of how many.
-    /// Returns what is damaged, nothing if all is well.
-    pub fn verify(&self, mut progress: impl FnMut(u64, u64)) -> Vec<PackFileError> {
-        let mut damage = Vec::new();
+    /// Reads every byte once and checks it: `progress` is told how many bytes are done of how many.
+    /// Returns what is damaged, nothing if all is well; of chunks or tables that overlap or leave
+    /// gaps that alone.
+    pub fn verify(&self, mut progress: impl FnMut(u64, u64)) -> Damage {
+        let mut damage = Damage::default();
         if let Err(source) = self.pack.check_coverage(self.open.header()) {
-            damage.push(self.open.format(source));
+            damage.add(Err::<(), _>(self.open.format(source)));
+            return damage;
         }
         for table in &self.pack.description().tables {
-            damage.extend(self.open.read_table(table).err());
+            damage.add(self.open.read_table(table));
         }
         if damage.is_empty() {
-            damage.extend(self.frame_times().err());
-            damage.extend(self.signatures().err());
-            damage.extend(self.cues().err());
-            damage.extend(self.sound().err());
+            damage.add(self.frame_times());
+            damage.add(self.signatures());
+            damage.add(self.cues());
+            damage.add(self.sound());
         }
         let mut done = 0;
         for unit in self.pack.units() {
@@ -170,7 +164,7 @@ impl PackFile {
                 let parts = split_chunk(&chunk, frames).map(|parts| parts.len());
                 parts.map_err(|source| self.open.format(source))
             });
-            damage.extend(checked.err());
+            damage.add(checked);
             done += u64::from(self.pack.entry(unit).bytes);
             progress(done, self.bytes());
         }

@@ -2,6 +2,7 @@
 
 use crate::pack::journal_file::JournalFile;
 use crate::pack::pack_file::{PackFileError, partial_path};
+use crate::plain_file::rename_durably;
 use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile, with_loss};
 use foveal_core::content::video::bytes::description::{Description, Loss};
 use foveal_core::content::video::grid::tile_grid::Tile;
@@ -207,7 +208,7 @@ impl PackWriter {
             if last_change(&self.path) != self.replaced {
                 return Err(Error::other("another file has taken its name meanwhile"));
             }
-            std::fs::rename(&self.partial, &self.path)
+            rename_durably(&self.partial, &self.path)
         };
         end().map_err(|source| self.refused(source))?;
         self.is_whole = true;

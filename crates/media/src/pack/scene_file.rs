@@ -1,5 +1,6 @@
 //! How is the pack of a scene written and read?
 
+use crate::pack::damage::Damage;
 use crate::pack::open_pack::{OpenPack, PackFileError};
 use crate::pack::pack_writer::PackWriter;
 use foveal_core::content::images::shape::BORDER;
@@ -60,9 +61,10 @@ impl SceneFile {
         let (open, description) = OpenPack::open(path)?;
         let format = |source| open.format(source);
         let about = ScenePack::describe(open.header(), &description).map_err(format)?;
+        let index = ScenePack::index_of(open.header(), &about).map_err(format)?;
+        open.read_index(&index)?;
         let table = open.read_table(about.units_table().map_err(format)?)?;
-        let index = open.read_index()?;
-        let pack = ScenePack::new(open.header(), about, &index, &table).map_err(format)?;
+        let pack = ScenePack::of_index(about, index, &table).map_err(format)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let scene = Scene::new(&name, Arc::new(pack));
         Ok(Self {
@@ -167,12 +169,14 @@ impl SceneFile {
         }
     }
 
-    /// Reads every byte and checks it: `progress` is told how many bytes are done of how many.
-    /// Returns what is damaged, nothing if all is well.
-    pub fn verify(&self, mut progress: impl FnMut(u64, u64)) -> Vec<PackFileError> {
-        let mut damage = Vec::new();
+    /// Reads every byte once and checks it: `progress` is told how many bytes are done of how many.
+    /// Returns what is damaged, nothing if all is well; of chunks or tables that overlap or leave
+    /// gaps that alone.
+    pub fn verify(&self, mut progress: impl FnMut(u64, u64)) -> Damage {
+        let mut damage = Damage::default();
         if let Err(source) = self.pack().check_coverage(self.header()) {
-            damage.push(self.open.format(source));
+            damage.add(Err::<(), _>(self.open.format(source)));
+            return damage;
         }
         let mut done = 0;
         let mut clouds = CloudCheck::default();
@@ -182,7 +186,7 @@ impl SceneFile {
                 let fits = clouds.add(unit, self.pack().row(unit), &says);
                 fits.map_err(|source| self.open.format(source))
             });
-            damage.extend(checked.err());
+            damage.add(checked);
             done += u64::from(self.pack().entry(unit).bytes);
             progress(done, self.bytes());
         }

@@ -178,7 +178,7 @@ fn turn(frame: &Video, orientation: Orientation) -> Result<Video, String> {
     Ok(turned)
 }
 
-fn layout_of(frame: &Video, is_jpeg: bool) -> Result<Layout, String> {
+pub(crate) fn layout_of(frame: &Video, is_jpeg: bool) -> Result<Layout, String> {
     let format = frame.format();
     let rgb = is_rgb(format);
     let is_full_by_format = matches!(

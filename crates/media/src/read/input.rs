@@ -1,5 +1,6 @@
 //! Which pictures does a video or image file hold, and when is each shown?
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use av::codec::packet::side_data::Type;
@@ -10,6 +11,7 @@ use ffmpeg_next as av;
 use foveal_core::view::picture::Picture;
 
 use crate::error::MediaError;
+use crate::plain_file::open_plain;
 use crate::read::deliver::{FrameConversion, has_alpha};
 use crate::read::frame_reader::FrameReader;
 use crate::read::large_still::LargeStill;
@@ -269,15 +271,15 @@ fn file_bytes(path: &Path) -> Result<u64, MediaError> {
         path: path.to_owned(),
         reason,
     };
-    let about = std::fs::metadata(path).map_err(|e| cannot_open(e.to_string()))?;
-    if about.is_dir() {
-        return Err(cannot_open("it is a folder; give a file in it".to_owned()));
-    }
-    if !about.is_file() {
-        return Err(cannot_open(
-            "it is not a file; what comes through a pipe must be written to one first".to_owned(),
-        ));
-    }
+    let (_, about) = open_plain(path).map_err(|error| {
+        cannot_open(match error.kind() {
+            ErrorKind::IsADirectory => "it is a folder; give a file in it".to_owned(),
+            ErrorKind::Other => "it is not a file; what comes through a pipe must be written to \
+                                 one first"
+                .to_owned(),
+            _ => error.to_string(),
+        })
+    })?;
     if about.len() == 0 {
         let reason = "it is empty".to_owned();
         return Err(MediaError::NotVideo {

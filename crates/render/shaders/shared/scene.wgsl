@@ -12,7 +12,7 @@ struct Scene {
     tint: f32,
     coarsest: f32,
     culls: u32,
-    unused_pair: vec2f,
+    picture: vec2u,
 }
 
 struct Placement {
@@ -71,6 +71,10 @@ fn counts_of(block: u32) -> Counts {
 
 fn refiner_of(block: u32) -> u32 {
     return words[block + 9u];
+}
+
+fn times(rows: array<vec4f, 3>, place: vec4f) -> vec3f {
+    return vec3f(dot(rows[0], place), dot(rows[1], place), dot(rows[2], place));
 }
 
 // Which of a cluster's vertices is at a corner of its triangles. In a mirror corners come the other

@@ -9,9 +9,10 @@ use crate::gpu::readback::{PictureCopy, ReadBack};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
 use crate::meshes::footprints::{FootprintPass, FootprintsBack, GazedParams, small_view};
+use crate::meshes::hiding::Hiding;
 use crate::meshes::lists::DrawList;
 use crate::meshes::memory::UnitMemory;
-use crate::meshes::params::{PlacementParams, SceneParams, SceneStyle};
+use crate::meshes::params::{Culling, PlacementParams, SceneParams, SceneStyle};
 use crate::meshes::pass::{ClusterPass, Draws, UNITS_FORMAT};
 use crate::meshes::placements::Placements;
 use crate::meshes::units::{ComingUnit, SceneUnits};
@@ -27,6 +28,8 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Most workgroups along one side of a dispatch.
 const MOST_WORKGROUPS: u32 = 65_535;
+/// Fewer clusters are drawn sooner than it is found out which are hidden.
+const LEAST_HIDING: u32 = 4096;
 
 /// The units of a scene on the GPU, and the pictures that are drawn of them.
 ///
@@ -57,6 +60,7 @@ pub struct SceneLayer {
     view: wgpu::Buffer,
     seen_placements: wgpu::Buffer,
     cull: Compute,
+    hiding: Hiding,
     colours: ClusterPass,
     refiners: Option<ClusterPass>,
     footprints: Option<FootprintPass>,
@@ -85,7 +89,7 @@ impl SceneLayer {
         let view_bytes = size_of::<SceneParams>() as u64;
         let has_clouds = objects.iter().any(|it| it.points.is_some());
         let clouds = has_clouds.then(|| PointLayer::new(gpu, objects));
-        let uniform = wgpu::BufferUsages::UNIFORM;
+        let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_SRC;
         Ok(Self {
             gpu: gpu.clone(),
             units: SceneUnits::new(objects.len()),
@@ -99,6 +103,7 @@ impl SceneLayer {
             triangles: 0,
             view: written(gpu, "view of a scene", view_bytes, uniform),
             cull: Compute::new(gpu, &shaders::cull_clusters()),
+            hiding: Hiding::new(gpu, bytes as u64)?,
             colours: ClusterPass::new(gpu, Draws::Colours),
             refiners: None,
             footprints: None,
@@ -227,8 +232,8 @@ impl SceneLayer {
     pub fn gpu_bytes(&self) -> u64 {
         let lists: u64 = self.lists.iter().map(DrawList::bytes).sum();
         let clouds = self.clouds.as_ref().map_or(0, PointLayer::gpu_bytes);
-        let all = self.memory.bytes() + self.pages.bytes() + lists + self.seen_placements.size();
-        all + clouds
+        let tables = lists + self.seen_placements.size() + self.hiding.bytes();
+        self.memory.bytes() + self.pages.bytes() + tables + clouds
     }
 
     /// Triangles of the clusters that the last picture was drawn of, also of those that cannot be
@@ -236,6 +241,22 @@ impl SceneLayer {
     #[must_use]
     pub fn triangles_drawn(&self) -> u64 {
         self.triangles
+    }
+
+    /// Number of clusters that the last picture was drawn of: those that the picture before did not
+    /// hide, and those that it did but this did not. Blocks.
+    ///
+    /// # Errors
+    /// The device was lost.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn clusters_drawn(&self) -> Result<[u32; 2], RenderError> {
+        let mut drawn = [0; 2];
+        for list in &self.lists {
+            for (sum, count) in drawn.iter_mut().zip(list.clusters_drawn(&self.gpu)?) {
+                *sum += count;
+            }
+        }
+        Ok(drawn)
     }
 
     /// Draws the picture that `view` shows, and returns its rgba8 texture of sRGB codes; the next
@@ -295,6 +316,7 @@ impl SceneLayer {
         let gpu = self.gpu.clone();
         check_size(&gpu, view.size)?;
         let mut encoder = gpu.encoder("units of a scene");
+        let style = &self.without_hiding(style);
         self.prepare(&mut encoder, view, style)?;
         let [width, height] = view.size.map(|side| side.max(1));
         let size = wgpu::Extent3d {
@@ -313,7 +335,7 @@ impl SceneLayer {
         let target = (&image, style.background());
         let lists = listed(&self.lists, &bound);
         let beside = beside(self.clouds.as_ref(), Draws::Refiners, &self.view);
-        pass.record((&gpu, &mut encoder), target, lists, beside);
+        pass.record((&gpu, &mut encoder), target, (0, lists), beside);
         self.refiners = Some(pass);
         gpu.submit(encoder);
         Ok(self.unit_image.insert(image))
@@ -349,14 +371,61 @@ impl SceneLayer {
         style: &SceneStyle,
     ) -> Result<(), RenderError> {
         self.output.fit(&self.gpu, view.size)?;
-        self.prepare(encoder, view, style)?;
+        let hides = style.culls.hidden && self.clusters() >= LEAST_HIDING;
+        if hides {
+            self.hiding.fit(&self.gpu, view.size)?;
+        }
+        let goes_twice = hides && self.hiding.is_there;
+        let go_once = self.without_hiding(style);
+        self.prepare(encoder, view, if goes_twice { style } else { &go_once })?;
+        self.go(encoder, style, 0, goes_twice);
+        if !hides {
+            return Ok(());
+        }
+        if let Some(depths) = self.colours.depths() {
+            self.hiding.record(&self.gpu, encoder, &depths);
+        }
+        let placements = &self.seen_placements;
+        self.hiding.take(encoder, &self.view, placements);
+        if goes_twice {
+            self.lists.iter().for_each(|list| list.go_on(encoder));
+            self.cull(encoder, 1);
+            self.go(encoder, style, 1, false);
+        }
+        Ok(())
+    }
+
+    /// Records one of the goes of a picture; clouds are drawn in the last.
+    fn go(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        style: &SceneStyle,
+        go: usize,
+        more_comes: bool,
+    ) {
         let bound = self.bind(&self.colours);
         let lists = listed(&self.lists, &bound);
         let target = (&self.output.picture, style.background());
-        let beside = beside(self.clouds.as_ref(), Draws::Colours, &self.view);
+        let clouds = self.clouds.as_ref().filter(|_| !more_comes);
+        let beside = beside(clouds, Draws::Colours, &self.view);
         self.colours
-            .record((&self.gpu, encoder), target, lists, beside);
-        Ok(())
+            .record((&self.gpu, encoder), target, (go, lists), beside);
+    }
+
+    /// The style without leaving out what others hide.
+    fn without_hiding(&self, style: &SceneStyle) -> SceneStyle {
+        SceneStyle {
+            culls: Culling {
+                hidden: false,
+                ..style.culls
+            },
+            ..*style
+        }
+    }
+
+    /// Number of clusters that may be seen, each where it stands.
+    fn clusters(&self) -> u32 {
+        self.lists.iter().map(DrawList::count).sum()
     }
 
     /// Writes what a picture of `view` is drawn by, and records what finds the clusters in it.
@@ -383,10 +452,15 @@ impl SceneLayer {
         let bytes = bytemuck::cast_slice(&placements);
         queue.write_buffer(&self.seen_placements, 0, bytes);
         self.lists.iter().for_each(|list| list.begin(&self.gpu));
-        let lists = self.lists.iter().filter(|list| list.count() > 0);
-        let dispatches: Vec<_> = lists.map(|list| self.culling(list)).collect();
-        record(encoder, "cull_clusters", None, &dispatches);
+        self.cull(encoder, 0);
         Ok(())
+    }
+
+    /// Records what finds the clusters that a go draws.
+    fn cull(&self, encoder: &mut wgpu::CommandEncoder, go: usize) {
+        let lists = self.lists.iter().filter(|list| list.count() > 0);
+        let dispatches: Vec<_> = lists.map(|list| self.culling(list, go)).collect();
+        record(encoder, "cull_clusters", None, &dispatches);
     }
 
     /// Makes the lists of the clusters that are drawn of the units that are there.
@@ -411,8 +485,8 @@ impl SceneLayer {
         Ok(())
     }
 
-    /// The pass that finds the clusters of a list that can be seen.
-    fn culling(&self, list: &DrawList) -> Dispatch {
+    /// The pass that finds the clusters of a list that a go draws.
+    fn culling(&self, list: &DrawList, go: usize) -> Dispatch {
         let [_, words] = self.memory.buffers();
         let bindings = [
             (0, self.view.as_entire_binding()),
@@ -420,8 +494,11 @@ impl SceneLayer {
             (2, words.as_entire_binding()),
             (3, list.candidates()),
             (4, list.shown().as_entire_binding()),
-            (5, list.arguments().as_entire_binding()),
+            (5, list.arguments(go).as_entire_binding()),
             (6, list.corners().as_entire_binding()),
+            (7, self.hiding.view.as_entire_binding()),
+            (8, self.hiding.placements.as_entire_binding()),
+            (9, self.hiding.depths()),
         ];
         let across = list.count().min(MOST_WORKGROUPS);
         let size = [across, list.count().div_ceil(across)];

@@ -3,12 +3,22 @@
 use crate::error::RenderError;
 use crate::gpu::buffers::{storage, written};
 use crate::gpu::device::Gpu;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::gpu::readback::BytesBack;
 use crate::meshes::pool::most_bound;
 
 /// Bytes of a cluster in a list: its first word and its placement.
 const BYTES: u64 = 8;
-/// Bytes of what tells the GPU how much to draw, and of what is counted beside.
-const ARGUMENT_BYTES: u64 = 24;
+/// Words of what tells the GPU how much to draw, and of what is counted beside.
+const ARGUMENT_WORDS: usize = 8;
+/// Bytes of a word.
+const WORD: u64 = 4;
+/// Which words are the number of corners, the first of them, the number of clusters, and that of
+/// those that an earlier go found.
+const CORNERS: u64 = 0;
+const FIRST_CORNER: u64 = 2;
+const CLUSTERS: u64 = 5;
+const FIRST_CLUSTER: u64 = 6;
 /// Bytes of a triangle: of each corner which cluster and which of its vertices.
 const TRIANGLE_BYTES: u64 = 12;
 
@@ -18,7 +28,8 @@ pub(crate) struct DrawList {
     candidates: wgpu::Buffer,
     shown: wgpu::Buffer,
     corners: wgpu::Buffer,
-    arguments: wgpu::Buffer,
+    /// Of the first go, and of the second.
+    arguments: [wgpu::Buffer; 2],
     count: u32,
 }
 
@@ -28,12 +39,16 @@ impl DrawList {
     /// # Errors
     /// The device binds next to nothing.
     pub(crate) fn new(gpu: &Gpu) -> Result<Self, RenderError> {
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT;
+        let usage = wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::INDIRECT
+            | wgpu::BufferUsages::COPY_SRC;
+        let bytes = ARGUMENT_WORDS as u64 * WORD;
+        let arguments = || written(gpu, "how much is drawn", bytes, usage);
         Ok(Self {
             candidates: storage(gpu, "clusters that may be seen", BYTES)?,
             shown: storage(gpu, "clusters that are seen", BYTES)?,
             corners: corner_buffer(gpu, TRIANGLE_BYTES)?,
-            arguments: written(gpu, "how much is drawn", ARGUMENT_BYTES, usage),
+            arguments: [arguments(), arguments()],
             count: 0,
         })
     }
@@ -67,9 +82,19 @@ impl DrawList {
 
     /// Readies it for a picture: nothing is shown so far, once.
     pub(crate) fn begin(&self, gpu: &Gpu) {
-        let arguments = [0_u32, 1, 0, 0, 0, 0];
-        let bytes = bytemuck::cast_slice(&arguments);
-        gpu.queue.write_buffer(&self.arguments, 0, bytes);
+        for (buffer, again) in self.arguments.iter().zip(0_u32..) {
+            let arguments: [u32; ARGUMENT_WORDS] = [0, 1, 0, 0, 0, 0, 0, again];
+            let bytes = bytemuck::cast_slice(&arguments);
+            gpu.queue.write_buffer(buffer, 0, bytes);
+        }
+    }
+
+    /// Records that the second go adds to what the first found.
+    pub(crate) fn go_on(&self, encoder: &mut wgpu::CommandEncoder) {
+        let [first, second] = &self.arguments;
+        for (from, to) in [(CORNERS, FIRST_CORNER), (CLUSTERS, FIRST_CLUSTER)] {
+            encoder.copy_buffer_to_buffer(first, from * WORD, second, to * WORD, WORD);
+        }
     }
 
     /// Those that may be seen, no more: a shader tells by its length how many there are.
@@ -91,9 +116,27 @@ impl DrawList {
         &self.corners
     }
 
-    /// How much is drawn, as `draw_indexed_indirect` reads it.
-    pub(crate) fn arguments(&self) -> &wgpu::Buffer {
-        &self.arguments
+    /// How much a go draws, the first or the second, as `draw_indexed_indirect` reads it.
+    pub(crate) fn arguments(&self, go: usize) -> &wgpu::Buffer {
+        &self.arguments[go]
+    }
+
+    /// Number of clusters that each go of the last picture drew. Blocks.
+    ///
+    /// # Errors
+    /// The device was lost.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn clusters_drawn(&self, gpu: &Gpu) -> Result<[u32; 2], RenderError> {
+        let back = BytesBack::buffer(gpu, 2 * WORD);
+        let mut encoder = gpu.encoder("clusters that were drawn");
+        for (arguments, go) in self.arguments.iter().zip(0..) {
+            let from = CLUSTERS * WORD;
+            encoder.copy_buffer_to_buffer(arguments, from, &back, go * WORD, WORD);
+        }
+        gpu.submit(encoder);
+        let bytes = BytesBack::map(back).wait(gpu)?;
+        let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
+        Ok([0, 1].map(|go| counts.get(go).copied().unwrap_or_default()))
     }
 
     /// How many may be seen.
@@ -103,13 +146,9 @@ impl DrawList {
 
     /// Bytes of GPU memory.
     pub(crate) fn bytes(&self) -> u64 {
-        let buffers = [
-            &self.candidates,
-            &self.shown,
-            &self.corners,
-            &self.arguments,
-        ];
-        buffers.map(wgpu::Buffer::size).iter().sum()
+        let buffers = [&self.candidates, &self.shown, &self.corners];
+        let arguments = self.arguments.iter();
+        arguments.chain(buffers).map(wgpu::Buffer::size).sum()
     }
 }
 

@@ -9,12 +9,50 @@ use foveal_core::perception::luminance::linear_from_srgb;
 use foveal_core::view::eye_view::EyeView;
 use glam::DVec3;
 
+/// What of what cannot be seen is left out before it is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Culling {
+    /// What lies outside the field of view.
+    pub outside: bool,
+    /// Clusters that show their backs.
+    pub backs: bool,
+    /// Clusters that others hide: in the picture before, and still in this one.
+    pub hidden: bool,
+}
+
+impl Culling {
+    /// Nothing is left out.
+    pub const NONE: Self = Self {
+        outside: false,
+        backs: false,
+        hidden: false,
+    };
+    /// All that cannot be seen.
+    pub const ALL: Self = Self {
+        outside: true,
+        backs: true,
+        hidden: true,
+    };
+
+    /// As shaders read it.
+    fn bits(self) -> u32 {
+        let marked = |is, bit| if is { bit } else { 0 };
+        marked(self.outside, OUTSIDE) | marked(self.backs, BACKS) | marked(self.hidden, HIDDEN)
+    }
+}
+
+/// Clusters outside the field of view are left out.
+pub(crate) const OUTSIDE: u32 = 1;
+/// Those that show their backs are.
+pub(crate) const BACKS: u32 = 2;
+/// Those that others hide are.
+pub(crate) const HIDDEN: u32 = 4;
+
 /// How clusters become a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneStyle {
-    /// Whether clusters that cannot be seen are left out before they are drawn; the picture is the
-    /// same.
-    pub culls: bool,
+    /// What is left out before it is drawn; the picture is the same.
+    pub culls: Culling,
     /// How much of its level's colour covers each cluster, 0 to 1.
     pub tint: f32,
     /// Depth in metres from which on things are drawn; more than 0.
@@ -37,7 +75,7 @@ impl SceneStyle {
 impl Default for SceneStyle {
     fn default() -> Self {
         Self {
-            culls: true,
+            culls: Culling::ALL,
             tint: 0.0,
             near: 0.01,
             look: SceneLook::default(),
@@ -64,10 +102,22 @@ pub struct SceneParams {
     pub tint: f32,
     /// The coarsest level, at least 1.
     pub coarsest: f32,
-    /// 1 where clusters that cannot be seen are left out, else 0.
+    /// Which clusters are left out: `OUTSIDE`, `BACKS` and `HIDDEN`.
     pub culls: u32,
+    /// Columns and rows of the picture.
+    pub picture: [u32; 2],
+}
+
+/// What a level of depths is made by.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct HalvingParams {
+    /// Columns and rows of the picture.
+    pub picture: [u32; 2],
+    /// The level: its depths are each of 2^level pixels on a side.
+    pub level: u32,
     /// Keeps the size a multiple of sixteen.
-    pub unused_pair: [f32; 2],
+    pub unused: u32,
 }
 
 /// What is the same for all clusters of an object where it stands.
@@ -129,8 +179,8 @@ impl SceneParams {
             up: in_view(DVec3::Y),
             tint: style.tint,
             coarsest: f32::from(coarsest.max(1)),
-            culls: u32::from(style.culls),
-            unused_pair: [0.0; 2],
+            culls: style.culls.bits(),
+            picture: view.size,
         }
     }
 }

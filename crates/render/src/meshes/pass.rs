@@ -74,13 +74,14 @@ impl ClusterPass {
         bind(gpu, "clusters", &self.layout, &resources)
     }
 
-    /// Records the pass over a whole picture, of which pixels have these codes where nothing
-    /// stands; `beside` draws into it what is no cluster.
+    /// Records a go over a whole picture, of which pixels have these codes where nothing stands:
+    /// the first, or the second, which draws into what the first left. `beside` draws into it what
+    /// is no cluster.
     pub(crate) fn record(
         &mut self,
         (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
         (picture, background): (&wgpu::Texture, [u8; 4]),
-        lists: [(&DrawList, &wgpu::BindGroup); 2],
+        (go, lists): (usize, [(&DrawList, &wgpu::BindGroup); 2]),
         beside: impl FnOnce(&mut wgpu::RenderPass<'_>),
     ) {
         let view = picture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -95,17 +96,11 @@ impl ClusterPass {
                 view: &view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(clear),
-                    store: wgpu::StoreOp::Store,
-                },
+                ops: begun(go, clear),
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Discard,
-                }),
+                depth_ops: Some(begun(go, 0.0)),
                 stencil_ops: None,
             }),
             ..wgpu::RenderPassDescriptor::default()
@@ -115,10 +110,16 @@ impl ClusterPass {
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(0, bound, &[]);
                 pass.set_index_buffer(list.corners().slice(..), wgpu::IndexFormat::Uint32);
-                pass.draw_indexed_indirect(list.arguments(), 0);
+                pass.draw_indexed_indirect(list.arguments(go), 0);
             }
         }
         beside(&mut pass);
+    }
+
+    /// The depths of the picture that was drawn last.
+    pub(crate) fn depths(&self) -> Option<wgpu::TextureView> {
+        let depth = self.depth.as_ref();
+        depth.map(|it| it.create_view(&wgpu::TextureViewDescriptor::default()))
     }
 
     /// Depths of a picture's size.
@@ -132,13 +133,25 @@ impl ClusterPass {
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
                 format: DEPTH_FORMAT,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                    | wgpu::TextureUsages::TEXTURE_BINDING,
                 view_formats: &[],
             })
         });
         let view = depth.create_view(&wgpu::TextureViewDescriptor::default());
         self.depth = Some(depth);
         view
+    }
+}
+
+/// How a go begins: the first with a value everywhere, the second with what the first left.
+fn begun<V>(go: usize, value: V) -> wgpu::Operations<V> {
+    wgpu::Operations {
+        load: match go {
+            0 => wgpu::LoadOp::Clear(value),
+            _ => wgpu::LoadOp::Load,
+        },
+        store: wgpu::StoreOp::Store,
     }
 }
 

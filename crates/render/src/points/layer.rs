@@ -175,7 +175,7 @@ impl PointLayer {
         let seen: Vec<CubeParams> = self.cubes.iter().map(|it| it.seen_by(view)).collect();
         let mut blocks: Vec<[u32; 2]> = Vec::new();
         for (number, cube) in (0..).zip(&self.cubes) {
-            if style.culls && !cube.is_in_view(view, style.near) {
+            if style.culls.outside && !cube.is_in_view(view, style.near) {
                 continue;
             }
             let count = self.units.unit(cube.unit);

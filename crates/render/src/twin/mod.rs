@@ -1,16 +1,13 @@
 //! What should the shaders draw? The same passes on the CPU, statement for statement.
 //!
-//! Every file here, and in `shared` for those of `shaders/shared/`, is the twin of the WGSL file of
-//! its name: same functions, same order, `f32`, and never optimised. [`TwinTiles`] takes the place
-//! of the tables and textures, so that pictures can be made, and shaders be judged, without a GPU.
+//! Every file here and in `scene`, and in `shared` for those of `shaders/shared/`, is the twin of
+//! the WGSL file of its name: same functions, same order, `f32`, and never optimised. [`TwinTiles`]
+//! takes the place of the tables and textures, so that pictures can be made, and shaders be judged,
+//! without a GPU.
 
 mod blur_halve;
 mod blur_radial;
-mod cull_clusters;
-mod draw_clusters;
-mod draw_points;
 mod filters;
-mod footprints;
 mod interpolate_sparse;
 mod overlay;
 mod reconstruct_cube;

@@ -215,6 +215,16 @@ fn share_of(plan: &WarpPlan, index: usize, pixel: Vec2) -> Vec2 {
     Vec2::new(own / sum, black * (record.most - showing).max(0.0))
 }
 
+fn kept_by(plan: &WarpPlan, index: usize, pixel: Vec2) -> f32 {
+    if plan.panels[index].alpha == 0 {
+        return 1.0;
+    }
+    let at = pixel.as_uvec2();
+    let k = at.y * plan.panels[index].size[0] + at.x;
+    let pair = plan.grids[(plan.panels[index].alpha - 1 + k / 2) as usize];
+    ((pair >> (16 * (k & 1))) & 0xffff) as f32 / 65_535.0
+}
+
 pub(super) fn warp(
     (source, plan, params): (&TwinSource, &WarpPlan, &WarpParams),
     index: usize,
@@ -228,6 +238,7 @@ pub(super) fn warp(
         light.z = seen_light(from, index, pixel, 2).z;
     }
     let share = share_of(plan, index, pixel);
-    let sent = (light * Vec3::from(plan.panels[index].gain) * share.x).clamp(Vec3::ZERO, Vec3::ONE);
+    let kept = share.x * kept_by(plan, index, pixel);
+    let sent = (light * Vec3::from(plan.panels[index].gain) * kept).clamp(Vec3::ZERO, Vec3::ONE);
     Vec3::splat(share.y) + (1.0 - share.y) * sent
 }

@@ -43,8 +43,11 @@ pub struct PanelParams {
     pub cell: u32,
     /// Grids of the panel: 1, or 3 where colours part.
     pub channels: u32,
+    /// Index among the grids of the shares of light that pixels keep, plus 1; 0 where they keep
+    /// all.
+    pub alpha: u32,
     /// Padding.
-    pub unused: [u32; 2],
+    pub unused: u32,
 }
 
 /// How a panel fades into its neighbours.

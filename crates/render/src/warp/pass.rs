@@ -25,6 +25,8 @@ pub struct Warper {
     params: wgpu::Buffer,
     /// Whether the device's own anisotropic filter is taken.
     by_device: bool,
+    /// What atlases are made of.
+    format: wgpu::TextureFormat,
 }
 
 /// A plan on the GPU, and the atlas that it fills.
@@ -40,6 +42,12 @@ impl Warper {
     /// Builds the passes.
     #[must_use]
     pub fn new(gpu: &Gpu) -> Self {
+        Self::onto(gpu, SOURCE_FORMAT)
+    }
+
+    /// The same for atlases, or windows, of a format of sRGB codes.
+    #[must_use]
+    pub fn onto(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
         let sampler = |anisotropy_clamp| {
             gpu.device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("source"),
@@ -58,12 +66,13 @@ impl Warper {
             reduce: pipeline(
                 gpu,
                 &reduce_source(),
-                wgpu::PrimitiveTopology::TriangleList,
-                &[],
+                SOURCE_FORMAT,
+                (wgpu::PrimitiveTopology::TriangleList, &[]),
             ),
             between: sampler(1),
             along: sampler(if by_device { MOST_PROBES } else { 1 }),
             by_device,
+            format,
             params: written(gpu, "warp", size_of::<WarpParams>() as u64, usage),
         }
     }
@@ -86,7 +95,7 @@ impl Warper {
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: SOURCE_FORMAT,
+            format: self.format,
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT
                 | wgpu::TextureUsages::COPY_SRC
                 | wgpu::TextureUsages::TEXTURE_BINDING,
@@ -145,6 +154,18 @@ impl Warper {
         timer: Option<&Timer>,
     ) {
         let size = [plan.atlas.width(), plan.atlas.height()];
+        self.record_onto(encoder, plan, source, style, (&plan.view, size, timer));
+    }
+
+    /// The same onto another texture of so many columns and rows, which is the atlas then.
+    pub fn record_onto(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        plan: &LoadedPlan,
+        source: &SourceTexture,
+        style: &WarpStyle,
+        (target, size, timer): (&wgpu::TextureView, [u32; 2], Option<&Timer>),
+    ) {
         let levels = source.texture.mip_level_count();
         let params = WarpParams {
             by_device: u32::from(self.by_device),
@@ -156,7 +177,7 @@ impl Warper {
         let fill = self.fill[params.filter_by as usize].get_or_init(|| {
             let constants = [("pipeline_filter", f64::from(params.filter_by))];
             let strip = wgpu::PrimitiveTopology::TriangleStrip;
-            pipeline(&self.gpu, &warp(), strip, &constants)
+            pipeline(&self.gpu, &warp(), self.format, (strip, &constants))
         });
         for pair in source.levels.windows(2) {
             let finer = wgpu::BindingResource::TextureView(&pair[0]);
@@ -184,7 +205,7 @@ impl Warper {
                 (7, grids.as_entire_binding()),
             ],
         );
-        let mut pass = begin(encoder, "panels", &plan.view, timer);
+        let mut pass = begin(encoder, "panels", target, timer);
         pass.set_pipeline(fill);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..4, 0..plan.panels);
@@ -238,8 +259,8 @@ fn begin<'a>(
 fn pipeline(
     gpu: &Gpu,
     shader: &Shader,
-    topology: wgpu::PrimitiveTopology,
-    constants: &[(&str, f64)],
+    format: wgpu::TextureFormat,
+    (topology, constants): (wgpu::PrimitiveTopology, &[(&str, f64)]),
 ) -> wgpu::RenderPipeline {
     let module = gpu
         .device
@@ -271,7 +292,7 @@ fn pipeline(
                     constants,
                     ..wgpu::PipelineCompilationOptions::default()
                 },
-                targets: &[Some(SOURCE_FORMAT.into())],
+                targets: &[Some(format.into())],
             }),
             multiview_mask: None,
             cache: None,
@@ -279,6 +300,12 @@ fn pipeline(
 }
 
 impl LoadedPlan {
+    /// The atlas that was filled last.
+    #[must_use]
+    pub fn atlas(&self) -> &wgpu::Texture {
+        &self.atlas
+    }
+
     /// Bytes of the atlas, and of what the pass reads beside the source.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {

@@ -3,6 +3,7 @@
 use super::blends::Blends;
 use super::grids::Bend;
 use super::params::{BlendParams, PanelParams};
+use foveal_core::view::panel::alpha::AlphaMap;
 use foveal_core::view::panel::placement::{Placement, SourceProjection};
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::panel::seed::SeedTexel;
@@ -33,7 +34,8 @@ pub struct WarpPlan {
     pub blends: Vec<BlendParams>,
     /// Of panels that fade, who shows the same directions.
     pub neighbours: Vec<u32>,
-    /// Of panels with optics, bits of residuals in pixels; or the seed's maps.
+    /// Of panels with optics, bits of residuals in pixels; of those whose pixels keep a share of
+    /// their light, two shares a word; or the seed's maps.
     pub grids: Vec<u32>,
 }
 
@@ -54,6 +56,10 @@ impl WarpPlan {
                 record.channels = grid.channels;
                 plan.grids.extend(grid.bits);
             }
+            if let Some(alpha) = it.panel.alpha_as_sent() {
+                record.alpha = plan.grids.len() as u32 + 1;
+                plan.grids.extend(pairs_of(&alpha));
+            }
             for k in 0..2 {
                 plan.atlas[k] = plan.atlas[k].max(record.origin[k] + record.size[k]);
             }
@@ -66,7 +72,7 @@ impl WarpPlan {
 
     /// The same, with each panel's place in the source read from the maps of Strege 2009, section
     /// 3.2.5, in place of its matrix: a texel for every pixel as it is sent, row by row. They tell
-    /// no optics of single colours.
+    /// no optics of single colours, and no shares of light.
     ///
     /// # Panics
     /// When there are not as many maps as panels, or a map has not as many texels as its panel has
@@ -82,6 +88,7 @@ impl WarpPlan {
             record.scale = [1.0; 2];
             record.offset = [0.0; 2];
             record.cell = 0;
+            record.alpha = 0;
             record.channels = 1;
             record.grid = self.grids.len() as u32;
             self.grids.extend(map.iter().flat_map(bits_of));
@@ -103,6 +110,12 @@ fn bits_of(texel: &SeedTexel) -> [u32; 3] {
     let pair = |[column, row]: [u16; 2]| u32::from(column) << 16 | u32::from(row);
     let change = u32::from_le_bytes(texel.change.map(i8::cast_unsigned));
     [pair(texel.whole), pair(texel.fraction), change]
+}
+
+/// Shares of light row by row, two a word.
+fn pairs_of(alpha: &AlphaMap) -> impl Iterator<Item = u32> {
+    let pair = |two: &[u16]| u32::from(two[0]) | two.get(1).map_or(0, |it| u32::from(*it) << 16);
+    alpha.shares().chunks(2).map(pair)
 }
 
 /// A panel without what bends or fades.

@@ -2,6 +2,7 @@
 
 use foveal_core::pack::sha256_hex;
 use std::collections::HashMap;
+use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 use std::rc::Rc;
 
@@ -149,12 +150,23 @@ fn leads_out(name: &str) -> Fault {
 }
 
 /// The bytes of a file; devices, pipes and folders, which may have no end, are refused.
+/// What is opened is judged, and opening waits for nobody.
 fn read_regular(path: &Path) -> Result<Vec<u8>, String> {
-    let told = std::fs::metadata(path).map_err(|error| error.to_string())?;
-    if !told.is_file() {
+    let mut options = std::fs::OpenOptions::new();
+    options.read(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK);
+    let opened = options
+        .open(path)
+        .and_then(|file| Ok((file.metadata()?, file)));
+    let (there, mut file) = opened.map_err(|error| error.to_string())?;
+    if !there.is_file() {
         return Err("it is no regular file".to_owned());
     }
-    std::fs::read(path).map_err(|error| error.to_string())
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)
+        .map_err(|error| error.to_string())?;
+    Ok(bytes)
 }
 
 #[cfg(test)]

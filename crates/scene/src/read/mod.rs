@@ -73,6 +73,18 @@ pub fn read(inputs: &[&Path], options: &ReadOptions) -> Result<SourceScene, Read
     Ok(scene)
 }
 
+/// Number of texels of the pictures that surfaces of a scene may show; of broken ones none.
+#[must_use]
+pub fn texels(scene: &SourceScene) -> u64 {
+    let sizes = scene
+        .images
+        .iter()
+        .filter_map(|it| image::size_of(&it.bytes));
+    sizes
+        .map(|size| size.map(u64::from).iter().product::<u64>())
+        .sum()
+}
+
 /// Whether a file's name ends as that of a scene file: .toml.
 fn is_arrangement(file: &Path) -> bool {
     let ending = file.extension().and_then(|ending| ending.to_str());

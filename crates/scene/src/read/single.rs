@@ -84,6 +84,11 @@ pub(super) struct SceneFile<'a> {
 
 impl SceneFile<'_> {
     pub(super) fn read(&self, folder: &mut dyn Folder) -> Result<SourceScene, Fault> {
+        if self.bytes.is_empty() {
+            return Err(Fault::Empty {
+                found: "the file has no bytes".to_owned(),
+            });
+        }
         let mut scene = match self.format {
             SceneFormat::Gltf => gltf::read(self.bytes, self.name, folder),
             SceneFormat::Obj => obj::read(self.bytes, self.name, folder),

@@ -14,7 +14,8 @@ pub(super) fn count(repairs: &mut Repairs, name: &str, times: usize) {
 }
 
 /// Leaves out triangles without area, later copies of triangles, and vertices that no triangle
-/// names; makes normals unit vectors, those that are none from the triangles around them.
+/// names; makes normals unit vectors, those that are none from the triangles around them. Counts
+/// what stays but may be a mistake: equal vertices, edges of many triangles, mixed winding.
 ///
 /// All lists of the mesh are as long as [`SourceMesh`] says and all numbers are in range.
 pub(super) fn make_sound(mesh: &mut SourceMesh, repairs: &mut Repairs) {
@@ -22,6 +23,48 @@ pub(super) fn make_sound(mesh: &mut SourceMesh, repairs: &mut Repairs) {
     let unused = leave_out_unused_vertices(mesh);
     count(repairs, "unused_vertices", unused);
     count(repairs, "normals_made", make_normals(mesh));
+    count(repairs, "duplicate_vertices", duplicate_vertices(mesh));
+    count_edges(mesh, repairs);
+}
+
+/// How many vertices say what an earlier one says: on the grid they become one.
+fn duplicate_vertices(mesh: &SourceMesh) -> usize {
+    let bits = |at: usize| {
+        let normal = mesh.normals.get(at).map(|it| it.map(f32::to_bits));
+        let colour = mesh.colours.get(at).map(|it| it.map(f32::to_bits));
+        let uv = mesh.uvs.get(at).map(|it| it.map(f32::to_bits));
+        (place_bits(mesh.positions[at]), normal, colour, uv)
+    };
+    let mut met = HashSet::with_capacity(mesh.positions.len());
+    let vertices = 0..mesh.positions.len();
+    vertices.filter(|at| !met.insert(bits(*at))).count()
+}
+
+/// Counts edges of more than two triangles, and edges that two triangles walk the same way, so
+/// that one of them shows its back. Such triangles stay as they are.
+fn count_edges(mesh: &SourceMesh, repairs: &mut Repairs) {
+    let place = places(&mesh.positions);
+    // How often an edge is walked up and down, by the numbers of its places.
+    let mut edges: HashMap<[u32; 2], [u32; 2]> = HashMap::with_capacity(mesh.triangles.len() * 2);
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|vertex| place[vertex as usize]);
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            let walked = edges.entry([from.min(to), from.max(to)]).or_default();
+            walked[usize::from(from > to)] += 1;
+        }
+    }
+    let is_shared = |it: &&[u32; 2]| it[0] + it[1] > 2;
+    let is_mixed = |it: &&[u32; 2]| **it == [2, 0] || **it == [0, 2];
+    count(
+        repairs,
+        "non_manifold_edges",
+        edges.values().filter(is_shared).count(),
+    );
+    count(
+        repairs,
+        "mixed_winding_edges",
+        edges.values().filter(is_mixed).count(),
+    );
 }
 
 /// A number for each vertex, the same for those at the same place.
@@ -214,8 +257,35 @@ mod tests {
         assert_eq!(mesh.positions.len(), 4);
         let counts = [
             ("duplicate_triangles".to_owned(), 2),
+            ("non_manifold_edges".to_owned(), 1),
             ("unused_vertices".to_owned(), 2),
             ("zero_area_triangles".to_owned(), 1),
+        ];
+        assert_eq!(repairs, Repairs::from(counts));
+    }
+
+    #[test]
+    fn what_stays_as_it_is_is_counted_too() {
+        let mut mesh = square();
+        // A fin on the diagonal, and the square's neighbour on the right, turned over, with
+        // vertices of its own.
+        mesh.positions.extend(
+            [
+                [0.5, 0.5, 1.0],
+                [1.0, 0.0, 0.0],
+                [1.0, 1.0, 0.0],
+                [2.0, 0.5, 0.0],
+            ]
+            .map(DVec3::from),
+        );
+        mesh.triangles.extend([[0, 2, 4], [5, 6, 7]]);
+        let mut repairs = Repairs::new();
+        make_sound(&mut mesh, &mut repairs);
+        assert_eq!(mesh.triangles.len(), 4);
+        let counts = [
+            ("duplicate_vertices".to_owned(), 2),
+            ("mixed_winding_edges".to_owned(), 1),
+            ("non_manifold_edges".to_owned(), 1),
         ];
         assert_eq!(repairs, Repairs::from(counts));
     }

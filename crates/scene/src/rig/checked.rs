@@ -1,16 +1,19 @@
 //! Is what a rig file says a rig, and which?
 
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::panel::alpha::AlphaMap;
 use foveal_core::view::panel::rig::{
     MOST_PANELS, Panel, PanelOutput, Rig, Scanout, axes_from_seed_angles,
 };
 use foveal_core::view::surface::Eye;
 use glam::{DQuat, DVec3, DVec4};
 
+use super::alpha;
 use super::distortion::distortion;
 use super::entries::{
     EyeEntry, OutputEntry, PanelEntry, PoseEntry, PoseOrder, RigEntries, RigFormat, ScanoutEntry,
@@ -45,6 +48,13 @@ pub(super) fn rig(said: &RigEntries, read: ReadBeside<'_>) -> Result<Rig, WrongK
         let what = format!("{} is no distance of 0 to 1000 mm", said.ipd_mm);
         return Err(WrongKey::new("ipd_mm", what));
     }
+    if let Some(size) = said
+        .screen
+        .filter(|size| !Field::symmetric(*size).is_open())
+    {
+        let what = format!("{size:?} are no width and height of a screen");
+        return Err(WrongKey::new("screen", what));
+    }
     let ipd = said.ipd_mm / 1000.0;
     let mut panels = Vec::new();
     for (number, entry) in (1..).zip(&said.panel) {
@@ -56,7 +66,11 @@ pub(super) fn rig(said: &RigEntries, read: ReadBeside<'_>) -> Result<Rig, WrongK
     }
     check_ids(&panels)?;
     check_outputs(&panels)?;
-    Ok(Rig { panels, ipd })
+    Ok(Rig {
+        panels,
+        ipd,
+        screen: said.screen,
+    })
 }
 
 fn panel(entry: &PanelEntry, key: &str, ipd: f64, read: ReadBeside<'_>) -> Result<Panel, WrongKey> {
@@ -111,14 +125,30 @@ fn panel(entry: &PanelEntry, key: &str, ipd: f64, read: ReadBeside<'_>) -> Resul
         output: output(entry.output.as_ref(), key)?,
         distortion: distortion(entry.distortion.as_ref(), &view, key, read)?,
         blend: entry.blend.to_radians(),
+        alpha: alpha_of(entry, key, read)?,
         gain: entry.gain,
         black: entry.black,
         ..Panel::flat(&entry.id, view)
     })
 }
 
+fn alpha_of(
+    entry: &PanelEntry,
+    key: &str,
+    read: ReadBeside<'_>,
+) -> Result<Option<Arc<AlphaMap>>, WrongKey> {
+    let Some(file) = &entry.alpha else {
+        return Ok(None);
+    };
+    let found = read(file).and_then(|bytes| alpha::read(&bytes, entry.pixels, 1.0));
+    found.map(|it| Some(Arc::new(it))).map_err(|what| {
+        let file: String = file.chars().take(80).collect();
+        WrongKey::new(format!("{key}.alpha"), format!("{file:?} {what}"))
+    })
+}
+
 /// Why an id cannot name a panel and its files.
-fn bad_id(id: &str) -> Option<String> {
+pub(super) fn bad_id(id: &str) -> Option<String> {
     let short: String = id.chars().take(40).collect();
     if id.is_empty() || id.len() > 100 {
         return Some(format!("{short:?} is not 1 to 100 bytes long"));

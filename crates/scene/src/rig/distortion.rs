@@ -280,7 +280,7 @@ impl Lens<'_> {
 }
 
 /// Refuses what turns a part of the panel over, or looks from nowhere.
-fn check_folds(found: &Distortion, view: &EyeView, key: &str) -> Result<(), WrongKey> {
+pub(super) fn check_folds(found: &Distortion, view: &EyeView, key: &str) -> Result<(), WrongKey> {
     let [w, h] = view.size.map(f64::from);
     let at = |k: u32, side: f64| side * f64::from(k) / f64::from(TRIED - 1);
     let is_bulge = matches!(found, Distortion::Bulge(_));

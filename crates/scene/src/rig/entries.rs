@@ -22,6 +22,9 @@ pub(super) struct RigEntries {
     #[serde(default = "usual_ipd")]
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub(super) ipd_mm: f64,
+    /// Width and height, in distances from the eye, of the flat screen straight ahead that the
+    /// source fills; placed by what the panels see if not given.
+    pub(super) screen: Option<[f64; 2]>,
     /// The displays, at most 1,024 with twins.
     #[schemars(length(min = 1, max = 1024))]
     pub(super) panel: Vec<PanelEntry>,
@@ -67,6 +70,9 @@ pub(super) struct PanelEntry {
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 90.0))]
     pub(super) blend: f64,
+    /// A grey PNG of the panel's pixels in the rig file's folder: the share of its linear light
+    /// that each pixel keeps.
+    pub(super) alpha: Option<String>,
     /// What linear red, green and blue are multiplied by.
     #[serde(default = "no_gain")]
     pub(super) gain: [f64; 3],

@@ -2,10 +2,12 @@
 //!
 //! Normative: docs/formats/panels.md.
 
+mod alpha;
 mod checked;
 mod distortion;
 mod entries;
 mod error;
+mod interchange;
 mod pfm;
 mod places;
 #[cfg(test)]
@@ -13,50 +15,101 @@ mod tests;
 
 use std::path::Path;
 
-use foveal_core::view::panel::rig::Rig;
+use foveal_core::view::panel::rig::{Panel, Rig};
 
 pub use error::RigError;
 
 use error::{NEXT, RigFault};
+use interchange::{mesh, mpcdi, written_mpcdi, written_toml};
 use places::{RigSyntax, RigText};
 
 /// Most bytes of a rig file.
 const MOST_BYTES: u64 = 1 << 24;
+/// Most bytes of a file that it names, and of an MPCDI: a map of 16,384 x 16,384 pixels would be
+/// 3 GB; one of the largest displays is 400 MB.
+const MOST_BESIDE: u64 = 1 << 29;
 
-/// Reads a rig file: TOML, or JSON where its name ends in `.json`. Files that it names lie in its
-/// folder.
+/// How a file tells of a rig.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum RigKind {
+    Entries(RigSyntax),
+    Mpcdi,
+    Mesh,
+}
+
+impl RigKind {
+    fn of(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        match ending.as_str() {
+            "toml" => Some(Self::Entries(RigSyntax::Toml)),
+            "json" => Some(Self::Entries(RigSyntax::Json)),
+            "mpcdi" | "xml" => Some(Self::Mpcdi),
+            "data" | "mesh" | "txt" => Some(Self::Mesh),
+            _ => None,
+        }
+    }
+
+    fn most_bytes(self) -> u64 {
+        match self {
+            Self::Mpcdi => MOST_BESIDE,
+            _ => MOST_BYTES,
+        }
+    }
+}
+
+/// Reads a rig: our TOML; our JSON where the name ends in `.json`; an MPCDI, zipped or not, where
+/// it ends in `.mpcdi` or `.xml`; a warp mesh where it ends in `.data`, `.mesh` or `.txt`. Files
+/// that it names lie in its folder.
 ///
 /// Refused are files that break their format, say what cannot be, or have keys that there are not;
 /// the error names line and key.
 pub fn read_rig(path: &Path) -> Result<Rig, RigError> {
-    let ending = path.extension().and_then(|ending| ending.to_str());
-    let syntax = match ending.map(str::to_ascii_lowercase).as_deref() {
-        Some("toml") => RigSyntax::Toml,
-        Some("json") => RigSyntax::Json,
-        _ => {
-            let what = "is no rig file that can be read; give one that ends in .toml or .json";
-            return Err(RigFault::new("", what, NEXT).in_file(path));
-        }
+    let Some(kind) = RigKind::of(path) else {
+        let what = "is no rig file that can be read; give one that ends in .toml, .json, .mpcdi, \
+                    .xml, .data, .mesh or .txt";
+        return Err(RigFault::new("", what, NEXT).in_file(path));
     };
     let failed = |error: std::io::Error| {
         let what = format!("cannot be read: {error}");
         RigFault::new("", what, "check the path and the permissions").in_file(path)
     };
     let about = std::fs::metadata(path).map_err(failed)?;
-    if !about.is_file() || about.len() > MOST_BYTES {
-        let what = format!("is no file of at most {MOST_BYTES} bytes");
+    let most = kind.most_bytes();
+    if !about.is_file() || about.len() > most {
+        let what = format!("is no file of at most {most} bytes");
         return Err(RigFault::new("", what, NEXT).in_file(path));
     }
     let bytes = std::fs::read(path).map_err(failed)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let read = |name: &str| -> Result<Vec<u8>, String> { beside(folder, name) };
-    parse_rig(&bytes, syntax, &read).map_err(|fault| fault.in_file(path))
+    let found = match kind {
+        RigKind::Entries(syntax) => parse_rig(&bytes, syntax, &read),
+        RigKind::Mpcdi => mpcdi::read(&bytes, &read),
+        RigKind::Mesh => mesh::read(&bytes),
+    };
+    found.map_err(|fault| fault.in_file(path))
+}
+
+/// Whether a file is another program's: not our TOML or JSON.
+#[must_use]
+pub fn is_foreign(path: &Path) -> bool {
+    matches!(RigKind::of(path), Some(RigKind::Mpcdi | RigKind::Mesh))
+}
+
+/// The MPCDI that tells of panels, all sent to one surface; or why none can. Where colours part,
+/// green counts; eyes, fades by angle, gain and black are not told.
+pub fn write_mpcdi(panels: &[&Panel]) -> Result<Vec<u8>, String> {
+    written_mpcdi::written(panels)
+}
+
+/// The files of a rig that another program's file told: `STEM.toml`, and maps beside it; or why
+/// there are none.
+pub fn write_rig(rig: &Rig, stem: &str) -> Result<Vec<(String, Vec<u8>)>, String> {
+    written_toml::written(rig, stem)
 }
 
 /// The bytes of a file that lies in a folder, or why not.
 fn beside(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
-    /// Of a map of 16,384 x 16,384 pixels would be 3 GB; of the largest displays 400 MB.
-    const MOST: u64 = 1 << 29;
     let only_names = |path: &Path| {
         let mut parts = path.components();
         parts.all(|part| matches!(part, std::path::Component::Normal(_)))
@@ -66,8 +119,8 @@ fn beside(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
     }
     let path = folder.join(name);
     let about = std::fs::metadata(&path).map_err(|error| format!("cannot be read: {error}"))?;
-    if !about.is_file() || about.len() > MOST {
-        return Err(format!("is no file of at most {MOST} bytes"));
+    if !about.is_file() || about.len() > MOST_BESIDE {
+        return Err(format!("is no file of at most {MOST_BESIDE} bytes"));
     }
     std::fs::read(&path).map_err(|error| format!("cannot be read: {error}"))
 }
@@ -91,24 +144,38 @@ fn parse_rig(
 pub fn read_any_rig(bytes: &[u8]) -> bool {
     let nothing = |_: &str| Err("is not there".to_owned());
     let both = [RigSyntax::Toml, RigSyntax::Json];
-    let mut is_one = false;
-    for rig in both
-        .into_iter()
-        .filter_map(|syntax| parse_rig(bytes, syntax, &nothing).ok())
-    {
-        is_one = true;
-        for panel in &rig.panels {
-            assert!(panel.view.field.is_open() && !panel.id.contains('/'));
-            assert!(panel.corners().iter().all(|it| it.is_finite()));
-        }
-    }
-    is_one
+    let found = both.map(|syntax| is_sound(parse_rig(bytes, syntax, &nothing)));
+    found.contains(&true)
 }
 
 /// Reads any bytes as a portable float map; `true` if they are one of 4 x 3 pixels: for fuzzing and
 /// tests.
 pub fn read_any_pfm(bytes: &[u8]) -> bool {
     pfm::read(bytes, [4, 3]).is_ok()
+}
+
+/// Reads any bytes as an MPCDI, with the same bytes as whatever file it names; `true` if it is one.
+/// Panics if its rig breaks what it promises: for fuzzing and tests.
+pub fn read_any_mpcdi(bytes: &[u8]) -> bool {
+    let itself = |_: &str| Ok(bytes.to_vec());
+    is_sound(mpcdi::read(bytes, &itself))
+}
+
+/// Reads any bytes as a warp mesh; `true` if they are one. Panics if its rig breaks what it
+/// promises: for fuzzing and tests.
+pub fn read_any_mesh(bytes: &[u8]) -> bool {
+    is_sound(mesh::read(bytes))
+}
+
+fn is_sound(found: Result<Rig, RigFault>) -> bool {
+    let Ok(rig) = found else {
+        return false;
+    };
+    for panel in &rig.panels {
+        assert!(panel.view.field.is_open() && !panel.id.contains('/'));
+        assert!(panel.corners().iter().all(|it| it.is_finite()));
+    }
+    true
 }
 
 /// The JSON Schema of rig files, as docs/formats/tiled-view.schema.json has it.

@@ -5,63 +5,148 @@ use foveal_core::view::panel::residual_grid::ResidualGrid;
 /// Reads the bytes of a file beside the rig file, or tells why not.
 pub(super) type ReadBeside<'a> = &'a dyn Fn(&str) -> Result<Vec<u8>, String>;
 
-/// Reads a map of three floats a pixel for a panel of `size`: the share of the ideal panel to the
-/// right and down, and one that is not read. The first line of pixels is the lowest.
+/// Steps by which the third float tells what the first two lose by rounding: 2^-34 each, from -512
+/// on, 11 bits of the second and above these 11 of the first, all times 2^-70. So it is as good as
+/// 0 to whoever does not know.
+const LOST_STEP: f64 = 1.0 / (1_u64 << 34) as f64;
+const LOST_SCALE: f64 = (1_u128 << 70) as f64;
+const LOST_MIDDLE: f64 = 512.0;
+const LOST_BITS: u32 = 11;
+
+/// A map of three floats a pixel.
+pub(super) struct FloatMap<'a> {
+    columns: usize,
+    is_little: bool,
+    floats: &'a [u8],
+}
+
+impl<'a> FloatMap<'a> {
+    /// The map of a panel of `size`; whether it is one, and sound.
+    pub(super) fn of(bytes: &'a [u8], size: [u32; 2]) -> Result<Self, String> {
+        let (words, floats) = header(bytes)?;
+        let [kind, width, height, scale] = words;
+        if kind != "PF" {
+            return Err("is no map of three floats: it does not begin with PF".to_owned());
+        }
+        let whole = |word: &str| word.parse::<u32>().ok();
+        let found = [whole(width), whole(height)];
+        if found != size.map(Some) {
+            let [w, h] = size;
+            return Err(format!(
+                "is {width} x {height} pixels, and the panel {w} x {h}"
+            ));
+        }
+        let scale: f64 = scale
+            .parse()
+            .ok()
+            .filter(|it| *it != 0.0)
+            .ok_or("has no scale")?;
+        let [w, h] = size.map(|side| side as usize);
+        if floats.len() != w * h * 12 {
+            return Err(format!("has {} bytes of {}", floats.len(), w * h * 12));
+        }
+        let map = Self {
+            columns: w,
+            is_little: scale < 0.0,
+            floats,
+        };
+        for (line, column) in (0..h).flat_map(|line| (0..w).map(move |column| (line, column))) {
+            let pair = [0, 1].map(|k| map.float(line, column, k));
+            if pair.iter().any(|it| it.is_infinite() || it.abs() > 1e6) {
+                return Err(format!("is infinite at column {column}, line {line}"));
+            }
+        }
+        Ok(map)
+    }
+
+    fn float(&self, line: usize, column: usize, k: usize) -> f32 {
+        let bytes = &self.floats[((line * self.columns + column) * 3 + k) * 4..][..4];
+        let four = [bytes[0], bytes[1], bytes[2], bytes[3]];
+        match self.is_little {
+            true => f32::from_le_bytes(four),
+            false => f32::from_be_bytes(four),
+        }
+    }
+
+    /// The first two floats of a pixel, and what they lost; lines as the file has them.
+    pub(super) fn pair(&self, line: usize, column: usize) -> [f64; 2] {
+        let lost = lost_of(self.float(line, column, 2));
+        [0, 1].map(|k| f64::from(self.float(line, column, k)) + lost[k])
+    }
+}
+
+fn lost_of(third: f32) -> [f64; 2] {
+    let both = f64::from(third) * LOST_SCALE;
+    let is_told = both.fract() == 0.0 && (0.0..f64::from(1 << (2 * LOST_BITS))).contains(&both);
+    if !is_told || both == 0.0 {
+        return [0.0; 2];
+    }
+    let both = both as u32;
+    [both >> LOST_BITS, both & ((1 << LOST_BITS) - 1)]
+        .map(|it| (f64::from(it) - LOST_MIDDLE) * LOST_STEP)
+}
+
+/// Three floats of two numbers, which are at most 1 where the third is to tell what they lose.
+fn floats_of(pair: [f64; 2]) -> [f32; 3] {
+    let short = pair.map(|it| it as f32);
+    let steps = [0, 1].map(|k| {
+        let lost = pair[k] - f64::from(short[k]);
+        (lost / LOST_STEP).round() + LOST_MIDDLE
+    });
+    let most = f64::from((1 << LOST_BITS) - 1);
+    let third = match steps.iter().all(|it| (0.0..=most).contains(it)) {
+        true => (steps[0] * f64::from(1 << LOST_BITS) + steps[1]) / LOST_SCALE,
+        false => 0.0,
+    };
+    [short[0], short[1], third as f32]
+}
+
+/// The file of a map, little-endian; `pair` tells two numbers by line and column.
+pub(super) fn written(size: [u32; 2], pair: impl Fn(u32, u32) -> [f64; 2]) -> Vec<u8> {
+    let [w, h] = size;
+    let mut file = format!("PF\n{w} {h}\n-1.0\n").into_bytes();
+    for line in 0..h {
+        for column in 0..w {
+            file.extend(
+                floats_of(pair(line, column))
+                    .map(f32::to_le_bytes)
+                    .as_flattened(),
+            );
+        }
+    }
+    file
+}
+
+/// Reads a map for a panel of `size`: the share of the ideal panel to the right and down. The first
+/// line of pixels is the lowest.
 pub(super) fn read(bytes: &[u8], size: [u32; 2]) -> Result<ResidualGrid, String> {
-    let (words, floats) = header(bytes)?;
-    let [kind, width, height, scale] = words;
-    if kind != "PF" {
-        return Err("is no map of three floats: it does not begin with PF".to_owned());
-    }
-    let whole = |word: &str| word.parse::<u32>().ok();
-    let found = [whole(width), whole(height)];
-    if found != size.map(Some) {
-        let [w, h] = size;
-        return Err(format!(
-            "is {width} x {height} pixels, and the panel {w} x {h}"
-        ));
-    }
-    let scale: f64 = scale
-        .parse()
-        .ok()
-        .filter(|it| *it != 0.0)
-        .ok_or("has no scale")?;
+    let map = FloatMap::of(bytes, size)?;
     let [w, h] = size.map(|side| side as usize);
     if w < 2 || h < 2 {
         return Err("has fewer than 2 columns or rows".to_owned());
     }
-    if floats.len() != w * h * 12 {
-        return Err(format!("has {} bytes of {}", floats.len(), w * h * 12));
-    }
-    let float = |bytes: &[u8]| {
-        let four = [bytes[0], bytes[1], bytes[2], bytes[3]];
-        match scale < 0.0 {
-            true => f32::from_le_bytes(four),
-            false => f32::from_be_bytes(four),
-        }
-    };
-    let mut residuals = Vec::with_capacity(w * h);
-    for row in 0..h {
-        let line = &floats[(h - 1 - row) * w * 12..][..w * 12];
-        for (column, pixel) in line.chunks_exact(12).enumerate() {
-            let share = [float(pixel), float(&pixel[4..])];
-            if share.iter().any(|it| it.is_infinite() || it.abs() > 1e6) {
-                return Err(format!("is infinite at column {column}, row {row}"));
-            }
-            let place = [column, row].map(|it| it as f64 + 0.5);
-            residuals
-                .push([0, 1].map(|k| (f64::from(share[k]) * f64::from(size[k]) - place[k]) as f32));
-        }
-    }
-    Ok(ResidualGrid {
+    Ok(by_shares(size, |row, column| map.pair(h - 1 - row, column)))
+}
+
+/// The residuals of a panel of `size`, by the share of the ideal panel to the right and down of the
+/// pixel at a row and column.
+pub(super) fn by_shares(size: [u32; 2], share: impl Fn(usize, usize) -> [f64; 2]) -> ResidualGrid {
+    let [w, h] = size.map(|side| side as usize);
+    let pixels = (0..h).flat_map(|row| (0..w).map(move |column| [column, row]));
+    let residuals = pixels.map(|at| {
+        let share = share(at[1], at[0]);
+        [0, 1].map(|k| (share[k] * f64::from(size[k]) - at[k] as f64 - 0.5) as f32)
+    });
+    ResidualGrid {
         nodes: [w, h],
         origin: [0.5; 2],
         step: [1.0; 2],
-        residuals,
-    })
+        residuals: residuals.collect(),
+    }
 }
 
-/// The four words before the floats, and what follows the single white space after them.
+/// The four words before the floats, and what follows the line's end or single white space after
+/// them.
 fn header(bytes: &[u8]) -> Result<([&str; 4], &[u8]), String> {
     let cut = || "ends within its header".to_owned();
     let mut rest = bytes;
@@ -74,5 +159,7 @@ fn header(bytes: &[u8]) -> Result<([&str; 4], &[u8]), String> {
         *word = std::str::from_utf8(&rest[..end]).map_err(|_| "is no such map".to_owned())?;
         rest = &rest[end..];
     }
-    Ok((words, &rest[1..]))
+    // A line that Windows ended is ended by two.
+    let end = if rest.starts_with(b"\r\n") { 2 } else { 1 };
+    Ok((words, &rest[end..]))
 }

@@ -11,6 +11,7 @@ use foveal_core::gaze::read::row::TraceRow;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::units::{Seconds, counted};
 use foveal_core::view::surface::Surface;
+use foveal_media::plain_file::rename_durably;
 use serde::Serialize;
 use std::fs::File;
 use std::io::Write;
@@ -228,7 +229,7 @@ impl Sink {
 
     fn finish(self, counts: Counts, source_start_s: f64) -> anyhow::Result<Recorded> {
         drop(self.file);
-        std::fs::rename(&self.growing, &self.path).with_context(|| {
+        rename_durably(&self.growing, &self.path).with_context(|| {
             let kept = self.growing.display();
             format!("{}; the recording is in {kept}", cannot_write(&self.path))
         })?;

@@ -2,8 +2,9 @@
 
 use crate::commands::panels::filter_name::FilterName;
 use crate::commands::panels::rig_args::{RigArgs, source_size};
-use crate::commands::panels::warp::{WarpModeName, seed_map};
-use crate::commands::panels::warp_source::opaque;
+use crate::commands::panels::warp::args::WarpModeName;
+use crate::commands::panels::warp::laid::seed_map;
+use crate::commands::panels::warp::source::opaque;
 use crate::report::output::{self, WrongUsage, out_of_range};
 use anyhow::{Context, bail};
 use clap::Args;
@@ -106,7 +107,7 @@ pub(crate) fn run(args: &PanelsBenchArgs) -> anyhow::Result<()> {
     let size = source_size(args.source.as_deref())?
         .told()
         .unwrap_or(SOURCE);
-    let fit = args.rig.fit(&panels, Some(size))?;
+    let fit = args.rig.fit(&rig, &panels, Some(size))?;
     let gpu = Gpu::open_blocking().context("panels bench draws on a GPU")?;
     let picture = GeneratedWorld::gratings(0).placed(0, &fit.placement, size);
     let stage = Stage {

@@ -3,8 +3,7 @@
 use super::rig_args::{RigArgs, source_size};
 use crate::report::output;
 use clap::Args;
-use foveal_core::units::Radians;
-use foveal_core::view::axes::{Axes, yaw_pitch_from_direction};
+use foveal_core::view::axes::Axes;
 use foveal_core::view::panel::fit::SourceFit;
 use foveal_core::view::panel::placement::SourceProjection;
 use foveal_core::view::panel::rig::Panel;
@@ -55,14 +54,11 @@ struct AxisReport {
 
 impl AxisReport {
     fn of(axes: &Axes) -> Self {
-        let (yaw, pitch) = yaw_pitch_from_direction(axes.forward);
-        let upright = Axes::from_yaw_pitch_roll(yaw, pitch, Radians(0.0));
-        let across = axes.right.dot(upright.right);
-        let roll = axes.right.dot(upright.down).atan2(across);
+        let [yaw_deg, pitch_deg, roll_deg] = axes.yaw_pitch_roll().map(|it| it.to_degrees());
         Self {
-            yaw_deg: yaw.to_degrees(),
-            pitch_deg: pitch.to_degrees(),
-            roll_deg: roll.to_degrees(),
+            yaw_deg,
+            pitch_deg,
+            roll_deg,
         }
     }
 }
@@ -176,7 +172,7 @@ pub(crate) fn run(args: &FitArgs) -> anyhow::Result<()> {
     let source = source_size(args.source.as_deref())?;
     let rig = args.rig.read()?;
     let panels = args.rig.panels(&rig);
-    let found = args.rig.fit(&panels, source)?;
+    let found = args.rig.fit(&rig, &panels, source)?;
     let report = FitReport::of(&panels, &found);
     output::result(args.json, &report, &report.text())
 }

@@ -8,7 +8,9 @@ use foveal_core::view::panel::fit::SourceFit;
 use foveal_core::view::panel::pixel_map::PixelMap;
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::panel::seed::SeedTexel;
+use foveal_scene::rig::write_mpcdi;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -20,6 +22,8 @@ enum MapFormat {
     /// Portable float maps: shares of the source to the right and down, not a number where nothing
     /// is shown.
     Pfm,
+    /// A file for each surface that other programs read: frusta, and maps within these.
+    Mpcdi,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -144,7 +148,7 @@ pub(crate) fn run(args: &MapArgs) -> anyhow::Result<()> {
     let panels = args.rig.panels(&rig);
     let asked = args.at.iter().map(|at| Ok((at, panel_of(&panels, at)?)));
     let asked: Vec<(&PanelPixel, &Panel)> = asked.collect::<Result<_, WrongUsage>>()?;
-    let found = args.rig.fit(&panels, source)?;
+    let found = args.rig.fit(&rig, &panels, source)?;
     let points = asked
         .iter()
         .map(|(at, panel)| PointReport::of(at, &map_of(panel, &found)));
@@ -158,8 +162,13 @@ pub(crate) fn run(args: &MapArgs) -> anyhow::Result<()> {
         }
         std::fs::create_dir_all(out)
             .with_context(|| format!("{}: cannot be made a folder", out.display()))?;
-        for panel in &panels {
-            files.extend(write_map(out, format, &map_of(panel, &found))?);
+        match format {
+            MapFormat::Mpcdi => files = write_surfaces(out, &panels)?,
+            _ => {
+                for panel in &panels {
+                    files.extend(write_map(out, format, &map_of(panel, &found))?);
+                }
+            }
         }
     }
     let mut text = String::new();
@@ -180,6 +189,24 @@ fn map_of<'a>(panel: &'a Panel, found: &'a SourceFit) -> PixelMap<'a> {
     }
 }
 
+/// Writes an MPCDI for each surface, and tells the files.
+fn write_surfaces(out: &Path, panels: &[&Panel]) -> anyhow::Result<Vec<String>> {
+    let mut surfaces = BTreeMap::<&str, Vec<&Panel>>::new();
+    for panel in panels {
+        let own = surfaces.entry(&panel.output.surface).or_default();
+        own.push(panel);
+    }
+    let mut files = Vec::new();
+    for (surface, panels) in surfaces {
+        let bytes = write_mpcdi(&panels)
+            .map_err(|what| WrongUsage(format!("--format mpcdi: {what}; write --format pfm")))?;
+        let path = out.join(format!("{surface}.mpcdi"));
+        output::write_whole(&path, &bytes)?;
+        files.push(path.display().to_string());
+    }
+    Ok(files)
+}
+
 /// Writes a panel's map, and tells its files.
 fn write_map(out: &Path, format: MapFormat, map: &PixelMap<'_>) -> anyhow::Result<Vec<String>> {
     let id = &map.panel.id;
@@ -191,7 +218,7 @@ fn write_map(out: &Path, format: MapFormat, map: &PixelMap<'_>) -> anyhow::Resul
         anyhow::Ok(())
     };
     match format {
-        MapFormat::Pfm => write(".pfm", &pfm(map))?,
+        MapFormat::Pfm | MapFormat::Mpcdi => write(".pfm", &pfm(map))?,
         MapFormat::Seed => {
             let size = map.panel.view.size;
             let texels = pixels(size).map(|pixel| SeedTexel::of(map, pixel));

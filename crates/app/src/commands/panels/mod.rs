@@ -2,16 +2,15 @@
 
 mod bench;
 mod comparing;
+mod figures;
 mod filter_name;
 mod fit;
+mod import;
 mod map;
 mod pattern;
 mod rig_args;
 mod schema;
-pub(crate) mod sent;
-mod warp;
-mod warp_device;
-mod warp_source;
+pub(crate) mod warp;
 
 use clap::Subcommand;
 
@@ -21,10 +20,14 @@ pub(crate) enum Panels {
     Fit(fit::FitArgs),
     /// Where pixels of panels land in the source.
     Map(map::MapArgs),
+    /// Turn another program's file into a rig file.
+    Import(import::ImportArgs),
     /// Fill all panels from one source.
-    Warp(warp::WarpArgs),
+    Warp(warp::args::WarpArgs),
     /// What it costs to fill any number of panels.
     Bench(bench::PanelsBenchArgs),
+    /// Drawings of panels, their source and what pixels take of it.
+    Figures(figures::FiguresArgs),
     /// Pictures to line up panels by.
     Pattern(pattern::PatternArgs),
     /// The JSON Schema of rig files.
@@ -35,8 +38,10 @@ pub(crate) fn run(command: &Panels) -> anyhow::Result<()> {
     match command {
         Panels::Fit(args) => fit::run(args),
         Panels::Map(args) => map::run(args),
+        Panels::Import(args) => import::run(args),
         Panels::Warp(args) => warp::run(args),
         Panels::Bench(args) => bench::run(args),
+        Panels::Figures(args) => figures::run(args),
         Panels::Pattern(args) => pattern::run(args),
         Panels::Schema(args) => schema::run(args),
     }

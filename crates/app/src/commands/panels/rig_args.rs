@@ -35,7 +35,8 @@ impl RigEye {
 /// Where the source lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PlacementName {
-    /// A plane while panels lie within 65° of one axis, else what needs least of the curved ones.
+    /// The rig's screen where it has one; a plane while panels lie within 65° of one axis, else
+    /// what needs least of the curved ones.
     Auto,
     /// Square to the head and centred, as Strege 2009 has it.
     Seed,
@@ -62,7 +63,8 @@ impl From<PlacementName> for PlacementRule {
 /// What every command of a rig is told.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RigArgs {
-    /// File that describes the panels: TOML or JSON, docs/formats/panels.md.
+    /// File that describes the panels: TOML or JSON, an MPCDI, or a warp mesh;
+    /// docs/formats/panels.md.
     pub(crate) rig: PathBuf,
     /// Whose panels one source serves.
     #[arg(long, value_enum, default_value = "left")]
@@ -83,13 +85,19 @@ impl RigArgs {
         rig.seen_by(self.eye.eye())
     }
 
-    /// Places a source of a size, or of any, before panels.
+    /// Places a source of a size, or of any, before panels of the rig: on its screen, where it has
+    /// one and nothing else is asked for.
     pub(crate) fn fit(
         &self,
+        rig: &Rig,
         panels: &[&Panel],
         source: impl Into<SourceSize>,
     ) -> anyhow::Result<SourceFit> {
-        let found = fit(panels, self.placement.into(), source);
+        let rule = match (self.placement, rig.screen) {
+            (PlacementName::Auto, Some(size)) => PlacementRule::Screen(size),
+            (name, _) => name.into(),
+        };
+        let found = fit(panels, rule, source);
         found.with_context(|| format!("{}: no source can be placed", self.rig.display()))
     }
 }

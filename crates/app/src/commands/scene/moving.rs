@@ -10,7 +10,7 @@ use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::Parameters;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::panel::mounted::MountedPanel;
+use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::route::{EyePose, Route};
 use foveal_core::view::surface::{Screen, Surface};
 

@@ -3,14 +3,14 @@
 use crate::commands::scene::scene_info::SceneInfo;
 use crate::report::output::{self, WrongUsage, out_of_range};
 use crate::run::pack_place::pack_at;
-use anyhow::bail;
+use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::content::scene::description::{GRID_BITS, KIND, SceneDescription, SceneSource};
 use foveal_core::pack::{Identity, MAX_DESCRIPTION_BYTES};
 use foveal_core::units::counted;
 use foveal_media::pack::scene_file::{SceneFile, write_scene};
 use foveal_scene::build::{BuildOptions, Built, build};
-use foveal_scene::read::{ReadOptions, Up, read};
+use foveal_scene::read::{ReadOptions, Up, read, texels};
 use foveal_scene::source::SourceScene;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -159,7 +159,10 @@ impl PrepareSceneArgs {
             bar.set_position(done);
         });
         bar.finish_and_clear();
-        Ok(built?)
+        built.with_context(|| {
+            let names = self.inputs.iter().map(|input| input.display().to_string());
+            names.collect::<Vec<_>>().join(", ")
+        })
     }
 
     fn description(
@@ -260,14 +263,23 @@ impl PrepareSceneArgs {
         let points = source.clouds.iter().map(|it| it.places.len() as u64);
         let points: u64 = points.sum();
         let work = triangles as f64 * BUILD_S + points as f64 * BUILD_S_OF_POINT;
+        let texels = texels(source) as f64;
+        let work = work + texels * BUILD_S_OF_TEXEL;
         let seconds = read_s + work / (jobs.min(4) as f64).max(1.0);
+        let of_texel = match self.exact {
+            true => BYTES_OF_EXACT_TEXEL,
+            false => BYTES_OF_TEXEL,
+        };
+        let bytes = triangles as f64 * BYTES_OF_TRIANGLE
+            + points as f64 * BYTES_OF_POINT
+            + texels * of_texel;
         let estimate = Estimate {
             dry_run: true,
             objects: source.objects.len() + source.clouds.len(),
             triangles,
             points,
             seconds,
-            bytes: (triangles as f64 * BYTES_OF_TRIANGLE + points as f64 * BYTES_OF_POINT) as u64,
+            bytes: bytes as u64,
             repairs: source.repairs.clone(),
         };
         let text = format!(
@@ -289,6 +301,11 @@ const BYTES_OF_TRIANGLE: f64 = 6.0;
 /// The same of a point with colours.
 const BUILD_S_OF_POINT: f64 = 2e-6;
 const BYTES_OF_POINT: f64 = 6.0;
+/// The same of a texel with all its coarser levels: of photographs some half of that, of noise
+/// twice as much.
+const BUILD_S_OF_TEXEL: f64 = 2e-7;
+const BYTES_OF_TEXEL: f64 = 0.6;
+const BYTES_OF_EXACT_TEXEL: f64 = 2.5;
 
 /// The most memory that this program had so far, where the system tells.
 pub(crate) fn peak_memory_bytes() -> Option<u64> {

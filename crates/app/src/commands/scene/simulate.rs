@@ -6,7 +6,7 @@ use crate::commands::scene::scene_info::BytesByKind;
 use crate::commands::score::ScoreReport;
 use crate::commands::simulate_options::{SimulateArgs, WrittenPictures};
 use crate::options::panels::PlayedPanel;
-use crate::options::renderer::open_device;
+use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage};
 use crate::report::picture_file::write_png;
 use crate::run::optics::{intermediate_pixels, on_panel};
@@ -18,7 +18,7 @@ use foveal_core::units::{Seconds, counted};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::eye_view::Field;
-use foveal_core::view::panel::mounted::MountedPanel;
+use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::route::Route;
 use foveal_media::pack::scene_file::SceneFile;
@@ -129,7 +129,8 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         if args.pictures == WrittenPictures::Png && frame.is_multiple_of(args.every) {
             for (at, view) in standing.moment.views.iter().enumerate() {
                 let panel = panels.as_ref().map(|panels| &panels[at]);
-                write_picture(&mut player, (&folders[at], frame), view, panel)?;
+                let place = (folders[at].as_path(), frame, args.heat_map);
+                write_picture(&mut player, place, view, panel)?;
             }
         }
         let head = if frame == 0 { player.head_bytes() } else { 0 };
@@ -162,8 +163,8 @@ impl SimulateArgs {
             (self.start > 0, "--start: a scene has no frames in time"),
             (self.paced, "--paced: a scene has no frames in time"),
             (
-                self.heat_map,
-                "--heat-map: marks tiles, and a scene has none",
+                self.heat_map && self.renderer == RendererName::None,
+                "--heat-map: --renderer none draws nothing to mark; leave one of them out",
             ),
             (
                 self.pictures == WrittenPictures::Video,
@@ -264,11 +265,15 @@ impl SimulateArgs {
 
 fn write_picture(
     player: &mut ScenePlayer,
-    (folder, frame): (&Path, u32),
+    (folder, frame, levels): (&Path, u32, bool),
     view: &EyeView,
     panel: Option<&Panel>,
 ) -> anyhow::Result<()> {
-    let picture = player.picture(view)?.map(|image| match panel {
+    let picture = match levels {
+        true => player.picture_of_levels(view)?,
+        false => player.picture(view)?,
+    };
+    let picture = picture.map(|image| match panel {
         Some(panel) => on_panel(panel, image),
         None => image,
     });

@@ -24,6 +24,7 @@ struct Verified {
     bytes: u64,
     units: usize,
     damage: Vec<String>,
+    damaged_places: u64,
     #[serde(flatten)]
     cuts: Option<Cuts>,
 }
@@ -50,6 +51,7 @@ pub(crate) fn run(path: &Path, trials: &Trials, json: bool) -> anyhow::Result<()
         bytes: file.bytes(),
         units: file.pack().len(),
         damage: listed(&damage),
+        damaged_places: damage.places(),
         cuts,
     };
     let told = cuts.map_or_else(String::new, |it| {
@@ -74,7 +76,7 @@ pub(crate) fn run(path: &Path, trials: &Trials, json: bool) -> anyhow::Result<()
         false => anyhow!(
             "{}: {}; copy the pack again, or prepare it again\n  {}",
             path.display(),
-            counted(damage.len(), "damaged place"),
+            counted(damage.places(), "damaged place"),
             verified.damage.join("\n  ")
         ),
     };

@@ -9,6 +9,7 @@ use anyhow::{Context, bail};
 use csv::StringRecord;
 use foveal_core::units::counted;
 use foveal_eval::score::named_displays::NamedDisplay;
+use foveal_media::plain_file::rename_durably;
 use serde::Serialize;
 use serde_json::Value;
 use std::fs::File;
@@ -274,7 +275,7 @@ impl GrowingTable {
     fn finish(self) -> anyhow::Result<()> {
         match self.growing {
             Some(growing) => {
-                let moved = std::fs::rename(growing, &self.out);
+                let moved = rename_durably(&growing, &self.out);
                 moved.with_context(|| cannot_write(&self.out))
             }
             None => Ok(()),

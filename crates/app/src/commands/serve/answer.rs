@@ -6,6 +6,7 @@ use crate::commands::serve::range::{Part, part_of};
 use http_body_util::{Either, Full};
 use hyper::body::Bytes;
 use hyper::header::{self, HeaderMap, HeaderName, HeaderValue};
+use hyper::http::uri::Authority;
 use hyper::{Method, Request, Response, StatusCode, Version};
 use std::net::IpAddr;
 use std::path::Path;
@@ -14,8 +15,8 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 /// Everything that an answer depends on beside the request.
 pub(super) struct Server {
     pub(super) place: ServedPlace,
-    /// Whether only this machine can reach the server.
-    pub(super) local: bool,
+    /// Names of hosts that requests may ask for beside this machine's; `None` for any.
+    pub(super) hosts: Option<Vec<String>>,
     /// Pages of which origin may read what is served: none but its own without this.
     pub(super) allow_origin: Option<HeaderValue>,
 }
@@ -49,10 +50,14 @@ impl Server {
     }
 
     fn content<B>(&self, request: &Request<B>) -> Response<AnswerBody> {
-        if self.local && !names_this_machine(request) {
-            // A page elsewhere whose name was made to lead here must not read what is served.
-            let text = "this server answers to localhost and 127.0.0.1 only\n";
-            return plain(StatusCode::MISDIRECTED_REQUEST, text);
+        match self.asks_for(request) {
+            Asked::Here => {}
+            Asked::Elsewhere => {
+                // A page elsewhere whose name was made to lead here must not read what is served.
+                let text = "this server answers to its own names only, such as localhost\n";
+                return plain(StatusCode::MISDIRECTED_REQUEST, text);
+            }
+            Asked::Unclear => return plain(StatusCode::BAD_REQUEST, "one Host line is needed\n"),
         }
         match *request.method() {
             Method::GET | Method::HEAD => {}
@@ -121,26 +126,52 @@ fn for_a_page(headers: &mut HeaderMap) {
     put(headers, name, PAGE_MAY);
 }
 
-/// Whether the request names this machine as those on it do.
-fn names_this_machine<B>(request: &Request<B>) -> bool {
-    let Some(host) = request.headers().get(header::HOST) else {
-        // Browsers always name it; what is older than the header does not.
-        return request.version() == Version::HTTP_10;
-    };
-    let host = host.to_str().ok();
-    let Some(Ok(authority)) = host.map(str::parse::<hyper::http::uri::Authority>) else {
-        return false;
-    };
-    let name = authority
-        .host()
-        .trim_start_matches('[')
-        .trim_end_matches(']')
-        .to_ascii_lowercase();
-    name == "localhost"
-        || name.ends_with(".localhost")
-        || name
-            .parse()
-            .is_ok_and(|address: IpAddr| address.is_loopback())
+/// Whom a request asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Asked {
+    Here,
+    Elsewhere,
+    /// It does not say so, or more than once.
+    Unclear,
+}
+
+impl Server {
+    /// Whether a request asks for this server by one of its names: in its `Host` line, and in its
+    /// target where that names a host (RFC 9112, sections 3.2 and 3.2.2).
+    fn asks_for<B>(&self, request: &Request<B>) -> Asked {
+        let mut lines = request.headers().get_all(header::HOST).iter();
+        let (host, more) = (lines.next(), lines.next());
+        if more.is_some() || (host.is_none() && request.version() != Version::HTTP_10) {
+            return Asked::Unclear;
+        }
+        let of_line = host.map(|host| host.to_str().ok().and_then(|it| it.parse().ok()));
+        if of_line == Some(None) {
+            return Asked::Unclear;
+        }
+        let named = of_line.flatten();
+        let asked = named.iter().chain(request.uri().authority());
+        match asked.into_iter().all(|it| self.is_called(it)) {
+            true => Asked::Here,
+            false => Asked::Elsewhere,
+        }
+    }
+
+    fn is_called(&self, authority: &Authority) -> bool {
+        let Some(hosts) = &self.hosts else {
+            return true;
+        };
+        let name = authority
+            .host()
+            .trim_start_matches('[')
+            .trim_end_matches(']')
+            .to_ascii_lowercase();
+        hosts.contains(&name)
+            || name == "localhost"
+            || name.ends_with(".localhost")
+            || name
+                .parse()
+                .is_ok_and(|address: IpAddr| address.is_loopback())
+    }
 }
 
 /// The file as it was asked for; only a GET may ask for a part (RFC 9110 section 14.2).

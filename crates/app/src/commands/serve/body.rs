@@ -1,5 +1,6 @@
 //! How does a part of a file become the body of an answer?
 
+use crate::commands::serve::connections::Answering;
 use http_body_util::{Either, Full};
 use hyper::body::{Body, Bytes, Frame, SizeHint};
 use std::io::{self, ErrorKind, SeekFrom};
@@ -9,6 +10,41 @@ use tokio::io::{AsyncRead, AsyncSeek, ReadBuf};
 
 /// Bytes at hand, or a part of a file.
 pub(super) type AnswerBody = Either<Full<Bytes>, FilePart>;
+
+/// A body, and the note that its connection is answering.
+pub(super) struct WatchedBody {
+    body: AnswerBody,
+    _answering: Answering,
+}
+
+impl WatchedBody {
+    pub(super) fn new(body: AnswerBody, answering: Answering) -> Self {
+        Self {
+            body,
+            _answering: answering,
+        }
+    }
+}
+
+impl Body for WatchedBody {
+    type Data = Bytes;
+    type Error = Box<dyn std::error::Error + Send + Sync>;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, Self::Error>>> {
+        Pin::new(&mut self.body).poll_frame(context)
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
+    }
+}
 
 /// Bytes that are read at a time: all that a connection keeps in memory of a file.
 const PIECE: usize = 128 << 10;

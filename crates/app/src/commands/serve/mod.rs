@@ -1,33 +1,39 @@
 //! How are a site or packs served to a browser?
 //!
 //! Plain HTTP/1.1 on loopback unless asked otherwise: files, byte ranges and the headers that
-//! viewers in browsers need. Connections are bounded, and idle or slow ones end.
+//! viewers in browsers need. Connections are bounded, and idle or slow ones end. No file is opened
+//! on the thread that answers.
 
 mod answer;
 mod body;
+mod connections;
 mod place;
 mod range;
+mod tags;
 
 use crate::commands::site::{About, Site};
 use crate::report::output::{self, WrongUsage};
 use answer::Server;
 use anyhow::{Context, bail};
+use body::WatchedBody;
 use clap::Args;
+use connections::{Admitted, Connections};
 use hyper::Uri;
+use hyper::body::Incoming;
 use hyper::header::HeaderValue;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
+use hyper::{Request, Response};
 use hyper_util::rt::{TokioIo, TokioTimer};
-use place::ServedPlace;
+use place::{Holds, ServedPlace};
 use serde::Serialize;
-use std::convert::Infallible;
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
+use tags::ContentTags;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::signal::unix::{SignalKind, signal};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio_io_timeout::TimeoutStream;
 
 #[derive(Clone, Debug, Args)]
@@ -41,6 +47,10 @@ pub(crate) struct ServeArgs {
     /// Let pages of this origin read what is served, as https://example.org; * for any.
     #[arg(long, value_name = "ORIGIN", value_parser = parse_origin)]
     allow_origin: Option<HeaderValue>,
+    /// A name under which this machine may be asked for, where others reach it; several times for
+    /// several. Without it any name is answered to.
+    #[arg(long, value_name = "NAME")]
+    host: Vec<String>,
     /// Print one JSON object when it serves.
     #[arg(long)]
     json: bool,
@@ -53,8 +63,8 @@ struct Serving {
     address: SocketAddr,
 }
 
-/// Connections at a time; a browser opens six.
-const CONNECTIONS: usize = 256;
+/// How long the first byte of a connection may take.
+const FIRST_BYTE: Duration = Duration::from_secs(5);
 /// How long a connection may take to ask, stay without asking, and read nothing of its answer.
 const PATIENCE: Duration = Duration::from_secs(30);
 /// How long after a failure to accept a connection, as when files run out, it is tried again.
@@ -66,7 +76,10 @@ pub(crate) fn run(args: &ServeArgs) -> anyhow::Result<()> {
         .enable_all()
         .build()
         .context("the server cannot start")?;
-    runtime.block_on(serve(args, place))
+    let served = runtime.block_on(serve(args, place));
+    // Whatever a file system makes a thread wait for, the server ends.
+    runtime.shutdown_background();
+    served
 }
 
 /// Reads `*`, or an origin as browsers write it: compared letter by letter.
@@ -88,15 +101,28 @@ fn parse_origin(text: &str) -> anyhow::Result<HeaderValue> {
 fn place(what: &[PathBuf]) -> anyhow::Result<ServedPlace> {
     let folder = what.iter().find(|path| path.is_dir());
     match (folder, what) {
-        (Some(folder), [_]) => Ok(ServedPlace::Folder(checked(folder)?)),
+        (Some(folder), [_]) => Ok(holding(Holds::Folder(checked(folder)?))),
         (Some(folder), _) => bail!(WrongUsage(format!(
             "{}: is a folder; give one folder, or packs",
             folder.display()
         ))),
-        (None, packs) => Ok(ServedPlace::Site(
-            Box::new(Site::of(packs, &About::default())?),
-            SystemTime::now(),
-        )),
+        (None, packs) => {
+            // What a link leads to now is served: no other that it leads to later.
+            let whole = packs.iter().map(|pack| {
+                let whole = pack.canonicalize();
+                whole.with_context(|| format!("{}: cannot be opened", pack.display()))
+            });
+            let packs = whole.collect::<anyhow::Result<Vec<PathBuf>>>()?;
+            let site = Box::new(Site::of(&packs, &About::default())?);
+            Ok(holding(Holds::Site(site, SystemTime::now())))
+        }
+    }
+}
+
+fn holding(holds: Holds) -> ServedPlace {
+    ServedPlace {
+        holds,
+        tags: ContentTags::default(),
     }
 }
 
@@ -122,49 +148,80 @@ async fn serve(args: &ServeArgs, place: ServedPlace) -> anyhow::Result<()> {
         url: format!("http://{address}/"),
         address,
     };
+    let is_local = address.ip().is_loopback();
+    let hosts = args.host.iter().map(|name| name.to_ascii_lowercase());
+    let is_open = !is_local && args.host.is_empty();
     let server = Arc::new(Server {
         place,
-        local: address.ip().is_loopback(),
+        hosts: (!is_open).then(|| hosts.collect()),
         allow_origin: args.allow_origin.clone(),
     });
+    if is_open {
+        output::say(
+            "foveal: pages elsewhere can read what is served here; --host NAME answers to that \
+             name alone",
+        );
+    }
     let text = format!("{}\nCtrl-C ends it", serving.url);
     output::result(args.json, &serving, &text)?;
-    let room = Arc::new(Semaphore::new(CONNECTIONS));
+    let connections = Arc::new(Connections::default());
     loop {
-        let permit = Arc::clone(&room).acquire_owned();
-        let accepted = async {
-            let permit = permit.await;
-            (permit, listener.accept().await)
-        };
         let accepted = tokio::select! {
-            accepted = accepted => accepted,
+            accepted = listener.accept() => accepted,
             _ = interrupt.recv() => return Ok(()),
             _ = end.recv() => return Ok(()),
         };
-        match accepted {
-            (Ok(permit), Ok((stream, _))) => {
-                tokio::spawn(connection(stream, permit, Arc::clone(&server)));
-            }
-            (Err(_), _) => return Ok(()),
-            (Ok(_), Err(_)) => tokio::time::sleep(PAUSE).await,
+        let Ok((stream, from)) = accepted else {
+            tokio::time::sleep(PAUSE).await;
+            continue;
+        };
+        // One that is not taken in ends here.
+        if let Some(admitted) = connections.admit(plain_address(from.ip())) {
+            tokio::spawn(connection(stream, admitted, Arc::clone(&server)));
         }
     }
 }
 
+/// An IPv4 address that came as one of IPv6 is that of IPv4.
+fn plain_address(address: IpAddr) -> IpAddr {
+    address.to_canonical()
+}
+
 /// Answers what one connection asks until it ends.
-async fn connection(stream: TcpStream, permit: OwnedSemaphorePermit, server: Arc<Server>) {
+async fn connection(stream: TcpStream, admitted: Admitted, server: Arc<Server>) {
+    let ends = Arc::clone(&admitted.ends);
+    let admitted = Arc::new(admitted);
+    tokio::select! {
+        () = answered(stream, &admitted, server) => {}
+        () = ends.notified() => {}
+    }
+}
+
+async fn answered(stream: TcpStream, admitted: &Arc<Admitted>, server: Arc<Server>) {
+    let first = tokio::time::timeout(FIRST_BYTE, stream.readable()).await;
+    if !matches!(first, Ok(Ok(()))) {
+        return;
+    }
     let _ = stream.set_nodelay(true);
     let mut stream = TimeoutStream::new(stream);
     stream.set_write_timeout(Some(PATIENCE));
-    let answer = service_fn(move |request| {
-        let response = server.answer(&request);
-        async move { Ok::<_, Infallible>(response) }
-    });
+    let answer = service_fn(|request| answer(request, Arc::clone(admitted), Arc::clone(&server)));
     // A connection that breaks off concerns nobody but its other end.
     let _ = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(PATIENCE)
         .serve_connection(TokioIo::new(Box::pin(stream)), answer)
         .await;
-    drop(permit);
+}
+
+/// The answer to a request, whose file is opened on another thread.
+async fn answer(
+    request: Request<Incoming>,
+    admitted: Arc<Admitted>,
+    server: Arc<Server>,
+) -> Result<Response<WatchedBody>, tokio::task::JoinError> {
+    let answering = admitted.answering();
+    let answered = tokio::task::spawn_blocking(move || server.answer(&request));
+    let answered = answered.await?;
+    Ok(answered.map(|body| WatchedBody::new(body, answering)))
 }

@@ -1,17 +1,28 @@
 //! Which file lies at the path of a request?
 //!
 //! Nothing outside the folder is reachable: a path is split into names, none of which may be
-//! special, and what the names lead to must lie in the folder with all links followed.
+//! special, and what the names lead to must lie in the folder with all links followed. Packs that
+//! were named are sent or nothing: what takes the place of one must be a pack, and no link.
 
+use crate::commands::serve::tags::{ContentTags, modified, tag_of};
 use crate::commands::site::{Site, SiteFile};
+use foveal_media::pack::content_tag::begins_as_pack;
+use foveal_media::plain_file::{open_plain, open_unlinked};
 use percent_encoding::percent_decode_str;
 use std::borrow::Cow;
 use std::fs::{File, Metadata};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::SystemTime;
 
-/// What is served.
-pub(super) enum ServedPlace {
+/// What is served, and the tags of its packs.
+pub(super) struct ServedPlace {
+    pub(super) holds: Holds,
+    pub(super) tags: ContentTags,
+}
+
+/// What a server finds files in.
+pub(super) enum Holds {
     /// A folder.
     Folder(PathBuf),
     /// A site that nobody wrote, and when it was made.
@@ -49,7 +60,7 @@ const PAGE: &str = "index.html";
 const NOTHING: &str = "404.html";
 
 impl ServedPlace {
-    /// What lies at the path of a URL, as it was sent.
+    /// What lies at the path of a URL, as it was sent. Opens files: blocks, but never waits.
     pub(super) fn find(&self, path: &str) -> Found {
         let Some(mut names) = names_of(path) else {
             return Found::Nothing;
@@ -58,17 +69,17 @@ impl ServedPlace {
             names.pop();
             names.push(PAGE.to_owned());
         }
-        match self {
-            Self::Folder(folder) => in_folder(folder, &names),
-            Self::Site(site, made) => match site.files.get(&names.join("/")) {
+        match &self.holds {
+            Holds::Folder(folder) => self.in_folder(folder, &names),
+            Holds::Site(site, made) => match site.files.get(&names.join("/")) {
                 Some(SiteFile::Bytes(bytes)) => Found::File(FoundFile {
                     name: names.join("/"),
                     length: bytes.len() as u64,
                     modified: *made,
-                    tag: tag(bytes.len() as u64, *made),
+                    tag: tag_of(bytes.len() as u64, *made),
                     content: FoundContent::Bytes(bytes.clone()),
                 }),
-                Some(SiteFile::File(path)) => open(path, &names.join("/")),
+                Some(SiteFile::File(path)) => self.pack(path, &names.join("/")),
                 None => Found::Nothing,
             },
         }
@@ -105,51 +116,49 @@ fn names_of(path: &str) -> Option<Vec<String>> {
     (!inner.iter().any(String::is_empty)).then_some(names)
 }
 
-fn in_folder(folder: &Path, names: &[String]) -> Found {
-    let asked = names
-        .iter()
-        .fold(folder.to_owned(), |path, name| path.join(name));
-    let Ok(path) = asked.canonicalize() else {
-        return Found::Nothing;
-    };
-    if !path.starts_with(folder) {
-        return Found::Nothing;
-    }
-    if path.is_dir() {
-        return if path.join(PAGE).is_file() {
-            Found::Folder
-        } else {
-            Found::Nothing
+impl ServedPlace {
+    fn in_folder(&self, folder: &Path, names: &[String]) -> Found {
+        let asked = names
+            .iter()
+            .fold(folder.to_owned(), |path, name| path.join(name));
+        let Ok(path) = asked.canonicalize() else {
+            return Found::Nothing;
         };
+        if !path.starts_with(folder) {
+            return Found::Nothing;
+        }
+        match open_unlinked(&path) {
+            Ok(opened) => self.found(&names.join("/"), opened),
+            Err(error) if error.kind() == ErrorKind::IsADirectory => {
+                match open_plain(&path.join(PAGE)) {
+                    Ok(_) => Found::Folder,
+                    Err(_) => Found::Nothing,
+                }
+            }
+            Err(_) => Found::Nothing,
+        }
     }
-    open(&path, &names.join("/"))
-}
 
-fn open(path: &Path, name: &str) -> Found {
-    // Opening a pipe would wait for somebody to write into it.
-    if !path.is_file() {
-        return Found::Nothing;
+    /// A pack that was named, or nothing.
+    fn pack(&self, path: &Path, name: &str) -> Found {
+        let Ok((mut file, there)) = open_unlinked(path) else {
+            return Found::Nothing;
+        };
+        match begins_as_pack(&mut file) {
+            Ok(true) => self.found(name, (file, there)),
+            _ => Found::Nothing,
+        }
     }
-    let opened = File::open(path).and_then(|file| Ok((file.metadata()?, file)));
-    match opened {
-        Ok((there, file)) if there.is_file() => Found::File(FoundFile {
+
+    fn found(&self, name: &str, (mut file, there): (File, Metadata)) -> Found {
+        Found::File(FoundFile {
             name: name.to_owned(),
-            content: FoundContent::File(file),
             length: there.len(),
             modified: modified(&there),
-            tag: tag(there.len(), modified(&there)),
-        }),
-        _ => Found::Nothing,
+            tag: self.tags.of(&mut file, &there),
+            content: FoundContent::File(file),
+        })
     }
-}
-
-fn modified(there: &Metadata) -> SystemTime {
-    there.modified().unwrap_or(UNIX_EPOCH)
-}
-
-fn tag(length: u64, modified: SystemTime) -> String {
-    let since = modified.duration_since(UNIX_EPOCH).unwrap_or_default();
-    format!("\"{length:x}-{:x}\"", since.as_nanos())
 }
 
 #[cfg(test)]

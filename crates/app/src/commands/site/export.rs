@@ -8,6 +8,7 @@ use crate::report::output::{self, Counting};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 use foveal_core::units::counted;
+use foveal_media::plain_file::rename_durably;
 use serde::Serialize;
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
@@ -90,10 +91,10 @@ fn tell_damage(packs: &[PathBuf]) -> anyhow::Result<()> {
         let bar = output::bar(Some(file.bytes()), Counting::Bytes);
         let damage = file.verify(|done, _| bar.set_position(done));
         bar.finish_and_clear();
-        if let Some(first) = damage.first() {
+        if let Some(first) = damage.first().first() {
             output::say(&format!(
                 "foveal: {first} ({} in all; the site shows the rest of it)",
-                counted(damage.len(), "damaged place")
+                counted(damage.places(), "damaged place")
             ));
         }
     }
@@ -218,7 +219,7 @@ fn place(from: &Path, to: &Path) -> anyhow::Result<bool> {
     } else {
         std::fs::copy(&from, growing).map(drop)
     };
-    let placed = placed.and_then(|()| std::fs::rename(growing, to));
+    let placed = placed.and_then(|()| rename_durably(growing, to));
     // Renaming one name of a file to another name of it does nothing, and a failure leaves a part.
     let _ = std::fs::remove_file(growing);
     placed.with_context(|| format!("{}: cannot be written", to.display()))?;

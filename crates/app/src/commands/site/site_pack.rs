@@ -3,6 +3,7 @@
 use crate::commands::site::poster::{self, Poster};
 use crate::report::output;
 use foveal_core::view::surface::Projection;
+use foveal_media::pack::damage::Damage;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::pack_file::PackFileError;
 use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
@@ -51,7 +52,7 @@ impl SitePack {
 
     /// Reads all of it; `progress` is told how many bytes are done of how many. Returns what is
     /// damaged.
-    pub(super) fn verify(&self, progress: impl FnMut(u64, u64)) -> Vec<PackFileError> {
+    pub(super) fn verify(&self, progress: impl FnMut(u64, u64)) -> Damage {
         match self {
             Self::Video(file) => file.verify(progress),
             Self::Scene(file) => file.verify(progress),

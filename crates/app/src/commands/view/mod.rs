@@ -7,7 +7,7 @@ mod keys;
 mod log_file;
 mod looking;
 mod ready;
-mod screen;
+pub(crate) mod screen;
 mod script;
 mod sound;
 mod styles;

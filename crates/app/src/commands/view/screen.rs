@@ -292,7 +292,7 @@ impl WindowSurface {
     }
 }
 
-fn request_adapter(
+pub(crate) fn request_adapter(
     instance: &wgpu::Instance,
     surface: &wgpu::Surface<'_>,
 ) -> anyhow::Result<wgpu::Adapter> {
@@ -310,7 +310,9 @@ fn request_adapter(
 }
 
 /// A device with the limits of a browser's, as the renderer expects.
-fn request_device(adapter: &wgpu::Adapter) -> anyhow::Result<(wgpu::Device, wgpu::Queue)> {
+pub(crate) fn request_device(
+    adapter: &wgpu::Adapter,
+) -> anyhow::Result<(wgpu::Device, wgpu::Queue)> {
     let opened = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
         label: Some("foveal window"),
         required_limits: wgpu::Limits::default().or_worse_values_from(&adapter.limits()),

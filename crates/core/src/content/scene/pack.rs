@@ -74,6 +74,28 @@ impl ScenePack {
         index: &[u8],
         table: &[u8],
     ) -> Result<Self, PackError> {
+        let of_pages = Self::index_of(header, &description)?;
+        of_pages.add_all(index)?;
+        Self::of_index(description, of_pages, table)
+    }
+
+    /// The index of the pack of a description whose header is `header`, without any of its pages.
+    ///
+    /// # Errors
+    /// The header tells of another length than the description's units take.
+    pub fn index_of(header: &Header, description: &SceneDescription) -> Result<Index, PackError> {
+        Index::new(header, numbers_of(description)?)
+    }
+
+    /// A pack by its description, an index with all of its pages, and its table of units.
+    ///
+    /// # Errors
+    /// One of them is damaged, or they do not fit to each other.
+    pub fn of_index(
+        description: SceneDescription,
+        index: Index,
+        table: &[u8],
+    ) -> Result<Self, PackError> {
         let entry = description.units_table()?;
         check_crc(&format!("side table {UNITS}"), table, entry.crc32c)?;
         let numbers = numbers_of(&description)?;
@@ -84,11 +106,6 @@ impl ScenePack {
             let bytes = &table[place.start as usize..place.end as usize];
             rows.extend(read_units(&directory, page, bytes)?);
         }
-        let index = {
-            let empty = Index::new(header, numbers)?;
-            empty.add_all(index)?;
-            empty
-        };
         let pack = Self {
             description,
             index,

@@ -34,6 +34,7 @@ pub struct Stamp {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SourceClock {
     state: Option<State>,
+    anew: u64,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -68,6 +69,7 @@ impl SourceClock {
             state.base = source - time;
             state.least = [arrived - time; 2];
             state.window_begun = arrived;
+            self.anew += 1;
         }
         let time = source - state.base;
         if time <= state.last_time {
@@ -80,6 +82,12 @@ impl SourceClock {
             time: Seconds(time),
             received: Seconds(received),
         })
+    }
+
+    /// How often the source's clock began anew, or leapt.
+    #[must_use]
+    pub fn anew(&self) -> u64 {
+        self.anew
     }
 
     /// The stream's time at `ours`; 0 before the first sample.
@@ -158,6 +166,7 @@ mod tests {
         let [time, received] = stamp(&mut clock, 0.0, 3.1).unwrap();
         assert!((time - 3.1).abs() < 1e-9 && (received - 3.1).abs() < 1e-9);
         // One mad stamp does not silence the sane ones after it.
+        assert_eq!(clock.anew(), 1);
         assert!(stamp(&mut clock, 1e9, 3.2).is_some());
         let [time, _] = stamp(&mut clock, 0.2, 3.3).unwrap();
         assert!((time - 3.3).abs() < 1e-6, "{time}");

@@ -85,6 +85,12 @@ impl GazeStream {
         self.clock.start()
     }
 
+    /// How often the sender's clock began anew, or leapt.
+    #[must_use]
+    pub fn anew(&self) -> u64 {
+        self.clock.anew()
+    }
+
     /// How many records came too late to be used.
     #[must_use]
     pub fn late(&self) -> u64 {

@@ -9,7 +9,7 @@ use crate::perception::moment::Moment;
 use crate::session::log::SessionHead;
 use crate::session::unit_states::{Piece, UnitStates};
 use crate::units::Seconds;
-use crate::view::panel::mounted::MountedPanel;
+use crate::view::mounted::MountedPanel;
 use crate::view::timeline::Timeline;
 use std::sync::Arc;
 

@@ -10,6 +10,7 @@ use super::rig::Panel;
 use super::samples::{PanelSamples, cone_of};
 use super::seed::SeedPlane;
 use super::share::seen_share;
+use crate::view::axes::Axes;
 use glam::DVec3;
 
 /// Cones of panels up to this half angle (65°) get a plane unless told otherwise, in radians.
@@ -27,7 +28,7 @@ const GRID_ERROR: f64 = 1.0 / 64.0;
 const MANY_NODES: usize = 1 << 18;
 
 /// How the source is placed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum PlacementRule {
     /// A plane while the panels are within a cone of 65°, else the curved source that needs least.
     #[default]
@@ -40,6 +41,8 @@ pub enum PlacementRule {
     Cylinder,
     /// A sphere round the head, in azimuth and elevation.
     Equirect,
+    /// A flat screen straight ahead of this width and height, seen or not.
+    Screen([f64; 2]),
 }
 
 /// Why no source can be placed.
@@ -111,7 +114,7 @@ pub struct PanelFit {
 pub struct SourceFit {
     /// Where it lies.
     pub placement: Placement,
-    /// What was chosen: seed, plane, cylinder or equirect.
+    /// What was chosen: seed, plane, cylinder, equirect or screen.
     pub name: &'static str,
     /// z, in its own axes, of the farthest corner that a plane is cut at; it changes no place.
     pub depth: Option<f64>,
@@ -206,6 +209,12 @@ pub fn place(
         PlacementRule::Plane => (best_plane(&all, aspect), "plane"),
         PlacementRule::Cylinder => (curved(SourceProjection::Cylinder), "cylinder"),
         PlacementRule::Equirect => (curved(SourceProjection::Equirect), "equirect"),
+        PlacementRule::Screen(size) => {
+            let [x, y] = size.map(|side| side / 2.0);
+            let window = [x, x, y, y];
+            let screen = Placement::new(SourceProjection::Plane, Axes::FRONT, window);
+            return Ok((screen, "screen"));
+        }
         PlacementRule::Auto => {
             let (found, name) = auto(&all, aspect)?;
             return Ok((round_all(found, &all), name));

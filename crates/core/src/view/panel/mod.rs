@@ -3,13 +3,13 @@
 //! Normative for the file that describes them: docs/formats/panels.md. Angles are radians, lengths
 //! are in distances from the eye to the panel, places are pixels with centres at +0.5, rows down.
 
+pub mod alpha;
 mod curved;
 pub mod distortion;
 pub mod fit;
 pub mod footprint;
 mod hull;
 pub mod lens;
-pub mod mounted;
 pub mod pixel_map;
 pub mod placement;
 mod plane;

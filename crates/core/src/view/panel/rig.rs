@@ -1,10 +1,12 @@
 //! Which displays stand round the eyes, and how is each of them fed?
 
+use super::alpha::AlphaMap;
 use super::distortion::Distortion;
 use crate::view::axes::Axes;
 use crate::view::eye_view::{EyeView, Field};
 use crate::view::surface::Eye;
 use glam::{DMat3, DVec3};
+use std::sync::Arc;
 
 /// Most panels of a rig.
 pub const MOST_PANELS: usize = 1024;
@@ -16,6 +18,9 @@ pub struct Rig {
     pub panels: Vec<Panel>,
     /// Metres from eye to eye.
     pub ipd: f64,
+    /// Width and height, in distances from the eye, of the flat screen straight ahead that the
+    /// source fills, where the file says it: nothing is fitted.
+    pub screen: Option<[f64; 2]>,
 }
 
 /// One display before an eye.
@@ -36,6 +41,8 @@ pub struct Panel {
     pub distortion: Distortion,
     /// Radians from its edge over which it fades in, where others overlap it.
     pub blend: f64,
+    /// The share of its light that each pixel keeps; all where it is not told.
+    pub alpha: Option<Arc<AlphaMap>>,
     /// What linear red, green and blue are multiplied by.
     pub gain: [f64; 3],
     /// Linear light that the darkest pixel has, from 0 to 1.
@@ -123,6 +130,7 @@ impl Panel {
             output: PanelOutput::default(),
             distortion: Distortion::None,
             blend: 0.0,
+            alpha: None,
             gain: [1.0; 3],
             black: 0.0,
         }
@@ -144,6 +152,21 @@ impl Panel {
     #[must_use]
     pub fn pixels(&self) -> f64 {
         self.view.size.map(f64::from).iter().product()
+    }
+
+    /// The shares of light that its pixels keep, as its picture is sent.
+    #[must_use]
+    pub fn alpha_as_sent(&self) -> Option<AlphaMap> {
+        let alpha = self.alpha.as_ref()?;
+        let seen_from_sent = self.scanout.seen_from_sent(self.view.size);
+        let [columns, rows] = self.sent_size();
+        let pixels = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
+        let shares = pixels.map(|at| {
+            let [x, y] = at.map(|k| f64::from(k) + 0.5);
+            let seen = seen_from_sent * DVec3::new(x, y, 1.0);
+            alpha.at([seen.x as u32, seen.y as u32])
+        });
+        Some(AlphaMap::new([columns, rows], shares.collect()))
     }
 
     /// Corners at unit distance: top left, top right, bottom left, bottom right; Strege 2009,
@@ -182,6 +205,7 @@ impl Panel {
                 },
             },
             distortion: self.distortion.mirrored(self.view.size[0]),
+            alpha: self.alpha.as_ref().map(|it| Arc::new(it.mirrored())),
             ..self.clone()
         }
     }

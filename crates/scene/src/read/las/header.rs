@@ -9,6 +9,8 @@ const REPAIR: &str = "copy the file again if it was cut short, or repair it, for
 const HEADER_BYTES: [usize; 3] = [227, 235, 375];
 /// A record before the points begins with that many bytes.
 const RECORD_HEAD: usize = 54;
+/// And one behind the points with that many.
+const LATER_RECORD_HEAD: usize = 60;
 /// Bits of the point format by which LASzip says that points are packed.
 const PACKED: u8 = 0xc0;
 
@@ -137,7 +139,36 @@ impl LasHeader {
             records: word_at(bytes, 100),
         };
         header.check(least, bytes.len())?;
+        header.check_records(bytes)?;
+        check_later_records(bytes, minor)?;
+        check_returns(bytes, minor, header.count)?;
         Ok(header)
+    }
+
+    /// The records that the header counts must lie between it and the points.
+    fn check_records(&self, bytes: &[u8]) -> Result<(), Fault> {
+        let found = self.each_record(bytes).count() as u64;
+        if found == u64::from(self.records) {
+            return Ok(());
+        }
+        let said = self.records;
+        let room = self.points_at - self.header_bytes;
+        let what = format!(
+            "the header counts {said} records before the points, but {found} fit into the {room} \
+             bytes there are"
+        );
+        Err(Fault::broken("byte 100", what, REPAIR))
+    }
+
+    /// The records before the points, each with its head.
+    fn each_record<'a>(&self, bytes: &'a [u8]) -> impl Iterator<Item = (&'a [u8], &'a [u8])> {
+        let mut rest = bytes.get(self.header_bytes..self.points_at);
+        (0..self.records).map_while(move |_| {
+            let (head, behind) = rest?.split_at_checked(RECORD_HEAD)?;
+            let (said, behind) = behind.split_at_checked(usize::from(half_at(head, 20)))?;
+            rest = Some(behind);
+            Some((head, said))
+        })
     }
 
     fn check(&self, least: usize, length: usize) -> Result<(), Fault> {
@@ -195,18 +226,12 @@ impl LasHeader {
 
     /// What the record before the points says that `user` wrote with this number.
     pub(super) fn record<'a>(&self, bytes: &'a [u8], user: &[u8], number: u16) -> Option<&'a [u8]> {
-        let mut rest = bytes.get(self.header_bytes..self.points_at)?;
-        for _ in 0..self.records {
-            let (head, behind) = rest.split_at_checked(RECORD_HEAD)?;
-            let (said, behind) = behind.split_at_checked(usize::from(half_at(head, 20)))?;
+        let is_it = |(head, _): &(&[u8], &[u8])| {
             let named = head[2..18].strip_prefix(user);
             let is_user = named.is_some_and(|rest| rest.iter().all(|it| *it == 0));
-            if is_user && half_at(head, 18) == number {
-                return Some(said);
-            }
-            rest = behind;
-        }
-        None
+            is_user && half_at(head, 18) == number
+        };
+        self.each_record(bytes).find(is_it).map(|(_, said)| said)
     }
 }
 
@@ -238,4 +263,45 @@ fn end_of_points(bytes: &[u8], minor: u8) -> usize {
         }
     }
     end
+}
+
+/// The records behind the points that LAS 1.4 counts must lie in the file.
+fn check_later_records(bytes: &[u8], minor: u8) -> Result<(), Fault> {
+    let said = if minor >= 4 { word_at(bytes, 243) } else { 0 };
+    let mut rest = match said {
+        0 => return Ok(()),
+        _ => usize::try_from(long_at(bytes, 235)).map_or(None, |at| bytes.get(at..)),
+    };
+    for found in 0..said {
+        let behind = rest.and_then(|it| {
+            let length = usize::try_from(long_at(it.get(..LATER_RECORD_HEAD)?, 20)).ok()?;
+            it[LATER_RECORD_HEAD..].get(length..)
+        });
+        if behind.is_none() {
+            let what = format!(
+                "the header counts {said} records behind the points, but {found} fit from byte {} \
+                 on",
+                long_at(bytes, 235)
+            );
+            return Err(Fault::broken("byte 243", what, REPAIR));
+        }
+        rest = behind;
+    }
+    Ok(())
+}
+
+/// No more echoes can be the first, second .. of a pulse than there are points. (Many files count
+/// fewer, or none.)
+fn check_returns(bytes: &[u8], minor: u8, count: u64) -> Result<(), Fault> {
+    let old = (0..5).map(|k| u64::from(word_at(bytes, 111 + 4 * k)));
+    let (at, told) = match minor {
+        4 => (255, (0..15).map(|k| long_at(bytes, 255 + 8 * k)).collect()),
+        _ => (111, old.collect::<Vec<_>>()),
+    };
+    let all = told.iter().fold(0, |all: u64, it| all.saturating_add(*it));
+    if all <= count {
+        return Ok(());
+    }
+    let what = format!("the header counts {all} echoes of pulses, but {count} points");
+    Err(Fault::broken(format!("byte {at}"), what, REPAIR))
 }

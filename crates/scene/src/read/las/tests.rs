@@ -119,6 +119,43 @@ fn wrong_counts_are_refused_with_place_and_what_to_do() {
 }
 
 #[test]
+fn wrong_counts_of_records_and_echoes_are_refused() {
+    let refused = |at: usize, count: u32, version: (u8, u8), expected: &str| {
+        let mut bytes = file(&points(700), 2, version, false);
+        bytes[at..at + 4].copy_from_slice(&count.to_le_bytes());
+        let said = refusal(&bytes);
+        assert!(
+            said.contains(expected) && said.contains("lasinfo -repair"),
+            "{said}"
+        );
+    };
+    refused(
+        100,
+        7,
+        (1, 2),
+        "byte 100: the header counts 7 records before the points, but 0 fit",
+    );
+    refused(
+        111,
+        701,
+        (1, 2),
+        "byte 111: the header counts 701 echoes of pulses, but 700 points",
+    );
+    refused(
+        255,
+        701,
+        (1, 4),
+        "byte 255: the header counts 701 echoes of pulses, but 700 points",
+    );
+    refused(
+        243,
+        2,
+        (1, 4),
+        "byte 243: the header counts 2 records behind the points, but 0 fit",
+    );
+}
+
+#[test]
 fn damaged_files_are_refused_or_read_and_never_panic() {
     for (format, version, packs) in [
         (2, (1, 2), false),

@@ -1,5 +1,7 @@
 //! Does a rig file give the panels that it describes, and is what is wrong refused by its place?
 
+mod foreign;
+mod meshes;
 mod refused;
 
 use std::path::{Path, PathBuf};
@@ -200,7 +202,7 @@ fn maps_of_floats_are_read_where_they_fit_and_unlit_pixels_stay_dark() {
     assert!(
         read(pfm_bytes(f32::INFINITY))
             .unwrap_err()
-            .contains("infinite at column 3, row 2")
+            .contains("infinite at column 3, line 0")
     );
     let mut other = pfm_bytes(0.9);
     other[3] = b'5';
@@ -209,6 +211,8 @@ fn maps_of_floats_are_read_where_they_fit_and_unlit_pixels_stay_dark() {
         assert!(!read_any_pfm(&pfm_bytes(0.9)[..cut]));
     }
     assert!(read_any_pfm(&pfm_bytes(0.875)));
+    let windows = [&b"PF\r\n4 3\r\n-1.0\r\n"[..], &pfm_bytes(0.875)[12..]].concat();
+    assert!(read_any_pfm(&windows));
 }
 
 proptest! {

@@ -7,7 +7,11 @@ use super::{json_of, one, parsed, toml};
 type Wrong<'a> = (&'a str, &'a [&'a str]);
 
 /// Lines of one panel.
-const LINES: [Wrong<'_>; 15] = [
+const LINES: [Wrong<'_>; 16] = [
+    (
+        "size = [1, 1]\nalpha = \"a.png\"",
+        &["line 6", "panel[1].alpha", "is not there"],
+    ),
     (
         "sizes = [1, 1]",
         &["line 5", "\"sizes\"", "nearest is \"size\""],
@@ -164,6 +168,10 @@ fn what_is_wrong_with_a_whole_rig_is_refused_with_its_line_and_key() {
     assert_refused(
         &format!("mirror = true\n{sound}"),
         &["line 1", "mirror", "left"],
+    );
+    assert_refused(
+        &format!("screen = [0, 1]\n{sound}"),
+        &["line 1", "screen", "no width and height"],
     );
     assert_refused(&format!("ipd_mm = -1\n{sound}"), &["line 1", "ipd_mm"]);
     for broken in [

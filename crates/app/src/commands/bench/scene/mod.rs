@@ -180,6 +180,13 @@ impl SceneBenchArgs {
                 rows.extend((measured.measure)(&subject, conditions)?);
             }
         }
+        if rows.is_empty() {
+            bail!(WrongUsage(
+                "--only: none of these rows is about what was given; `points` is about clouds, \
+                 `triangles`, `build` and the like about meshes"
+                    .to_owned()
+            ));
+        }
         Ok(rows)
     }
 }

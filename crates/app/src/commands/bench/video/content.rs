@@ -10,6 +10,7 @@ use clap::ValueEnum;
 use foveal_core::view::picture::{Colour, Matrix, Picture};
 use foveal_core::view::surface::Screen;
 use foveal_media::generate::{FRAMES_PER_SECOND, GeneratedScene, Pan, Turn};
+use foveal_media::plain_file::rename_durably;
 use foveal_media::prepare::{PrepareSettings, ProjectionChoice};
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use std::path::{Path, PathBuf};
@@ -124,7 +125,7 @@ fn write_clip(path: &Path, size: [u32; 2], frame: impl Fn(u32) -> Picture) -> an
     }
     bar.finish_and_clear();
     clip.finish()?;
-    std::fs::rename(&partial, path)
+    rename_durably(&partial, path)
         .with_context(|| format!("{}: cannot be given its name", partial.display()))
 }
 

@@ -1,11 +1,11 @@
 //! Where in a window does each panel of a rig lie, and what does it show there?
 
-use crate::commands::panels::sent::SentLayout;
+use crate::commands::panels::warp::sent::SentLayout;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::head_pose::HeadPose;
+use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::navigation::Shown;
-use foveal_core::view::panel::mounted::MountedPanel;
 use foveal_core::view::panel::rig::{Panel, Scanout};
 use glam::DVec3;
 

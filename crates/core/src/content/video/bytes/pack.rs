@@ -67,12 +67,6 @@ impl VideoPack {
         })
     }
 
-    /// Bytes of the index that a pack of this description has: to be compared with the header
-    /// before that many bytes are read.
-    pub fn expected_index_bytes(description: &[u8]) -> Result<u64, PackError> {
-        Ok(numbers_of(&Description::parse(description)?)?.index_bytes())
-    }
-
     /// What the pack says about its content.
     #[must_use]
     pub fn description(&self) -> &Description {

@@ -10,7 +10,7 @@ use crate::perception::moment::Moment;
 use crate::units::Seconds;
 use crate::view::axes::yaw_pitch_from_direction;
 use crate::view::head_pose::HeadPose;
-use crate::view::panel::mounted::MountedPanel;
+use crate::view::mounted::MountedPanel;
 use crate::view::panel::rig::Panel;
 use crate::view::panel::tests::sets::{six, three, twelve};
 use crate::view::random::Random;

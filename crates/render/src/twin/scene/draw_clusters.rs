@@ -1,12 +1,12 @@
 //! Which colour has each pixel of the nearest surface? Twin of `shaders/draw_clusters.wgsl`.
 
-use super::shared::pages::{NO_TEXTURE, TwinPages, is_cut_out, texture_colour, texture_of};
-use super::shared::ramp::ramp;
-use super::shared::raster::{Corner, Fragment};
-use super::shared::scene::{SceneInView, times, vertex_of};
-use super::shared::wgsl::mix;
 use crate::meshes::params::{COLOURS, NORMALS, TEXTURED, TWO_SIDED, UNLIT};
 use crate::meshes::units::DrawnCluster;
+use crate::twin::shared::pages::{NO_TEXTURE, TwinPages, is_cut_out, texture_colour, texture_of};
+use crate::twin::shared::ramp::ramp;
+use crate::twin::shared::raster::{Corner, Fragment};
+use crate::twin::shared::scene::{SceneInView, times, vertex_of};
+use crate::twin::shared::wgsl::mix;
 use foveal_core::content::mesh::octahedral;
 use foveal_core::content::scene::lighting::{GROUND, LAMP, SKY};
 use glam::{Vec2, Vec3, Vec4};

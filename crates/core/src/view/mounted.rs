@@ -1,9 +1,9 @@
 //! Where does a panel look that turns with the head?
 
-use super::rig::Panel;
 use crate::view::axes::Axes;
 use crate::view::eye_view::{EyeView, Field};
 use crate::view::head_pose::HeadPose;
+use crate::view::panel::rig::Panel;
 use crate::view::surface::Eye;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};

@@ -1,15 +1,11 @@
 //! What should be drawn of a scene's units?
 
-use super::cull_clusters::{cull_clusters, is_seen};
-use super::draw_clusters::{
-    OfCluster, draw_clusters, draw_refiners, place_corner, texture_of_corner, texture_on,
-};
-use super::draw_points::{CloudInView, Splat, draw_point_refiners, draw_points, place_splat};
-use super::footprints::footprints;
-use super::shared::pages::TwinPages;
-use super::shared::raster::{Fragment, Sides, rasterise};
-use super::shared::scene::{SceneInView, triangles_of};
-use super::shared::wgsl::code;
+mod cull_clusters;
+mod draw_clusters;
+mod draw_points;
+mod footprints;
+mod halve_depths;
+
 use crate::error::RenderError;
 use crate::image::RgbaImage;
 use crate::meshes::footprints::{
@@ -21,6 +17,16 @@ use crate::meshes::units::{ComingUnit, DrawnCluster, SceneUnits};
 use crate::pages::ComingPage;
 use crate::points::cubes::standing;
 use crate::points::units::{CloudUnits, ComingPoints};
+use crate::twin::shared::pages::TwinPages;
+use crate::twin::shared::raster::{Fragment, Sides, rasterise};
+use crate::twin::shared::scene::{SceneInView, triangles_of};
+use crate::twin::shared::wgsl::code;
+use cull_clusters::{DrawnDepths, cull_clusters, is_hidden, is_seen};
+use draw_clusters::{
+    OfCluster, draw_clusters, draw_refiners, place_corner, texture_of_corner, texture_on,
+};
+use draw_points::{CloudInView, Splat, draw_point_refiners, draw_points, place_splat};
+use footprints::footprints;
 use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::footprints::Footprint;
@@ -145,6 +151,25 @@ impl TwinScene {
         let scene = self.scene(view, style);
         let seen = |it: &(DrawnCluster<'_>, u32)| is_seen(&scene, &it.0, it.1);
         [self.drawn().count(), self.drawn().filter(seen).count()]
+    }
+
+    /// Number of clusters that can be seen in `view`, but are hidden by what `before` shows.
+    #[must_use]
+    pub fn clusters_hidden(&self, view: &EyeView, before: &EyeView, style: &SceneStyle) -> usize {
+        let scene = self.scene(view, style);
+        let drawn = self.depths(before, style);
+        let hidden = |(block, placement): &(DrawnCluster<'_>, u32)| {
+            is_seen(&scene, block, *placement) && is_hidden(&drawn, block, *placement)
+        };
+        self.drawn().filter(hidden).count()
+    }
+
+    /// How near what `view` shows is at least, in squares of pixels.
+    fn depths(&self, view: &EyeView, style: &SceneStyle) -> DrawnDepths {
+        let scene = self.scene(view, style);
+        let mut depths = Depths::of(view.size);
+        self.draw(&scene, &mut depths, |_, _, _| ());
+        DrawnDepths::new(scene, &depths.depths)
     }
 
     /// From now on these are the units that would refine clusters, each by its unit and its number

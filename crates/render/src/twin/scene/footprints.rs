@@ -1,8 +1,8 @@
 //! How much of the view would each unit refine, and how far from the gaze? Twin of
 //! `shaders/footprints.wgsl`.
 
-use super::shared::wgsl::mix;
 use crate::meshes::footprints::{FootprintSums, GazedParams, MOST_ANGLE};
+use crate::twin::shared::wgsl::mix;
 use glam::{Vec2, Vec3};
 
 const PARTS_OF_RADIAN: f32 = 916.732_5;

@@ -1,11 +1,11 @@
 //! Which colour has each pixel of the nearest point? Twin of `shaders/draw_points.wgsl`.
 
 use super::draw_clusters::clip_from_view;
-use super::shared::ramp::ramp;
-use super::shared::raster::Corner;
-use super::shared::scene::{SceneInView, times};
-use super::shared::wgsl::mix;
 use crate::points::params::{CubeParams, NONE};
+use crate::twin::shared::ramp::ramp;
+use crate::twin::shared::raster::Corner;
+use crate::twin::shared::scene::{SceneInView, times};
+use crate::twin::shared::wgsl::mix;
 use foveal_core::content::points::cut::ShownPoint;
 use foveal_core::content::scene::description::Cloud;
 use glam::{Vec2, Vec3, Vec4};

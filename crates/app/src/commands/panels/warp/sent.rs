@@ -44,6 +44,12 @@ impl SentLayout {
         }
     }
 
+    /// Name of each surface, with its first column, its columns and its rows.
+    pub(super) fn parts(&self) -> impl Iterator<Item = (&str, [u32; 3])> {
+        let surfaces = self.surfaces.iter();
+        surfaces.map(|(name, first, [w, h])| (name.as_str(), [*first, *w, *h]))
+    }
+
     /// File name, without its ending, and picture of each surface.
     pub(super) fn surfaces(&self, atlas: &RgbaImage) -> Vec<(String, RgbaImage)> {
         let several = self.surfaces.len() > 1;

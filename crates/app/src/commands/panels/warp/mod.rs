@@ -1,0 +1,211 @@
+//! What does each panel of a rig show of one source?
+
+pub(crate) mod args;
+mod device;
+pub(crate) mod laid;
+pub(crate) mod sent;
+pub(crate) mod source;
+mod window;
+
+use crate::commands::panels::comparing::{PanelJudge, PanelScore};
+use crate::report::output;
+use crate::report::picture_file::write_png;
+use anyhow::Context;
+use args::WarpArgs;
+use device::WarpDevice;
+use foveal_core::units::counted;
+use foveal_core::view::panel::rig::{Panel, Rig};
+use foveal_media::generate::FRAMES_PER_SECOND;
+use foveal_render::RgbaImage;
+use laid::Laid;
+use sent::{SentLayout, as_seen};
+use serde::Serialize;
+use source::{PanelSource, opaque};
+use std::fmt::Write as _;
+use std::path::Path;
+
+#[derive(Serialize)]
+struct WarpResult {
+    frames: u32,
+    /// Pictures of a live source that newer ones took the place of.
+    dropped: u64,
+    filter: String,
+    placement: &'static str,
+    adapter: String,
+    /// Columns and rows of the source, of both eyes.
+    source: [u32; 2],
+    multi_probe_share: f64,
+    panels: Vec<WarpedPanel>,
+}
+
+#[derive(Serialize)]
+struct WarpedPanel {
+    id: String,
+    #[serde(flatten)]
+    score: Option<PanelScore>,
+}
+
+/// What a run did.
+struct WarpRun {
+    frames: u32,
+    laid: Laid,
+    adapter: String,
+    judges: Vec<PanelJudge>,
+}
+
+pub(crate) fn run(args: &WarpArgs) -> anyhow::Result<()> {
+    args.check()?;
+    let rig = args.rig.read()?;
+    let mut source = PanelSource::open(&args.source_name)?;
+    args.check_source(&source)?;
+    let all = args.rig.panels(&rig);
+    // A comparison judges the warp alone: what dims or fades a panel is left out of both.
+    let plain: Vec<Panel> = all.iter().map(|panel| args.judged(panel)).collect();
+    let panels: Vec<&Panel> = plain.iter().collect();
+    let ran = match &args.out {
+        Some(out) => to_files(args, &rig, &panels, (&mut source, out))?,
+        None => {
+            let (frames, laid, adapter) = window::run(args, &rig, &panels, &mut source)?;
+            WarpRun {
+                frames,
+                laid,
+                adapter,
+                judges: Vec::new(),
+            }
+        }
+    };
+    let result = WarpResult {
+        frames: ran.frames,
+        dropped: source.live().map_or(0, |live| live.dropped()),
+        filter: args.filter_name().name(),
+        placement: ran.laid.placement,
+        adapter: ran.adapter,
+        source: ran.laid.size,
+        multi_probe_share: ran.laid.multi_probe_share(&panels),
+        panels: warped(&panels, &ran.judges)?,
+    };
+    output::result(args.json, &result, &result.text(args.out.as_deref()))
+}
+
+/// Writes what each panel shows of each frame.
+fn to_files(
+    args: &WarpArgs,
+    rig: &Rig,
+    panels: &[&Panel],
+    (source, out): (&mut PanelSource, &Path),
+) -> anyhow::Result<WarpRun> {
+    let layout = SentLayout::of(panels);
+    let open = |source: &PanelSource| {
+        let laid = args.lay(rig, panels, source)?;
+        let style = (args.filter_name(), args.show_anisotropy);
+        let plan = args.plan(panels, &laid, &layout);
+        let device = WarpDevice::open(args.renderer, plan, laid.size, style)?;
+        anyhow::Ok((laid, device))
+    };
+    let (mut laid, mut device) = open(source)?;
+    std::fs::create_dir_all(out)
+        .with_context(|| format!("--out {}: the folder cannot be made", out.display()))?;
+    let is_endless = source.world().is_some() || source.live().is_some();
+    let several = source.moves() && (args.frames.is_some() || !is_endless);
+    let most = args.frames.unwrap_or(if is_endless { 1 } else { u32::MAX });
+    let mut judges = judges(args, panels, several)?;
+    let mut frames = 0;
+    while frames < most {
+        let Some(frame) = source.frame(frames, &laid.parts)? else {
+            break;
+        };
+        // A window that is captured may have another size now.
+        if frame.picture.size != laid.size {
+            (laid, device) = open(source)?;
+        }
+        let atlas = device.fill(&frame.picture)?;
+        let file = |name: &str| match several {
+            true => out.join(name).join(format!("frame_{frames:05}.png")),
+            false => out.join(format!("{name}.png")),
+        };
+        for (name, surface) in layout.surfaces(&atlas) {
+            write_picture(&file(&name), &surface)?;
+        }
+        for (k, panel) in panels.iter().enumerate() {
+            let seen = as_seen(panel, &atlas, layout.origins[k]);
+            write_picture(&file(&panel.id), &seen)?;
+            if let (Some(judge), Some(world)) = (judges.get_mut(k), source.world()) {
+                let placement = &laid.of(panel).placement;
+                let direct = opaque(&world.on_panel(u64::from(frames), panel, placement));
+                judge.frame(&direct, &seen)?;
+                let sheet = file(&format!("compare/{}", panel.id));
+                write_picture(&sheet, &seen.beside(&direct))?;
+            }
+        }
+        frames += 1;
+    }
+    Ok(WarpRun {
+        frames,
+        laid,
+        adapter: device.name().to_owned(),
+        judges,
+    })
+}
+
+fn judges(args: &WarpArgs, panels: &[&Panel], moves: bool) -> anyhow::Result<Vec<PanelJudge>> {
+    if !args.compare {
+        return Ok(Vec::new());
+    }
+    let fps = moves.then_some(f64::from(FRAMES_PER_SECOND));
+    panels
+        .iter()
+        .map(|panel| PanelJudge::new(panel, fps))
+        .collect()
+}
+
+fn warped(panels: &[&Panel], judges: &[PanelJudge]) -> anyhow::Result<Vec<WarpedPanel>> {
+    let scores = judges.iter().map(|judge| judge.score().map(Some));
+    let scores = scores.chain(std::iter::repeat_with(|| Ok(None)));
+    panels
+        .iter()
+        .zip(scores)
+        .map(|(panel, score)| {
+            Ok(WarpedPanel {
+                id: panel.id.clone(),
+                score: score?,
+            })
+        })
+        .collect()
+}
+
+fn write_picture(path: &Path, image: &RgbaImage) -> anyhow::Result<()> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+    }
+    write_png(path, image)
+}
+
+impl WarpResult {
+    fn text(&self, out: Option<&Path>) -> String {
+        let [w, h] = self.source;
+        let mut text = format!(
+            "{}, {} of {w}x{h}, {} ({}); Feline takes several samples of {:.1} % of pixels\n",
+            counted(u64::from(self.frames), "frame"),
+            self.placement,
+            self.filter,
+            self.adapter,
+            100.0 * self.multi_probe_share
+        );
+        for panel in &self.panels {
+            let Some(score) = &panel.score else { continue };
+            let psnr = score
+                .psnr_db
+                .map_or("equal".to_owned(), |it| format!("{it:.2} dB"));
+            let _ = writeln!(
+                text,
+                "{:>12}  {psnr}  SSIM {:.4}  FLIP {:.4}  {:.2} JOD",
+                panel.id, score.ssim, score.flip, score.jod
+            );
+        }
+        if let Some(out) = out {
+            let _ = writeln!(text, "written to {}", out.display());
+        }
+        text
+    }
+}

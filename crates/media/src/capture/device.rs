@@ -1,0 +1,236 @@
+//! How does a device of FFmpeg give its pictures?
+
+use super::source::{CaptureError, CapturedPicture, LiveSource};
+use super::windows::{no_display, window_titled};
+use crate::ffmpeg::{start, wants_more};
+use crate::read::convert::{Converter, Layout};
+use crate::read::deliver::layout_of;
+use av::format::Pixel;
+use av::format::context::Input;
+use av::frame::Video;
+use ffmpeg_next as av;
+use std::time::{Duration, Instant};
+
+/// Pictures a second of a screen.
+const RATE: &str = "30";
+/// Opening a device leaves up to so many pictures behind, which are old by then.
+const MOST_OLD: u32 = 10;
+/// A picture that comes sooner than this was waiting.
+const WAITED: Duration = Duration::from_millis(4);
+/// How often, and how far apart, a window that changed its size is opened anew.
+const REOPENS: u32 = 20;
+const REOPEN_EVERY: Duration = Duration::from_millis(100);
+/// Longest time that a graph's picture is held back for its turn.
+const MOST_PACE: Duration = Duration::from_secs(1);
+
+/// What comes next of a device.
+pub(super) enum Next {
+    Picture(CapturedPicture),
+    /// No more, and why.
+    End(String),
+}
+
+/// An open device.
+pub(super) struct Device {
+    source: LiveSource,
+    reader: Reader,
+    converter: Option<Converter>,
+    /// Pictures that may be older than the device's opening.
+    old: u32,
+}
+
+struct Reader {
+    input: Input,
+    stream: usize,
+    decoder: av::decoder::Video,
+    /// When the first picture came, and its time in the graph.
+    first: Option<(Instant, f64)>,
+}
+
+impl Device {
+    pub(super) fn open(source: &LiveSource) -> Result<Self, CaptureError> {
+        start();
+        let source = match source {
+            LiveSource::Titled(title) => LiveSource::Window(window_titled(title)?),
+            other => other.clone(),
+        };
+        let wrong = |reason: String, next: &str| CaptureError::Open {
+            name: source.to_string(),
+            reason,
+            next: next.to_owned(),
+        };
+        let display = std::env::var("DISPLAY").unwrap_or_default();
+        let is_of_x = matches!(source, LiveSource::Screen | LiveSource::Window(_));
+        if is_of_x && display.is_empty() {
+            let (reason, next) = no_display("DISPLAY is not set");
+            return Err(wrong(reason, &next));
+        }
+        let reader = Reader::open(&source, &display).map_err(|reason| {
+            let next = match &source {
+                LiveSource::Screen => "is DISPLAY that of a running X server that may be captured?",
+                LiveSource::Window(_) => "is the window still there? xwininfo tells its number",
+                LiveSource::Camera(_) => "give a device that `v4l2-ctl --list-devices` lists",
+                _ => "give a graph that makes pictures, such as lavfi:testsrc2",
+            };
+            wrong(reason, next)
+        })?;
+        let old = match source {
+            LiveSource::Graph(_) => 0,
+            _ => MOST_OLD,
+        };
+        Ok(Self {
+            source,
+            reader,
+            converter: None,
+            old,
+        })
+    }
+
+    /// The next picture, once it is there.
+    pub(super) fn next(&mut self) -> Next {
+        loop {
+            let begun = Instant::now();
+            let frame = match self.reader.next() {
+                Ok(Some(frame)) => frame,
+                Ok(None) => return Next::End("it is over".to_owned()),
+                Err(error) => match self.go_on(error) {
+                    None => continue,
+                    Some(why) => return Next::End(why),
+                },
+            };
+            if self.old > 0 {
+                self.old -= 1;
+                if begun.elapsed() < WAITED {
+                    continue;
+                }
+                self.old = 0;
+            }
+            if let LiveSource::Graph(_) = self.source {
+                self.reader.wait_for(&frame);
+            }
+            return match self.picture(&frame) {
+                Ok(picture) => Next::Picture(picture),
+                Err(why) => Next::End(why),
+            };
+        }
+    }
+
+    /// Opens a window anew that changed its size; why it ends where it cannot.
+    fn go_on(&mut self, error: av::Error) -> Option<String> {
+        let LiveSource::Window(_) = self.source else {
+            return Some(format!("it cannot be read any more: {error}"));
+        };
+        let display = std::env::var("DISPLAY").unwrap_or_default();
+        for _ in 0..REOPENS {
+            if let Ok(reader) = Reader::open(&self.source, &display) {
+                self.reader = reader;
+                self.old = MOST_OLD;
+                return None;
+            }
+            std::thread::sleep(REOPEN_EVERY);
+        }
+        Some("the window was closed".to_owned())
+    }
+
+    /// The picture of a frame, in full colour.
+    fn picture(&mut self, frame: &Video) -> Result<CapturedPicture, String> {
+        let from = layout_of(frame, false)?;
+        if self.converter.as_ref().is_none_or(|it| it.from() != from) {
+            let to = Layout {
+                format: Pixel::RGBA,
+                full_range: true,
+                ..from
+            };
+            self.converter = Some(Converter::new(from, to)?);
+        }
+        let Some(converter) = &mut self.converter else {
+            return Err("there is no conversion".to_owned());
+        };
+        let rgba = converter.run(frame)?;
+        let [width, height] = from.size.map(|side| side as usize);
+        let rows = rgba.data(0).chunks(rgba.stride(0)).take(height);
+        let mut pixels: Vec<u8> = Vec::with_capacity(4 * width * height);
+        rows.for_each(|row| pixels.extend_from_slice(&row[..4 * width]));
+        pixels
+            .iter_mut()
+            .skip(3)
+            .step_by(4)
+            .for_each(|it| *it = 255);
+        Ok(CapturedPicture {
+            size: from.size,
+            rgba: pixels,
+        })
+    }
+}
+
+impl Reader {
+    fn open(source: &LiveSource, display: &str) -> Result<Self, String> {
+        let mut options = av::Dictionary::new();
+        let (device, url) = match source {
+            LiveSource::Screen => ("x11grab", display),
+            LiveSource::Window(number) => {
+                options.set("window_id", &number.to_string());
+                ("x11grab", display)
+            }
+            LiveSource::Camera(device) => ("video4linux2,v4l2", device.as_str()),
+            LiveSource::Graph(graph) => ("lavfi", graph.as_str()),
+            LiveSource::Titled(_) => return Err("a title is no device".to_owned()),
+        };
+        if device == "x11grab" {
+            options.set("framerate", RATE);
+        }
+        if url.contains('\0') {
+            return Err("its name holds a NUL character".to_owned());
+        }
+        let format = av::device::input::video().find(|it| it.name() == device);
+        let format = format.ok_or_else(|| format!("this FFmpeg has no device {device}"))?;
+        let opened = av::format::open_with(url, &format, options).map_err(|it| it.to_string())?;
+        let av::format::Context::Input(input) = opened else {
+            return Err(format!("{device} gives no pictures"));
+        };
+        let stream = input.streams().best(av::media::Type::Video);
+        let stream = stream.ok_or_else(|| format!("{device} gives no pictures"))?;
+        let context = av::codec::context::Context::from_parameters(stream.parameters());
+        let decoder = context.and_then(|it| it.decoder().video());
+        Ok(Self {
+            stream: stream.index(),
+            decoder: decoder.map_err(|it| format!("its pictures cannot be decoded: {it}"))?,
+            input,
+            first: None,
+        })
+    }
+
+    /// The next frame; `None` after the last.
+    fn next(&mut self) -> Result<Option<Video>, av::Error> {
+        let mut frame = Video::empty();
+        loop {
+            match self.decoder.receive_frame(&mut frame) {
+                Ok(()) => return Ok(Some(frame)),
+                Err(av::Error::Eof) => return Ok(None),
+                Err(error) if !wants_more(error) => return Err(error),
+                Err(_) => {}
+            }
+            let mut packet = av::Packet::empty();
+            match packet.read(&mut self.input) {
+                Ok(()) if packet.stream() == self.stream => self.decoder.send_packet(&packet)?,
+                Ok(()) => {}
+                Err(av::Error::Eof) => self.decoder.send_eof()?,
+                Err(error) if wants_more(error) => {}
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// Waits until it is a frame's turn: a graph gives its pictures as fast as they are taken.
+    fn wait_for(&mut self, frame: &Video) {
+        let base = self
+            .input
+            .stream(self.stream)
+            .map(|it| f64::from(it.time_base()));
+        let time = frame.timestamp().unwrap_or_default() as f64 * base.unwrap_or_default();
+        let (begun, first) = *self.first.get_or_insert((Instant::now(), time));
+        let due = Duration::try_from_secs_f64(time - first).unwrap_or_default();
+        let left = due.saturating_sub(begun.elapsed());
+        std::thread::sleep(left.min(MOST_PACE));
+    }
+}

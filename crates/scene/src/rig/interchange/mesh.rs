@@ -1,0 +1,235 @@
+//! Which display does a warp mesh tell of?
+//!
+//! Bourke's text: the type of picture it is for, columns and rows of nodes, and for each node, row
+//! by row, x and y on the display (x in half heights), u and v in the picture, both up, and the
+//! share of light i, below 0 where nothing is drawn.
+
+use foveal_core::view::axes::Axes;
+use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::panel::alpha::AlphaMap;
+use foveal_core::view::panel::rig::{Panel, PanelOutput, Rig};
+use foveal_core::view::surface::Eye;
+use glam::DVec3;
+
+use super::super::entries::usual_surface;
+use super::super::error::{NEXT, RigFault};
+use super::warp_map::WarpMap;
+
+/// Rows of the display: a mesh does not tell them.
+const ROWS: u32 = 1080;
+/// Largest half width of a display, in half heights.
+const WIDEST: f64 = 8.0;
+/// Most nodes, and how often they may cover a display's pixels.
+const MOST_NODES: usize = 1 << 20;
+const MOST_COVERED: u64 = 64;
+/// Largest place of a node on the display or in the picture.
+const LARGEST: f64 = 1e3;
+/// Width and height of the screen that the picture fills, in distances from the eye. Nothing tells
+/// how large it looks.
+const SCREEN: [f64; 2] = [1.0; 2];
+
+/// A node: where on the display, where in the picture, and how bright.
+#[derive(Clone, Copy)]
+struct MeshNode {
+    line: usize,
+    at: [f64; 2],
+    shows: [f64; 2],
+    light: f64,
+}
+
+/// A grid of nodes.
+struct WarpMesh {
+    columns: usize,
+    nodes: Vec<MeshNode>,
+}
+
+/// Reads a mesh.
+pub(in super::super) fn read(bytes: &[u8]) -> Result<Rig, RigFault> {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let place = format!("byte {}", error.valid_up_to());
+        RigFault::new(&place, "is no text", NEXT)
+    })?;
+    let mesh = WarpMesh::of(text)?;
+    let aspect = mesh
+        .nodes
+        .iter()
+        .map(|it| it.at[0].abs())
+        .fold(0.0, f64::max);
+    if !(0.01..=WIDEST).contains(&aspect) {
+        let what = format!("x reaches {aspect}, and is to reach 0.01 to {WIDEST}");
+        return Err(RigFault::new("", what, NEXT));
+    }
+    let size = [((f64::from(ROWS) * aspect).round() as u32).max(2), ROWS];
+    let view = EyeView {
+        position: DVec3::ZERO,
+        axes: Axes::FRONT,
+        field: Field::symmetric(SCREEN.map(|side| side / 2.0)),
+        size,
+        eye: Eye::Left,
+    };
+    let mut panel = Panel {
+        is_for_both: true,
+        output: PanelOutput {
+            surface: usual_surface(),
+            ..PanelOutput::default()
+        },
+        ..Panel::flat("mesh", view)
+    };
+    let drawn = mesh.drawn(aspect, size)?;
+    let share = |row: usize, column: usize| drawn.shows[row * size[0] as usize + column];
+    let bent = WarpMap::of(size, drawn.is_mirrored, &share);
+    let is_dimmed = drawn.light.iter().any(|it| *it != u16::MAX);
+    let alpha = is_dimmed.then(|| AlphaMap::new(size, drawn.light.clone()));
+    let bent = bent.and_then(|bent| bent.bend(&mut panel, alpha));
+    bent.map_err(|what| RigFault::new("", what, NEXT))?;
+    Ok(Rig {
+        panels: vec![panel],
+        ipd: 0.063,
+        screen: Some(SCREEN),
+    })
+}
+
+/// What the pixels of a display show, row by row from above; not a number where nothing is drawn.
+struct DrawnMesh {
+    shows: Vec<[f64; 2]>,
+    light: Vec<u16>,
+    /// Whether left is right.
+    is_mirrored: bool,
+}
+
+impl WarpMesh {
+    fn of(text: &str) -> Result<Self, RigFault> {
+        let lines = (1..).zip(text.lines());
+        let mut lines = lines.filter(|(_, line)| !line.trim().is_empty());
+        let mut next = |what: &'static str, count: usize| {
+            let Some((line, text)) = lines.next() else {
+                return Err(RigFault::new("", format!("ends before {what}"), NEXT));
+            };
+            let words = text.split_whitespace().take(8);
+            let numbers: Option<Vec<f64>> = words.map(|it| it.parse().ok()).collect();
+            let sound = numbers.filter(|it| it.len() == count && it.iter().all(|n| n.is_finite()));
+            let fault = || RigFault::new(&format!("line {line}"), format!("is not {what}"), NEXT);
+            sound.map(|it| (line, it)).ok_or_else(fault)
+        };
+        next("the type of the picture", 1)?;
+        let (line, counts) = next("columns and rows of nodes", 2)?;
+        let is_count = |it: &f64| it.fract() == 0.0 && (2.0..=1e5).contains(it);
+        let [columns, rows] = [counts[0] as usize, counts[1] as usize];
+        if !counts.iter().all(is_count) || columns * rows > MOST_NODES {
+            let what =
+                format!("columns and rows are not 2 or more, and {MOST_NODES} at most in all");
+            return Err(RigFault::new(&format!("line {line}"), what, NEXT));
+        }
+        let mut nodes = Vec::new();
+        for _ in 0..columns * rows {
+            let (line, five) = next("x, y, u, v and i of a node", 5)?;
+            if five.iter().any(|it| it.abs() > LARGEST) {
+                let what = format!("a node has numbers above {LARGEST}");
+                return Err(RigFault::new(&format!("line {line}"), what, NEXT));
+            }
+            nodes.push(MeshNode {
+                line,
+                at: [five[0], five[1]],
+                shows: [five[2], five[3]],
+                light: five[4],
+            });
+        }
+        Ok(Self { columns, nodes })
+    }
+
+    /// Its triangles, two a cell, of lit nodes.
+    fn triangles(&self) -> impl Iterator<Item = [MeshNode; 3]> {
+        let rows = self.nodes.len() / self.columns;
+        let cells = (0..rows - 1).flat_map(|row| (0..self.columns - 1).map(move |k| (row, k)));
+        let all = cells.flat_map(move |(row, column)| {
+            let node = |down: usize, right: usize| {
+                self.nodes[(row + down) * self.columns + column + right]
+            };
+            let [a, b, c, d] = [node(0, 0), node(0, 1), node(1, 1), node(1, 0)];
+            [[a, b, c], [a, c, d]]
+        });
+        all.filter(|three| three.iter().all(|it| it.light >= 0.0))
+    }
+
+    /// Draws it as a player of meshes does: linear over triangles.
+    fn drawn(&self, aspect: f64, size: [u32; 2]) -> Result<DrawnMesh, RigFault> {
+        let count = size[0] as usize * size[1] as usize;
+        let mut drawn = DrawnMesh {
+            shows: vec![[f64::NAN; 2]; count],
+            light: vec![u16::MAX; count],
+            is_mirrored: false,
+        };
+        let (mut at_sign, mut shows_sign) = (0.0_f64, 0.0_f64);
+        let mut covered = 0;
+        for three in self.triangles() {
+            let signs = [three.map(|it| it.at), three.map(|it| it.shows)].map(area);
+            for (known, own) in [&mut at_sign, &mut shows_sign].into_iter().zip(signs) {
+                if *known * own < 0.0 {
+                    let place = format!("line {}", three[0].line);
+                    let what = "the mesh folds over there: its cells do not all turn one way";
+                    return Err(RigFault::new(&place, what, NEXT));
+                }
+                if own != 0.0 {
+                    *known = own;
+                }
+            }
+            covered += drawn.draw(&three, aspect, size);
+            if covered > MOST_COVERED * count as u64 {
+                let place = format!("line {}", three[0].line);
+                let what = format!("the mesh covers the display more than {MOST_COVERED} times");
+                return Err(RigFault::new(&place, what, NEXT));
+            }
+        }
+        drawn.is_mirrored = at_sign * shows_sign < 0.0;
+        Ok(drawn)
+    }
+}
+
+/// Twice the area of a triangle, negative where it turns the other way.
+fn area([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+impl DrawnMesh {
+    /// Draws a triangle, and tells how many pixels were tried.
+    fn draw(&mut self, three: &[MeshNode; 3], aspect: f64, size: [u32; 2]) -> u64 {
+        let [w, h] = size.map(f64::from);
+        let corners = three.map(|it| {
+            let [x, y] = it.at;
+            [(x / aspect + 1.0) / 2.0 * w, (1.0 - y) / 2.0 * h]
+        });
+        let whole = area(corners);
+        if whole == 0.0 {
+            return 0;
+        }
+        let span = |k: usize| {
+            let all = corners.iter().map(|it| it[k]);
+            let low = all.clone().fold(f64::INFINITY, f64::min);
+            let high = all.fold(f64::NEG_INFINITY, f64::max);
+            let most = f64::from(size[k]);
+            let first = (low - 0.5).ceil().clamp(0.0, most) as usize;
+            let end = ((high - 0.5).floor() + 1.0).clamp(0.0, most) as usize;
+            first..end.max(first)
+        };
+        let (columns, rows) = (span(0), span(1));
+        for row in rows.clone() {
+            for column in columns.clone() {
+                let at = [column as f64 + 0.5, row as f64 + 0.5];
+                let [a, b, c] = corners;
+                let weights = [area([at, b, c]), area([a, at, c]), area([a, b, at])];
+                let weights = weights.map(|it| it / whole);
+                if weights.iter().any(|it| *it < -1e-9) {
+                    continue;
+                }
+                let mean = |of: fn(&MeshNode) -> f64| {
+                    let parts = three.iter().zip(weights);
+                    parts.map(|(node, weight)| of(node) * weight).sum::<f64>()
+                };
+                let k = row * size[0] as usize + column;
+                self.shows[k] = [mean(|it| it.shows[0]), 1.0 - mean(|it| it.shows[1])];
+                self.light[k] = (mean(|it| it.light).clamp(0.0, 1.0) * 65_535.0).round() as u16;
+            }
+        }
+        (columns.len() * rows.len()) as u64 + 1
+    }
+}

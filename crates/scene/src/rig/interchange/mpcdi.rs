@@ -1,0 +1,395 @@
+//! Which displays does an MPCDI tell of?
+//!
+//! VESA, Multiple Projection Common Data Interchange 2.0 (2015). Writers disagree in the case of
+//! names, in where `fileset` stands, and in zipping at all: all of these are read.
+
+use foveal_core::view::panel::rig::{MOST_PANELS, Rig};
+
+use super::super::alpha;
+use super::super::checked;
+use super::super::entries::{
+    EyeEntry, OutputEntry, PanelEntry, PoseEntry, PoseOrder, RigEntries, RigFormat, ScanoutEntry,
+    TangentsEntry,
+};
+use super::super::error::{NEXT, RigFault, WrongKey};
+use super::super::pfm::ReadBeside;
+use super::archive::Archive;
+use super::warp_map::WarpMap;
+use super::xml::{XmlElement, parse};
+
+/// Most bytes of the document.
+const MOST_XML: u64 = 1 << 24;
+/// Most pixels of all maps of a file: 32 displays of 1920 x 1080.
+const MOST_MAPPED: u64 = 1 << 26;
+/// Bytes of a float map's header.
+const HEADER: u64 = 256;
+/// Bytes of a picture beside two for each of its pixels in four channels.
+const PNG_BESIDE: u64 = 1 << 20;
+/// Largest angle from the axis, in degrees.
+const WIDEST: f64 = 89.9;
+
+/// Where the files of an MPCDI lie: in it, or beside a bare document.
+enum MpcdiFiles<'a> {
+    Zipped(Archive<'a>),
+    Beside(ReadBeside<'a>),
+}
+
+impl MpcdiFiles<'_> {
+    fn read(&mut self, name: &str, most: u64) -> Result<Vec<u8>, String> {
+        match self {
+            Self::Zipped(archive) => archive.read(name, most),
+            Self::Beside(read) => {
+                let bytes = read(name)?;
+                match bytes.len() as u64 > most {
+                    true => Err(format!("is longer than the {most} bytes it can need")),
+                    false => Ok(bytes),
+                }
+            }
+        }
+    }
+}
+
+/// Reads an MPCDI, zipped or not; `beside` reads what a bare document names.
+pub(in super::super) fn read(bytes: &[u8], beside: ReadBeside<'_>) -> Result<Rig, RigFault> {
+    let whole = |what: String| RigFault::new("", what, "export it again");
+    let (text, files) = match Archive::is_one(bytes) {
+        true => {
+            let mut archive = Archive::open(bytes).map_err(whole)?;
+            let name = archive.xml_name();
+            let name = name.ok_or_else(|| whole("the archive holds no .xml".to_owned()))?;
+            let text = archive.read(&name, MOST_XML);
+            let text = text.map_err(|what| whole(format!("{name:?} {what}")))?;
+            (text, MpcdiFiles::Zipped(archive))
+        }
+        false => (bytes.to_vec(), MpcdiFiles::Beside(beside)),
+    };
+    let text = String::from_utf8(text).map_err(|error| {
+        let place = format!("byte {}", error.utf8_error().valid_up_to());
+        RigFault::new(&place, "is no text in UTF-8", NEXT)
+    })?;
+    let text = text.trim_start_matches('\u{feff}');
+    let document = parse(text)?;
+    MpcdiDocument::of(XmlElement::root(&document))?.rig(files)
+}
+
+/// What the pictures of a document are for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum MpcdiProfile {
+    /// One flat picture: a region shows the part where it lies.
+    Flat,
+    /// Directions from an eye.
+    Eye,
+}
+
+/// A document whose outline is sound.
+struct MpcdiDocument<'a> {
+    root: XmlElement<'a>,
+    profile: MpcdiProfile,
+    regions: Vec<MpcdiRegion<'a>>,
+}
+
+/// A region, its place in its buffer's picture and its pixels.
+struct MpcdiRegion<'a> {
+    element: XmlElement<'a>,
+    id: String,
+    surface: String,
+    /// Left, lower edge, width and height, as shares of the buffer.
+    part: [f64; 4],
+    size: [u32; 2],
+    /// First column and row.
+    origin: [u32; 2],
+    /// Width over height of the buffer.
+    aspect: f64,
+}
+
+impl<'a> MpcdiDocument<'a> {
+    fn of(root: XmlElement<'a>) -> Result<Self, RigFault> {
+        if !root.is_called("mpcdi") {
+            return Err(root.fault("", "is no MPCDI: its first element has another name"));
+        }
+        let profile = root.said("profile").unwrap_or("3d");
+        let profile = match profile.to_ascii_lowercase().as_str() {
+            "2d" => MpcdiProfile::Flat,
+            "3d" | "a3" => MpcdiProfile::Eye,
+            "sl" => {
+                let what = "profile sl tells where projectors stand, not what an eye sees";
+                return Err(root.fault("profile", format!("{what}: export profile 3d")));
+            }
+            _ => return Err(root.fault("profile", "is none of 2d, 3d, a3")),
+        };
+        let mut regions: Vec<MpcdiRegion<'_>> = Vec::new();
+        let displays = root.children("display");
+        for buffer in displays.flat_map(|display| display.children("buffer")) {
+            for element in buffer.children("region") {
+                if regions.len() == MOST_PANELS {
+                    let what = format!("there are more than {MOST_PANELS} regions");
+                    return Err(element.fault("", what));
+                }
+                regions.push(MpcdiRegion::of(buffer, element, regions.len() + 1)?);
+            }
+        }
+        match regions.is_empty() {
+            true => Err(root.fault("", "has no display with a buffer and a region in it")),
+            false => Ok(Self {
+                root,
+                profile,
+                regions,
+            }),
+        }
+    }
+
+    fn rig(&self, mut files: MpcdiFiles<'_>) -> Result<Rig, RigFault> {
+        let first = &self.regions[0];
+        let screen = (self.profile == MpcdiProfile::Flat).then_some([first.aspect, 1.0]);
+        let entries = RigEntries {
+            format: RigFormat::TiledView1,
+            mirror: false,
+            ipd_mm: 63.0,
+            screen,
+            panel: self
+                .regions
+                .iter()
+                .map(|it| it.entry(screen))
+                .collect::<Result<_, _>>()?,
+        };
+        let nothing = |_: &str| Err("is not read".to_owned());
+        let mut rig = checked::rig(&entries, &nothing).map_err(|wrong| self.fault(&wrong))?;
+        let mut left = MOST_MAPPED;
+        for (region, panel) in self.regions.iter().zip(&mut rig.panels) {
+            let Some(set) = self.files_of(region) else {
+                continue;
+            };
+            let alpha = set.child("alphaMap").filter(|it| it.said("path").is_some());
+            let warp = set
+                .child("geometryWarpFile")
+                .filter(|it| it.said("path").is_some());
+            let maps = u64::from(alpha.is_some()) + u64::from(warp.is_some());
+            let [w, h] = region.size.map(u64::from);
+            let needed = (w * h).saturating_mul(maps);
+            if needed > left {
+                let what = format!("all maps have more than {MOST_MAPPED} pixels");
+                return Err(region.element.fault("", what));
+            }
+            left -= needed;
+            let alpha = alpha.map(|it| read_alpha(it, region.size, &mut files));
+            let alpha = alpha.transpose()?;
+            let warp = match warp {
+                Some(warp) => self.read_warp(warp, region.size, &mut files)?,
+                None => WarpMap::Even,
+            };
+            let bent = warp.bend(panel, alpha);
+            bent.map_err(|what| set.fault("geometryWarpFile", what))?;
+        }
+        Ok(rig)
+    }
+
+    /// The files of a region: in it, else anywhere with its id.
+    fn files_of(&self, region: &MpcdiRegion<'a>) -> Option<XmlElement<'a>> {
+        let own = region.element.all_within("fileset").next();
+        let id = region.element.attribute("id");
+        let named = |it: &XmlElement<'_>| id.is_some() && it.attribute("region") == id;
+        own.or_else(|| self.root.all_within("fileset").find(named))
+    }
+
+    fn read_warp(
+        &self,
+        warp: XmlElement<'_>,
+        size: [u32; 2],
+        files: &mut MpcdiFiles<'_>,
+    ) -> Result<WarpMap, RigFault> {
+        let profile = self.root.said("profile").unwrap_or_default();
+        if profile.eq_ignore_ascii_case("a3") {
+            let what = "a map of profile a3 tells points in space: export profile 3d";
+            return Err(warp.fault("", what));
+        }
+        let path = warp.said("path").unwrap_or_default();
+        let most = u64::from(size[0]) * u64::from(size[1]) * 12 + HEADER;
+        let found = files.read(path, most);
+        let found = found.and_then(|bytes| WarpMap::read(&bytes, size));
+        found.map_err(|what| warp.fault("path", format!("{} {what}", shortened(path))))
+    }
+
+    /// What the check of a rig calls wrong, by the region that says it.
+    fn fault(&self, wrong: &WrongKey) -> RigFault {
+        let number = wrong.key.strip_prefix("panel[");
+        let number = number.and_then(|rest| rest.split_once(']'));
+        let region = number.and_then(|(number, _)| number.parse::<usize>().ok());
+        let region = region.and_then(|number| self.regions.get(number.checked_sub(1)?));
+        let key = number.map_or("", |(_, rest)| rest.trim_start_matches('.'));
+        let name = match key {
+            "tangents" => "frustum",
+            "pixels" => "xResolution",
+            key => key,
+        };
+        match region {
+            Some(region) => region.element.fault(name, &*wrong.what),
+            None => self.root.fault("", &*wrong.what),
+        }
+    }
+}
+
+fn read_alpha(
+    alpha: XmlElement<'_>,
+    size: [u32; 2],
+    files: &mut MpcdiFiles<'_>,
+) -> Result<foveal_core::view::panel::alpha::AlphaMap, RigFault> {
+    let path = alpha.said("path").unwrap_or_default();
+    let gamma = alpha.number("gammaEmbedded")?.unwrap_or(1.0);
+    if !(0.01..=100.0).contains(&gamma) {
+        return Err(alpha.fault("gammaEmbedded", format!("{gamma} is not 0.01 to 100")));
+    }
+    let most = u64::from(size[0]) * u64::from(size[1]) * 8 + PNG_BESIDE;
+    let found = files.read(path, most);
+    let found = found.and_then(|bytes| alpha::read(&bytes, size, gamma));
+    found.map_err(|what| alpha.fault("path", format!("{} {what}", shortened(path))))
+}
+
+fn shortened(path: &str) -> String {
+    format!("{:?}", path.chars().take(80).collect::<String>())
+}
+
+impl<'a> MpcdiRegion<'a> {
+    fn of(
+        buffer: XmlElement<'a>,
+        element: XmlElement<'a>,
+        number: usize,
+    ) -> Result<Self, RigFault> {
+        let id = element.attribute("id").filter(|id| !id.is_empty());
+        let id = id.map_or_else(|| format!("region{number}"), str::to_owned);
+        let number = |it: XmlElement<'_>, name: &str| it.number(name);
+        let whole = [
+            number(buffer, "xResolution")?,
+            number(buffer, "yResolution")?,
+        ];
+        let mut part = [0.0, 0.0, 1.0, 1.0];
+        for (k, name) in ["x", "y", "xSize", "ySize"].into_iter().enumerate() {
+            part[k] = number(element, name)?.unwrap_or(part[k]);
+            if !(0.0..=1.0).contains(&part[k]) {
+                return Err(element.fault(name, format!("{} is no share of 0 to 1", part[k])));
+            }
+        }
+        let mut size = [0; 2];
+        for (k, name) in ["xResolution", "yResolution"].into_iter().enumerate() {
+            let own = number(element, name)?;
+            let pixels = own.or_else(|| whole[k].map(|whole| (whole * part[k + 2]).round()));
+            let pixels = pixels.ok_or_else(|| {
+                element.fault(
+                    name,
+                    "neither it nor its buffer tells how many pixels there are",
+                )
+            })?;
+            if pixels.fract() != 0.0 || !(1.0..=1e6).contains(&pixels) {
+                return Err(element.fault(name, format!("{pixels} is no count of pixels")));
+            }
+            size[k] = pixels as u32;
+        }
+        // A buffer without pixels is no picture: each region is a display by itself.
+        let picture = whole[0].zip(whole[1]);
+        let name = buffer
+            .attribute("id")
+            .filter(|it| checked::bad_id(it).is_none());
+        let is_alone = buffer.children("region").count() == 1;
+        let own = [f64::from(size[0]) / part[2], f64::from(size[1]) / part[3]];
+        let [w, h] = picture.map_or(own, |(w, h)| [w, h]);
+        let origin = match picture {
+            Some((w, h)) => [part[0] * w, (1.0 - part[1] - part[3]).max(0.0) * h],
+            None => [0.0; 2],
+        };
+        Ok(Self {
+            surface: match picture {
+                Some(_) if name.is_some() || !is_alone => name.unwrap_or("main").to_owned(),
+                _ => id.clone(),
+            },
+            element,
+            id,
+            part,
+            size,
+            origin: origin.map(|at| at.round().clamp(0.0, 1e6) as u32),
+            aspect: (w / h).clamp(1e-3, 1e3),
+        })
+    }
+
+    fn entry(&self, screen: Option<[f64; 2]>) -> Result<PanelEntry, RigFault> {
+        let (pose, tangents) = match screen {
+            Some(screen) => (PoseEntry::default(), self.on_screen(screen)),
+            None => self.before_eye()?,
+        };
+        Ok(PanelEntry {
+            id: self.id.clone(),
+            eye: EyeEntry::Both,
+            pixels: self.size,
+            pose,
+            size: None,
+            tangents: Some(tangents),
+            scanout: ScanoutEntry::Normal,
+            output: Some(OutputEntry {
+                surface: self.surface.clone(),
+                monitor: String::new(),
+                x: self.origin[0],
+                y: self.origin[1],
+            }),
+            distortion: None,
+            blend: 0.0,
+            alpha: None,
+            gain: [1.0; 3],
+            black: 0.0,
+        })
+    }
+
+    fn on_screen(&self, [width, height]: [f64; 2]) -> TangentsEntry {
+        let [x, y, w, h] = self.part;
+        TangentsEntry {
+            left: (0.5 - x) * width,
+            right: (x + w - 0.5) * width,
+            up: (y + h - 0.5) * height,
+            down: (0.5 - y) * height,
+        }
+    }
+
+    fn before_eye(&self) -> Result<(PoseEntry, TangentsEntry), RigFault> {
+        let Some(frustum) = self.element.child("frustum") else {
+            let what = "there is none: nothing tells where the region looks";
+            return Err(self.element.fault("frustum", what));
+        };
+        let angle = |name: &str| {
+            let said = frustum.number(name)?;
+            said.ok_or_else(|| self.element.fault(name, "its frustum does not tell it"))
+        };
+        let tangent = |name: &str| {
+            let degrees = angle(name)?;
+            match degrees.abs() <= WIDEST {
+                true => Ok(degrees.to_radians().tan()),
+                false => {
+                    let what = format!("{degrees} is no angle within {WIDEST}°");
+                    Err(self.element.fault(name, what))
+                }
+            }
+        };
+        let [left, right, up, down] = [
+            tangent("leftAngle")?,
+            tangent("rightAngle")?,
+            tangent("upAngle")?,
+            tangent("downAngle")?,
+        ];
+        for (name, low, high) in [("leftAngle", left, right), ("downAngle", down, up)] {
+            if low >= high {
+                let what = "it is not below the opposite one: left and down are negative";
+                return Err(self.element.fault(name, what));
+            }
+        }
+        let pose = PoseEntry {
+            order: Some(PoseOrder::YawPitchRoll),
+            roll: Some(angle("roll")?),
+            pitch: Some(angle("pitch")?),
+            yaw: Some(angle("yaw")?),
+            quaternion: None,
+        };
+        let tangents = TangentsEntry {
+            left: -left,
+            right,
+            up,
+            down: -down,
+        };
+        Ok((pose, tangents))
+    }
+}

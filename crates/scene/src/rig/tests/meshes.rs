@@ -1,0 +1,162 @@
+//! Is a warp mesh the display that a player of meshes fills, and is one that folds refused?
+
+use foveal_core::view::panel::fit::{PlacementRule, fit};
+use foveal_core::view::panel::pixel_map::PixelMap;
+use foveal_core::view::panel::rig::{Panel, Rig, Scanout};
+use proptest::prelude::*;
+
+use super::super::interchange::mesh;
+use super::super::places::RigSyntax;
+use super::super::{parse_rig, read_any_mesh, write_rig};
+
+/// A mesh of 5 x 4 nodes on a display of 4:3, by what x and y from 0 to 1 show.
+fn text(shows: impl Fn([f64; 2]) -> [f64; 3]) -> String {
+    let mut text = "2\n5 4\n".to_owned();
+    for (row, column) in (0..4).flat_map(|row| (0..5).map(move |column| (row, column))) {
+        let at = [f64::from(column) / 4.0, f64::from(row) / 3.0];
+        let [u, v, i] = shows(at);
+        let (x, y) = ((2.0 * at[0] - 1.0) * 4.0 / 3.0, 2.0 * at[1] - 1.0);
+        text.push_str(&format!("{x} {y} {u} {v} {i}\n"));
+    }
+    text
+}
+
+fn read(text: &str) -> Result<Rig, String> {
+    mesh::read(text.as_bytes()).map_err(|fault| fault.to_string())
+}
+
+/// What a pixel shows of a picture of 400 x 300 pixels.
+fn shown(rig: &Rig, pixel: [u32; 2]) -> Option<[f64; 2]> {
+    let panels: Vec<&Panel> = rig.panels.iter().collect();
+    let rule = PlacementRule::Screen(rig.screen.unwrap());
+    let found = fit(&panels, rule, Some([400, 300])).unwrap();
+    let map = PixelMap {
+        panel: panels[0],
+        placement: &found.placement,
+        size: found.size,
+    };
+    Some(map.of_pixel(pixel)?.place)
+}
+
+fn near(found: Option<[f64; 2]>, wanted: [f64; 2]) {
+    let found = found.unwrap();
+    let off = (found[0] - wanted[0]).hypot(found[1] - wanted[1]);
+    assert!(off < 1e-4, "{found:?}, not {wanted:?}");
+}
+
+#[test]
+fn a_display_shows_what_its_mesh_says_of_the_whole_picture() {
+    let even = read(&text(|[x, y]| [x, y, 1.0])).unwrap();
+    let panel = &even.panels[0];
+    assert_eq!(
+        (panel.view.size, panel.scanout),
+        ([1440, 1080], Scanout::Normal)
+    );
+    assert!(panel.distortion.is_none() && panel.alpha.is_none());
+    near(shown(&even, [0, 0]), [200.0 / 1440.0, 150.0 / 1080.0]);
+    // A part of the picture stays that part, and half the light is half the light.
+    let part = read(&text(|[x, y]| [0.25 + x / 2.0, 0.5 + y / 4.0, 0.5])).unwrap();
+    near(
+        shown(&part, [0, 1079]),
+        [100.0 + 100.0 / 1440.0, 150.0 - 37.5 / 1080.0],
+    );
+    assert_eq!(part.panels[0].alpha.as_ref().unwrap().at([7, 9]), 32_768);
+    // Seen from behind.
+    let mirrored = read(&text(|[x, y]| [1.0 - x, y, 1.0])).unwrap();
+    assert_eq!(mirrored.panels[0].scanout, Scanout::FlipX);
+    near(shown(&mirrored, [0, 0]), [200.0 / 1440.0, 150.0 / 1080.0]);
+    // Where a node has a share below 0 nothing is drawn.
+    let dark = read(&text(|[x, y]| {
+        [x * 0.9, y, if x + y == 0.0 { -1.0 } else { 1.0 }]
+    }))
+    .unwrap();
+    assert_eq!(shown(&dark, [100, 1000]), None);
+    assert!(shown(&dark, [900, 100]).is_some());
+}
+
+#[test]
+fn a_mesh_becomes_a_rig_file_with_the_same_map() {
+    let bent = |[x, y]: [f64; 2]| [x * (0.8 + 0.2 * x), y * (0.9 + 0.1 * x), 1.0 - x * 0.3];
+    let rig = read(&text(bent)).unwrap();
+    let files = write_rig(&rig, "dome").unwrap();
+    let names: Vec<&str> = files.iter().map(|it| it.0.as_str()).collect();
+    assert_eq!(names, ["dome.toml", "dome.mesh.alpha.png", "dome.mesh.pfm"]);
+    let beside = |name: &str| {
+        let file = files.iter().find(|it| it.0 == name);
+        file.map(|it| it.1.clone())
+            .ok_or_else(|| "is not there".to_owned())
+    };
+    let back = parse_rig(&files[0].1, RigSyntax::Toml, &beside).unwrap();
+    assert_eq!(
+        (back.screen, &back.panels[0].alpha),
+        (rig.screen, &rig.panels[0].alpha)
+    );
+    for pixel in [[0, 0], [1439, 0], [0, 1079], [1439, 1079], [700, 300]] {
+        let (own, back) = (shown(&rig, pixel).unwrap(), shown(&back, pixel).unwrap());
+        assert!(
+            (own[0] - back[0]).hypot(own[1] - back[1]) < 1e-6,
+            "{own:?} {back:?}"
+        );
+    }
+}
+
+#[test]
+fn what_is_no_mesh_or_folds_is_refused_by_its_line() {
+    let sound = text(|[x, y]| [x, y, 1.0]);
+    let cases: [(String, &str); 10] = [
+        (String::new(), "ends before the type"),
+        ("2\n5\n".to_owned(), "line 2: is not columns and rows"),
+        (
+            "2\n5 1\n".to_owned(),
+            "line 2: columns and rows are not 2 or more",
+        ),
+        ("2\n99999 99999\n".to_owned(), "line 2: columns and rows"),
+        (
+            sound.replacen("1\n", "one\n", 1),
+            "line 3: is not x, y, u, v and i",
+        ),
+        (
+            sound.replacen("1\n", "NaN\n", 1),
+            "line 3: is not x, y, u, v and i",
+        ),
+        (
+            sound.replacen("1\n", "1e9\n", 1),
+            "line 3: a node has numbers above",
+        ),
+        (
+            sound.lines().take(9).collect::<Vec<_>>().join("\n"),
+            "ends before x, y",
+        ),
+        (
+            text(|[x, y]| [if x == 0.5 { 0.9 } else { x }, y, 1.0]),
+            "the mesh folds over there",
+        ),
+        (text(|_| [0.5, 0.5, 1.0]), "folds rays over"),
+    ];
+    for (text, what) in cases {
+        let error = read(&text).unwrap_err();
+        assert!(error.contains(what), "{error}: no {what:?}");
+        assert!(error.contains("docs/formats/panels.md"), "{error}");
+    }
+    let mut over = "1\n2 400\n".to_owned();
+    for row in 0..400 {
+        let y = if row % 2 == 0 { -1.0 } else { 1.0 };
+        over.push_str(&format!("-1 {y} 0 0 1\n1 {y} 1 1 1\n"));
+    }
+    assert!(read(&over).unwrap_err().contains("folds"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+    #[test]
+    fn no_text_panics(share in 0.0..1.0f64, byte in any::<u8>(), other in "\\PC{0,60}") {
+        read_any_mesh(other.as_bytes());
+        let whole = text(|[x, y]| [x, y, 1.0]);
+        prop_assert!(read_any_mesh(whole.as_bytes()));
+        let at = (share * whole.len() as f64) as usize;
+        let mut changed = whole.into_bytes();
+        changed[at] = byte;
+        read_any_mesh(&changed);
+        read_any_mesh(&changed[..at]);
+    }
+}
