@@ -15,7 +15,7 @@ use foveal_core::content::video::Video;
 use foveal_core::content::video::grid::level_map::{LevelMap, histogram};
 use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
 use foveal_core::content::video::losses::LossMeter;
-use foveal_core::content::video::worth::Worth;
+use foveal_core::content::video::worth::{Gains, Worth};
 use foveal_core::gaze::sample::{GazeSample, HeadPose};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::glance::Glance;
@@ -29,6 +29,7 @@ use foveal_core::session::unit_states::{Piece, UnitState};
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::angle_between;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::surface::{Projection, Screen};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::tiles::decode_pool::{DecodePool, DecodedTile, TileError};
@@ -78,6 +79,8 @@ pub struct Player {
     /// Tells how much of what the eye could see was shown, and what of it is missed.
     judge: Option<(Worth, LossMeter)>,
     options: PlayerOptions,
+    /// What shows the picture in the place of one view, if anything.
+    panels: Vec<MountedPanel>,
     times_ns: Vec<i64>,
     /// Units that were needed so far.
     fetched: HashSet<UnitId>,
@@ -129,10 +132,20 @@ impl Player {
             fetched: HashSet::new(),
             before: None,
             failed: 0,
+            panels: Vec::new(),
             video,
             file,
             options,
         })
+    }
+
+    /// The same, shown on panels that turn with the head in the place of its view; on flat content
+    /// they stay as they are.
+    #[must_use]
+    pub fn through(mut self, panels: Vec<MountedPanel>) -> Self {
+        self.session.show_on(panels.clone());
+        self.panels = panels;
+        self
     }
 
     /// What shows the picture, while the head looks ahead.
@@ -192,7 +205,7 @@ impl Player {
         let ahead = GazeSample::at(Seconds(0.0), Default::default(), Default::default());
         let look = Look::known(ahead, HeadPose::default());
         let moment = Moment {
-            views: vec![self.options.view],
+            views: self.views(HeadPose::default()),
             ..self.moment(&look)
         };
         self.session.log_head(&moment)
@@ -210,7 +223,8 @@ impl Player {
     /// # Errors
     /// The coarsest level is damaged, or the device was lost.
     pub fn show(&mut self, frame: u32, look: &Look) -> Result<FrameReport, PlayError> {
-        let (gaze, view) = (look.gaze, self.turned(look.head));
+        let (gaze, views) = (look.gaze, self.views(look.head));
+        let view = views[0];
         let period = self.period(frame);
         let begun = Instant::now();
         let now = self.now(frame, look, Pace::FrameByFrame);
@@ -238,7 +252,7 @@ impl Player {
         let missing: Vec<UnitRef> = wanted.iter().filter(is_missing).copied().collect();
         let stood_in = (!missing.is_empty()).then(|| self.levels_of(&shown));
         let seen = stood_in.as_ref().unwrap_or(&levels);
-        let judged = self.judged(frame, &gaze, view, seen);
+        let judged = self.judged(frame, &gaze, &views, seen);
         let follows = self.before.replace(levels).is_some();
         let pixels = self.pixels(&wanted);
         let off = angle_between(gaze.gaze_in_content, now.moment.gaze.gaze_in_content);
@@ -249,6 +263,7 @@ impl Player {
             detail_share: judged.map(|[share, _]| share),
             expected_loss: judged.map(|[_, loss]| loss),
             view,
+            views,
             histogram: histogram(self.grid(), &tiles),
             late: follows && choose + decode > period,
             missing: self.tiles(&missing),
@@ -271,7 +286,7 @@ impl Player {
         let (expected, perception) = (&look.expected, &self.options.config.perception);
         Moment {
             gaze: expected.gaze,
-            views: vec![self.turned(look.head_expected)],
+            views: self.views(look.head_expected),
             head: look.head_expected,
             state: perception.eye_state(expected.event, expected.since_saccade),
             behind_sound: None,
@@ -452,12 +467,12 @@ impl Player {
     }
 
     /// Share of the visible detail that is shown, and the quality difference that is expected of
-    /// it.
+    /// it, in the view where that is largest.
     fn judged(
         &self,
         frame: u32,
         gaze: &GazeSample,
-        view: EyeView,
+        views: &[EyeView],
         shown: &LevelMap,
     ) -> Option<[f64; 2]> {
         use foveal_core::content::video::units::VideoUnits;
@@ -466,14 +481,31 @@ impl Player {
         if !video.has_signatures() {
             return None;
         }
-        let glance = Glance {
+        let glances = views.iter().map(|view| Glance {
             gaze: *gaze,
-            view: Some(view),
+            view: Some(*view),
             state: EyeState::Steady,
+        });
+        let through = |glance: Glance| {
+            let losses = meter.losses(grid, video, frame, &glance);
+            let gains = judge.gains(grid, video, frame, &glance);
+            (gains, losses.pooled(shown))
         };
-        let gains = judge.gains(grid, video, frame, &glance);
-        let losses = meter.losses(grid, video, frame, &glance);
-        Some([gains.share(grid, shown), losses.pooled(shown)])
+        let (gains, losses): (Vec<Gains>, Vec<f64>) = glances.map(through).unzip();
+        let gained = Gains::highest(gains).share(grid, shown);
+        Some([gained, losses.into_iter().fold(0.0, f64::max)])
+    }
+
+    /// What shows the picture where the head is turned to, at least one view.
+    fn views(&self, head: HeadPose) -> Vec<EyeView> {
+        let head = match self.grid().surface.projection {
+            Projection::Flat => HeadPose::default(),
+            Projection::Cube => head,
+        };
+        match self.panels.as_slice() {
+            [] => vec![self.turned(head)],
+            panels => MountedPanel::views_from(panels, &head, Default::default()),
+        }
     }
 
     fn turned(&self, head: HeadPose) -> EyeView {

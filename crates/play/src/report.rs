@@ -21,8 +21,10 @@ pub struct FrameReport {
     /// Quality difference to every finest tile that is expected of what was shown, as
     /// [`expected_jod`](foveal_core::content::calibration::expected_jod) takes it.
     pub expected_loss: Option<f64>,
-    /// What showed it.
+    /// What showed it: the first of the views.
     pub view: EyeView,
+    /// All of them: one, or one a panel.
+    pub views: Vec<EyeView>,
     /// Tiles decoded and shown, coarsest first.
     pub tiles: Vec<Tile>,
     /// Tiles that were chosen and are not shown: late, or damaged.

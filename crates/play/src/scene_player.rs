@@ -20,6 +20,7 @@ use foveal_core::session::session::{Session, SessionSettings};
 use foveal_core::session::unit_states::Piece;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::mounted::MountedPanel;
 use foveal_media::pack::scene_file::SceneFile;
 use foveal_render::params::Overlay;
 use foveal_render::{DrawDevice, Drawer, RgbaImage};
@@ -122,6 +123,13 @@ impl ScenePlayer {
             tell: options.tell,
             file,
         })
+    }
+
+    /// The same, every moment of which is seen through panels that turn with its head.
+    #[must_use]
+    pub fn through(mut self, panels: Vec<MountedPanel>) -> Self {
+        self.session.show_on(panels);
+        self
     }
 
     /// The scene.

@@ -15,6 +15,7 @@ pub(crate) mod select;
 pub(crate) mod serve;
 pub(crate) mod simulate;
 pub(crate) mod simulate_options;
+pub(crate) mod simulate_pictures;
 pub(crate) mod simulate_score;
 pub(crate) mod site;
 pub(crate) mod verify;

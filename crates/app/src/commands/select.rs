@@ -1,10 +1,14 @@
 //! What would be chosen, without content?
 
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel, parse_gaze};
+use crate::options::panels::{
+    NamedPanel, PanelsOptions, SAMPLES_ONE_VIEW, around_the_head, screen_before,
+};
 use crate::options::policy::{
     CutOptions, MappingName, PolicyOptions, ViewOptions, check_thresholds, parse_size,
 };
 use crate::options::preset::SystemPreset;
+use crate::options::showing::EyeName;
 use crate::report::output::{self, WrongUsage, out_of_range};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
@@ -16,10 +20,15 @@ use foveal_core::content::video::grid::tile_grid::TileGrid;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::moment::Moment;
 use foveal_core::units::{Radians, Seconds, counted};
+use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::head_pose::HeadPose;
+use foveal_core::view::mounted::MountedPanel;
+use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::random::Random;
 use foveal_core::view::surface::{Projection, Surface};
 use foveal_render::sample_count;
+use glam::DVec3;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -55,6 +64,11 @@ pub(crate) struct SelectArgs {
     preset: Option<SystemPreset>,
     #[command(flatten)]
     view: ViewOptions,
+    #[command(flatten)]
+    panels: PanelsOptions,
+    /// Whose panels, of a rig for two eyes.
+    #[arg(long, value_enum, default_value = "left", requires = "panels")]
+    eye: EyeName,
     /// YAW,PITCH in degrees (to the right and up), or any other gaze at its beginning: center,
     /// scan, trace:FILE, head:FILE, udp:PORT, ws:URL or osc:PORT.
     #[arg(
@@ -95,16 +109,38 @@ struct Many {
     level_histogram_mean: Vec<f64>,
 }
 
+/// Either, and the panels that it was chosen for.
+#[derive(Debug, Serialize)]
+struct Selected<T> {
+    #[serde(flatten)]
+    result: T,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    panels: Option<Vec<NamedPanel>>,
+}
+
+/// What bounds what is worth choosing.
+enum Bounding {
+    /// Nothing: all of it is in view.
+    Nothing,
+    /// A view that is turned to each gaze.
+    View(EyeView),
+    /// Panels of a head that is.
+    Panels(Vec<MountedPanel>, Vec<NamedPanel>),
+}
+
 /// Most random gazes of one run.
 const MOST_GAZES: u32 = 1_000_000;
 
 pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
+    let panels = args.panels.read(args.eye)?;
+    let args = &args.before(panels.as_deref())?;
     let surface = args.surface()?;
     let args = &args.with_preset(&surface);
     let levels = args.cut.levels.unwrap_or(5);
     let grid = TileGrid::new(surface, args.cut.cut(&surface), levels, args.cut.ratio())
         .map_err(|error| WrongUsage(error.to_string()))?;
     let config = args.config(&grid)?;
+    let bounding = args.bounding(&surface, config.policy, panels)?;
     let samples = match config.policy {
         Policy::Sampled => Some(sample_count(&config, &args.view.eye_view(&surface)?)),
         _ => None,
@@ -112,10 +148,8 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
     let mut demand = VideoDemand::of_head(&ContentHead::of_video(grid), &config);
     let faces = args.faces(&surface)?;
     let source = f64::from(faces) * f64::from(surface.size[0]) * f64::from(surface.size[1]);
-    let view = args.eye_view(&surface)?;
     let mut choose = |gaze: GazeSample| {
-        let views = view.map(|view| look_at(view, &gaze, &surface));
-        let moment = Moment::new(gaze, views.into_iter().collect());
+        let moment = Moment::new(gaze, bounding.views(&gaze, &surface));
         let chosen = demand.needed(0, &moment).record;
         let pixels = samples.map_or(chosen.samples, u64::from);
         One {
@@ -124,6 +158,7 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
             level_histogram: chosen.per_level,
         }
     };
+    let panels = bounding.names();
     match args.random_gazes {
         Some(count) if !(1..=MOST_GAZES).contains(&count) => {
             bail!(out_of_range(
@@ -135,20 +170,36 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
         Some(count) => {
             let mut random = Random::new(args.seed);
             let gazes = (0..count).map(|_| random_gaze(&surface, &mut random));
-            let many = summarise(gazes.map(choose).collect());
-            output::result(args.json, &many, &many.text())
+            let result = summarise(gazes.map(choose).collect());
+            let text = result.text();
+            output::result(args.json, &Selected { result, panels }, &text)
         }
         None => {
             let start = Seconds(0.0);
             let viewer = ViewerModel::default();
             let mut source = GazeSource::new(&args.gaze, &surface, args.seed, start, &viewer)?;
-            let one = choose(source.look(start).gaze);
-            output::result(args.json, &one, &one.text())
+            let result = choose(source.look(start).gaze);
+            let text = result.text();
+            output::result(args.json, &Selected { result, panels }, &text)
         }
     }
 }
 
 impl SelectArgs {
+    /// These options with those that panels stand for.
+    fn before(&self, panels: Option<&[Panel]>) -> anyhow::Result<Self> {
+        let mut with = self.clone();
+        if let Some(panels) = panels {
+            if let (ProjectionName::Flat, Some(size)) = (self.projection, self.size) {
+                with.view.screen = screen_before(panels, size)?;
+            }
+            if self.preset.is_none() {
+                with.policy = self.policy.seen_by_many(panels);
+            }
+        }
+        Ok(with)
+    }
+
     /// These options with those that the preset stands for.
     fn with_preset(&self, surface: &Surface) -> Self {
         let mut with = self.clone();
@@ -181,6 +232,7 @@ impl SelectArgs {
         // Every gaze is chosen for by itself: none is steadied by the one before.
         Ok(PolicyConfig {
             steadiness: Radians(0.0),
+            together: self.panels.panels.is_some(),
             ..config.without_signatures()
         })
     }
@@ -225,17 +277,29 @@ impl SelectArgs {
         })
     }
 
-    /// The view that bounds what is worth choosing: only where one was asked for, or needed.
-    fn eye_view(&self, surface: &Surface) -> anyhow::Result<Option<EyeView>> {
-        if self.view.view.is_some() {
-            return self.view.eye_view(surface).map(Some);
+    /// What bounds what is worth choosing: a view only where one was asked for, or needed.
+    fn bounding(
+        &self,
+        surface: &Surface,
+        policy: Policy,
+        panels: Option<Vec<Panel>>,
+    ) -> anyhow::Result<Bounding> {
+        if let Some(panels) = panels {
+            if policy == Policy::Sampled {
+                bail!(wrong(SAMPLES_ONE_VIEW));
+            }
+            let names = panels.iter().map(NamedPanel::of).collect();
+            return Ok(Bounding::Panels(around_the_head(&panels), names));
         }
-        if self.policy.policy() != Policy::Viewport {
-            return Ok(None);
+        if self.view.view.is_some() {
+            return self.view.eye_view(surface).map(Bounding::View);
+        }
+        if policy != Policy::Viewport {
+            return Ok(Bounding::Nothing);
         }
         // Without pixels of its own the view is at least as dense as any content.
         let view = self.view.eye_view(surface)?;
-        Ok(Some(EyeView {
+        Ok(Bounding::View(EyeView {
             size: [1 << 20; 2],
             field: Field { ..view.field },
             ..view
@@ -243,21 +307,45 @@ impl SelectArgs {
     }
 }
 
-fn wrong(what: &str) -> WrongUsage {
-    WrongUsage(what.to_owned())
-}
-
-/// The view turned so that its centre meets the gaze; flat content stays before the eye.
-fn look_at(view: EyeView, gaze: &GazeSample, surface: &Surface) -> EyeView {
-    match surface.projection {
-        Projection::Flat => view,
-        Projection::Cube => {
-            let (yaw, pitch) =
-                foveal_core::view::axes::yaw_pitch_from_direction(gaze.gaze_in_content);
-            let axes = foveal_core::view::axes::Axes::from_yaw_pitch_roll(yaw, pitch, Radians(0.0));
-            EyeView { axes, ..view }
+impl Bounding {
+    /// The views, turned so that their middle, or the head's forward, meets the gaze; flat content
+    /// stays before the eye.
+    fn views(&self, gaze: &GazeSample, surface: &Surface) -> Vec<EyeView> {
+        let (yaw, pitch) = yaw_pitch_from_direction(gaze.gaze_in_content);
+        let head = HeadPose {
+            yaw,
+            pitch,
+            roll: Radians(0.0),
+        };
+        match self {
+            Self::Nothing => Vec::new(),
+            Self::View(view) => vec![match surface.projection {
+                Projection::Flat => *view,
+                Projection::Cube => EyeView {
+                    axes: head.axes(),
+                    ..*view
+                },
+            }],
+            Self::Panels(panels, _) => {
+                let head = match surface.projection {
+                    Projection::Flat => HeadPose::default(),
+                    Projection::Cube => head,
+                };
+                MountedPanel::views_from(panels, &head, DVec3::ZERO)
+            }
         }
     }
+
+    fn names(&self) -> Option<Vec<NamedPanel>> {
+        match self {
+            Self::Panels(_, names) => Some(names.clone()),
+            Self::Nothing | Self::View(_) => None,
+        }
+    }
+}
+
+fn wrong(what: &str) -> WrongUsage {
+    WrongUsage(what.to_owned())
 }
 
 fn random_gaze(surface: &Surface, random: &mut Random) -> GazeSample {

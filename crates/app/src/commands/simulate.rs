@@ -2,31 +2,32 @@
 
 use crate::commands::scene;
 use crate::commands::score::ScoreReport;
-use crate::commands::simulate_options::{SimulateArgs, WrittenPictures};
+use crate::commands::simulate_options::SimulateArgs;
+use crate::commands::simulate_pictures::PictureSinks;
 use crate::commands::simulate_score::{Baseline, RunScoring};
 use crate::gaze_source::{GazeSource, interrupted};
 use crate::options::decoding::DeviceReport;
+use crate::options::panels::{PlayedPanel, SAMPLES_ONE_VIEW, around_the_head, screen_before};
 use crate::options::policy::Switch;
 use crate::options::renderer::{RendererName, open_device};
 use crate::options::showing::{EyeName, InterpolationName};
 use crate::report::output::{self, WrongUsage, out_of_range};
-use crate::report::picture_file::write_png;
 use crate::run::open_player::open_player;
-use anyhow::{Context, bail};
+use crate::run::optics::intermediate_pixels;
+use anyhow::bail;
 use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::video::bytes::description::Description;
 use foveal_core::session::log::{SessionLogPart, sha256_hex};
 use foveal_core::units::counted;
 use foveal_core::view::axes::yaw_pitch_from_direction;
-use foveal_core::view::eye_view::EyeView;
-use foveal_core::view::picture::{Colour, Matrix};
+use foveal_core::view::head_pose::HeadPose;
+use foveal_core::view::mounted::MountedPanel;
+use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::surface::Projection;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::is_scene_pack;
-use foveal_media::write::picture_from_rgba::picture_from_rgba;
-use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use foveal_play::{FrameReport, Player, PlayerOptions};
 use foveal_render::TileStyle;
-use foveal_render::{Overlay, RgbaImage};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -64,9 +65,16 @@ pub(crate) struct RunSummary {
     pub(crate) gpu_bytes: u64,
     pub(crate) decoded_on: DeviceReport,
     pub(crate) log_sha256: String,
-    /// How good it looked beside the full picture, where somebody asked.
+    /// How good it looked beside the full picture, where somebody asked; on panels that of the
+    /// lowest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) score: Option<ScoreReport>,
+    /// The panels that it was shown on, where there is a rig.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) panels: Option<Vec<PlayedPanel>>,
+    /// Pixels of pictures between the tiles and the panels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) intermediate_pixels: Option<u64>,
 }
 
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
@@ -76,43 +84,39 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     args.check()?;
     let file = Arc::new(PackFile::open(&args.pack)?);
     let about = file.pack().description();
+    let panels = args.panels.read(args.eye)?;
     let args = &args.with_preset(about.projection);
+    let args = &args.on_rig(panels.as_deref(), about)?;
     let config = args.config()?;
     let showing = args.showing(config.policy)?;
     let frames = args.frames_to_play(about.frames)?;
     let fps = about.frame_rate;
     let surface = about.grid(args.view.screen).surface;
-    if surface.eyes == 1 && args.eye != EyeName::Left {
-        output::say(&format!(
-            "{}: has one picture for both eyes, so --eye {} shows that",
-            args.pack.display(),
-            args.eye.name()
-        ));
-    }
+    args.tell_of_eyes(surface.eyes);
+    let mounted = panels.as_deref().map(around_the_head).unwrap_or_default();
     let (view, drawing) = (args.view.eye_view(&surface)?, open_device(args.renderer)?);
+    let ahead = MountedPanel::views_from(&mounted, &HeadPose::default(), Default::default());
     let mut scoring = args.scoring.open(&Baseline {
         file: &file,
-        view,
+        views: if ahead.is_empty() { vec![view] } else { ahead },
         screen: args.view.screen,
         drawing: &drawing,
         decoding: args.decoding.decoding()?,
         frames: frames.len(),
     })?;
-    let mut player = open_player(
-        Arc::clone(&file),
-        PlayerOptions {
-            config,
-            view,
-            screen: args.view.screen,
-            drawing,
-            style: showing,
-            paced: args.paced,
-            judged: true,
-            bytes_per_s: args.watching.link().bytes_per_s,
-            tell: output::say,
-            decoding: args.decoding.decoding()?,
-        },
-    )?;
+    let options = PlayerOptions {
+        config,
+        view,
+        screen: args.view.screen,
+        drawing,
+        style: showing,
+        paced: args.paced,
+        judged: true,
+        bytes_per_s: args.watching.link().bytes_per_s,
+        tell: output::say,
+        decoding: args.decoding.decoding()?,
+    };
+    let mut player = open_player(Arc::clone(&file), options)?.through(mounted);
     let length = player.time(frames.end - 1);
     let mut gaze = GazeSource::new(
         &args.gaze,
@@ -121,19 +125,20 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         length,
         &args.watching.viewer()?,
     )?;
-    std::fs::create_dir_all(&args.out)
-        .with_context(|| format!("--out {}: the folder cannot be made", args.out.display()))?;
-    let mut pictures = PictureSink::new(args, fps);
+    let mut pictures = PictureSinks::new(args, fps, panels.as_deref())?;
     let reports = play(&mut player, &mut gaze, frames, &mut pictures, &mut scoring)?;
     pictures.finish()?;
     let session = session(&player, &reports).write();
     output::write_whole(&args.out.join("session.jsonl"), session.as_bytes())?;
     output::write_whole(&args.out.join("frames.csv"), csv(&reports).as_bytes())?;
     let policy = player.config().policy.name();
-    let judged = |scoring: RunScoring| scoring.report(args.gaze.as_judged());
-    let score = scoring.map(judged).transpose()?;
+    let judged = |scoring: RunScoring| scoring.report(&args.gaze.as_judged());
+    let scores = scoring.map(judged).transpose()?;
+    let jods = scores.as_ref().map(|scores| scores.jods.as_slice());
     let summary = RunSummary {
-        score,
+        intermediate_pixels: panels.as_deref().map(intermediate_pixels),
+        panels: panels.map(|panels| PlayedPanel::all(&panels, jods)),
+        score: scores.map(|scores| scores.lowest),
         ..summarise(policy.to_owned(), &reports, &mut player, &session)
     };
     output::result(args.json, &summary, &summary.text(&args.out))
@@ -163,6 +168,17 @@ impl SimulateArgs {
         Ok(frames)
     }
 
+    /// Says where it makes no difference whose picture is asked for.
+    fn tell_of_eyes(&self, eyes: u8) {
+        if eyes == 1 && self.eye != EyeName::Left && self.panels.panels.is_none() {
+            output::say(&format!(
+                "{}: has one picture for both eyes, so --eye {} shows that",
+                self.pack.display(),
+                self.eye.name()
+            ));
+        }
+    }
+
     /// These options with those that a preset stands for.
     fn with_preset(&self, projection: Projection) -> Self {
         let mut with = self.clone();
@@ -170,6 +186,24 @@ impl SimulateArgs {
             with.policy = preset.policy(&self.policy, projection);
         }
         with
+    }
+
+    /// These options with those that panels stand for.
+    fn on_rig(&self, panels: Option<&[Panel]>, about: &Description) -> anyhow::Result<Self> {
+        let mut with = self.clone();
+        let Some(panels) = panels else {
+            return Ok(with);
+        };
+        if self.policy.policy == Some(Policy::Sampled) {
+            bail!(WrongUsage(SAMPLES_ONE_VIEW.to_owned()));
+        }
+        if let Some(shape) = about.flat_shape() {
+            with.view.screen = screen_before(panels, shape)?;
+        }
+        if self.watching.link.is_none() {
+            with.policy = self.policy.seen_by_many(panels);
+        }
+        Ok(with)
     }
 
     fn showing(&self, policy: Policy) -> anyhow::Result<TileStyle> {
@@ -237,7 +271,7 @@ fn play(
     player: &mut Player,
     gaze: &mut GazeSource,
     frames: Range<u32>,
-    pictures: &mut PictureSink<'_>,
+    pictures: &mut PictureSinks<'_>,
     scoring: &mut Option<RunScoring>,
 ) -> anyhow::Result<Vec<FrameReport>> {
     let stop = gaze.is_live().then(interrupted).transpose()?;
@@ -324,6 +358,8 @@ pub(crate) fn summarise(
         decoded_on: DeviceReport::new(player.device_use()),
         log_sha256: sha256_hex(session.as_bytes()),
         score: None,
+        panels: None,
+        intermediate_pixels: None,
     }
 }
 
@@ -333,7 +369,7 @@ impl RunSummary {
             "{} under {}: {:.2} % of the pixels (most {:.2} %), {:.2} MB fetched, \
              {:.1} MPix decoded\n\
              decoding {:.1} ms a frame (95th percentile {:.1}), {}, {}, {}, {}, \
-             {:.2} MB on the GPU\n{}{}{}{}",
+             {:.2} MB on the GPU\n{}{}{}{}{}",
             counted(self.frames, "frame"),
             self.policy,
             self.pixels_share_mean * 100.0,
@@ -355,6 +391,9 @@ impl RunSummary {
                 )),
             self.decoded_on.text(),
             self.score.as_ref().map_or(String::new(), ScoreReport::text),
+            self.panels
+                .as_deref()
+                .map_or(String::new(), PlayedPanel::text),
             out.display(),
         )
     }
@@ -395,100 +434,4 @@ pub(crate) fn csv(reports: &[FrameReport]) -> String {
         );
     }
     text
-}
-
-/// The marks of a heat map: levels, borders, and a ring of 2.5° (the fovea) round the gaze.
-pub(crate) fn marks(report: &FrameReport) -> Overlay {
-    let gaze = report
-        .view
-        .place(report.gaze.gaze_in_content)
-        .unwrap_or([-1e6; 2]);
-    let radius = report.view.ppd_towards(report.gaze.gaze_in_content).0 * 2.5;
-    Overlay {
-        gaze: gaze.map(|place| place as f32),
-        gaze_radius: radius as f32,
-        borders: 0.5,
-        ..Overlay::default()
-    }
-}
-
-/// Where pictures go.
-struct PictureSink<'a> {
-    args: &'a SimulateArgs,
-    frame_rate: [u32; 2],
-    video: Option<ClipWriter>,
-}
-
-/// Colour of written videos: what RGB becomes.
-const VIDEO_COLOUR: Colour = Colour {
-    matrix: Matrix::Bt709,
-    full_range: false,
-    chroma_left: false,
-};
-/// Quantiser of written videos: visually lossless.
-const VIDEO_QUALITY: u8 = 16;
-
-impl<'a> PictureSink<'a> {
-    fn new(args: &'a SimulateArgs, frame_rate: [u32; 2]) -> Self {
-        Self {
-            args,
-            frame_rate,
-            video: None,
-        }
-    }
-
-    fn frame(&mut self, player: &mut Player, report: &FrameReport) -> anyhow::Result<()> {
-        let frame = report.session.frame;
-        if self.args.pictures == WrittenPictures::None
-            || !(frame - self.args.start).is_multiple_of(self.args.every)
-        {
-            return Ok(());
-        }
-        let marks = self.args.heat_map.then(|| marks(report));
-        let mut picture: Option<RgbaImage> = None;
-        for eye in self.args.eye.eyes() {
-            let view = EyeView {
-                eye: *eye,
-                ..report.view
-            };
-            let drawn = player.drawer().picture(&view, marks.as_ref())?;
-            picture = match (picture, drawn) {
-                (Some(left), Some(right)) => Some(left.beside(&right)),
-                (None, drawn) => drawn,
-                (left, None) => left,
-            };
-        }
-        match picture {
-            Some(image) if self.args.pictures == WrittenPictures::Png => {
-                write_png(&self.args.out.join(format!("frame_{frame:05}.png")), &image)
-            }
-            Some(image) => self.append(&image),
-            None => Ok(()),
-        }
-    }
-
-    fn append(&mut self, image: &RgbaImage) -> anyhow::Result<()> {
-        let picture = picture_from_rgba(&image.pixels, image.size, VIDEO_COLOUR);
-        if self.video.is_none() {
-            let [frames, seconds] = self.frame_rate;
-            let rate = [frames, seconds.saturating_mul(self.args.every)];
-            self.video = Some(ClipWriter::create(
-                &self.args.out.join("frames.mkv"),
-                &ClipFormat {
-                    codec: ClipCodec::Vp9(VIDEO_QUALITY),
-                    size: image.size,
-                    frame_rate: rate.map(|n| n.min(i32::MAX as u32) as i32),
-                    colour: VIDEO_COLOUR,
-                },
-            )?);
-        }
-        match &mut self.video {
-            Some(video) => Ok(video.push(&picture)?),
-            None => Ok(()),
-        }
-    }
-
-    fn finish(self) -> anyhow::Result<()> {
-        Ok(self.video.map_or(Ok(()), ClipWriter::finish)?)
-    }
 }

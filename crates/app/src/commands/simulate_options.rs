@@ -5,14 +5,16 @@ use crate::gaze_source::{GazeChoice, parse_gaze};
 use crate::options::bytes::{parse_budget, parse_memory};
 use crate::options::decoding::DecodingOptions;
 use crate::options::link::parse_delay;
+use crate::options::panels::PanelsOptions;
 use crate::options::policy::{PolicyOptions, ViewOptions};
 use crate::options::renderer::RendererName;
 use crate::options::showing::{EyeName, ShowingOptions};
 use crate::options::watching::Watching;
 use crate::report::output::out_of_range;
-use anyhow::bail;
+use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::units::Seconds;
+use foveal_core::view::panel::rig::Panel;
 use std::path::PathBuf;
 
 /// Most frames between two pictures.
@@ -50,6 +52,8 @@ pub(crate) struct SimulateArgs {
     #[command(flatten)]
     pub(crate) view: ViewOptions,
     #[command(flatten)]
+    pub(crate) panels: PanelsOptions,
+    #[command(flatten)]
     pub(crate) showing: ShowingOptions,
     /// First frame to play; decoding starts at its group's key frame, without showing.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -64,7 +68,8 @@ pub(crate) struct SimulateArgs {
     /// What pictures to write.
     #[arg(long, value_enum, default_value = "png")]
     pub(crate) pictures: WrittenPictures,
-    /// Whose picture to write, of content for two eyes; both lie side by side.
+    /// Whose picture to write, of content for two eyes; both lie side by side. With --panels, whose
+    /// panels there are.
     #[arg(long, value_enum, default_value = "left")]
     pub(crate) eye: EyeName,
     /// Write every Nth picture.
@@ -119,6 +124,21 @@ impl SimulateArgs {
             bail!(out_of_range("--frames", 0, "at least 1"));
         }
         Ok(())
+    }
+
+    /// Where the pictures of each view go, made where they are not there.
+    pub(crate) fn folders(&self, panels: Option<&[Panel]>) -> anyhow::Result<Vec<PathBuf>> {
+        let folders = match panels {
+            None => vec![self.out.clone()],
+            Some(panels) => panels.iter().map(|it| self.out.join(&it.id)).collect(),
+        };
+        let writes = self.pictures != WrittenPictures::None;
+        for folder in std::iter::once(&self.out).chain(folders.iter().filter(|_| writes)) {
+            std::fs::create_dir_all(folder).with_context(|| {
+                format!("--out {}: the folder cannot be made", folder.display())
+            })?;
+        }
+        Ok(folders)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::commands::score::{
 };
 use crate::report::output;
 use crate::run::open_player::open_player;
-use anyhow::bail;
+use anyhow::{Context, bail};
 use clap::Args;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::view::eye_view::EyeView;
@@ -39,7 +39,8 @@ pub(crate) struct ScoringOptions {
 /// What is played beside a run.
 pub(crate) struct Baseline<'a> {
     pub(crate) file: &'a Arc<PackFile>,
-    pub(crate) view: EyeView,
+    /// What shows the picture, while the head looks ahead: at least one view.
+    pub(crate) views: Vec<EyeView>,
     pub(crate) screen: Screen,
     pub(crate) drawing: &'a DrawDevice,
     pub(crate) decoding: Decoding,
@@ -47,14 +48,27 @@ pub(crate) struct Baseline<'a> {
     pub(crate) frames: usize,
 }
 
-/// Scores frame after frame.
+/// Scores frame after frame, each view by itself.
 pub(crate) struct RunScoring {
     full: Player,
-    viewing: Viewing,
     mode: ModeName,
+    judges: Vec<ViewJudge>,
+}
+
+/// Scores what one view shows.
+struct ViewJudge {
+    viewing: Viewing,
     engine: Engine,
     companions: Companions,
     last_gaze: LastGaze,
+}
+
+/// The scores of a run.
+pub(crate) struct RunScores {
+    /// The score of each view.
+    pub(crate) jods: Vec<f64>,
+    /// What is told of the view that has the lowest.
+    pub(crate) lowest: ScoreReport,
 }
 
 impl ScoringOptions {
@@ -75,7 +89,7 @@ impl ScoringOptions {
         }
         let options = PlayerOptions {
             config: PolicyConfig::new(Policy::Full),
-            view: beside.view,
+            view: beside.views[0],
             screen: beside.screen,
             drawing: beside.drawing.clone(),
             style: TileStyle::default(),
@@ -86,20 +100,25 @@ impl ScoringOptions {
             decoding: beside.decoding,
         };
         let full = open_player(Arc::clone(beside.file), options)?;
-        let display = match &self.score_display {
-            Some(choice) => display_named("--score-display", choice)?,
-            None => display_of_view(&beside.view, full.grid().surface.projection),
-        };
         let fps = (beside.frames > 1).then(|| beside.file.pack().description().fps());
-        let mode = self.score_mode.mode();
-        let viewing = Viewing::new(display, beside.view.size, fps, true, mode)?;
+        let judge = |view: &EyeView| {
+            let display = match &self.score_display {
+                Some(choice) => display_named("--score-display", choice)?,
+                None => display_of_view(view, full.grid().surface.projection),
+            };
+            let viewing = Viewing::new(display, view.size, fps, true, self.score_mode.mode())?;
+            anyhow::Ok(ViewJudge {
+                engine: Engine::open(DeviceName::Cpu, &viewing, output::jobs(None)?)?,
+                companions: Companions::beside(&viewing)?,
+                last_gaze: LastGaze::new(view),
+                viewing,
+            })
+        };
+        let judges = beside.views.iter().map(judge);
         Ok(Some(RunScoring {
+            judges: judges.collect::<anyhow::Result<_>>()?,
             full,
             mode: self.score_mode,
-            engine: Engine::open(DeviceName::Cpu, &viewing, output::jobs(None)?)?,
-            companions: Companions::beside(&viewing)?,
-            last_gaze: LastGaze::new(&beside.view),
-            viewing,
         }))
     }
 }
@@ -140,18 +159,31 @@ impl RunScoring {
         report: &FrameReport,
     ) -> anyhow::Result<()> {
         self.full.show(report.session.frame, look)?;
-        let reference = picture_of(&mut self.full, &report.view)?;
-        let test = picture_of(player, &report.view)?;
-        let gaze_px = self.last_gaze.at(report);
-        self.companions.frame(&reference, &test, gaze_px)?;
-        self.engine.frame(&reference, &test, gaze_px)
+        for (judge, view) in self.judges.iter_mut().zip(&report.views) {
+            let reference = picture_of(&mut self.full, view)?;
+            let test = picture_of(player, view)?;
+            let gaze_px = judge.last_gaze.in_view(view, &report.gaze);
+            judge.companions.frame(&reference, &test, gaze_px)?;
+            judge.engine.frame(&reference, &test, gaze_px)?;
+        }
+        Ok(())
     }
 
-    /// The score of the run, by a `gaze` of that name.
-    pub(crate) fn report(&self, gaze: String) -> anyhow::Result<ScoreReport> {
-        self.last_gaze.tell_unseen();
-        let score = self.engine.score()?;
-        let report = ScoreReport::judged(&self.viewing, self.mode.mode(), Some(gaze), score);
-        Ok(report.with(self.companions.totals(), self.engine.name(), None))
+    /// The scores of the run, by a `gaze` of that name.
+    pub(crate) fn report(&self, gaze: &str) -> anyhow::Result<RunScores> {
+        let of_view = |judge: &ViewJudge| {
+            judge.last_gaze.tell_unseen();
+            let (score, gaze) = (judge.engine.score()?, Some(gaze.to_owned()));
+            let report = ScoreReport::judged(&judge.viewing, self.mode.mode(), gaze, score);
+            Ok(report.with(judge.companions.totals(), judge.engine.name(), None))
+        };
+        let reports: anyhow::Result<Vec<ScoreReport>> = self.judges.iter().map(of_view).collect();
+        let reports = reports?;
+        let jods = reports.iter().map(|report| report.jod).collect();
+        let lowest = reports.into_iter().min_by(|a, b| a.jod.total_cmp(&b.jod));
+        Ok(RunScores {
+            jods,
+            lowest: lowest.context("nothing was scored")?,
+        })
     }
 }

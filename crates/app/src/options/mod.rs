@@ -4,6 +4,7 @@ pub(crate) mod bytes;
 pub(crate) mod codec;
 pub(crate) mod decoding;
 pub(crate) mod link;
+pub(crate) mod panels;
 pub(crate) mod perception;
 pub(crate) mod policy;
 pub(crate) mod preset;

@@ -15,6 +15,7 @@ use foveal_core::perception::acuity::AcuityModel;
 use foveal_core::units::{Radians, counted};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::surface::{Mapping, Projection, Screen, Surface};
 
 /// Reads a policy by its name.
@@ -227,6 +228,16 @@ impl PolicyOptions {
         }
     }
 
+    /// The same where these panels show it and nobody said how: what many people look at at once
+    /// is as fine everywhere as its pixels can show.
+    pub(crate) fn seen_by_many(&self, panels: &[Panel]) -> Self {
+        let is_usual = self.policy.is_none() && self.policy() == Policy::Perceptual;
+        match is_usual && panels.iter().all(|panel| panel.is_for_both) {
+            true => self.under(Policy::Viewport),
+            false => self.clone(),
+        }
+    }
+
     /// The same for a score, in the place of the acuity that was asked for.
     pub(crate) fn for_score(&self, target: Option<f64>) -> Self {
         Self {
@@ -263,6 +274,7 @@ impl PolicyOptions {
             saliency: self.saliency == Switch::On,
             importance: self.importance.into(),
             target: self.target(policy)?,
+            together: false,
         })
     }
 

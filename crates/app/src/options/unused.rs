@@ -35,7 +35,9 @@ pub(crate) fn unused_options(matches: &ArgMatches) -> Vec<String> {
         known && given.value_source(id) == Some(ValueSource::CommandLine)
     };
     let is_of_acuity = ["slope", "acuity", "safety_disc"].into_iter().any(is_given);
+    let has_panels = is_given("panels");
     let of_tiles = OF_TILES.into_iter().filter(|id| is_scene && is_given(id));
+    let of_tiles = of_tiles.filter(|id| *id != "eye" || !has_panels);
     let of_tiles = of_tiles.map(|id| {
         let option = id.replace('_', "-");
         format!("foveal: --{option} changes nothing for a scene; it is for video")

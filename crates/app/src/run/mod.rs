@@ -3,6 +3,7 @@
 pub(crate) mod kept_pack;
 pub(crate) mod loss;
 pub(crate) mod open_player;
+pub(crate) mod optics;
 pub(crate) mod pack_place;
 pub(crate) mod scene_clip;
 pub(crate) mod source_frames;

@@ -25,6 +25,7 @@ mod numbers;
 mod options;
 mod panels;
 mod panels_live;
+mod panels_pack;
 mod panels_warp;
 mod perception;
 mod perceptual;

@@ -391,3 +391,18 @@ fn what_is_wrong_is_said_before_a_window_opens() {
     );
     refused(2, &["view", &pack, "--gaze", "cat"], &["mouse"]);
 }
+
+#[test]
+fn a_demo_shows_more_than_the_coarsest_level() {
+    let folder = Folder::new();
+    let pack = flat_pack(&folder);
+    let log = folder.name("view.jsonl");
+    let options = ["--demo", "--paused", "--view", "400x225", "--log", &log];
+    let script = "0 move 200 100\n0.1 settle\n0.2 quit";
+    if watched(&folder, &pack, script, &options).is_none() {
+        return;
+    }
+    let text = std::fs::read_to_string(&log).unwrap();
+    let last: Value = serde_json::from_str(text.lines().last().unwrap()).unwrap();
+    assert_ne!(last["tiles"][0], 0, "{last}");
+}

@@ -162,6 +162,15 @@ pub struct PolicyConfig {
     /// `acuity` as above, and what is worth anything is bought.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<f64>,
+    /// Through several views: whether tiles cover the finest level of every cell at once. Else
+    /// those of each view cover what it asks for, and a cell becomes as fine as any of them makes
+    /// it: as sessions without panels do.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub together: bool,
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 /// The score that levels are chosen for unless another is asked for: what about 63 of 100 people
@@ -205,6 +214,7 @@ impl PolicyConfig {
             saliency: false,
             importance: ImportanceSource::default(),
             target: None,
+            together: false,
         }
     }
 

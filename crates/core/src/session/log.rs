@@ -15,6 +15,8 @@ use crate::perception::parameters::EyeState;
 use crate::selection::scheduler::Scheduler;
 use crate::units::{Radians, Seconds};
 use crate::view::eye_view::{EyeView, Field};
+use crate::view::mounted::MountedPanel;
+use crate::view::panel::rig::MOST_PANELS;
 use crate::view::surface::Eye;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -44,6 +46,10 @@ pub struct SessionHead {
     /// What else showed it at the same time: the other eye of a headset, other panels.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub more_views: Vec<LoggedView>,
+    /// The panels that showed it where these turned with the head; field and size are then those of
+    /// the first, and there are no other views.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub panels: Vec<MountedPanel>,
     /// The other assets of the scene.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub more: Vec<AssetHead>,
@@ -207,7 +213,23 @@ impl SessionHead {
             field,
             size,
             more_views: views.iter().skip(1).map(logged).collect(),
+            panels: Vec::new(),
             more: Vec::new(),
+        }
+    }
+
+    /// The same of panels that turn with the head, where there are any.
+    #[must_use]
+    pub fn on_panels(self, panels: &[MountedPanel]) -> Self {
+        let others = if panels.is_empty() {
+            self.more_views
+        } else {
+            Vec::new()
+        };
+        Self {
+            more_views: others,
+            panels: panels.to_vec(),
+            ..self
         }
     }
 
@@ -229,6 +251,20 @@ impl SessionHead {
                 return wrong(format!(
                     "{key}: found {more}, at most {MOST_MORE} are replayed"
                 ));
+            }
+        }
+        if self.panels.len() > MOST_PANELS {
+            let found = self.panels.len();
+            return wrong(format!(
+                "panels: found {found}, at most {MOST_PANELS} are replayed"
+            ));
+        }
+        if !self.panels.is_empty() && !self.more_views.is_empty() {
+            return wrong("more_views: expected none beside panels".to_owned());
+        }
+        for panel in &self.panels {
+            if let Some(fault) = panel.fault() {
+                return wrong(format!("panels, {}: {fault}", panel.id));
             }
         }
         for (_, content) in self.assets() {
@@ -268,6 +304,10 @@ impl SessionFrame {
             size: view.size,
             eye: view.eye,
         });
+        let views = match head.panels.is_empty() {
+            true => core::iter::once(first).chain(others).collect(),
+            false => MountedPanel::views(&head.panels, &self.head, first.position),
+        };
         Moment {
             gaze: GazeSample {
                 time: self.time_s,
@@ -279,7 +319,7 @@ impl SessionFrame {
             },
             head: self.head,
             state: self.state,
-            views: core::iter::once(first).chain(others).collect(),
+            views,
             behind_sound: self.behind_sound_s,
         }
     }
@@ -340,6 +380,17 @@ impl SessionFrame {
     #[must_use]
     pub fn write(&self) -> String {
         line_of(self)
+    }
+
+    /// The same line in a log of such a head: where panels are follows from the head.
+    pub(super) fn under(self, head: &SessionHead) -> Self {
+        match head.panels.is_empty() {
+            true => self,
+            false => Self {
+                more_poses: Vec::new(),
+                ..self
+            },
+        }
     }
 
     /// What changed in the footprints of each asset, in the order of the head.
@@ -462,6 +513,7 @@ impl SessionLogPart {
             let chosen = scheduler.choose(&frames, &moment, frame.budget);
             let records: Vec<&Record> = chosen.iter().map(|chosen| &chosen.record).collect();
             let again = SessionFrame::of_scene(&frames, &moment, frame.budget, &records);
+            let again = again.under(&self.head);
             let footprints = frame.footprints().enumerate();
             footprints.fold(again, |again, (asset, changes)| match changes {
                 Some(changes) => again.with_footprints(asset, changes.to_vec()),

@@ -15,6 +15,7 @@ use crate::session::log::{AssetHead, SessionFrame, SessionHead, SessionLogPart};
 use crate::units::{Radians, Seconds};
 use crate::view::axes::angle_between;
 use crate::view::eye_view::{EyeView, Field};
+use crate::view::mounted::MountedPanel;
 use std::sync::Arc;
 
 /// What is kept fine beside the view, at most in shares of its width: a window that is zoomed to a
@@ -40,6 +41,8 @@ pub(super) struct PolicyRun {
     budget: Option<Budget>,
     /// When the budget was last asked.
     until: Option<f64>,
+    /// What shows the content where that turns with the head: the views of every moment.
+    panels: Vec<MountedPanel>,
     /// Whether the margin round the view is cut to its width: where a view can be zoomed.
     zooms: bool,
     /// Something is missing by which a frame is chosen for as it was asked.
@@ -102,6 +105,7 @@ impl PolicyRun {
             running: None,
             budget,
             until: begins.map(|begins| begins.0),
+            panels: Vec::new(),
             zooms,
             awaited: None,
             last: None,
@@ -120,8 +124,18 @@ impl PolicyRun {
 
     /// Chooses by another policy from now on.
     pub(super) fn change(&mut self, config: PolicyConfig) {
-        self.asked = config;
+        self.asked = PolicyConfig {
+            together: !self.panels.is_empty(),
+            ..config
+        };
         self.awaited = None;
+    }
+
+    /// Every moment is seen through these panels, turned with its head.
+    pub(super) fn show_on(&mut self, panels: Vec<MountedPanel>) {
+        self.panels = panels;
+        self.change(self.asked.clone());
+        self.using = self.asked.clone();
     }
 
     /// The link brings so many bytes a second from now on.
@@ -321,7 +335,7 @@ impl PolicyRun {
             self.running = None;
             self.footprints.logged.fill(Footprints::default());
         }
-        let (scheduler, _) = self.running.get_or_insert_with(|| {
+        let (scheduler, head) = self.running.get_or_insert_with(|| {
             let demand =
                 |asset: &Arc<dyn Content>| Arc::clone(asset).demand(&asset.head(), &head.policy);
             let demands = self.scene.iter().map(demand).collect();
@@ -339,7 +353,7 @@ impl PolicyRun {
         }
         let chosen = scheduler.choose(frames, moment, budget);
         let records: Vec<&Record> = chosen.iter().map(|chosen| &chosen.record).collect();
-        let line = SessionFrame::of_scene(frames, moment, budget, &records);
+        let line = SessionFrame::of_scene(frames, moment, budget, &records).under(head);
         let line = (0..).zip(changes).fold(line, |line, (asset, changes)| {
             line.with_footprints(asset, changes)
         });
@@ -373,9 +387,10 @@ impl PolicyRun {
             pack: content.name().to_owned(),
             content: content.head(),
         });
+        let head = SessionHead::new(content.name(), content.head(), config, &moment.views);
         SessionHead {
             more: more.collect(),
-            ..SessionHead::new(content.name(), content.head(), config, &moment.views)
+            ..head.on_panels(&self.panels)
         }
     }
 }

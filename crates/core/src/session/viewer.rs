@@ -12,6 +12,7 @@ use crate::session::actions::{Now, Pace};
 use crate::session::media_clock::MediaClock;
 use crate::session::session::Session;
 use crate::units::Seconds;
+use crate::view::eye_view::EyeView;
 use crate::view::navigation::{Navigation, Pane, Shown};
 
 /// Radius of the disc round the gaze that is marked, in degrees: the fovea.
@@ -330,7 +331,14 @@ impl Viewer {
     /// Where the fovea is in what the last step was made for.
     #[must_use]
     pub fn fovea(&self) -> Option<FoveaDisc> {
-        let (moment, Shown { view, .. }) = self.last.as_ref()?;
+        let (_, Shown { view, .. }) = self.last.as_ref()?;
+        self.fovea_in(view)
+    }
+
+    /// Where it is in another view.
+    #[must_use]
+    pub fn fovea_in(&self, view: &EyeView) -> Option<FoveaDisc> {
+        let (moment, _) = self.last.as_ref()?;
         let direction = moment.gaze.gaze_in_content;
         let seen = view.seen_direction(direction).unwrap_or(direction);
         Some(FoveaDisc {

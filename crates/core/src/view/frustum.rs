@@ -67,6 +67,21 @@ impl Frustum {
         (over.abs() > ROUNDING / 2.0).then_some(over > 0.0)
     }
 
+    /// Whether nothing is reached between these directions; false where that is not sure.
+    pub(crate) fn is_missed_between<const N: usize>(&self, directions: [DVec3; N]) -> bool {
+        let bounds = [
+            self.bounds[0],
+            self.bounds[0],
+            self.bounds[1],
+            self.bounds[1],
+        ];
+        let mut planes = self.moved_planes.iter().zip(bounds);
+        !self.is_wide()
+            && planes.any(|(plane, bounds)| {
+                bounds && directions.iter().all(|it| plane.dot(*it) > ROUNDING)
+            })
+    }
+
     /// Sine of the angle by which a direction is beyond the plane of a border moved by the margin.
     fn beyond_moved(&self, centre: DVec3) -> f64 {
         let [left, right, up, low] = self.moved_planes.map(|plane| plane.dot(centre));

@@ -6,6 +6,7 @@ pub mod flight;
 pub mod frustum;
 pub mod head_pose;
 pub mod keys;
+pub mod mounted;
 pub mod navigation;
 pub mod panel;
 pub mod picture;

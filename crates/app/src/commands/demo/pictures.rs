@@ -2,7 +2,7 @@
 
 use crate::commands::demo::atlas_sheet;
 use crate::commands::demo::setup::PlaySetup;
-use crate::commands::simulate::marks;
+use crate::commands::simulate_pictures::marks;
 use crate::report::picture_file::png_bytes;
 use anyhow::{Context, bail};
 use foveal_core::content::policy::Policy;
@@ -71,7 +71,7 @@ impl Pictures {
             view,
             ..foveated.report.clone()
         };
-        let marks = marks(&report);
+        let marks = marks(&view, &report.gaze);
         let nothing = "nothing draws";
         let canvas = &mut foveated.player.drawer();
         let seen = canvas.picture(&view, None)?.context(nothing)?;

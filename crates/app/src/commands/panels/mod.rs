@@ -10,7 +10,7 @@ mod map;
 mod pattern;
 mod rig_args;
 mod schema;
-mod warp;
+pub(crate) mod warp;
 
 use clap::Subcommand;
 

@@ -10,6 +10,7 @@ use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::Parameters;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::route::{EyePose, Route};
 use foveal_core::view::surface::{Screen, Surface};
 
@@ -36,11 +37,13 @@ pub(crate) struct Mover {
     gaze: GazeSource,
     bounds: Sphere,
     view: EyeView,
+    /// What shows it in the place of that view, if anything.
+    panels: Vec<MountedPanel>,
 }
 
 /// What is so of a viewer when a picture is shown.
 pub(crate) struct Standing {
-    /// What is shown.
+    /// What is shown: the first of the views.
     pub(crate) view: EyeView,
     /// Where the eye does look, in the world.
     pub(crate) gaze: GazeSample,
@@ -80,6 +83,7 @@ impl Mover {
             route,
             bounds,
             view: EyeView::filling(&reach, [1, 1]),
+            panels: Vec::new(),
         })
     }
 
@@ -88,23 +92,40 @@ impl Mover {
         Self { view, ..self }
     }
 
+    /// The same through panels on the head, wherever that is, if there are any; a route that asks
+    /// how much is shown goes by the first.
+    pub(crate) fn on_panels(self, panels: Vec<MountedPanel>) -> Self {
+        let ahead = panels
+            .first()
+            .map(|first| first.turned(&HeadPose::default()));
+        Self {
+            view: ahead.unwrap_or(self.view),
+            panels,
+            ..self
+        }
+    }
+
     /// The viewer at a time; times must not decrease.
     pub(crate) fn at(&mut self, time: Seconds, parameters: &Parameters) -> Standing {
         let look = self.gaze.look(time);
         let sphere = (self.bounds.centre, self.bounds.radius);
         let pose = self.route.pose(time, sphere, &self.view.field);
-        let view = pose.view(&self.view);
+        let head = HeadPose::of(&pose.axes);
+        let views = match self.panels.as_slice() {
+            [] => vec![pose.view(&self.view)],
+            panels => MountedPanel::views_from(panels, &head, pose.position),
+        };
         let expected = &look.expected;
         Standing {
             gaze: in_world(&look.gaze, &pose),
+            view: views[0],
             moment: Moment {
                 gaze: in_world(&expected.gaze, &pose),
-                head: HeadPose::of(&pose.axes),
+                head,
                 state: parameters.eye_state(expected.event, expected.since_saccade),
-                views: vec![view],
                 behind_sound: None,
+                views,
             },
-            view,
         }
     }
 }

@@ -5,10 +5,12 @@ use crate::commands::scene::moving::{Mover, route_of};
 use crate::commands::scene::scene_info::BytesByKind;
 use crate::commands::score::ScoreReport;
 use crate::commands::simulate_options::{SimulateArgs, WrittenPictures};
+use crate::options::panels::PlayedPanel;
 use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage};
 use crate::report::picture_file::write_png;
-use anyhow::{Context, bail};
+use crate::run::optics::{intermediate_pixels, on_panel};
+use anyhow::bail;
 use foveal_core::content::policy::{ImportanceSource, Policy, PolicyConfig};
 use foveal_core::content::scene::demand::why_not;
 use foveal_core::session::log::sha256_hex;
@@ -16,6 +18,9 @@ use foveal_core::units::{Seconds, counted};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::eye_view::Field;
+use foveal_core::view::mounted::MountedPanel;
+use foveal_core::view::panel::rig::Panel;
+use foveal_core::view::route::Route;
 use foveal_media::pack::scene_file::SceneFile;
 use foveal_play::{ScenePlayer, ScenePlayerOptions, SceneReport};
 use foveal_render::DrawDevice;
@@ -60,6 +65,12 @@ pub(crate) struct SceneSummary {
     log_sha256: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     score: Option<ScoreReport>,
+    /// The panels that it was shown on, where there is a rig.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    panels: Option<Vec<PlayedPanel>>,
+    /// Pixels of pictures between the units and the panels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    intermediate_pixels: Option<u64>,
 }
 
 /// A frame of the run.
@@ -79,41 +90,35 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let file = Arc::new(SceneFile::open(&args.pack)?);
     let config = args.scene_config()?;
     let view = args.scene_view()?;
-    let drawing = open_device(args.renderer)?;
-    let is_rendered = config.importance == ImportanceSource::Rendered;
-    if is_rendered && !matches!(drawing, DrawDevice::Gpu(_)) {
-        bail!(WrongUsage(format!(
-            "--importance rendered: a GPU draws levels, and {} draws here; give --renderer gpu",
-            drawing.name()
-        )));
-    }
+    let panels = args.panels_in(&config)?;
+    let drawing = args.device_for(&config)?;
     let link = args.watching.link();
     let interval = args.interval.map_or(1.0 / RATE, |interval| interval.0);
-    let bytes_per_s = match args.budget {
-        Some(budget) => budget as f64 / interval,
-        None => link.bytes_per_s,
-    };
+    let budget = args.budget.map(|bytes| bytes as f64 / interval);
     let options = ScenePlayerOptions {
         config: config.clone(),
         drawing: drawing.clone(),
-        bytes_per_s,
+        bytes_per_s: budget.unwrap_or(link.bytes_per_s),
         gpu_bytes: args.gpu_memory,
         tell: output::say,
     };
-    let mut player = ScenePlayer::new(Arc::clone(&file), options)?;
+    let mounted: Vec<MountedPanel> = panels.iter().flatten().map(MountedPanel::of).collect();
+    let mut player = ScenePlayer::new(Arc::clone(&file), options)?.through(mounted.clone());
     let route = route_of(&args.route)?;
-    let of_route = route
-        .length()
-        .map(|length| (length.0 / interval).ceil().max(1.0) as u32);
-    let frames = args.frames.or(of_route).unwrap_or(FRAMES);
+    let frames = args.frames_of(&route, interval);
     let length = Seconds(f64::from(frames) * interval);
     let route = (route, player.scene().bounds());
     let viewer = args.watching.viewer()?;
-    let mut mover = Mover::new(route, &args.gaze, args.seed, length, &viewer)?.through(view);
+    let mover = Mover::new(route, &args.gaze, args.seed, length, &viewer)?;
+    let mut mover = mover.through(view).on_panels(mounted);
     let fps = (frames > 1).then_some(1.0 / interval);
-    let mut judge = Judge::open(&args.scoring, &file, &view, &drawing, fps)?;
-    std::fs::create_dir_all(&args.out)
-        .with_context(|| format!("--out {}: the folder cannot be made", args.out.display()))?;
+    // What is compared is one view.
+    let judging = match panels.is_some() {
+        true => &DrawDevice::Nothing,
+        false => &drawing,
+    };
+    let mut judge = Judge::open(&args.scoring, &file, &view, judging, fps)?;
+    let folders = args.folders(panels.as_deref())?;
     let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
     let mut shown = Vec::new();
     for frame in 0..frames {
@@ -122,7 +127,11 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         let report = player.show(time, &standing.moment)?;
         let judged = judge.frame(&mut player, &standing, &report)?;
         if args.pictures == WrittenPictures::Png && frame.is_multiple_of(args.every) {
-            write_picture(&mut player, args, frame, &standing.view)?;
+            for (at, view) in standing.moment.views.iter().enumerate() {
+                let panel = panels.as_ref().map(|panels| &panels[at]);
+                let place = (folders[at].as_path(), frame, args.heat_map);
+                write_picture(&mut player, place, view, panel)?;
+            }
         }
         let head = if frame == 0 { player.head_bytes() } else { 0 };
         shown.push(Frame {
@@ -136,11 +145,14 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let log = player.log().to_owned();
-    output::write_whole(&args.out.join("session.jsonl"), log.as_bytes())?;
+    output::write_whole(&args.out.join("session.jsonl"), player.log().as_bytes())?;
     output::write_whole(&args.out.join("frames.csv"), csv(&shown).as_bytes())?;
     let score = judge.score(args.gaze.as_judged())?;
-    let summary = summarise(config.policy, &shown, &mut player, score);
+    let summary = SceneSummary {
+        intermediate_pixels: panels.as_deref().map(intermediate_pixels),
+        panels: panels.map(|panels| PlayedPanel::all(&panels, None)),
+        ..summarise(config.policy, &shown, &mut player, score)
+    };
     output::result(args.json, &summary, &summary.text(&args.out))
 }
 
@@ -167,6 +179,27 @@ impl SimulateArgs {
             Some((_, why)) => bail!(WrongUsage(why.to_owned())),
             None => Ok(()),
         }
+    }
+
+    /// What draws, where it can do what the policy asks for.
+    fn device_for(&self, config: &PolicyConfig) -> anyhow::Result<DrawDevice> {
+        let drawing = open_device(self.renderer)?;
+        let is_rendered = config.importance == ImportanceSource::Rendered;
+        if is_rendered && !matches!(drawing, DrawDevice::Gpu(_)) {
+            bail!(WrongUsage(format!(
+                "--importance rendered: a GPU draws levels, and {} draws here; give --renderer gpu",
+                drawing.name()
+            )));
+        }
+        Ok(drawing)
+    }
+
+    /// Frames that are made: as many as the route takes, unless told otherwise.
+    fn frames_of(&self, route: &Route, interval: f64) -> u32 {
+        let of_route = route
+            .length()
+            .map(|length| (length.0 / interval).ceil().max(1.0) as u32);
+        self.frames.or(of_route).unwrap_or(FRAMES)
     }
 
     /// The policy, where scenes are chosen by it.
@@ -198,6 +231,25 @@ impl SimulateArgs {
         Ok(config)
     }
 
+    /// The panels that it is shown on, where there is a rig.
+    fn panels_in(&self, config: &PolicyConfig) -> anyhow::Result<Option<Vec<Panel>>> {
+        let panels = self.panels.read(self.eye)?;
+        let of_one_view = [
+            (self.scoring.is_asked(), "--score"),
+            (
+                config.importance == ImportanceSource::Rendered,
+                "--importance rendered",
+            ),
+        ];
+        let asked = of_one_view.into_iter().find(|(is_asked, _)| *is_asked);
+        if let (Some((_, option)), Some(_)) = (asked, &panels) {
+            bail!(WrongUsage(format!(
+                "{option} draws one view of a scene; leave it or --panels out"
+            )));
+        }
+        Ok(panels)
+    }
+
     /// The view, before anybody stands anywhere.
     fn scene_view(&self) -> anyhow::Result<EyeView> {
         let size = self.view.size_or(VIEW)?;
@@ -213,16 +265,20 @@ impl SimulateArgs {
 
 fn write_picture(
     player: &mut ScenePlayer,
-    args: &SimulateArgs,
-    frame: u32,
+    (folder, frame, levels): (&Path, u32, bool),
     view: &EyeView,
+    panel: Option<&Panel>,
 ) -> anyhow::Result<()> {
-    let picture = match args.heat_map {
+    let picture = match levels {
         true => player.picture_of_levels(view)?,
         false => player.picture(view)?,
     };
+    let picture = picture.map(|image| match panel {
+        Some(panel) => on_panel(panel, image),
+        None => image,
+    });
     match picture {
-        Some(image) => write_png(&args.out.join(format!("frame_{frame:05}.png")), &image),
+        Some(image) => write_png(&folder.join(format!("frame_{frame:05}.png")), &image),
         None => Ok(()),
     }
 }
@@ -269,6 +325,8 @@ fn summarise(
         damaged_units: player.damaged_units(),
         log_sha256: sha256_hex(player.log().as_bytes()),
         score,
+        panels: None,
+        intermediate_pixels: None,
     }
 }
 
@@ -309,6 +367,9 @@ impl SceneSummary {
         }
         if let Some(score) = &self.score {
             text += &score.text();
+        }
+        if let Some(panels) = &self.panels {
+            text += &PlayedPanel::text(panels);
         }
         let _ = write!(text, "written to {}", out.display());
         text

@@ -5,6 +5,7 @@ use crate::commands::view::looking::{WindowGaze, parse_window_gaze};
 use crate::options::bytes::parse_memory;
 use crate::options::decoding::DecodingOptions;
 use crate::options::link::{Link, parse_link};
+use crate::options::panels::PanelsOptions;
 use crate::options::policy::{PolicyOptions, ViewOptions};
 use crate::options::showing::{EyeName, ShowingOptions};
 use clap::Args;
@@ -36,8 +37,11 @@ pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(super) view: ViewOptions,
     #[command(flatten)]
+    pub(super) panels: PanelsOptions,
+    #[command(flatten)]
     pub(super) showing: ShowingOptions,
-    /// Whose picture is shown, of content for two eyes; both lie side by side.
+    /// Whose picture is shown, of content for two eyes; both lie side by side. With --panels, whose
+    /// panels there are.
     #[arg(long, value_enum, default_value = "left")]
     pub(super) eye: EyeName,
     /// RATE[,DELAY] between the pack and the viewer, as 4g,30ms or 8mbit: what uniform,

@@ -14,7 +14,8 @@ impl WindowPlayer {
             ..self.live.session().policy_in_use().clone()
         };
         let is_of_kind = !self.in_scene() || why_not(policy).is_none();
-        is_of_kind && self.live.session().can(&config)
+        let has_place = policy != Policy::Sampled || !self.has_panels();
+        is_of_kind && has_place && self.live.session().can(&config)
     }
 
     /// Chooses by the next policy, or the one before, that the pack has the tables for.

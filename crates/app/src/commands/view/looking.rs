@@ -1,5 +1,6 @@
 //! Where does whoever sits before the window look?
 
+use crate::commands::view::window::panes::{PanePart, RigPanes};
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel, parse_gaze};
 use anyhow::anyhow;
 use foveal_core::gaze::pointer::gaze_at;
@@ -8,7 +9,7 @@ use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::Parameters;
 use foveal_core::session::viewer::Viewer;
 use foveal_core::units::Seconds;
-use foveal_core::view::navigation::Pane;
+use foveal_core::view::navigation::{Pane, Shown};
 use foveal_core::view::surface::Surface;
 
 /// Length of a simulated scan path.
@@ -82,7 +83,7 @@ impl Looking {
         &mut self,
         now: Seconds,
         viewer: &mut Viewer,
-        pane: &Pane,
+        (pane, panes): (&Pane, Option<&RigPanes>),
         perception: &Parameters,
     ) -> Moment {
         let still = perception.eye_state(EyeEvent::Fixation, None);
@@ -102,21 +103,41 @@ impl Looking {
                 let state = perception.eye_state(expected.event, expected.since_saccade);
                 (expected.gaze, state)
             }
-            Self::Pointer => (viewer.pointer.gaze(now, &viewer.shown(pane)), still),
+            Self::Pointer => {
+                let shown = pointed_at(viewer, pane, panes);
+                (viewer.pointer.gaze(now, &shown), still)
+            }
             Self::Centre => (gaze_at(None, now, &viewer.shown(pane)), still),
         };
         let navigation = &viewer.navigation;
+        let view = navigation.shown(pane).view;
+        let head = navigation.head();
         Moment {
             gaze: GazeSample {
                 gaze_in_content: navigation.with_the_hand(gaze.gaze_in_content),
                 ..gaze
             },
-            views: vec![navigation.shown(pane).view],
-            head: navigation.head(),
+            views: match panes {
+                Some(panes) => panes.views(head, view.position),
+                None => vec![view],
+            },
+            head: panes.map_or(head, |panes| panes.head(head)),
             state,
             behind_sound: None,
         }
     }
+}
+
+/// What the pointer is over: the panel under it, where there are panels.
+fn pointed_at(viewer: &Viewer, pane: &Pane, panes: Option<&RigPanes>) -> Shown {
+    let shown = viewer.shown(pane);
+    let at = viewer.pointer.place().zip(panes);
+    let under = at.and_then(|(place, panes)| {
+        let head = viewer.navigation.head();
+        let parts = panes.parts(pane.size, head, shown.view.position);
+        PanePart::shown_at(&parts, place)
+    });
+    under.unwrap_or(shown)
 }
 
 #[cfg(test)]

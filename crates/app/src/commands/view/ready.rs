@@ -5,7 +5,7 @@ mod kinds;
 pub(super) mod opening;
 
 use crate::commands::view::args::ViewArgs;
-use crate::commands::view::ready::checks::{check, open_pack, policy_of};
+use crate::commands::view::ready::checks::{before, check, open_pack, policy_of};
 use crate::commands::view::script::Script;
 use crate::commands::view::sound::samples::Samples;
 use crate::gaze_source::{ViewerModel, preset_of};
@@ -13,12 +13,15 @@ use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, bail};
 use foveal_core::content::policy::Policy;
 use foveal_core::session::session::SessionSettings;
+use foveal_core::view::panel::rig::Panel;
 use foveal_play::{Decoding, LiveOptions, LivePack};
 
 /// What was read before a window opens: whatever is wrong is said without one.
 pub(super) struct Ready {
     pub(super) args: ViewArgs,
     pub(super) pack: LivePack,
+    /// The panels that show it, where there is a rig.
+    pub(super) panels: Option<Vec<Panel>>,
     pub(super) watching: ViewerModel,
     pub(super) script: Script,
     pub(super) samples: Option<Samples>,
@@ -28,6 +31,8 @@ pub(super) struct Ready {
 impl Ready {
     pub(super) fn new(args: &ViewArgs) -> anyhow::Result<Self> {
         let decoding = args.decoding.decoding()?;
+        let panels = args.panels.flat(args.eye)?;
+        let args = &before(args, panels.as_deref())?;
         let pack = open_pack(args)?;
         let args = &ViewArgs {
             policy: policy_of(args, &pack),
@@ -72,6 +77,7 @@ impl Ready {
             script: script.transpose()?.unwrap_or_default(),
             samples: if args.mute { None } else { sound_of(&pack) },
             args: args.clone(),
+            panels,
             pack,
             decoding,
         };

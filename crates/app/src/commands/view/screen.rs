@@ -17,10 +17,10 @@ pub(crate) struct WindowSurface {
     health: Arc<Health>,
     egui: egui::Context,
     painter: egui_wgpu::Renderer,
-    /// The pictures as egui knows them, from left to right.
-    pictures: [Option<(wgpu::Texture, egui::TextureId)>; 2],
-    /// A picture that was kept while the one beside it was drawn.
-    kept: Option<wgpu::Texture>,
+    /// The pictures as egui knows them, in the order in which they are shown.
+    pictures: Vec<(wgpu::Texture, egui::TextureId)>,
+    /// Pictures that were kept while those after them were drawn, by their number.
+    kept: Vec<Option<wgpu::Texture>>,
 }
 
 /// What the driver told of the device.
@@ -32,9 +32,18 @@ struct Health {
 
 /// Pictures and where they go.
 pub(crate) struct Placed {
-    /// One or two, each with its left and top in the window, in pixels.
-    pub(crate) pictures: Vec<(wgpu::Texture, [u32; 2])>,
+    /// In order.
+    pub(crate) pictures: Vec<PlacedPicture>,
     pub(crate) pixels_per_point: f32,
+}
+
+/// A picture and where it goes.
+pub(crate) struct PlacedPicture {
+    pub(crate) picture: wgpu::Texture,
+    /// Its left and top in the window, in pixels.
+    pub(crate) origin: [u32; 2],
+    /// Whether left is shown right, and up down.
+    pub(crate) flips: [bool; 2],
 }
 
 /// What became of showing a picture.
@@ -90,8 +99,8 @@ impl WindowSurface {
             gpu: Gpu::from_parts(device, queue),
             health,
             egui: egui::Context::default(),
-            pictures: [None, None],
-            kept: None,
+            pictures: Vec::new(),
+            kept: Vec::new(),
         })
     }
 
@@ -122,11 +131,14 @@ impl WindowSurface {
         self.surface.configure(&self.gpu.device, &self.config);
     }
 
-    /// A copy of a picture, which stays when the next one is drawn into its texture.
-    pub(crate) fn keep(&mut self, picture: &wgpu::Texture) -> wgpu::Texture {
+    /// A copy of the picture of a number, which stays when the next one is drawn into its texture.
+    pub(crate) fn keep(&mut self, number: usize, picture: &wgpu::Texture) -> wgpu::Texture {
         let size = picture.size();
         let device = &self.gpu.device;
-        let kept = self.kept.take().filter(|kept| kept.size() == size);
+        if self.kept.len() <= number {
+            self.kept.resize(number + 1, None);
+        }
+        let kept = self.kept[number].take().filter(|kept| kept.size() == size);
         let kept = kept.unwrap_or_else(|| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some("picture beside another"),
@@ -142,7 +154,7 @@ impl WindowSurface {
         let mut encoder = device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_texture(picture.as_image_copy(), kept.as_image_copy(), size);
         self.gpu.queue.submit([encoder.finish()]);
-        self.kept = Some(kept.clone());
+        self.kept[number] = Some(kept.clone());
         kept
     }
 
@@ -192,13 +204,15 @@ impl WindowSurface {
         let points = |pixels: u32| pixels as f32 / scale;
         let whole = Rect::from_min_size(pos2(0.0, 0.0), size.map(points).into());
         let mut pictures = Vec::new();
-        for (at, (picture, origin)) in placed.pictures.iter().take(2).enumerate() {
-            let [left, top] = origin.map(points);
+        for (at, placed) in placed.pictures.iter().enumerate() {
+            let [left, top] = placed.origin.map(points);
+            let picture = &placed.picture;
             let side = vec2(points(picture.width()), points(picture.height()));
             let rect = Rect::from_min_size(pos2(left, top), side);
-            pictures.push((self.picture_id(at, picture), rect));
+            let [x, y] = placed.flips.map(|flips| if flips { 1.0 } else { 0.0 });
+            let uv = Rect::from_min_max(pos2(x, y), pos2(1.0 - x, 1.0 - y));
+            pictures.push((self.picture_id(at, picture), rect, uv));
         }
-        let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         let mut input = egui::RawInput {
             screen_rect: Some(whole),
             max_texture_side: Some(self.gpu.device.limits().max_texture_dimension_2d as usize),
@@ -207,8 +221,8 @@ impl WindowSurface {
         let viewport = input.viewports.entry(input.viewport_id).or_default();
         viewport.native_pixels_per_point = Some(scale);
         self.egui.run_ui(input, |ui| {
-            for (id, rect) in &pictures {
-                ui.painter().image(*id, *rect, uv, Color32::WHITE);
+            for (id, rect, uv) in &pictures {
+                ui.painter().image(*id, *rect, *uv, Color32::WHITE);
             }
             words(ui.painter());
         })
@@ -217,7 +231,7 @@ impl WindowSurface {
     fn picture_id(&mut self, at: usize, picture: &wgpu::Texture) -> egui::TextureId {
         let nearest = wgpu::FilterMode::Nearest;
         let device = &self.gpu.device;
-        match &mut self.pictures[at] {
+        match self.pictures.get_mut(at) {
             Some((known, id)) if known == picture => *id,
             Some((known, id)) => {
                 let view = picture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -229,7 +243,7 @@ impl WindowSurface {
             None => {
                 let view = picture.create_view(&wgpu::TextureViewDescriptor::default());
                 let id = self.painter.register_native_texture(device, &view, nearest);
-                self.pictures[at] = Some((picture.clone(), id));
+                self.pictures.push((picture.clone(), id));
                 id
             }
         }

@@ -1,15 +1,17 @@
 //! What does the system's window tell, and what is done about it?
 
 mod input;
+pub(crate) mod panes;
 
 use crate::commands::view::log_file::LogFile;
 use crate::commands::view::looking::Looking;
 use crate::commands::view::ready::Ready;
 use crate::commands::view::ready::opening::{USUAL_SCREEN, open_sound, open_window};
 use crate::commands::view::screen::overlay;
-use crate::commands::view::screen::{self, Placed, Showing, WindowSurface};
+use crate::commands::view::screen::{self, Placed, PlacedPicture, Showing, WindowSurface};
 use crate::commands::view::script::PictureIs;
 use crate::commands::view::summary::Summary;
+use crate::commands::view::window::panes::PanePart;
 use crate::commands::view::window_player::{Begin, WindowPlayer, Wish};
 use anyhow::{Context, anyhow, bail};
 use foveal_core::session::session::SessionSettings;
@@ -174,7 +176,12 @@ impl Open {
     ) -> anyhow::Result<Self> {
         let args = &ready.args;
         let surface = ready.surface();
-        let window = open_window(&ready, args.view.eye_view(&surface)?.size, event_loop)?;
+        let panes = ready.panes();
+        let size = match &panes {
+            Some(panes) => panes.size(),
+            None => args.view.eye_view(&surface)?.size,
+        };
+        let window = open_window(&ready, size, event_loop)?;
         let screen = WindowSurface::open(instance, &window, waker(proxy))?;
         let config = ready.config()?;
         let device = DrawDevice::Gpu(screen.gpu().clone());
@@ -183,8 +190,8 @@ impl Open {
             policy: config,
             bytes_per_s: args.link.map(|link| link.bytes_per_s),
             since: Some(Seconds(0.0)),
-            zooms: true,
-            measures: true,
+            zooms: panes.is_none(),
+            measures: ready.in_scene(),
             bounds: ready.bounds(),
         };
         let length = ready.pack.content().timeline().length();
@@ -198,7 +205,8 @@ impl Open {
             once: args.once,
             paused: args.paused,
             eye: args.eye,
-            two_eyes: surface.eyes > 1,
+            two_eyes: surface.eyes > 1 && panes.is_none(),
+            panes,
         };
         let options = ready.live_options(settings);
         let live = LivePlayer::new(ready.pack.clone(), options, drawer, waker(proxy))?;
@@ -243,19 +251,21 @@ impl Open {
         if self.player.live.session().shown_tick().is_none() {
             bail!("nothing is there to be seen yet");
         }
-        let shown = self.player.shown(pane);
-        let marks = self.player.marks();
-        let mut whole: Option<RgbaImage> = None;
-        for eye in self.player.eyes() {
-            let view = EyeView {
-                eye: *eye,
-                ..shown.view
-            };
-            self.follow(&view)?;
-            let image = self.player.live.drawer().picture(&view, marks.as_ref())?;
-            let image = image.context("a window's pictures are drawn by a GPU")?;
-            whole = Some(whole.map_or(image.clone(), |left| left.beside(&image)));
+        let parts = self.player.parts(pane);
+        let mut images = Vec::new();
+        for part in &parts {
+            self.follow(&part.view)?;
+            let marks = self.player.marks(&part.view);
+            let drawer = self.player.live.drawer();
+            let image = drawer.picture(&part.view, marks.as_ref())?;
+            images.push(image.context("a window's pictures are drawn by a GPU")?);
         }
+        let whole = if self.player.has_panels() {
+            Some(laid_out(&parts, &images))
+        } else {
+            let images = images.into_iter();
+            images.reduce(|left, right| left.beside(&right))
+        };
         let whole = whole.context("a picture of no eye")?;
         crate::report::picture_file::write_png(path, &whole)
     }
@@ -352,24 +362,23 @@ impl Open {
         {
             return Ok(());
         }
-        let shown = self.player.shown(&pane);
-        let marks = self.player.marks();
+        let parts = self.player.parts(&pane);
         let mut pictures = Vec::new();
-        let eyes = self.player.eyes();
-        for (part, eye) in (0..).zip(eyes) {
-            let view = EyeView {
-                eye: *eye,
-                ..shown.view
-            };
-            self.follow(&view)?;
-            let picture = self.player.live.drawer().draw(&view, marks.as_ref())?;
+        for (number, part) in parts.iter().enumerate() {
+            self.follow(&part.view)?;
+            let marks = self.player.marks(&part.view);
+            let drawer = self.player.live.drawer();
+            let picture = drawer.draw(&part.view, marks.as_ref())?;
             let picture = picture.context("a window's pictures are drawn by a GPU")?;
             let mut picture = picture.clone();
-            if part + 1 < eyes.len() as u32 {
-                picture = self.screen.keep(&picture);
+            if number + 1 < parts.len() {
+                picture = self.screen.keep(number, &picture);
             }
-            let [left, top] = shown.origin;
-            pictures.push((picture, [left + part * pane.size[0], top]));
+            pictures.push(PlacedPicture {
+                picture,
+                origin: part.origin,
+                flips: part.flips,
+            });
         }
         let (told, message) = self.player.words(now);
         let placed = Placed {
@@ -405,6 +414,29 @@ impl Open {
         let times = [script, resizing, viewer, again];
         times.into_iter().flatten().reduce(f64::min)
     }
+}
+
+/// Pictures in their places, from the first column and row of any on; black between them.
+fn laid_out(parts: &[PanePart], images: &[RgbaImage]) -> RgbaImage {
+    let first = [0, 1].map(|k| parts.iter().map(|part| part.origin[k]).min().unwrap_or(0));
+    let end = |part: &PanePart, k: usize| part.origin[k] + part.view.size[k];
+    let last = [0, 1].map(|k| parts.iter().map(|part| end(part, k)).max().unwrap_or(1));
+    let mut whole = RgbaImage::black([0, 1].map(|k| last[k] - first[k]));
+    for (part, image) in parts.iter().zip(images) {
+        let [w, h] = image.size;
+        for y in 0..h {
+            for x in 0..w {
+                let flipped = |flips: bool, at: u32, side: u32| match flips {
+                    true => side - 1 - at,
+                    false => at,
+                };
+                let from = [flipped(part.flips[0], x, w), flipped(part.flips[1], y, h)];
+                let to = [part.origin[0] - first[0] + x, part.origin[1] - first[1] + y];
+                whole.set_pixel(to, image.pixel(from));
+            }
+        }
+    }
+    whole
 }
 
 /// Wakes the event loop from any thread.

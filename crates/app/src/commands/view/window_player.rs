@@ -10,6 +10,7 @@ use crate::commands::view::screen::words::{Page, Words};
 use crate::commands::view::sound::Sound;
 use crate::commands::view::sound::drift::Drift;
 use crate::commands::view::styles::restyled;
+use crate::commands::view::window::panes::{PanePart, RigPanes};
 use crate::options::policy::PolicyOptions;
 use crate::options::showing::EyeName;
 use anyhow::bail;
@@ -18,6 +19,7 @@ use foveal_core::perception::moment::Moment;
 use foveal_core::session::figures::MOST_DRAW_S;
 use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
 use foveal_core::units::Seconds;
+use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::keys::Action;
 use foveal_core::view::navigation::{Navigation, Pane, Shown};
 use foveal_core::view::surface::Eye;
@@ -46,6 +48,8 @@ pub(crate) struct Begin {
     pub(crate) eye: EyeName,
     /// Whether there is one for each eye.
     pub(crate) two_eyes: bool,
+    /// The panels that show it, where there is a rig.
+    pub(crate) panes: Option<RigPanes>,
 }
 
 /// A pack that plays in a window, with what is heard and said there.
@@ -66,6 +70,7 @@ pub(crate) struct WindowPlayer {
     pub(crate) drift: Drift,
     pub(super) eye: EyeName,
     pub(super) two_eyes: bool,
+    panes: Option<RigPanes>,
 }
 
 /// What only a window can do.
@@ -103,7 +108,12 @@ impl WindowPlayer {
             drift: Drift::new(),
             eye: begin.eye,
             two_eyes: begin.two_eyes,
+            panes: begin.panes,
         };
+        if let Some(panes) = &player.panes {
+            let panels = panes.mounted().to_vec();
+            player.live.session_mut().show_on(panels);
+        }
         player.viewer.begin(now);
         if !begin.paused {
             player.set_sound(now);
@@ -309,7 +319,8 @@ impl WindowPlayer {
     /// What selection is given, with the head turned to where it points.
     fn moment(&mut self, pane: &Pane, now: Seconds) -> Moment {
         let perception = &self.live.session().policy_in_use().perception;
-        let moment = self.looking.moment(now, &mut self.viewer, pane, perception);
+        let (viewer, panes) = (&mut self.viewer, self.panes.as_ref());
+        let moment = self.looking.moment(now, viewer, (pane, panes), perception);
         Moment {
             behind_sound: self.drift.last(),
             ..moment
@@ -360,9 +371,33 @@ impl WindowPlayer {
         self.viewer.moment().map(|moment| moment.gaze)
     }
 
-    /// What is drawn over the picture.
-    pub(crate) fn marks(&self) -> Option<Overlay> {
-        let fovea = self.viewer.fovea()?;
+    /// What is drawn where in the window: the picture of each eye, or of each panel.
+    pub(crate) fn parts(&self, pane: &Pane) -> Vec<PanePart> {
+        let shown = self.shown(pane);
+        if let Some(panes) = &self.panes {
+            let head = self.viewer.navigation.head();
+            return panes.parts(pane.size, head, shown.view.position);
+        }
+        let [left, top] = shown.origin;
+        let parts = (0..).zip(self.eyes()).map(|(part, eye)| PanePart {
+            view: EyeView {
+                eye: *eye,
+                ..shown.view
+            },
+            origin: [left + part * pane.size[0], top],
+            flips: [false; 2],
+        });
+        parts.collect()
+    }
+
+    /// Whether panels show it.
+    pub(crate) fn has_panels(&self) -> bool {
+        self.panes.is_some()
+    }
+
+    /// What is drawn over the picture of a view.
+    pub(crate) fn marks(&self, view: &EyeView) -> Option<Overlay> {
+        let fovea = self.viewer.fovea_in(view)?;
         let style = self.live.style();
         let marks = self.levels || self.borders;
         if !marks || style.samples || style.has_textures {

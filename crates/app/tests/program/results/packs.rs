@@ -101,6 +101,28 @@ fn a_pack_is_told_of_as_documented() {
     agrees("verify", &[&whole, &found]);
 }
 
+/// Three panels in a row.
+const THREE: &str = r#"
+format = "tiled-view/1"
+[[panel]]
+id = "L"
+eye = "left"
+pixels = [64, 48]
+pose = { order = "yaw-pitch-roll", yaw = -35 }
+size = [0.9, 0.675]
+[[panel]]
+id = "C"
+eye = "left"
+pixels = [64, 48]
+size = [0.9, 0.675]
+[[panel]]
+id = "R"
+eye = "left"
+pixels = [64, 48]
+pose = { order = "yaw-pitch-roll", yaw = 35 }
+size = [0.9, 0.675]
+"#;
+
 #[test]
 fn what_is_chosen_and_played_is_told_of_as_documented() {
     let folder = Folder::new();
@@ -112,7 +134,12 @@ fn what_is_chosen_and_played_is_told_of_as_documented() {
     let choose = ["select", "--projection", "cube", "--face-size", "256"];
     let one = json(&choose);
     let many = json(&[&choose[..], &["--random-gazes", "3"]].concat());
-    agrees("select", &[&one, &many]);
+    let rig = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/panels/six.toml"
+    );
+    let panels = json(&[&choose[..], &["--panels", rig]].concat());
+    agrees("select", &[&one, &many, &panels]);
     let play = [
         "simulate",
         &pack,
@@ -124,7 +151,10 @@ fn what_is_chosen_and_played_is_told_of_as_documented() {
         "none",
     ];
     let drawn = ["--renderer", "cpu", "--score"];
-    agrees("simulate", &[&json(&[&play[..], &drawn].concat())]);
+    let alone = json(&[&play[..], &drawn].concat());
+    let three = folder.holding("three.toml", THREE.as_bytes());
+    let on_panels = json(&[&play[..], &drawn, &["--panels", &three]].concat());
+    agrees("simulate", &[&alone, &on_panels]);
     let log = format!("{out}/session.jsonl");
     agrees("replay", &[&json(&["replay", &log, "--pack", &pack])]);
     // A pack that is still good stands in for the scene of 360°, which takes minutes to prepare.

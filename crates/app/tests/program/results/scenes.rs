@@ -53,18 +53,21 @@ fn a_scene_is_told_of_as_documented() {
         "0,0",
         "--frames",
         "2",
-        "--view",
-        "96x64",
-        "--fov",
-        "60",
         "--pictures",
         "none",
         "--renderer",
         "cpu",
     ];
-    let mut run = json(&[&play[..], &["--policy", "full", "--score"]].concat());
+    let view = ["--view", "96x64", "--fov", "60"];
+    let mut run = json(&[&play[..], &view, &["--policy", "full", "--score"]].concat());
     assert_eq!(run["error_all"], 0.0, "{run}");
     // Printed for one version more, under its new name as well.
     run["score"].as_object_mut().unwrap().remove("size");
-    agrees("run through a scene", &[&run]);
+    let rig = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/panels/three.toml"
+    );
+    let on_panels = json(&[&play[..], &["--panels", rig, "--eye", "both"]].concat());
+    assert!(on_panels["error_all"].is_null(), "{on_panels}");
+    agrees("run through a scene", &[&run, &on_panels]);
 }

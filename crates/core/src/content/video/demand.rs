@@ -7,9 +7,10 @@ use super::grid::places::SharedPlaces;
 use super::grid::tile_grid::TileGrid;
 use super::losses::LossMeter;
 use super::purchases::Purchases;
+use super::rules::known_acuity::KnownAcuity;
 use super::rules::steady::SteadySelector;
 use super::rules::target::TargetSelector;
-use super::rules::{Selection, places_hash};
+use super::rules::{Occasion, Selection, places_hash};
 use super::units::{UnknownUnits, VideoUnits};
 use super::worth::Worth;
 use crate::content::demand::{Chosen, Demand, Offer, Record};
@@ -46,10 +47,21 @@ enum Rule {
 }
 
 impl Rule {
-    fn select(&mut self, content: &dyn VideoUnits, frame: u32, glance: &Glance) -> Selection {
+    /// The level that each cell needs.
+    fn needed(
+        &mut self,
+        content: &dyn VideoUnits,
+        (frame, glance): (u32, &Glance),
+        known: &mut KnownAcuity,
+    ) -> LevelMap {
+        let occasion = Occasion {
+            content: Some(content),
+            frame,
+            glance,
+        };
         match self {
-            Self::Steady(selector) => selector.select(Some(content), frame, glance),
-            Self::Target(selector) => selector.select(content, frame, glance),
+            Self::Steady(selector) => selector.needed(&occasion, known),
+            Self::Target(selector) => selector.needed(content, (frame, glance), known),
         }
     }
 
@@ -170,20 +182,25 @@ impl Demand for VideoDemand {
             self.rules.resize_with(views, || anew.clone());
         }
         let rules = self.rules.iter_mut().zip(moment.glances());
+        let mut known = KnownAcuity::default();
+        let (grid, covers_each) = (&self.grid, !self.config.together);
         let through_each = rules.map(|(rule, glance)| {
             let glance = glance.on_surface();
-            rule.select(&*self.content, frame, &glance)
+            let mut levels = rule.needed(&*self.content, (frame, &glance), &mut known);
+            if covers_each && views > 1 {
+                let _ = levels.cover(grid);
+            }
+            levels
         });
-        let both = through_each.reduce(|mut both, one| {
-            both.levels.refine_to(&one.levels);
-            both
+        let finest = through_each.reduce(|mut finest, one| {
+            finest.refine_to(&one);
+            finest
         });
-        let Some(mut selection) = both else {
+        let Some(mut levels) = finest else {
             return Chosen::default();
         };
-        if views > 1 {
-            selection.tiles = selection.levels.cover(&self.grid);
-        }
+        let tiles = levels.cover(grid);
+        let selection = Selection { levels, tiles };
         self.chosen(frame, moment, selection)
     }
 

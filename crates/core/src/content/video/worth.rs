@@ -36,7 +36,8 @@ impl Gains {
     }
 
     /// What each step is worth through the view that it is worth most to.
-    pub(crate) fn highest(views: Vec<Self>) -> Self {
+    #[must_use]
+    pub fn highest(views: Vec<Self>) -> Self {
         let mut views = views.into_iter();
         let first = views.next().unwrap_or(Self {
             cells: 0,

@@ -5,6 +5,7 @@ use crate::content::policy::Policy;
 use crate::content::scripted::scripted_demand;
 use crate::content::video::demand::VideoDemand;
 use crate::session::scripted::{scripted_session, scripted_sessions, scripted_sessions_over};
+use crate::view::panel::tests::sets::six;
 use crate::view::surface::{Screen, Surface};
 
 /// A short run under a policy that is a rule.
@@ -68,6 +69,61 @@ fn a_run_through_several_views_replays_to_the_same_text() {
     // The second view looks where the first does not.
     let alone = flat_session(Policy::Viewport);
     assert_ne!(through_both.frames[0].sha256, alone.frames[0].sha256);
+}
+
+/// Six panels, turned through a run of any policy.
+fn session_on_panels(policy: Policy) -> SessionLogPart {
+    let config = PolicyConfig {
+        together: true,
+        ..PolicyConfig::new(policy)
+    };
+    let alone = scripted_session(Surface::cube(1024), config);
+    let panels: Vec<MountedPanel> = six().iter().map(MountedPanel::of).collect();
+    let head = alone.head.clone().on_panels(&panels);
+    let through_all = |frame: &SessionFrame| {
+        let roll = Radians(0.1 * f64::from(frame.frame));
+        SessionFrame {
+            head: HeadPose { roll, ..frame.head },
+            ..frame.clone()
+        }
+    };
+    let frames = alone.frames.iter().map(through_all).collect();
+    let asked = SessionLogPart { head, frames };
+    asked.replay(&|_, head, config| scripted_demand(head, config))
+}
+
+#[test]
+fn a_run_on_six_panels_replays_to_the_same_text() {
+    for policy in [Policy::Viewport, Policy::Acuity, Policy::Eccentricity] {
+        let session = session_on_panels(policy);
+        let text = session.write();
+        let read = SessionLogPart::parse(&text).unwrap();
+        assert_eq!(read, session);
+        let again = read.replay(&|_, head, config| scripted_demand(head, config));
+        assert_eq!(again.write(), text);
+        assert!(!text.contains("more_poses"));
+        assert_eq!(read.frames[2].moment(&read.head).views.len(), 6);
+    }
+}
+
+#[test]
+fn panels_of_a_log_that_nothing_is_seen_through_are_refused() {
+    let text = session_on_panels(Policy::Viewport).write();
+    let view =
+        "{\"field\":{\"left\":1,\"right\":1,\"up\":1,\"down\":1},\"size\":[1,1],\"eye\":\"left\"}";
+    let beside = format!("\"more_views\":[{view}],\"panels\":[");
+    let right = "\"r0c0\",\"right\":[";
+    let bent = "\"r0c0\",\"right\":[9,0,0],\"x\":[";
+    for (was, is, told) in [
+        ("[800,600]}]", "[800,0]}]", "panels, r1c2: size"),
+        (right, bent, "r0c0: right"),
+        ("\"panels\":[", beside.as_str(), "more_views: expected none"),
+    ] {
+        let changed = text.replacen(was, is, 1);
+        assert_ne!(changed, text, "{was}");
+        let error = SessionLogPart::parse(&changed).unwrap_err().to_string();
+        assert!(error.contains(told), "{error}");
+    }
 }
 
 #[test]

@@ -9,6 +9,7 @@ use crate::perception::moment::Moment;
 use crate::session::log::SessionHead;
 use crate::session::unit_states::{Piece, UnitStates};
 use crate::units::Seconds;
+use crate::view::mounted::MountedPanel;
 use crate::view::timeline::Timeline;
 use std::sync::Arc;
 
@@ -49,6 +50,12 @@ impl Session {
     /// What is spent counts from here, by the clock of gazes.
     pub fn begin_at(&mut self, time: Seconds) {
         self.run.begin_at(time);
+    }
+
+    /// Every moment is seen through these panels, turned with its head: as
+    /// [`MountedPanel::views`] tells. To be said before anything is chosen.
+    pub fn show_on(&mut self, panels: Vec<MountedPanel>) {
+        self.run.show_on(panels);
     }
 
     /// The score that what was chosen last is expected to have against every finest unit, in JOD,

@@ -19,4 +19,4 @@ mod samples;
 pub mod seed;
 pub mod share;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -1,9 +1,10 @@
 //! Where do panels look, at enough of their places to place a source by?
 
 use super::distortion::{Distortion, GREEN};
-use super::pixel_map::PanelRay;
+use super::pixel_map::{PanelRay, singular_values};
 use super::rig::Panel;
 use crate::view::axes::{angle_between, direction_at};
+use crate::view::eye_view::{EyeView, Field};
 use glam::DVec3;
 
 /// Steps of pattern searches begin at this many radians (6°) and end below the last (0.001°).
@@ -164,4 +165,63 @@ pub(super) fn search(
         }
     }
     Some(best)
+}
+
+impl Panel {
+    /// The flat view in which everything lies that the panel shows through its optics, nowhere less
+    /// dense than the panel: itself where nothing is bent.
+    #[must_use]
+    pub fn reach(&self) -> EyeView {
+        const STEPS: u32 = 32;
+        /// Nothing is denser than this many pixels of it in one, on a side.
+        const LEAST_SIGMA: f64 = 0.1;
+        /// A view of more has no more to show.
+        const MOST_PIXELS: f64 = 65_536.0;
+        if self.distortion.is_none() {
+            return self.view;
+        }
+        let size = self.view.size.map(f64::from);
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        let mut finest: f64 = 1.0;
+        for step in 0..(STEPS + 1) * (STEPS + 1) {
+            let at = [step % (STEPS + 1), step / (STEPS + 1)];
+            let place = [0, 1].map(|k| size[k] * f64::from(at[k]) / f64::from(STEPS));
+            for channel in 0..3 {
+                let Some(bent) = self.distortion.ideal(&self.view, place, channel) else {
+                    continue;
+                };
+                for k in 0..2 {
+                    low[k] = low[k].min(bent.place[k]);
+                    high[k] = high[k].max(bent.place[k]);
+                }
+                let [[a, b], [c, d]] = bent.jacobian;
+                // The singular value that shrinks most: a pixel seen is that much of an ideal one.
+                let least = singular_values([[a, b], [c, d]])[1];
+                finest = finest.min(least.max(LEAST_SIGMA));
+            }
+        }
+        if !(low[0] < high[0] && low[1] < high[1]) {
+            return self.view;
+        }
+        let field = self.view.field;
+        let pitch = [
+            (field.left + field.right) / size[0],
+            (field.up + field.down) / size[1],
+        ];
+        // Between two steps a lens bulges by less than a step.
+        let beyond = [0, 1].map(|k| (high[k] - low[k]) / f64::from(STEPS));
+        let [left, up] = [0, 1].map(|k| low[k] - beyond[k]);
+        let [right, down] = [0, 1].map(|k| high[k] + beyond[k]);
+        let pixels = |from: f64, to: f64| libm::ceil((to - from) / finest).clamp(1.0, MOST_PIXELS);
+        EyeView {
+            field: Field::of([
+                field.left - left * pitch[0],
+                right * pitch[0] - field.left,
+                field.up - up * pitch[1],
+                down * pitch[1] - field.up,
+            ]),
+            size: [pixels(left, right) as u32, pixels(up, down) as u32],
+            ..self.view
+        }
+    }
 }

@@ -3,7 +3,7 @@
 pub(crate) mod args;
 mod device;
 pub(crate) mod laid;
-mod sent;
+pub(crate) mod sent;
 pub(crate) mod source;
 mod window;
 

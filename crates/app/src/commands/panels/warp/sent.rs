@@ -5,15 +5,15 @@ use foveal_render::RgbaImage;
 use glam::DVec3;
 
 /// The surfaces of a rig, side by side in one atlas.
-pub(super) struct SentLayout {
+pub(crate) struct SentLayout {
     /// First column and row of each panel.
-    pub(super) origins: Vec<[u32; 2]>,
+    pub(crate) origins: Vec<[u32; 2]>,
     /// Name, first column, width and height of each surface.
     surfaces: Vec<(String, u32, [u32; 2])>,
 }
 
 impl SentLayout {
-    pub(super) fn of(panels: &[&Panel]) -> Self {
+    pub(crate) fn of(panels: &[&Panel]) -> Self {
         let mut sizes: Vec<(String, [u32; 2])> = Vec::new();
         for panel in panels {
             let name = &panel.output.surface;

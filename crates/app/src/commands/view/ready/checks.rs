@@ -1,12 +1,14 @@
 //! Which options does a pack of a kind take?
 
 use crate::commands::view::args::ViewArgs;
+use crate::options::panels::{SAMPLES_ONE_VIEW, screen_before};
 use crate::options::policy::{PolicyOptions, check_thresholds};
 use crate::options::showing::InterpolationName;
 use crate::report::output::WrongUsage;
 use anyhow::bail;
 use foveal_core::content::policy::Policy;
 use foveal_core::content::scene::demand::why_not;
+use foveal_core::view::panel::rig::Panel;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
 use foveal_play::LivePack;
@@ -20,6 +22,24 @@ pub(super) fn open_pack(args: &ViewArgs) -> anyhow::Result<LivePack> {
     let file = Arc::new(PackFile::open(&args.pack)?);
     let video = file.video(args.view.screen)?;
     Ok(LivePack::Video(file, video))
+}
+
+/// These options with those that panels stand for.
+pub(super) fn before(args: &ViewArgs, panels: Option<&[Panel]>) -> anyhow::Result<ViewArgs> {
+    let mut with = args.clone();
+    let Some(panels) = panels else {
+        return Ok(with);
+    };
+    if args.policy.policy == Some(Policy::Sampled) {
+        bail!(WrongUsage(SAMPLES_ONE_VIEW.to_owned()));
+    }
+    if !is_scene_pack(&args.pack) {
+        let file = PackFile::open(&args.pack)?;
+        if let Some(shape) = file.pack().description().flat_shape() {
+            with.view.screen = screen_before(panels, shape)?;
+        }
+    }
+    Ok(with)
 }
 
 /// The policy that was asked for, or the usual one of this kind.

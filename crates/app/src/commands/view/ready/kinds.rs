@@ -2,12 +2,15 @@
 
 use crate::commands::view::ready::Ready;
 use crate::commands::view::ready::opening::usable;
+use crate::commands::view::window::panes::RigPanes;
+use crate::options::panels::around_the_head;
 use crate::options::showing::InterpolationName;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::session::bounds::Bounds;
 use foveal_core::units::Radians;
+use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::navigation::Navigation;
-use foveal_core::view::surface::Surface;
+use foveal_core::view::surface::{Projection, Surface};
 use foveal_play::LivePack;
 use foveal_render::{DrawDevice, Drawer, RenderError, TileStyle};
 
@@ -32,6 +35,17 @@ impl Ready {
             }
             LivePack::Scene(_) => Surface::cube(AROUND),
         }
+    }
+
+    /// Where its panels lie in the window, where there are any.
+    pub(in crate::commands::view) fn panes(&self) -> Option<RigPanes> {
+        let panels = self.panels.as_ref()?;
+        let mounted = match self.in_scene() {
+            true => panels.iter().map(MountedPanel::of).collect(),
+            false => around_the_head(panels),
+        };
+        let turns = self.surface().projection == Projection::Cube;
+        Some(RigPanes::new(panels, mounted, turns))
     }
 
     /// Where a viewer begins.

@@ -244,6 +244,13 @@ impl Description {
         }
     }
 
+    /// Width and height of flat content as it is to be shown, in units of their own.
+    #[must_use]
+    pub fn flat_shape(&self) -> Option<[u32; 2]> {
+        let side = |k: usize| self.size[k].saturating_mul(self.pixel_aspect[k]);
+        (self.projection == Projection::Flat).then(|| [side(0), side(1)])
+    }
+
     /// Whether it is a picture: of one frame there is no time.
     pub fn is_still(&self) -> bool {
         self.frames == 1

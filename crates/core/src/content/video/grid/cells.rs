@@ -18,9 +18,13 @@ const PROBES: u32 = 9;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellBounds {
     pub(crate) cell: Tile,
-    centre: DVec3,
-    /// Angle from the centre to the farthest corner.
+    /// Its middle, one of the places that it is probed at.
+    middle: Probe,
+    /// Its corners, which are probed too.
+    corners: [Probe; 4],
+    /// Angle from the centre to the farthest corner, and its sine, of a quarter turn at most.
     radius: Radians,
+    sine: f64,
     /// Least density in the cell.
     ppd: Ppd,
 }
@@ -35,7 +39,8 @@ pub(crate) struct Probe {
 impl CellBounds {
     pub(crate) fn new(grid: &TileGrid, cell: Tile) -> Self {
         let middle = PROBES / 2;
-        let centre = probe(grid, cell, [middle, middle]).direction;
+        let middle = probe(grid, cell, [middle, middle]);
+        let centre = middle.direction;
         let (mut radius, mut ppd) = (Radians(0.0), Ppd(f64::MAX));
         for probe in probes(grid, cell) {
             let angle = angle_between(centre, probe.direction);
@@ -44,25 +49,41 @@ impl CellBounds {
         }
         Self {
             cell,
-            centre,
+            middle,
+            corners: corners(grid, cell),
             radius,
+            sine: libm::sin(radius.0.min(core::f64::consts::FRAC_PI_2)),
             ppd,
         }
     }
 
     /// Whether no place of it is in sight.
     pub(crate) fn is_beyond(&self, sight: &Frustum) -> bool {
-        sight.is_missed_by(self.centre, self.radius)
+        let centre = self.middle.direction;
+        let surely = sight.is_surely_missed(centre, self.sine);
+        surely.unwrap_or_else(|| sight.is_missed_by(centre, self.radius))
+            // A cell lies within its corners.
+            || sight.is_missed_between(self.corners.map(|corner| corner.direction))
+    }
+
+    /// Its corners, as they are probed.
+    pub(crate) fn corners(&self) -> &[Probe; 4] {
+        &self.corners
+    }
+
+    /// Its middle, as it is probed.
+    pub(crate) fn middle(&self) -> &Probe {
+        &self.middle
     }
 
     /// The direction of its middle.
     pub(crate) fn centre(&self) -> DVec3 {
-        self.centre
+        self.middle.direction
     }
 
     /// Least eccentricity that any place of the cell can have.
     pub(crate) fn least_eccentricity(&self, gaze: DVec3) -> Radians {
-        Radians((angle_between(gaze, self.centre).0 - self.radius.0).max(0.0))
+        Radians((angle_between(gaze, self.middle.direction).0 - self.radius.0).max(0.0))
     }
 
     /// How much nearer to the gaze another probe can be than the one called nearest: cosines of
@@ -109,8 +130,7 @@ pub(crate) fn probes(grid: &TileGrid, cell: Tile) -> impl Iterator<Item = Probe>
     steps().map(move |step| probe(grid, cell, step))
 }
 
-/// The probes at the corners of a cell.
-pub(crate) fn corners(grid: &TileGrid, cell: Tile) -> [Probe; 4] {
+fn corners(grid: &TileGrid, cell: Tile) -> [Probe; 4] {
     const LAST: u32 = PROBES - 1;
     [[0, 0], [LAST, 0], [0, LAST], [LAST, LAST]].map(|step| probe(grid, cell, step))
 }

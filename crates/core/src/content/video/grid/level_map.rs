@@ -28,6 +28,11 @@ impl LevelMap {
         }
     }
 
+    /// These levels, by rank of the left eye's cell; one for each.
+    pub(crate) fn by_rank(levels: Vec<u8>) -> Self {
+        Self { levels }
+    }
+
     /// Levels by rank of the left eye's cell.
     #[must_use]
     pub fn levels(&self) -> &[u8] {

@@ -3,7 +3,7 @@
 //! The answer is that of all its probes. Most cells need not be probed: they are out of sight, or
 //! one probe needs the finest level that any place of the cell could.
 
-use crate::content::video::grid::cells::{CellBounds, Probe, corners, level_of_footprint, probes};
+use crate::content::video::grid::cells::{CellBounds, Probe, level_of_footprint, probes};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::rules::Rules;
 use crate::perception::glance::Glance;
@@ -21,7 +21,7 @@ impl Rules {
         let sight = self.sight(view);
         let mut cells = self.cells.iter();
         let mut levels = LevelMap::from_cells(&self.grid, |_| {
-            let level = |bounds| self.shown_level(bounds, view, &sight);
+            let level = |bounds| self.shown_level(bounds, view, &sight, 0);
             cells.next().map_or(self.grid.coarsest(), level)
         });
         self.refine_under(view, &mut levels, |probe| self.level_shown(view, probe));
@@ -33,23 +33,38 @@ impl Rules {
         Frustum::new(view, Radians(self.config.margin.0.max(self.grid.fade().0)))
     }
 
-    fn level_shown(&self, view: &EyeView, probe: &Probe) -> u8 {
+    pub(super) fn level_shown(&self, view: &EyeView, probe: &Probe) -> u8 {
         level_of_footprint(&self.grid, view.footprint(probe.ppd, probe.direction))
     }
 
-    /// The level at which the display shows no more of a cell.
-    pub(super) fn shown_level(&self, bounds: &CellBounds, view: &EyeView, sight: &Frustum) -> u8 {
+    /// The level at which the display shows no more of a cell; any level up to `enough` where that
+    /// is as fine.
+    pub(super) fn shown_level(
+        &self,
+        bounds: &CellBounds,
+        view: &EyeView,
+        sight: &Frustum,
+        enough: u8,
+    ) -> u8 {
         if bounds.is_beyond(sight) {
             return self.grid.coarsest();
         }
-        let corners = corners(&self.grid, bounds.cell);
-        let floor = level_of_footprint(&self.grid, least_footprint(view, &corners));
+        let corners = bounds.corners();
+        let floor = level_of_footprint(&self.grid, least_footprint(view, corners));
+        let stop = floor.max(enough);
         let finest = |probes: &mut dyn Iterator<Item = Probe>| {
-            let seen = probes.filter(|probe| sight.reaches(probe.direction));
-            seen.map(|probe| self.level_shown(view, &probe)).min()
+            let mut finest = None;
+            for probe in probes.filter(|probe| sight.reaches(probe.direction)) {
+                let level = self.level_shown(view, &probe);
+                finest = Some(finest.map_or(level, |finest: u8| finest.min(level)));
+                if level <= stop {
+                    break;
+                }
+            }
+            finest
         };
-        match finest(&mut corners.into_iter()) {
-            Some(level) if level == floor => level,
+        match finest(&mut corners.iter().copied()) {
+            Some(level) if level <= stop => level,
             _ => finest(&mut probes(&self.grid, bounds.cell)).unwrap_or(self.grid.coarsest()),
         }
     }
@@ -84,7 +99,7 @@ impl Rules {
     /// On planes, as faces and pictures are, a cell lies within its corners, and so do the angles
     /// at which it appears.
     fn magnified_floor(&self, bounds: &CellBounds, view: &EyeView, glance: &Glance) -> u8 {
-        let corners = corners(&self.grid, bounds.cell);
+        let corners = bounds.corners();
         let Some(gaze) = view.seen_direction(glance.gaze.gaze_in_content) else {
             return self.grid.coarsest();
         };
@@ -92,14 +107,14 @@ impl Rules {
             return 0;
         };
         let mut radius = Radians(0.0);
-        for corner in &corners {
+        for corner in corners {
             match view.seen_direction(corner.direction) {
                 Some(seen) => radius = Radians(radius.0.max(angle_between(centre, seen).0)),
                 None => return 0,
             }
         }
         let nearest = Radians((angle_between(gaze, centre).0 - radius.0 - ROUNDING).max(0.0));
-        let shown = least_footprint(view, &corners);
+        let shown = least_footprint(view, corners);
         let ppd = shown * view.as_seen().least_ppd().0;
         let beyond = self.beyond_disc(nearest, &glance.gaze);
         let footprint = shown.max(ppd / (2.0 * self.config.acuity.best_acuity(beyond).0));

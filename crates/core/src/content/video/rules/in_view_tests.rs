@@ -83,7 +83,7 @@ fn what_is_in_view_is_as_fine_as_its_finest_probe() {
                         level_of_footprint(&grid, view.footprint(probe.ppd, probe.direction))
                     })
                     .min();
-                let found = selector.shown_level(bounds, &view, &sight);
+                let found = selector.shown_level(bounds, &view, &sight, 0);
                 let expected = reached.unwrap_or(grid.coarsest());
                 assert_eq!(found, expected, "{bounds:?} {view:?}");
                 seen += u32::from(reached.is_some());

@@ -8,6 +8,7 @@ use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::neighbours::neighbours;
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::content::video::rules::distance::{acuity_thresholds, angle_to_cell, distance_levels};
+use crate::content::video::rules::known_acuity::KnownAcuity;
 use crate::content::video::units::VideoUnits;
 use crate::gaze::sample::GazeSample;
 use crate::perception::acuity::AcuityModel;
@@ -15,14 +16,15 @@ use crate::perception::glance::Glance;
 use crate::units::{Ppd, Radians};
 use crate::view::axes::{angle_between, direction_between};
 use crate::view::eye_view::EyeView;
-use crate::view::frustum::Frustum;
 use crate::view::surface::Projection;
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 
 pub mod distance;
+pub(crate) mod known_acuity;
 pub mod steady;
 pub mod target;
+mod together;
 
 /// What was chosen for one frame: the same for both eyes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,6 +33,17 @@ pub struct Selection {
     pub levels: LevelMap,
     /// The tiles that takes, coarsest first.
     pub tiles: Vec<Tile>,
+}
+
+/// What a choice is made for.
+#[derive(Clone, Copy)]
+pub(crate) struct Occasion<'a> {
+    /// What is shown, where a rule asks it.
+    pub(crate) content: Option<&'a dyn VideoUnits>,
+    /// Its frame.
+    pub(crate) frame: u32,
+    /// Who looks, through one view.
+    pub(crate) glance: &'a Glance,
 }
 
 /// SHA-256 of the places of tiles, in hexadecimal: what a log keeps of them.
@@ -108,27 +121,36 @@ impl Rules {
         frame: u32,
         glance: &Glance,
     ) -> Selection {
-        let mut levels = self.levels_of(content, frame, glance, |_| true);
+        let occasion = Occasion {
+            content,
+            frame,
+            glance,
+        };
+        let mut levels = self.levels_of(&occasion, &mut KnownAcuity::default(), |_| true);
         let tiles = levels.cover(&self.grid);
         Selection { levels, tiles }
     }
 
     /// The level that each cell needs; the tiles that show it may be finer. Cells whose rank is not
-    /// `asked` for may get any level.
+    /// `asked` for may get any level. What is found of the eye's acuity is kept for other views.
     pub(crate) fn levels_of(
         &self,
-        content: Option<&dyn VideoUnits>,
-        frame: u32,
-        glance: &Glance,
+        occasion: &Occasion<'_>,
+        known: &mut KnownAcuity,
         asked: impl Fn(usize) -> bool,
     ) -> LevelMap {
+        let Occasion {
+            content,
+            frame,
+            glance,
+        } = *occasion;
         match self.config.policy {
             Policy::Full => LevelMap::filled(&self.grid, 0),
             Policy::Coarsest => LevelMap::filled(&self.grid, self.grid.coarsest()),
             Policy::Viewport => self.viewport(glance),
             Policy::Grid => self.kastner_grid(content, frame, &glance.gaze),
             Policy::Distance | Policy::Sampled => self.by_distance(glance),
-            Policy::Acuity => self.acuity(glance, asked),
+            Policy::Acuity => self.acuity(glance, known, asked),
             Policy::Uniform | Policy::Eccentricity | Policy::Perceptual => {
                 panic!(
                     "{:?} spends a budget: a Refiner chooses",
@@ -222,40 +244,6 @@ impl Rules {
                 cells
             }
         }
-    }
-
-    fn acuity(&self, glance: &Glance, asked: impl Fn(usize) -> bool) -> LevelMap {
-        let mut cells = self.cells.iter().enumerate();
-        let sight = glance.view.as_ref().map(|view| (view, self.sight(view)));
-        let mut levels = LevelMap::from_cells(&self.grid, |_| match cells.next() {
-            Some((rank, bounds)) if asked(rank) => {
-                let level = self.acuity_level(bounds, glance);
-                match &sight {
-                    Some(sight) if !glance.is_magnified() => {
-                        level.max(self.most_shown(bounds, glance, sight))
-                    }
-                    _ => level,
-                }
-            }
-            _ => self.grid.coarsest(),
-        });
-        if let Some(view) = &glance.view {
-            self.refine_under(view, &mut levels, |probe| self.allowed_level(glance, probe));
-        }
-        levels
-    }
-
-    /// The finest level of a cell that `viewport` would show; the safety disc is exempt.
-    fn most_shown(
-        &self,
-        bounds: &CellBounds,
-        glance: &Glance,
-        (view, sight): &(&EyeView, Frustum),
-    ) -> u8 {
-        let nearest = bounds.least_eccentricity(glance.gaze.gaze_in_content);
-        let disc = self.disc_footprint(nearest, bounds.least_ppd());
-        let shown = self.shown_level(bounds, view, sight);
-        shown.min(level_of_footprint(&self.grid, disc))
     }
 
     fn acuity_level(&self, bounds: &CellBounds, glance: &Glance) -> u8 {
@@ -380,3 +368,5 @@ mod in_view;
 mod in_view_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod together_tests;

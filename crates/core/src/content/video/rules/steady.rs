@@ -8,7 +8,8 @@
 use crate::content::policy::PolicyConfig;
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::tile_grid::TileGrid;
-use crate::content::video::rules::{Rules, Selection};
+use crate::content::video::rules::known_acuity::KnownAcuity;
+use crate::content::video::rules::{Occasion, Rules, Selection};
 use crate::content::video::units::VideoUnits;
 use crate::perception::acuity::AcuityModel;
 use crate::perception::glance::Glance;
@@ -69,17 +70,32 @@ impl SteadySelector {
         frame: u32,
         glance: &Glance,
     ) -> Selection {
+        let occasion = Occasion {
+            content,
+            frame,
+            glance,
+        };
+        let mut levels = self.needed(&occasion, &mut KnownAcuity::default());
+        let tiles = levels.cover(self.exact.grid());
+        Selection { levels, tiles }
+    }
+
+    /// The level that each cell then needs; what is found of the eye's acuity is kept for other
+    /// views.
+    pub(crate) fn needed(&mut self, occasion: &Occasion<'_>, known: &mut KnownAcuity) -> LevelMap {
         let grid = *self.exact.grid();
-        let mut levels = self.exact.levels_of(content, frame, glance, |_| true);
+        let mut levels = self.exact.levels_of(occasion, known, |_| true);
         if self.slack.0 > 0.0 {
             if let Some(before) = &self.before {
-                let mut stray = *glance;
+                let mut stray = *occasion.glance;
                 stray.gaze.spread = Radians(stray.gaze.spread.0 + self.slack.0);
                 let [was, is] = [before, &levels].map(LevelMap::levels);
                 let coarser: Vec<bool> = was.iter().zip(is).map(|(was, is)| was < is).collect();
-                let enough = self
-                    .loose
-                    .levels_of(content, frame, &stray, |rank| coarser[rank]);
+                let strays = Occasion {
+                    glance: &stray,
+                    ..*occasion
+                };
+                let enough = self.loose.levels_of(&strays, known, |rank| coarser[rank]);
                 for (rank, _) in (0..).zip(&coarser).filter(|(_, coarser)| **coarser) {
                     let cell = grid.tile_at(0, rank);
                     let kept = before.level(&grid, cell).max(enough.level(&grid, cell));
@@ -88,8 +104,7 @@ impl SteadySelector {
             }
             self.before = Some(levels.clone());
         }
-        let tiles = levels.cover(&grid);
-        Selection { levels, tiles }
+        levels
     }
 }
 
@@ -208,7 +223,12 @@ mod tests {
             let grid = sphere();
             let _ = steady.select(None, 0, &glance([0.0; 2], [0.0; 2]));
             let far = glance([150.0, 10.0], [150.0, 10.0]);
-            let needed = rule.levels_of(None, 0, &far, |_| true);
+            let occasion = Occasion {
+                content: None,
+                frame: 0,
+                glance: &far,
+            };
+            let needed = rule.levels_of(&occasion, &mut KnownAcuity::default(), |_| true);
             let jumped = steady.select(None, 0, &far);
             for cell in grid.tiles_of(0) {
                 assert!(jumped.levels.level(&grid, cell) <= needed.level(&grid, cell));

@@ -9,8 +9,9 @@ use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::losses::{LossMeter, Losses};
-use crate::content::video::rules::Selection;
+use crate::content::video::rules::known_acuity::KnownAcuity;
 use crate::content::video::rules::steady::SteadySelector;
+use crate::content::video::rules::{Occasion, Selection};
 use crate::content::video::units::VideoUnits;
 use crate::pack::unit::UnitId;
 use crate::perception::acuity::AcuityModel;
@@ -65,7 +66,7 @@ struct Chosen {
     /// A unit of the group that it was chosen for.
     group: UnitId,
     step: u32,
-    selection: Selection,
+    needed: LevelMap,
 }
 
 impl TargetSelector {
@@ -109,6 +110,24 @@ impl TargetSelector {
 
     /// The choice for one glance, after those before.
     pub fn select(&mut self, content: &dyn VideoUnits, frame: u32, glance: &Glance) -> Selection {
+        let mut levels = self.needed(content, (frame, glance), &mut KnownAcuity::default());
+        let tiles = levels.cover(&self.grid);
+        Selection { levels, tiles }
+    }
+
+    /// The level that each cell then needs; what is found of the eye's acuity is kept for other
+    /// views.
+    pub(crate) fn needed(
+        &mut self,
+        content: &dyn VideoUnits,
+        (frame, glance): (u32, &Glance),
+        known: &mut KnownAcuity,
+    ) -> LevelMap {
+        let occasion = Occasion {
+            content: Some(content),
+            frame,
+            glance,
+        };
         let group = content.unit(self.grid.tile_at(0, 0), frame);
         let of_group = self.before.as_ref().filter(|before| before.group == group);
         let still = self.before.as_ref();
@@ -116,22 +135,22 @@ impl TargetSelector {
         if let Some(before) = of_group {
             match &mut self.rule {
                 Some(rule) if keeps_slope(&before.glance, glance) => {
-                    return rule.select(Some(content), frame, glance);
+                    return rule.needed(&occasion, known);
                 }
-                None if still.is_some() => return before.selection.clone(),
+                None if still.is_some() => return before.needed.clone(),
                 _ => {}
             }
         }
         // An eye that trembles is taken to look where it did before.
         let looked = still.map_or(*glance, |before| before.glance);
         let losses = self.meter.losses(&self.grid, content, frame, &looked);
-        let (step, selection) = match self.rule.take() {
+        let (step, needed) = match self.rule.take() {
             Some(mut rule) => {
-                let step = self.slope(&rule, &losses, &looked);
+                let step = self.slope(&rule, &losses, &looked, known);
                 rule.set_acuity(slope_of(self.target, step));
-                let selection = rule.select(Some(content), frame, glance);
+                let needed = rule.needed(&occasion, known);
                 self.rule = Some(rule);
-                (step, selection)
+                (step, needed)
             }
             None => self.by_bound(&losses),
         };
@@ -139,9 +158,9 @@ impl TargetSelector {
             glance: looked,
             group,
             step,
-            selection: selection.clone(),
+            needed: needed.clone(),
         });
-        selection
+        needed
     }
 
     /// Whether what was chosen still serves.
@@ -154,25 +173,41 @@ impl TargetSelector {
     }
 
     /// The slope by which acuity falls off.
-    fn slope(&self, rule: &SteadySelector, losses: &Losses, glance: &Glance) -> u32 {
+    fn slope(
+        &self,
+        rule: &SteadySelector,
+        losses: &Losses,
+        glance: &Glance,
+        known: &mut KnownAcuity,
+    ) -> u32 {
         let mut exact = rule.exact().clone();
+        let occasion = Occasion {
+            content: None,
+            frame: 0,
+            glance,
+        };
         self.largest(SLOPES, |step| {
             exact.set_acuity(slope_of(self.target, step));
-            Expectation::Elsewise.jod(losses.pooled(&exact.select(glance).levels))
+            let mut levels = exact.levels_of(&occasion, known, |_| true);
+            let _ = levels.cover(&self.grid);
+            Expectation::Elsewise.jod(losses.pooled(&levels))
         })
     }
 
     /// Every cell takes the coarsest level whose loss stays within a bound.
-    fn by_bound(&self, losses: &Losses) -> (u32, Selection) {
+    fn by_bound(&self, losses: &Losses) -> (u32, LevelMap) {
         let step = self.largest(2 * BOUNDS, |step| {
             let mut levels = self.bounded(losses, bound_of(self.target, step), None);
             let _ = levels.cover(&self.grid);
             Expectation::ByLoss.jod(losses.pooled(&levels))
         });
-        let before = self.before.as_ref().map(|before| &before.selection.levels);
-        let mut levels = self.bounded(losses, bound_of(self.target, step), before);
-        let tiles = levels.cover(&self.grid);
-        (step, Selection { levels, tiles })
+        let before = self.before.as_ref().map(|before| {
+            let mut shown = before.needed.clone();
+            let _ = shown.cover(&self.grid);
+            shown
+        });
+        let bound = bound_of(self.target, step);
+        (step, self.bounded(losses, bound, before.as_ref()))
     }
 
     /// Levels within a bound; a cell that was finer becomes coarser only when that is clearly

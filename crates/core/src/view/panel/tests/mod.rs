@@ -2,4 +2,4 @@
 
 mod goldens;
 mod properties;
-mod sets;
+pub(crate) mod sets;

@@ -8,7 +8,7 @@ use crate::view::surface::Eye;
 use glam::DVec3;
 
 /// A panel of the left eye, centred.
-pub(super) fn panel(id: &str, axes: Axes, [w, h]: [f64; 2], size: [u32; 2]) -> Panel {
+pub(crate) fn panel(id: &str, axes: Axes, [w, h]: [f64; 2], size: [u32; 2]) -> Panel {
     let view = EyeView {
         position: DVec3::ZERO,
         axes,
@@ -25,7 +25,7 @@ fn seed_axes([roll, pitch, yaw]: [f64; 3]) -> Axes {
 }
 
 /// Three in a row.
-pub(super) fn three() -> Vec<Panel> {
+pub(crate) fn three() -> Vec<Panel> {
     let all = [("L", -35.0), ("C", 0.0), ("R", 35.0)];
     let of = |(id, yaw)| panel(id, seed_axes([0.0, 0.0, yaw]), [0.90, 0.675], [800, 600]);
     all.map(of).to_vec()
@@ -47,7 +47,7 @@ fn rows(upper: &[[f64; 3]], middle: Option<&[f64]>, size: [f64; 2]) -> Vec<Panel
 }
 
 /// Three columns, two rows.
-pub(super) fn six() -> Vec<Panel> {
+pub(crate) fn six() -> Vec<Panel> {
     let upper = [
         [7.286214, -8.594930, -40.548264],
         [2.368187, -11.001059, -12.228085],
@@ -57,7 +57,7 @@ pub(super) fn six() -> Vec<Panel> {
 }
 
 /// Four columns, three rows.
-pub(super) fn twelve() -> Vec<Panel> {
+pub(crate) fn twelve() -> Vec<Panel> {
     let upper = [
         [17.845208, -11.255307, -58.772647],
         [10.864769, -18.080671, -31.733718],

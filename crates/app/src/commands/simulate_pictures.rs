@@ -1,0 +1,147 @@
+//! Which pictures of a run are written, and where?
+
+use crate::commands::simulate_options::{SimulateArgs, WrittenPictures};
+use crate::report::picture_file::write_png;
+use crate::run::optics::on_panel;
+use foveal_core::gaze::sample::GazeSample;
+use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::panel::rig::Panel;
+use foveal_core::view::picture::{Colour, Matrix};
+use foveal_media::write::picture_from_rgba::picture_from_rgba;
+use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
+use foveal_play::{FrameReport, Player};
+use foveal_render::{Overlay, RgbaImage};
+use std::path::PathBuf;
+
+/// The marks of a heat map: levels, borders, and a ring of 2.5° (the fovea) round the gaze.
+pub(crate) fn marks(view: &EyeView, gaze: &GazeSample) -> Overlay {
+    let direction = gaze.gaze_in_content;
+    let place = view.place(direction).unwrap_or([-1e6; 2]);
+    let radius = view.ppd_towards(direction).0 * 2.5;
+    Overlay {
+        gaze: place.map(|place| place as f32),
+        gaze_radius: radius as f32,
+        borders: 0.5,
+        ..Overlay::default()
+    }
+}
+
+/// The pictures of a run: of its view, or of each of its panels.
+pub(crate) struct PictureSinks<'a> {
+    args: &'a SimulateArgs,
+    /// One for each view of a frame.
+    sinks: Vec<PictureSink>,
+}
+
+/// Where the pictures of one view go.
+struct PictureSink {
+    /// The panel that it is of, where it is of one.
+    panel: Option<Panel>,
+    folder: PathBuf,
+    /// Frames a second, as a fraction.
+    rate: [u32; 2],
+    video: Option<ClipWriter>,
+}
+
+/// Colour of written videos: what RGB becomes.
+const VIDEO_COLOUR: Colour = Colour {
+    matrix: Matrix::Bt709,
+    full_range: false,
+    chroma_left: false,
+};
+/// Quantiser of written videos: visually lossless.
+const VIDEO_QUALITY: u8 = 16;
+
+impl<'a> PictureSinks<'a> {
+    /// Makes the folders: the one that was asked for, and in it one for each panel.
+    pub(crate) fn new(
+        args: &'a SimulateArgs,
+        frame_rate: [u32; 2],
+        panels: Option<&[Panel]>,
+    ) -> anyhow::Result<Self> {
+        let [frames, seconds] = frame_rate;
+        let folders = args.folders(panels)?;
+        let panels = panels.map(|panels| panels.iter().cloned().map(Some).collect());
+        let panels: Vec<Option<Panel>> = panels.unwrap_or_else(|| vec![None]);
+        let sink = |(panel, folder)| PictureSink {
+            panel,
+            folder,
+            rate: [frames, seconds.saturating_mul(args.every)],
+            video: None,
+        };
+        Ok(Self {
+            args,
+            sinks: panels.into_iter().zip(folders).map(sink).collect(),
+        })
+    }
+
+    /// Draws and writes what a frame shows.
+    pub(crate) fn frame(
+        &mut self,
+        player: &mut Player,
+        report: &FrameReport,
+    ) -> anyhow::Result<()> {
+        let (frame, args) = (report.session.frame, self.args);
+        let is_left_out = !(frame - args.start).is_multiple_of(args.every);
+        if args.pictures == WrittenPictures::None || is_left_out {
+            return Ok(());
+        }
+        for (sink, view) in self.sinks.iter_mut().zip(&report.views) {
+            let eyes = match sink.panel.is_some() {
+                true => std::slice::from_ref(&view.eye),
+                false => args.eye.eyes(),
+            };
+            let mut picture: Option<RgbaImage> = None;
+            for eye in eyes {
+                let view = EyeView { eye: *eye, ..*view };
+                let marks = args.heat_map.then(|| marks(&view, &report.gaze));
+                let drawn = player.drawer().picture(&view, marks.as_ref())?;
+                picture = match (picture, drawn) {
+                    (Some(left), Some(right)) => Some(left.beside(&right)),
+                    (None, drawn) => drawn,
+                    (left, None) => left,
+                };
+            }
+            let picture = picture.map(|image| match &sink.panel {
+                Some(panel) => on_panel(panel, image),
+                None => image,
+            });
+            match picture {
+                Some(image) if args.pictures == WrittenPictures::Png => {
+                    write_png(&sink.folder.join(format!("frame_{frame:05}.png")), &image)?;
+                }
+                Some(image) => sink.append(&image)?,
+                None => {}
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn finish(self) -> anyhow::Result<()> {
+        for sink in self.sinks {
+            sink.video.map_or(Ok(()), ClipWriter::finish)?;
+        }
+        Ok(())
+    }
+}
+
+impl PictureSink {
+    fn append(&mut self, image: &RgbaImage) -> anyhow::Result<()> {
+        let picture = picture_from_rgba(&image.pixels, image.size, VIDEO_COLOUR);
+        if self.video.is_none() {
+            self.video = Some(ClipWriter::create(
+                &self.folder.join("frames.mkv"),
+                &ClipFormat {
+                    codec: ClipCodec::Vp9(VIDEO_QUALITY),
+                    size: image.size,
+                    frame_rate: self.rate.map(|n| n.min(i32::MAX as u32) as i32),
+                    colour: VIDEO_COLOUR,
+                },
+            )?);
+        }
+        match &mut self.video {
+            Some(video) => Ok(video.push(&picture)?),
+            None => Ok(()),
+        }
+    }
+}
