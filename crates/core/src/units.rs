@@ -6,6 +6,22 @@
 use core::fmt::Display;
 use serde::{Deserialize, Serialize};
 
+/// Text that a file or a sender gave, as a part of a line: control characters, line ends among
+/// them, as `\u{a}`.
+///
+/// ```
+/// use foveal_core::units::one_line;
+/// assert_eq!(one_line("a\nb"), "a\\u{a}b");
+/// ```
+#[must_use]
+pub fn one_line(text: &str) -> String {
+    let shown = |letter: char| match letter.is_control() {
+        true => letter.escape_unicode().to_string(),
+        false => letter.to_string(),
+    };
+    text.chars().map(shown).collect()
+}
+
 /// A whole number and what it counts, in the plural but for one.
 ///
 /// ```

@@ -2,6 +2,7 @@
 
 use foveal_core::content::images::wrap::Wrap;
 use foveal_core::content::scene::description::SceneLook;
+use foveal_core::units::one_line;
 use glam::{DAffine2, DAffine3, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -80,7 +81,7 @@ impl SourceScene {
 
     /// Says something that a person should know, once.
     pub(crate) fn remark(&mut self, remark: impl Into<String>) {
-        let remark = remark.into();
+        let remark = one_line(&remark.into());
         if !self.remarks.contains(&remark) {
             self.remarks.push(remark);
         }

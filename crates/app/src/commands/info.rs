@@ -8,7 +8,7 @@ use foveal_core::content::video::bytes::description::{Description, Loss};
 use foveal_core::content::video::bytes::rate::QualityScale;
 use foveal_core::content::video::bytes::sound::{SOUND_RATE, SoundTable};
 use foveal_core::content::video::grid::tile_grid::Cut;
-use foveal_core::units::counted;
+use foveal_core::units::{counted, one_line};
 use foveal_core::view::surface::{Mapping, Projection};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
@@ -179,7 +179,7 @@ impl PackInfo {
         let mut text = format!(
             "{}, {}x{}, {}\n{content}\n\
              {}, {} of ratio {}, {cut}, {}\n{} from {}\n",
-            self.source,
+            one_line(&self.source),
             self.width,
             self.height,
             self.surround_told(),

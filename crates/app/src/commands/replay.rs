@@ -9,7 +9,7 @@ use foveal_core::content::scene::description::KIND;
 use foveal_core::content::video::demand::VideoDemand;
 use foveal_core::session::log::{SessionFrame, SessionLogPart, sha256_hex};
 use foveal_core::session::log_of_parts::SessionLog;
-use foveal_core::units::counted;
+use foveal_core::units::{counted, one_line};
 use foveal_core::view::surface::Screen;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::SceneFile;
@@ -52,7 +52,8 @@ fn replay_scene(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::R
     let found = || pack_beside(path, name);
     let Some(pack) = pack.map(Path::to_owned).or_else(found) else {
         bail!(WrongUsage(format!(
-            "--pack is needed: this run went through a scene; give {name}, which is {NOWHERE}"
+            "--pack is needed: this run went through a scene; give {}, which is {NOWHERE}",
+            one_line(name)
         )));
     };
     let file = SceneFile::open(&pack)?;
@@ -62,7 +63,7 @@ fn replay_scene(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::R
             bail!(
                 "{}: has other units than the pack of the log, {}",
                 pack.display(),
-                part.head.pack
+                one_line(&part.head.pack)
             );
         }
         if let Some(why) = why_not(part.head.policy.policy) {
@@ -85,7 +86,7 @@ fn replay_video(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::R
     let Some(pack) = pack.map(Path::to_owned).or_else(found) else {
         bail!(WrongUsage(format!(
             "--pack is needed: this run weighed what is in its tiles; give {}, which is {NOWHERE}",
-            weighed.head.pack
+            one_line(&weighed.head.pack)
         )));
     };
     let file = PackFile::open(&pack)?;
@@ -130,7 +131,7 @@ fn check_belongs(session: &SessionLogPart, file: &PackFile) -> anyhow::Result<()
     if logged != grid {
         bail!(
             "{name}: has other tiles than the pack of the log, {}",
-            session.head.pack
+            one_line(&session.head.pack)
         );
     }
     let beyond = |frame: &&SessionFrame| frame.frame >= about.frames;

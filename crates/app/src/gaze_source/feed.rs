@@ -30,8 +30,8 @@ pub(super) enum GazeFeed {
 /// What one wait gave.
 #[derive(Debug, PartialEq)]
 pub(super) enum Received {
-    /// A message, in the buffer.
-    Message,
+    /// A message, in the buffer, and who sent it where there may be several.
+    Message(Option<SocketAddr>),
     Nothing,
     /// A message of another sender than the one who holds the source.
     Foreign(SocketAddr),
@@ -71,12 +71,12 @@ impl GazeFeed {
             Self::Datagrams(socket, holder) => {
                 buffer.resize(MOST_BYTES, 0);
                 match socket.recv_from(buffer) {
-                    Ok((_, sender)) if !holder.is_taken(sender, Instant::now()) => {
+                    Ok((_, sender)) if !holder.may_speak(sender, Instant::now()) => {
                         Received::Foreign(sender)
                     }
-                    Ok((length, _)) => {
+                    Ok((length, sender)) => {
                         buffer.truncate(length);
-                        Received::Message
+                        Received::Message(Some(sender))
                     }
                     Err(error) => {
                         // Such as an answer to what was never sent: the next wait may be better.
@@ -90,24 +90,27 @@ impl GazeFeed {
             Self::WebSocket(feed) => feed.receive(buffer),
         }
     }
+
+    /// Notes that what this sender said is a gaze: it holds the source.
+    pub(super) fn hold(&mut self, sender: SocketAddr) {
+        if let Self::Datagrams(_, holder) = self {
+            holder.held = Some((sender, Instant::now()));
+        }
+    }
 }
 
-/// Who is listened to of several that send: the first, until it has been silent.
+/// Who is listened to of several that send: the first that sent a gaze, until it has been silent.
 #[derive(Debug, Default)]
 pub(super) struct SourceHolder {
     held: Option<(SocketAddr, Instant)>,
 }
 
 impl SourceHolder {
-    /// Whether a message of this sender is taken.
-    fn is_taken(&mut self, sender: SocketAddr, now: Instant) -> bool {
+    /// Whether a message of this sender is looked at.
+    fn may_speak(&self, sender: SocketAddr, now: Instant) -> bool {
         let other = self.held.filter(|(holder, _)| *holder != sender);
         let is_silent = |since: Instant| now.saturating_duration_since(since) > SILENCE;
-        let is_taken = other.is_none_or(|(_, since)| is_silent(since));
-        if is_taken {
-            self.held = Some((sender, now));
-        }
-        is_taken
+        other.is_none_or(|(_, since)| is_silent(since))
     }
 }
 
@@ -143,7 +146,7 @@ impl WebSocketFeed {
             }
         };
         *buffer = message;
-        Received::Message
+        Received::Message(None)
     }
 }
 
@@ -209,7 +212,13 @@ mod tests {
             (a, 1950),
             (b, 2000),
         ]
-        .map(|(sender, ms)| holder.is_taken(sender, at(ms)));
+        .map(|(sender, ms)| {
+            let may = holder.may_speak(sender, at(ms));
+            if may {
+                holder.held = Some((sender, at(ms)));
+            }
+            may
+        });
         assert_eq!(taken, [true, false, true, false, true, false, true]);
     }
 }

@@ -191,7 +191,15 @@ fn receive(name: &str, mut feed: GazeFeed, shared: &Shared) {
             }
         }
         let mut rows = match received {
-            Received::Message => inner.intake.take(&buffer, now),
+            Received::Message(sender) => {
+                let skipped = inner.intake.counts(0, 0).skipped;
+                let rows = inner.intake.take(&buffer, now);
+                let is_gaze = !rows.is_empty() || inner.intake.counts(0, 0).skipped == skipped;
+                if let Some(sender) = sender.filter(|_| is_gaze && !buffer.is_empty()) {
+                    feed.hold(sender);
+                }
+                rows
+            }
             _ => Vec::new(),
         };
         rows.extend(inner.intake.stream.silence(now));

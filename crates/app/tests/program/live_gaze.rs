@@ -275,6 +275,8 @@ fn a_sender_that_stops_loses_the_eye_and_is_taken_up_again() {
     let folder = Folder::new();
     let mut recording = Recording::of("udp:0", folder.name("stops.csv"));
     let (address, lines) = (recording.address(), lines());
+    // Who sends no gaze holds no source.
+    send_all(&address, &["rubbish"]);
     send_all(&address, &lines[..10]);
     recording.wait(|text| text.lines().any(|line| line.split(',').nth(4) == Some("0")));
     // Another sender is left out while the first may go on.

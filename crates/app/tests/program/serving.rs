@@ -168,6 +168,17 @@ fn packs_of_other_pixels_have_another_tag_whatever_their_size_and_time() {
     let [first, second, again] = [&good, &other, &good].map(|bytes| tag(bytes));
     assert_ne!(first, second);
     assert_eq!(first, again);
+    // Both have one date: by that a part of one is not taken for a part of the other.
+    let whole = server.ask("GET", "/b.foveal", &[]);
+    let date = whole.header("last-modified").unwrap();
+    let by_date = server.ask(
+        "GET",
+        "/b.foveal",
+        &[&format!("If-Range: {date}"), "Range: bytes=0-9"],
+    );
+    assert_eq!(by_date.status, 200);
+    let by_date = server.ask("GET", "/b.foveal", &[&format!("If-Modified-Since: {date}")]);
+    assert_eq!(by_date.status, 200);
     let verified = |bytes: &[u8]| {
         let place = folder.holding("c.foveal", bytes);
         done(&["info", &place])
@@ -185,6 +196,31 @@ fn a_new_client_is_answered_beside_many_that_say_nothing() {
         idle.extend(TcpStream::connect(&server.address));
     }
     assert!(idle.len() > 600, "{} connections", idle.len());
+    assert_eq!(server.ask("GET", "/", &[]).body, b"page");
+    // One that says nothing ends long before others would wait for it.
+    let mut silent = TcpStream::connect(&server.address).unwrap();
+    silent.set_read_timeout(Some(PATIENCE / 2)).unwrap();
+    assert_eq!(silent.read(&mut [0]).unwrap(), 0);
+}
+
+#[test]
+fn many_slow_readers_keep_nobody_out() {
+    let folder = Folder::new();
+    folder.holding("index.html", b"page");
+    let large = std::fs::File::create(folder.name("large.bin")).unwrap();
+    large.set_len(1 << 30).unwrap();
+    let server = Server::start(&[&folder.name(".")]);
+    let request = format!(
+        "GET /large.bin HTTP/1.1\r\nHost: {}\r\n\r\n",
+        server.address
+    );
+    let mut readers = Vec::new();
+    for _ in 0..300 {
+        let mut reader = TcpStream::connect(&server.address).unwrap();
+        if reader.write_all(request.as_bytes()).is_ok() {
+            readers.push(reader);
+        }
+    }
     assert_eq!(server.ask("GET", "/", &[]).body, b"page");
 }
 
@@ -209,6 +245,8 @@ fn a_request_names_its_host_once_and_by_a_name_of_the_server() {
             200,
         ),
         (format!("GET http://other.example/ HTTP/1.1\r\n{here}"), 421),
+        ("GET / HTTP/1.1\r\nHost: a@localhost".to_owned(), 400),
+        ("GET / HTTP/1.1\r\nHost: localhost:x".to_owned(), 400),
     ] {
         assert_eq!(status(&server, &head), Some(expected), "{head}");
     }

@@ -1,5 +1,6 @@
 //! What is wrong with the bytes of a pack?
 
+use crate::units::one_line;
 use thiserror::Error;
 
 /// Why bytes are no pack, or a damaged one: which field, what was found, what was expected.
@@ -18,8 +19,8 @@ impl PackError {
     pub(crate) fn new(field: &str, found: impl ToString, expected: impl ToString) -> Self {
         Self {
             field: field.to_owned(),
-            found: found.to_string(),
-            expected: expected.to_string(),
+            found: one_line(&found.to_string()),
+            expected: one_line(&expected.to_string()),
         }
     }
 

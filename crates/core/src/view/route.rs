@@ -6,7 +6,7 @@ use crate::units::{Radians, Seconds};
 use core::f64::consts::TAU;
 use glam::DVec3;
 
-/// Share of the view's height that the whole scene fills.
+/// Share of the view's height, or of its width where that is less, that the whole scene fills.
 const FILLED: f64 = 0.8;
 /// How long an orbit takes.
 const ORBIT_S: f64 = 12.0;
@@ -35,7 +35,7 @@ pub struct Waypoint {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Route {
     /// Stands on the +z side, upright, and looks along -z at the middle of the scene, which fills
-    /// 80 % of the view's height.
+    /// 80 % of the view's height, or of its width where that is less.
     Still,
     /// Goes round the vertical axis through the middle, as far from it, once in 12 s, and looks at
     /// it.
@@ -48,8 +48,9 @@ impl Route {
     /// Where the eye is at a time, in a scene that a sphere round `centre` encloses.
     #[must_use]
     pub fn pose(&self, time: Seconds, (centre, radius): (DVec3, f64), field: &Field) -> EyePose {
-        let height = field.up.min(field.down).max(1e-6);
-        let distance = radius.max(1e-9) / libm::sin(libm::atan(FILLED * height));
+        let sides = [field.up, field.down, field.left, field.right];
+        let least = sides.into_iter().fold(f64::INFINITY, f64::min).max(1e-6);
+        let distance = radius.max(1e-9) / libm::sin(libm::atan(FILLED * least));
         let turned = |turn: f64| EyePose {
             position: centre + distance * DVec3::new(libm::sin(turn), 0.0, libm::cos(turn)),
             axes: Axes::from_yaw_pitch_roll(Radians(-turn), Radians(0.0), Radians(0.0)),

@@ -1,7 +1,7 @@
 //! How does a device of FFmpeg give its pictures?
 
 use super::source::{CaptureError, CapturedPicture, LiveSource};
-use super::windows::{no_display, window_titled};
+use super::windows::{keep_covered, no_display, window_titled};
 use crate::ffmpeg::{start, wants_more};
 use crate::read::convert::{Converter, Layout};
 use crate::read::deliver::layout_of;
@@ -10,6 +10,7 @@ use av::format::context::Input;
 use av::frame::Video;
 use ffmpeg_next as av;
 use std::time::{Duration, Instant};
+use x11rb::rust_connection::RustConnection;
 
 /// Pictures a second of a screen.
 const RATE: &str = "30";
@@ -37,6 +38,8 @@ pub(super) struct Device {
     converter: Option<Converter>,
     /// Pictures that may be older than the device's opening.
     old: u32,
+    /// Has the X server keep what of a window others cover.
+    _kept: Option<RustConnection>,
 }
 
 struct Reader {
@@ -65,6 +68,10 @@ impl Device {
             let (reason, next) = no_display("DISPLAY is not set");
             return Err(wrong(reason, &next));
         }
+        let kept = match &source {
+            LiveSource::Window(window) => keep_covered(*window),
+            _ => None,
+        };
         let reader = Reader::open(&source, &display).map_err(|reason| {
             let next = match &source {
                 LiveSource::Screen => "is DISPLAY that of a running X server that may be captured?",
@@ -83,6 +90,7 @@ impl Device {
             reader,
             converter: None,
             old,
+            _kept: kept,
         })
     }
 

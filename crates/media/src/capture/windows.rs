@@ -2,6 +2,7 @@
 
 use super::source::CaptureError;
 use x11rb::connection::Connection;
+use x11rb::protocol::composite::{ConnectionExt as _, Redirect};
 use x11rb::protocol::xproto::{Atom, AtomEnum, ConnectionExt, Window};
 use x11rb::rust_connection::RustConnection;
 
@@ -56,6 +57,20 @@ pub(super) fn window_titled(title: &str) -> Result<u32, CaptureError> {
             ))
         }
     }
+}
+
+/// Has the X server keep all of a window, also what others cover, as long as the connection that
+/// is returned lives; `None` where it has no such extension.
+pub(super) fn keep_covered(window: u32) -> Option<RustConnection> {
+    let (connection, _) = x11rb::connect(None).ok()?;
+    connection
+        .composite_query_version(0, 4)
+        .ok()?
+        .reply()
+        .ok()?;
+    let kept = connection.composite_redirect_window(window, Redirect::AUTOMATIC);
+    kept.ok()?.check().ok()?;
+    Some(connection)
 }
 
 /// What to do where a window is not found.

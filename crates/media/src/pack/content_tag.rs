@@ -39,10 +39,7 @@ pub fn content_tag(file: &mut File) -> Result<Option<String>> {
 }
 
 /// Whether a file begins as a pack does. Leaves it at its beginning.
-///
-/// # Errors
-/// It cannot be read.
-pub fn begins_as_pack(file: &mut File) -> Result<bool> {
+fn begins_as_pack(file: &mut File) -> Result<bool> {
     let mut first = Vec::new();
     file.seek(SeekFrom::Start(0))?;
     file.by_ref()

@@ -10,9 +10,25 @@ const MOST_KEPT: usize = 100;
 pub struct Damage {
     first: Vec<PackFileError>,
     places: u64,
+    is_tangled: bool,
 }
 
 impl Damage {
+    /// Of chunks or tables that overlap or leave gaps: nothing else is looked for.
+    pub(crate) fn tangled(error: PackFileError) -> Self {
+        Self {
+            first: vec![error],
+            places: 1,
+            is_tangled: true,
+        }
+    }
+
+    /// Whether chunks or tables overlap or leave gaps.
+    #[must_use]
+    pub fn is_tangled(&self) -> bool {
+        self.is_tangled
+    }
+
     /// Counts a part that could not be read.
     pub(crate) fn add<T>(&mut self, read: Result<T, PackFileError>) {
         let Err(error) = read else { return };

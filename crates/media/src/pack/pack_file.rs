@@ -143,11 +143,10 @@ impl PackFile {
     /// Returns what is damaged, nothing if all is well; of chunks or tables that overlap or leave
     /// gaps that alone.
     pub fn verify(&self, mut progress: impl FnMut(u64, u64)) -> Damage {
-        let mut damage = Damage::default();
         if let Err(source) = self.pack.check_coverage(self.open.header()) {
-            damage.add(Err::<(), _>(self.open.format(source)));
-            return damage;
+            return Damage::tangled(self.open.format(source));
         }
+        let mut damage = Damage::default();
         for table in &self.pack.description().tables {
             damage.add(self.open.read_table(table));
         }

@@ -173,11 +173,10 @@ impl SceneFile {
     /// Returns what is damaged, nothing if all is well; of chunks or tables that overlap or leave
     /// gaps that alone.
     pub fn verify(&self, mut progress: impl FnMut(u64, u64)) -> Damage {
-        let mut damage = Damage::default();
         if let Err(source) = self.pack().check_coverage(self.header()) {
-            damage.add(Err::<(), _>(self.open.format(source)));
-            return damage;
+            return Damage::tangled(self.open.format(source));
         }
+        let mut damage = Damage::default();
         let mut done = 0;
         let mut clouds = CloudCheck::default();
         for unit in self.pack().units() {

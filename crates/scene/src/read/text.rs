@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::str::SplitAsciiWhitespace;
 
 use super::error::Fault;
+use foveal_core::units::one_line;
 
 /// A line and its number, counted from 1.
 pub(super) struct Line<'a> {
@@ -94,7 +95,7 @@ pub(super) fn finite(word: &str) -> Result<f64, String> {
 
 /// The start of a word, for a message.
 pub(super) fn shortened(word: &str) -> String {
-    word.chars().take(40).collect()
+    one_line(&word.chars().take(40).collect::<String>())
 }
 
 #[cfg(test)]

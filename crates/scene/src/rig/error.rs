@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use foveal_core::units::one_line;
 use thiserror::Error;
 
 /// What to do about a rig file that is wrong.
@@ -31,9 +32,9 @@ impl RigFault {
         Self {
             place: match place {
                 "" => String::new(),
-                place => format!("{place}: "),
+                place => format!("{}: ", one_line(place)),
             },
-            what: what.into(),
+            what: one_line(&what.into()),
             next: next.into(),
         }
     }

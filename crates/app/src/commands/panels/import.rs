@@ -43,6 +43,12 @@ pub(crate) fn run(args: &ImportArgs) -> anyhow::Result<()> {
             "--out {name}: is no name of a rig file; end it in .toml"
         )));
     };
+    if args.out.exists() {
+        let name = args.out.display();
+        return Err(wrong(format!(
+            "--out {name}: something is there already; choose another name, or move it away"
+        )));
+    }
     let rig = read_rig(&args.file)?;
     let files = write_rig(&rig, stem).map_err(anyhow::Error::msg)?;
     let folder = args.out.parent().unwrap_or(Path::new(""));

@@ -3,7 +3,7 @@
 use crate::report::output;
 use foveal_core::content::scene::unit_table::UnitKind;
 use foveal_core::pack::unit::UnitId;
-use foveal_core::units::counted;
+use foveal_core::units::{counted, one_line};
 use foveal_media::pack::scene_file::SceneFile;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -121,7 +121,7 @@ impl SceneInfo {
     pub(crate) fn text(&self) -> String {
         let mut text = format!(
             "{}: {}, {}, {} of {} from {}\n{}, {:.2} bytes a {}, {:.2} with index and table\n",
-            self.source.join(", "),
+            one_line(&self.source.join(", ")),
             counted(self.objects, "object"),
             self.samples_text(),
             counted(self.levels, "level"),

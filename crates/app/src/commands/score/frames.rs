@@ -39,7 +39,7 @@ enum Source {
 }
 
 /// Whether a file is a pack, by its name.
-pub(super) fn is_pack(path: &Path) -> bool {
+pub(crate) fn is_pack(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == "foveal")
 }
 

@@ -19,6 +19,7 @@ pub(crate) use args::ScoreArgs;
 pub(crate) use conditions::{DeviceName, ModeName};
 pub(crate) use engine::{Companions, Engine};
 use foveal_eval::score::Display;
+pub(crate) use frames::is_pack;
 pub(crate) use pack_frames::{LastGaze, display_of_view, picture_of};
 use pair::Judged;
 pub(crate) use picture::{check_source, from_image, is_png, read_picture};

@@ -135,6 +135,15 @@ enum Asked {
     Unclear,
 }
 
+/// A host with or without a port; nothing else may stand in a `Host` line.
+fn authority_of(text: &str) -> Option<Authority> {
+    let authority: Authority = text.parse().ok()?;
+    let rest = text.strip_prefix(authority.host())?;
+    let is_port = |it: &str| it.bytes().all(|digit| digit.is_ascii_digit());
+    let is_plain = rest.is_empty() || rest.strip_prefix(':').is_some_and(is_port);
+    is_plain.then_some(authority)
+}
+
 impl Server {
     /// Whether a request asks for this server by one of its names: in its `Host` line, and in its
     /// target where that names a host (RFC 9112, sections 3.2 and 3.2.2).
@@ -144,7 +153,7 @@ impl Server {
         if more.is_some() || (host.is_none() && request.version() != Version::HTTP_10) {
             return Asked::Unclear;
         }
-        let of_line = host.map(|host| host.to_str().ok().and_then(|it| it.parse().ok()));
+        let of_line = host.map(|host| host.to_str().ok().and_then(authority_of));
         if of_line == Some(None) {
             return Asked::Unclear;
         }
@@ -164,6 +173,7 @@ impl Server {
             .host()
             .trim_start_matches('[')
             .trim_end_matches(']')
+            .trim_end_matches('.')
             .to_ascii_lowercase();
         hosts.contains(&name)
             || name == "localhost"
@@ -252,6 +262,8 @@ fn verdict<'a>(
     }
     let unchanged = match text(header::IF_NONE_MATCH) {
         Some(list) => names_tag(list),
+        // A date tells packs of one second not apart.
+        None if file.is_by_content => false,
         None => matches!(
             text(header::IF_MODIFIED_SINCE).map(is_newer),
             Some(Ok(false))
@@ -266,7 +278,8 @@ fn range<'a>(file: &FoundFile, text: impl Fn(HeaderName) -> Option<&'a str>) -> 
     };
     let still_so = text(header::IF_RANGE).is_none_or(|mark| {
         let date = httpdate::parse_http_date(mark);
-        mark == file.tag || date.is_ok_and(|date| date == whole_seconds(file.modified))
+        let is_then = date.is_ok_and(|date| date == whole_seconds(file.modified));
+        mark == file.tag || (!file.is_by_content && is_then)
     });
     if still_so {
         part_of(range, file.length)

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::net::IpAddr;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 use tokio::sync::Notify;
@@ -14,6 +15,8 @@ const MOST_OF_ADDRESS: usize = 32;
 /// The connections that are open.
 #[derive(Debug, Default)]
 pub(super) struct Connections {
+    /// Number of the next one: none has one twice.
+    next: AtomicU64,
     open: Mutex<BTreeMap<u64, OpenConnection>>,
 }
 
@@ -43,17 +46,18 @@ pub(super) struct Answering {
 
 impl Connections {
     /// Takes a connection in. Where there are too many, of its address or of all, the one that has
-    /// been idle longest ends; `None` where none of them is idle.
-    pub(super) fn admit(self: &Arc<Self>, address: IpAddr) -> Option<Admitted> {
+    /// been idle longest ends; where none is idle, the one that has been answered longest: who reads
+    /// slowly can ask for the rest, and must not keep others out.
+    pub(super) fn admit(self: &Arc<Self>, address: IpAddr) -> Admitted {
         let mut open = self.open();
         let of_address = open.values().filter(|it| it.address == address).count();
         if !address.is_loopback() && of_address >= MOST_OF_ADDRESS {
-            end_idlest(&mut open, |it| it.address == address)?;
+            end_one(&mut open, |it| it.address == address);
         }
         if open.len() >= MOST {
-            end_idlest(&mut open, |_| true)?;
+            end_one(&mut open, |_| true);
         }
-        let number = open.last_key_value().map_or(0, |(last, _)| last + 1);
+        let number = self.next.fetch_add(1, Ordering::Relaxed);
         let ends = Arc::new(Notify::new());
         open.insert(
             number,
@@ -64,11 +68,11 @@ impl Connections {
                 ends: Arc::clone(&ends),
             },
         );
-        Some(Admitted {
+        Admitted {
             among: Arc::clone(self),
             number,
             ends,
-        })
+        }
     }
 
     fn open(&self) -> MutexGuard<'_, BTreeMap<u64, OpenConnection>> {
@@ -83,17 +87,14 @@ impl Connections {
     }
 }
 
-/// Ends the connection that has been idle longest.
-fn end_idlest(
-    open: &mut BTreeMap<u64, OpenConnection>,
-    among: impl Fn(&OpenConnection) -> bool,
-) -> Option<()> {
-    let idle = open.iter().filter(|(_, it)| it.busy == 0 && among(it));
-    let (number, _) = idle.min_by_key(|(_, it)| it.since)?;
-    let number = *number;
-    let gone = open.remove(&number)?;
-    gone.ends.notify_one();
-    Some(())
+/// Ends the connection that has been idle longest, or else answered longest.
+fn end_one(open: &mut BTreeMap<u64, OpenConnection>, among: impl Fn(&OpenConnection) -> bool) {
+    let all = open.iter().filter(|(_, it)| among(it));
+    let first = all.min_by_key(|(_, it)| (it.busy > 0, it.since));
+    let number = first.map(|(number, _)| *number);
+    if let Some(gone) = number.and_then(|number| open.remove(&number)) {
+        gone.ends.notify_one();
+    }
 }
 
 impl Admitted {
@@ -130,9 +131,9 @@ mod tests {
     #[test]
     fn the_connection_that_has_been_idle_longest_ends_for_one_that_comes() {
         let all = Arc::new(Connections::default());
-        let mut kept: Vec<Admitted> = (0..MOST).map(|_| all.admit(HERE).unwrap()).collect();
+        let mut kept: Vec<Admitted> = (0..MOST).map(|_| all.admit(HERE)).collect();
         let busy = kept[0].answering();
-        let newest = all.admit(HERE).unwrap();
+        let newest = all.admit(HERE);
         assert_eq!(all.open().len(), MOST);
         assert!(all.open().contains_key(&0) && !all.open().contains_key(&1));
         drop(busy);
@@ -142,23 +143,22 @@ mod tests {
     }
 
     #[test]
-    fn none_comes_in_while_all_are_busy() {
+    fn where_none_is_idle_the_one_that_has_been_answered_longest_ends() {
         let all = Arc::new(Connections::default());
-        let kept: Vec<Admitted> = (0..MOST).map(|_| all.admit(HERE).unwrap()).collect();
-        let busy: Vec<Answering> = kept.iter().map(Admitted::answering).collect();
-        assert!(all.admit(HERE).is_none());
-        drop(busy);
-        assert!(all.admit(HERE).is_some());
+        let kept: Vec<Admitted> = (0..MOST).map(|_| all.admit(HERE)).collect();
+        let busy: Vec<Answering> = kept.iter().rev().map(Admitted::answering).collect();
+        let newest = all.admit(HERE);
+        let last = MOST as u64 - 1;
+        assert!(all.open().contains_key(&0) && !all.open().contains_key(&last));
+        drop((busy, newest));
     }
 
     #[test]
     fn one_address_of_another_machine_has_a_few() {
         let all = Arc::new(Connections::default());
-        let here: Vec<Admitted> = (0..MOST_OF_ADDRESS + 9)
-            .map(|_| all.admit(HERE).unwrap())
-            .collect();
+        let here: Vec<Admitted> = (0..MOST_OF_ADDRESS + 9).map(|_| all.admit(HERE)).collect();
         let there: Vec<Admitted> = (0..MOST_OF_ADDRESS + 9)
-            .map(|_| all.admit(ELSEWHERE).unwrap())
+            .map(|_| all.admit(ELSEWHERE))
             .collect();
         let of_there = all
             .open()

@@ -49,7 +49,7 @@ pub(crate) struct ServeArgs {
     allow_origin: Option<HeaderValue>,
     /// A name under which this machine may be asked for, where others reach it; several times for
     /// several. Without it any name is answered to.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = parse_host)]
     host: Vec<String>,
     /// Print one JSON object when it serves.
     #[arg(long)]
@@ -95,6 +95,21 @@ fn parse_origin(text: &str) -> anyhow::Result<HeaderValue> {
         None if text != "*" => bail!(expected),
         _ => Ok(HeaderValue::from_str(text)?),
     }
+}
+
+/// Reads a name of a host as requests carry it, without a port: in small letters, no brackets.
+fn parse_host(text: &str) -> anyhow::Result<String> {
+    let bare = text.trim_start_matches('[').trim_end_matches(']');
+    let is_address = bare.parse::<IpAddr>().is_ok();
+    let is_letter = |letter: char| letter.is_ascii_alphanumeric() || "-._".contains(letter);
+    let is_name = !bare.is_empty() && bare.chars().all(is_letter);
+    if !(is_address || is_name) {
+        bail!(
+            "expected a name or an address without a port, as media.example; names of other \
+             letters as browsers send them, as xn--bcher-kva.example"
+        );
+    }
+    Ok(bare.trim_end_matches('.').to_ascii_lowercase())
 }
 
 /// A folder, or a site of packs.
@@ -149,7 +164,7 @@ async fn serve(args: &ServeArgs, place: ServedPlace) -> anyhow::Result<()> {
         address,
     };
     let is_local = address.ip().is_loopback();
-    let hosts = args.host.iter().map(|name| name.to_ascii_lowercase());
+    let hosts = args.host.iter().cloned();
     let is_open = !is_local && args.host.is_empty();
     let server = Arc::new(Server {
         place,
@@ -175,10 +190,8 @@ async fn serve(args: &ServeArgs, place: ServedPlace) -> anyhow::Result<()> {
             tokio::time::sleep(PAUSE).await;
             continue;
         };
-        // One that is not taken in ends here.
-        if let Some(admitted) = connections.admit(plain_address(from.ip())) {
-            tokio::spawn(connection(stream, admitted, Arc::clone(&server)));
-        }
+        let admitted = connections.admit(plain_address(from.ip()));
+        tokio::spawn(connection(stream, admitted, Arc::clone(&server)));
     }
 }
 
@@ -198,8 +211,8 @@ async fn connection(stream: TcpStream, admitted: Admitted, server: Arc<Server>) 
 }
 
 async fn answered(stream: TcpStream, admitted: &Arc<Admitted>, server: Arc<Server>) {
-    let first = tokio::time::timeout(FIRST_BYTE, stream.readable()).await;
-    if !matches!(first, Ok(Ok(()))) {
+    let first = tokio::time::timeout(FIRST_BYTE, stream.peek(&mut [0])).await;
+    if !matches!(first, Ok(Ok(1))) {
         return;
     }
     let _ = stream.set_nodelay(true);

@@ -6,7 +6,6 @@
 
 use crate::commands::serve::tags::{ContentTags, modified, tag_of};
 use crate::commands::site::{Site, SiteFile};
-use foveal_media::pack::content_tag::begins_as_pack;
 use foveal_media::plain_file::{open_plain, open_unlinked};
 use percent_encoding::percent_decode_str;
 use std::borrow::Cow;
@@ -47,6 +46,8 @@ pub(super) struct FoundFile {
     pub(super) modified: SystemTime,
     /// Changes with the content.
     pub(super) tag: String,
+    /// Whether it is made of the content, as that of a pack.
+    pub(super) is_by_content: bool,
 }
 
 pub(super) enum FoundContent {
@@ -77,6 +78,7 @@ impl ServedPlace {
                     length: bytes.len() as u64,
                     modified: *made,
                     tag: tag_of(bytes.len() as u64, *made),
+                    is_by_content: false,
                     content: FoundContent::Bytes(bytes.clone()),
                 }),
                 Some(SiteFile::File(path)) => self.pack(path, &names.join("/")),
@@ -141,21 +143,23 @@ impl ServedPlace {
 
     /// A pack that was named, or nothing.
     fn pack(&self, path: &Path, name: &str) -> Found {
-        let Ok((mut file, there)) = open_unlinked(path) else {
-            return Found::Nothing;
-        };
-        match begins_as_pack(&mut file) {
-            Ok(true) => self.found(name, (file, there)),
-            _ => Found::Nothing,
+        match open_unlinked(path) {
+            Ok(opened) => match self.found(name, opened) {
+                Found::File(file) if file.is_by_content => Found::File(file),
+                _ => Found::Nothing,
+            },
+            Err(_) => Found::Nothing,
         }
     }
 
     fn found(&self, name: &str, (mut file, there): (File, Metadata)) -> Found {
+        let of_content = self.tags.of(&mut file, &there);
         Found::File(FoundFile {
             name: name.to_owned(),
             length: there.len(),
             modified: modified(&there),
-            tag: self.tags.of(&mut file, &there),
+            is_by_content: of_content.is_some(),
+            tag: of_content.unwrap_or_else(|| tag_of(there.len(), modified(&there))),
             content: FoundContent::File(file),
         })
     }

@@ -46,24 +46,21 @@ impl FileIdentity {
 }
 
 impl ContentTags {
-    /// The tag of an open file: of a pack by its content, of what is none by its length and time.
-    pub(super) fn of(&self, file: &mut File, there: &Metadata) -> String {
+    /// The tag of the content of an open file; `None` of what is no whole pack.
+    pub(super) fn of(&self, file: &mut File, there: &Metadata) -> Option<String> {
         let identity = FileIdentity::of(there);
         let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(tag) = known().get(&identity) {
-            return tag.clone();
+            return Some(tag.clone());
         }
-        let content = content_tag(file).ok().flatten();
-        let Some(content) = content else {
-            return tag_of(there.len(), modified(there));
-        };
+        let content = content_tag(file).ok().flatten()?;
         let tag = format!("\"{content}\"");
         let mut known = known();
         if known.len() >= MOST_KEPT {
             known.clear();
         }
         known.insert(identity, tag.clone());
-        tag
+        Some(tag)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::commands::site::about::AboutOptions;
 use crate::commands::site::listing::{GENERATOR, Listed, Listing};
+use crate::commands::site::pack_names::names_of;
 use crate::commands::site::site_pack::SitePack;
 use crate::commands::site::{About, LISTING, Site, SiteFile};
 use crate::report::output::{self, Counting};
@@ -55,6 +56,10 @@ pub(crate) fn run(command: &Export) -> anyhow::Result<()> {
     let Export::Site(args) = command;
     refuse_foreign_folder(&args.out)?;
     let about = About::read(&args.about)?;
+    about.check(&names_of(&args.packs)?)?;
+    if !args.dry_run {
+        tell_damage(&args.packs)?;
+    }
     let site = Site::of(&args.packs, &about)?;
     let sizes = site.files.values().map(SiteFile::bytes);
     let mut exported = Exported {
@@ -67,7 +72,6 @@ pub(crate) fn run(command: &Export) -> anyhow::Result<()> {
     };
     tell_growth(&args.packs)?;
     if !args.dry_run {
-        tell_damage(&args.packs)?;
         exported.linked = write(&site, &args.out, exported.bytes)?;
     }
     output::result(args.json, &exported, &exported.text())
@@ -91,6 +95,9 @@ fn tell_damage(packs: &[PathBuf]) -> anyhow::Result<()> {
         let bar = output::bar(Some(file.bytes()), Counting::Bytes);
         let damage = file.verify(|done, _| bar.set_position(done));
         bar.finish_and_clear();
+        if let (true, Some(first)) = (damage.is_tangled(), damage.first().first()) {
+            bail!("{first}");
+        }
         if let Some(first) = damage.first().first() {
             output::say(&format!(
                 "foveal: {first} ({} in all; the site shows the rest of it)",

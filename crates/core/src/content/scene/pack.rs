@@ -3,6 +3,7 @@
 use super::description::{KIND, SceneDescription};
 use super::unit_table::{OF_ALL, UNITS, UNITS_VERSION, UnitKind, UnitRow, read_units, write_units};
 use crate::content::images::payload::ImagePage;
+use crate::content::images::shape::TextureShape;
 use crate::content::mesh::payload::{ClusterRef, MeshUnit};
 use crate::content::payload::Payload;
 use crate::content::points::cut::OCTANTS;
@@ -155,7 +156,33 @@ impl ScenePack {
                 ..source
             })?;
         }
+        self.check_textures()?;
         self.check_points()
+    }
+
+    /// Whether there are units for the pages of all textures: a reader keeps a table of them.
+    fn check_textures(&self) -> Result<(), PackError> {
+        let pages = self.description.textures.iter().map(|texture| {
+            let shape = TextureShape { size: texture.size };
+            let of_level = (0..=shape.root()).map(|level| shape.pages(level));
+            of_level
+                .map(|it| it.map(u64::from).iter().product::<u64>())
+                .sum::<u64>()
+        });
+        let pages: u64 = pages.sum();
+        let units = self
+            .rows
+            .iter()
+            .filter(|it| it.kind == UnitKind::Image)
+            .count() as u64;
+        match pages <= units {
+            true => Ok(()),
+            false => Err(PackError::new(
+                "pages of textures",
+                pages,
+                format!("the {units} that have a unit"),
+            )),
+        }
     }
 
     /// Whether a unit is of the kind of its object, and one of points refines an octant.

@@ -7,9 +7,18 @@ use crate::nearest::line_number;
 
 /// Most nodes of a document: 1,024 regions have some 40,000.
 const MOST_NODES: u32 = 400_000;
+/// Most attributes of an element: of those that are known, a dozen.
+const MOST_ATTRIBUTES: usize = 200;
 
 /// A document; one that declares entities is refused.
 pub(super) fn parse(text: &str) -> Result<Document<'_>, RigFault> {
+    // Each attribute is compared with those before it in its element, and each name space with all.
+    let spaces = text.matches("xmlns:").count();
+    let tags = text.split('<').map(|tag| tag.matches('=').count());
+    if tags.max().unwrap_or(0) > MOST_ATTRIBUTES || spaces > MOST_ATTRIBUTES {
+        let what = format!("an element has more than {MOST_ATTRIBUTES} attributes or name spaces");
+        return Err(RigFault::new("", what, NEXT));
+    }
     let options = ParsingOptions {
         nodes_limit: MOST_NODES,
         ..ParsingOptions::default()

@@ -1,6 +1,6 @@
 //! What do panels show: a picture, a video, what is captured, or a world that is drawn for them?
 
-use crate::commands::score::check_source;
+use crate::commands::score::{check_source, is_pack};
 use crate::report::output::{WrongUsage, say};
 use anyhow::{Context, bail};
 use foveal_core::view::panel::placement::Placement;
@@ -71,6 +71,12 @@ impl PanelSource {
             return Ok(Self::Live(Box::new(LivePictures::open(name, &live)?)));
         }
         let path = Path::new(name);
+        if is_pack(path) {
+            bail!(WrongUsage(format!(
+                "{name}: is a pack, which panels sample themselves: foveal view {name} --panels RIG, \
+                 or foveal simulate"
+            )));
+        }
         let mut input = VideoInput::open(path)?;
         check_source(path, input.info())?;
         let is_still = input.info().looks_still;

@@ -35,6 +35,9 @@ pub fn parse_frame_times(frames: u32, version: u32, bytes: &[u8]) -> Result<Vec<
         bytes.fold(0, |time, byte| time << 8 | i64::from(*byte))
     };
     let times: Vec<i64> = bytes.chunks_exact(8).map(number).collect();
+    if let Some(first) = times.first().filter(|first| **first != 0) {
+        return Err(wrong(format!("frame 0 at {first}, not at 0")));
+    }
     match times.windows(2).position(|pair| pair[1] <= pair[0]) {
         Some(frame) => Err(wrong(format!(
             "frame {} not after the one before",
@@ -56,9 +59,13 @@ mod tests {
         };
         let good = [0, 33_000_000, 70_000_000];
         assert_eq!(parse_frame_times(3, 1, &bytes(&good)), Ok(good.to_vec()));
-        for (frames, version, times) in
-            [(2, 1, &good[..]), (3, 2, &good[..]), (3, 1, &[0, 5, 5][..])]
-        {
+        for (frames, version, times) in [
+            (2, 1, &good[..]),
+            (3, 2, &good[..]),
+            (2, 1, &[1, 5][..]),
+            (2, 1, &[i64::MIN, 0][..]),
+            (3, 1, &[0, 5, 5][..]),
+        ] {
             assert!(parse_frame_times(frames, version, &bytes(times)).is_err());
         }
     }
