@@ -188,8 +188,12 @@ mod tests {
         assert_eq!(shown.view.size, pane().size);
         // A window that becomes higher before anybody moved still shows all of it.
         let high = Pane::new([500, 1000], [1920, 1080], Screen::default());
-        let nearer = eye.shown(&high).view.position.z < shown.view.position.z;
-        assert!(nearer, "a view that is higher sees it all from nearer");
+        let view = eye.shown(&high).view;
+        let (centre, radius) = SCENE;
+        let reach = libm::tan(libm::asin(radius / view.position.distance(centre)));
+        let field = view.field;
+        let least = field.left.min(field.right).min(field.up).min(field.down);
+        assert!((reach - 0.8 * least).abs() < 1e-9, "{reach} of {least}");
     }
 
     #[test]

@@ -46,8 +46,8 @@ pub(super) struct Answering {
 
 impl Connections {
     /// Takes a connection in. Where there are too many, of its address or of all, the one that has
-    /// been idle longest ends; where none is idle, the one that has been answered longest: who reads
-    /// slowly can ask for the rest, and must not keep others out.
+    /// been idle longest ends; where none is idle, the one that has been answered longest: who
+    /// reads slowly can ask for the rest, and must not keep others out.
     pub(super) fn admit(self: &Arc<Self>, address: IpAddr) -> Admitted {
         let mut open = self.open();
         let of_address = open.values().filter(|it| it.address == address).count();

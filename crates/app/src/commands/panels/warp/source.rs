@@ -73,8 +73,8 @@ impl PanelSource {
         let path = Path::new(name);
         if is_pack(path) {
             bail!(WrongUsage(format!(
-                "{name}: is a pack, which panels sample themselves: foveal view {name} --panels RIG, \
-                 or foveal simulate"
+                "{name}: is a pack, which panels sample themselves: foveal view {name} --panels \
+                 RIG, or foveal simulate"
             )));
         }
         let mut input = VideoInput::open(path)?;
