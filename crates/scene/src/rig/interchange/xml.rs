@@ -6,7 +6,7 @@ use super::super::error::{NEXT, RigFault};
 use crate::nearest::line_number;
 
 /// Most nodes of a document: 1,024 regions have some 40,000.
-const MOST_NODES: u32 = 400_000;
+const MOST_NODES: u32 = 100_000;
 /// Most attributes of an element: of those that are known, a dozen.
 const MOST_ATTRIBUTES: usize = 200;
 

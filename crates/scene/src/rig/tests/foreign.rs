@@ -490,3 +490,15 @@ fn what_no_frustum_can_tell_is_not_written() {
     let error = write_mpcdi(&[&rig.panels[0]]).unwrap_err();
     assert!(error.contains("panel a: pixel 0, 0 looks 90°"), "{error}");
 }
+
+#[test]
+fn an_element_of_very_many_attributes_is_refused_at_once() {
+    let attributes: String = (0..300).map(|k| format!(" a{k}=\"\"")).collect();
+    for text in [
+        format!("<MPCDI{attributes}/>"),
+        (0..300).map(|k| format!("<a xmlns:b{k}=\"c\">")).collect(),
+    ] {
+        let refused = mpcdi::read(text.as_bytes(), &|_| Err(String::new())).unwrap_err();
+        assert!(refused.to_string().contains("more than 200"), "{refused}");
+    }
+}
