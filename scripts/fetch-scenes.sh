@@ -14,21 +14,8 @@ DRAGON_PLY_SHA256=fea87ff48f2aba22fb53e7b67c3ff3f7b8c2a3b3a0653af62c48bba67c6d57
 BUNNY=bunny@1.0.1
 BUNNY_SHA256=381e02c74b98cf18814d7bec794726ef70b9c67e037273e82054d0043f6ae303
 
-say() { printf 'fetch-scenes: %s\n' "$*" >&2; }
-
-sha256_of() {
-  if command -v sha256sum >/dev/null 2>&1; then sha256sum "$1"; else shasum -a 256 "$1"; fi |
-    cut -d' ' -f1
-}
-
-# must_be FILE SHA256: leaves with an error that names both sums where they differ.
-must_be() {
-  local found
-  found=$(sha256_of "$1")
-  [ "$found" = "$2" ] && return 0
-  say "$(basename "$1") has the SHA-256 $found, expected $2: not used"
-  exit 1
-}
+# shellcheck source=scripts/checksums.sh
+. "$(dirname "${BASH_SOURCE[0]}")/checksums.sh"
 
 # fetch PACKAGE FILE SHA256: leaves the package's archive in $work.
 fetch() {
