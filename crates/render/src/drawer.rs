@@ -15,6 +15,8 @@ use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::PolicyConfig;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::showing::StepWitness;
+#[cfg(not(target_arch = "wasm32"))]
+use foveal_core::content::scene::worth::shares_of_worth;
 use foveal_core::content::unit::UnitRef;
 use foveal_core::content::video::Video;
 use foveal_core::gaze::sample::GazeSample;
@@ -22,6 +24,8 @@ use foveal_core::pack::unit::UnitId;
 #[cfg(not(target_arch = "wasm32"))]
 use foveal_core::perception::footprints::Footprints;
 use foveal_core::perception::moment::Moment;
+#[cfg(not(target_arch = "wasm32"))]
+use foveal_core::perception::parameters::Parameters;
 use foveal_core::session::actions::{Cache, Now, SessionAction};
 use foveal_core::session::session::Session;
 use foveal_core::session::unit_states::Piece;
@@ -429,6 +433,27 @@ impl Drawer {
             Layer::Tiles(_) => Ok(Footprints::default()),
             Layer::Scene(drawer, scene) => drawer.footprints(moment, &style_of(scene, None)),
         }
+    }
+
+    /// From now on paints over pictures of a scene what each unit that would refine them is worth
+    /// to this viewer, with these parameters, as footprints measured now tell; or nothing. Over a
+    /// video it paints nothing. Blocks.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    pub fn mark_worth(
+        &mut self,
+        viewer: Option<(&Parameters, &Moment)>,
+    ) -> Result<(), RenderError> {
+        let Layer::Scene(drawer, scene) = &mut self.layer else {
+            return Ok(());
+        };
+        let Some((parameters, moment)) = viewer else {
+            return drawer.mark(None);
+        };
+        let footprints = drawer.footprints(moment, &style_of(scene, None))?;
+        let worths = shares_of_worth(scene, parameters, moment, &footprints);
+        drawer.mark(Some(&worths))
     }
 
     /// [`Self::picture`] with every unit of a scene in its place already.

@@ -29,6 +29,7 @@ const CULL_CLUSTERS: &str = include_str!("../shaders/cull_clusters.wgsl");
 const DEPTHS: &str = include_str!("../shaders/shared/depths.wgsl");
 const HALVE_DEPTHS: &str = include_str!("../shaders/halve_depths.wgsl");
 const DRAW_POINTS: &str = include_str!("../shaders/draw_points.wgsl");
+const MARK_UNITS: &str = include_str!("../shaders/mark_units.wgsl");
 const FOOTPRINTS: &str = include_str!("../shaders/footprints.wgsl");
 const DRAW_CLUSTERS: &str = include_str!("../shaders/draw_clusters.wgsl");
 const BAND: &str = include_str!("../shaders/shared/band.wgsl");
@@ -174,6 +175,16 @@ pub fn draw_points() -> Shader {
             ["place_splat", "draw_point_refiners"],
         ],
         text: [SCENE, RAMP, DRAW_POINTS].join("\n"),
+    }
+}
+
+/// The pass that paints what units are worth over what they would refine.
+#[must_use]
+pub fn mark_units() -> Shader {
+    Shader {
+        name: "mark_units",
+        steps: &[["cover", "mark_units"]],
+        text: [COVER, RAMP, MARK_UNITS].join("\n"),
     }
 }
 

@@ -208,6 +208,13 @@ fn a_torus_of_meshes_refined_in_part() {
     let plain = layer.picture(&view, &SceneStyle::default()).unwrap();
     assert_picture("meshes", &plain);
     assert_picture("meshes_levels", &layer.picture(&view, &tinted).unwrap());
+    let (refiners, worths) = torus::worth_by_cluster();
+    layer.set_refiners(refiners);
+    layer.mark(Some(&worths)).unwrap();
+    let marked = layer.picture(&view, &SceneStyle::default()).unwrap();
+    assert_picture("meshes_worth", &marked);
+    layer.mark(None).unwrap();
+    assert_eq!(layer.picture(&view, &SceneStyle::default()).unwrap(), plain);
 }
 
 /// Panels filled from crisp content.

@@ -5,6 +5,7 @@ mod common;
 
 use common::torus::{
     ALL, ROOT, coming, coming_root, from_above, object, refinement, root, squares_of, view,
+    worth_by_cluster,
 };
 use common::{Seeded, bytes_of, share_beyond, write_png};
 use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
@@ -508,4 +509,42 @@ fn background_and_light_are_those_of_the_style() {
     });
     assert_eq!(pictures[0].pixel([0, 0]), [32, 64, 255, 255]);
     assert!(share_beyond(&pictures[0], &pictures[1], 20) > 0.05);
+}
+
+#[test]
+fn what_units_are_worth_is_painted_over_what_they_would_refine_as_by_the_twin() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let torus = Torus::new(object(ALL));
+    let (mut layer, mut twin) = (torus.on_gpu(&gpu), torus.in_memory());
+    let (refiners, worths) = worth_by_cluster();
+    layer.set_refiners(refiners.clone());
+    twin.set_refiners(refiners);
+    let (view, style) = (from_above(SIZE), SceneStyle::default());
+    let plain = twin.picture(&view, &style);
+    let ids = twin.ids(&view, &style);
+    // The buffer is made, written anew, and made anew.
+    let turned: Vec<f32> = worths.iter().rev().copied().collect();
+    for worths in [worths.as_slice(), &turned, &worths[..9]] {
+        layer.mark(Some(worths)).unwrap();
+        twin.mark(Some(worths));
+        let expected = twin.picture(&view, &style);
+        let drawn = layer.picture(&view, &style).unwrap();
+        assert!(share_beyond(&drawn, &expected, 2) <= 0.005);
+        let mut painted = 0;
+        for ((unit, before), after) in ids.iter().zip(pixels(&plain)).zip(pixels(&expected)) {
+            match worths.get(*unit as usize) {
+                Some(worth) if *worth >= 0.0 => painted += usize::from(before != after),
+                _ => assert_eq!(before, after, "nothing is known of unit {unit}"),
+            }
+        }
+        assert!(painted > 300, "{painted}");
+    }
+    layer.mark(None).unwrap();
+    twin.mark(None);
+    assert_eq!(twin.picture(&view, &style), plain);
+    assert!(share_beyond(&layer.picture(&view, &style).unwrap(), &plain, 2) <= 0.005);
+}
+
+fn pixels(image: &RgbaImage) -> &[[u8; 4]] {
+    image.pixels.as_chunks().0
 }

@@ -9,8 +9,8 @@ use foveal_render::params::{BlurParams, Overlay, SparseParams, TileParams, ViewP
 use foveal_render::points::params::{CloudViewParams, CubeParams};
 use foveal_render::shaders::{
     Shader, blur_halve, blur_radial, cull_clusters, draw_clusters, draw_points, footprints,
-    halve_depths, importance, interpolate_sparse, overlay, reconstruct, reconstruct_textures,
-    reduce_source, warp,
+    halve_depths, importance, interpolate_sparse, mark_units, overlay, reconstruct,
+    reconstruct_textures, reduce_source, warp,
 };
 use foveal_render::warp::params::{BlendParams, PanelParams, WarpParams};
 use naga::proc::Layouter;
@@ -65,8 +65,8 @@ macro_rules! same_layout {
 }
 
 #[test]
-fn the_blur_is_valid_with_no_capability_that_a_browser_lacks() {
-    for shader in [blur_halve(), blur_radial()] {
+fn what_is_drawn_over_a_picture_is_valid_with_no_capability_that_a_browser_lacks() {
+    for shader in [blur_halve(), blur_radial(), mark_units()] {
         let module = parsed(&shader);
         Validator::new(ValidationFlags::all(), Capabilities::empty())
             .validate(&module)

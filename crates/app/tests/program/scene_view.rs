@@ -93,6 +93,73 @@ fn a_window_flies_through_a_scene_and_the_log_is_replayed() {
     assert!(again["frames"].as_u64().unwrap() > 5, "{again}");
 }
 
+/// Share of the pixels that are no grey.
+fn coloured(picture: &Rgb) -> f64 {
+    let is_coloured = |at: &[u32; 2]| {
+        let [r, g, b] = picture.at(*at);
+        r.abs_diff(b).max(r.abs_diff(g)) > 20
+    };
+    let all = picture.places().count();
+    picture.places().filter(is_coloured).count() as f64 / all as f64
+}
+
+#[test]
+fn a_window_colours_a_scene_by_importance_and_a_held_key_makes_the_eye_jump() {
+    let folder = Folder::new();
+    let pack = torus_pack(&folder);
+    let (shots, log) = (folder.name("shots"), folder.name("flight.jsonl"));
+    // Of levels and importance one is shown, and importance also by a new device.
+    let script = "0 move 60 150\n0 settle\n0 screenshot plain.png\n\
+                  0.1 key l\n0.2 key i\n0.4 screenshot worth.png\n\
+                  0.5 lose-device\n0.6 settle\n0.7 screenshot again.png\n\
+                  0.7 move 420 150\n0.8 settle\n0.9 screenshot right.png\n\
+                  0.9 move 60 150\n\
+                  1.0 key i\n1.0 settle\n1.0 screenshot off.png\n\
+                  1.0 press x\n1.2 move 400 100\n1.4 release x\n1.4 move 300 100\n2.2 quit";
+    let options = [
+        "--view",
+        "480x300",
+        "--screenshots",
+        &shots,
+        "--log",
+        &log,
+        "--demo",
+        "--policy",
+        "acuity",
+    ];
+    let Some(summary) = watched(&folder, &pack, script, &options) else {
+        return;
+    };
+    assert_eq!(summary["gpu_errors"], 0);
+    let shot = |name: &str| Rgb::read(&format!("{shots}/{name}.png"));
+    let [plain, worth, again, right, off] = ["plain", "worth", "again", "right", "off"].map(shot);
+    assert_eq!(coloured(&plain), 0.0, "the torus is white");
+    assert!(coloured(&worth) > 0.5 * covered(&plain));
+    assert!(again.difference(&worth) <= 2);
+    assert!(off.difference(&plain) <= 2);
+    // Warmer where the eye looks.
+    let warmth = |picture: &Rgb, columns: [u32; 2]| -> i64 {
+        let within = |[x, _]: &[u32; 2]| (columns[0]..columns[1]).contains(x);
+        let warm = |at| i64::from(picture.at(at)[0]) - i64::from(picture.at(at)[2]);
+        picture.places().filter(within).map(warm).sum()
+    };
+    let tilt = |it: &Rgb| warmth(it, [0, 240]) - warmth(it, [240, 480]);
+    assert!(
+        tilt(&worth) > tilt(&right) + 10_000,
+        "{} {}",
+        tilt(&worth),
+        tilt(&right)
+    );
+    let told = std::fs::read_to_string(&log).unwrap();
+    for state in ["jumping", "landed", "steady"] {
+        assert!(
+            told.contains(&format!("\"state\":\"{state}\"")),
+            "{state}: {told}"
+        );
+    }
+    assert_eq!(json(&["replay", &log])["same"], true);
+}
+
 #[test]
 fn policies_and_options_that_are_for_video_are_refused_for_scenes() {
     let folder = Folder::new();

@@ -35,8 +35,12 @@ pub enum Action {
     Target(i32),
     /// Sound, or none.
     Sound,
-    /// Colour tiles by their level, or not.
+    /// Colour tiles, or parts of a scene, by their level, or not.
     Levels,
+    /// Colour parts of a scene by what the eye would gain of finer ones, or not.
+    Importance,
+    /// The eye is in a saccade while the key is held.
+    Saccade,
     /// Draw the borders of tiles, or not.
     Borders,
     /// Blur what lies outside the fovea, or not.
@@ -194,6 +198,8 @@ pub const KEYS: &[Row] = {
             &[key("e", Eye)]),
         row("S", "screenshot", Video, Window,
             &[key("s", Screenshot)]),
+        row("X", "held: the eye jumps, and sees no change (saccade)", Nothing, Window,
+            &[key("x", Saccade)]),
         row("O", "figures", Nothing, Both,
             &[key("o", Figures)]),
         row("F", "full screen", Nothing, Both,
@@ -212,6 +218,8 @@ pub const KEYS: &[Row] = {
             &[key("Home", Reset)]),
         row("L", "scenes: coloured by level", Scene, Both,
             &[key("l", Levels)]),
+        row("I", "scenes: coloured by what the eye would gain of finer parts", Scene, Window,
+            &[key("i", Importance)]),
         row("Shift S", "scenes: screenshot", Scene, Window,
             &[key("Shift+s", Screenshot)]),
     ]
@@ -269,6 +277,8 @@ mod tests {
         assert_eq!(action_in_scene("Home", false), Some(Action::Reset));
         assert_eq!(action_in_scene("P", true), Some(Action::Policy(-1)));
         assert_eq!(action_in_scene("q", false), Some(Action::Quit));
+        assert_eq!(action_in_scene("i", false), Some(Action::Importance));
+        assert_eq!(action_in_scene("x", false), Some(Action::Saccade));
     }
 
     #[test]
@@ -291,6 +301,6 @@ mod tests {
         assert_eq!(action_of("ArrowLeft", true), Some(Action::Skip(-SKIP_S)));
         assert_eq!(action_of("+", true), Some(Action::Zoom(ZOOM)));
         assert_eq!(action_of("M", true), Some(Action::Sound));
-        assert_eq!(action_of("x", false), None);
+        assert_eq!(action_of("v", false), None);
     }
 }

@@ -25,6 +25,8 @@ pub(crate) enum Reads {
     /// Texels one by one, or between them with a [`Reads::Sampler`].
     Picture,
     Sampler,
+    /// Numbers of units, one by one.
+    Units,
 }
 
 impl Reads {
@@ -45,6 +47,11 @@ impl Reads {
             Self::Layers => texture(false, wgpu::TextureViewDimension::D2Array),
             Self::Picture => texture(true, wgpu::TextureViewDimension::D2),
             Self::Sampler => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+            Self::Units => wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Uint,
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
         }
     }
 }

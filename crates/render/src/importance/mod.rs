@@ -5,6 +5,7 @@
 //! holds them against it. Pictures stay on the GPU: only the sums of units come back.
 
 mod bands;
+pub(crate) mod marks;
 mod params;
 mod pictures;
 mod sums;

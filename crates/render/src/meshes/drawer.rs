@@ -134,6 +134,22 @@ impl SceneDrawer {
         }
     }
 
+    /// From now on paints over pictures what the unit is worth that would refine what a pixel
+    /// shows, 0 to 1 by its number, less than 0 where that is not known; or nothing.
+    ///
+    /// # Errors
+    /// The device binds no buffer for as many units.
+    pub fn mark(&mut self, worths: Option<&[f32]>) -> Result<(), RenderError> {
+        match &mut self.engine {
+            Engine::Gpu(layer) => layer.mark(worths),
+            Engine::Twin(twin) => {
+                twin.mark(worths);
+                Ok(())
+            }
+            Engine::Nothing => Ok(()),
+        }
+    }
+
     /// Triangles of the clusters that a picture is drawn of, also of those that cannot be seen,
     /// each where it stands.
     #[must_use]

@@ -8,6 +8,7 @@ use crate::gpu::picture_target::{PictureTarget, check_size};
 use crate::gpu::readback::{PictureCopy, ReadBack};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
+use crate::importance::marks::UnitMarks;
 use crate::meshes::footprints::{FootprintPass, FootprintsBack, GazedParams, small_view};
 use crate::meshes::hiding::Hiding;
 use crate::meshes::lists::DrawList;
@@ -66,6 +67,8 @@ pub struct SceneLayer {
     footprints: Option<FootprintPass>,
     output: PictureTarget,
     unit_image: Option<wgpu::Texture>,
+    /// What units are worth, where pictures are to tell that.
+    marks: Option<UnitMarks>,
     /// Where there are clouds of points.
     clouds: Option<PointLayer>,
 }
@@ -109,6 +112,7 @@ impl SceneLayer {
             footprints: None,
             output: PictureTarget::new(gpu, [1, 1]),
             unit_image: None,
+            marks: None,
             clouds: clouds.transpose()?,
         })
     }
@@ -273,7 +277,26 @@ impl SceneLayer {
         let mut encoder = gpu.encoder("scene");
         self.record(&mut encoder, view, style)?;
         gpu.submit(encoder);
+        if let Some(marks) = self.marks.take() {
+            let units = self.ids(view, style)?.clone();
+            marks.paint(&gpu, &units, &self.output);
+            self.marks = Some(marks);
+        }
         Ok(&self.output.picture)
+    }
+
+    /// From now on paints over pictures what the unit is worth that would refine what a pixel
+    /// shows, 0 to 1 by its number, less than 0 where that is not known; or nothing.
+    ///
+    /// # Errors
+    /// The device binds no buffer for as many units.
+    pub fn mark(&mut self, worths: Option<&[f32]>) -> Result<(), RenderError> {
+        match (&mut self.marks, worths) {
+            (Some(marks), Some(worths)) => marks.fill(&self.gpu, worths)?,
+            (None, Some(worths)) => self.marks = Some(UnitMarks::new(&self.gpu, worths)?),
+            (marks, None) => *marks = None,
+        }
+        Ok(())
     }
 
     /// [`Self::draw`], with the picture on its way back to the CPU.
@@ -282,8 +305,8 @@ impl SceneLayer {
     /// The picture is larger than the device draws.
     pub fn read(&mut self, view: &EyeView, style: &SceneStyle) -> Result<ReadBack, RenderError> {
         let gpu = self.gpu.clone();
+        self.draw(view, style)?;
         let mut encoder = gpu.encoder("scene to read");
-        self.record(&mut encoder, view, style)?;
         let copy = PictureCopy::record(&gpu, &mut encoder, &self.output.picture);
         gpu.submit(encoder);
         Ok(copy.map())

@@ -9,6 +9,7 @@ use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_render::ComingUnit;
 use glam::{DAffine3, DVec3};
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 /// Squares round the torus, either way.
@@ -208,4 +209,16 @@ pub fn view(position: [f64; 3], [yaw, pitch]: [f64; 2], size: [u32; 2]) -> EyeVi
 /// A view of all of the torus from the front and above.
 pub fn from_above(size: [u32; 2]) -> EyeView {
     view([0.3, 2.2, 3.6], [-4.0, -31.0], size)
+}
+
+/// Units that would refine the root's clusters, but for two of them, and what they are worth, but
+/// for one of them.
+pub fn worth_by_cluster() -> (HashMap<(UnitId, u8), UnitId>, Vec<f32>) {
+    let refiner = |cluster: u8| ((ROOT, cluster), UnitId(u32::from(cluster)));
+    let refiners = (0..14).map(refiner).collect();
+    let worth = |unit: u8| match unit {
+        3 => -1.0,
+        _ => f32::from(unit) / 13.0,
+    };
+    (refiners, (0..14).map(worth).collect())
 }

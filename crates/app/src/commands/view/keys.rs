@@ -42,11 +42,14 @@ pub(crate) fn action_of(key: &Key, with_shift: bool, in_scene: bool) -> Option<A
 }
 
 /// What a key means that a script names: one character, or `space`, `Home`, `F11` and so on, all
-/// of them behind `Shift+` or not.
+/// of them behind `Shift+` or `Shift ` or not.
 pub(crate) fn action_named(name: &str, in_scene: bool) -> Option<Action> {
-    let key = name.strip_prefix("Shift+").unwrap_or(name);
+    let shifted = name.split_once(['+', ' ']);
+    let shifted = shifted.filter(|(shift, _)| shift.eq_ignore_ascii_case("shift"));
+    let key = shifted.map_or(name, |(_, key)| key.trim());
     let is_character = key.chars().count() == 1;
-    let named = NAMED.iter().find(|(_, script, _)| *script == key);
+    let mut names = NAMED.iter();
+    let named = names.find(|(_, script, _)| script.eq_ignore_ascii_case(key));
     let web = named.map(|(web, ..)| *web);
     let web = web.or_else(|| is_character.then_some(key))?;
     let is_capital = is_character && key.chars().all(char::is_uppercase);
@@ -88,7 +91,16 @@ mod tests {
         }
         assert_eq!(action_named("P", false), Some(Action::Policy(-1)));
         assert_eq!(action_named("ArrowLeft", false), None);
-        assert_eq!(action_of(&Key::Character("x".into()), false, false), None);
+        for name in ["Shift+P", "shift P", "Shift p", "SHIFT+p"] {
+            assert_eq!(
+                action_named(name, false),
+                Some(Action::Policy(-1)),
+                "{name}"
+            );
+        }
+        assert_eq!(action_named("home", false), Some(Action::First));
+        assert_eq!(action_named("Shift", false), None);
+        assert_eq!(action_of(&Key::Character("v".into()), false, false), None);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use anyhow::anyhow;
 use foveal_core::gaze::pointer::gaze_at;
 use foveal_core::gaze::sample::{EyeEvent, GazeSample};
 use foveal_core::perception::moment::Moment;
-use foveal_core::perception::parameters::Parameters;
+use foveal_core::perception::parameters::{EyeState, Parameters};
 use foveal_core::session::viewer::Viewer;
 use foveal_core::units::Seconds;
 use foveal_core::view::navigation::{Pane, Shown};
@@ -128,6 +128,45 @@ impl Looking {
     }
 }
 
+/// The key that stands for a saccade where no eye tracker tells of one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum SaccadeKey {
+    #[default]
+    NeverHeld,
+    Held,
+    LetGo(Seconds),
+}
+
+impl SaccadeKey {
+    /// The key is held from now on, or let go.
+    pub(crate) fn hold(&mut self, is_held: bool, now: Seconds) {
+        *self = match (is_held, *self) {
+            (true, _) => Self::Held,
+            (false, Self::Held) => Self::LetGo(now),
+            (false, other) => other,
+        };
+    }
+
+    /// When the eye has landed; `None` where it has not jumped, or still does.
+    pub(crate) fn landed(&self, perception: &Parameters) -> Option<Seconds> {
+        match self {
+            Self::LetGo(at) => Some(Seconds(at.0 + perception.landed_ms / 1000.0)),
+            Self::NeverHeld | Self::Held => None,
+        }
+    }
+
+    /// What the eye is doing; `None` where the key tells nothing of it.
+    pub(crate) fn state(&self, now: Seconds, perception: &Parameters) -> Option<EyeState> {
+        let since = match self {
+            Self::NeverHeld => return None,
+            Self::Held => return Some(perception.eye_state(EyeEvent::Saccade, None)),
+            Self::LetGo(at) => Seconds(now.0 - at.0),
+        };
+        let state = perception.eye_state(EyeEvent::Fixation, Some(since));
+        (state == EyeState::Landed).then_some(state)
+    }
+}
+
 /// What the pointer is over: the panel under it, where there are panels.
 fn pointed_at(viewer: &Viewer, pane: &Pane, panes: Option<&RigPanes>) -> Shown {
     let shown = viewer.shown(pane);
@@ -143,6 +182,21 @@ fn pointed_at(viewer: &Viewer, pane: &Pane, panes: Option<&RigPanes>) -> Shown {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_eye_jumps_while_the_key_is_held_and_lands_when_it_is_let_go() {
+        let perception = Parameters::default();
+        let mut key = SaccadeKey::default();
+        let state = |key: &SaccadeKey, now| key.state(Seconds(now), &perception);
+        assert_eq!(state(&key, 1.0), None);
+        key.hold(false, Seconds(1.0));
+        assert_eq!(state(&key, 1.0), None, "it was not held");
+        key.hold(true, Seconds(2.0));
+        assert_eq!(state(&key, 5.0), Some(EyeState::Jumping));
+        key.hold(false, Seconds(5.0));
+        assert_eq!(state(&key, 5.01), Some(EyeState::Landed));
+        assert_eq!(state(&key, 6.0), None);
+    }
 
     #[test]
     fn a_window_takes_the_mouse_and_every_other_gaze() {

@@ -24,8 +24,8 @@ const MOST_LINES: usize = 100_000;
 pub(crate) enum Deed {
     /// What a key does.
     Key(Action),
-    /// A key that flies along a direction, held from now on, or let go.
-    Hold([f64; 3], bool),
+    /// A key that does something while it is held, held from now on, or let go.
+    Hold(Action, bool),
     /// The pointer to a place in the window, in pixels.
     Move([f64; 2]),
     /// The pointer out of the window.
@@ -158,8 +158,13 @@ fn parse_line(line: &str, in_scene: bool) -> anyhow::Result<(f64, Deed)> {
 fn key_named(what: &str, name: &str, in_scene: bool) -> anyhow::Result<Deed> {
     match (action_named(name, in_scene), what) {
         (None, _) => bail!("no key {name} does anything; `foveal view --help` lists all keys"),
+        (Some(Action::Saccade), "key") => {
+            bail!("key {name} does something while it is held; write \"press {name}\"")
+        }
         (Some(action), "key") => Ok(Deed::Key(action)),
-        (Some(Action::Fly(towards)), _) => Ok(Deed::Hold(towards, what == "press")),
+        (Some(action @ (Action::Fly(_) | Action::Saccade)), _) => {
+            Ok(Deed::Hold(action, what == "press"))
+        }
         _ => bail!("key {name} does all it does at once; write \"key {name}\""),
     }
 }
@@ -197,15 +202,16 @@ mod tests {
 
     #[test]
     fn in_a_scene_keys_that_fly_are_held_and_let_go() {
-        let text = "0 press w\n1 release w\n1 key s\n2 key Shift+s";
+        let text = "0 press w\n1 release w\n1 key s\n2 key Shift+s\n3 press x";
         let mut script = Script::parse(text, true).unwrap();
-        let deeds = [(); 4].map(|()| script.next(Seconds(9.0), PictureIs::There));
-        let ahead = [0.0, 0.0, 1.0];
+        let deeds = [(); 5].map(|()| script.next(Seconds(9.0), PictureIs::There));
+        let ahead = Action::Fly([0.0, 0.0, 1.0]);
         let back = Action::Fly([0.0, 0.0, -1.0]);
         assert_eq!(deeds[0], Some(Deed::Hold(ahead, true)));
         assert_eq!(deeds[1], Some(Deed::Hold(ahead, false)));
         assert_eq!(deeds[2], Some(Deed::Key(back)));
         assert_eq!(deeds[3], Some(Deed::Key(Action::Screenshot)));
+        assert_eq!(deeds[4], Some(Deed::Hold(Action::Saccade, true)));
     }
 
     #[test]
@@ -228,6 +234,7 @@ mod tests {
             "0 screenshot",
             "0 screenshot a.JPG",
             "0 key x",
+            "0 key v",
             "0 quit now",
             "0 dance",
             "1e9 quit",

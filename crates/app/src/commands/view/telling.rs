@@ -24,8 +24,8 @@ impl WindowPlayer {
             Needs::Atlas => !self.in_scene() && !style.samples && !style.has_textures,
         };
         let here = KEYS.iter().filter(|row| does(row.needs));
-        here.map(|Row { shown, says, .. }| (*shown, *says))
-            .collect()
+        let says = |says: &'static str| says.strip_prefix("scenes: ").unwrap_or(says);
+        here.map(|row: &Row| (row.shown, says(row.says))).collect()
     }
 
     fn style_told(&self) -> String {

@@ -4,7 +4,7 @@
 
 use crate::commands::view::draw_rate::DrawRate;
 use crate::commands::view::log_file::LogFile;
-use crate::commands::view::looking::Looking;
+use crate::commands::view::looking::{Looking, SaccadeKey};
 use crate::commands::view::screen::overlay::Told;
 use crate::commands::view::screen::words::{Page, Words};
 use crate::commands::view::sound::Sound;
@@ -16,6 +16,7 @@ use crate::options::showing::EyeName;
 use anyhow::bail;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::moment::Moment;
+use foveal_core::perception::parameters::Parameters;
 use foveal_core::session::figures::MOST_DRAW_S;
 use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
 use foveal_core::units::Seconds;
@@ -66,6 +67,11 @@ pub(crate) struct WindowPlayer {
     pub(super) draw_rate: DrawRate,
     levels: bool,
     borders: bool,
+    /// Whether a scene is coloured by what the eye would gain of finer parts.
+    importance: bool,
+    /// Whether that was asked for otherwise since it was worked out.
+    importance_is_stale: bool,
+    saccade: SaccadeKey,
     /// How far picture and sound were from each other when frames were shown.
     pub(crate) drift: Drift,
     pub(super) eye: EyeName,
@@ -105,6 +111,9 @@ impl WindowPlayer {
             draw_rate: DrawRate::default(),
             levels: false,
             borders: false,
+            importance: false,
+            importance_is_stale: false,
+            saccade: SaccadeKey::default(),
             drift: Drift::new(),
             eye: begin.eye,
             two_eyes: begin.two_eyes,
@@ -162,7 +171,13 @@ impl WindowPlayer {
                 self.restyle(action, now);
             }
             Action::Eye => self.next_eye(now),
-            Action::Levels => self.levels = !self.levels,
+            Action::Levels => {
+                self.levels = !self.levels;
+                self.show_importance(false);
+            }
+            Action::Importance => self.toggle_importance(now),
+            // Held, it is no deed by itself.
+            Action::Saccade => {}
             Action::Borders => self.borders = !self.borders,
             Action::Sound => self.toggle_sound(now),
             Action::Overlay => self.words.turn_the_page(),
@@ -201,6 +216,35 @@ impl WindowPlayer {
             Err(error) => return self.say(error.to_string(), now),
         }
         self.say(said, now);
+    }
+
+    fn show_importance(&mut self, shows: bool) {
+        self.importance_is_stale = shows != self.importance;
+        self.importance = shows;
+    }
+
+    fn toggle_importance(&mut self, now: Seconds) {
+        self.show_importance(!self.importance);
+        self.levels = false;
+        let said = match self.importance {
+            true => "red: finer parts are worth most to the eye; blue: least",
+            false => "colours as they are",
+        };
+        self.say(said.to_owned(), now);
+    }
+
+    /// Works out what units are worth to an eye with these parameters, where that is shown.
+    fn mark_worth(&mut self, perception: &Parameters) -> anyhow::Result<()> {
+        let viewer = self.viewer.moment().filter(|_| self.importance);
+        let viewer = viewer.map(|moment| (perception, moment));
+        self.live.drawer().mark_worth(viewer)?;
+        self.importance_is_stale = false;
+        Ok(())
+    }
+
+    /// The key is held that stands for a saccade, or let go.
+    pub(crate) fn hold_saccade(&mut self, is_held: bool, now: Seconds) {
+        self.saccade.hold(is_held, now);
     }
 
     fn next_eye(&mut self, now: Seconds) {
@@ -260,8 +304,13 @@ impl WindowPlayer {
             );
         }
         let style = self.live.style();
-        let drawn_by_gaze = self.levels && !self.in_scene() || style.samples || style.blurs;
+        let marks_gaze = self.levels && !self.in_scene() || self.importance;
+        let drawn_by_gaze = marks_gaze || style.samples || style.blurs;
         changed |= self.viewer.stepped(moment, pane, drawn_by_gaze);
+        if changed || self.importance_is_stale {
+            self.mark_worth(&config.perception)?;
+            changed = true;
+        }
         Ok(changed || self.words.are_stale(now, self.is_moving()))
     }
 
@@ -323,6 +372,7 @@ impl WindowPlayer {
         let moment = self.looking.moment(now, viewer, (pane, panes), perception);
         Moment {
             behind_sound: self.drift.last(),
+            state: self.saccade.state(now, perception).unwrap_or(moment.state),
             ..moment
         }
     }
@@ -357,6 +407,9 @@ impl WindowPlayer {
         let looks = self.looking.moves().then_some(now.0 + LOOK_S);
         let times = changes.map(|at| at.0).into_iter().chain(looks);
         let times = times.chain(self.words.due(now, self.is_moving()));
+        let perception = &self.live.session().policy_in_use().perception;
+        let lands = self.saccade.landed(perception);
+        let times = times.chain(lands.map(|at| at.0).filter(|at| *at > now.0));
         let next = times.filter(|time| *time < NEVER_S).reduce(f64::min);
         next.map(Seconds)
     }

@@ -12,7 +12,7 @@ use super::sight::{SeenExtent, Sight};
 use super::unit_table::{UnitKind, UnitRow};
 use crate::content::policy::ImportanceSource;
 use crate::pack::unit::UnitId;
-use crate::perception::footprints::Footprints;
+use crate::perception::footprints::{Footprint, Footprints};
 use crate::perception::moment::Moment;
 use crate::perception::parameters::{Model, Parameters};
 use crate::perception::step_worth::{DrawnFiner, LookedPlace, StepWorth};
@@ -203,6 +203,59 @@ pub fn visible_errors(scene: &Scene, moment: &Moment, footprints: &Footprints) -
     worth.values(scene, &sights)
 }
 
+/// How many decades of worth [`shares_of_worth`] tells apart.
+const DECADES: f64 = 3.0;
+/// Share of what refines something that is worth as much as the most or more: slivers at edges are
+/// measured too roughly to stand for it.
+const MOST: f64 = 0.01;
+
+/// For each unit that refines what is drawn, by its number, what a viewer gains of it in a square
+/// degree: 1 where that is the most of all, or as much as in the best hundredth of what they
+/// refine, down to 0 where it is a thousandth of that or less, by logarithms. -1 of units that
+/// refine nothing of it. `footprints` are those of what is drawn. Takes some microseconds for each
+/// unit.
+#[must_use]
+pub fn shares_of_worth(
+    scene: &Scene,
+    parameters: &Parameters,
+    moment: &Moment,
+    footprints: &Footprints,
+) -> Vec<f32> {
+    let mut worth = SceneWorth::new(scene, parameters, ImportanceSource::Signatures);
+    worth.see(footprints);
+    let sight = |glance| Sight::new(&glance, Radians(0.0));
+    let sights: Vec<Sight> = moment.glances().map(sight).collect();
+    let values = worth.values(scene, &sights);
+    let density = |footprint: &Footprint| {
+        let value = values.get(footprint.unit.0 as usize).copied();
+        value.unwrap_or_default() / footprint.area_deg2()
+    };
+    let mut best: Vec<(f64, f64)> = footprints
+        .list()
+        .iter()
+        .map(|it| (density(it), it.area_deg2()))
+        .collect();
+    best.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    let mut left = MOST * best.iter().map(|it| it.1).sum::<f64>();
+    let reached = best.iter().find(|(_, area)| {
+        left -= area;
+        left <= 0.0
+    });
+    let most = reached.map_or(0.0, |it| it.0);
+    let mut shares = vec![-1.0; values.len()];
+    for footprint in footprints.list() {
+        let density = density(footprint);
+        if let Some(share) = shares.get_mut(footprint.unit.0 as usize) {
+            let decades = match density > 0.0 && most > 0.0 {
+                true => libm::log10(density / most),
+                false => -DECADES,
+            };
+            *share = (1.0 + decades / DECADES).clamp(0.0, 1.0) as f32;
+        }
+    }
+    shares
+}
+
 /// Share of the detail that an eye can see of a scene, hidden or not, that these units show: of
 /// what all are worth. 1 where none is worth anything. Takes some microseconds for each unit.
 #[must_use]
@@ -244,7 +297,6 @@ mod tests {
     use super::*;
     use crate::content::scene::scripted::scripted_scene;
     use crate::gaze::sample::GazeSample;
-    use crate::perception::footprints::Footprint;
     use crate::perception::glance::Glance;
     use crate::perception::parameters::EyeState;
     use crate::units::Seconds;
@@ -295,6 +347,54 @@ mod tests {
         };
         let found = [0, 320, 640].map(&mut at);
         assert!(found.is_sorted_by(|a, b| a > b), "{found:?}");
+    }
+
+    #[test]
+    fn of_what_is_drawn_the_worth_is_told_for_each_square_degree_and_most_near_the_gaze() {
+        let scene = scripted_scene().unwrap();
+        let units = scene.pack().len();
+        let bounds = scene.bounds();
+        let size = [1000, 600];
+        let view = EyeView {
+            position: bounds.centre + DVec3::Z * 2.0 * bounds.radius,
+            axes: Axes::FRONT,
+            field: Field::symmetric([1.0, 0.6]),
+            size,
+            eye: Default::default(),
+        };
+        let gaze = GazeSample::at(Seconds(0.0), Radians(0.0), Radians(0.0));
+        let moment = Moment::new(gaze, vec![view]);
+        let last = units as u32 - 1;
+        let shares = |footprints: Vec<Footprint>| {
+            let seen = Footprints::new(footprints);
+            shares_of_worth(&scene, &Parameters::default(), &moment, &seen)
+        };
+        let none = shares(Vec::new());
+        assert!(none.len() == units && none.iter().all(|it| *it == -1.0));
+        let [near, far] = [footprint(last, 0), footprint(last - 1, 500)];
+        let both = shares(vec![far, near]);
+        let [of_far, of_near] = [units - 2, units - 1].map(|at| both[at]);
+        assert!(
+            of_near == 1.0 && (0.0..0.9).contains(&of_far),
+            "{of_near} {of_far}"
+        );
+        assert_eq!(both.iter().filter(|it| **it >= 0.0).count(), 2);
+        // A sliver of which much is gained changes nothing beside it.
+        let sliver = Footprint {
+            unit: UnitId(last - 2),
+            area: 1,
+            least: 0,
+            mean: 0,
+        };
+        let beside = shares(vec![far, near, sliver]);
+        assert!(beside[units - 2] == of_far && beside[units - 1] == of_near);
+        // Of a larger part of the view no more is gained in a square degree.
+        let wide = Footprint {
+            area: 8 * far.area,
+            ..far
+        };
+        let other = shares(vec![wide, near]);
+        assert!((other[units - 2] - of_far).abs() < 1e-6);
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod draw_clusters;
 mod draw_points;
 mod footprints;
 mod halve_depths;
+mod mark_units;
 
 use crate::error::RenderError;
 use crate::image::RgbaImage;
@@ -33,6 +34,7 @@ use foveal_core::perception::footprints::Footprint;
 use foveal_core::perception::glance::Glance;
 use foveal_core::view::eye_view::EyeView;
 use glam::{Vec2, Vec4};
+use mark_units::mark_units;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// The units of a scene in main memory, and the pictures that are drawn of them.
@@ -43,6 +45,8 @@ pub struct TwinScene {
     refiners: HashMap<(UnitId, u8), UnitId>,
     clouds: CloudUnits,
     objects: Vec<SceneObject>,
+    /// What units are worth, where pictures are to tell that.
+    worths: Option<Vec<f32>>,
 }
 
 /// How near what is drawn in each pixel is; larger is nearer.
@@ -85,7 +89,14 @@ impl TwinScene {
             refiners: HashMap::new(),
             clouds: CloudUnits::new(objects),
             objects: objects.to_vec(),
+            worths: None,
         }
+    }
+
+    /// From now on paints over pictures what the unit is worth that would refine what a pixel
+    /// shows, 0 to 1 by its number, less than 0 where that is not known; or nothing.
+    pub fn mark(&mut self, worths: Option<&[f32]>) {
+        self.worths = worths.map(<[f32]>::to_vec);
     }
 
     /// Adds a unit after its prerequisites.
@@ -196,7 +207,19 @@ impl TwinScene {
         self.draw_clouds(&scene, view, &mut depths, |splat, fragment| {
             image.set_pixel(fragment.pixel, code(draw_points(splat)));
         });
+        if let Some(worths) = &self.worths {
+            self.paint(worths, &mut image, &self.ids(view, style));
+        }
         image
+    }
+
+    /// Paints what units are worth over a picture of what they would refine.
+    fn paint(&self, worths: &[f32], image: &mut RgbaImage, ids: &[u32]) {
+        for (pixel, unit) in image.pixels.as_chunks_mut::<4>().0.iter_mut().zip(ids) {
+            let mark = mark_units(worths, *unit);
+            let under = Vec4::from(pixel.map(|it| f32::from(it) / 255.0));
+            *pixel = code(under.lerp(mark.truncate().extend(1.0), mark.w));
+        }
     }
 
     /// For each pixel of `view`, row by row, the unit that would refine the cluster that is drawn

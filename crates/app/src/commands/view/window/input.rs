@@ -56,17 +56,25 @@ impl Open {
         // What Shift makes of a key that is let go counts for nothing: it may not have been held.
         let with_shift = self.with_shift && is_pressed;
         match action_of(&event.logical_key, with_shift, self.ready.in_scene()) {
-            Some(Action::Fly(towards)) => self.hold(towards, is_pressed, now),
+            Some(action @ (Action::Fly(_) | Action::Saccade)) => {
+                self.hold(action, is_pressed, now);
+            }
             Some(action) if is_pressed => return self.act(action, now),
             _ => {}
         }
         Ok(Wish::Nothing)
     }
 
-    /// Flies along a direction from now on, or no longer.
-    fn hold(&mut self, towards: [f64; 3], is_held: bool, now: Seconds) {
-        let steering = self.player.viewer.navigation.steering();
-        self.steer(steering.with(towards, is_held), now);
+    /// A key does what it does from now on, or no longer.
+    fn hold(&mut self, action: Action, is_held: bool, now: Seconds) {
+        match action {
+            Action::Fly(towards) => {
+                let steering = self.player.viewer.navigation.steering();
+                self.steer(steering.with(towards, is_held), now);
+            }
+            _ => self.player.hold_saccade(is_held, now),
+        }
+        self.stale = true;
     }
 
     fn hold_shift(&mut self, is_held: bool, now: Seconds) {
@@ -78,6 +86,7 @@ impl Open {
     /// Nobody holds a key of a window that others lie over.
     fn let_go(&mut self, now: Seconds) {
         self.steer(Steering::default(), now);
+        self.player.hold_saccade(false, now);
     }
 
     fn steer(&mut self, steering: Steering, now: Seconds) {
@@ -158,7 +167,7 @@ impl Open {
     pub(super) fn perform(&mut self, deed: Deed, now: Seconds) -> anyhow::Result<Wish> {
         match deed {
             Deed::Key(action) => return self.act(action, now),
-            Deed::Hold(towards, is_held) => self.hold(towards, is_held, now),
+            Deed::Hold(action, is_held) => self.hold(action, is_held, now),
             Deed::Move(place) => self.point(place),
             Deed::Leave => self.player.viewer.pointer.leave(now),
             Deed::Drag(by) => self.drag(by),
