@@ -68,6 +68,7 @@ fn about_video(video: &Video, has_sound: bool) -> Value {
         "name": about.source.name,
         "policies": policies,
         "triangles": 0,
+        "points": 0,
         "fullRange": about.colour.full_range,
     })
 }
@@ -89,6 +90,7 @@ fn about_scene(about: &SceneDescription) -> Value {
         "name": about.source.names.join(", "),
         "policies": policies,
         "triangles": about.triangles(),
+        "points": about.points(),
     })
 }
 

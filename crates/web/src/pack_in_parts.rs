@@ -145,7 +145,7 @@ impl PackInParts {
             }
             ContentInParts::Scene(scene) => {
                 let Sphere { centre, radius } = scene.bounds();
-                Navigation::through((centre, radius), field)
+                Navigation::through((centre, radius), scene.rise(), field)
             }
         }
     }

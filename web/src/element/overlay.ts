@@ -91,7 +91,7 @@ const OF_SOME: ReadonlyMap<string, Of> = new Map([
   ["tiles, finest first", "tiles"],
   ["decoding a tile", "tiles"],
   ["zoom", "tiles"],
-  ["triangles shown", "scene"],
+  ["detail shown", "scene"],
   ["units, finest first", "scene"],
   ["sharpness", "scene"],
 ]);
@@ -112,9 +112,9 @@ const FIGURES: readonly (readonly [string, string, (stats: Stats) => string])[] 
     (s) => s.levels.slice(0, LEVELS).join(" · "),
   ],
   [
-    "triangles shown",
-    "Of all triangles of the finest level",
-    (s) => `${percent(s.share)}, ${s.trianglesDrawn.toLocaleString("en")} drawn`,
+    "detail shown",
+    "Of all triangles and points of the finest level",
+    (s) => `${percent(s.share)}, ${s.trianglesDrawn.toLocaleString("en")} triangles drawn`,
   ],
   [
     "units, finest first",

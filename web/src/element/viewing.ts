@@ -9,7 +9,7 @@ import { followDevice } from "./orientation.ts";
 import type { Overlay } from "./overlay.ts";
 import type { Shell } from "./shell.ts";
 import { Sound } from "./sound.ts";
-import { spokenTime, triangles } from "./words.ts";
+import { parts, spokenTime } from "./words.ts";
 import { enterHeadset, hasHeadset } from "./xr.ts";
 
 /** What a viewing is given. */
@@ -436,7 +436,7 @@ export function deviceSize(of: HTMLElement): readonly [number, number] {
 }
 
 function spokenFacts(pack: PackFacts): string {
-  if (pack.kind === "scene") return `Scene of ${triangles(pack.triangles)}`;
+  if (pack.kind === "scene") return `Scene of ${parts(pack)}`;
   const around = pack.projection === "cube" ? " all around" : "";
   if (pack.frames === 1) return `Picture${around}`;
   return `Video${around}, ${spokenTime(pack.seconds)}${pack.hasSound ? ", with sound" : ""}`;

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { bytes, clock, percent, rate, score, spokenTime, triangles } from "./words.ts";
+import { bytes, clock, parts, percent, rate, score, spokenTime } from "./words.ts";
 
 test("a time is minutes and seconds, and hours where there are any", () => {
   const said = ["0:00", "0:05", "0:03", "1:05", "1:00:00", "1:02:05"];
@@ -30,8 +30,11 @@ test("a score is what is asked and, where that is known, what is expected", () =
   expect(score(null, 10)).toBe("none asked, 10.00 expected");
 });
 
-test("triangles are counted in groups of three digits", () => {
-  expect([1, 870_306].map(triangles)).toEqual(["1 triangle", "870,306 triangles"]);
+test("what a scene consists of is counted in groups of three digits", () => {
+  const told = [{ triangles: 1 }, { triangles: 870_306, points: 0 }, { triangles: 0, points: 30_000 }];
+  expect(told.map(parts)).toEqual(["1 triangle", "870,306 triangles", "30,000 points"]);
+  expect(parts({ triangles: 2, points: 1 })).toBe("2 triangles, 1 point");
+  expect(parts({})).toBe("0 triangles");
 });
 
 test("a small share keeps its digits", () => {

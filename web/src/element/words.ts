@@ -56,9 +56,14 @@ export function score(target: number | null, expected: number | null): string {
   return `${target ?? "none"} asked${said}`;
 }
 
-/** A number of triangles, as "870,306 triangles". */
-export function triangles(count: number): string {
-  return `${count.toLocaleString("en")} triangle${count === 1 ? "" : "s"}`;
+/** What a scene consists of, as "870,306 triangles, 12,000 points". */
+export function parts(of: { readonly triangles?: number; readonly points?: number }): string {
+  const told = (count: number, what: string): string =>
+    `${count.toLocaleString("en")} ${what}${count === 1 ? "" : "s"}`;
+  const { triangles = 0, points = 0 } = of;
+  const ofPoints = points > 0 ? [told(points, "point")] : [];
+  const ofTriangles = triangles > 0 || points === 0 ? [told(triangles, "triangle")] : [];
+  return [...ofTriangles, ...ofPoints].join(", ");
 }
 
 /** A share as a percentage, with two digits below one per cent. */

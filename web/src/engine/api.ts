@@ -117,6 +117,8 @@ export interface PackFacts {
   readonly name: string;
   /** Triangles of a scene at its finest; 0 for video. */
   readonly triangles: number;
+  /** Points of a scene at its finest; 0 for video. */
+  readonly points: number;
   /** What draws: without a graphics device, the processor draws the coarsest level. */
   readonly drawing: "gpu" | "software";
   /** The policies that this pack has the tables for. */
@@ -138,7 +140,7 @@ export interface Stats {
   readonly time: number;
   /** The frame on screen. */
   readonly frame: number;
-  /** Pixels shown over all pixels of the finest level; of a scene triangles. */
+  /** Pixels shown over all pixels of the finest level; of a scene triangles and points. */
   readonly share: number;
   /** Tiles on screen of each level, finest first; of a scene units. */
   readonly levels: readonly number[];

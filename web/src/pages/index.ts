@@ -35,7 +35,7 @@ async function show(): Promise<void> {
     list.replaceChildren(...packs.map(item));
     list.hidden = packs.length === 0;
     wait.hidden = packs.length > 0;
-    if (packs.length === 0) wait.textContent = "This site has no videos yet.";
+    if (packs.length === 0) wait.textContent = "Nothing is here yet.";
   } catch (error) {
     wait.className = "problem";
     wait.textContent = error instanceof Error ? error.message : String(error);

@@ -1,6 +1,6 @@
 // What does `packs.json` say?
 
-import { triangles } from "../element/words.ts";
+import { parts } from "../element/words.ts";
 
 /** A pack in the list; names are relative to the page. */
 export interface Listed {
@@ -19,6 +19,7 @@ export interface Listed {
   readonly height: number | null;
   /** Of a scene, at its finest. */
   readonly triangles?: number;
+  readonly points?: number;
   /** Null for what does not move. */
   readonly seconds: number | null;
   readonly sound: boolean;
@@ -27,17 +28,17 @@ export interface Listed {
 /** Fetches the list that lies at `root`. Rejects with a sentence for people. */
 export async function fetchListing(root = "./"): Promise<readonly Listed[]> {
   const answer = await fetch(`${root}packs.json`).catch(() => null);
-  if (answer === null) throw new Error("The list of videos cannot be fetched: is the host there?");
+  if (answer === null) throw new Error("The list of packs cannot be fetched: is the host there?");
   if (!answer.ok) {
-    throw new Error(`The host has no list of videos (packs.json: ${answer.status}).`);
+    throw new Error(`The host has no list of packs (packs.json: ${answer.status}).`);
   }
   const listing: unknown = await answer.json().catch(() => null);
   if (typeof listing !== "object" || listing === null || !("packs" in listing)) {
-    throw new Error("packs.json is no list of videos; export the site again.");
+    throw new Error("packs.json is no list of packs; export the site again.");
   }
   const { packs } = listing;
   if (!Array.isArray(packs) || !packs.every(isListed)) {
-    throw new Error("packs.json lists something else than videos; export the site again.");
+    throw new Error("packs.json lists something else than packs; export the site again.");
   }
   return packs;
 }
@@ -75,7 +76,7 @@ export function titleOf(pack: Listed): string {
 /** What a pack is, in a few words. */
 export function factsOf(pack: Listed): string {
   const licence = pack.licence === undefined ? "" : `, ${pack.licence}`;
-  if (pack.triangles !== undefined) return `${triangles(pack.triangles)}${licence}`;
+  if (pack.triangles !== undefined) return `${parts(pack)}${licence}`;
   const kind = pack.projection === "cube" ? "360°" : "flat";
   const eyes = pack.eyes === 2 ? ", 3D" : "";
   const sound = pack.sound ? ", sound" : "";

@@ -6,7 +6,7 @@ import { type Listed, factsOf, fetchListing, titleOf } from "./listing.ts";
 /** Says what was asked for, and what can be opened instead; `root` is where the site begins. */
 export function missing(asked: string, root: string): HTMLElement {
   const said = element("p", {}, "There is nothing at ", element("code", {}, decoded(asked)), ".");
-  const instead = element("p", {}, element("a", { href: `${root}index.html` }, "All videos"));
+  const instead = element("p", {}, element("a", { href: `${root}index.html` }, "The list"));
   const place = element("section", { class: "missing", role: "alert" }, said, instead);
   void fetchListing(root).then(
     (packs) => {

@@ -26,8 +26,8 @@ function show(): void {
   const asked = new URLSearchParams(location.search);
   const pack = asked.get("pack");
   if (pack === null || pack === "") {
-    const all = element("a", { href: "./index.html" }, "all videos");
-    const text = "This address names no video; choose one of ";
+    const all = element("a", { href: "./index.html" }, "the list");
+    const text = "This address names nothing to show; choose from ";
     main.replaceChildren(element("p", { class: "said" }, text, all, "."));
     return;
   }

@@ -20,13 +20,8 @@ use foveal_core::view::surface::{Mapping, Projection, Screen, Surface};
 
 /// Reads a policy by its name.
 pub(crate) fn policy_parser() -> impl TypedValueParser<Value = Policy> {
-    let names = Policy::ALL.map(|policy| {
-        let value = PossibleValue::new(policy.name());
-        match policy.facts().help {
-            Some(help) => value.help(help),
-            None => value,
-        }
-    });
+    let value = |policy: Policy| PossibleValue::new(policy.name()).help(policy.facts().help);
+    let names = Policy::ALL.map(value);
     PossibleValuesParser::new(names).try_map(|name| Policy::named(&name).ok_or("no policy"))
 }
 

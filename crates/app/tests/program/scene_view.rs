@@ -93,6 +93,52 @@ fn a_window_flies_through_a_scene_and_the_log_is_replayed() {
     assert!(again["frames"].as_u64().unwrap() > 5, "{again}");
 }
 
+/// Hills 40 wide and 1 high, as a pack.
+fn land_pack(folder: &Folder) -> String {
+    let sides = 60u32;
+    let mut obj = String::new();
+    for (i, j) in (0..=sides).flat_map(|i| (0..=sides).map(move |j| (i, j))) {
+        let [x, z] = [i, j].map(|k| f64::from(k) / 1.5);
+        let y = (x * 0.7).sin() * (z * 0.5).cos() / 2.0;
+        writeln!(obj, "v {x} {y} {z}").unwrap();
+    }
+    let at = |i: u32, j: u32| i * (sides + 1) + j + 1;
+    for (i, j) in (0..sides).flat_map(|i| (0..sides).map(move |j| (i, j))) {
+        let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+        writeln!(obj, "f {a} {b} {c}\nf {a} {c} {d}").unwrap();
+    }
+    let mesh = folder.holding("land.obj", obj.as_bytes());
+    let pack = folder.name("land.foveal");
+    done(&["prepare", "scene", &mesh, "--out", &pack]);
+    pack
+}
+
+#[test]
+fn flat_land_is_seen_from_above_at_first_and_where_it_is_told_to_be_on_a_route() {
+    let folder = Folder::new();
+    let pack = land_pack(&folder);
+    let shots = folder.name("shots");
+    let script = "0 settle\n0 screenshot start.png\n0.1 drag 0 60\n0.2 key Home\n\
+                  0.2 settle\n0.3 screenshot home.png\n0.3 quit";
+    let options = ["--view", "480x300", "--screenshots", &shots];
+    if watched(&folder, &pack, script, &options).is_some() {
+        let shot = |name: &str| Rgb::read(&format!("{shots}/{name}.png"));
+        let [start, home] = ["start", "home"].map(shot);
+        assert!(covered(&start) > 0.1, "{}", covered(&start));
+        assert!(home.difference(&start) <= 1);
+    }
+    let still = folder.name("still");
+    let run = [
+        "simulate", &pack, "--frames", "1", "--view", "480x300", "--out", &still,
+    ];
+    done(&run);
+    let beside = Rgb::read(&format!("{still}/frame_00000.png"));
+    assert!(
+        covered(&beside) < 0.05,
+        "a route stands still where it is told to"
+    );
+}
+
 /// Share of the pixels that are no grey.
 fn coloured(picture: &Rgb) -> f64 {
     let is_coloured = |at: &[u32; 2]| {

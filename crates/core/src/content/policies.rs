@@ -10,8 +10,8 @@ use crate::content::policy::Policy;
 pub struct PolicyFacts {
     /// As users write it.
     pub name: &'static str,
-    /// What it does, where its name alone does not say it.
-    pub help: Option<&'static str>,
+    /// What it chooses.
+    pub help: &'static str,
     /// Whether it spends a budget on units of known size, step by step; else it is a rule, or
     /// keeps a score.
     pub spends_a_budget: bool,
@@ -28,7 +28,7 @@ pub struct PolicyFacts {
 /// A policy without options of its own.
 const PLAIN: PolicyFacts = PolicyFacts {
     name: "",
-    help: None,
+    help: "",
     spends_a_budget: false,
     has_target: false,
     keeps_a_score: false,
@@ -79,31 +79,35 @@ impl Policy {
         match self {
             Self::Full => PolicyFacts {
                 name: "full",
+                help: "All at its finest, in view or not",
                 ..PLAIN
             },
             Self::Coarsest => PolicyFacts {
                 name: "coarsest",
+                help: "The coarsest level alone",
                 ..PLAIN
             },
             Self::Viewport => PolicyFacts {
                 name: "viewport",
+                help: "What is in view, as fine as the display shows it",
                 options: &["margin"],
                 ..PLAIN
             },
             Self::Grid => PolicyFacts {
                 name: "grid",
+                help: "The cell of the gaze finest, those beside it middle, the rest coarsest",
                 options: &["edge_rule", "edge_margin", "noisy_cells", "noise_threshold"],
                 ..PLAIN
             },
             Self::Distance => PolicyFacts {
                 name: "distance",
-                help: Some("A level by the angle between tile and gaze"),
+                help: "A level by the angle between tile and gaze",
                 options: &["slope", "thresholds"],
                 ..PLAIN
             },
             Self::Sampled => PolicyFacts {
                 name: "sampled",
-                help: Some("Tiles by distance, of which only samples are shown"),
+                help: "Tiles by distance, of which only samples are shown",
                 options: &[
                     "slope",
                     "thresholds",
@@ -116,6 +120,7 @@ impl Policy {
             },
             Self::Acuity => PolicyFacts {
                 name: "acuity",
+                help: "Levels as fine as the eye resolves at their eccentricity",
                 has_target: true,
                 keeps_a_score: true,
                 options: &["target", "slope", "safety_disc"],
@@ -123,17 +128,17 @@ impl Policy {
             },
             Self::Uniform => PolicyFacts {
                 name: "uniform",
-                help: Some("Units in view, raised evenly within --link"),
+                help: "Units in view, raised evenly within --link",
                 ..SPENDING
             },
             Self::Eccentricity => PolicyFacts {
                 name: "eccentricity",
-                help: Some("Units by acuity per byte within --link"),
+                help: "Units by acuity per byte within --link",
                 ..SPENDING
             },
             Self::Perceptual => PolicyFacts {
                 name: "perceptual",
-                help: Some("Units by what they are worth to the eye per byte within --link"),
+                help: "Units by what they are worth to the eye per byte within --link",
                 keeps_a_score: true,
                 options: &["target", "saliency", "importance"],
                 ..SPENDING

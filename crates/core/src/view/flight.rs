@@ -2,8 +2,8 @@
 
 use super::axes::Axes;
 use super::eye_view::Field;
-use super::route::Route;
-use crate::units::Seconds;
+use super::route::EyePose;
+use crate::units::{Radians, Seconds};
 use glam::DVec3;
 
 /// Radii of the scene that are flown in a second.
@@ -64,6 +64,8 @@ impl Steering {
 pub(super) struct Flight {
     /// The middle and the radius of the scene, in metres.
     scene: (DVec3, f64),
+    /// From how far above its middle it is looked at in the beginning.
+    rise: Radians,
     /// Where the eye is; `None` where it has not left the beginning, which the field decides.
     place: Option<DVec3>,
     steering: Steering,
@@ -72,9 +74,10 @@ pub(super) struct Flight {
 }
 
 impl Flight {
-    pub(super) fn new(scene: (DVec3, f64)) -> Self {
+    pub(super) fn new(scene: (DVec3, f64), rise: Radians) -> Self {
         Self {
             scene: (scene.0, scene.1.max(1e-9)),
+            rise,
             place: None,
             steering: Steering::default(),
             since: Seconds(0.0),
@@ -83,7 +86,7 @@ impl Flight {
 
     /// Where the eye is, in a view of this field.
     pub(super) fn place(&self, field: &Field) -> DVec3 {
-        let start = || Route::Still.pose(Seconds(0.0), self.scene, field).position;
+        let start = || EyePose::before(self.scene, self.rise, field).position;
         self.place.unwrap_or_else(start)
     }
 
@@ -141,8 +144,8 @@ impl Flight {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units::Radians;
     use crate::view::navigation::{Navigation, Pane};
+    use crate::view::route::Route;
     use crate::view::surface::Screen;
     use proptest::prelude::*;
 
@@ -156,7 +159,7 @@ mod tests {
     }
 
     fn flying() -> Navigation {
-        Navigation::through(SCENE, Radians::from_degrees(100.0))
+        Navigation::through(SCENE, Radians(0.0), Radians::from_degrees(100.0))
     }
 
     fn place(eye: &Navigation) -> DVec3 {
@@ -194,6 +197,24 @@ mod tests {
         let field = view.field;
         let least = field.left.min(field.right).min(field.up).min(field.down);
         assert!((reach - 0.8 * least).abs() < 1e-9, "{reach} of {least}");
+    }
+
+    #[test]
+    fn a_flat_scene_is_seen_from_above_at_first_and_after_a_reset() {
+        let rise = Radians(0.6);
+        let mut eye = Navigation::through(SCENE, rise, Radians::from_degrees(100.0));
+        let start = eye.shown(&pane()).view;
+        let (centre, radius) = SCENE;
+        let towards = (centre - start.position).normalize();
+        assert!(start.axes.forward.distance(towards) < 1e-12);
+        assert!((towards.y + libm::sin(rise.0)).abs() < 1e-12);
+        let still = place(&flying()).distance(centre);
+        assert!((start.position.distance(centre) - still).abs() < 1e-9 * radius);
+        eye.drag([80.0, 30.0], &pane());
+        eye.step(AHEAD, &pane());
+        assert_ne!(eye.shown(&pane()).view, start);
+        eye.reset();
+        assert_eq!(eye.shown(&pane()).view, start);
     }
 
     #[test]

@@ -28,8 +28,8 @@ pub struct Navigation {
     place: Place,
     /// Half the larger side of a turning view at unit distance, before zooming.
     tangent: f64,
-    /// The yaw that a sphere's view begins at.
-    front: Radians,
+    /// How the head is turned at the beginning: to a sphere's front, or down to a flat scene.
+    front: HeadPose,
     /// Where the viewer turned the head by hand.
     head: HeadPose,
     /// Where the head is turned to by whatever else moves it; the hand adds to that.
@@ -122,16 +122,19 @@ impl Navigation {
     }
 
     /// A scene inside a sphere, its middle and its radius in metres: as an eye that stands still
-    /// sees it, in a view whose larger side is `fov` wide.
-    pub fn through(scene: (DVec3, f64), fov: Radians) -> Self {
-        Self::at(Place::Through(Flight::new(scene)), fov)
+    /// sees it, raised by an angle about its middle, in a view whose larger side is `fov` wide.
+    pub fn through(scene: (DVec3, f64), rise: Radians, fov: Radians) -> Self {
+        let mut eye = Self::at(Place::Through(Flight::new(scene, rise)), fov);
+        eye.front.pitch = Radians(-rise.0);
+        eye.head = eye.front;
+        eye
     }
 
     fn at(place: Place, fov: Radians) -> Self {
         Self {
             place,
             tangent: libm::tan(fov.0 / 2.0),
-            front: Radians(0.0),
+            front: HeadPose::default(),
             head: HeadPose::default(),
             led: None,
             zoom: 1.0,
@@ -143,18 +146,15 @@ impl Navigation {
     #[must_use]
     pub fn facing(mut self, front: Radians) -> Self {
         if !self.is_flat() {
-            self.front = within_a_turn(front.0);
-            self.head.yaw = self.front;
+            self.front.yaw = within_a_turn(front.0);
+            self.head.yaw = self.front.yaw;
         }
         self
     }
 
     /// Back to the beginning.
     pub fn reset(&mut self) {
-        self.head = HeadPose {
-            yaw: self.front,
-            ..HeadPose::default()
-        };
+        self.head = self.front;
         self.zoom = 1.0;
         match &mut self.place {
             Place::Before(surface) | Place::Around(surface) => {

@@ -48,18 +48,13 @@ impl Route {
     /// Where the eye is at a time, in a scene that a sphere round `centre` encloses.
     #[must_use]
     pub fn pose(&self, time: Seconds, (centre, radius): (DVec3, f64), field: &Field) -> EyePose {
-        let sides = [field.up, field.down, field.left, field.right];
-        let least = sides.into_iter().fold(f64::INFINITY, f64::min).max(1e-6);
-        let distance = radius.max(1e-9) / libm::sin(libm::atan(FILLED * least));
+        let distance = whole_from(radius, field);
         let turned = |turn: f64| EyePose {
             position: centre + distance * DVec3::new(libm::sin(turn), 0.0, libm::cos(turn)),
             axes: Axes::from_yaw_pitch_roll(Radians(-turn), Radians(0.0), Radians(0.0)),
         };
         match self {
-            Self::Still => EyePose {
-                position: centre + DVec3::new(0.0, 0.0, distance),
-                axes: Axes::FRONT,
-            },
+            Self::Still => EyePose::before((centre, radius), Radians(0.0), field),
             Self::Orbit => turned(TAU * time.0 / ORBIT_S),
             Self::Along(waypoints) => along(waypoints, time),
         }
@@ -78,7 +73,26 @@ impl Route {
     }
 }
 
+/// From how far a sphere fills what it should of a view.
+fn whole_from(radius: f64, field: &Field) -> f64 {
+    let sides = [field.up, field.down, field.left, field.right];
+    let least = sides.into_iter().fold(f64::INFINITY, f64::min).max(1e-6);
+    radius.max(1e-9) / libm::sin(libm::atan(FILLED * least))
+}
+
 impl EyePose {
+    /// Before a scene that a sphere encloses, on its +z side, raised by an angle about its middle
+    /// and looking there.
+    #[must_use]
+    pub fn before((centre, radius): (DVec3, f64), rise: Radians, field: &Field) -> Self {
+        let distance = whole_from(radius, field);
+        let towards = DVec3::new(0.0, libm::sin(rise.0), libm::cos(rise.0));
+        Self {
+            position: centre + distance * towards,
+            axes: Axes::from_yaw_pitch_roll(Radians(0.0), Radians(-rise.0), Radians(0.0)),
+        }
+    }
+
     /// A view from here.
     #[must_use]
     pub fn view(&self, view: &EyeView) -> EyeView {

@@ -53,8 +53,8 @@ pub enum PackFileError {
 fn advice(path: &Path, error: &PackError) -> String {
     match error.field.as_str() {
         "magic" => {
-            let (what, kind) = match is_mesh(path) {
-                true => ("mesh", "scene"),
+            let (what, kind) = match is_scene(path) {
+                true => ("3D scene", "scene"),
                 false => ("video", "video"),
             };
             let path = path.display();
@@ -68,10 +68,10 @@ fn advice(path: &Path, error: &PackError) -> String {
     }
 }
 
-/// Whether a name ends as those of meshes do.
-fn is_mesh(path: &Path) -> bool {
+/// Whether a name ends as those of meshes, clouds and scene files do.
+fn is_scene(path: &Path) -> bool {
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    ["glb", "gltf", "obj", "ply", "stl"]
+    ["glb", "gltf", "obj", "ply", "stl", "las", "laz", "toml"]
         .iter()
         .any(|it| ending == *it)
 }

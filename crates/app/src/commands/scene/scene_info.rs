@@ -147,7 +147,7 @@ impl SceneInfo {
         let [x, y, z] = self.centre;
         let _ = writeln!(
             text,
-            "round {x:.4}, {y:.4}, {z:.4}, radius {:.4}",
+            "within {:.4} m of {x:.4}, {y:.4}, {z:.4}",
             self.radius
         );
         for (level, bytes) in self.bytes_per_level.iter().enumerate() {

@@ -331,15 +331,23 @@ fn summarise(
 }
 
 impl SceneSummary {
+    /// Triangles of a frame; nothing of a cloud, which has none.
+    fn triangles_told(&self) -> String {
+        match self.triangles_mean > 0.0 {
+            true => format!("{:.0} triangles and ", self.triangles_mean),
+            false => String::new(),
+        }
+    }
+
     fn text(&self, out: &Path) -> String {
         let mut text = format!(
-            "{} under {}: {} ({} until the first picture), {:.0} triangles and {:.1} ms of \
-             processor time a frame, {} on the GPU\n",
+            "{} under {}: {} ({} until the first picture), {}{:.1} ms of processor time a frame, \
+             {} on the GPU\n",
             counted(self.frames, "frame"),
             self.policy,
             output::size(self.bytes),
             output::size(self.first_picture_bytes),
-            self.triangles_mean,
+            self.triangles_told(),
             self.cpu_ms_per_frame,
             output::size(self.gpu_bytes),
         );

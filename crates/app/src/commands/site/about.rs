@@ -1,5 +1,6 @@
 //! What does a user say of a site and its packs?
 
+use crate::commands::site::listing::ListedKind;
 use crate::commands::site::pack_names::bare;
 use crate::report::html::escape;
 use crate::report::output::{self, WrongUsage};
@@ -11,13 +12,13 @@ use std::path::PathBuf;
 
 /// Most characters of a title or a licence, and of a description.
 const MOST: [usize; 2] = [200, 4000];
-/// The heading of the list page, and where it stands.
+/// The heading of the list page, where it stands in the page.
 const HEADING: &str = "Videos";
 
 /// What the list of packs says.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct AboutOptions {
-    /// The heading of the list (default: Videos).
+    /// The heading of the list (default: what is in it, as Videos).
     #[arg(long, value_name = "TEXT")]
     title: Option<String>,
     /// Which packs come first in the list, by their names without .foveal, as b,a; the others
@@ -131,17 +132,53 @@ impl About {
         place.unwrap_or(usize::MAX)
     }
 
-    /// The list page with its heading.
-    pub(super) fn titled(&self, page: &'static [u8]) -> Vec<u8> {
+    /// The list page with its heading, for packs that show `kinds` of content.
+    pub(super) fn titled(&self, page: &'static [u8], kinds: &[ListedKind]) -> Vec<u8> {
         let page = String::from_utf8_lossy(page).into_owned();
-        let Some(title) = &self.title else {
-            return page.into_bytes();
+        let title = match &self.title {
+            Some(title) => escape(title),
+            None => heading_of(kinds),
         };
-        let title = escape(title);
         let headed = |page: String, tag: &str| {
             let with = |heading: &str| format!("<{tag}>{heading}</{tag}>");
             page.replace(&with(HEADING), &with(&title))
         };
         headed(headed(page, "title"), "h1").into_bytes()
+    }
+}
+
+/// What a list of packs is headed by whom nobody named.
+fn heading_of(kinds: &[ListedKind]) -> String {
+    let all = [
+        (ListedKind::Video, "videos"),
+        (ListedKind::Picture, "pictures"),
+        (ListedKind::Scene, "scenes"),
+    ];
+    let there = all.iter().filter(|(kind, _)| kinds.contains(kind));
+    let there: Vec<&str> = there.map(|(_, name)| *name).collect();
+    let text = match there.split_last() {
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+        None => return HEADING.to_owned(),
+    };
+    let (first, rest) = text.split_at(1);
+    first.to_uppercase() + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_is_headed_by_what_is_in_it() {
+        use ListedKind::{Picture, Scene, Video};
+        assert_eq!(heading_of(&[]), "Videos");
+        assert_eq!(heading_of(&[Video, Video]), "Videos");
+        assert_eq!(heading_of(&[Scene]), "Scenes");
+        assert_eq!(heading_of(&[Scene, Video]), "Videos and scenes");
+        assert_eq!(
+            heading_of(&[Scene, Picture, Video]),
+            "Videos, pictures and scenes"
+        );
     }
 }

@@ -50,9 +50,9 @@ pub(crate) struct Listed {
 }
 
 /// What a pack of a list is.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-enum ListedKind {
+pub(super) enum ListedKind {
     Picture,
     Video,
     Scene,
@@ -75,24 +75,33 @@ struct Shows {
     /// Of a scene at its finest, each where it stands.
     #[serde(skip_serializing_if = "Option::is_none")]
     triangles: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    points: Option<u64>,
+}
+
+impl ListedKind {
+    pub(super) fn of(file: &SitePack) -> Self {
+        match file {
+            SitePack::Scene(_) => Self::Scene,
+            SitePack::Video(file) if file.pack().description().is_still() => Self::Picture,
+            SitePack::Video(_) => Self::Video,
+        }
+    }
 }
 
 impl Shows {
     fn of(file: &SitePack) -> anyhow::Result<Self> {
         match file {
-            SitePack::Video(file) => Self::of_video(file),
+            SitePack::Video(video) => Self::of_video(video, ListedKind::of(file)),
             SitePack::Scene(file) => Ok(Self::of_scene(file.pack().description())),
         }
     }
 
-    fn of_video(file: &PackFile) -> anyhow::Result<Self> {
+    fn of_video(file: &PackFile, content: ListedKind) -> anyhow::Result<Self> {
         let about = file.pack().description();
         let [width, height] = about.source.size.map(Some);
         Ok(Self {
-            content: match about.is_still() {
-                true => ListedKind::Picture,
-                false => ListedKind::Video,
-            },
+            content,
             projection: Some(about.projection),
             eyes: about.eyes,
             width,
@@ -101,6 +110,7 @@ impl Shows {
             seconds: seconds_of(file)?,
             sound: about.tables.iter().any(|table| table.name == "sound"),
             triangles: None,
+            points: None,
         })
     }
 
@@ -115,6 +125,7 @@ impl Shows {
             seconds: None,
             sound: false,
             triangles: Some(about.triangles()),
+            points: Some(about.points()),
         }
     }
 }

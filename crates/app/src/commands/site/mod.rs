@@ -14,7 +14,7 @@ pub(crate) use about::About;
 
 use crate::web_files::web_files;
 use anyhow::{Context, bail};
-use listing::{Listed, Listing};
+use listing::{Listed, ListedKind, Listing};
 use pack_names::names_of;
 use site_pack::SitePack;
 use std::borrow::Cow;
@@ -64,10 +64,11 @@ impl Site {
             bail!("this program was built without its pages; build it with `make build`");
         }
         let drawing = poster::drawing();
+        let kinds: Vec<ListedKind> = opened.iter().map(ListedKind::of).collect();
         let mut files = BTreeMap::new();
         for file in web_files() {
             let bytes = match file.name {
-                LIST_PAGE => about.titled(file.bytes).into(),
+                LIST_PAGE => about.titled(file.bytes, &kinds).into(),
                 _ => file.bytes.into(),
             };
             files.insert(file.name.to_owned(), SiteFile::Bytes(bytes));

@@ -19,7 +19,7 @@ use foveal_core::session::unit_states::Piece;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
-use foveal_core::view::route::Route;
+use foveal_core::view::route::EyePose;
 use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::SceneFile;
@@ -122,7 +122,7 @@ fn towards(scene: &Scene) -> EyeView {
     let size = [WIDTH, WIDTH * 9 / 16];
     let field = Field::across(Radians::from_degrees(SCENE_FIELD_DEG), size);
     let bounds = scene.bounds();
-    let pose = Route::Still.pose(Seconds(0.0), (bounds.centre, bounds.radius), &field);
+    let pose = EyePose::before((bounds.centre, bounds.radius), scene.rise(), &field);
     EyeView {
         position: pose.position,
         axes: pose.axes,

@@ -51,7 +51,7 @@ impl WindowPlayer {
         let session = self.live.session();
         let (figures, config) = (&session.figures, session.policy_in_use());
         let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
-        let finest = self.live.pack().content().finest_samples();
+        let all = self.live.pack().content().finest_samples();
         let told = [
             ("policy", config.policy.name().to_owned()),
             (
@@ -59,9 +59,13 @@ impl WindowPlayer {
                 format!("{} pictures/s", self.draw_rate.per_second(now)),
             ),
             (
-                "triangles",
-                format!("{} of {finest}", self.live.triangles_drawn()),
+                "shown",
+                format!(
+                    "{:.1} % of {all} triangles and points",
+                    figures.share * 100.0
+                ),
             ),
+            ("drawn triangles", self.live.triangles_drawn().to_string()),
             ("units by level", levels.join(" / ")),
             ("GPU memory", size(figures.gpu_bytes)),
             ("fetched", size(self.live.fetched_bytes())),

@@ -374,6 +374,16 @@ impl SceneDescription {
             .fold(0, u64::saturating_add)
     }
 
+    /// Points at the finest level, each as often as it stands there.
+    #[must_use]
+    pub fn points(&self) -> u64 {
+        let clouds = self.objects.iter().filter_map(|it| {
+            let count = it.points.as_ref()?.count;
+            Some(count.saturating_mul(it.placements.len() as u64))
+        });
+        clouds.fold(0, u64::saturating_add)
+    }
+
     fn check(&self) -> Result<(), PackError> {
         let within = |field: &str, found: usize, most: usize| match (1..=most).contains(&found) {
             true => Ok(()),

@@ -6,9 +6,15 @@ use super::sight::Sphere;
 use super::unit_table::{OF_ALL, UnitKind, UnitRow};
 use crate::content::mesh::payload::ClusterRef;
 use crate::pack::unit::UnitId;
+use crate::units::Radians;
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
+
+/// What is lower than this share of its width lies flat.
+const FLATNESS: f64 = 0.25;
+/// How far an eye is raised to see what lies flat.
+const FLAT_RISE: Radians = Radians(40.0 * core::f64::consts::PI / 180.0);
 
 /// A scene: its pack, and where its units are in the world.
 #[derive(Debug)]
@@ -86,6 +92,27 @@ impl Scene {
     #[must_use]
     pub fn bounds(&self) -> Sphere {
         self.bounds
+    }
+
+    /// By which angle about its middle an eye is raised that is to see it at first: none, but of
+    /// what lies flat, as land does, which shows nothing from beside. Takes some nanoseconds for
+    /// each unit.
+    #[must_use]
+    pub fn rise(&self) -> Radians {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let units = (0..).map(UnitId).zip(self.pack.rows());
+        let of_objects = units.filter(|(_, row)| row.object != OF_ALL);
+        for (unit, _) in of_objects.filter(|(unit, _)| self.pack.level_of(*unit) == 0) {
+            for stand in self.stands(unit) {
+                low = low.min(stand.sphere.centre);
+                high = high.max(stand.sphere.centre);
+            }
+        }
+        let size = high - low;
+        match size.y < FLATNESS * size.x.min(size.z) {
+            true => FLAT_RISE,
+            false => Radians(0.0),
+        }
     }
 
     /// The object of a unit of a mesh.

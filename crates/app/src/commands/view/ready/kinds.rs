@@ -57,8 +57,9 @@ impl Ready {
                 Navigation::new(self.surface(), fov).facing(Radians::from_degrees(front))
             }
             LivePack::Scene(file) => {
-                let bounds = file.scene().bounds();
-                Navigation::through((bounds.centre, bounds.radius), fov)
+                let scene = file.scene();
+                let bounds = scene.bounds();
+                Navigation::through((bounds.centre, bounds.radius), scene.rise(), fov)
             }
         })
     }
