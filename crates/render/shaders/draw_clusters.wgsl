@@ -11,9 +11,9 @@ const VERTEX_BITS = 7u;
 const VERTEX_MASK = 127u;
 
 // Ambient light from below and from above, and light from the lamp; 1 shows a colour as it is.
-const GROUND = 0.35;
-const SKY = 0.55;
-const LAMP = 0.5;
+const GROUND = 0.22;
+const SKY = 0.45;
+const LAMP = 0.55;
 
 struct Corner {
     @builtin(position) position: vec4f,

@@ -31,6 +31,28 @@ pub(in crate::content) fn best_low_bits(numbers: impl Iterator<Item = u16> + Clo
     (0..16).min_by_key(cost).unwrap_or(0)
 }
 
+/// Writes a number seven bits in a byte, low ones first; the highest bit says that more follow.
+pub(in crate::content) fn push_varint(bytes: &mut Vec<u8>, mut value: u32) {
+    while value > 127 {
+        bytes.push(value as u8 | 128);
+        value >>= 7;
+    }
+    bytes.push(value as u8);
+}
+
+/// Reads what [`push_varint`] wrote, and what is behind it.
+pub(in crate::content) fn read_varint(bytes: &[u8]) -> Option<(u32, &[u8])> {
+    let mut value = 0u64;
+    for (place, byte) in bytes.iter().take(5).enumerate() {
+        value |= u64::from(byte & 127) << (7 * place);
+        if byte & 128 == 0 {
+            let value = u32::try_from(value).ok()?;
+            return Some((value, &bytes[place + 1..]));
+        }
+    }
+    None
+}
+
 /// Bits that are written one after another.
 #[derive(Default)]
 pub(in crate::content) struct BitWriter {
@@ -121,22 +143,6 @@ impl<'a> BitReader<'a> {
         let number = self.held & ((1 << bits) - 1);
         self.drop_bits(bits);
         number as u32
-    }
-
-    /// The next bits, at most 32, which are not passed yet.
-    #[inline]
-    pub(in crate::content) fn next_bits(&mut self, bits: u32) -> u64 {
-        self.fill();
-        self.held & ((1 << bits) - 1)
-    }
-
-    /// Passes a code and reads what follows, right after [`Self::next_bits`]: at most 56 bits,
-    /// which are held then.
-    #[inline]
-    pub(in crate::content) fn code_and_rest(&mut self, code: u32, rest: u32) -> u64 {
-        let number = self.held >> code & ((1 << rest) - 1);
-        self.drop_bits(code + rest);
-        number
     }
 
     /// The next two bits.

@@ -2,9 +2,11 @@
 //!
 //! A number is a class, and what tells it from others of its class: its low bits as they are.
 //! Classes get codes whose lengths fit how often they occur (Huffman 1952), written before. Numbers
-//! that are all the same small one take no bits.
+//! that are all the same small one take no bits. A list says how many bytes it has, so that several
+//! can be read in turn: where each number begins depends on the one before, and a processor follows
+//! more than one such chain at once.
 
-use crate::content::bits::{BitReader, BitWriter};
+use crate::content::bits::{BitWriter, push_varint, read_varint};
 use crate::pack::PackError;
 
 /// Longest code of a class, in bits.
@@ -39,8 +41,35 @@ pub(super) fn signed_from_unsigned(it: u64) -> i64 {
     (it >> 1) as i64 ^ -((it & 1) as i64)
 }
 
-/// Writes these numbers and the codes of their classes before them.
-pub(super) fn write_numbers(numbers: &[u64], bits: &mut BitWriter) {
+/// Writes these numbers as a list: how many bytes follow, the codes of their classes, the numbers.
+pub(super) fn write_list(numbers: &[u64], bytes: &mut Vec<u8>) {
+    let mut bits = BitWriter::default();
+    write_numbers(numbers, &mut bits);
+    write_block(&bits.finish(), bytes);
+}
+
+/// Writes how many bytes follow, then these.
+pub(super) fn write_block(block: &[u8], bytes: &mut Vec<u8>) {
+    push_varint(bytes, block.len() as u32);
+    bytes.extend(block);
+}
+
+/// Takes the bytes from the front that [`write_block`] wrote.
+///
+/// # Errors
+/// There are fewer.
+pub(super) fn take_block<'a>(bytes: &mut &'a [u8]) -> Result<&'a [u8], PackError> {
+    let said = read_varint(bytes);
+    let block = said.and_then(|(length, rest)| rest.split_at_checked(length as usize));
+    let (block, rest) = block.ok_or_else(|| {
+        let found = format!("{} bytes left", bytes.len());
+        PackError::new("points, list", found, "as many as it says".to_owned())
+    })?;
+    *bytes = rest;
+    Ok(block)
+}
+
+fn write_numbers(numbers: &[u64], bits: &mut BitWriter) {
     let lengths = code_lengths(numbers);
     let first = numbers.first().map(|it| classed(*it).0);
     write_lengths(&lengths, first, bits);
@@ -54,7 +83,7 @@ pub(super) fn write_numbers(numbers: &[u64], bits: &mut BitWriter) {
     }
 }
 
-/// Bits that [`write_numbers`] takes.
+/// Bits that a list of these numbers takes, about.
 pub(super) fn bits_of_numbers(numbers: &[u64]) -> u64 {
     let lengths = code_lengths(numbers);
     let used = lengths.iter().filter(|it| **it > 0).count() as u64;
@@ -128,37 +157,63 @@ fn write_lengths(lengths: &[u8; CLASSES], first_of_all: Option<u8>, bits: &mut B
 
 /// The codes of these lengths, lowest bit first: in the order of their lengths, then of classes.
 fn codes_of(lengths: &[u8; CLASSES]) -> [u32; CLASSES] {
+    let mut counts = [0_u32; MOST_CODE as usize + 1];
+    for length in lengths {
+        counts[usize::from(*length)] += 1;
+    }
+    let mut next = [0_u32; MOST_CODE as usize + 1];
+    for length in 2..next.len() {
+        next[length] = (next[length - 1] + counts[length - 1]) << 1;
+    }
     let mut codes = [0; CLASSES];
-    let mut next = 0_u32;
-    for length in 1..=MOST_CODE {
-        for class in (0..CLASSES).filter(|it| u32::from(lengths[*it]) == length) {
-            codes[class] = next.reverse_bits() >> (u32::BITS - length);
-            next += 1;
-        }
-        next <<= 1;
+    for (code, length) in codes.iter_mut().zip(lengths).filter(|(_, it)| **it > 0) {
+        let next = &mut next[usize::from(*length)];
+        *code = next.reverse_bits() >> (u32::BITS - u32::from(*length));
+        *next += 1;
     }
     codes
 }
 
-/// Reads numbers that [`write_numbers`] wrote.
-pub(super) struct NumberReader {
-    /// By the next bits: what [`entry_of`] makes of the class whose code they begin with.
-    table: Box<[u16; 1 << MOST_CODE]>,
+/// A list that [`write_list`] wrote, read number by number. After its end come zeros.
+pub(super) struct NumberList<'a> {
+    bytes: &'a [u8],
+    /// How many of its bits were read.
+    at: usize,
+    /// Bits of the longest code.
+    mask: u64,
+    /// By the next bits: what [`Entry`] tells of the class whose code they begin with.
+    table: Box<[u64; TABLE]>,
 }
 
-impl NumberReader {
-    pub(super) fn new() -> Self {
-        Self {
-            table: Box::new([0; 1 << MOST_CODE]),
-        }
-    }
+/// Entries of a table of codes.
+const TABLE: usize = 1 << MOST_CODE;
 
-    /// Reads the codes of classes.
+impl<'a> NumberList<'a> {
+    /// Opens the list that is in front, and takes it away.
     ///
     /// # Errors
-    /// They are none.
-    pub(super) fn begin(&mut self, bits: &mut BitReader<'_>) -> Result<(), PackError> {
-        let [first, count] = [0; 2].map(|_| bits.plain(COUNT_BITS) as usize);
+    /// It has fewer bytes than it says, or its codes are none.
+    pub(super) fn take(bytes: &mut &'a [u8]) -> Result<Self, PackError> {
+        let mut list = Self {
+            bytes: take_block(bytes)?,
+            at: 0,
+            mask: 0,
+            table: Box::new([0; TABLE]),
+        };
+        list.read_codes()?;
+        Ok(list)
+    }
+
+    /// Opens so many, which are in front, in their order.
+    ///
+    /// # Errors
+    /// As there.
+    pub(super) fn take_three(bytes: &mut &'a [u8]) -> Result<[Self; 3], PackError> {
+        Ok([Self::take(bytes)?, Self::take(bytes)?, Self::take(bytes)?])
+    }
+
+    fn read_codes(&mut self) -> Result<(), PackError> {
+        let [first, count] = [0; 2].map(|_| self.plain(COUNT_BITS) as usize);
         let wrong = |found: String, expected: &str| {
             Err(PackError::new("points, codes", found, expected.to_owned()))
         };
@@ -166,12 +221,12 @@ impl NumberReader {
             return wrong(format!("{count} classes from {first}"), "at most 126");
         }
         if count < 2 {
-            self.table.fill(entry_of(first, 0));
+            self.table[0] = Entry::of(first, 0).0;
             return Ok(());
         }
         let mut lengths = [0; CLASSES];
         for length in &mut lengths[first..first + count] {
-            *length = bits.plain(LENGTH_BITS) as u8;
+            *length = self.plain(LENGTH_BITS) as u8;
         }
         let room = |length: &u8| match u32::from(*length) {
             0 => 0,
@@ -184,10 +239,13 @@ impl NumberReader {
                 "whole codes",
             );
         }
+        let longest = lengths.iter().copied().max().unwrap_or_default();
+        self.mask = (1 << longest) - 1;
+        let table = &mut self.table[..1 << longest];
         let codes = codes_of(&lengths);
-        for class in (0..CLASSES).filter(|it| lengths[*it] > 0) {
-            let entry = entry_of(class, lengths[class]);
-            let places = self.table[codes[class] as usize..].iter_mut();
+        for class in (first..first + count).filter(|it| lengths[*it] > 0) {
+            let entry = Entry::of(class, lengths[class]).0;
+            let places = table[codes[class] as usize..].iter_mut();
             places
                 .step_by(1 << lengths[class])
                 .for_each(|it| *it = entry);
@@ -195,35 +253,132 @@ impl NumberReader {
         Ok(())
     }
 
+    /// The bits from here on, at least 57 of them.
+    #[inline]
+    fn bits(&self) -> u64 {
+        let byte = self.at >> 3;
+        let next = self.bytes.get(byte..).and_then(<[u8]>::first_chunk);
+        let held = match next {
+            Some(next) => u64::from_le_bytes(*next),
+            None => self.last_bits(byte),
+        };
+        held >> (self.at & 7)
+    }
+
+    /// The same where fewer than eight bytes are left.
+    #[cold]
+    fn last_bits(&self, byte: usize) -> u64 {
+        let rest = self.bytes.get(byte..).unwrap_or_default();
+        let mut last = [0; 8];
+        last[..rest.len()].copy_from_slice(rest);
+        u64::from_le_bytes(last)
+    }
+
+    /// Reads a plain number of at most 32 bits.
+    fn plain(&mut self, bits: u32) -> u64 {
+        let number = self.bits() & ((1 << bits) - 1);
+        self.at += bits as usize;
+        number
+    }
+
     /// Reads the next number.
     #[inline]
-    pub(super) fn next(&self, bits: &mut BitReader<'_>) -> u64 {
-        let entry = u32::from(self.table[bits.next_bits(MOST_CODE) as usize]);
-        let (length, count) = (entry & 15, entry >> 4 & 63);
-        let high = u64::from(entry >> 10);
-        let low = match count {
-            ..=32 => bits.code_and_rest(length, count),
-            _ => {
-                bits.code_and_rest(length, 0);
-                let low = u64::from(bits.plain(32));
-                low | u64::from(bits.plain(count - 32)) << 32
-            }
-        };
+    pub(super) fn next(&mut self) -> u64 {
+        let bits = self.bits();
+        let entry = Entry(self.table[(bits & self.mask) as usize & (TABLE - 1)]);
+        if entry.bits() == Entry::LONG {
+            return self.next_long(entry);
+        }
+        self.at += entry.bits() as usize;
+        entry.high() | (bits & LOW_BITS[entry.bits() as usize]) >> entry.length()
+    }
+
+    /// The same, of a class with more than 32 low bits.
+    #[cold]
+    fn next_long(&mut self, entry: Entry) -> u64 {
+        self.at += entry.length() as usize;
+        let class = entry.high();
+        let (count, high) = parts_of(class as usize);
+        let low = self.plain(32) | self.plain(count - 32) << 32;
         high << count | low
+    }
+
+    /// The number that all of a list are which takes no bits.
+    pub(super) fn only(&self) -> Option<u64> {
+        let entry = Entry(self.table[0]);
+        (self.mask == 0 && entry.bits() == 0).then(|| entry.high())
+    }
+
+    /// Ends to read it.
+    ///
+    /// # Errors
+    /// It has more or fewer bytes than were read.
+    pub(super) fn end(self) -> Result<(), PackError> {
+        match self.at.div_ceil(8) == self.bytes.len() {
+            true => Ok(()),
+            false => Err(PackError::new(
+                "points, list",
+                format!("{} bytes", self.bytes.len()),
+                format!("{} bits", self.at),
+            )),
+        }
     }
 }
 
-/// A class as a table has it: the length of its code, the number of its low bits, the two bits
-/// above these.
-fn entry_of(class: usize, length: u8) -> u16 {
-    let class = class as u16;
-    let (count, high) = match class {
+/// How many low bits numbers of a class have, and the two bits above these.
+fn parts_of(class: usize) -> (u32, u64) {
+    match class as u32 {
         // Its own two bits.
-        0..4 => (0, class),
-        _ => ((class - 4) / 2 + 1, 2 + (class & 1)),
-    };
-    u16::from(length) | count << 4 | high << 10
+        class @ 0..ALONE => (0, class.into()),
+        class => ((class - ALONE) / 2 + 1, u64::from(2 + (class & 1))),
+    }
 }
+
+/// A class as a table has it: in the low six bits how many its code and the low bits of a number
+/// take, or [`Self::LONG`]; in the next four the length of its code; above, its numbers without
+/// their low bits, or, where these are long, its own number.
+#[derive(Clone, Copy)]
+struct Entry(u64);
+
+impl Entry {
+    /// Stands for more than 32 low bits, which are not read at once.
+    const LONG: u32 = 63;
+
+    fn of(class: usize, length: u8) -> Self {
+        let (count, high) = parts_of(class);
+        let (bits, high) = match count {
+            ..=32 => (u32::from(length) + count, high << count),
+            _ => (Self::LONG, class as u64),
+        };
+        Self(u64::from(bits) | u64::from(length) << 6 | high << 10)
+    }
+
+    #[inline]
+    fn bits(self) -> u32 {
+        self.0 as u32 & 63
+    }
+
+    #[inline]
+    fn length(self) -> u32 {
+        self.0 as u32 >> 6 & 15
+    }
+
+    #[inline]
+    fn high(self) -> u64 {
+        self.0 >> 10
+    }
+}
+
+/// So many low bits.
+const LOW_BITS: [u64; 64] = {
+    let mut all = [0; 64];
+    let mut bits = 0;
+    while bits < 64 {
+        all[bits] = (1 << bits) - 1;
+        bits += 1;
+    }
+    all
+};
 
 #[cfg(test)]
 mod tests {
@@ -231,16 +386,17 @@ mod tests {
     use crate::view::random::Random;
 
     fn written(numbers: &[u64]) -> Vec<u8> {
-        let mut bits = BitWriter::default();
-        write_numbers(numbers, &mut bits);
-        bits.finish()
+        let mut bytes = Vec::new();
+        write_list(numbers, &mut bytes);
+        bytes
     }
 
-    fn read(bytes: &[u8], count: usize) -> Result<Vec<u64>, PackError> {
-        let mut bits = BitReader::new(bytes);
-        let mut reader = NumberReader::new();
-        reader.begin(&mut bits)?;
-        Ok((0..count).map(|_| reader.next(&mut bits)).collect())
+    fn read(mut bytes: &[u8], count: usize) -> Result<Vec<u64>, PackError> {
+        let mut list = NumberList::take(&mut bytes)?;
+        assert!(bytes.is_empty());
+        let numbers = (0..count).map(|_| list.next()).collect();
+        list.end()?;
+        Ok(numbers)
     }
 
     #[test]
@@ -260,17 +416,31 @@ mod tests {
     }
 
     #[test]
+    fn a_list_of_another_length_than_its_numbers_is_refused() {
+        let bytes = written(&[5, 900, 3, 70_000]);
+        assert!(read(&bytes, 4).is_ok());
+        assert!(read(&bytes, 2).is_err(), "bytes are left over");
+        assert!(read(&bytes, 40).is_err(), "there are no more numbers");
+        for end in 0..bytes.len() {
+            assert!(NumberList::take(&mut &bytes[..end]).is_err(), "{end}");
+        }
+        assert!(take_block(&mut &[0xff; 9][..]).is_err());
+    }
+
+    #[test]
     fn equal_small_numbers_take_no_bits() {
         for number in 0..4 {
-            assert_eq!(written(&[number; 1000]).len(), 2);
+            assert_eq!(written(&[number; 1000]).len(), 3);
             assert_eq!(read(&written(&[number; 1000]), 9).unwrap(), [number; 9]);
         }
-        assert_eq!(written(&[]).len(), 2);
+        assert_eq!(written(&[]).len(), 3);
     }
 
     #[test]
     fn codes_that_are_none_are_refused() {
-        for bytes in [[0xff; 9], [0x80, 0x81, 0, 0, 0, 0, 0, 0, 0]] {
+        for codes in [[0xff; 8], [0x80, 0x81, 0, 0, 0, 0, 0, 0]] {
+            let mut bytes = Vec::new();
+            write_block(&codes, &mut bytes);
             assert!(read(&bytes, 1).is_err());
         }
     }

@@ -12,10 +12,9 @@
 //!    place in the cube along an axis, a byte; into how many cells a side of the cube is cut so
 //!    that about one point lies in each that has any, as a power of two, a byte; the number of
 //!    points and that of corrections, two bytes each; the corner of the cube, four bytes an axis.
-//! 2. Bits, lowest first, up to a whole byte: lists of numbers as `lengths.rs` says. Where points
-//!    lie, as `payload/places.rs` says; of colours green, then red and blue as `payload/colours.rs`
-//!    says; intensities and classes, each as what is added to the one before, from 0; corrections
-//!    of colours.
+//! 2. Lists of numbers as `lengths.rs` says. Where points lie, as `payload/places.rs` says; of
+//!    colours green, then red and blue as `payload/colours.rs` says; intensities and classes, each
+//!    as what is added to the one before, from 0; corrections of colours.
 
 mod colours;
 mod places;
@@ -24,15 +23,14 @@ mod tests;
 
 use super::cloud_point::wrong;
 pub use super::cloud_point::{CloudPoint, Correction};
-use super::lengths::{NumberReader, signed_from_unsigned, unsigned_from_signed, write_numbers};
-use crate::content::bits::{BitReader, BitWriter};
+use super::lengths::{NumberList, signed_from_unsigned, unsigned_from_signed, write_list};
 use crate::pack::PackError;
 pub use places::Order;
 use places::{MOST_BITS, ordered, read_places, write_places};
 use serde::{Deserialize, Serialize};
 
 /// Version of the layout.
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
 /// Bytes of the head.
 const HEAD_BYTES: usize = 20;
 /// Most points of a unit, and most corrections.
@@ -88,21 +86,19 @@ impl PointUnit {
             bytes.extend((count as u16).to_le_bytes());
         }
         bytes.extend(self.corner.iter().flat_map(|it| it.to_le_bytes()));
-        let mut bits = BitWriter::default();
-        write_places(&self.points, (self.corner, self.bits), order, &mut bits);
+        write_places(&self.points, (self.corner, self.bits), order, &mut bytes);
         if attributes.colours {
-            colours::write(self.points.iter().map(|it| it.colour), &mut bits);
+            colours::write(self.points.iter().map(|it| it.colour), &mut bytes);
         }
         if attributes.intensities {
-            write_steps(self.points.iter().map(|it| it.intensity), &mut bits);
+            write_steps(self.points.iter().map(|it| it.intensity), &mut bytes);
         }
         if attributes.classes {
-            write_steps(self.points.iter().map(|it| it.class.into()), &mut bits);
+            write_steps(self.points.iter().map(|it| it.class.into()), &mut bytes);
         }
         if attributes.colours {
-            colours::write_corrections(&self.corrections, &mut bits);
+            colours::write_corrections(&self.corrections, &mut bytes);
         }
-        bytes.extend(bits.finish());
         Ok(bytes)
     }
 
@@ -140,38 +136,28 @@ impl PointUnit {
         };
         unit.check()?;
         unit.points.resize(points, CloudPoint::default());
-        let mut bits = BitReader::new(rest);
-        let mut numbers = NumberReader::new();
+        let mut rest = rest;
         let (cube, shown) = ((unit.corner, unit.bits), &mut unit.points);
-        read_places(shown, cube, order, (&mut numbers, &mut bits))?;
+        read_places(shown, cube, order, &mut rest)?;
         if attributes.colours {
-            colours::read(shown, (&mut numbers, &mut bits))?;
+            colours::read(shown, &mut rest)?;
         }
         if attributes.intensities {
             let most = i64::from(u16::MAX);
-            let each = shown.iter_mut().map(|it| &mut it.intensity);
-            read_steps(each, most, (&mut numbers, &mut bits))?;
+            read_steps(shown, most, &mut rest, |point, it| point.intensity = it)?;
         }
         if attributes.classes {
-            let mut classes = vec![0; points];
             let most = i64::from(u8::MAX);
-            read_steps(classes.iter_mut(), most, (&mut numbers, &mut bits))?;
-            let all = shown.iter_mut().zip(classes);
-            all.for_each(|(point, class)| point.class = class as u8);
+            read_steps(shown, most, &mut rest, |point, it| point.class = it as u8)?;
         }
         if attributes.colours {
-            let read = colours::read_corrections(corrections, (&mut numbers, &mut bits))?;
-            unit.corrections = read;
+            unit.corrections = colours::read_corrections(corrections, &mut rest)?;
         } else {
             unit.corrections.resize(corrections, [0; 3]);
         }
-        match bits.left() {
-            Some(0..=7) => Ok(unit),
-            left => Err(wrong(
-                "end",
-                format!("{left:?} bits left"),
-                "none but to the byte",
-            )),
+        match rest.len() {
+            0 => Ok(unit),
+            left => Err(wrong("end", format!("{left} bytes left"), "none")),
         }
     }
 
@@ -235,28 +221,34 @@ pub(super) fn octant_of(corner: [u32; 3], bits: u8, octant: u8) -> ([u32; 3], u8
 }
 
 /// Writes numbers as what is added to the one before.
-fn write_steps(numbers: impl Iterator<Item = u16>, bits: &mut BitWriter) {
+fn write_steps(numbers: impl Iterator<Item = u16>, bytes: &mut Vec<u8>) {
     let mut before = 0;
     let steps = numbers.map(|it| {
         let it = i64::from(it);
         unsigned_from_signed(it - core::mem::replace(&mut before, it))
     });
-    write_numbers(&steps.collect::<Vec<_>>(), bits);
+    write_list(&steps.collect::<Vec<_>>(), bytes);
 }
 
-/// Reads numbers from 0 to `most` that [`write_steps`] wrote.
-fn read_steps<'a>(
-    each: impl Iterator<Item = &'a mut u16>,
+/// Reads numbers from 0 to `most` that [`write_steps`] wrote, one for each point.
+fn read_steps(
+    points: &mut [CloudPoint],
     most: i64,
-    (numbers, bits): (&mut NumberReader, &mut BitReader<'_>),
+    bytes: &mut &[u8],
+    set: impl Fn(&mut CloudPoint, u16),
 ) -> Result<(), PackError> {
-    numbers.begin(bits)?;
-    let (mut number, mut all) = (0_i64, 0);
-    for it in each {
-        number = number.wrapping_add(signed_from_unsigned(numbers.next(bits)));
-        all |= number;
-        *it = number as u16;
+    let mut steps = NumberList::take(bytes)?;
+    // What points do not have takes no bits.
+    if steps.only() == Some(0) {
+        return steps.end();
     }
+    let (mut number, mut all) = (0_i64, 0);
+    for point in points {
+        number = number.wrapping_add(signed_from_unsigned(steps.next()));
+        all |= number;
+        set(point, number as u16);
+    }
+    steps.end()?;
     // `most` has all its low bits set.
     match all & !most {
         0 => Ok(()),

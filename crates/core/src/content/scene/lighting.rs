@@ -7,12 +7,12 @@ use glam::{DMat3, DVec3};
 /// Where light comes from, in the world: above, from the right and the viewer's side of who looks
 /// along -z. Of any length.
 pub const LAMP_DIRECTION: DVec3 = DVec3::new(0.4, 0.8, 0.45);
-/// Ambient light from below; 1 shows a colour as it is.
-pub const GROUND: f32 = 0.35;
+/// Ambient light from below; 1 shows a colour as it is, which nothing exceeds.
+pub const GROUND: f32 = 0.22;
 /// Ambient light from above.
-pub const SKY: f32 = 0.55;
+pub const SKY: f32 = 0.45;
 /// Light from the lamp on what faces it.
-pub const LAMP: f32 = 0.5;
+pub const LAMP: f32 = 0.55;
 
 /// What turns normals as `matrix` turns places, up to their length: its cofactors, so that it needs
 /// no inverse, scaled to be near 1.

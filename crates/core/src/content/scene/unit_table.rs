@@ -2,6 +2,7 @@
 //!
 //! The side table `units`, in pages; `docs/formats/pack.md` is normative.
 
+use crate::content::bits::{push_varint, read_varint};
 use crate::content::images::shape::SLOT_BYTES;
 use crate::content::mesh::payload::{ClusterRef, MOST_CLUSTERS};
 use crate::pack::paged_table::{PageDirectory, write_pages};
@@ -221,26 +222,6 @@ fn read_replaces(bytes: &[u8]) -> Option<(Vec<ClusterRef>, &[u8])> {
     let (clusters, rest) = rest.split_at_checked(count)?;
     let clusters = clusters.iter().copied().map(ClusterRef::from_byte);
     (count <= MOST_CLUSTERS).then(|| (clusters.collect(), rest))
-}
-
-fn push_varint(bytes: &mut Vec<u8>, mut value: u32) {
-    while value > 127 {
-        bytes.push(value as u8 | 128);
-        value >>= 7;
-    }
-    bytes.push(value as u8);
-}
-
-fn read_varint(bytes: &[u8]) -> Option<(u32, &[u8])> {
-    let mut value = 0u64;
-    for (place, byte) in bytes.iter().take(5).enumerate() {
-        value |= u64::from(byte & 127) << (7 * place);
-        if byte & 128 == 0 {
-            let value = u32::try_from(value).ok()?;
-            return Some((value, &bytes[place + 1..]));
-        }
-    }
-    None
 }
 
 /// The table of these units, in their order, with so many rows in a page; each level begins one.

@@ -162,45 +162,59 @@ fn predictors(clusters: &[Cluster], [staying, new]: [u16; 2]) -> Vec<[u16; 3]> {
     let mut from: Vec<[u16; 3]> = (0..new).map(|it| [it.saturating_sub(1); 3]).collect();
     let mut is_told = vec![false; usize::from(new)];
     for cluster in clusters {
-        let is_first = first_named(cluster, staying, &mut is_told);
-        tell(cluster, staying, is_first, &mut from);
+        let first = first_triangles(&cluster.triangles);
+        for (at, vertex) in (0..).zip(&cluster.vertices) {
+            let vertex = vertex.wrapping_sub(staying);
+            // The first cluster that has a vertex tells it.
+            let Some(is_told) = is_told.get_mut(usize::from(vertex)) else {
+                continue;
+            };
+            if core::mem::replace(is_told, true) {
+                continue;
+            }
+            let new_of = |corner: u8| cluster.vertices[usize::from(corner)].wrapping_sub(staying);
+            if let Some((others, before)) = others_of(at, &first, &cluster.triangles)
+                && let Some(found) = predictor(vertex, others.map(new_of), before.map(new_of))
+            {
+                from[usize::from(vertex)] = found;
+            }
+        }
     }
     from
 }
 
-/// Which vertices of a cluster are new and in no cluster before.
-fn first_named(cluster: &Cluster, staying: u16, is_told: &mut [bool]) -> [bool; MOST_OF_CLUSTER] {
-    let mut is_first = [false; MOST_OF_CLUSTER];
-    for (vertex, is_first) in cluster.vertices.iter().zip(&mut is_first) {
-        let new = usize::from(vertex.wrapping_sub(staying));
-        if let Some(is_told) = is_told.get_mut(new) {
-            *is_first = !core::mem::replace(is_told, true);
-        }
-    }
-    is_first
-}
+/// Stands for no triangle.
+const NO_TRIANGLE: u8 = u8::MAX;
 
-/// Tells the vertices that a cluster is the first to have from others of its triangles.
-fn tell(
-    cluster: &Cluster,
-    staying: u16,
-    mut is_untold: [bool; MOST_OF_CLUSTER],
-    from: &mut [[u16; 3]],
-) {
-    let new_of = |corner: u8| cluster.vertices[usize::from(corner)].wrapping_sub(staying);
-    let mut before = [0; 3];
-    for triangle in &cluster.triangles {
-        let [a, b, c] = *triangle;
-        for [at, one, other] in [[a, b, c], [b, c, a], [c, a, b]] {
-            if core::mem::take(&mut is_untold[usize::from(at)]) {
-                let vertex = new_of(at);
-                let found = predictor(vertex, [one, other].map(new_of), before.map(new_of));
-                let from = &mut from[usize::from(vertex)];
-                *from = found.unwrap_or(*from);
+/// For each vertex of a cluster the first triangle that has it.
+fn first_triangles(triangles: &[[u8; 3]]) -> [u8; MOST_OF_CLUSTER] {
+    let mut first = [NO_TRIANGLE; MOST_OF_CLUSTER];
+    for (number, triangle) in triangles.iter().enumerate().rev() {
+        for corner in triangle {
+            if let Some(first) = first.get_mut(usize::from(*corner)) {
+                *first = number as u8;
             }
         }
-        before = *triangle;
     }
+    first
+}
+
+/// The other corners of the first triangle that has a corner, in turn, and those of the triangle
+/// before, or of none three times the first corner.
+fn others_of(
+    at: u8,
+    first: &[u8; MOST_OF_CLUSTER],
+    triangles: &[[u8; 3]],
+) -> Option<([u8; 2], [u8; 3])> {
+    let number = usize::from(*first.get(usize::from(at))?);
+    let [a, b, c] = *triangles.get(number)?;
+    let others = match at {
+        _ if a == at => [b, c],
+        _ if b == at => [c, a],
+        _ => [a, b],
+    };
+    let before = number.checked_sub(1).map(|it| triangles[it]);
+    Some((others, before.unwrap_or_default()))
 }
 
 fn predictor(vertex: u16, [a, b]: [u16; 2], before: [u16; 3]) -> Option<[u16; 3]> {

@@ -5,8 +5,8 @@
 //!
 //! 1. Through space: the high bits of each coordinate, from the cube's corner, at most 21, make a
 //!    number: bit `n` of x, y and z is its bit `3
-//!    n`, `3 n + 1` and `3 n + 2`. A list of what is added to the number before, from 0. Then point
-//!    by point the bits that are left, of x, y and z, as they are.
+//!    n`, `3 n + 1` and `3 n + 2`. A list of what is added to the number before, from 0. Then, where
+//!    any are left, a block of bits: of each point those of x, y and z, as they are.
 //! 2. Along a plane: the same of all bits of the plane's two axes, in the order x, y, z. Then
 //!    a list of what is added to the third coordinate of the point before, from 0.
 
@@ -16,7 +16,8 @@ use crate::content::points::curve::{
     BITS_OF_THREE, number_of_three, number_of_two, three_of_number, two_of_number,
 };
 use crate::content::points::lengths::{
-    NumberReader, bits_of_numbers, signed_from_unsigned, unsigned_from_signed, write_numbers,
+    NumberList, bits_of_numbers, signed_from_unsigned, take_block, unsigned_from_signed,
+    write_block, write_list,
 };
 use crate::pack::PackError;
 
@@ -151,18 +152,20 @@ fn sorted(points: &mut [CloudPoint], cube: Cube, order: Order) -> Curve {
 }
 
 /// Writes the places of points that are in this order.
-pub(super) fn write_places(points: &[CloudPoint], cube: Cube, order: Order, bits: &mut BitWriter) {
+pub(super) fn write_places(points: &[CloudPoint], cube: Cube, order: Order, bytes: &mut Vec<u8>) {
     let curve = Curve::new(cube, order);
-    write_numbers(&curve.gaps(points), bits);
+    write_list(&curve.gaps(points), bytes);
     if curve.low > 0 {
+        let mut bits = BitWriter::default();
         for point in points {
             for axis in 0..3 {
                 bits.plain(curve.rest(point, axis), curve.low);
             }
         }
+        write_block(&bits.finish(), bytes);
     }
     if order != Order::Space {
-        write_numbers(&curve.steps(points), bits);
+        write_list(&curve.steps(points), bytes);
     }
 }
 
@@ -171,47 +174,15 @@ pub(super) fn read_places(
     points: &mut [CloudPoint],
     cube: Cube,
     order: Order,
-    (numbers, bits): (&mut NumberReader, &mut BitReader<'_>),
+    bytes: &mut &[u8],
 ) -> Result<(), PackError> {
     let curve = Curve::new(cube, order);
-    let axes_of_number = if order == Order::Space { 3 } else { 2 };
-    let (mut number, mut all) = (0_u64, 0);
-    numbers.begin(bits)?;
-    let ([u, v], beside) = order.axes();
-    for point in points.iter_mut() {
-        let gap = numbers.next(bits);
-        let (sum, overflows) = number.overflowing_add(gap);
-        number = sum;
-        all |= number | u64::from(overflows) << 63;
-        if order == Order::Space {
-            point.place = three_of_number(number);
-        } else {
-            [point.place[u], point.place[v]] = two_of_number(number);
-        }
-    }
-    // A number that has run over once has its highest bit set, or is found below by its place.
-    if all.unbounded_shr(axes_of_number * curve.high) != 0 {
+    let are_inside = match order {
+        Order::Space => read_along_space(points, &curve, bytes)?,
+        _ => read_along_plane(points, &curve, bytes)?,
+    };
+    if !are_inside {
         return Err(wrong("place", "beyond its cube", "in its cube"));
-    }
-    if curve.low > 0 {
-        for point in points.iter_mut() {
-            for axis in 0..3 {
-                let low = bits.plain(curve.low);
-                point.place[axis] = point.place[axis] << curve.low | low;
-            }
-        }
-    }
-    if order != Order::Space {
-        numbers.begin(bits)?;
-        let (mut along, mut all) = (0_i64, 0);
-        for point in points.iter_mut() {
-            along = along.wrapping_add(signed_from_unsigned(numbers.next(bits)));
-            all |= along;
-            point.place[beside] = along as u32;
-        }
-        if (all as u64) >> cube.1 != 0 {
-            return Err(wrong("place", "beyond its cube", "in its cube"));
-        }
     }
     for point in points {
         for (along, corner) in point.place.iter_mut().zip(curve.corner) {
@@ -219,4 +190,78 @@ pub(super) fn read_places(
         }
     }
     Ok(())
+}
+
+/// Numbers that only grow, which begin from 0.
+#[derive(Default)]
+struct Growing {
+    number: u64,
+    /// All bits that any of them has; the highest where one ran over. Which also shows where the
+    /// highest bit of a number is set that has no such bit.
+    all: u64,
+}
+
+impl Growing {
+    #[inline]
+    fn next(&mut self, gap: u64) -> u64 {
+        let (sum, overflows) = self.number.overflowing_add(gap);
+        self.number = sum;
+        self.all |= sum | u64::from(overflows) << 63;
+        sum
+    }
+
+    /// Whether all of them have at most so many bits.
+    fn are_below(&self, bits: u32) -> bool {
+        self.all.unbounded_shr(bits) == 0
+    }
+}
+
+/// Reads places from the corner on; whether they lie in the cube.
+fn read_along_space(
+    points: &mut [CloudPoint],
+    curve: &Curve,
+    bytes: &mut &[u8],
+) -> Result<bool, PackError> {
+    let mut gaps = NumberList::take(bytes)?;
+    let mut numbers = Growing::default();
+    for point in points.iter_mut() {
+        point.place = three_of_number(numbers.next(gaps.next()));
+    }
+    gaps.end()?;
+    if curve.low > 0 {
+        let mut bits = BitReader::new(take_block(bytes)?);
+        for point in points.iter_mut() {
+            for along in &mut point.place {
+                *along = *along << curve.low | bits.plain(curve.low);
+            }
+        }
+        if !matches!(bits.left(), Some(0..8)) {
+            let left = format!("{:?} bits left", bits.left());
+            return Err(wrong("places", left, "none but to the byte"));
+        }
+    }
+    Ok(numbers.are_below(3 * curve.high))
+}
+
+/// The same along a plane, and beside it.
+fn read_along_plane(
+    points: &mut [CloudPoint],
+    curve: &Curve,
+    bytes: &mut &[u8],
+) -> Result<bool, PackError> {
+    let mut gaps = NumberList::take(bytes)?;
+    let mut steps = NumberList::take(bytes)?;
+    let ([u, v], beside) = curve.order.axes();
+    let mut numbers = Growing::default();
+    let (mut along, mut all) = (0_i64, 0);
+    for point in points.iter_mut() {
+        let number = numbers.next(gaps.next());
+        along = along.wrapping_add(signed_from_unsigned(steps.next()));
+        all |= along;
+        [point.place[u], point.place[v]] = two_of_number(number);
+        point.place[beside] = along as u32;
+    }
+    gaps.end()?;
+    steps.end()?;
+    Ok(numbers.are_below(2 * curve.high) && (all as u64).unbounded_shr(curve.high) == 0)
 }
