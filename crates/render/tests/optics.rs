@@ -27,9 +27,7 @@ fn code_along(ray: glam::DVec3) -> [f64; 3] {
 /// The flat picture of all that a panel reaches.
 fn flat_of(panel: &Panel) -> RgbaImage {
     let reach = panel.reach();
-    painted(reach.size, |x, y| {
-        code_along(reach.ray([x, y].map(|at| f64::from(at) + 0.5)))
-    })
+    painted(reach.size, |x, y| code_along(reach.ray([x + 0.5, y + 0.5])))
 }
 
 fn lens(panel: Panel) -> Panel {

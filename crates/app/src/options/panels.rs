@@ -71,25 +71,6 @@ impl PanelsOptions {
     }
 }
 
-impl PanelsOptions {
-    /// The same in a window, which draws on flat ones alone.
-    pub(crate) fn flat(&self, eye: EyeName) -> anyhow::Result<Option<Vec<Panel>>> {
-        let panels = self.read(eye)?;
-        let mut bent = panels
-            .iter()
-            .flatten()
-            .filter(|it| !it.distortion.is_none());
-        if let Some(panel) = bent.next() {
-            bail!(WrongUsage(format!(
-                "--panels: panel {} has a distortion, and a window draws flat panels alone; leave \
-                 its distortion out, or draw it by `foveal simulate`",
-                panel.id
-            )));
-        }
-        Ok(panels)
-    }
-}
-
 impl NamedPanel {
     pub(crate) fn of(panel: &Panel) -> Self {
         Self {

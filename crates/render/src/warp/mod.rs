@@ -1,8 +1,8 @@
 //! How does one source fill any number of panels at once?
 //!
 //! [`WarpPlan`] is what the pass reads: a record a panel. [`Warper`] draws all panels of a plan in
-//! one pass into one atlas; [`crate::twin::warp`] draws the same on the CPU. [`PanelOptics`] does so
-//! panel by panel, of a picture that was drawn for each.
+//! one pass into one atlas; [`crate::twin::warp`] draws the same on the CPU. [`PanelOptics`] does
+//! so panel by panel, of a picture that was drawn for each.
 
 mod blends;
 mod grids;

@@ -9,7 +9,7 @@ use crate::options::panels::PlayedPanel;
 use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage};
 use crate::report::picture_file::write_png;
-use crate::run::optics::{intermediate_pixels, on_panel};
+use crate::run::optics::{as_seen, intermediate_pixels};
 use anyhow::bail;
 use foveal_core::content::policy::{ImportanceSource, Policy, PolicyConfig};
 use foveal_core::content::scene::demand::why_not;
@@ -24,6 +24,7 @@ use foveal_core::view::route::Route;
 use foveal_media::pack::scene_file::SceneFile;
 use foveal_play::{ScenePlayer, ScenePlayerOptions, SceneReport};
 use foveal_render::DrawDevice;
+use foveal_render::warp::PanelOptics;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -119,6 +120,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     };
     let mut judge = Judge::open(&args.scoring, &file, &view, judging, fps)?;
     let folders = args.folders(panels.as_deref())?;
+    let mut optics = as_seen(panels.as_deref().unwrap_or_default());
     let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
     let mut shown = Vec::new();
     for frame in 0..frames {
@@ -128,9 +130,8 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         let judged = judge.frame(&mut player, &standing, &report)?;
         if args.pictures == WrittenPictures::Png && frame.is_multiple_of(args.every) {
             for (at, view) in standing.moment.views.iter().enumerate() {
-                let panel = panels.as_ref().map(|panels| &panels[at]);
                 let place = (folders[at].as_path(), frame, args.heat_map);
-                write_picture(&mut player, place, view, panel)?;
+                write_picture(&mut player, place, view, (&mut optics, at))?;
             }
         }
         let head = if frame == 0 { player.head_bytes() } else { 0 };
@@ -267,17 +268,15 @@ fn write_picture(
     player: &mut ScenePlayer,
     (folder, frame, levels): (&Path, u32, bool),
     view: &EyeView,
-    panel: Option<&Panel>,
+    (optics, panel): (&mut PanelOptics, usize),
 ) -> anyhow::Result<()> {
     let picture = match levels {
         true => player.picture_of_levels(view)?,
         false => player.picture(view)?,
     };
-    let picture = picture.map(|image| match panel {
-        Some(panel) => on_panel(panel, image),
-        None => image,
-    });
-    match picture {
+    let device = player.drawer().device().clone();
+    let picture = picture.map(|image| optics.image(&device, panel, image));
+    match picture.transpose()? {
         Some(image) => write_png(&folder.join(format!("frame_{frame:05}.png")), &image),
         None => Ok(()),
     }

@@ -31,7 +31,7 @@ pub(super) struct Ready {
 impl Ready {
     pub(super) fn new(args: &ViewArgs) -> anyhow::Result<Self> {
         let decoding = args.decoding.decoding()?;
-        let panels = args.panels.flat(args.eye)?;
+        let panels = args.panels.read(args.eye)?;
         let args = &before(args, panels.as_deref())?;
         let pack = open_pack(args)?;
         let args = &ViewArgs {
