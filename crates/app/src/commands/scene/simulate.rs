@@ -254,7 +254,12 @@ impl SimulateArgs {
 
     /// The panels that it is shown on, where there is a rig.
     fn panels_in_scene(&self) -> anyhow::Result<Option<Vec<Panel>>> {
-        self.panels.read(self.eye)
+        let rig = self.panels.read(self.eye)?;
+        if let Some(rig) = &rig {
+            // Scenes lie where they are.
+            self.panels.screen(rig, None)?;
+        }
+        Ok(rig.map(|rig| rig.panels))
     }
 
     /// The view, before anybody stands anywhere.
