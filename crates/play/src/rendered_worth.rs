@@ -46,8 +46,8 @@ impl RenderedWorth {
         }
     }
 
-    /// What each unit is worth at a moment, through its first view, as footprints tell it under
-    /// rendered importance.
+    /// What each unit is worth at a moment, through the view where it is worth most, as footprints
+    /// tell it under rendered importance.
     ///
     /// # Errors
     /// A unit is damaged, or the device was lost.
@@ -59,10 +59,14 @@ impl RenderedWorth {
         }) {
             return Ok(footprints.clone());
         }
-        let Some(view) = moment.views.first() else {
-            return Ok(Footprints::default());
-        };
-        let worths = self.worths(moment, view)?;
+        let mut worths: Vec<f64> = Vec::new();
+        for view in &moment.views {
+            let own = self.worths(moment, view)?;
+            worths.resize(own.len(), 0.0);
+            for (most, own) in worths.iter_mut().zip(own) {
+                *most = most.max(own);
+            }
+        }
         let footprint = |(unit, worth): (u32, &f64)| Footprint {
             unit: UnitId(unit),
             area: (*worth as f32).max(0.0).to_bits(),

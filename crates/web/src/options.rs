@@ -65,6 +65,7 @@ impl Options {
         let Screen {
             diagonal_inches,
             distance_m,
+            ..
         } = options.screen;
         let measured = diagonal_inches > 0.0 && distance_m > 0.0;
         if !measured || !(diagonal_inches / distance_m).is_finite() {

@@ -128,6 +128,7 @@ fn check_belongs(session: &SessionLogPart, file: &PackFile) -> anyhow::Result<()
     let logged = session.head.content.video().copied().unwrap_or(grid);
     // Flat content may have filled another screen.
     grid.surface.tangents = logged.surface.tangents;
+    grid.surface.slant = logged.surface.slant;
     if logged != grid {
         bail!(
             "{name}: has other tiles than the pack of the log, {}",

@@ -2,7 +2,7 @@
 
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel, parse_gaze};
 use crate::options::panels::{
-    NamedPanel, PanelsOptions, SAMPLES_ONE_VIEW, around_the_head, screen_before,
+    NamedPanel, PanelsOptions, SAMPLES_ONE_VIEW, ShownRig, around_the_head,
 };
 use crate::options::policy::{
     CutOptions, MappingName, PolicyOptions, ViewOptions, check_thresholds, parse_size,
@@ -132,8 +132,9 @@ enum Bounding {
 const MOST_GAZES: u32 = 1_000_000;
 
 pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
-    let panels = args.panels.read(args.eye)?;
-    let args = &args.before(panels.as_deref())?;
+    let rig = args.panels.read(args.eye)?;
+    let args = &args.before(rig.as_ref())?;
+    let panels = rig.map(|rig| rig.panels);
     let surface = args.surface()?;
     let args = &args.with_preset(&surface);
     let levels = args.cut.levels.unwrap_or(5);
@@ -187,14 +188,17 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
 
 impl SelectArgs {
     /// These options with those that panels stand for.
-    fn before(&self, panels: Option<&[Panel]>) -> anyhow::Result<Self> {
+    fn before(&self, rig: Option<&ShownRig>) -> anyhow::Result<Self> {
         let mut with = self.clone();
-        if let Some(panels) = panels {
-            if let (ProjectionName::Flat, Some(size)) = (self.projection, self.size) {
-                with.view.screen = screen_before(panels, size)?;
+        if let Some(rig) = rig {
+            let shape = self
+                .size
+                .filter(|_| self.projection == ProjectionName::Flat);
+            if let Some(screen) = self.panels.screen(rig, shape)? {
+                with.view.screen = screen;
             }
             if self.preset.is_none() {
-                with.policy = self.policy.seen_by_many(panels);
+                with.policy = self.policy.seen_by_many(&rig.panels);
             }
         }
         Ok(with)

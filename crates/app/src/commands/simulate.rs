@@ -7,7 +7,7 @@ use crate::commands::simulate_pictures::PictureSinks;
 use crate::commands::simulate_score::{Baseline, RunScoring};
 use crate::gaze_source::{GazeSource, interrupted};
 use crate::options::decoding::DeviceReport;
-use crate::options::panels::{PlayedPanel, SAMPLES_ONE_VIEW, around_the_head, screen_before};
+use crate::options::panels::{PlayedPanel, SAMPLES_ONE_VIEW, ShownRig, around_the_head};
 use crate::options::policy::Switch;
 use crate::options::renderer::{RendererName, open_device};
 use crate::options::showing::{EyeName, InterpolationName};
@@ -22,7 +22,6 @@ use foveal_core::units::counted;
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::head_pose::HeadPose;
 use foveal_core::view::mounted::MountedPanel;
-use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::surface::Projection;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::is_scene_pack;
@@ -84,9 +83,10 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     args.check()?;
     let file = Arc::new(PackFile::open(&args.pack)?);
     let about = file.pack().description();
-    let panels = args.panels.read(args.eye)?;
+    let rig = args.panels.read(args.eye)?;
     let args = &args.with_preset(about.projection);
-    let args = &args.on_rig(panels.as_deref(), about)?;
+    let args = &args.on_rig(rig.as_ref(), about)?;
+    let panels = rig.map(|rig| rig.panels);
     let config = args.config()?;
     let showing = args.showing(config.policy)?;
     let frames = args.frames_to_play(about.frames)?;
@@ -189,19 +189,19 @@ impl SimulateArgs {
     }
 
     /// These options with those that panels stand for.
-    fn on_rig(&self, panels: Option<&[Panel]>, about: &Description) -> anyhow::Result<Self> {
+    fn on_rig(&self, rig: Option<&ShownRig>, about: &Description) -> anyhow::Result<Self> {
         let mut with = self.clone();
-        let Some(panels) = panels else {
+        let Some(rig) = rig else {
             return Ok(with);
         };
         if self.policy.policy == Some(Policy::Sampled) {
             bail!(WrongUsage(SAMPLES_ONE_VIEW.to_owned()));
         }
-        if let Some(shape) = about.flat_shape() {
-            with.view.screen = screen_before(panels, shape)?;
+        if let Some(screen) = self.panels.screen(rig, about.flat_shape())? {
+            with.view.screen = screen;
         }
         if self.watching.link.is_none() {
-            with.policy = self.policy.seen_by_many(panels);
+            with.policy = self.policy.seen_by_many(&rig.panels);
         }
         Ok(with)
     }

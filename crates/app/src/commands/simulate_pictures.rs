@@ -2,7 +2,7 @@
 
 use crate::commands::simulate_options::{SimulateArgs, WrittenPictures};
 use crate::report::picture_file::write_png;
-use crate::run::optics::on_panel;
+use crate::run::optics::as_seen;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::panel::rig::Panel;
@@ -10,6 +10,7 @@ use foveal_core::view::picture::{Colour, Matrix};
 use foveal_media::write::picture_from_rgba::picture_from_rgba;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use foveal_play::{FrameReport, Player};
+use foveal_render::warp::PanelOptics;
 use foveal_render::{Overlay, RgbaImage};
 use std::path::PathBuf;
 
@@ -29,14 +30,14 @@ pub(crate) fn marks(view: &EyeView, gaze: &GazeSample) -> Overlay {
 /// The pictures of a run: of its view, or of each of its panels.
 pub(crate) struct PictureSinks<'a> {
     args: &'a SimulateArgs,
+    /// What panels make of what they reach; of a view nothing.
+    optics: Option<PanelOptics>,
     /// One for each view of a frame.
     sinks: Vec<PictureSink>,
 }
 
 /// Where the pictures of one view go.
 struct PictureSink {
-    /// The panel that it is of, where it is of one.
-    panel: Option<Panel>,
     folder: PathBuf,
     /// Frames a second, as a fraction.
     rate: [u32; 2],
@@ -61,17 +62,15 @@ impl<'a> PictureSinks<'a> {
     ) -> anyhow::Result<Self> {
         let [frames, seconds] = frame_rate;
         let folders = args.folders(panels)?;
-        let panels = panels.map(|panels| panels.iter().cloned().map(Some).collect());
-        let panels: Vec<Option<Panel>> = panels.unwrap_or_else(|| vec![None]);
-        let sink = |(panel, folder)| PictureSink {
-            panel,
+        let sink = |folder| PictureSink {
             folder,
             rate: [frames, seconds.saturating_mul(args.every)],
             video: None,
         };
         Ok(Self {
             args,
-            sinks: panels.into_iter().zip(folders).map(sink).collect(),
+            optics: panels.map(as_seen),
+            sinks: folders.into_iter().map(sink).collect(),
         })
     }
 
@@ -86,8 +85,8 @@ impl<'a> PictureSinks<'a> {
         if args.pictures == WrittenPictures::None || is_left_out {
             return Ok(());
         }
-        for (sink, view) in self.sinks.iter_mut().zip(&report.views) {
-            let eyes = match sink.panel.is_some() {
+        for (at, (sink, view)) in self.sinks.iter_mut().zip(&report.views).enumerate() {
+            let eyes = match self.optics.is_some() {
                 true => std::slice::from_ref(&view.eye),
                 false => args.eye.eyes(),
             };
@@ -102,11 +101,12 @@ impl<'a> PictureSinks<'a> {
                     (left, None) => left,
                 };
             }
-            let picture = picture.map(|image| match &sink.panel {
-                Some(panel) => on_panel(panel, image),
-                None => image,
+            let device = player.drawer().device().clone();
+            let picture = picture.map(|image| match &mut self.optics {
+                Some(optics) => optics.image(&device, at, image),
+                None => Ok(image),
             });
-            match picture {
+            match picture.transpose()? {
                 Some(image) if args.pictures == WrittenPictures::Png => {
                     write_png(&sink.folder.join(format!("frame_{frame:05}.png")), &image)?;
                 }

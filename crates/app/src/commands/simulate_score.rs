@@ -178,10 +178,16 @@ impl RunScoring {
             Ok(report.with(judge.companions.totals(), judge.engine.name(), None))
         };
         let reports: anyhow::Result<Vec<ScoreReport>> = self.judges.iter().map(of_view).collect();
-        let reports = reports?;
+        RunScores::of(reports?)
+    }
+}
+
+impl RunScores {
+    /// The scores of views, each told of by itself.
+    pub(crate) fn of(reports: Vec<ScoreReport>) -> anyhow::Result<Self> {
         let jods = reports.iter().map(|report| report.jod).collect();
         let lowest = reports.into_iter().min_by(|a, b| a.jod.total_cmp(&b.jod));
-        Ok(RunScores {
+        Ok(Self {
             jods,
             lowest: lowest.context("nothing was scored")?,
         })

@@ -1,12 +1,16 @@
 //! Which panels show what is played, in the place of one view?
 
+use crate::commands::panels::rig_args::PlacementName;
 use crate::options::showing::EyeName;
 use crate::report::output::WrongUsage;
 use anyhow::bail;
 use clap::Args;
+use foveal_core::view::axes::Axes;
 use foveal_core::view::mounted::MountedPanel;
-use foveal_core::view::panel::fit::{PlacementRule, SourceSize, fit};
+use foveal_core::view::panel::fit::{FitError, PlacementRule, SourceSize, place};
+use foveal_core::view::panel::placement::Placement;
 use foveal_core::view::panel::rig::Panel;
+use foveal_core::view::slant::Slant;
 use foveal_core::view::surface::{Eye, Screen};
 use foveal_scene::rig::read_rig;
 use serde::Serialize;
@@ -20,6 +24,17 @@ pub(crate) struct PanelsOptions {
     /// shows.
     #[arg(long, value_name = "RIG", conflicts_with_all = ["view", "fov", "screen"])]
     pub(crate) panels: Option<PathBuf>,
+    /// Where a flat pack lies before them, as `foveal panels fit` places a source: auto (the rig's
+    /// screen where it has one, else plane), seed or plane.
+    #[arg(long, value_enum, value_name = "HOW", requires = "panels")]
+    placement: Option<PlacementName>,
+}
+
+/// The panels of a rig that show what is played.
+pub(crate) struct ShownRig {
+    pub(crate) panels: Vec<Panel>,
+    /// Width and height of the screen that the rig says a source fills.
+    screen: Option<[f64; 2]>,
 }
 
 /// A panel, as results name it.
@@ -45,7 +60,7 @@ pub(crate) const SAMPLES_ONE_VIEW: &str =
 
 impl PanelsOptions {
     /// The panels that `eye` looks at, as the rig has them; `None` where there is no rig.
-    pub(crate) fn read(&self, eye: EyeName) -> anyhow::Result<Option<Vec<Panel>>> {
+    pub(crate) fn read(&self, eye: EyeName) -> anyhow::Result<Option<ShownRig>> {
         let Some(path) = &self.panels else {
             return Ok(None);
         };
@@ -67,26 +82,43 @@ impl PanelsOptions {
                 eye.name()
             )));
         }
-        Ok(Some(panels))
+        Ok(Some(ShownRig {
+            panels,
+            screen: rig.screen,
+        }))
     }
-}
 
-impl PanelsOptions {
-    /// The same in a window, which draws on flat ones alone.
-    pub(crate) fn flat(&self, eye: EyeName) -> anyhow::Result<Option<Vec<Panel>>> {
-        let panels = self.read(eye)?;
-        let mut bent = panels
-            .iter()
-            .flatten()
-            .filter(|it| !it.distortion.is_none());
-        if let Some(panel) = bent.next() {
-            bail!(WrongUsage(format!(
-                "--panels: panel {} has a distortion, and a window draws flat panels alone; leave \
-                 its distortion out, or draw it by `foveal simulate`",
-                panel.id
-            )));
-        }
-        Ok(panels)
+    /// The screen that flat content of a shape fills before the panels of a rig: `None` of what is
+    /// not flat, which lies round the head.
+    pub(crate) fn screen(
+        &self,
+        rig: &ShownRig,
+        shape: Option<[u32; 2]>,
+    ) -> anyhow::Result<Option<Screen>> {
+        let Some(shape) = shape else {
+            return match self.placement {
+                None => Ok(None),
+                Some(_) => bail!(WrongUsage(
+                    "--placement lays flat packs, and this one lies round the head; leave it out"
+                        .to_owned()
+                )),
+            };
+        };
+        let name = self.placement.unwrap_or(PlacementName::Auto);
+        let rule = match (name, rig.screen) {
+            (PlacementName::Auto, Some(size)) => PlacementRule::Screen(size),
+            (PlacementName::Auto | PlacementName::Plane, _) => PlacementRule::Plane,
+            (PlacementName::Seed, _) => PlacementRule::Seed,
+            (PlacementName::Cylinder | PlacementName::Equirect, _) => bail!(WrongUsage(
+                "--placement: tiles of a flat pack are drawn on a plane; give auto, seed or plane, \
+                 or bend its source round the head by `foveal panels warp RIG FILE`"
+                    .to_owned()
+            )),
+        };
+        let panels: Vec<&Panel> = rig.panels.iter().collect();
+        let placed = place(&panels, rule, SourceSize::Picture(shape));
+        let placed = placed.map_err(|error| no_place(rule, &error))?;
+        Ok(Some(screen_at(&placed.0)))
     }
 }
 
@@ -130,22 +162,33 @@ pub(crate) fn around_the_head(panels: &[Panel]) -> Vec<MountedPanel> {
     mounted.map(MountedPanel::centred).collect()
 }
 
-/// The screen that flat content of a shape fills before panels: square to the head and centred, as
-/// `foveal panels fit --placement seed` tells, at a distance of a metre.
-pub(crate) fn screen_before(panels: &[Panel], shape: [u32; 2]) -> anyhow::Result<Screen> {
-    const METRES_AN_INCH: f64 = 0.0254;
-    let panels: Vec<&Panel> = panels.iter().collect();
-    let found = fit(&panels, PlacementRule::Seed, SourceSize::Picture(shape));
-    let Ok(found) = found else {
-        bail!(WrongUsage(
-            "--panels: a panel looks 90° or more to the side, and a flat pack lies on a plane \
-             before the head; give a rig that looks ahead, or a pack of a sphere"
-                .to_owned()
-        ));
+/// Why flat content has no place before panels.
+fn no_place(rule: PlacementRule, error: &FitError) -> WrongUsage {
+    let text = match (rule, error) {
+        (PlacementRule::Seed, FitError::Beyond { works: "plane", .. }) => {
+            format!("--panels: {error}")
+        }
+        (_, FitError::Beyond { panel, .. }) => format!(
+            "--panels: no plane lies before all panels, of which {panel} looks farthest to the \
+             side, and a flat pack lies on a plane; give a rig that looks ahead, or a pack of a \
+             sphere"
+        ),
+        _ => format!("--panels: {error}"),
     };
-    let [right, down] = found.placement.extent().map(|side| side / 2.0);
-    Ok(Screen {
-        diagonal_inches: 2.0 * right.hypot(down) / METRES_AN_INCH,
+    WrongUsage(text)
+}
+
+/// The screen that a plane is, at a distance of a metre.
+fn screen_at(plane: &Placement) -> Screen {
+    const METRES_AN_INCH: f64 = 0.0254;
+    let half = plane.extent().map(|side| side / 2.0);
+    let [left, across, up, along] = plane.window;
+    let middle = [(across - left) / 2.0, (along - up) / 2.0];
+    let is_ahead = plane.axes == Axes::FRONT && middle == [0.0; 2];
+    Screen {
+        diagonal_inches: 2.0 * half[0].hypot(half[1]) / METRES_AN_INCH,
         distance_m: 1.0,
-    })
+        slant: (!is_ahead).then(|| Slant::new(plane.axes, middle)),
+        filled: Some(half),
+    }
 }

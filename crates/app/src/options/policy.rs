@@ -529,6 +529,7 @@ fn parse_screen(text: &str) -> anyhow::Result<Screen> {
         Ok(Screen {
             diagonal_inches,
             distance_m,
+            ..Screen::default()
         })
     } else {
         Err(anyhow!(

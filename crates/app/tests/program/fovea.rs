@@ -138,6 +138,7 @@ fn the_fovea_of_a_picture_denser_than_any_eye_is_that_of_the_whole_picture() {
     let screen = Screen {
         diagonal_inches: 7.0,
         distance_m: 1.0,
+        ..Screen::default()
     };
     let places = [[800.0, 160.0], [64.0 * 7.0, 64.0], [3.0, 300.0]];
     for (tile, shrink) in [("32", 1), ("64", 2)] {

@@ -72,6 +72,9 @@ impl ContentHead {
                 "grid: {cells} cells, at most {MOST_CELLS} are replayed"
             ));
         }
+        if let Some(fault) = grid.surface.slant.and_then(|slant| slant.fault()) {
+            return Err(fault.to_owned());
+        }
         let mut tangents = grid.surface.tangents.iter();
         if tangents.all(|t| (1e-6..=1e6).contains(t)) {
             Ok(())

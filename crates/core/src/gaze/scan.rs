@@ -47,7 +47,7 @@ impl ScanBlock {
     fn new(surface: &Surface, seed: u64, number: u64) -> Self {
         // Steps of a large odd number never meet before all numbers were met (Weyl's sequence).
         let mut random = Random::new(seed ^ number.wrapping_mul(0xd134_2543_de82_ef95));
-        let mut fixations = vec![(0.0, DVec3::NEG_Z)];
+        let mut fixations = vec![(0.0, first_fixation(surface))];
         let (mut time, mut at) = fixations[0];
         while time <= BLOCK_S {
             let next = next_fixation(surface, &mut random, at);
@@ -119,13 +119,22 @@ fn next_fixation(surface: &Surface, random: &mut Random, from: DVec3) -> DVec3 {
             return to;
         }
     }
-    DVec3::NEG_Z
+    first_fixation(surface)
+}
+
+/// Straight ahead, or the middle of content that stands elsewhere.
+fn first_fixation(surface: &Surface) -> DVec3 {
+    match surface.slant {
+        Some(_) => surface.direction(0, surface.size.map(|side| f64::from(side) / 2.0)),
+        None => DVec3::NEG_Z,
+    }
 }
 
 fn is_on(surface: &Surface, direction: DVec3) -> bool {
     surface.locate(direction).is_some_and(|(_, place)| {
-        let tangent = surface.tangent(place);
-        let inside = (0..2).all(|k| tangent[k].abs() <= INSIDE * surface.tangents[k]);
+        let (tangent, middle) = (surface.tangent(place), surface.middle());
+        let within = |k: usize| (tangent[k] - middle[k]).abs() <= INSIDE * surface.tangents[k];
+        let inside = (0..2).all(within);
         surface.projection == Projection::Cube || inside
     })
 }

@@ -152,11 +152,13 @@ impl EyeView {
         }
         let face = surface.axes(0);
         let [half_w, half_h] = surface.size.map(|s| f64::from(s) / 2.0);
-        let row_x = face.right * (half_w / surface.tangents[0]) + face.forward * half_w;
-        let row_y = face.down * (half_h / surface.tangents[1]) + face.forward * half_h;
+        let [a, b] = [0, 1].map(|k| 1.0 - surface.middle()[k] / surface.tangents[k]);
+        let row_x = face.right * (half_w / surface.tangents[0]) + face.forward * (half_w * a);
+        let row_y = face.down * (half_h / surface.tangents[1]) + face.forward * (half_h * b);
         let place_from_ray = DMat3::from_cols(row_x, row_y, face.forward).transpose();
         let m = place_from_ray * rays;
-        let m = m * (1.0 / m.z_axis.z);
+        // Of a pixel that looks away from the content the last stays negative.
+        let m = m * (1.0 / m.z_axis.z.abs().max(1e-9));
         DMat3::from_cols_array(&m.to_cols_array().map(snap))
     }
 

@@ -12,5 +12,6 @@ pub mod panel;
 pub mod picture;
 pub mod random;
 pub mod route;
+pub mod slant;
 pub mod surface;
 pub mod timeline;

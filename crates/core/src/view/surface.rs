@@ -4,6 +4,7 @@
 //! both, so eccentricity and density are one formula each.
 
 use super::axes::Axes;
+use super::slant::Slant;
 use crate::units::{Ppd, Radians};
 use core::f64::consts::FRAC_PI_4;
 use glam::DVec3;
@@ -88,6 +89,12 @@ pub struct Screen {
     pub diagonal_inches: f64,
     /// Distance from the eye in metres.
     pub distance_m: f64,
+    /// How it stands where it is not square before the head; nobody measures that.
+    #[serde(skip)]
+    pub slant: Option<Slant>,
+    /// Half its width and height at unit distance, where content fills it whatever its shape.
+    #[serde(skip)]
+    pub filled: Option<[f64; 2]>,
 }
 
 impl Default for Screen {
@@ -95,6 +102,8 @@ impl Default for Screen {
         Self {
             diagonal_inches: 24.0,
             distance_m: 0.6,
+            slant: None,
+            filled: None,
         }
     }
 }
@@ -119,6 +128,9 @@ pub struct Surface {
     /// How pixels lie over the faces of a cube. Flat content is gnomonic, whatever this says.
     #[serde(default, skip_serializing_if = "Mapping::is_default")]
     pub mapping: Mapping,
+    /// How flat content stands that is not square before the head; of a cube there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slant: Option<Slant>,
 }
 
 /// The number of eyes of content that does not say it.
@@ -177,17 +189,7 @@ impl Surface {
     /// Flat content of `size` pixels that fills `screen`.
     #[must_use]
     pub fn flat(size: [u32; 2], screen: Screen) -> Self {
-        let [w, h] = size.map(f64::from);
-        let half_diagonal = screen.diagonal_inches * 0.0254 / 2.0 / screen.distance_m;
-        let per_pixel = half_diagonal / (w * w + h * h).sqrt();
-        Self {
-            projection: Projection::Flat,
-            size,
-            tangents: [w * per_pixel, h * per_pixel],
-            eyes: one_eye(),
-            cube_faces: all_faces(),
-            mapping: Mapping::Gnomonic,
-        }
+        Self::flat_with_pixels(size, [1, 1], screen)
     }
 
     /// Flat content whose pixels are `aspect[0]` wide for `aspect[1]` of height, filling `screen`.
@@ -197,8 +199,13 @@ impl Surface {
         let half_diagonal = screen.diagonal_inches * 0.0254 / 2.0 / screen.distance_m;
         let per_unit = half_diagonal / (w * w + h * h).sqrt();
         Self {
-            tangents: [w * per_unit, h * per_unit],
-            ..Self::flat(size, screen)
+            projection: Projection::Flat,
+            size,
+            tangents: screen.filled.unwrap_or([w * per_unit, h * per_unit]),
+            eyes: one_eye(),
+            cube_faces: all_faces(),
+            mapping: Mapping::Gnomonic,
+            slant: screen.slant,
         }
     }
 
@@ -212,6 +219,7 @@ impl Surface {
             eyes: one_eye(),
             cube_faces: all_faces(),
             mapping: Mapping::Gnomonic,
+            slant: None,
         }
     }
 
@@ -264,17 +272,45 @@ impl Surface {
     /// Orientation of a face, of either eye.
     #[must_use]
     pub fn axes(&self, face: u32) -> Axes {
-        CUBE_FACES[(face % self.faces_of_an_eye()) as usize]
+        match self.stands() {
+            Some(slant) => slant.axes(),
+            None => CUBE_FACES[(face % self.faces_of_an_eye()) as usize],
+        }
+    }
+
+    /// How flat content stands where it is turned.
+    fn stands(&self) -> Option<&Slant> {
+        let is_flat = self.projection == Projection::Flat;
+        self.slant.as_ref().filter(|_| is_flat)
+    }
+
+    /// Tangents, along the axes of a face, of its middle.
+    #[must_use]
+    pub fn middle(&self) -> [f64; 2] {
+        self.stands().map_or([0.0; 2], |slant| slant.middle)
+    }
+
+    /// A direction as it would be if the content stood square before the head, its middle ahead.
+    #[must_use]
+    pub fn as_if_square(&self, direction: DVec3) -> DVec3 {
+        let Some(slant) = self.stands() else {
+            return direction;
+        };
+        let axes = slant.axes();
+        let depth = direction.dot(axes.forward);
+        let x = direction.dot(axes.right) - slant.middle[0] * depth;
+        let y = direction.dot(axes.down) - slant.middle[1] * depth;
+        DVec3::new(x, -y, -depth).normalize()
     }
 
     /// Tangent-plane position of a place on a face, `place` in level-0 pixels (0 is the left or top
     /// border, pixel centres lie at +0.5).
     #[must_use]
     pub fn tangent(&self, place: [f64; 2]) -> [f64; 2] {
-        let mapping = self.mapping();
+        let (mapping, middle) = (self.mapping(), self.middle());
         [0, 1].map(|k| {
             let place = place[k] * 2.0 / f64::from(self.size[k]) - 1.0;
-            mapping.tangent(place) * self.tangents[k]
+            mapping.tangent(place) * self.tangents[k] + middle[k]
         })
     }
 
@@ -282,9 +318,9 @@ impl Surface {
     /// [`Self::tangent`].
     #[must_use]
     pub fn place(&self, tangent: [f64; 2]) -> [f64; 2] {
-        let mapping = self.mapping();
+        let (mapping, middle) = (self.mapping(), self.middle());
         [0, 1].map(|k| {
-            let place = mapping.place(tangent[k] / self.tangents[k]);
+            let place = mapping.place((tangent[k] - middle[k]) / self.tangents[k]);
             (place + 1.0) / 2.0 * f64::from(self.size[k])
         })
     }

@@ -43,31 +43,51 @@ impl WarpPlan {
     /// The plan of panels, in an atlas just large enough.
     #[must_use]
     pub fn new(panels: &[PanelOnSource<'_>]) -> Self {
-        let all: Vec<&Panel> = panels.iter().map(|it| it.panel).collect();
-        let blends = Blends::new(&all);
+        let blends = Blends::new(&panels_of(panels));
         let mut plan = Self::default();
         for (it, blend) in panels.iter().zip(&blends.of_panel) {
-            let mut record = straight(it);
-            record.blend = *blend;
-            if let Some(bend) = Bend::of(it.panel, it.placement) {
-                let grid = bend.grid();
-                record.grid = plan.grids.len() as u32;
-                record.cell = grid.cell;
-                record.channels = grid.channels;
-                plan.grids.extend(grid.bits);
-            }
-            if let Some(alpha) = it.panel.alpha_as_sent() {
-                record.alpha = plan.grids.len() as u32 + 1;
-                plan.grids.extend(pairs_of(&alpha));
-            }
-            for k in 0..2 {
-                plan.atlas[k] = plan.atlas[k].max(record.origin[k] + record.size[k]);
-            }
-            plan.panels.push(record);
+            plan.add(it, *blend);
         }
         plan.blends = blends.records;
         plan.neighbours = blends.neighbours;
         plan
+    }
+
+    /// A plan for each of several panels, which fade into each other all the same.
+    #[must_use]
+    pub fn one_by_one(panels: &[PanelOnSource<'_>]) -> Vec<Self> {
+        let blends = Blends::new(&panels_of(panels));
+        let one = |(it, blend): (&PanelOnSource<'_>, &u32)| {
+            let mut plan = Self::default();
+            plan.add(it, *blend);
+            if *blend > 0 {
+                plan.blends.clone_from(&blends.records);
+                plan.neighbours.clone_from(&blends.neighbours);
+            }
+            plan
+        };
+        panels.iter().zip(&blends.of_panel).map(one).collect()
+    }
+
+    /// Adds a panel that has the record `blend`, from 1 on, of those that fade.
+    fn add(&mut self, it: &PanelOnSource<'_>, blend: u32) {
+        let mut record = straight(it);
+        record.blend = blend;
+        if let Some(bend) = Bend::of(it.panel, it.placement) {
+            let grid = bend.grid();
+            record.grid = self.grids.len() as u32;
+            record.cell = grid.cell;
+            record.channels = grid.channels;
+            self.grids.extend(grid.bits);
+        }
+        if let Some(alpha) = it.panel.alpha_as_sent() {
+            record.alpha = self.grids.len() as u32 + 1;
+            self.grids.extend(pairs_of(&alpha));
+        }
+        for k in 0..2 {
+            self.atlas[k] = self.atlas[k].max(record.origin[k] + record.size[k]);
+        }
+        self.panels.push(record);
     }
 
     /// The same, with each panel's place in the source read from the maps of Strege 2009, section
@@ -103,6 +123,10 @@ impl WarpPlan {
         let words = self.neighbours.len() + self.grids.len();
         (records + words * size_of::<u32>()) as u64
     }
+}
+
+fn panels_of<'a>(panels: &[PanelOnSource<'a>]) -> Vec<&'a Panel> {
+    panels.iter().map(|it| it.panel).collect()
 }
 
 /// Columns above rows, and four bytes of derivatives.

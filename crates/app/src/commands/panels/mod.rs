@@ -8,7 +8,7 @@ mod fit;
 mod import;
 mod map;
 mod pattern;
-mod rig_args;
+pub(crate) mod rig_args;
 mod schema;
 pub(crate) mod warp;
 

@@ -1,15 +1,16 @@
 //! How far is what an eye gets of a scene from the whole of it?
 //!
-//! A second player has every finest unit and draws the same view.
+//! A second player has every finest unit and draws the same views.
 
 use crate::commands::scene::moving::Standing;
 use crate::commands::score::{
     Companions, DeviceName, Engine, LastGaze, ScoreReport, display_named, display_of_view,
     from_image,
 };
-use crate::commands::simulate_score::ScoringOptions;
+use crate::commands::simulate_score::{RunScores, ScoringOptions};
 use crate::report::output;
 use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::gaze::sample::GazeSample;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Projection;
@@ -30,12 +31,18 @@ pub(crate) struct JudgedFrame {
     pub(crate) all: f64,
 }
 
-/// Compares frame after frame; nothing where nothing draws.
+/// Compares frame after frame, each view by itself; nothing where nothing draws.
 pub(crate) struct Judge {
     whole: Option<ScenePlayer>,
+    views: Vec<JudgedView>,
+}
+
+/// What is known of one view.
+#[derive(Default)]
+struct JudgedView {
     /// What the whole looks like, from the view that it was drawn for last.
     drawn: Option<(EyeView, RgbaImage)>,
-    last: Option<(EyeView, foveal_core::gaze::sample::GazeSample, JudgedFrame)>,
+    last: Option<(EyeView, GazeSample, JudgedFrame)>,
     scoring: Option<Scoring>,
 }
 
@@ -49,11 +56,11 @@ struct Scoring {
 }
 
 impl Judge {
-    /// Judges the pictures of `view` that `drawing` makes of a scene.
+    /// Judges the pictures of views that `drawing` makes of a scene.
     pub(crate) fn open(
         options: &ScoringOptions,
         file: &Arc<SceneFile>,
-        view: &EyeView,
+        views: &[EyeView],
         drawing: &DrawDevice,
         fps: Option<f64>,
     ) -> anyhow::Result<Self> {
@@ -71,41 +78,34 @@ impl Judge {
             true => Some(ScenePlayer::new(Arc::clone(file), all)?),
             false => None,
         };
-        let scoring = options
-            .is_asked()
-            .then(|| Scoring::open(options, view, fps))
-            .transpose()?;
-        Ok(Self {
-            whole,
-            drawn: None,
-            last: None,
-            scoring,
-        })
+        let judged = |view: &EyeView| {
+            let scoring = options
+                .is_asked()
+                .then(|| Scoring::open(options, view, fps))
+                .transpose()?;
+            anyhow::Ok(JudgedView {
+                scoring,
+                ..JudgedView::default()
+            })
+        };
+        let views = views.iter().map(judged).collect::<anyhow::Result<_>>()?;
+        Ok(Self { whole, views })
     }
 
-    /// Compares what `player` shows of a view.
+    /// Compares what `player` shows of every view; tells how far the first is off.
     pub(crate) fn frame(
         &mut self,
         player: &mut ScenePlayer,
         standing: &Standing,
         report: &SceneReport,
     ) -> anyhow::Result<Option<JudgedFrame>> {
-        let Some(whole) = &mut self.whole else {
-            return Ok(None);
-        };
-        let stays =
-            |(view, gaze, _): &(EyeView, _, _)| *view == standing.view && *gaze == standing.gaze;
-        let is_new = report.unit_bytes > 0 || self.last.as_ref().is_none_or(|last| !stays(last));
-        if let (false, None, Some((.., judged))) = (is_new, &self.scoring, &self.last) {
-            return Ok(Some(*judged));
-        }
-        if self
-            .drawn
-            .as_ref()
-            .is_none_or(|(view, _)| *view != standing.view)
-        {
-            self.drawn = match whole_picture(whole, standing) {
-                Err(error) if self.scoring.is_none() && is_too_much(&error) => {
+        let mut first = None;
+        for (at, view) in standing.moment.views.iter().enumerate() {
+            let (Some(whole), Some(judged)) = (&mut self.whole, self.views.get_mut(at)) else {
+                continue;
+            };
+            let found = match judged.frame((whole, player), (view, standing), report) {
+                Err(error) if judged.scoring.is_none() && is_too_much(&error) => {
                     output::say(&format!(
                         "errors are not told: the whole scene, which they are from, cannot be \
                          drawn: {error}"
@@ -113,19 +113,47 @@ impl Judge {
                     self.whole = None;
                     return Ok(None);
                 }
-                drawn => drawn?,
+                found => found?,
             };
+            first = first.or(found);
         }
-        let (Some((_, reference)), Some(test)) =
-            (&self.drawn, player.picture_in_place(&standing.view)?)
+        Ok(first)
+    }
+
+    /// The scores of the run, by a `gaze` of that name; `None` where nobody asked.
+    pub(crate) fn scores(self, gaze: &str) -> anyhow::Result<Option<RunScores>> {
+        let scoring = self.views.into_iter().filter_map(|view| view.scoring);
+        let reports = scoring.map(|scoring| scoring.report(gaze.to_owned()));
+        let reports: Vec<ScoreReport> = reports.collect::<anyhow::Result<_>>()?;
+        match reports.is_empty() {
+            true => Ok(None),
+            false => RunScores::of(reports).map(Some),
+        }
+    }
+}
+
+impl JudgedView {
+    /// Compares a view of the whole scene with what a player shows of it.
+    fn frame(
+        &mut self,
+        (whole, player): (&mut ScenePlayer, &mut ScenePlayer),
+        (view, standing): (&EyeView, &Standing),
+        report: &SceneReport,
+    ) -> anyhow::Result<Option<JudgedFrame>> {
+        let stays = |(known, gaze, _): &(EyeView, _, _)| known == view && *gaze == standing.gaze;
+        let is_new = report.unit_bytes > 0 || self.last.as_ref().is_none_or(|last| !stays(last));
+        if let (false, None, Some((.., judged))) = (is_new, &self.scoring, &self.last) {
+            return Ok(Some(*judged));
+        }
+        if self.drawn.as_ref().is_none_or(|(known, _)| known != view) {
+            self.drawn = whole_picture(whole, view, standing)?;
+        }
+        let (Some((_, reference)), Some(test)) = (&self.drawn, player.picture_in_place(view)?)
         else {
             return Ok(None);
         };
-        let fovea = disc(
-            &standing.view,
-            standing.gaze.gaze_in_content,
-            Radians::from_degrees(FOVEA_DEG),
-        );
+        let within = Radians::from_degrees(FOVEA_DEG);
+        let fovea = disc(view, standing.gaze.gaze_in_content, within);
         let pixels = test.pixels.len() / 4;
         let judged = JudgedFrame {
             fovea: (!fovea.is_empty())
@@ -135,29 +163,26 @@ impl Judge {
         if let Some(scoring) = &mut self.scoring {
             // A score is of what is seen.
             let seen = match player.drawer().is_morphing() {
-                true => player.picture(&standing.view)?,
+                true => player.picture(view)?,
                 false => None,
             };
-            scoring.frame(reference, seen.as_ref().unwrap_or(&test), standing)?;
+            let seen = seen.as_ref().unwrap_or(&test);
+            scoring.frame((reference, seen), view, &standing.gaze)?;
         }
-        self.last = Some((standing.view, standing.gaze, judged));
+        self.last = Some((*view, standing.gaze, judged));
         Ok(Some(judged))
-    }
-
-    /// The score of the run, by a `gaze` of that name.
-    pub(crate) fn score(self, gaze: String) -> anyhow::Result<Option<ScoreReport>> {
-        self.scoring.map(|scoring| scoring.report(gaze)).transpose()
     }
 }
 
 /// What the whole scene looks like from a view.
 fn whole_picture(
     whole: &mut ScenePlayer,
+    view: &EyeView,
     standing: &Standing,
 ) -> anyhow::Result<Option<(EyeView, RgbaImage)>> {
     whole.show(Seconds(0.0), &standing.moment)?;
-    let picture = whole.picture(&standing.view)?;
-    Ok(picture.map(|picture| (standing.view, picture)))
+    let picture = whole.picture(view)?;
+    Ok(picture.map(|picture| (*view, picture)))
 }
 
 /// Whether a device has no room for what was to be drawn.
@@ -185,12 +210,12 @@ impl Scoring {
 
     fn frame(
         &mut self,
-        reference: &RgbaImage,
-        test: &RgbaImage,
-        standing: &Standing,
+        (reference, test): (&RgbaImage, &RgbaImage),
+        view: &EyeView,
+        gaze: &GazeSample,
     ) -> anyhow::Result<()> {
         let [reference, test] = [from_image(reference)?, from_image(test)?];
-        let gaze_px = self.last_gaze.in_view(&standing.view, &standing.gaze);
+        let gaze_px = self.last_gaze.in_view(view, gaze);
         self.companions.frame(&reference, &test, gaze_px)?;
         self.engine.frame(&reference, &test, gaze_px)
     }

@@ -43,8 +43,6 @@ pub(crate) struct Mover {
 
 /// What is so of a viewer when a picture is shown.
 pub(crate) struct Standing {
-    /// What is shown: the first of the views.
-    pub(crate) view: EyeView,
     /// Where the eye does look, in the world.
     pub(crate) gaze: GazeSample,
     /// What was known of that in time.
@@ -118,7 +116,6 @@ impl Mover {
         let expected = &look.expected;
         Standing {
             gaze: in_world(&look.gaze, &pose),
-            view: views[0],
             moment: Moment {
                 gaze: in_world(&expected.gaze, &pose),
                 head,

@@ -9,7 +9,7 @@ use crate::options::panels::PlayedPanel;
 use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage};
 use crate::report::picture_file::write_png;
-use crate::run::optics::{intermediate_pixels, on_panel};
+use crate::run::optics::{as_seen, intermediate_pixels};
 use anyhow::bail;
 use foveal_core::content::policy::{ImportanceSource, Policy, PolicyConfig};
 use foveal_core::content::scene::demand::why_not;
@@ -18,15 +18,17 @@ use foveal_core::units::{Seconds, counted};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::eye_view::Field;
+use foveal_core::view::head_pose::HeadPose;
 use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::route::Route;
 use foveal_media::pack::scene_file::SceneFile;
 use foveal_play::{ScenePlayer, ScenePlayerOptions, SceneReport};
 use foveal_render::DrawDevice;
+use foveal_render::warp::PanelOptics;
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -90,7 +92,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let file = Arc::new(SceneFile::open(&args.pack)?);
     let config = args.scene_config()?;
     let view = args.scene_view()?;
-    let panels = args.panels_in(&config)?;
+    let panels = args.panels_in_scene()?;
     let drawing = args.device_for(&config)?;
     let link = args.watching.link();
     let interval = args.interval.map_or(1.0 / RATE, |interval| interval.0);
@@ -110,15 +112,11 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let route = (route, player.scene().bounds());
     let viewer = args.watching.viewer()?;
     let mover = Mover::new(route, &args.gaze, args.seed, length, &viewer)?;
-    let mut mover = mover.through(view).on_panels(mounted);
     let fps = (frames > 1).then_some(1.0 / interval);
-    // What is compared is one view.
-    let judging = match panels.is_some() {
-        true => &DrawDevice::Nothing,
-        false => &drawing,
-    };
-    let mut judge = Judge::open(&args.scoring, &file, &view, judging, fps)?;
+    let mut judge = args.judge(&file, (&view, &mounted), &drawing, fps)?;
+    let mut mover = mover.through(view).on_panels(mounted);
     let folders = args.folders(panels.as_deref())?;
+    let mut optics = as_seen(panels.as_deref().unwrap_or_default());
     let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
     let mut shown = Vec::new();
     for frame in 0..frames {
@@ -126,12 +124,11 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         let standing = mover.at(time, &config.perception);
         let report = player.show(time, &standing.moment)?;
         let judged = judge.frame(&mut player, &standing, &report)?;
+        // Errors are of one view.
+        let judged = judged.filter(|_| panels.is_none());
         if args.pictures == WrittenPictures::Png && frame.is_multiple_of(args.every) {
-            for (at, view) in standing.moment.views.iter().enumerate() {
-                let panel = panels.as_ref().map(|panels| &panels[at]);
-                let place = (folders[at].as_path(), frame, args.heat_map);
-                write_picture(&mut player, place, view, panel)?;
-            }
+            let pictures = (frame, args.heat_map, &mut optics);
+            write_pictures(&mut player, &standing.moment.views, &folders, pictures)?;
         }
         let head = if frame == 0 { player.head_bytes() } else { 0 };
         shown.push(Frame {
@@ -147,11 +144,13 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     bar.finish_and_clear();
     output::write_whole(&args.out.join("session.jsonl"), player.log().as_bytes())?;
     output::write_whole(&args.out.join("frames.csv"), csv(&shown).as_bytes())?;
-    let score = judge.score(args.gaze.as_judged())?;
+    let scores = judge.scores(&args.gaze.as_judged())?;
+    let jods = scores.as_ref().map(|scores| scores.jods.as_slice());
     let summary = SceneSummary {
         intermediate_pixels: panels.as_deref().map(intermediate_pixels),
-        panels: panels.map(|panels| PlayedPanel::all(&panels, None)),
-        ..summarise(config.policy, &shown, &mut player, score)
+        panels: panels.map(|panels| PlayedPanel::all(&panels, jods)),
+        score: scores.map(|scores| scores.lowest),
+        ..summarise(config.policy, &shown, &mut player)
     };
     output::result(args.json, &summary, &summary.text(&args.out))
 }
@@ -194,6 +193,28 @@ impl SimulateArgs {
         Ok(drawing)
     }
 
+    /// What compares what is shown of a view, or on panels, with the whole scene.
+    fn judge(
+        &self,
+        file: &Arc<SceneFile>,
+        (view, panels): (&EyeView, &[MountedPanel]),
+        drawing: &DrawDevice,
+        fps: Option<f64>,
+    ) -> anyhow::Result<Judge> {
+        let ahead = MountedPanel::views_from(panels, &HeadPose::default(), Default::default());
+        // Panels are only compared where somebody asks for their scores.
+        let judging = match !panels.is_empty() && !self.scoring.is_asked() {
+            true => &DrawDevice::Nothing,
+            false => drawing,
+        };
+        let views = if panels.is_empty() {
+            vec![*view]
+        } else {
+            ahead
+        };
+        Judge::open(&self.scoring, file, &views, judging, fps)
+    }
+
     /// Frames that are made: as many as the route takes, unless told otherwise.
     fn frames_of(&self, route: &Route, interval: f64) -> u32 {
         let of_route = route
@@ -232,22 +253,13 @@ impl SimulateArgs {
     }
 
     /// The panels that it is shown on, where there is a rig.
-    fn panels_in(&self, config: &PolicyConfig) -> anyhow::Result<Option<Vec<Panel>>> {
-        let panels = self.panels.read(self.eye)?;
-        let of_one_view = [
-            (self.scoring.is_asked(), "--score"),
-            (
-                config.importance == ImportanceSource::Rendered,
-                "--importance rendered",
-            ),
-        ];
-        let asked = of_one_view.into_iter().find(|(is_asked, _)| *is_asked);
-        if let (Some((_, option)), Some(_)) = (asked, &panels) {
-            bail!(WrongUsage(format!(
-                "{option} draws one view of a scene; leave it or --panels out"
-            )));
+    fn panels_in_scene(&self) -> anyhow::Result<Option<Vec<Panel>>> {
+        let rig = self.panels.read(self.eye)?;
+        if let Some(rig) = &rig {
+            // Scenes lie where they are.
+            self.panels.screen(rig, None)?;
         }
-        Ok(panels)
+        Ok(rig.map(|rig| rig.panels))
     }
 
     /// The view, before anybody stands anywhere.
@@ -263,32 +275,28 @@ impl SimulateArgs {
     }
 }
 
-fn write_picture(
+/// Draws and writes what every view shows, into its folder.
+fn write_pictures(
     player: &mut ScenePlayer,
-    (folder, frame, levels): (&Path, u32, bool),
-    view: &EyeView,
-    panel: Option<&Panel>,
+    views: &[EyeView],
+    folders: &[PathBuf],
+    (frame, levels, optics): (u32, bool, &mut PanelOptics),
 ) -> anyhow::Result<()> {
-    let picture = match levels {
-        true => player.picture_of_levels(view)?,
-        false => player.picture(view)?,
-    };
-    let picture = picture.map(|image| match panel {
-        Some(panel) => on_panel(panel, image),
-        None => image,
-    });
-    match picture {
-        Some(image) => write_png(&folder.join(format!("frame_{frame:05}.png")), &image),
-        None => Ok(()),
+    for (at, (view, folder)) in views.iter().zip(folders).enumerate() {
+        let picture = match levels {
+            true => player.picture_of_levels(view)?,
+            false => player.picture(view)?,
+        };
+        let device = player.drawer().device().clone();
+        let picture = picture.map(|image| optics.image(&device, at, image));
+        if let Some(image) = picture.transpose()? {
+            write_png(&folder.join(format!("frame_{frame:05}.png")), &image)?;
+        }
     }
+    Ok(())
 }
 
-fn summarise(
-    policy: Policy,
-    frames: &[Frame],
-    player: &mut ScenePlayer,
-    score: Option<ScoreReport>,
-) -> SceneSummary {
+fn summarise(policy: Policy, frames: &[Frame], player: &mut ScenePlayer) -> SceneSummary {
     let count = frames.len().max(1) as f64;
     let bytes: Vec<u64> = frames
         .iter()
@@ -324,7 +332,7 @@ fn summarise(
         detail_share_mean: Some(mean(&|frame| frame.detail_share)),
         damaged_units: player.damaged_units(),
         log_sha256: sha256_hex(player.log().as_bytes()),
-        score,
+        score: None,
         panels: None,
         intermediate_pixels: None,
     }

@@ -1,6 +1,6 @@
 //! Where does whoever sits before the window look?
 
-use crate::commands::view::window::panes::{PanePart, RigPanes};
+use crate::commands::view::window::panes::RigPanes;
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel, parse_gaze};
 use anyhow::anyhow;
 use foveal_core::gaze::pointer::gaze_at;
@@ -173,8 +173,7 @@ fn pointed_at(viewer: &Viewer, pane: &Pane, panes: Option<&RigPanes>) -> Shown {
     let at = viewer.pointer.place().zip(panes);
     let under = at.and_then(|(place, panes)| {
         let head = viewer.navigation.head();
-        let parts = panes.parts(pane.size, head, shown.view.position);
-        PanePart::shown_at(&parts, place)
+        panes.shown_at((pane.size, place), head, shown.view.position)
     });
     under.unwrap_or(shown)
 }

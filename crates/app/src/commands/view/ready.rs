@@ -31,8 +31,9 @@ pub(super) struct Ready {
 impl Ready {
     pub(super) fn new(args: &ViewArgs) -> anyhow::Result<Self> {
         let decoding = args.decoding.decoding()?;
-        let panels = args.panels.flat(args.eye)?;
-        let args = &before(args, panels.as_deref())?;
+        let rig = args.panels.read(args.eye)?;
+        let args = &before(args, rig.as_ref())?;
+        let panels = rig.map(|rig| rig.panels);
         let pack = open_pack(args)?;
         let args = &ViewArgs {
             policy: policy_of(args, &pack),

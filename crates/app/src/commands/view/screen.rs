@@ -131,7 +131,8 @@ impl WindowSurface {
         self.surface.configure(&self.gpu.device, &self.config);
     }
 
-    /// A copy of the picture of a number, which stays when the next one is drawn into its texture.
+    /// A copy of the codes of the picture of a number, which stays when the next one is drawn into
+    /// its texture.
     pub(crate) fn keep(&mut self, number: usize, picture: &wgpu::Texture) -> wgpu::Texture {
         let size = picture.size();
         let device = &self.gpu.device;
@@ -146,7 +147,7 @@ impl WindowSurface {
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
-                format: picture.format(),
+                format: picture.format().remove_srgb_suffix(),
                 usage: wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING,
                 view_formats: &[],
             })

@@ -19,6 +19,7 @@ use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::navigation::Pane;
 use foveal_play::LivePlayer;
+use foveal_render::warp::PanelOptics;
 use foveal_render::{DrawDevice, RgbaImage};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -102,6 +103,8 @@ struct Open {
     epoch: Instant,
     /// When what is not yet shown was chosen.
     stepped: Option<Seconds>,
+    /// What bends and dims panels, in a window of so many pixels.
+    optics: Option<([u32; 2], PanelOptics)>,
 }
 
 impl ApplicationHandler<Wake> for App {
@@ -226,6 +229,7 @@ impl Open {
             again: None,
             epoch: begun,
             stepped: None,
+            optics: None,
             window,
         })
     }
@@ -252,13 +256,15 @@ impl Open {
             bail!("nothing is there to be seen yet");
         }
         let parts = self.player.parts(pane);
+        let device = self.player.live.drawer().device().clone();
         let mut images = Vec::new();
-        for part in &parts {
+        for (number, part) in parts.iter().enumerate() {
             self.follow(&part.view)?;
             let marks = self.player.marks(&part.view);
             let drawer = self.player.live.drawer();
             let image = drawer.picture(&part.view, marks.as_ref())?;
-            images.push(image.context("a window's pictures are drawn by a GPU")?);
+            let image = image.context("a window's pictures are drawn by a GPU")?;
+            images.push(self.optics(pane).image(&device, number, image)?);
         }
         let whole = if self.player.has_panels() {
             Some(laid_out(&parts, &images))
@@ -268,6 +274,17 @@ impl Open {
         };
         let whole = whole.context("a picture of no eye")?;
         crate::report::picture_file::write_png(path, &whole)
+    }
+
+    /// What bends and dims the panels of this window.
+    fn optics(&mut self, pane: &Pane) -> &mut PanelOptics {
+        let known = self.optics.take().filter(|(size, _)| *size == pane.size);
+        let player = &self.player;
+        let made = known.unwrap_or_else(|| {
+            let optics = PanelOptics::new(&player.panels_in(pane));
+            (pane.size, optics)
+        });
+        &mut self.optics.insert(made).1
     }
 
     /// Moves what follows the gaze in an eye's view.
@@ -343,6 +360,7 @@ impl Open {
                 Ok((screen, drawer)) => {
                     self.player.live.recover(drawer);
                     self.screen = screen;
+                    self.optics = None;
                     self.stale = true;
                     return Ok(());
                 }
@@ -371,8 +389,12 @@ impl Open {
             let picture = drawer.draw(&part.view, marks.as_ref())?;
             let picture = picture.context("a window's pictures are drawn by a GPU")?;
             let mut picture = picture.clone();
-            if number + 1 < parts.len() {
-                picture = self.screen.keep(number, &picture);
+            let gpu = self.screen.gpu().clone();
+            let changed = self.optics(&pane).draw(&gpu, number, &picture)?.cloned();
+            if changed.is_some() || number + 1 < parts.len() {
+                picture = self
+                    .screen
+                    .keep(number, changed.as_ref().unwrap_or(&picture));
             }
             pictures.push(PlacedPicture {
                 picture,
@@ -419,7 +441,7 @@ impl Open {
 /// Pictures in their places, from the first column and row of any on; black between them.
 fn laid_out(parts: &[PanePart], images: &[RgbaImage]) -> RgbaImage {
     let first = [0, 1].map(|k| parts.iter().map(|part| part.origin[k]).min().unwrap_or(0));
-    let end = |part: &PanePart, k: usize| part.origin[k] + part.view.size[k];
+    let end = |part: &PanePart, k: usize| part.origin[k] + part.size[k];
     let last = [0, 1].map(|k| parts.iter().map(|part| end(part, k)).max().unwrap_or(1));
     let mut whole = RgbaImage::black([0, 1].map(|k| last[k] - first[k]));
     for (part, image) in parts.iter().zip(images) {

@@ -23,6 +23,7 @@ use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::keys::Action;
 use foveal_core::view::navigation::{Navigation, Pane, Shown};
+use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::surface::Eye;
 use foveal_play::{LivePack, LivePlayer, Stepped};
 use foveal_render::{Overlay, TileStyle};
@@ -438,9 +439,16 @@ impl WindowPlayer {
                 ..shown.view
             },
             origin: [left + part * pane.size[0], top],
+            size: shown.view.size,
             flips: [false; 2],
         });
         parts.collect()
+    }
+
+    /// The panels that show it, with the pixels that the window has for them.
+    pub(crate) fn panels_in(&self, pane: &Pane) -> Vec<Panel> {
+        let panes = self.panes.as_ref();
+        panes.map_or_else(Vec::new, |panes| panes.panels_in(pane.size))
     }
 
     /// Whether panels show it.

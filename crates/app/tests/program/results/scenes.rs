@@ -67,7 +67,13 @@ fn a_scene_is_told_of_as_documented() {
         env!("CARGO_MANIFEST_DIR"),
         "/../../examples/panels/three.toml"
     );
-    let on_panels = json(&[&play[..], &["--panels", rig, "--eye", "both"]].concat());
+    let small = std::fs::read_to_string(rig).unwrap();
+    let small = small.replace("[800, 600]", "[96, 72]");
+    let rig = folder.holding("small.toml", small.as_bytes());
+    let full = ["--panels", &rig, "--policy", "full", "--score"];
+    let mut on_panels = json(&[&play[..], &full].concat());
     assert!(on_panels["error_all"].is_null(), "{on_panels}");
+    assert_eq!(on_panels["panels"][2]["jod"], 10.0, "{on_panels}");
+    on_panels["score"].as_object_mut().unwrap().remove("size");
     agrees("run through a scene", &[&run, &on_panels]);
 }

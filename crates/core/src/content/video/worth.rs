@@ -271,7 +271,8 @@ impl Worth {
             let cues = content.cues(content.unit(cell.cell, frame));
             let apart = angle_between(glance.gaze.gaze_in_content, centre).to_degrees();
             let salient = cues.map_or(0.0, |cues| {
-                saliency(&cues, surface.projection, surface.tangents, centre)
+                let place = surface.as_if_square(centre);
+                saliency(&cues, surface.projection, surface.tangents, place)
             });
             let area: f64 = cell.places.iter().map(|place| place.area_deg2).sum();
             area * salient * libm::exp(-apart / AMPLITUDE_DEG)

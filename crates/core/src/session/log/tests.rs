@@ -5,7 +5,9 @@ use crate::content::policy::Policy;
 use crate::content::scripted::scripted_demand;
 use crate::content::video::demand::VideoDemand;
 use crate::session::scripted::{scripted_session, scripted_sessions, scripted_sessions_over};
+use crate::view::axes::Axes;
 use crate::view::panel::tests::sets::six;
+use crate::view::slant::Slant;
 use crate::view::surface::{Screen, Surface};
 
 /// A short run under a policy that is a rule.
@@ -123,6 +125,41 @@ fn panels_of_a_log_that_nothing_is_seen_through_are_refused() {
         assert_ne!(changed, text, "{was}");
         let error = SessionLogPart::parse(&changed).unwrap_err().to_string();
         assert!(error.contains(told), "{error}");
+    }
+}
+
+#[test]
+fn a_run_before_a_slanted_picture_replays_to_the_same_text_and_a_bent_one_is_refused() {
+    let axes = Axes::from_yaw_pitch_roll(Radians(-0.3), Radians(0.1), Radians(0.05));
+    let screen = Screen {
+        slant: Some(Slant::new(axes, [0.1, -0.2])),
+        ..Screen::default()
+    };
+    let surface = Surface::flat([3840, 2160], screen);
+    let square = Surface::flat([3840, 2160], Screen::default());
+    for policy in [Policy::Viewport, Policy::Acuity, Policy::Eccentricity] {
+        let session = scripted_session(surface, PolicyConfig::new(policy));
+        let text = session.write();
+        let read = SessionLogPart::parse(&text).unwrap();
+        assert_eq!(read, session);
+        let again = read.replay(&|_, head, config| scripted_demand(head, config));
+        assert_eq!(again.write(), text);
+        let ahead = scripted_session(square, PolicyConfig::new(policy));
+        assert_ne!(session.frames[0].sha256, ahead.frames[0].sha256);
+        assert!(!ahead.write().contains("slant"));
+        let bent = text.replacen(
+            "\"slant\":{\"right\":[",
+            "\"slant\":{\"right\":[9,0,0],\"x\":[",
+            1,
+        );
+        let told = SessionLogPart::parse(&bent).unwrap_err().to_string();
+        assert!(
+            told.contains("slant: expected three unit vectors"),
+            "{told}"
+        );
+        let nowhere = text.replacen("\"middle\":[", "\"middle\":[1e9,0],\"x\":[", 1);
+        let told = SessionLogPart::parse(&nowhere).unwrap_err().to_string();
+        assert!(told.contains("slant, middle"), "{told}");
     }
 }
 

@@ -34,6 +34,18 @@ impl AlphaMap {
         &self.shares
     }
 
+    /// The same for a panel of other pixels: of each the share at its middle.
+    #[must_use]
+    pub fn resized(&self, own: [u32; 2], size: [u32; 2]) -> Self {
+        let nearest = |k: usize, at: u32| {
+            let place = (f64::from(at) + 0.5) * f64::from(own[k]) / f64::from(size[k]);
+            (place as u32).min(own[k] - 1)
+        };
+        let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
+        let shares = pixels.map(|[x, y]| self.at([nearest(0, x), nearest(1, y)]));
+        Self::new(size, shares.collect())
+    }
+
     /// The same in a mirror.
     #[must_use]
     pub fn mirrored(&self) -> Self {

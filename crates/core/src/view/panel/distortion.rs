@@ -57,6 +57,21 @@ impl Distortion {
         }
     }
 
+    /// The same of a panel with so many times the columns and rows.
+    #[must_use]
+    pub fn scaled(&self, scale: [f64; 2]) -> Self {
+        match self {
+            // By tangents, or shares of the panel.
+            Self::None | Self::Bulge(_) | Self::Polynomial(_) | Self::BrownConrady(_) => {
+                self.clone()
+            }
+            Self::Grid(all) => {
+                let [red, green, blue] = all.each_ref().map(|it| Arc::new(it.scaled(scale)));
+                Self::Grid([red, green, blue])
+            }
+        }
+    }
+
     /// The same in a mirror, of a panel of so many columns.
     #[must_use]
     pub fn mirrored(&self, columns: u32) -> Self {

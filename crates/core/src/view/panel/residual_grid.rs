@@ -61,6 +61,20 @@ impl ResidualGrid {
         })
     }
 
+    /// The same of a panel with so many times the columns and rows.
+    #[must_use]
+    pub fn scaled(&self, scale: [f64; 2]) -> Self {
+        let residuals = self.residuals.iter();
+        Self {
+            nodes: self.nodes,
+            origin: [0, 1].map(|k| self.origin[k] * scale[k]),
+            step: [0, 1].map(|k| self.step[k] * scale[k]),
+            residuals: residuals
+                .map(|it| [0, 1].map(|k| (f64::from(it[k]) * scale[k]) as f32))
+                .collect(),
+        }
+    }
+
     /// The same in a mirror, of a panel of so many columns.
     #[must_use]
     pub fn mirrored(&self, columns: u32) -> Self {

@@ -142,6 +142,27 @@ impl Panel {
         self.is_for_both || self.view.eye == eye
     }
 
+    /// Whether it shows a picture of its pixels as it is: nothing bends or dims it.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        let keeps_light = self.blend <= 0.0 && self.alpha.is_none();
+        self.distortion.is_none() && keeps_light && self.gain == [1.0; 3] && self.black <= 0.0
+    }
+
+    /// The same display of other columns and rows, as the eye sees it.
+    #[must_use]
+    pub fn resized(&self, size: [u32; 2]) -> Self {
+        let own = self.view.size;
+        let scale = [0, 1].map(|k| f64::from(size[k]) / f64::from(own[k]));
+        let alpha = self.alpha.as_ref();
+        Self {
+            view: EyeView { size, ..self.view },
+            distortion: self.distortion.scaled(scale),
+            alpha: alpha.map(|it| Arc::new(it.resized(own, size))),
+            ..self.clone()
+        }
+    }
+
     /// Its columns and rows as they are sent.
     #[must_use]
     pub fn sent_size(&self) -> [u32; 2] {

@@ -169,14 +169,15 @@ pub(super) fn search(
 
 impl Panel {
     /// The flat view in which everything lies that the panel shows through its optics, nowhere less
-    /// dense than the panel: itself where nothing is bent.
+    /// dense than the panel unless that takes more than 8,192 pixels on a side: itself where
+    /// nothing is bent.
     #[must_use]
     pub fn reach(&self) -> EyeView {
         const STEPS: u32 = 32;
         /// Nothing is denser than this many pixels of it in one, on a side.
         const LEAST_SIGMA: f64 = 0.1;
-        /// A view of more has no more to show.
-        const MOST_PIXELS: f64 = 65_536.0;
+        /// Every device draws so many on a side.
+        const MOST_PIXELS: f64 = 8192.0;
         if self.distortion.is_none() {
             return self.view;
         }
@@ -212,7 +213,10 @@ impl Panel {
         let beyond = [0, 1].map(|k| (high[k] - low[k]) / f64::from(STEPS));
         let [left, up] = [0, 1].map(|k| low[k] - beyond[k]);
         let [right, down] = [0, 1].map(|k| high[k] + beyond[k]);
-        let pixels = |from: f64, to: f64| libm::ceil((to - from) / finest).clamp(1.0, MOST_PIXELS);
+        let pixels = |k: usize, from: f64, to: f64| {
+            let most = MOST_PIXELS.max(size[k]);
+            libm::ceil((to - from) / finest).clamp(1.0, most) as u32
+        };
         EyeView {
             field: Field::of([
                 field.left - left * pitch[0],
@@ -220,7 +224,7 @@ impl Panel {
                 field.up - up * pitch[1],
                 down * pitch[1] - field.up,
             ]),
-            size: [pixels(left, right) as u32, pixels(up, down) as u32],
+            size: [pixels(0, left, right), pixels(1, up, down)],
             ..self.view
         }
     }

@@ -104,7 +104,7 @@ fn bytes_of(
     let mover = Mover::new(route, &GazeChoice::At(gaze), 1, length, &viewer)?;
     let mut mover = mover.through(view);
     let unasked = ScoringOptions::unasked();
-    let mut judge = Judge::open(&unasked, &subject.file, &view, &conditions.drawing, None)?;
+    let mut judge = Judge::open(&unasked, &subject.file, &[view], &conditions.drawing, None)?;
     let mut bytes = player.head_bytes();
     for frame in 0..MOST_FRAMES {
         let time = Seconds(f64::from(frame) * INTERVAL);

@@ -174,7 +174,7 @@ fn falling(subject: &Subject, conditions: &BenchConditions) -> anyhow::Result<Be
     let mover = Mover::new(route, &gaze, 1, length, &ViewerModel::default())?;
     let mut mover = mover.through(view);
     let scoring = ScoringOptions::unasked();
-    let mut judge = Judge::open(&scoring, &subject.file, &view, &conditions.drawing, None)?;
+    let mut judge = Judge::open(&scoring, &subject.file, &[view], &conditions.drawing, None)?;
     let mut errors: Vec<f64> = Vec::new();
     for step in 0..=STEPS {
         let time = Seconds(f64::from(step) * INTERVAL);

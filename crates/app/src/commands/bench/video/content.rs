@@ -46,6 +46,8 @@ pub(super) enum Generated {
 pub(super) const WALL: Screen = Screen {
     diagonal_inches: 2.0 * 1.1918 * 1.147_35 / 0.0254,
     distance_m: 1.0,
+    slant: None,
+    filled: None,
 };
 
 /// A pack and what it was made from.

@@ -1,14 +1,13 @@
 //! Which options does a pack of a kind take?
 
 use crate::commands::view::args::ViewArgs;
-use crate::options::panels::{SAMPLES_ONE_VIEW, screen_before};
+use crate::options::panels::{SAMPLES_ONE_VIEW, ShownRig};
 use crate::options::policy::{PolicyOptions, check_thresholds};
 use crate::options::showing::InterpolationName;
 use crate::report::output::WrongUsage;
 use anyhow::bail;
 use foveal_core::content::policy::Policy;
 use foveal_core::content::scene::demand::why_not;
-use foveal_core::view::panel::rig::Panel;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
 use foveal_play::LivePack;
@@ -25,19 +24,23 @@ pub(super) fn open_pack(args: &ViewArgs) -> anyhow::Result<LivePack> {
 }
 
 /// These options with those that panels stand for.
-pub(super) fn before(args: &ViewArgs, panels: Option<&[Panel]>) -> anyhow::Result<ViewArgs> {
+pub(super) fn before(args: &ViewArgs, rig: Option<&ShownRig>) -> anyhow::Result<ViewArgs> {
     let mut with = args.clone();
-    let Some(panels) = panels else {
+    let Some(rig) = rig else {
         return Ok(with);
     };
     if args.policy.policy == Some(Policy::Sampled) {
         bail!(WrongUsage(SAMPLES_ONE_VIEW.to_owned()));
     }
-    if !is_scene_pack(&args.pack) {
-        let file = PackFile::open(&args.pack)?;
-        if let Some(shape) = file.pack().description().flat_shape() {
-            with.view.screen = screen_before(panels, shape)?;
-        }
+    let shape = match is_scene_pack(&args.pack) {
+        true => None,
+        false => PackFile::open(&args.pack)?
+            .pack()
+            .description()
+            .flat_shape(),
+    };
+    if let Some(screen) = args.panels.screen(rig, shape)? {
+        with.view.screen = screen;
     }
     Ok(with)
 }
