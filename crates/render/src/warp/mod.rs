@@ -4,7 +4,6 @@
 //! one pass into one atlas; [`crate::twin::warp`] draws the same on the CPU.
 
 mod blends;
-mod grids;
 pub mod params;
 mod pass;
 mod plan;

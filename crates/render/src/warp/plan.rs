@@ -1,10 +1,11 @@
 //! What does each panel of an atlas show of a source?
 
 use super::blends::Blends;
-use super::grids::Bend;
 use super::params::{BlendParams, PanelParams};
 use foveal_core::view::panel::alpha::AlphaMap;
+use foveal_core::view::panel::drawn_grid::DrawnGrid;
 use foveal_core::view::panel::placement::{Placement, SourceProjection};
+use foveal_core::view::panel::residual_grid::ResidualGrid;
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::panel::seed::SeedTexel;
 use glam::{DMat3, DVec3};
@@ -49,12 +50,12 @@ impl WarpPlan {
         for (it, blend) in panels.iter().zip(&blends.of_panel) {
             let mut record = straight(it);
             record.blend = *blend;
-            if let Some(bend) = Bend::of(it.panel, it.placement) {
-                let grid = bend.grid();
+            if let Some(grid) = DrawnGrid::of(it.panel, it.placement) {
                 record.grid = plan.grids.len() as u32;
                 record.cell = grid.cell;
-                record.channels = grid.channels;
-                plan.grids.extend(grid.bits);
+                record.channels = grid.channels.len() as u32;
+                plan.grids
+                    .extend(grid.channels.iter().flat_map(bits_of_grid));
             }
             if let Some(alpha) = it.panel.alpha_as_sent() {
                 record.alpha = plan.grids.len() as u32 + 1;
@@ -103,6 +104,19 @@ impl WarpPlan {
         let words = self.neighbours.len() + self.grids.len();
         (records + words * size_of::<u32>()) as u64
     }
+}
+
+/// A residual where nothing is lit; the shader knows what is as far as a tenth of it.
+const UNLIT: f32 = 1e9;
+
+/// Bits of two numbers a node, row by row.
+fn bits_of_grid(grid: &ResidualGrid) -> impl Iterator<Item = u32> + '_ {
+    grid.residuals
+        .iter()
+        .flat_map(|&[x, y]| match x.is_finite() {
+            true => [x.to_bits(), y.to_bits()],
+            false => [UNLIT.to_bits(); 2],
+        })
 }
 
 /// Columns above rows, and four bytes of derivatives.
