@@ -6,6 +6,7 @@
 pub mod alpha;
 pub mod distortion;
 pub mod drawn_grid;
+pub mod eye_blur;
 pub mod fit;
 pub mod footprint;
 pub mod lens;
