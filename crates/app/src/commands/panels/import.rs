@@ -3,6 +3,7 @@
 use crate::report::output::{self, WrongUsage};
 use anyhow::Context;
 use clap::Args;
+use foveal_core::units::counted;
 use foveal_scene::rig::{is_foreign, read_rig, write_rig};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -67,7 +68,7 @@ pub(crate) fn run(args: &ImportArgs) -> anyhow::Result<()> {
         panels: rig.panels.len(),
         files: names,
     };
-    let mut text = format!("{} panels\n", report.panels);
+    let mut text = format!("{}\n", counted(report.panels, "panel"));
     for file in &report.files {
         text.push_str(file);
         text.push('\n');
