@@ -146,7 +146,7 @@ fn bicubic(taken: Taken) -> vec3f {
 }
 
 // Even samples along the longer of both steps, with one more `beyond` them as
-// `EXT_texture_filter_anisotropic` describes; where `by_device`, what the device itself takes there.
+// `EXT_texture_filter_anisotropic` describes; where `by_device`, what the device itself takes.
 fn anisotropic(taken: Taken, along: Along) -> vec3f {
     if (along.by_device) {
         let inside = clamp(taken.at, taken.low + 0.5, taken.high - 0.5);
