@@ -15,7 +15,7 @@ const PUPILS_MM: [f64; 2] = [1.0, 9.0];
 pub(super) struct EyeArgs {
     /// Show what an eye with astigmatism sees: the cylinder that corrects it, in dioptres, and its
     /// axis, in degrees counter-clockwise as who faces the eye sees it; as -1.5@180. A point
-    /// becomes a line across the axis.
+    /// becomes a line across the axis. Drawn by --filter auto, anisotropic, feline and ewa.
     #[arg(long, value_name = "CYLINDER@AXIS", value_parser = parse_cylinder)]
     #[arg(allow_hyphen_values = true)]
     eye_blur: Option<Cylinder>,

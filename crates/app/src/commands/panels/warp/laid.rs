@@ -4,7 +4,7 @@ use super::args::{MOST_PROBES, StereoName, WarpArgs, WarpModeName};
 use super::sent::SentLayout;
 use super::source::{EyePart, PanelSource};
 use crate::commands::panels::rig_args::{PlacementName, source_size};
-use crate::report::output::WrongUsage;
+use crate::report::output::{WrongUsage, say};
 use anyhow::bail;
 use foveal_core::view::panel::fit::{SourceFit, SourceSize};
 use foveal_core::view::panel::pixel_map::PixelMap;
@@ -161,6 +161,24 @@ impl WarpArgs {
         })
     }
 
+    /// Says where a world is drawn smaller than panels could show.
+    pub(super) fn tell_shrunk(&self, laid: &Laid) {
+        let Some(need) = laid.need.filter(|need| *need != laid.size) else {
+            return;
+        };
+        let ([w, h], [nw, nh]) = (laid.size, need);
+        let by = [0, 1].map(|k| f64::from(need[k]) / f64::from(laid.size[k]));
+        let instead = match self.window {
+            true => "",
+            false => "; --renderer cpu draws all of them",
+        };
+        say(&format!(
+            "the source has {w}x{h} of the {nw}x{nh} pixels that are needed: this device holds no \
+             larger one, and panels magnify it up to {:.2} times{instead}",
+            by[0].max(by[1])
+        ));
+    }
+
     pub(super) fn plan(&self, panels: &[&Panel], laid: &Laid, layout: &SentLayout) -> WarpPlan {
         let placed: Vec<PanelOnSource<'_>> = panels
             .iter()
@@ -209,17 +227,6 @@ pub(in crate::commands::panels) fn seed_map(it: &PanelOnSource<'_>) -> Vec<SeedT
 }
 
 impl Laid {
-    /// What is said where a world is drawn smaller than panels could show.
-    pub(super) fn shrunk(&self) -> Option<String> {
-        let need = self.need.filter(|need| *need != self.size)?;
-        let ([w, h], [nw, nh]) = (self.size, need);
-        Some(format!(
-            "the source has {w}x{h} of the {nw}x{nh} pixels that are needed: this device holds no \
-             larger one, and panels magnify it up to {:.2} times; --renderer cpu draws all of them",
-            f64::from(nw) / f64::from(w)
-        ))
-    }
-
     /// The part that a panel looks at.
     pub(super) fn of(&self, panel: &Panel) -> &EyePart {
         let own = self.parts.iter().find(|it| it.eye == panel.view.eye);

@@ -113,7 +113,7 @@ fn to_files(
         anyhow::Ok((laid, device))
     };
     let (mut laid, mut device) = open(source)?;
-    laid.shrunk().iter().for_each(|text| output::say(text));
+    args.tell_shrunk(&laid);
     std::fs::create_dir_all(out)
         .with_context(|| format!("--out {}: the folder cannot be made", out.display()))?;
     let is_endless = source.world().is_some() || source.live().is_some();

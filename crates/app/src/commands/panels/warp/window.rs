@@ -221,7 +221,7 @@ impl App<'_> {
             self.laid = self
                 .args
                 .lay(self.rig, self.panels, (&*self.source, most))?;
-            self.laid.shrunk().iter().for_each(|text| say(text));
+            self.args.tell_shrunk(&self.laid);
         }
         let Some(filter) = self.args.filter_name().of_pass() else {
             bail!(WrongUsage(
