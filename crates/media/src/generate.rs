@@ -11,7 +11,7 @@ mod objects;
 mod pan;
 pub mod placed;
 mod ray;
-mod text;
+pub mod text;
 mod texture;
 mod turn;
 mod world;

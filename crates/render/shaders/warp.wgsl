@@ -34,7 +34,14 @@ struct Panel {
     channels: u32,
     // Where in `grids` the shares of light begin that pixels keep, plus 1; 0 where they keep all.
     alpha: u32,
-    unused: u32,
+    // Which of `sights` is that of the panel's source.
+    sight: u32,
+}
+
+// How rays of a source stand in the world.
+struct Sight {
+    world_from_source: mat3x3f,
+    source_from_world: mat3x3f,
 }
 
 // How a panel fades into its neighbours.
@@ -58,6 +65,9 @@ struct Blend {
 
 struct Warp {
     atlas: vec2f,
+    // What the eye makes of a point straight ahead, right and down, in radians: a line from here
+    // to the other side, as long as the filter takes it to be.
+    spread: vec2f,
     // 0 bilinear, 1 trilinear, 2 bicubic, 3 anisotropic, 4 Feline, 5 by the stretch.
     filter_by: u32,
     // Index of the coarsest level of the source.
@@ -73,6 +83,8 @@ struct Warp {
 // The same as `filter_by`, known when the pipeline is built: software draws every branch of what is
 // not.
 override pipeline_filter: u32 = 5u;
+// Whether there is a spread, known as early.
+override pipeline_blurs: bool = false;
 
 @group(0) @binding(0) var<uniform> warping: Warp;
 @group(0) @binding(4) var<storage, read> panels: array<Panel>;
@@ -80,6 +92,7 @@ override pipeline_filter: u32 = 5u;
 @group(0) @binding(6) var<storage, read> neighbours: array<u32>;
 // Numbers of f32 as their bits, or the maps of seed 002.
 @group(0) @binding(7) var<storage, read> grids: array<u32>;
+@group(0) @binding(8) var<storage, read> sights: array<Sight>;
 
 struct Corner {
     @builtin(position) position: vec4f,
@@ -89,14 +102,6 @@ struct Corner {
 // A pixel after distortion, and how that moves with one pixel to the right and one down.
 struct MovedPixel {
     pixel: vec2f,
-    right: vec2f,
-    down: vec2f,
-}
-
-// What a projection makes of a ray and of its changes.
-struct Projected {
-    ahead: bool,
-    at: vec2f,
     right: vec2f,
     down: vec2f,
 }
@@ -144,46 +149,6 @@ fn moved_by(index: u32, pixel: vec2f, channel: u32) -> MovedPixel {
     return MovedPixel(pixel + by, vec2f(1.0, 0.0) + right, vec2f(0.0, 1.0) + down);
 }
 
-// By projection: 0 plane, 1 cylinder, 2 equirectangular, 3 fisheye.
-fn projected(projection: u32, ray: vec3f, right: vec3f, down: vec3f) -> Projected {
-    if (projection == 0u) {
-        let at = ray.xy / ray.z;
-        let by_right = (right.xy - at * right.z) / ray.z;
-        return Projected(ray.z > 0.0, at, by_right, (down.xy - at * down.z) / ray.z);
-    }
-    if (projection == 3u) {
-        return through_fisheye(ray, right, down);
-    }
-    let level2 = ray.x * ray.x + ray.z * ray.z;
-    let level = sqrt(level2);
-    let turn = vec2f(ray.z * right.x - ray.x * right.z, ray.z * down.x - ray.x * down.z) / level2;
-    let grown = vec2f(ray.x * right.x + ray.z * right.z, ray.x * down.x + ray.z * down.z) / level;
-    let yaw = atan2(ray.x, ray.z);
-    if (projection == 1u) {
-        let height = ray.y / level;
-        let climb = (vec2f(right.y, down.y) - height * grown) / level;
-        return Projected(true, vec2f(yaw, height), vec2f(turn.x, climb.x), vec2f(turn.y, climb.y));
-    }
-    let climb = (level * vec2f(right.y, down.y) - ray.y * grown) / (level2 + ray.y * ray.y);
-    let pitch = atan2(ray.y, level);
-    return Projected(true, vec2f(yaw, pitch), vec2f(turn.x, climb.x), vec2f(turn.y, climb.y));
-}
-
-// The angle from the axis, along the direction across it.
-fn through_fisheye(ray: vec3f, right: vec3f, down: vec3f) -> Projected {
-    let across = length(ray.xy);
-    if (across < 1e-6 * abs(ray.z)) {
-        return Projected(ray.z > 0.0, ray.xy / ray.z, right.xy / ray.z, down.xy / ray.z);
-    }
-    let angle = atan2(across, ray.z);
-    let grown = vec2f(dot(ray.xy, right.xy), dot(ray.xy, down.xy)) / across;
-    let turned = (ray.z * grown - across * vec2f(right.z, down.z)) / dot(ray, ray);
-    let share = angle / across;
-    let growth = (turned - share * grown) / across;
-    let by_right = growth.x * ray.xy + share * right.xy;
-    return Projected(true, share * ray.xy, by_right, growth.y * ray.xy + share * down.xy);
-}
-
 // The place by the two maps of seed 002, of 16 bits before and 16 after the point, and by its
 // third of derivatives of 8 bits up to 4: of the column with column and row, of the row.
 fn mapped(index: u32, pixel: vec2f) -> Projected {
@@ -195,17 +160,30 @@ fn mapped(index: u32, pixel: vec2f) -> Projected {
     return Projected(true, whole + part / 65536.0, steps.xz, steps.yw);
 }
 
+// How far a ray of the source moves to the end of the line that the eye makes of its light: the eye
+// is turned to it by Listing's law, the shortest way from straight ahead.
+fn spread_by(index: u32, ray: vec3f) -> vec3f {
+    let sight = sights[panels[index].sight];
+    let seen = sight.world_from_source * ray;
+    let direction = normalize(seen);
+    let ahead = vec3f(warping.spread.x, -warping.spread.y, 0.0);
+    let onto = dot(ahead, direction) / max(1.0 - direction.z, 1e-6);
+    let turned = ahead - onto * (direction - vec3f(0.0, 0.0, 1.0));
+    return sight.source_from_world * (turned * length(seen));
+}
+
 // Light of the source that a pixel sees; colours may see different places.
 fn seen_light(index: u32, pixel: vec2f, channel: u32) -> vec3f {
     let moved = moved_by(index, pixel, channel);
     let m = mat3x3f(panels[index].right, panels[index].down, panels[index].corner);
+    let projection = panels[index].projection;
+    let ray = m * vec3f(moved.pixel, 1.0);
     var seen: Projected;
-    if (panels[index].projection == 4u) {
+    if (projection == 4u) {
         seen = mapped(index, pixel);
     } else {
-        let ray = m * vec3f(moved.pixel, 1.0);
         let by = mat2x3f(m * vec3f(moved.right, 0.0), m * vec3f(moved.down, 0.0));
-        seen = projected(panels[index].projection, ray, by[0], by[1]);
+        seen = projected(projection, ray, by[0], by[1]);
     }
     let scale = panels[index].scale;
     let at = seen.at * scale + panels[index].offset;
@@ -215,22 +193,27 @@ fn seen_light(index: u32, pixel: vec2f, channel: u32) -> vec3f {
     if (!(seen.ahead && is_lit && all(at >= low) && all(at <= high))) {
         return vec3f(0.0);
     }
-    return filtered(Taken(at, seen.right * scale, seen.down * scale, low, high));
+    let taken = Taken(at, seen.right * scale, seen.down * scale, low, high);
+    if (pipeline_blurs) {
+        let line = projected(projection, ray, spread_by(index, ray), vec3f(0.0)).right;
+        return filtered(widened_by(taken, line * scale));
+    }
+    return filtered(taken);
 }
 
 fn filtered(taken: Taken) -> vec3f {
     let stretch = stretch_of(taken.right, taken.down);
-    let most = warping.most_probes;
-    let probes = probes_of(stretch, most, warping.last);
+    let probes = probes_of(stretch, warping.most_probes, warping.last);
     let by_device = warping.by_device != 0u;
+    let along = Along(warping.most_probes, select(1.0, 0.0, pipeline_blurs), by_device);
     var light: vec3f;
     switch (pipeline_filter) {
         case 0u: { light = light_at(taken, taken.at, 0.0); }
         case 1u: { light = trilinear(taken); }
         case 2u: { light = bicubic(taken); }
-        case 3u: { light = anisotropic(taken, most, by_device); }
+        case 3u: { light = anisotropic(taken, along); }
         case 4u: { light = feline(taken, probes); }
-        default: { light = automatic(taken, stretch, most, by_device); }
+        default: { light = automatic(taken, stretch, along); }
     }
     if (warping.paints != 0u && probes.count > 1.0) {
         let warm = min((probes.count - 1.0) / 4.0, 1.0);

@@ -41,6 +41,7 @@ const CONTRAST: &str = include_str!("../shaders/contrast.wgsl");
 const SEEN: &str = include_str!("../shaders/seen.wgsl");
 const GAIN: &str = include_str!("../shaders/gain.wgsl");
 const FILTERS: &str = include_str!("../shaders/shared/filters.wgsl");
+const PROJECTED: &str = include_str!("../shaders/shared/projected.wgsl");
 const WARP: &str = include_str!("../shaders/warp.wgsl");
 const REDUCE_SOURCE: &str = include_str!("../shaders/reduce_source.wgsl");
 const ACCUMULATE: &str = include_str!("../shaders/accumulate.wgsl");
@@ -138,7 +139,7 @@ pub fn warp() -> Shader {
     Shader {
         name: "warp",
         steps: &[["place_panel", "warp"]],
-        text: [FILTERS, WARP].join("\n"),
+        text: [FILTERS, PROJECTED, WARP].join("\n"),
     }
 }
 

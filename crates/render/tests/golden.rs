@@ -6,12 +6,13 @@
 
 mod common;
 
-use common::panels::{curved, painted, plan_of, seed_plane, three};
+use common::panels::{blurred_plan_of, curved, painted, plan_of, seed_plane, three};
 use common::torus::{self, coming, coming_root, from_above};
 use common::*;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::panel::distortion::Distortion;
+use foveal_core::view::panel::eye_blur::EyeBlur;
 use foveal_core::view::panel::lens::Bulge;
 use foveal_core::view::panel::placement::{Placement, SourceProjection};
 use foveal_core::view::panel::rig::{Panel, Scanout};
@@ -219,6 +220,16 @@ fn a_torus_of_meshes_refined_in_part() {
 
 /// Panels filled from crisp content.
 fn assert_filled(name: &str, panels: &[Panel], placement: &Placement, style: &WarpStyle) {
+    assert_seen(name, (panels, placement), None, style);
+}
+
+/// The same, as an eye sees them.
+fn assert_seen(
+    name: &str,
+    (panels, placement): (&[Panel], &Placement),
+    eye: Option<&EyeBlur>,
+    style: &WarpStyle,
+) {
     let gpu = Gpu::open_blocking().unwrap();
     let picture = painted([400, 300], |x, y| {
         let [luma, u, v] = detail(x / 60.0 - 3.3, y / 60.0 - 2.5, 0.0);
@@ -228,7 +239,10 @@ fn assert_filled(name: &str, panels: &[Panel], placement: &Placement, style: &Wa
             (luma + v - 128.0).clamp(0.0, 255.0),
         ]
     });
-    let plan = plan_of(panels, placement, picture.size);
+    let plan = match eye {
+        Some(eye) => blurred_plan_of(panels, placement, picture.size, eye),
+        None => plan_of(panels, placement, picture.size),
+    };
     let warper = Warper::new(&gpu);
     let source = SourceTexture::new(&gpu, picture.size, true).unwrap();
     source.write(&gpu, &picture).unwrap();
@@ -246,6 +260,14 @@ fn three_panels_filled_from_a_plane() {
         paints: true,
     };
     assert_filled("warp_painted", &three([60, 45]), &seed_plane(), &painted);
+}
+
+#[test]
+fn three_panels_as_an_eye_with_astigmatism_sees_them() {
+    let panels = three([60, 45]);
+    let (placement, eye) = (seed_plane(), EyeBlur::new(-8.0, 45.0, 4.0));
+    let style = WarpStyle::default();
+    assert_seen("warp_blurred", (&panels, &placement), Some(&eye), &style);
 }
 
 #[test]

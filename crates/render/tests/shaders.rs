@@ -12,7 +12,7 @@ use foveal_render::shaders::{
     halve_depths, importance, interpolate_sparse, mark_units, overlay, reconstruct,
     reconstruct_textures, reduce_source, warp,
 };
-use foveal_render::warp::params::{BlendParams, PanelParams, WarpParams};
+use foveal_render::warp::params::{BlendParams, PanelParams, SightParams, WarpParams};
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Module, TypeInner};
@@ -176,8 +176,14 @@ fn the_passes_that_fill_panels_are_valid_with_no_capability_that_a_browser_lacks
         PanelParams,
         [
             right, projection, down, black, corner, blend, origin, size, scale, offset, low, high,
-            gain, grid, cell, channels, alpha, unused
+            gain, grid, cell, channels, alpha, sight
         ]
+    );
+    same_layout!(
+        module,
+        "Sight",
+        SightParams,
+        [world_from_source, source_from_world]
     );
     same_layout!(
         module,
@@ -202,6 +208,7 @@ fn the_passes_that_fill_panels_are_valid_with_no_capability_that_a_browser_lacks
         WarpParams,
         [
             atlas,
+            spread,
             filter_by,
             last,
             most_probes,

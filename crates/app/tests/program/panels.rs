@@ -1,7 +1,7 @@
 //! Does `foveal panels` tell where a source lies before many displays, and refuse what is no rig?
 
 use crate::results::agrees;
-use crate::support::{Folder, done, json, refused};
+use crate::support::{Folder, Rgb, done, json, refused};
 use serde_json::Value;
 
 /// A rig that is shipped.
@@ -157,6 +157,51 @@ fn rigs_go_through_files_of_other_programs_and_come_back() {
         &["panels", "import", &mesh, "--out", "a.json"],
         &["--out a.json", ".toml"],
     );
+}
+
+/// One region of 9 x 7 pixels that light points, and its black.
+const POINTS: &[u8] = br#"<MPCDI profile="a3"><display><buffer><region id="wall"
+xResolution="9" yResolution="7"/></buffer></display><fileset region="wall"><geometryWarpFile>
+<path>wall.pfm</path><geometricUnit>cm</geometricUnit><originOf3DData>floorCenter</originOf3DData>
+</geometryWarpFile><betaMap><path>black.png</path></betaMap></fileset></MPCDI>"#;
+
+#[test]
+fn points_in_space_become_the_panel_of_an_eye_that_is_told() {
+    let folder = Folder::new();
+    // A wall 4 m before the floor's centre, its pixels half a metre apart, up to 3 m high.
+    let mut map = b"PF\n9 7\n-1.0\n".to_vec();
+    for (row, column) in (0..7_u8).flat_map(|row| (0..9_u8).map(move |column| (row, column))) {
+        let across = 50.0 * (f32::from(column) - 4.0);
+        let point = [across, 300.0 - 50.0 * f32::from(row), -400.0];
+        map.extend(point.map(f32::to_le_bytes).as_flattened());
+    }
+    folder.holding("wall.pfm", &map);
+    let black = Rgb {
+        size: [9, 7],
+        pixels: (0..9 * 7 * 3).map(|k| k as u8).collect(),
+    };
+    black.write(&folder.name("black.png"));
+    let file = folder.holding("wall.xml", POINTS);
+    refused(
+        1,
+        &["panels", "fit", &file],
+        &["originOf3DData", "--eye-at"],
+    );
+    let out = folder.name("wall.toml");
+    let import = ["panels", "import", &file, "--out", &out];
+    for eye in ["1,2", "a,b,c", "nan,0,0"] {
+        let arguments = [&import[..], &["--eye-at", eye]].concat();
+        refused(2, &arguments, &["as 0,1.7,2.5"]);
+    }
+    // 1.5 m high and 1 m behind the centre: the wall's middle is 5 m ahead, its sides at 0.45.
+    let ran = done(&[&import[..], &["--eye-at", "0,1.5,1"]].concat());
+    assert!(ran.stderr.contains("betaMap"), "{}", ran.stderr);
+    let found = json(&["panels", "fit", &out, "--source", "9x7"]);
+    near(&found["axis"]["pitch_deg"], 0.0, 1e-4);
+    near(&found["tan_x"], 0.45, 1e-5);
+    near(&found["tan_y"], 0.35, 1e-5);
+    let at = ["panels", "map", &out, "--source", "9x7", "--at", "wall:2,1"];
+    near(&json(&at)["points"][0]["u"], 2.5, 1e-3);
 }
 
 #[test]

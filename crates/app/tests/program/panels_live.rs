@@ -215,7 +215,7 @@ fn what_cannot_be_captured_is_refused_with_what_to_do() {
     refused(
         2,
         &["panels", "warp", &rig, "world:valley"],
-        &["--out <DIR>"],
+        &["--out DIR", "--window"],
     );
     let both = [
         "panels",

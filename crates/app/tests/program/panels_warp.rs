@@ -1,7 +1,7 @@
 //! Are panels filled from one source as they would be drawn, and sent where they belong?
 
 use crate::results::agrees;
-use crate::support::{Folder, Rgb, json, refused};
+use crate::support::{Folder, Rgb, foveal, json, refused};
 use serde_json::Value;
 
 fn rig(name: &str) -> String {
@@ -41,9 +41,13 @@ fn three_panels_look_as_drawn_directly_where_the_source_has_as_many_pixels_as_ar
     let folder = Folder::new();
     let out = folder.name("three");
     let result = warp(&rig("three"), "world:gratings", &out, &["--compare"]);
-    agrees("panels warp", &[&result]);
+    let eye = ["--eye-blur", "-1.5@180", "--source", "320x240"];
+    let blurred = warp(&rig("three"), "world:valley", &folder.name("blurred"), &eye);
+    agrees("panels warp", &[&result, &blurred]);
+    assert_eq!(blurred["eye_blur"]["pupil_mm"], 3.5);
     assert_eq!(result["frames"], 1);
     assert_eq!(result["placement"], "plane");
+    assert_eq!(result["need"], result["source"]);
     for (id, db) in decibels(&result) {
         assert!(db >= 48.0, "{id}: {db} dB");
     }
@@ -149,6 +153,113 @@ fn worlds_move_and_patterns_are_pictures_that_panels_show() {
 }
 
 #[test]
+fn frames_are_told_apart_whenever_they_are_asked_for() {
+    let folder = Folder::new();
+    let still = folder.name("white.png");
+    let white = [
+        "panels", "pattern", "white", "--size", "64x48", "--out", &still,
+    ];
+    json(&white);
+    for (name, source, size) in [
+        ("world", "world:valley", &["--source", "64x48"][..]),
+        ("still", &still, &[]),
+    ] {
+        for (frames, file) in [
+            (&[][..], "C.png"),
+            (&["--frames", "1"], "C/frame_00000.png"),
+        ] {
+            let out = folder.name(&format!("{name}{}", frames.len()));
+            let result = warp(&rig("three"), source, &out, &[size, frames].concat());
+            assert_eq!(result["frames"], 1);
+            assert_eq!(
+                Rgb::read(&format!("{out}/{file}")).size,
+                [800, 600],
+                "{name}"
+            );
+        }
+    }
+}
+
+/// Three low panels side by side that need more columns than devices hold.
+const WIDE: &str = r#"
+format = "tiled-view/1"
+[[panel]]
+id = "west"
+pixels = [3200, 4]
+pose = { order = "yaw-pitch-roll", yaw = -45 }
+size = [0.8, 0.001]
+[[panel]]
+id = "ahead"
+pixels = [3200, 4]
+size = [0.8, 0.001]
+[[panel]]
+id = "east"
+pixels = [3200, 4]
+pose = { order = "yaw-pitch-roll", yaw = 45 }
+size = [0.8, 0.001]
+"#;
+
+#[test]
+fn a_world_that_needs_more_than_a_device_holds_is_drawn_as_large_as_it_holds_and_that_is_told() {
+    let folder = Folder::new();
+    let rig = folder.holding("wide.toml", WIDE.as_bytes());
+    let of = |renderer: &str| {
+        let out = folder.name(renderer);
+        let more = ["--renderer", renderer];
+        let result = warp(&rig, "world:gratings", &out, &more);
+        let side = |key: &str, k: usize| result[key][k].as_u64().unwrap();
+        assert_eq!(Rgb::read(&format!("{out}/ahead.png")).size, [3200, 4]);
+        [side("source", 0), side("need", 0)]
+    };
+    let ([gpu, need], [cpu, same]) = (of("gpu"), of("cpu"));
+    assert!(need > 8192 && need == same && cpu == need, "{need} {cpu}");
+    assert_eq!(gpu, 8192);
+    let out = folder.name("told");
+    let ran = foveal(&["panels", "warp", &rig, "world:gratings", "--out", &out]);
+    let told = ran.stderr;
+    assert!(told.contains("pixels that are needed"), "{told}");
+}
+
+#[test]
+fn an_eye_with_astigmatism_loses_the_lines_along_its_axis_and_no_others() {
+    let folder = Folder::new();
+    let rig = folder.holding("pair.toml", PAIR.as_bytes());
+    // Upright lines to the left, level ones to the right, 30 mrad apart.
+    let source = Rgb {
+        size: [640, 480],
+        pixels: (0..480)
+            .flat_map(|y| (0..640).map(move |x| if x < 320 { x } else { y }))
+            .flat_map(|along| [if along / 12 % 2 == 0 { 230 } else { 20 }; 3])
+            .collect(),
+    };
+    let file = folder.name("lines.png");
+    source.write(&file);
+    // Codes from dark to light: of upright lines, and of level ones.
+    let contrast = |eye: &[&str]| {
+        let out = folder.name("eye");
+        warp(&rig, &file, &out, eye);
+        let seen = Rgb::read(&format!("{out}/P.png"));
+        [20, 100].map(|left| {
+            let places = (30..90).flat_map(|y| (left..left + 40).map(move |x| [x, y]));
+            let codes: Vec<u8> = places.map(|at| seen.at(at)[1]).collect();
+            codes.iter().max().unwrap() - codes.iter().min().unwrap()
+        })
+    };
+    let sharp = contrast(&[]);
+    assert!(sharp.iter().all(|it| *it > 190), "{sharp:?}");
+    for filter in ["auto", "anisotropic", "feline", "ewa"] {
+        let of = |eye: &str| contrast(&["--eye-blur", eye, "--pupil", "5", "--filter", filter]);
+        let ([upright, level], [upright_too, level_too]) = (of("-6@180"), of("6@90"));
+        println!("{filter}: {upright} {level}, {upright_too} {level_too}");
+        assert!(upright > 180 && level < 100, "{filter}: {upright} {level}");
+        assert!(
+            upright_too < 100 && level_too > 180,
+            "{filter}: {upright_too} {level_too}"
+        );
+    }
+}
+
+#[test]
 fn the_model_of_the_seed_says_its_numbers() {
     let all = [
         "panels",
@@ -197,6 +308,40 @@ fn what_cannot_be_warped_is_refused_in_words() {
         "panels", "pattern", "grid", "--size", "99999x4", "--out", &white,
     ];
     refused(2, &size, &["16384"]);
+    let jpeg = folder.name("white.jpg");
+    let jpeg = [
+        "panels", "pattern", "white", "--size", "64x48", "--out", &jpeg,
+    ];
+    refused(2, &jpeg, &["white.jpg", "end it in .png"]);
+    let nowhere = ["panels", "warp", &three, "world:valley"];
+    refused(2, &nowhere, &["--out DIR", "--window"]);
+    for (eye, words) in [
+        ("1", "as -1.5@180"),
+        ("x@y", "as -1.5@180"),
+        ("NaN@90", "no cylinder of -12 to 12"),
+        ("1@inf", "no axis of 0 to 360"),
+        ("13@90", "no cylinder of -12 to 12"),
+        ("1@-5", "no axis of 0 to 360"),
+    ] {
+        refuse("world:valley", &["--eye-blur", eye], words);
+    }
+    for (more, words) in [
+        (
+            &["--filter", "bicubic"][..],
+            "auto, anisotropic, feline or ewa",
+        ),
+        (&["--pupil", "0.5"], "1 to 9 millimetres"),
+        (&["--compare"], "not drawn with --compare"),
+        (&["--show-anisotropy"], "not drawn with --show-anisotropy"),
+        (&["--mode", "seed"], "not drawn with --mode seed"),
+    ] {
+        refuse(
+            "world:valley",
+            &[&["--eye-blur", "-1@90"], more].concat(),
+            words,
+        );
+    }
+    refuse("world:valley", &["--pupil", "3"], "--eye-blur");
 }
 
 /// One panel before each eye, looking ahead.

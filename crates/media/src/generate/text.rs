@@ -6,7 +6,7 @@
 use super::texture::floor;
 
 /// Dots from one letter to the next.
-pub(super) const ADVANCE: f32 = 6.0;
+pub const ADVANCE: f32 = 6.0;
 
 /// Dots from one line to the next.
 pub(super) const LINE: f32 = 9.0;
@@ -100,6 +100,18 @@ pub(super) fn letter(letter: u8, x: f32, y: f32, footprint: f32) -> f32 {
     let sharpness = 1.0 / footprint.clamp(0.05, 1.0);
     let sharp = ((joined - EDGE) * sharpness + 0.5).clamp(0.0, 1.0);
     sharp + (MEAN - sharp) * grey
+}
+
+/// Coverage of a word at a place in dots right of and below its upper left corner; see [`letter`].
+#[must_use]
+pub fn word(text: &str, [x, y]: [f32; 2], footprint: f32) -> f32 {
+    let place = floor(x / ADVANCE);
+    let sign = usize::try_from(place)
+        .ok()
+        .and_then(|at| text.as_bytes().get(at));
+    sign.map_or(0.0, |sign| {
+        letter(*sign, x - place as f32 * ADVANCE, y, footprint)
+    })
 }
 
 /// Coverage of a line of text that repeats without end, in dots.

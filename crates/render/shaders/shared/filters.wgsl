@@ -4,7 +4,7 @@
 
 @group(0) @binding(1) var source: texture_2d<f32>;
 @group(0) @binding(2) var between: sampler;
-@group(0) @binding(3) var along: sampler;
+@group(0) @binding(3) var stretched: sampler;
 
 // A place in the source, how far it moves with one pixel to the right and one down, and where
 // the part of the source begins and ends that may be taken.
@@ -31,6 +31,14 @@ struct TakenProbes {
     major: f32,
 }
 
+// Samples along the longer of both steps: how many at most, how many more would fit at the ends,
+// and whether the device takes its own.
+struct Along {
+    most: f32,
+    beyond: f32,
+    by_device: bool,
+}
+
 // Singular values of the map from pixels to texels.
 fn stretch_of(right: vec2f, down: vec2f) -> Stretch {
     let a = right.x * right.x + down.x * down.x;
@@ -45,6 +53,27 @@ fn stretch_of(right: vec2f, down: vec2f) -> Stretch {
         axis = vec2f(cos(turn), sin(turn));
     }
     return Stretch(major, minor, axis);
+}
+
+// The same, with a line to this place and as far to the other side: the squares of both add up, and
+// the steps are along and across what is longest then.
+fn widened_by(taken: Taken, line: vec2f) -> Taken {
+    let right = taken.right;
+    let down = taken.down;
+    let a = right.x * right.x + down.x * down.x + line.x * line.x;
+    let b = right.x * right.y + down.x * down.y + line.x * line.y;
+    let c = right.y * right.y + down.y * down.y + line.y * line.y;
+    let root = sqrt(0.25 * (a - c) * (a - c) + b * b);
+    let major = sqrt(max(0.5 * (a + c) + root, 1e-20));
+    let areas = vec3f(
+        right.x * down.y - right.y * down.x,
+        right.x * line.y - right.y * line.x,
+        down.x * line.y - down.y * line.x,
+    );
+    let turn = select(0.0, 0.5 * atan2(2.0 * b, a - c), root > 1e-12);
+    let axis = vec2f(cos(turn), sin(turn));
+    let across = vec2f(-axis.y, axis.x) * (length(areas) / major);
+    return Taken(taken.at, axis * major, across, taken.low, taken.high);
 }
 
 // Feline's choice, with at most `most` samples from levels up to `last`.
@@ -116,21 +145,21 @@ fn bicubic(taken: Taken) -> vec3f {
     return max(sum, vec3f(0.0));
 }
 
-// Even samples along the longer of both steps, as `EXT_texture_filter_anisotropic` describes;
-// where `by_device`, what the device itself takes there.
-fn anisotropic(taken: Taken, most: f32, by_device: bool) -> vec3f {
-    if (by_device) {
+// Even samples along the longer of both steps, with one more `beyond` them as
+// `EXT_texture_filter_anisotropic` describes; where `by_device`, what the device itself takes.
+fn anisotropic(taken: Taken, along: Along) -> vec3f {
+    if (along.by_device) {
         let inside = clamp(taken.at, taken.low + 0.5, taken.high - 0.5);
         let size = vec2f(textureDimensions(source));
         let right = taken.right / size;
-        return textureSampleGrad(source, along, inside / size, right, taken.down / size).rgb;
+        return textureSampleGrad(source, stretched, inside / size, right, taken.down / size).rgb;
     }
     let right = length(taken.right);
     let down = length(taken.down);
     let longest = max(right, down);
-    let count = clamp(ceil(longest / max(min(right, down), 1e-10)), 1.0, most);
+    let count = clamp(ceil(longest / max(min(right, down), 1e-10)), 1.0, along.most);
     let level = max(log2(max(longest / count, 1e-10)), 0.0);
-    let step = select(taken.down, taken.right, right > down) / (count + 1.0);
+    let step = select(taken.down, taken.right, right > down) / (count + along.beyond);
     var sum = vec3f(0.0);
     for (var k = 0.0; k < count; k = k + 1.0) {
         let n = k - 0.5 * (count - 1.0);
@@ -159,13 +188,13 @@ const FIRST_MINIFIED: f32 = 1.0;
 const ALL_MINIFIED: f32 = 1.5;
 
 // Bicubic where the source is magnified, anisotropic where it is minified.
-fn automatic(taken: Taken, stretch: Stretch, most: f32, by_device: bool) -> vec3f {
+fn automatic(taken: Taken, stretch: Stretch, along: Along) -> vec3f {
     let share = smoothstep(FIRST_MINIFIED, ALL_MINIFIED, stretch.major);
     if (share <= 0.0) {
         return bicubic(taken);
     }
     if (share >= 1.0) {
-        return anisotropic(taken, most, by_device);
+        return anisotropic(taken, along);
     }
-    return mix(bicubic(taken), anisotropic(taken, most, by_device), share);
+    return mix(bicubic(taken), anisotropic(taken, along), share);
 }

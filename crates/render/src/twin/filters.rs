@@ -79,6 +79,12 @@ impl TwinSource {
     }
 }
 
+#[derive(Clone, Copy)]
+struct Along {
+    most: f32,
+    beyond: f32,
+}
+
 pub(super) fn stretch_of(right: Vec2, down: Vec2) -> Stretch {
     let a = right.x * right.x + down.x * down.x;
     let b = right.x * right.y + down.x * down.y;
@@ -92,6 +98,35 @@ pub(super) fn stretch_of(right: Vec2, down: Vec2) -> Stretch {
         axis = Vec2::new(turn.cos(), turn.sin());
     }
     Stretch { major, minor, axis }
+}
+
+pub(super) fn widened_by(taken: &Taken, line: Vec2) -> Taken {
+    let right = taken.right;
+    let down = taken.down;
+    let a = right.x * right.x + down.x * down.x + line.x * line.x;
+    let b = right.x * right.y + down.x * down.y + line.x * line.y;
+    let c = right.y * right.y + down.y * down.y + line.y * line.y;
+    let root = (0.25 * (a - c) * (a - c) + b * b).sqrt();
+    let major = (0.5 * (a + c) + root).max(1e-20).sqrt();
+    let areas = Vec3::new(
+        right.x * down.y - right.y * down.x,
+        right.x * line.y - right.y * line.x,
+        down.x * line.y - down.y * line.x,
+    );
+    let turn = if root > 1e-12 {
+        0.5 * (2.0 * b).atan2(a - c)
+    } else {
+        0.0
+    };
+    let axis = Vec2::new(turn.cos(), turn.sin());
+    let across = Vec2::new(-axis.y, axis.x) * (areas.length() / major);
+    Taken {
+        at: taken.at,
+        right: axis * major,
+        down: across,
+        low: taken.low,
+        high: taken.high,
+    }
 }
 
 pub(super) fn probes_of(stretch: Stretch, most: f32, last: f32) -> TakenProbes {
@@ -178,20 +213,20 @@ fn bicubic(source: &TwinSource, taken: &Taken) -> Vec3 {
     sum.max(Vec3::ZERO)
 }
 
-fn anisotropic(source: &TwinSource, taken: &Taken, most: f32) -> Vec3 {
+fn anisotropic(source: &TwinSource, taken: &Taken, along: Along) -> Vec3 {
     let right = taken.right.length();
     let down = taken.down.length();
     let longest = right.max(down);
     let count = (longest / right.min(down).max(1e-10))
         .ceil()
-        .clamp(1.0, most);
+        .clamp(1.0, along.most);
     let level = (longest / count).max(1e-10).log2().max(0.0);
-    let along = if right > down {
+    let longer = if right > down {
         taken.right
     } else {
         taken.down
     };
-    let step = along / (count + 1.0);
+    let step = longer / (count + along.beyond);
     let mut sum = Vec3::ZERO;
     for k in 0..count as u32 {
         let n = k as f32 - 0.5 * (count - 1.0);
@@ -216,7 +251,7 @@ fn feline(source: &TwinSource, taken: &Taken, probes: &TakenProbes) -> Vec3 {
 const FIRST_MINIFIED: f32 = 1.0;
 const ALL_MINIFIED: f32 = 1.5;
 
-fn automatic(source: &TwinSource, taken: &Taken, stretch: Stretch, most: f32) -> Vec3 {
+fn automatic(source: &TwinSource, taken: &Taken, stretch: Stretch, along: Along) -> Vec3 {
     let share =
         ((stretch.major - FIRST_MINIFIED) / (ALL_MINIFIED - FIRST_MINIFIED)).clamp(0.0, 1.0);
     let share = share * share * (3.0 - 2.0 * share);
@@ -224,11 +259,11 @@ fn automatic(source: &TwinSource, taken: &Taken, stretch: Stretch, most: f32) ->
         return bicubic(source, taken);
     }
     if share >= 1.0 {
-        return anisotropic(source, taken, most);
+        return anisotropic(source, taken, along);
     }
     mix(
         bicubic(source, taken),
-        anisotropic(source, taken, most),
+        anisotropic(source, taken, along),
         share,
     )
 }
@@ -267,20 +302,28 @@ fn ewa(source: &TwinSource, taken: &Taken) -> Vec3 {
     (sum / weights).as_vec3()
 }
 
+/// Variance of what the elliptical weighted average takes, over the square of an ellipse's half
+/// axis: of `exp(-2 r²)` over the unit disc.
+pub(super) const EWA_MOMENT: f64 = 0.171_741;
+
 /// Number of the elliptical weighted average, which no device draws.
 pub(super) const EWA: u32 = 6;
 
 pub(super) fn filtered(source: &TwinSource, params: &WarpParams, taken: &Taken) -> Vec3 {
     let stretch = stretch_of(taken.right, taken.down);
     let probes = probes_of(stretch, params.most_probes, params.last);
+    let along = Along {
+        most: params.most_probes,
+        beyond: if params.blurs() { 0.0 } else { 1.0 },
+    };
     let light = match params.filter_by {
         0 => light_at(source, taken, taken.at, 0.0),
         1 => trilinear(source, taken),
         2 => bicubic(source, taken),
-        3 => anisotropic(source, taken, params.most_probes),
+        3 => anisotropic(source, taken, along),
         4 => feline(source, taken, &probes),
         EWA => ewa(source, taken),
-        _ => automatic(source, taken, stretch, params.most_probes),
+        _ => automatic(source, taken, stretch, along),
     };
     if params.paints != 0 && probes.count > 1.0 {
         let warm = ((probes.count - 1.0) / 4.0).min(1.0);

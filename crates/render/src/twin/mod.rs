@@ -10,6 +10,7 @@ mod blur_radial;
 mod filters;
 mod interpolate_sparse;
 mod overlay;
+mod projected;
 mod reconstruct_cube;
 mod reconstruct_plane;
 mod reconstruct_textures;
@@ -134,7 +135,8 @@ pub fn marked(
 /// All panels of a plan, filled from a source.
 #[must_use]
 pub fn warp(source: &TwinSource, plan: &WarpPlan, style: &WarpStyle) -> RgbaImage {
-    let params = WarpParams::new(plan.atlas, source.levels(), style);
+    let params = WarpParams::new(plan.atlas, source.levels(), style)
+        .blurred(plan.spread, style.filter.moment());
     filled(source, plan, &params)
 }
 
@@ -146,6 +148,7 @@ pub fn warp_by_ewa(source: &TwinSource, plan: &WarpPlan) -> RgbaImage {
         filter_by: filters::EWA,
         ..WarpParams::new(plan.atlas, source.levels(), &WarpStyle::default())
     };
+    let params = params.blurred(plan.spread, Some(filters::EWA_MOMENT));
     filled(source, plan, &params)
 }
 
@@ -153,8 +156,8 @@ pub fn warp_by_ewa(source: &TwinSource, plan: &WarpPlan) -> RgbaImage {
 /// it is black. Pixels are those that are sent, with centres at +0.5.
 #[must_use]
 pub fn warped_place(plan: &WarpPlan, panel: usize, pixel: [f32; 2]) -> Option<[f32; 2]> {
-    let taken = warp::taken_by(plan, panel, pixel.into(), 0)?;
-    Some(taken.at.to_array())
+    let seen = warp::seen_by(plan, panel, pixel.into(), 0)?;
+    Some(seen.taken.at.to_array())
 }
 
 fn filled(source: &TwinSource, plan: &WarpPlan, params: &WarpParams) -> RgbaImage {

@@ -1,22 +1,16 @@
 //! Which light does a pixel of a panel send? Twin of `shaders/warp.wgsl`.
 
-use super::filters::{Taken, TwinSource, filtered};
+use super::filters::{Taken, TwinSource, filtered, widened_by};
+use super::projected::{Projected, projected};
 use super::shared::wgsl::mix;
 use crate::warp::WarpPlan;
 use crate::warp::params::WarpParams;
-use glam::{Mat3, UVec2, Vec2, Vec3};
+use glam::{Mat3, UVec2, Vec2, Vec3, Vec4};
 
 const UNLIT: f32 = 1e8;
 
 pub(super) struct MovedPixel {
     pub(super) pixel: Vec2,
-    right: Vec2,
-    down: Vec2,
-}
-
-struct Projected {
-    ahead: bool,
-    at: Vec2,
     right: Vec2,
     down: Vec2,
 }
@@ -62,74 +56,6 @@ fn moved_by(plan: &WarpPlan, index: usize, pixel: Vec2, channel: u32) -> MovedPi
     }
 }
 
-fn projected(projection: u32, ray: Vec3, right: Vec3, down: Vec3) -> Projected {
-    if projection == 0 {
-        let at = ray.truncate() / ray.z;
-        return Projected {
-            ahead: ray.z > 0.0,
-            at,
-            right: (right.truncate() - at * right.z) / ray.z,
-            down: (down.truncate() - at * down.z) / ray.z,
-        };
-    }
-    if projection == 3 {
-        return through_fisheye(ray, right, down);
-    }
-    let level2 = ray.x * ray.x + ray.z * ray.z;
-    let level = level2.sqrt();
-    let turn = Vec2::new(
-        ray.z * right.x - ray.x * right.z,
-        ray.z * down.x - ray.x * down.z,
-    ) / level2;
-    let grown = Vec2::new(
-        ray.x * right.x + ray.z * right.z,
-        ray.x * down.x + ray.z * down.z,
-    ) / level;
-    let yaw = ray.x.atan2(ray.z);
-    let (height, climb) = if projection == 1 {
-        let height = ray.y / level;
-        (
-            height,
-            (Vec2::new(right.y, down.y) - height * grown) / level,
-        )
-    } else {
-        let rise = level * Vec2::new(right.y, down.y) - ray.y * grown;
-        (ray.y.atan2(level), rise / (level2 + ray.y * ray.y))
-    };
-    Projected {
-        ahead: true,
-        at: Vec2::new(yaw, height),
-        right: Vec2::new(turn.x, climb.x),
-        down: Vec2::new(turn.y, climb.y),
-    }
-}
-
-fn through_fisheye(ray: Vec3, right: Vec3, down: Vec3) -> Projected {
-    let across = ray.truncate().length();
-    if across < 1e-6 * ray.z.abs() {
-        return Projected {
-            ahead: ray.z > 0.0,
-            at: ray.truncate() / ray.z,
-            right: right.truncate() / ray.z,
-            down: down.truncate() / ray.z,
-        };
-    }
-    let angle = across.atan2(ray.z);
-    let grown = Vec2::new(
-        ray.truncate().dot(right.truncate()),
-        ray.truncate().dot(down.truncate()),
-    ) / across;
-    let turned = (ray.z * grown - across * Vec2::new(right.z, down.z)) / ray.dot(ray);
-    let share = angle / across;
-    let growth = (turned - share * grown) / across;
-    Projected {
-        ahead: true,
-        at: share * ray.truncate(),
-        right: growth.x * ray.truncate() + share * right.truncate(),
-        down: growth.y * ray.truncate() + share * down.truncate(),
-    }
-}
-
 fn mapped(plan: &WarpPlan, index: usize, pixel: Vec2) -> Projected {
     let at = pixel.as_uvec2();
     let k = (plan.panels[index].grid + 3 * (at.y * plan.panels[index].size[0] + at.x)) as usize;
@@ -144,15 +70,41 @@ fn mapped(plan: &WarpPlan, index: usize, pixel: Vec2) -> Projected {
     }
 }
 
+fn spread_by(plan: &WarpPlan, params: &WarpParams, index: usize, ray: Vec3) -> Vec3 {
+    let sight = &plan.sights[plan.panels[index].sight as usize];
+    let seen = matrix(&sight.world_from_source) * ray;
+    let direction = seen.normalize();
+    let ahead = Vec3::new(params.spread[0], -params.spread[1], 0.0);
+    let onto = ahead.dot(direction) / (1.0 - direction.z).max(1e-6);
+    let turned = ahead - onto * (direction - Vec3::Z);
+    matrix(&sight.source_from_world) * (turned * seen.length())
+}
+
+fn matrix(columns: &[[f32; 4]; 3]) -> Mat3 {
+    let [x, y, z] = columns.map(|it| Vec4::from(it).truncate());
+    Mat3::from_cols(x, y, z)
+}
+
+/// A place in the source, and the ray that led there.
+pub(super) struct SeenTexel {
+    pub(super) taken: Taken,
+    ray: Vec3,
+}
+
 /// Where in the source a pixel as sent looks; `None` where it is black.
-pub(super) fn taken_by(plan: &WarpPlan, index: usize, pixel: Vec2, channel: u32) -> Option<Taken> {
+pub(super) fn seen_by(
+    plan: &WarpPlan,
+    index: usize,
+    pixel: Vec2,
+    channel: u32,
+) -> Option<SeenTexel> {
     let moved = moved_by(plan, index, pixel, channel);
     let panel = &plan.panels[index];
     let m = Mat3::from_cols(panel.right.into(), panel.down.into(), panel.corner.into());
+    let ray = m * moved.pixel.extend(1.0);
     let seen = if panel.projection == 4 {
         mapped(plan, index, pixel)
     } else {
-        let ray = m * moved.pixel.extend(1.0);
         let (right, down) = (m * moved.right.extend(0.0), m * moved.down.extend(0.0));
         projected(panel.projection, ray, right, down)
     };
@@ -162,13 +114,14 @@ pub(super) fn taken_by(plan: &WarpPlan, index: usize, pixel: Vec2, channel: u32)
     let high = Vec2::from(panel.high);
     let is_lit = moved.pixel.x.abs() < UNLIT;
     let inside = seen.ahead && is_lit && at.cmpge(low).all() && at.cmple(high).all();
-    inside.then(|| Taken {
+    let taken = Taken {
         at,
         right: seen.right * scale,
         down: seen.down * scale,
         low,
         high,
-    })
+    };
+    inside.then_some(SeenTexel { taken, ray })
 }
 
 fn seen_light(
@@ -177,8 +130,17 @@ fn seen_light(
     pixel: Vec2,
     channel: u32,
 ) -> Vec3 {
-    let taken = taken_by(plan, index, pixel, channel);
-    taken.map_or(Vec3::ZERO, |taken| filtered(source, params, &taken))
+    let Some(SeenTexel { taken, ray }) = seen_by(plan, index, pixel, channel) else {
+        return Vec3::ZERO;
+    };
+    if params.blurs() {
+        let panel = &plan.panels[index];
+        let spread = spread_by(plan, params, index, ray);
+        let line = projected(panel.projection, ray, spread, Vec3::ZERO).right;
+        let taken = widened_by(&taken, line * Vec2::from(panel.scale));
+        return filtered(source, params, &taken);
+    }
+    filtered(source, params, &taken)
 }
 
 fn inside_of(plan: &WarpPlan, blend: usize, direction: Vec3) -> f32 {

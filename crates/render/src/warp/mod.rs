@@ -5,7 +5,6 @@
 //! so panel by panel, of a picture that was drawn for each.
 
 mod blends;
-mod grids;
 mod optics;
 pub mod params;
 mod pass;

@@ -46,8 +46,18 @@ pub struct PanelParams {
     /// Index among the grids of the shares of light that pixels keep, plus 1; 0 where they keep
     /// all.
     pub alpha: u32,
-    /// Padding.
-    pub unused: u32,
+    /// Index of the [`SightParams`] of the panel's source; not read where no eye blurs.
+    pub sight: u32,
+}
+
+/// How rays of a source stand in the world: columns of matrices, with padding.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct SightParams {
+    /// From rays to the right, down and forward of the source's axis, in which its place is read.
+    pub world_from_source: [[f32; 4]; 3],
+    /// And back.
+    pub source_from_world: [[f32; 4]; 3],
 }
 
 /// How a panel fades into its neighbours.
@@ -82,6 +92,9 @@ pub struct BlendParams {
 pub struct WarpParams {
     /// Columns and rows of the atlas.
     pub atlas: [f32; 2],
+    /// Half the line that an eye makes of a point straight ahead, right and down, in radians, as
+    /// long as the filter takes it; nothing where no eye blurs.
+    pub spread: [f32; 2],
     /// Number of the filter.
     pub filter_by: u32,
     /// Index of the coarsest level of the source.
@@ -99,6 +112,9 @@ pub struct WarpParams {
 /// Most samples of Feline's, and of the device's anisotropic filter.
 pub(crate) const MOST_PROBES: u16 = 16;
 
+/// Most samples where an eye blurs: lines of 64 texels are drawn no wider across.
+const MOST_BLURRED: u16 = 64;
+
 impl WarpParams {
     pub(crate) fn new(atlas: [u32; 2], levels: u32, style: &WarpStyle) -> Self {
         let filter_by = match style.filter {
@@ -111,6 +127,7 @@ impl WarpParams {
         };
         Self {
             atlas: atlas.map(|side| side as f32),
+            spread: [0.0; 2],
             filter_by,
             last: (levels - 1) as f32,
             most_probes: f32::from(MOST_PROBES),
@@ -118,5 +135,29 @@ impl WarpParams {
             by_device: 0,
             unused: 0,
         }
+    }
+
+    /// The same for an eye that spreads points by so many radians, one standard deviation; the
+    /// filter takes steps to have this moment.
+    ///
+    /// # Panics
+    /// When an eye blurs and the filter has no moment.
+    pub(crate) fn blurred(mut self, spread: [f32; 2], moment: Option<f64>) -> Self {
+        if spread == [0.0; 2] {
+            return self;
+        }
+        let Some(moment) = moment else {
+            panic!("an eye's blur is drawn along lines, which this filter does not take");
+        };
+        let scale = (1.0 / moment.sqrt()) as f32;
+        self.spread = spread.map(|it| it * scale);
+        self.most_probes = f32::from(MOST_BLURRED);
+        // The device's own filter takes 16 samples, of places that are its affair.
+        self.by_device = 0;
+        self
+    }
+
+    pub(crate) fn blurs(&self) -> bool {
+        self.spread != [0.0; 2]
     }
 }

@@ -17,8 +17,9 @@ use std::cell::OnceCell;
 /// Draws plans: one pass into one atlas, and before it one for each coarser level of a source.
 pub struct Warper {
     gpu: Gpu,
-    /// By the number of the filter, once it was drawn with.
-    fill: [OnceCell<wgpu::RenderPipeline>; WarpFilter::ALL.len()],
+    /// By the number of the filter, once it was drawn with: for sharp eyes, and for one that
+    /// blurs.
+    fill: [[OnceCell<wgpu::RenderPipeline>; WarpFilter::ALL.len()]; 2],
     reduce: wgpu::RenderPipeline,
     between: wgpu::Sampler,
     along: wgpu::Sampler,
@@ -33,9 +34,10 @@ pub struct Warper {
 pub struct LoadedPlan {
     atlas: wgpu::Texture,
     view: wgpu::TextureView,
-    /// Records, blends, neighbours and grids.
-    buffers: [wgpu::Buffer; 4],
+    /// Records, blends, neighbours, grids and sights.
+    buffers: [wgpu::Buffer; 5],
     panels: u32,
+    spread: [f32; 2],
 }
 
 impl Warper {
@@ -115,8 +117,10 @@ impl Warper {
                 held("blends", bytemuck::cast_slice(&plan.blends))?,
                 held("neighbours", bytemuck::cast_slice(&plan.neighbours))?,
                 held("grids", bytemuck::cast_slice(&plan.grids))?,
+                held("sights", bytemuck::cast_slice(&plan.sights))?,
             ],
             panels: plan.panels.len() as u32,
+            spread: plan.spread,
         })
     }
 
@@ -171,11 +175,16 @@ impl Warper {
             by_device: u32::from(self.by_device),
             ..WarpParams::new(size, levels, style)
         };
+        let params = params.blurred(plan.spread, style.filter.moment());
         self.gpu
             .queue
             .write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
-        let fill = self.fill[params.filter_by as usize].get_or_init(|| {
-            let constants = [("pipeline_filter", f64::from(params.filter_by))];
+        let blurs = params.blurs();
+        let fill = self.fill[usize::from(blurs)][params.filter_by as usize].get_or_init(|| {
+            let constants = [
+                ("pipeline_filter", f64::from(params.filter_by)),
+                ("pipeline_blurs", f64::from(u8::from(blurs))),
+            ];
             let strip = wgpu::PrimitiveTopology::TriangleStrip;
             pipeline(&self.gpu, &warp(), self.format, (strip, &constants))
         });
@@ -190,7 +199,7 @@ impl Warper {
         let whole = source
             .texture
             .create_view(&wgpu::TextureViewDescriptor::default());
-        let [panels, blends, neighbours, grids] = &plan.buffers;
+        let [panels, blends, neighbours, grids, sights] = &plan.buffers;
         let group = self.bound(
             "panels",
             fill,
@@ -203,6 +212,7 @@ impl Warper {
                 (5, blends.as_entire_binding()),
                 (6, neighbours.as_entire_binding()),
                 (7, grids.as_entire_binding()),
+                (8, sights.as_entire_binding()),
             ],
         );
         let mut pass = begin(encoder, "panels", target, timer);

@@ -1,10 +1,12 @@
 //! What does each panel of an atlas show of a source?
 
 use super::blends::Blends;
-use super::grids::Bend;
-use super::params::{BlendParams, PanelParams};
+use super::params::{BlendParams, PanelParams, SightParams};
 use foveal_core::view::panel::alpha::AlphaMap;
+use foveal_core::view::panel::drawn_grid::DrawnGrid;
+use foveal_core::view::panel::eye_blur::EyeBlur;
 use foveal_core::view::panel::placement::{Placement, SourceProjection};
+use foveal_core::view::panel::residual_grid::ResidualGrid;
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::panel::seed::SeedTexel;
 use glam::{DMat3, DVec3};
@@ -37,6 +39,11 @@ pub struct WarpPlan {
     /// Of panels with optics, bits of residuals in pixels; of those whose pixels keep a share of
     /// their light, two shares a word; or the seed's maps.
     pub grids: Vec<u32>,
+    /// Where an eye blurs, how the rays of each source stand in the world.
+    pub sights: Vec<SightParams>,
+    /// What the eye makes of a point straight ahead, right and down, in radians: one standard
+    /// deviation.
+    pub spread: [f32; 2],
 }
 
 impl WarpPlan {
@@ -73,12 +80,12 @@ impl WarpPlan {
     fn add(&mut self, it: &PanelOnSource<'_>, blend: u32) {
         let mut record = straight(it);
         record.blend = blend;
-        if let Some(bend) = Bend::of(it.panel, it.placement) {
-            let grid = bend.grid();
+        if let Some(grid) = DrawnGrid::of(it.panel, it.placement) {
             record.grid = self.grids.len() as u32;
             record.cell = grid.cell;
-            record.channels = grid.channels;
-            self.grids.extend(grid.bits);
+            record.channels = grid.channels.len() as u32;
+            self.grids
+                .extend(grid.channels.iter().flat_map(bits_of_grid));
         }
         if let Some(alpha) = it.panel.alpha_as_sent() {
             record.alpha = self.grids.len() as u32 + 1;
@@ -88,6 +95,29 @@ impl WarpPlan {
             self.atlas[k] = self.atlas[k].max(record.origin[k] + record.size[k]);
         }
         self.panels.push(record);
+    }
+
+    /// The same, seen by an eye that blurs: what a pixel takes of the source grows by what the eye
+    /// makes of a point there. `panels` are those that the plan was made of.
+    ///
+    /// # Panics
+    /// When there are not as many as in the plan, or it is drawn by maps, which tell no rays.
+    #[must_use]
+    pub fn seen_blurred(mut self, panels: &[PanelOnSource<'_>], blur: &EyeBlur) -> Self {
+        assert_eq!(panels.len(), self.panels.len(), "the panels of the plan");
+        self.sights.clear();
+        for (record, it) in self.panels.iter_mut().zip(panels) {
+            assert_ne!(record.projection, BY_MAPS, "maps tell no rays");
+            let sight = sight_of(it.placement);
+            let known = self.sights.iter().position(|other| *other == sight);
+            let index = known.unwrap_or_else(|| {
+                self.sights.push(sight);
+                self.sights.len() - 1
+            });
+            record.sight = index as u32;
+        }
+        self.spread = blur.spread().map(|it| it as f32);
+        self
     }
 
     /// The same, with each panel's place in the source read from the maps of Strege 2009, section
@@ -101,10 +131,11 @@ impl WarpPlan {
     pub fn by_seed_maps(mut self, maps: &[Vec<SeedTexel>]) -> Self {
         assert_eq!(maps.len(), self.panels.len(), "a map a panel");
         self.grids.clear();
+        self.spread = [0.0; 2];
         for (record, map) in self.panels.iter_mut().zip(maps) {
             let pixels = record.size[0] as usize * record.size[1] as usize;
             assert_eq!(map.len(), pixels, "an entry a pixel");
-            record.projection = 4;
+            record.projection = BY_MAPS;
             record.scale = [1.0; 2];
             record.offset = [0.0; 2];
             record.cell = 0;
@@ -120,6 +151,7 @@ impl WarpPlan {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let records = size_of_val(self.panels.as_slice()) + size_of_val(self.blends.as_slice());
+        let records = records + size_of_val(self.sights.as_slice());
         let words = self.neighbours.len() + self.grids.len();
         (records + words * size_of::<u32>()) as u64
     }
@@ -127,6 +159,22 @@ impl WarpPlan {
 
 fn panels_of<'a>(panels: &[PanelOnSource<'a>]) -> Vec<&'a Panel> {
     panels.iter().map(|it| it.panel).collect()
+}
+
+/// What the records of panels say that are drawn by the seed's maps.
+const BY_MAPS: u32 = 4;
+
+/// A residual where nothing is lit; the shader knows what is as far as a tenth of it.
+const UNLIT: f32 = 1e9;
+
+/// Bits of two numbers a node, row by row.
+fn bits_of_grid(grid: &ResidualGrid) -> impl Iterator<Item = u32> + '_ {
+    grid.residuals
+        .iter()
+        .flat_map(|&[x, y]| match x.is_finite() {
+            true => [x.to_bits(), y.to_bits()],
+            false => [UNLIT.to_bits(); 2],
+        })
 }
 
 /// Columns above rows, and four bytes of derivatives.
@@ -144,11 +192,10 @@ fn pairs_of(alpha: &AlphaMap) -> impl Iterator<Item = u32> {
 
 /// A panel without what bends or fades.
 fn straight(it: &PanelOnSource<'_>) -> PanelParams {
-    let Placement { axes, window, .. } = *it.placement;
-    let rows = DMat3::from_cols(axes.right, axes.down, axes.forward).transpose();
+    let window = it.placement.window;
     let panel = it.panel;
     let seen_from_sent = panel.scanout.seen_from_sent(panel.view.size);
-    let rays = rows * nearness(it.placement) * panel.view.ray_from_pixel() * seen_from_sent;
+    let rays = source_from_world(it.placement) * panel.view.ray_from_pixel() * seen_from_sent;
     let column = |v: DVec3| v.as_vec3().to_array();
     let [left, top, width, height] = it.part.map(f64::from);
     let extent = it.placement.extent();
@@ -174,6 +221,26 @@ fn straight(it: &PanelOnSource<'_>) -> PanelParams {
         gain: panel.gain.map(|k| k as f32),
         channels: 1,
         ..PanelParams::default()
+    }
+}
+
+/// From rays of the eye to rays to the right, down and forward of the source's axis.
+fn source_from_world(placement: &Placement) -> DMat3 {
+    let axes = placement.axes;
+    let rows = DMat3::from_cols(axes.right, axes.down, axes.forward).transpose();
+    rows * nearness(placement)
+}
+
+fn sight_of(placement: &Placement) -> SightParams {
+    let columns = |m: DMat3| {
+        m.as_mat3()
+            .to_cols_array_2d()
+            .map(|[x, y, z]| [x, y, z, 0.0])
+    };
+    let source_from_world = source_from_world(placement);
+    SightParams {
+        world_from_source: columns(source_from_world.inverse()),
+        source_from_world: columns(source_from_world),
     }
 }
 

@@ -39,6 +39,18 @@ impl WarpFilter {
         Self::Auto,
     ];
 
+    /// Variance of what is taken along a long step, over the square of that step: of a box along
+    /// it, or of Feline's `exp(-2 r²)` from -1 to 1. `None` where pixels take nothing along a line,
+    /// so that no eye's blur can be drawn.
+    #[must_use]
+    pub fn moment(self) -> Option<f64> {
+        match self {
+            Self::Anisotropic | Self::Auto => Some(1.0 / 12.0),
+            Self::Feline => Some(0.193_435),
+            Self::Bilinear | Self::Trilinear | Self::Bicubic => None,
+        }
+    }
+
     /// Whether coarser levels of the source are read where some pixel covers more than a texel.
     #[must_use]
     pub fn reads_levels(self) -> bool {

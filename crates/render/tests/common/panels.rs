@@ -2,6 +2,7 @@
 
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::panel::eye_blur::EyeBlur;
 use foveal_core::view::panel::placement::{Placement, SourceProjection};
 use foveal_core::view::panel::rig::{Panel, axes_from_seed_angles};
 use foveal_core::view::surface::Eye;
@@ -60,6 +61,25 @@ pub fn curved(projection: SourceProjection) -> Placement {
 
 /// The plan of panels side by side in the atlas, before all of a source.
 pub fn plan_of(panels: &[Panel], placement: &Placement, source: [u32; 2]) -> WarpPlan {
+    WarpPlan::new(&side_by_side(panels, placement, source))
+}
+
+/// The same, as an eye sees them.
+pub fn blurred_plan_of(
+    panels: &[Panel],
+    placement: &Placement,
+    source: [u32; 2],
+    eye: &EyeBlur,
+) -> WarpPlan {
+    let placed = side_by_side(panels, placement, source);
+    WarpPlan::new(&placed).seen_blurred(&placed, eye)
+}
+
+fn side_by_side<'a>(
+    panels: &'a [Panel],
+    placement: &'a Placement,
+    source: [u32; 2],
+) -> Vec<PanelOnSource<'a>> {
     let mut x = 0;
     let mut placed = Vec::new();
     for panel in panels {
@@ -71,7 +91,7 @@ pub fn plan_of(panels: &[Panel], placement: &Placement, source: [u32; 2]) -> War
         });
         x += panel.sent_size()[0];
     }
-    WarpPlan::new(&placed)
+    placed
 }
 
 /// Waves of many lengths, in every colour its own.

@@ -65,6 +65,22 @@ impl RigKind {
 /// Refused are files that break their format, say what cannot be, or have keys that there are not;
 /// the error names line and key.
 pub fn read_rig(path: &Path) -> Result<Rig, RigError> {
+    read_rig_seen_from(path, None).map(|read| read.rig)
+}
+
+/// A rig, and what its file says besides that is left out, for people.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotedRig {
+    /// The rig.
+    pub rig: Rig,
+    /// A line each.
+    pub notes: Vec<String>,
+}
+
+/// [`read_rig`], with what is left out. Where an MPCDI tells of points in space, the eye that sees
+/// them is so many metres to the right of, above and behind their origin; without it only points
+/// about an eye are taken.
+pub fn read_rig_seen_from(path: &Path, eye: Option<[f64; 3]>) -> Result<NotedRig, RigError> {
     let Some(kind) = RigKind::of(path) else {
         let what = "is no rig file that can be read; give one that ends in .toml, .json, .mpcdi, \
                     .xml, .data, .mesh or .txt";
@@ -83,10 +99,17 @@ pub fn read_rig(path: &Path) -> Result<Rig, RigError> {
     })?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let read = |name: &str| -> Result<Vec<u8>, String> { beside(folder, name) };
+    let plain = |rig| NotedRig {
+        rig,
+        notes: Vec::new(),
+    };
     let found = match kind {
-        RigKind::Entries(syntax) => parse_rig(&bytes, syntax, &read),
-        RigKind::Mpcdi => mpcdi::read(&bytes, &read),
-        RigKind::Mesh => mesh::read(&bytes),
+        RigKind::Entries(syntax) => parse_rig(&bytes, syntax, &read).map(plain),
+        RigKind::Mpcdi => mpcdi::read(&bytes, &read, eye).map(|found| NotedRig {
+            rig: found.rig,
+            notes: found.notes,
+        }),
+        RigKind::Mesh => mesh::read(&bytes).map(plain),
     };
     found.map_err(|fault| fault.in_file(path))
 }
@@ -157,7 +180,9 @@ pub fn read_any_pfm(bytes: &[u8]) -> bool {
 /// Panics if its rig breaks what it promises: for fuzzing and tests.
 pub fn read_any_mpcdi(bytes: &[u8]) -> bool {
     let itself = |_: &str| Ok(bytes.to_vec());
-    is_sound(mpcdi::read(bytes, &itself))
+    let eyes = [None, Some([0.1, -0.2, 3.0])];
+    let found = eyes.map(|eye| is_sound(mpcdi::read(bytes, &itself, eye).map(|it| it.rig)));
+    found.contains(&true)
 }
 
 /// Reads any bytes as a warp mesh; `true` if they are one. Panics if its rig breaks what it

@@ -68,6 +68,11 @@ impl<'a> FloatMap<'a> {
         }
     }
 
+    /// The three floats of a pixel; lines as the file has them.
+    pub(super) fn triple(&self, line: usize, column: usize) -> [f64; 3] {
+        [0, 1, 2].map(|k| f64::from(self.float(line, column, k)))
+    }
+
     /// The first two floats of a pixel, and what they lost; lines as the file has them.
     pub(super) fn pair(&self, line: usize, column: usize) -> [f64; 2] {
         let lost = lost_of(self.float(line, column, 2));

@@ -152,15 +152,22 @@ impl FitReport {
                 writeln!(text, "azimuth {left:.2}° left, {right:.2}° right; {rows}")
             }
         };
-        let _ = writeln!(text, "{:.1} % of it are seen", self.seen_share * 100.0);
+        let _ = writeln!(text, "{:.1} % of it is seen", self.seen_share * 100.0);
         if self.map_error_px > 0.0 {
-            let _ = writeln!(text, "maps are at most {:.4} pixels off", self.map_error_px);
+            let _ = writeln!(
+                text,
+                "maps are at most {:.4} source pixels off",
+                self.map_error_px
+            );
         }
-        let _ = writeln!(text, "at {w}x{h}:");
+        let _ = writeln!(
+            text,
+            "at {w}x{h}, source pixels for each of a panel, along a side: mean, least to most"
+        );
         for panel in &self.panels {
             let _ = writeln!(
                 text,
-                "  {:<12} {:<5} density {:.3}, a step is {:.3} to {:.3} pixels: {}",
+                "  {:<12} {:<5} {:.3}, {:.3} to {:.3}: {}",
                 panel.id, panel.eye, panel.density, panel.sigma_min, panel.sigma_max, panel.filter,
             );
         }

@@ -1,9 +1,11 @@
 //! How does another program's file become a rig file?
 
+use super::rig_args::read_noting;
 use crate::report::output::{self, WrongUsage};
 use anyhow::Context;
 use clap::Args;
-use foveal_scene::rig::{is_foreign, read_rig, write_rig};
+use foveal_core::units::counted;
+use foveal_scene::rig::{is_foreign, write_rig};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -14,9 +16,23 @@ pub(crate) struct ImportArgs {
     /// Rig file to write; maps of what is bent lie beside it.
     #[arg(long, value_name = "RIG.toml")]
     out: PathBuf,
+    /// Where the eye is that sees the points in space of an MPCDI of profile a3 or sl: metres to
+    /// the right of, above and behind their origin (default: there, where that is the ideal eye
+    /// point).
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_place, allow_hyphen_values = true)]
+    eye_at: Option<[f64; 3]>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
+}
+
+/// Reads `X,Y,Z`.
+fn parse_place(text: &str) -> anyhow::Result<[f64; 3]> {
+    let expected = "expected metres to the right, up and behind, as 0,1.7,2.5";
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|it| it.trim().parse()).collect();
+    let found = numbers.ok().and_then(|all| <[f64; 3]>::try_from(all).ok());
+    let found = found.filter(|all| all.iter().all(|it| it.abs() <= 1e6));
+    found.context(expected)
 }
 
 #[derive(Debug, Serialize)]
@@ -49,7 +65,7 @@ pub(crate) fn run(args: &ImportArgs) -> anyhow::Result<()> {
             "--out {name}: something is there already; choose another name, or move it away"
         )));
     }
-    let rig = read_rig(&args.file)?;
+    let rig = read_noting(&args.file, args.eye_at)?;
     let files = write_rig(&rig, stem).map_err(anyhow::Error::msg)?;
     let folder = args.out.parent().unwrap_or(Path::new(""));
     if folder != Path::new("") {
@@ -67,7 +83,7 @@ pub(crate) fn run(args: &ImportArgs) -> anyhow::Result<()> {
         panels: rig.panels.len(),
         files: names,
     };
-    let mut text = format!("{} panels\n", report.panels);
+    let mut text = format!("{}\n", counted(report.panels, "panel"));
     for file in &report.files {
         text.push_str(file);
         text.push('\n');

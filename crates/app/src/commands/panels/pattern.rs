@@ -34,7 +34,7 @@ pub(crate) struct PatternArgs {
     /// Columns and rows.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: [u32; 2],
-    /// The PNG file to write.
+    /// The file to write, a PNG.
     #[arg(long, value_name = "FILE.png")]
     out: PathBuf,
     /// One JSON object on stdout.
@@ -54,6 +54,14 @@ pub(crate) fn run(args: &PatternArgs) -> anyhow::Result<()> {
     if w.max(h) > MOST || w.min(h) == 0 {
         let range = format!("sides of 1 to {MOST} pixels, as 1600x1200");
         return Err(output::out_of_range("--size", format!("{w}x{h}"), &range).into());
+    }
+    let ending = args.out.extension().map(|it| it.to_string_lossy());
+    if let Some(ending) = ending.filter(|it| !it.eq_ignore_ascii_case("png")) {
+        let file = args.out.display();
+        return Err(output::WrongUsage(format!(
+            "--out {file}: pictures are written as PNG, not {ending}; end it in .png"
+        ))
+        .into());
     }
     let (name, image) = match args.pattern {
         PatternName::Grid => ("grid", grid(args.size)),

@@ -1,13 +1,14 @@
 //! Which rig, whose eye, which source, and where does that lie?
 
 use crate::options::policy::parse_size;
+use crate::report::output::say;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use foveal_core::view::panel::fit::{PlacementRule, SourceFit, SourceSize, fit};
 use foveal_core::view::panel::rig::{Panel, Rig};
 use foveal_core::view::surface::Eye;
 use foveal_media::VideoInput;
-use foveal_scene::rig::read_rig;
+use foveal_scene::rig::read_rig_seen_from;
 use std::path::{Path, PathBuf};
 
 /// Whose panels are served together.
@@ -77,7 +78,7 @@ pub(crate) struct RigArgs {
 impl RigArgs {
     /// Reads the rig.
     pub(crate) fn read(&self) -> anyhow::Result<Rig> {
-        Ok(read_rig(&self.rig)?)
+        read_noting(&self.rig, None)
     }
 
     /// The panels that are asked for.
@@ -100,6 +101,15 @@ impl RigArgs {
         let found = fit(panels, rule, source);
         found.with_context(|| format!("{}: no source can be placed", self.rig.display()))
     }
+}
+
+/// Reads a rig, and says what of its file is left out.
+pub(super) fn read_noting(path: &Path, eye: Option<[f64; 3]>) -> anyhow::Result<Rig> {
+    let found = read_rig_seen_from(path, eye)?;
+    for note in &found.notes {
+        say(&format!("{}: {note}", path.display()));
+    }
+    Ok(found.rig)
 }
 
 /// What is drawn for the window where it is written as `WxH`, else a picture or video file.

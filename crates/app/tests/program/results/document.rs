@@ -25,7 +25,7 @@ const TEXT: &str = include_str!("../../../../../docs/formats/results.md");
 const HEADER: [&str; 4] = ["key", "unit", "meaning", "when"];
 /// Whose unit another key tells.
 pub(super) const TOLD: &str = "as told";
-const UNITS: [&str; 36] = [
+const UNITS: [&str; 38] = [
     TOLD,
     "1/degree²",
     "1/minute",
@@ -45,10 +45,12 @@ const UNITS: [&str; 36] = [
     "dB",
     "degrees",
     "degrees/s",
+    "dioptres",
     "frame number",
     "frames",
     "frames/s",
     "m",
+    "mm",
     "ms",
     "number",
     "path",

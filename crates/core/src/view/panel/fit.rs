@@ -1,13 +1,12 @@
 //! Where should the source lie, and how many pixels of it does each panel use?
 
-use super::curved::best_curved;
-use super::distortion::GREEN;
+use super::drawn_grid::DrawnGrid;
 use super::pixel_map::PixelMap;
 use super::placement::{Placement, SourceProjection};
-use super::plane::{best_plane, least_sigma};
-use super::residual_grid::ResidualGrid;
+use super::placing::curved::best_curved;
+use super::placing::plane::{best_plane, least_sigma};
+use super::placing::samples::{PanelSamples, cone_of};
 use super::rig::Panel;
-use super::samples::{PanelSamples, cone_of};
 use super::seed::SeedPlane;
 use super::share::seen_share;
 use crate::view::axes::Axes;
@@ -20,12 +19,6 @@ const SEARCHED: u32 = 9;
 const JUDGED: u32 = 65;
 /// Minified by less than this nothing is: sizes are whole.
 const EVEN: f64 = 1.01;
-/// Columns of the coarsest grid of residuals, in pixels, and the error that makes it finer.
-const COARSEST: u32 = 32;
-const FINEST: u32 = 4;
-const GRID_ERROR: f64 = 1.0 / 64.0;
-/// Grids of more places get no finer.
-const MANY_NODES: usize = 1 << 18;
 
 /// How the source is placed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -182,7 +175,10 @@ pub fn fit(
     let need = placement.extent().map(|side| side / sigma);
     let size = source.unwrap_or(need.map(|side| libm::ceil(side - 1e-6).max(1.0) as u32));
     let fits = judged.iter().map(|it| panel_fit(it, &placement, size));
-    let errors = panels.iter().map(|it| map_error(it, &placement, size));
+    let errors = panels.iter().map(|panel| {
+        let drawn = DrawnGrid::of(panel, &placement);
+        drawn.map_or(0.0, |it| it.error(panel, &placement, size))
+    });
     Ok(SourceFit {
         placement,
         name,
@@ -378,73 +374,4 @@ pub fn covered(map: &PixelMap<'_>) -> f64 {
     });
     let parts = f64::from(4 * PARTS * PARTS);
     areas.sum::<f64>() * size[0] * size[1] / parts
-}
-
-/// The grid of residuals that a bent panel is drawn by: places at most 32 pixels apart, closer
-/// where the distortion asks for it. `None` of a flat one.
-#[must_use]
-pub fn drawn_grid(panel: &Panel, channel: usize) -> Option<ResidualGrid> {
-    if panel.distortion.is_none() {
-        return None;
-    }
-    let mut cell = COARSEST;
-    loop {
-        let grid = grid_of(panel, channel, cell);
-        let error = grid_error(panel, channel, &grid);
-        if cell <= FINEST || error <= GRID_ERROR || grid.residuals.len() > MANY_NODES {
-            return Some(grid);
-        }
-        cell /= 2;
-    }
-}
-
-fn grid_of(panel: &Panel, channel: usize, cell: u32) -> ResidualGrid {
-    let size = panel.view.size;
-    let nodes = size.map(|side| side.div_ceil(cell) as usize + 1);
-    ResidualGrid::over(size, nodes, |place| {
-        match panel.distortion.ideal(&panel.view, place, channel) {
-            Some(bent) => [0, 1].map(|k| bent.place[k] - place[k]),
-            None => [f64::NAN; 2],
-        }
-    })
-}
-
-/// Most panel pixels between a grid and the distortion, by the middles of cells and their edges.
-fn grid_error(panel: &Panel, channel: usize, grid: &ResidualGrid) -> f64 {
-    let off = between(panel, channel, grid).map(|(_, error)| error);
-    off.fold(0.0, f64::max)
-}
-
-/// Places between a grid's, with how far it is from the distortion there, in panel pixels.
-fn between<'a>(
-    panel: &'a Panel,
-    channel: usize,
-    grid: &'a ResidualGrid,
-) -> impl Iterator<Item = ([f64; 2], f64)> + 'a {
-    let halves =
-        move |k: usize| (0..2 * (grid.nodes[k] - 1)).map(move |n| n as f64 * grid.step[k] / 2.0);
-    let places = halves(1).flat_map(move |y| halves(0).map(move |x| [x, y]));
-    places.filter_map(move |place| {
-        let told = grid.ideal(place)?.place;
-        let true_place = panel.distortion.ideal(&panel.view, place, channel)?.place;
-        let [x, y] = [0, 1].map(|k| told[k] - true_place[k]);
-        Some((place, (x * x + y * y).sqrt()))
-    })
-}
-
-/// The same in source pixels, at most.
-fn map_error(panel: &Panel, placement: &Placement, size: [u32; 2]) -> f64 {
-    let Some(grid) = drawn_grid(panel, GREEN) else {
-        return 0.0;
-    };
-    let map = PixelMap {
-        panel,
-        placement,
-        size,
-    };
-    let errors = between(panel, GREEN, &grid).filter_map(|(place, error)| {
-        let found = map.at(place)?;
-        Some(error * found.sigma()[0])
-    });
-    errors.fold(0.0, f64::max)
 }

@@ -4,18 +4,17 @@
 //! are in distances from the eye to the panel, places are pixels with centres at +0.5, rows down.
 
 pub mod alpha;
-mod curved;
 pub mod distortion;
+pub mod drawn_grid;
+pub mod eye_blur;
 pub mod fit;
 pub mod footprint;
-mod hull;
 pub mod lens;
 pub mod pixel_map;
 pub mod placement;
-mod plane;
+mod placing;
 pub mod residual_grid;
 pub mod rig;
-mod samples;
 pub mod seed;
 pub mod share;
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use super::footprint::Probes;
 use super::pixel_map::PixelMap;
 use super::placement::Placement;
+use super::placing::samples::PanelSamples;
 use super::rig::Panel;
-use super::samples::PanelSamples;
 
 /// Most columns and rows that are tried of a source.
 const MOST_TRIED: u32 = 1024;

@@ -6,6 +6,8 @@
 mod archive;
 pub(super) mod mesh;
 pub(super) mod mpcdi;
+mod mpcdi_files;
+mod space_map;
 mod warp_map;
 pub(super) mod written_mpcdi;
 pub(super) mod written_toml;

@@ -5,7 +5,6 @@
 
 use foveal_core::view::panel::rig::{MOST_PANELS, Rig};
 
-use super::super::alpha;
 use super::super::checked;
 use super::super::entries::{
     EyeEntry, OutputEntry, PanelEntry, PoseEntry, PoseOrder, RigEntries, RigFormat, ScanoutEntry,
@@ -14,43 +13,31 @@ use super::super::entries::{
 use super::super::error::{NEXT, RigFault, WrongKey};
 use super::super::pfm::ReadBeside;
 use super::archive::Archive;
+use super::mpcdi_files::{MpcdiFiles, MpcdiFilling, named};
+use super::space_map::SpaceMap;
 use super::warp_map::WarpMap;
 use super::xml::{XmlElement, parse};
 
 /// Most bytes of the document.
 const MOST_XML: u64 = 1 << 24;
-/// Most pixels of all maps of a file: 32 displays of 1920 x 1080.
-const MOST_MAPPED: u64 = 1 << 26;
-/// Bytes of a float map's header.
-const HEADER: u64 = 256;
-/// Bytes of a picture beside two for each of its pixels in four channels.
-const PNG_BESIDE: u64 = 1 << 20;
 /// Largest angle from the axis, in degrees.
 const WIDEST: f64 = 89.9;
 
-/// Where the files of an MPCDI lie: in it, or beside a bare document.
-enum MpcdiFiles<'a> {
-    Zipped(Archive<'a>),
-    Beside(ReadBeside<'a>),
+/// What an MPCDI tells of.
+#[derive(Debug, PartialEq)]
+pub(in super::super) struct MpcdiRig {
+    pub(in super::super) rig: Rig,
+    /// What it says besides and is left out.
+    pub(in super::super) notes: Vec<String>,
 }
 
-impl MpcdiFiles<'_> {
-    fn read(&mut self, name: &str, most: u64) -> Result<Vec<u8>, String> {
-        match self {
-            Self::Zipped(archive) => archive.read(name, most),
-            Self::Beside(read) => {
-                let bytes = read(name)?;
-                match bytes.len() as u64 > most {
-                    true => Err(format!("is longer than the {most} bytes it can need")),
-                    false => Ok(bytes),
-                }
-            }
-        }
-    }
-}
-
-/// Reads an MPCDI, zipped or not; `beside` reads what a bare document names.
-pub(in super::super) fn read(bytes: &[u8], beside: ReadBeside<'_>) -> Result<Rig, RigFault> {
+/// Reads an MPCDI, zipped or not; `beside` reads what a bare document names. Points in space are
+/// seen from an eye so many metres to the right of, above and behind their origin.
+pub(in super::super) fn read(
+    bytes: &[u8],
+    beside: ReadBeside<'_>,
+    eye: Option<[f64; 3]>,
+) -> Result<MpcdiRig, RigFault> {
     let whole = |what: String| RigFault::new("", what, "export it again");
     let (text, files) = match Archive::is_one(bytes) {
         true => {
@@ -69,7 +56,10 @@ pub(in super::super) fn read(bytes: &[u8], beside: ReadBeside<'_>) -> Result<Rig
     })?;
     let text = text.trim_start_matches('\u{feff}');
     let document = parse(text)?;
-    MpcdiDocument::of(XmlElement::root(&document))?.rig(files)
+    let mut filling = MpcdiFilling::of(files, eye);
+    let rig = MpcdiDocument::of(XmlElement::root(&document))?.rig(&mut filling)?;
+    let notes = filling.notes;
+    Ok(MpcdiRig { rig, notes })
 }
 
 /// What the pictures of a document are for.
@@ -77,8 +67,10 @@ pub(in super::super) fn read(bytes: &[u8], beside: ReadBeside<'_>) -> Result<Rig
 enum MpcdiProfile {
     /// One flat picture: a region shows the part where it lies.
     Flat,
-    /// Directions from an eye.
+    /// Directions from an eye; where there are maps of profile a3, points that it sees.
     Eye,
+    /// Points that projectors light, wherever the eye is.
+    Lamps,
 }
 
 /// A document whose outline is sound.
@@ -111,11 +103,8 @@ impl<'a> MpcdiDocument<'a> {
         let profile = match profile.to_ascii_lowercase().as_str() {
             "2d" => MpcdiProfile::Flat,
             "3d" | "a3" => MpcdiProfile::Eye,
-            "sl" => {
-                let what = "profile sl tells where projectors stand, not what an eye sees";
-                return Err(root.fault("profile", format!("{what}: export profile 3d")));
-            }
-            _ => return Err(root.fault("profile", "is none of 2d, 3d, a3")),
+            "sl" => MpcdiProfile::Lamps,
+            _ => return Err(root.fault("profile", "is none of 2d, 3d, a3, sl")),
         };
         let mut regions: Vec<MpcdiRegion<'_>> = Vec::new();
         let displays = root.children("display");
@@ -138,49 +127,79 @@ impl<'a> MpcdiDocument<'a> {
         }
     }
 
-    fn rig(&self, mut files: MpcdiFiles<'_>) -> Result<Rig, RigFault> {
+    fn rig(&self, filling: &mut MpcdiFilling<'_>) -> Result<Rig, RigFault> {
         let first = &self.regions[0];
         let screen = (self.profile == MpcdiProfile::Flat).then_some([first.aspect, 1.0]);
+        let spaces = self.regions.iter().map(|it| self.space_of(it, filling));
+        let spaces: Vec<Option<SpaceMap>> = spaces.collect::<Result<_, _>>()?;
+        let panels = self.regions.iter().zip(&spaces).map(|(region, space)| {
+            let (pose, tangents) = match (screen, space) {
+                (Some(screen), _) => (PoseEntry::default(), region.on_screen(screen)),
+                (None, Some(space)) => around(space),
+                (None, None) => region.before_eye()?,
+            };
+            Ok(region.entry(pose, tangents))
+        });
         let entries = RigEntries {
             format: RigFormat::TiledView1,
             mirror: false,
             ipd_mm: 63.0,
             screen,
-            panel: self
-                .regions
-                .iter()
-                .map(|it| it.entry(screen))
-                .collect::<Result<_, _>>()?,
+            panel: panels.collect::<Result<_, RigFault>>()?,
         };
         let nothing = |_: &str| Err("is not read".to_owned());
         let mut rig = checked::rig(&entries, &nothing).map_err(|wrong| self.fault(&wrong))?;
-        let mut left = MOST_MAPPED;
-        for (region, panel) in self.regions.iter().zip(&mut rig.panels) {
+        let all = self.regions.iter().zip(spaces).zip(&mut rig.panels);
+        for ((region, space), panel) in all {
             let Some(set) = self.files_of(region) else {
                 continue;
             };
-            let alpha = set.child("alphaMap").filter(|it| it.said("path").is_some());
-            let warp = set
-                .child("geometryWarpFile")
-                .filter(|it| it.said("path").is_some());
-            let maps = u64::from(alpha.is_some()) + u64::from(warp.is_some());
-            let [w, h] = region.size.map(u64::from);
-            let needed = (w * h).saturating_mul(maps);
-            if needed > left {
-                let what = format!("all maps have more than {MOST_MAPPED} pixels");
-                return Err(region.element.fault("", what));
-            }
-            left -= needed;
-            let alpha = alpha.map(|it| read_alpha(it, region.size, &mut files));
-            let alpha = alpha.transpose()?;
-            let warp = match warp {
-                Some(warp) => self.read_warp(warp, region.size, &mut files)?,
-                None => WarpMap::Even,
+            let alpha = filling.shares((region.element, region.size), set, "alphaMap")?;
+            let warp = match (space, named(set, "geometryWarpFile")) {
+                (Some(space), _) => space.map,
+                (None, Some(warp)) => {
+                    let read = |bytes: &[u8]| WarpMap::read(bytes, region.size);
+                    filling.floats((region.element, region.size), warp, &read)?
+                }
+                (None, None) => WarpMap::Even,
             };
             let bent = warp.bend(panel, alpha);
             bent.map_err(|what| set.fault("geometryWarpFile", what))?;
+            panel.black = filling.black((region.element, region.size), set)?;
         }
         Ok(rig)
+    }
+
+    /// The points that a region lights, where a map tells them.
+    fn space_of(
+        &self,
+        region: &MpcdiRegion<'a>,
+        filling: &mut MpcdiFilling<'_>,
+    ) -> Result<Option<SpaceMap>, RigFault> {
+        let profile = self.root.said("profile").unwrap_or_default();
+        if !["a3", "sl"]
+            .iter()
+            .any(|it| profile.eq_ignore_ascii_case(it))
+        {
+            return Ok(None);
+        }
+        let set = self.files_of(region);
+        let warp = set.and_then(|set| named(set, "geometryWarpFile"));
+        let Some(warp) = warp else {
+            return match self.profile {
+                MpcdiProfile::Lamps => {
+                    let what = "a projector of profile sl that tells where it stands and not what \
+                                it lights: export profile a3 or 3d";
+                    Err(region.element.fault("geometryWarpFile", what))
+                }
+                _ => Ok(None),
+            };
+        };
+        let eye = filling.eye_before(warp)?;
+        let read = |bytes: &[u8]| SpaceMap::read(bytes, region.size, eye);
+        filling
+            .floats((region.element, region.size), warp, &read)
+            .map(Some)
     }
 
     /// The files of a region: in it, else anywhere with its id.
@@ -189,24 +208,6 @@ impl<'a> MpcdiDocument<'a> {
         let id = region.element.attribute("id");
         let named = |it: &XmlElement<'_>| id.is_some() && it.attribute("region") == id;
         own.or_else(|| self.root.all_within("fileset").find(named))
-    }
-
-    fn read_warp(
-        &self,
-        warp: XmlElement<'_>,
-        size: [u32; 2],
-        files: &mut MpcdiFiles<'_>,
-    ) -> Result<WarpMap, RigFault> {
-        let profile = self.root.said("profile").unwrap_or_default();
-        if profile.eq_ignore_ascii_case("a3") {
-            let what = "a map of profile a3 tells points in space: export profile 3d";
-            return Err(warp.fault("", what));
-        }
-        let path = warp.said("path").unwrap_or_default();
-        let most = u64::from(size[0]) * u64::from(size[1]) * 12 + HEADER;
-        let found = files.read(path, most);
-        let found = found.and_then(|bytes| WarpMap::read(&bytes, size));
-        found.map_err(|what| warp.fault("path", format!("{} {what}", shortened(path))))
     }
 
     /// What the check of a rig calls wrong, by the region that says it.
@@ -228,24 +229,24 @@ impl<'a> MpcdiDocument<'a> {
     }
 }
 
-fn read_alpha(
-    alpha: XmlElement<'_>,
-    size: [u32; 2],
-    files: &mut MpcdiFiles<'_>,
-) -> Result<foveal_core::view::panel::alpha::AlphaMap, RigFault> {
-    let path = alpha.said("path").unwrap_or_default();
-    let gamma = alpha.number("gammaEmbedded")?.unwrap_or(1.0);
-    if !(0.01..=100.0).contains(&gamma) {
-        return Err(alpha.fault("gammaEmbedded", format!("{gamma} is not 0.01 to 100")));
-    }
-    let most = u64::from(size[0]) * u64::from(size[1]) * 8 + PNG_BESIDE;
-    let found = files.read(path, most);
-    let found = found.and_then(|bytes| alpha::read(&bytes, size, gamma));
-    found.map_err(|what| alpha.fault("path", format!("{} {what}", shortened(path))))
-}
-
-fn shortened(path: &str) -> String {
-    format!("{:?}", path.chars().take(80).collect::<String>())
+/// The flat panel round what a map of points tells.
+fn around(space: &SpaceMap) -> (PoseEntry, TangentsEntry) {
+    let [yaw, pitch] = space.yaw_pitch.map(|it| Some(it.to_degrees()));
+    let pose = PoseEntry {
+        order: Some(PoseOrder::YawPitchRoll),
+        roll: Some(0.0),
+        pitch,
+        yaw,
+        quaternion: None,
+    };
+    let [left, right, up, down] = space.tangents;
+    let tangents = TangentsEntry {
+        left,
+        right,
+        up,
+        down,
+    };
+    (pose, tangents)
 }
 
 impl<'a> MpcdiRegion<'a> {
@@ -309,12 +310,8 @@ impl<'a> MpcdiRegion<'a> {
         })
     }
 
-    fn entry(&self, screen: Option<[f64; 2]>) -> Result<PanelEntry, RigFault> {
-        let (pose, tangents) = match screen {
-            Some(screen) => (PoseEntry::default(), self.on_screen(screen)),
-            None => self.before_eye()?,
-        };
-        Ok(PanelEntry {
+    fn entry(&self, pose: PoseEntry, tangents: TangentsEntry) -> PanelEntry {
+        PanelEntry {
             id: self.id.clone(),
             eye: EyeEntry::Both,
             pixels: self.size,
@@ -333,7 +330,7 @@ impl<'a> MpcdiRegion<'a> {
             alpha: None,
             gain: [1.0; 3],
             black: 0.0,
-        })
+        }
     }
 
     fn on_screen(&self, [width, height]: [f64; 2]) -> TangentsEntry {

@@ -31,9 +31,17 @@ impl WarpMap {
     /// above; from below where the picture would else be upside down.
     pub(super) fn read(bytes: &[u8], size: [u32; 2]) -> Result<Self, String> {
         let map = FloatMap::of(bytes, size)?;
+        Self::by_lines(size, &|line, column| map.pair(line, column))
+    }
+
+    /// The same of shares to the right and up by line and column.
+    pub(super) fn by_lines(
+        size: [u32; 2],
+        pair: &dyn Fn(usize, usize) -> [f64; 2],
+    ) -> Result<Self, String> {
         let rows = size[1] as usize;
         let from_above = |row: usize, column: usize| {
-            let [right, up] = map.pair(row, column);
+            let [right, up] = pair(row, column);
             [right, 1.0 - up]
         };
         let from_below = |row: usize, column: usize| from_above(rows - 1 - row, column);

@@ -14,7 +14,7 @@ use proptest::prelude::*;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-use super::super::interchange::mpcdi;
+use super::super::interchange::mpcdi::{self, MpcdiRig};
 use super::super::pfm;
 use super::super::places::RigSyntax;
 use super::super::{parse_rig, read_any_mpcdi, write_mpcdi, write_rig};
@@ -28,7 +28,11 @@ pub(super) fn nothing(_: &str) -> Result<Vec<u8>, String> {
 }
 
 fn read(bytes: &[u8]) -> Result<Rig, String> {
-    mpcdi::read(bytes, &nothing).map_err(|fault| fault.to_string())
+    noted(bytes, None).map(|found| found.rig)
+}
+
+pub(super) fn noted(bytes: &[u8], eye: Option<[f64; 3]>) -> Result<MpcdiRig, String> {
+    mpcdi::read(bytes, &nothing, eye).map_err(|fault| fault.to_string())
 }
 
 /// Places that a panel shows of a source, by columns and rows as they are sent.
@@ -148,7 +152,7 @@ proptest! {
 }
 
 /// A zip of files.
-fn zipped(files: &[(&str, &[u8])]) -> Vec<u8> {
+pub(super) fn zipped(files: &[(&str, &[u8])]) -> Vec<u8> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in files {
         zip.start_file(*name, SimpleFileOptions::default()).unwrap();
@@ -157,14 +161,14 @@ fn zipped(files: &[(&str, &[u8])]) -> Vec<u8> {
     zip.finish().unwrap().into_inner()
 }
 
-const FRUSTUM: &str = "<frustum><yaw>10</yaw><pitch>5</pitch><roll>-3</roll>\
+pub(super) const FRUSTUM: &str = "<frustum><yaw>10</yaw><pitch>5</pitch><roll>-3</roll>\
     <rightAngle>20</rightAngle><leftAngle>-25</leftAngle><upAngle>15</upAngle>\
     <downAngle>-12</downAngle></frustum>";
 const SET: &str = "<fileset region=\"a\"><geometryWarpFile><path>a.pfm</path>\
     <interpolation>linear</interpolation></geometryWarpFile></fileset>";
 
 /// A document of one region of 8 x 6 pixels, what stands in it, and what stands in the end.
-fn document(within: &str, after: &str) -> String {
+pub(super) fn document(within: &str, after: &str) -> String {
     format!(
         "<?xml version=\"1.0\"?>\n<MPCDI profile=\"3d\" geometry=\"1\" version=\"2.0\">\n\
          <display><buffer id=\"b\" xResolution=\"8\" yResolution=\"6\">\n\
@@ -242,7 +246,8 @@ fn all_that_writers_disagree_in_is_read() {
             .then(|| map.clone())
             .ok_or_else(String::new)
     };
-    assert_eq!(mpcdi::read(usual.as_bytes(), &beside).unwrap(), expected);
+    let found = mpcdi::read(usual.as_bytes(), &beside, None).unwrap();
+    assert_eq!((found.rig, found.notes), (expected, Vec::new()));
     // Regions of a buffer that has no pixels are displays of their own.
     let alone = usual.replacen(" xResolution=\"8\" yResolution=\"6\"", "", 1);
     let found = read(&zipped(&[("a.xml", alone.as_bytes()), ("a.pfm", &map)])).unwrap();
@@ -335,10 +340,6 @@ fn wrong_documents() -> [WrongDocument; 16] {
     let sound = document(FRUSTUM, "");
     [
         (sound.replace("MPCDI", "HTML"), &["line 2", "no MPCDI"]),
-        (
-            sound.replace("\"3d\"", "\"sl\""),
-            &["line 2", "profile", "export profile 3d"],
-        ),
         (sound.replace("\"3d\"", "\"4d\""), &["line 2", "none of"]),
         (
             document("", ""),
@@ -393,7 +394,11 @@ fn wrong_documents() -> [WrongDocument; 16] {
         ),
         (
             document(FRUSTUM, SET).replace("3d", "a3"),
-            &["line 5", "geometryWarpFile", "points in space"],
+            &["line 5", "originOf3DData", "--eye-at"],
+        ),
+        (
+            document(FRUSTUM, "").replace("3d", "sl"),
+            &["line 4", "profile sl", "export profile a3"],
         ),
     ]
 }
@@ -498,7 +503,7 @@ fn an_element_of_very_many_attributes_is_refused_at_once() {
         format!("<MPCDI{attributes}/>"),
         (0..300).map(|k| format!("<a xmlns:b{k}=\"c\">")).collect(),
     ] {
-        let refused = mpcdi::read(text.as_bytes(), &|_| Err(String::new())).unwrap_err();
+        let refused = mpcdi::read(text.as_bytes(), &|_| Err(String::new()), None).unwrap_err();
         assert!(refused.to_string().contains("more than 200"), "{refused}");
     }
 }

@@ -2,6 +2,7 @@
 
 mod foreign;
 mod meshes;
+mod points;
 mod refused;
 
 use std::path::{Path, PathBuf};

@@ -2,6 +2,7 @@
 
 use super::super::pattern;
 use super::drawn_rig::DrawnRig;
+use super::legend::Legend;
 use crate::report::colour_ramp::fire;
 use foveal_core::view::panel::footprint::{MOST_PROBES, Probes};
 use foveal_core::view::panel::rig::Panel;
@@ -15,8 +16,16 @@ const GAP: u32 = 8;
 const IN_A_ROW: usize = 4;
 /// Columns and rows of the source of a filter's figure, at most.
 const MOST_SOURCE: u32 = 4096;
-/// Samples along a pixel's side in the picture of the grid.
-const SAMPLES: u32 = 3;
+/// Lines across the longer side of the source in the picture of the grid, how wide one is of the
+/// way to the next, and the colours of the middle, of every eighth, of others, and between.
+const LINES: f64 = 48.0;
+const LINE_WIDTH: f64 = 0.14;
+const GRID_COLOURS: [[f64; 3]; 4] = [
+    [255.0, 60.0, 40.0],
+    [255.0, 220.0, 60.0],
+    [235.0; 3],
+    [24.0; 3],
+];
 /// Between panels, and where nothing is lit.
 const GROUND: [u8; 4] = [255, 255, 255, 255];
 const UNLIT: [u8; 4] = [0, 0, 0, 255];
@@ -59,62 +68,116 @@ fn shown_size(panel: &Panel) -> [u32; 2] {
     [w, h].map(|side| ((side * scale) as u32).max(1))
 }
 
-/// A grid as each panel shows it.
+/// A grid as each panel shows it: light lines on dark, every eighth yellow, those through the
+/// middle red. What of a line lies within a pixel is computed, so that close lines fade to grey.
 pub(super) fn grid(rig: &DrawnRig<'_>) -> RgbaImage {
-    let size = rig.found.size;
+    let size = rig.found.size.map(f64::from);
     // As many lines whatever the size.
-    let scale = 1600.0 / f64::from(size[0]);
-    let picture = pattern::grid(size.map(|side| (f64::from(side) * scale).ceil().max(1.0) as u32));
+    let pitch = size[0].max(size[1]) / LINES;
     sheet(rig.panels, |panel, place, step| {
-        let mut sum = [0_u32; 3];
-        for sample in pixels([SAMPLES; 2]) {
-            let off = sample.map(|k| (f64::from(k) + 0.5) / f64::from(SAMPLES) - 0.5);
-            let place = [0, 1].map(|k| place[k] + off[k] * step);
-            let Some(seen) = rig.map_of(panel).at(place) else {
-                continue;
-            };
-            let at = seen.place.map(|it| it * scale);
-            if (0..2).all(|k| at[k] >= 0.0 && at[k] < f64::from(picture.size[k])) {
-                let pixel = picture.pixel(at.map(|it| it as u32));
-                for (sum, own) in sum.iter_mut().zip(pixel) {
-                    *sum += u32::from(own);
-                }
-            }
+        let Some(seen) = rig.map_of(panel).at(place) else {
+            return UNLIT;
+        };
+        if !(0..2).all(|k| (0.0..=size[k]).contains(&seen.place[k])) {
+            return UNLIT;
         }
-        let [r, g, b] = sum.map(|it| (it / (SAMPLES * SAMPLES)) as u8);
+        let axes = [0, 1].map(|k| {
+            let [x, y] = seen.jacobian[k];
+            let width = x.hypot(y) * step / pitch;
+            lines_within((seen.place[k] - size[k] / 2.0) / pitch, width)
+        });
+        // Shares that are not red; neither red nor yellow; on no line.
+        let without = [0, 1, 2].map(|k| (1.0 - axes[0][k]) * (1.0 - axes[1][k]));
+        let shares = [
+            1.0 - without[0],
+            without[0] - without[1],
+            without[1] - without[2],
+            without[2],
+        ];
+        let mixed = [0, 1, 2].map(|k| {
+            let parts = shares.iter().zip(GRID_COLOURS);
+            parts.map(|(share, colour)| share * colour[k]).sum::<f64>()
+        });
+        let [r, g, b] = mixed.map(|it| it.round() as u8);
         [r, g, b, 255]
     })
+}
+
+/// Shares of a stretch about a place, one wide at least a little, that lie on line 0, on every
+/// eighth, and on any; lines stand at whole numbers.
+fn lines_within(middle: f64, width: f64) -> [f64; 3] {
+    let width = width.max(1e-6);
+    let (low, high) = (middle - width / 2.0, middle + width / 2.0);
+    let first = (high.min(LINE_WIDTH / 2.0) - low.max(-LINE_WIDTH / 2.0)).max(0.0);
+    let every = |period: f64| {
+        // Of all lines below a place, how much.
+        let below = |at: f64| {
+            let at = at + LINE_WIDTH / 2.0;
+            let number = (at / period).floor();
+            number * LINE_WIDTH + (at - number * period).min(LINE_WIDTH)
+        };
+        below(high) - below(low)
+    };
+    [first, every(8.0), every(1.0)].map(|it| (it / width).clamp(0.0, 1.0))
 }
 
 /// By how much the source is magnified: black where it has two pixels or more for each along the
 /// most magnified way, brighter up to eight times magnified.
 pub(super) fn magnification(rig: &DrawnRig<'_>) -> RgbaImage {
-    sheet(rig.panels, |panel, place, _| {
+    let colour = |share: f64| {
+        let [r, g, b] = fire(share as f32);
+        [r, g, b, 255]
+    };
+    let drawn = sheet(rig.panels, |panel, place, _| {
         let Some(seen) = rig.map_of(panel).at(place) else {
             return UNLIT;
         };
         let [_, least] = seen.sigma();
-        let [r, g, b] = fire(((1.0 - least.log2()) / 4.0) as f32);
-        [r, g, b, 255]
-    })
+        colour((1.0 - least.log2()) / 4.0)
+    });
+    let legend = Legend {
+        caption: "MAGNIFICATION",
+        ticks: &[
+            ("0.5", 0.0),
+            ("1", 0.25),
+            ("2", 0.5),
+            ("4", 0.75),
+            ("8", 1.0),
+        ],
+        colour: &colour,
+    };
+    legend.below(&drawn)
 }
 
 /// How many of Feline's samples a pixel takes: grey for one, brighter for more.
 pub(super) fn probes(rig: &DrawnRig<'_>) -> RgbaImage {
     let [w, h] = rig.found.size;
     let last = f64::from(w.max(h)).log2();
-    sheet(rig.panels, |panel, place, _| {
+    let colour = |count: u32| match count {
+        0 | 1 => [96, 96, 96, 255],
+        count => {
+            let [r, g, b] = fire(0.35 + 0.65 * (f64::from(count).log2() / 4.0) as f32);
+            [r, g, b, 255]
+        }
+    };
+    let drawn = sheet(rig.panels, |panel, place, _| {
         let Some(seen) = rig.map_of(panel).at(place) else {
             return UNLIT;
         };
-        match Probes::of(seen.jacobian, MOST_PROBES, last).count {
-            0 | 1 => [96, 96, 96, 255],
-            count => {
-                let [r, g, b] = fire(0.35 + 0.65 * (f64::from(count).log2() / 4.0) as f32);
-                [r, g, b, 255]
-            }
-        }
-    })
+        colour(Probes::of(seen.jacobian, MOST_PROBES, last).count)
+    });
+    let legend = Legend {
+        caption: "SAMPLES OF FELINE",
+        ticks: &[
+            ("1", 0.0),
+            ("2", 0.25),
+            ("4", 0.5),
+            ("8", 0.75),
+            ("16", 1.0),
+        ],
+        colour: &|share| colour((4.0 * share).exp2().round() as u32),
+    };
+    legend.below(&drawn)
 }
 
 /// The most stretched panel's grid, by trilinear filtering on the left and by Feline on the right.
@@ -157,4 +220,25 @@ pub(super) fn filters(rig: &DrawnRig<'_>) -> RgbaImage {
         );
     }
     image
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_on_a_line_is_that_line_and_one_over_many_is_their_mean() {
+        for (middle, expected) in [
+            (0.0, [1.0, 1.0, 1.0]),
+            (8.0, [0.0, 1.0, 1.0]),
+            (-3.0, [0.0, 0.0, 1.0]),
+            (0.5, [0.0; 3]),
+        ] {
+            let found = lines_within(middle, 0.1);
+            let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-12, "{middle}: {found:?}");
+        }
+        let [_, eighth, any] = lines_within(2.345, 800.0);
+        assert!((any - LINE_WIDTH).abs() < 1e-9 && (eighth - LINE_WIDTH / 8.0).abs() < 1e-9);
+    }
 }

@@ -2,6 +2,7 @@
 
 mod drawings;
 mod drawn_rig;
+mod legend;
 mod maps;
 mod svg;
 

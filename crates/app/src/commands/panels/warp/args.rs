@@ -1,5 +1,6 @@
 //! What can a person ask of a warp?
 
+use super::eye::EyeArgs;
 use crate::commands::panels::filter_name::FilterName;
 use crate::commands::panels::rig_args::RigArgs;
 use crate::options::renderer::RendererName;
@@ -29,9 +30,9 @@ pub(crate) struct WarpArgs {
     /// A picture or video file, world:valley or world:gratings, or what is live: x11:root, x11:ID
     /// or x11:TITLE of a window, v4l2:DEVICE, lavfi:GRAPH.
     pub(super) source_name: String,
-    /// The folder for ID.png a panel, as the eye sees it, and atlas.png, as it is sent; moving
-    /// sources give ID/frame_00000.png and so on.
-    #[arg(long, value_name = "DIR", required_unless_present = "window")]
+    /// The folder for ID.png a panel, as the eye sees it, and atlas.png, as it is sent; a video, or
+    /// any source with --frames, gives ID/frame_00000.png and so on.
+    #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Show a window for each surface, full screen on the monitor that the rig names, until one is
     /// closed; Q or Escape closes them.
@@ -62,6 +63,8 @@ pub(crate) struct WarpArgs {
     /// DIR/compare.
     #[arg(long)]
     pub(super) compare: bool,
+    #[command(flatten)]
+    pub(super) eye: EyeArgs,
     /// Paint pixels of which Feline takes more than one sample.
     #[arg(long)]
     pub(super) show_anisotropy: bool,
@@ -87,6 +90,18 @@ pub(crate) enum StereoName {
 
 impl WarpArgs {
     pub(super) fn check(&self) -> anyhow::Result<()> {
+        if self.out.is_none() && !self.window {
+            bail!(WrongUsage(
+                "nothing says where panels are shown; give --out DIR for pictures, or --window"
+                    .to_owned()
+            ));
+        }
+        let others = [
+            ("--compare", self.compare),
+            ("--show-anisotropy", self.show_anisotropy),
+            ("--mode seed", self.mode.is_some()),
+        ];
+        self.eye.check(self.filter_name(), others)?;
         if let Some(distance) = self.distance
             && !(0.05..=1e6).contains(&distance)
         {

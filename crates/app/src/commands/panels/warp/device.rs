@@ -27,47 +27,61 @@ pub(super) struct OnGpu {
     style: WarpStyle,
 }
 
+/// What draws by a filter.
+pub(super) fn opened(renderer: RendererName, filter: FilterName) -> anyhow::Result<DrawDevice> {
+    if filter == FilterName::Ewa {
+        say("ewa is drawn on the CPU: it is what the other filters are judged by, and slow");
+        return Ok(DrawDevice::Twin);
+    }
+    match open_device(renderer)? {
+        DrawDevice::Nothing => bail!(WrongUsage(
+            "--renderer none: panels are drawn here; give gpu or cpu".to_owned()
+        )),
+        device => Ok(device),
+    }
+}
+
+/// Most pixels of a side of a source.
+pub(super) fn most_side(device: &DrawDevice) -> u32 {
+    match device {
+        DrawDevice::Gpu(gpu) => most_side_of(gpu),
+        DrawDevice::Twin | DrawDevice::Nothing => u32::MAX,
+    }
+}
+
+pub(super) fn most_side_of(gpu: &Gpu) -> u32 {
+    gpu.device.limits().max_texture_dimension_2d
+}
+
 impl WarpDevice {
-    /// A device for a plan and sources of `size`.
-    pub(super) fn open(
-        renderer: RendererName,
+    /// A device with a plan, for sources of `size`.
+    pub(super) fn new(
+        device: &DrawDevice,
         plan: WarpPlan,
         size: [u32; 2],
         (filter, paints): (FilterName, bool),
     ) -> anyhow::Result<Self> {
-        let by_ewa = filter == FilterName::Ewa;
         let style = WarpStyle {
             filter: filter.of_pass().unwrap_or_default(),
             paints,
         };
-        if by_ewa {
-            say("ewa is drawn on the CPU: it is what the other filters are judged by, and slow");
-            return Ok(Self::Twin {
-                plan,
-                style,
-                by_ewa,
-            });
-        }
-        Ok(match open_device(renderer)? {
+        Ok(match device {
             DrawDevice::Gpu(gpu) => {
-                let warper = Warper::new(&gpu);
+                let warper = Warper::new(gpu);
                 let needs_levels = style.filter.reads_levels();
                 Self::Gpu(Box::new(OnGpu {
                     plan: warper.load(&plan)?,
-                    source: SourceTexture::new(&gpu, size, needs_levels)?,
+                    source: SourceTexture::new(gpu, size, needs_levels)?,
                     warper,
-                    gpu,
+                    gpu: gpu.clone(),
                     style,
                 }))
             }
-            DrawDevice::Twin => Self::Twin {
+            DrawDevice::Twin | DrawDevice::Nothing => Self::Twin {
                 plan,
                 style,
-                by_ewa,
+                by_ewa: filter == FilterName::Ewa,
             },
-            DrawDevice::Nothing => bail!(WrongUsage(
-                "--renderer none: panels are drawn here; give gpu or cpu".to_owned()
-            )),
         })
     }
 

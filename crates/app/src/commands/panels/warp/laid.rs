@@ -4,7 +4,7 @@ use super::args::{MOST_PROBES, StereoName, WarpArgs, WarpModeName};
 use super::sent::SentLayout;
 use super::source::{EyePart, PanelSource};
 use crate::commands::panels::rig_args::{PlacementName, source_size};
-use crate::report::output::WrongUsage;
+use crate::report::output::{WrongUsage, say};
 use anyhow::bail;
 use foveal_core::view::panel::fit::{SourceFit, SourceSize};
 use foveal_core::view::panel::pixel_map::PixelMap;
@@ -19,6 +19,8 @@ use glam::DVec3;
 pub(super) struct Laid {
     pub(super) placement: &'static str,
     pub(super) size: [u32; 2],
+    /// Columns and rows that are needed, where a world has as many as that or as can be drawn.
+    pub(super) need: Option<[u32; 2]>,
     pub(super) parts: Vec<EyePart>,
 }
 
@@ -56,12 +58,13 @@ impl WarpArgs {
         args.fit(rig, panels, source)
     }
 
-    /// Places the source before the eyes: a world for each by itself, a file before all panels.
+    /// Places the source before the eyes: a world for each by itself, no larger than `most` on a
+    /// side unless its size is given, a file before all panels.
     pub(super) fn lay(
         &self,
         rig: &Rig,
         panels: &[&Panel],
-        source: &PanelSource,
+        (source, most): (&PanelSource, u32),
     ) -> anyhow::Result<Laid> {
         if panels.is_empty() {
             bail!(WrongUsage(format!(
@@ -71,7 +74,7 @@ impl WarpArgs {
         }
         let mut laid = match source.size() {
             Some(size) => self.lay_file(rig, panels, size)?,
-            None => self.lay_world(rig, panels)?,
+            None => self.lay_world(rig, panels, most)?,
         };
         if let Some(distance) = self.distance {
             for it in &mut laid.parts {
@@ -109,38 +112,71 @@ impl WarpArgs {
         Ok(Laid {
             placement: found.name,
             size,
+            need: None,
             parts: eyes.into_iter().zip(parts).map(part).collect(),
         })
     }
 
-    fn lay_world(&self, rig: &Rig, panels: &[&Panel]) -> anyhow::Result<Laid> {
+    fn lay_world(&self, rig: &Rig, panels: &[&Panel], most: u32) -> anyhow::Result<Laid> {
         let size = source_size(self.source.as_deref())?;
-        let mut laid = Laid {
-            placement: "",
-            size: [0; 2],
-            parts: Vec::new(),
-        };
+        let mut fits: Vec<(Eye, SourceFit)> = Vec::new();
         for eye in [Eye::Left, Eye::Right] {
-            let of_eye: Vec<&Panel> = panels
-                .iter()
-                .copied()
-                .filter(|it| it.view.eye == eye)
-                .collect();
-            if of_eye.is_empty() {
-                continue;
+            let of_eye = panels.iter().copied().filter(|it| it.view.eye == eye);
+            let of_eye: Vec<&Panel> = of_eye.collect();
+            if !of_eye.is_empty() {
+                fits.push((eye, self.fit(rig, &of_eye, size)?));
             }
-            let found = self.fit(rig, &of_eye, size)?;
-            let [w, h] = found.size;
-            // Below what is there: sources are wider than high, and devices draw squares.
-            laid.parts.push(EyePart {
-                eye,
-                placement: found.placement,
-                part: [0, laid.size[1], w, h],
-            });
-            laid.placement = found.name;
-            laid.size = [laid.size[0].max(w), laid.size[1] + h];
         }
-        Ok(laid)
+        // One below another: sources are wider than high, and devices draw squares.
+        let stacked = |all: &[(Eye, SourceFit)]| {
+            let sizes = all.iter().map(|(_, it)| it.size);
+            sizes.fold([0; 2], |[w, h], [own_w, own_h]| [w.max(own_w), h + own_h])
+        };
+        let need = (size == SourceSize::Needed).then(|| stacked(&fits));
+        if let Some([w, h]) = need
+            && w.max(h) > most
+        {
+            let share = f64::from(most) / f64::from(w.max(h));
+            for (_, it) in &mut fits {
+                it.size = it
+                    .size
+                    .map(|side| ((f64::from(side) * share) as u32).max(1));
+            }
+        }
+        let mut top = 0;
+        let parts = fits.iter().map(|(eye, it)| {
+            let [w, h] = it.size;
+            top += h;
+            EyePart {
+                eye: *eye,
+                placement: it.placement,
+                part: [0, top - h, w, h],
+            }
+        });
+        Ok(Laid {
+            placement: fits.last().map_or("", |(_, it)| it.name),
+            parts: parts.collect(),
+            size: stacked(&fits),
+            need,
+        })
+    }
+
+    /// Says where a world is drawn smaller than panels could show.
+    pub(super) fn tell_shrunk(&self, laid: &Laid) {
+        let Some(need) = laid.need.filter(|need| *need != laid.size) else {
+            return;
+        };
+        let ([w, h], [nw, nh]) = (laid.size, need);
+        let by = [0, 1].map(|k| f64::from(need[k]) / f64::from(laid.size[k]));
+        let instead = match self.window {
+            true => "",
+            false => "; --renderer cpu draws all of them",
+        };
+        say(&format!(
+            "the source has {w}x{h} of the {nw}x{nh} pixels that are needed: this device holds no \
+             larger one, and panels magnify it up to {:.2} times{instead}",
+            by[0].max(by[1])
+        ));
     }
 
     pub(super) fn plan(&self, panels: &[&Panel], laid: &Laid, layout: &SentLayout) -> WarpPlan {
@@ -156,7 +192,10 @@ impl WarpArgs {
             .collect();
         let plan = WarpPlan::new(&placed);
         match self.mode {
-            None => plan,
+            None => match self.eye.blur() {
+                Some(eye) => plan.seen_blurred(&placed, &eye),
+                None => plan,
+            },
             Some(WarpModeName::Seed) => {
                 let maps: Vec<Vec<SeedTexel>> = placed.iter().map(seed_map).collect();
                 plan.by_seed_maps(&maps)

@@ -2,6 +2,7 @@
 
 pub(crate) mod args;
 mod device;
+mod eye;
 pub(crate) mod laid;
 pub(crate) mod sent;
 pub(crate) mod source;
@@ -12,7 +13,8 @@ use crate::report::output;
 use crate::report::picture_file::write_png;
 use anyhow::Context;
 use args::WarpArgs;
-use device::WarpDevice;
+use device::{WarpDevice, most_side, opened};
+use eye::EyeReport;
 use foveal_core::units::counted;
 use foveal_core::view::panel::rig::{Panel, Rig};
 use foveal_media::generate::FRAMES_PER_SECOND;
@@ -34,7 +36,12 @@ struct WarpResult {
     adapter: String,
     /// Columns and rows of the source, of both eyes.
     source: [u32; 2],
+    /// Columns and rows that no panel magnifies, of a world whose size is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    need: Option<[u32; 2]>,
     multi_probe_share: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    eye_blur: Option<EyeReport>,
     panels: Vec<WarpedPanel>,
 }
 
@@ -81,6 +88,8 @@ pub(crate) fn run(args: &WarpArgs) -> anyhow::Result<()> {
         placement: ran.laid.placement,
         adapter: ran.adapter,
         source: ran.laid.size,
+        need: ran.laid.need,
+        eye_blur: args.eye.report(),
         multi_probe_share: ran.laid.multi_probe_share(&panels),
         panels: warped(&panels, &ran.judges)?,
     };
@@ -95,20 +104,22 @@ fn to_files(
     (source, out): (&mut PanelSource, &Path),
 ) -> anyhow::Result<WarpRun> {
     let layout = SentLayout::of(panels);
+    let drawer = opened(args.renderer, args.filter_name())?;
     let open = |source: &PanelSource| {
-        let laid = args.lay(rig, panels, source)?;
+        let laid = args.lay(rig, panels, (source, most_side(&drawer)))?;
         let style = (args.filter_name(), args.show_anisotropy);
         let plan = args.plan(panels, &laid, &layout);
-        let device = WarpDevice::open(args.renderer, plan, laid.size, style)?;
+        let device = WarpDevice::new(&drawer, plan, laid.size, style)?;
         anyhow::Ok((laid, device))
     };
     let (mut laid, mut device) = open(source)?;
+    args.tell_shrunk(&laid);
     std::fs::create_dir_all(out)
         .with_context(|| format!("--out {}: the folder cannot be made", out.display()))?;
     let is_endless = source.world().is_some() || source.live().is_some();
-    let several = source.moves() && (args.frames.is_some() || !is_endless);
+    let several = args.frames.is_some() || (source.moves() && !is_endless);
     let most = args.frames.unwrap_or(if is_endless { 1 } else { u32::MAX });
-    let mut judges = judges(args, panels, several)?;
+    let mut judges = judges(args, panels, several && source.moves())?;
     let mut frames = 0;
     while frames < most {
         let Some(frame) = source.frame(frames, &laid.parts)? else {
@@ -192,6 +203,7 @@ impl WarpResult {
             self.adapter,
             100.0 * self.multi_probe_share
         );
+        text.extend(self.eye_blur.iter().map(EyeReport::text));
         for panel in &self.panels {
             let Some(score) = &panel.score else { continue };
             let psnr = score

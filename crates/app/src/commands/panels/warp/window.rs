@@ -3,6 +3,7 @@
 //! Where there is one window, the pass that warps draws into it; several share what it drew.
 
 use super::args::WarpArgs;
+use super::device::most_side_of;
 use super::laid::Laid;
 use super::sent::SentLayout;
 use super::source::{PanelSource, SourceFrame};
@@ -33,7 +34,7 @@ pub(super) fn run(
     panels: &[&Panel],
     source: &mut PanelSource,
 ) -> anyhow::Result<(u32, Laid, String)> {
-    let laid = args.lay(rig, panels, source)?;
+    let laid = args.lay(rig, panels, (source, u32::MAX))?;
     let event_loop = EventLoop::new().map_err(|reason| {
         anyhow!("--window: no window can be opened: {reason}; is there a display?")
     })?;
@@ -175,7 +176,8 @@ impl App<'_> {
         }
         // A window that is captured may have another size now.
         if frame.picture.size != open.texture.size() {
-            self.laid = self.args.lay(self.rig, self.panels, self.source)?;
+            let placed = (&*self.source, most_side_of(&open.gpu));
+            self.laid = self.args.lay(self.rig, self.panels, placed)?;
             open.fit(self.args, self.panels, &self.laid)?;
         }
         open.take(&frame.picture)?;
@@ -185,7 +187,7 @@ impl App<'_> {
         Ok(Some(Duration::ZERO))
     }
 
-    fn open_windows(&self, event_loop: &ActiveEventLoop) -> anyhow::Result<Windows> {
+    fn open_windows(&mut self, event_loop: &ActiveEventLoop) -> anyhow::Result<Windows> {
         let layout = SentLayout::of(self.panels);
         let mut all = Vec::new();
         let mut shared: Option<(wgpu::Adapter, Gpu)> = None;
@@ -210,6 +212,17 @@ impl App<'_> {
             }
         }
         let (_, gpu) = shared.context("the rig has no surface")?;
+        let most = most_side_of(&gpu);
+        if self
+            .laid
+            .need
+            .is_some_and(|need| need.iter().any(|side| *side > most))
+        {
+            self.laid = self
+                .args
+                .lay(self.rig, self.panels, (&*self.source, most))?;
+            self.args.tell_shrunk(&self.laid);
+        }
         let Some(filter) = self.args.filter_name().of_pass() else {
             bail!(WrongUsage(
                 "--filter ewa: is drawn on the CPU and too slow for a window; give --out, or \

@@ -4,9 +4,8 @@ use super::sets::{panel, six, three, twelve};
 use crate::units::Radians;
 use crate::view::axes::Axes;
 use crate::view::panel::distortion::{Distortion, GREEN};
-use crate::view::panel::fit::{
-    FitError, PanelFilter, PlacementRule, SourceSize, drawn_grid, fit, place,
-};
+use crate::view::panel::drawn_grid::DrawnGrid;
+use crate::view::panel::fit::{FitError, PanelFilter, PlacementRule, SourceSize, fit, place};
 use crate::view::panel::footprint::Probes;
 use crate::view::panel::lens::{BrownConrady, Bulge, RadialPolynomial};
 use crate::view::panel::pixel_map::{PixelMap, homography};
@@ -256,13 +255,14 @@ fn grids_that_panels_are_drawn_by_follow_their_distortion() {
             distortion,
             ..panel("a", axes(0.3, 0.1, 0.0), [1.0, 0.75], [80, 60])
         };
-        let Some(grid) = drawn_grid(&panel, GREEN) else {
+        // What is seen of a sphere beside the panel is what its pixels cover of it.
+        let found = fit(&[&panel], PlacementRule::Equirect, Some([640, 480])).unwrap();
+        let Some(drawn) = DrawnGrid::of(&panel, &found.placement) else {
             assert!(panel.distortion.is_none());
             continue;
         };
-        assert!(grid.step.iter().all(|step| *step <= 32.0));
-        // What is seen of a sphere beside the panel is what its pixels cover of it.
-        let found = fit(&[&panel], PlacementRule::Equirect, Some([640, 480])).unwrap();
+        assert!(drawn.cell <= 32 && drawn.channels.len() <= 3);
+        let grid = &drawn.channels[drawn.channels.len() / 2];
         let covered = found.panels[0].density * found.panels[0].density * 4800.0;
         let seen = found.seen_share * 640.0 * 480.0;
         assert!((covered / seen - 1.0).abs() < 0.01, "{covered} {seen}");

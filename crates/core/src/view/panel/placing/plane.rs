@@ -3,8 +3,9 @@
 //! Need is the area of the rectangle round all panels over the square of the smallest singular
 //! value of d(source)/d(pixel): pixels at which no panel pixel is magnified.
 
+use super::super::distortion::GREEN;
+use super::super::placement::{Placement, SourceProjection};
 use super::hull::{TurnedRectangle, hull, least_rectangle};
-use super::placement::{Placement, SourceProjection};
 use super::samples::{FIRST_STEP, PanelSamples, cone_of, search};
 use crate::units::Radians;
 use crate::view::axes::{Axes, direction_at, yaw_pitch_from_direction};
@@ -16,7 +17,7 @@ const LEAST_DEPTH: f64 = 0.087_155_7;
 const WIDEST: f64 = 1.05;
 
 /// The axes of a direction, upright.
-pub(super) fn upright(forward: DVec3) -> Axes {
+pub(in super::super) fn upright(forward: DVec3) -> Axes {
     let (yaw, pitch) = yaw_pitch_from_direction(forward);
     Axes::from_yaw_pitch_roll(yaw, pitch, Radians(0.0))
 }
@@ -50,7 +51,10 @@ fn outermost(rays: &[DVec3], axis: DVec3) -> Option<Vec<DVec3>> {
 
 /// The smallest singular value over all panels, in the placement's own units a pixel; `None` where
 /// some pixel looks beside it.
-pub(super) fn least_sigma(all: &[PanelSamples<'_>], placement: &Placement) -> Option<f64> {
+pub(in super::super) fn least_sigma(
+    all: &[PanelSamples<'_>],
+    placement: &Placement,
+) -> Option<f64> {
     let mut least = f64::INFINITY;
     for one in all {
         for ray in &one.inner {
@@ -60,7 +64,7 @@ pub(super) fn least_sigma(all: &[PanelSamples<'_>], placement: &Placement) -> Op
         let size = one.panel.view.size.map(f64::from);
         if let Some(place) = one.panel.view.place(placement.axes.forward) {
             let nearest = [0, 1].map(|k| place[k].clamp(0.5, size[k] - 0.5));
-            let ray = one.panel.ray_at(nearest, super::distortion::GREEN);
+            let ray = one.panel.ray_at(nearest, GREEN);
             let found = ray.and_then(|ray| ray.coordinates(placement));
             least = found.map_or(least, |found| least.min(found.sigma()[1]));
         }
@@ -77,7 +81,10 @@ fn placed(axes: Axes, rectangle: TurnedRectangle) -> Placement {
 
 /// The plane that needs the fewest pixels, with a source's aspect or a free one; `None` where no
 /// plane has all panels.
-pub(super) fn best_plane(all: &[PanelSamples<'_>], aspect: Option<f64>) -> Option<Placement> {
+pub(in super::super) fn best_plane(
+    all: &[PanelSamples<'_>],
+    aspect: Option<f64>,
+) -> Option<Placement> {
     let (axis, _) = cone_of(all);
     let rays: Vec<DVec3> = all.iter().flat_map(|it| it.outer.iter().copied()).collect();
     let rays = outermost(&rays, axis)?;

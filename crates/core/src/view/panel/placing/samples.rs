@@ -1,30 +1,30 @@
 //! Where do panels look, at enough of their places to place a source by?
 
-use super::distortion::{Distortion, GREEN};
-use super::pixel_map::{PanelRay, singular_values};
-use super::rig::Panel;
+use super::super::distortion::{Distortion, GREEN};
+use super::super::pixel_map::{PanelRay, singular_values};
+use super::super::rig::Panel;
 use crate::view::axes::{angle_between, direction_at};
 use crate::view::eye_view::{EyeView, Field};
 use glam::DVec3;
 
 /// Steps of pattern searches begin at this many radians (6°) and end below the last (0.001°).
-pub(super) const FIRST_STEP: f64 = 0.104_719_755;
+pub(in super::super) const FIRST_STEP: f64 = 0.104_719_755;
 const LAST_STEP: f64 = 1.7e-5;
 
 /// The rays of one panel that placements are judged by.
-pub(super) struct PanelSamples<'a> {
-    pub(super) panel: &'a Panel,
+pub(in super::super) struct PanelSamples<'a> {
+    pub(in super::super) panel: &'a Panel,
     /// Unit rays round the lit part: no other place of the panel looks outside of them.
-    pub(super) rim: Vec<DVec3>,
+    pub(in super::super) rim: Vec<DVec3>,
     /// The corners where nothing bends, else the whole rim: what is outermost on any plane.
-    pub(super) outer: Vec<DVec3>,
+    pub(in super::super) outer: Vec<DVec3>,
     /// Centres of pixels, evenly over the panel with its outermost ones.
-    pub(super) inner: Vec<PanelRay>,
+    pub(in super::super) inner: Vec<PanelRay>,
 }
 
 impl<'a> PanelSamples<'a> {
     /// With `count` x `count` inner pixels.
-    pub(super) fn of(panel: &'a Panel, count: u32) -> Self {
+    pub(in super::super) fn of(panel: &'a Panel, count: u32) -> Self {
         let size = panel.view.size;
         let centres = |side: u32| -> Vec<f64> {
             let last = (count - 1).max(1);
@@ -47,7 +47,7 @@ impl<'a> PanelSamples<'a> {
     }
 
     /// Whether a lit place of the panel looks in a direction.
-    pub(super) fn sees(&self, direction: DVec3) -> bool {
+    pub(in super::super) fn sees(&self, direction: DVec3) -> bool {
         let Some(ideal) = self.panel.view.place(direction) else {
             return false;
         };
@@ -109,7 +109,7 @@ fn rim(panel: &Panel) -> Vec<DVec3> {
 
 /// The smallest cone round all panels: its axis and half angle in radians. Of bent rims a part of
 /// the rays will do.
-pub(super) fn cone_of(all: &[PanelSamples<'_>]) -> (DVec3, f64) {
+pub(in super::super) fn cone_of(all: &[PanelSamples<'_>]) -> (DVec3, f64) {
     let rays = all.iter().flat_map(|it| {
         let step = it.outer.len().div_ceil(256).max(1);
         it.outer.iter().copied().step_by(step)
@@ -140,7 +140,7 @@ fn cone(rays: &[DVec3]) -> (DVec3, f64) {
 
 /// The direction of least cost near another, and the cost: pattern search, steps halved where none
 /// is better. Nothing where there is no cost at the beginning.
-pub(super) fn search(
+pub(in super::super) fn search(
     from: DVec3,
     first_step: f64,
     cost: impl Fn(DVec3) -> Option<f64>,

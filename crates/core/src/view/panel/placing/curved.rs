@@ -1,6 +1,6 @@
 //! How does a source that goes round the head lie so that few pixels of it are needed?
 
-use super::placement::{Placement, SourceProjection};
+use super::super::placement::{Placement, SourceProjection};
 use super::plane::{least_sigma, upright};
 use super::samples::{PanelSamples, cone_of};
 use crate::units::Radians;
@@ -14,7 +14,7 @@ const SMALLEST_GAP: f64 = 0.052;
 
 /// The placement of a projection round the panels with the fewest pixels; `None` where it has no
 /// place for one of them.
-pub(super) fn best_curved(
+pub(in super::super) fn best_curved(
     all: &[PanelSamples<'_>],
     projection: SourceProjection,
     aspect: Option<f64>,

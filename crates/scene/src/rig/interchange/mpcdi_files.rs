@@ -1,0 +1,184 @@
+//! What do the files that an MPCDI names say, and which of that is left out?
+
+use foveal_core::view::panel::alpha::AlphaMap;
+use glam::DVec3;
+
+use super::super::alpha;
+use super::super::error::RigFault;
+use super::super::pfm::ReadBeside;
+use super::archive::Archive;
+use super::xml::XmlElement;
+
+/// Most pixels of all maps of a file: 32 displays of 1920 x 1080.
+const MOST_MAPPED: u64 = 1 << 26;
+/// Bytes of a float map's header.
+const HEADER: u64 = 256;
+/// Bytes of a picture beside two for each of its pixels in four channels.
+const PNG_BESIDE: u64 = 1 << 20;
+/// Metres of the units of points.
+const UNITS: [(&str, f64); 7] = [
+    ("mm", 1e-3),
+    ("cm", 1e-2),
+    ("dm", 0.1),
+    ("m", 1.0),
+    ("in", 0.0254),
+    ("ft", 0.3048),
+    ("yd", 0.9144),
+];
+
+/// A region's element, and its columns and rows.
+pub(super) type SizedRegion<'a> = (XmlElement<'a>, [u32; 2]);
+
+/// Where the files of an MPCDI lie: in it, or beside a bare document.
+pub(super) enum MpcdiFiles<'a> {
+    Zipped(Archive<'a>),
+    Beside(ReadBeside<'a>),
+}
+
+impl MpcdiFiles<'_> {
+    fn read(&mut self, name: &str, most: u64) -> Result<Vec<u8>, String> {
+        match self {
+            Self::Zipped(archive) => archive.read(name, most),
+            Self::Beside(read) => {
+                let bytes = read(name)?;
+                match bytes.len() as u64 > most {
+                    true => Err(format!("is longer than the {most} bytes it can need")),
+                    false => Ok(bytes),
+                }
+            }
+        }
+    }
+}
+
+/// What a document is read with, and what is left out of it.
+pub(super) struct MpcdiFilling<'a> {
+    files: MpcdiFiles<'a>,
+    /// Pixels of maps that may still come.
+    left: u64,
+    /// Metres.
+    eye: Option<[f64; 3]>,
+    /// What is left out, for people.
+    pub(super) notes: Vec<String>,
+}
+
+impl<'a> MpcdiFilling<'a> {
+    /// From files, for an eye so many metres to the right of, above and behind what points are
+    /// told from.
+    pub(super) fn of(files: MpcdiFiles<'a>, eye: Option<[f64; 3]>) -> Self {
+        Self {
+            files,
+            left: MOST_MAPPED,
+            eye,
+            notes: Vec::new(),
+        }
+    }
+
+    /// Counts a map of a region.
+    fn take(&mut self, (region, size): SizedRegion<'_>) -> Result<(), RigFault> {
+        let [w, h] = size.map(u64::from);
+        let left = self.left.checked_sub(w.saturating_mul(h));
+        self.left = left.ok_or_else(|| {
+            let what = format!("all maps have more than {MOST_MAPPED} pixels");
+            region.fault("", what)
+        })?;
+        Ok(())
+    }
+
+    /// What a float map tells.
+    pub(super) fn floats<T>(
+        &mut self,
+        (region, size): SizedRegion<'_>,
+        map: XmlElement<'_>,
+        read: &dyn Fn(&[u8]) -> Result<T, String>,
+    ) -> Result<T, RigFault> {
+        self.take((region, size))?;
+        let path = map.said("path").unwrap_or_default();
+        let most = u64::from(size[0]) * u64::from(size[1]) * 12 + HEADER;
+        let found = self.files.read(path, most).and_then(|bytes| read(&bytes));
+        found.map_err(|what| map.fault("path", format!("{} {what}", shortened(path))))
+    }
+
+    /// What a picture of shares of light tells, where there is one.
+    pub(super) fn shares(
+        &mut self,
+        (region, size): SizedRegion<'_>,
+        set: XmlElement<'_>,
+        name: &str,
+    ) -> Result<Option<AlphaMap>, RigFault> {
+        let Some(map) = named(set, name) else {
+            return Ok(None);
+        };
+        self.take((region, size))?;
+        let path = map.said("path").unwrap_or_default();
+        let gamma = map.number("gammaEmbedded")?.unwrap_or(1.0);
+        if !(0.01..=100.0).contains(&gamma) {
+            return Err(map.fault("gammaEmbedded", format!("{gamma} is not 0.01 to 100")));
+        }
+        let most = u64::from(size[0]) * u64::from(size[1]) * 8 + PNG_BESIDE;
+        let found = self.files.read(path, most);
+        let found = found.and_then(|bytes| alpha::read(&bytes, size, gamma));
+        let found = found.map_err(|what| map.fault("path", format!("{} {what}", shortened(path))));
+        found.map(Some)
+    }
+
+    /// The light of black: what a map of it tells everywhere alike.
+    pub(super) fn black(
+        &mut self,
+        (region, size): SizedRegion<'_>,
+        set: XmlElement<'_>,
+    ) -> Result<f64, RigFault> {
+        let Some(beta) = self.shares((region, size), set, "betaMap")? else {
+            return Ok(0.0);
+        };
+        let least = beta.shares().iter().min().copied().unwrap_or(0);
+        let most = beta.shares().iter().max().copied().unwrap_or(0);
+        if least != most {
+            self.notes.push(format!(
+                "region {:?}: its betaMap lifts black by 0 to {:.3} of white, pixel by pixel, \
+                 which is not drawn: black is left as it is; fade overlaps by \"blend\" and lift \
+                 them by \"black\" in a rig file that panels import makes",
+                region.attribute("id").unwrap_or_default(),
+                f64::from(most) / f64::from(u16::MAX)
+            ));
+            return Ok(0.0);
+        }
+        Ok(f64::from(most) / f64::from(u16::MAX))
+    }
+
+    /// Where the eye is in the units and axes of a map of points.
+    pub(super) fn eye_before(&self, map: XmlElement<'_>) -> Result<DVec3, RigFault> {
+        let origin = map.said("originOf3DData").unwrap_or("unknown");
+        let Some(metres) = self.eye else {
+            if origin.eq_ignore_ascii_case("idealEyePoint") {
+                return Ok(DVec3::ZERO);
+            }
+            let origin = shortened(origin);
+            let what = format!(
+                "{origin} does not tell where the eye is: foveal panels import FILE --eye-at X,Y,Z \
+                 does, in metres to the right of, above and behind the origin"
+            );
+            return Err(map.fault("originOf3DData", what));
+        };
+        let unit = map.said("geometricUnit").unwrap_or("unknown");
+        let length = UNITS
+            .iter()
+            .find(|(name, _)| unit.eq_ignore_ascii_case(name));
+        let length = length.map(|(_, length)| *length).ok_or_else(|| {
+            let what = format!(
+                "{} is none of mm, cm, dm, m, in, ft, yd: export it with one",
+                shortened(unit)
+            );
+            map.fault("geometricUnit", what)
+        })?;
+        Ok(DVec3::from(metres) / length)
+    }
+}
+
+/// An element that names a file.
+pub(super) fn named<'a>(set: XmlElement<'a>, name: &str) -> Option<XmlElement<'a>> {
+    set.child(name).filter(|it| it.said("path").is_some())
+}
+
+fn shortened(path: &str) -> String {
+    format!("{:?}", path.chars().take(80).collect::<String>())
+}
