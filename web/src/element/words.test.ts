@@ -31,7 +31,7 @@ test("a score is what is asked and, where that is known, what is expected", () =
 });
 
 test("what a scene consists of is counted in groups of three digits", () => {
-  const told = [{ triangles: 1 }, { triangles: 870_306, points: 0 }, { triangles: 0, points: 30_000 }];
+  const told = [{ triangles: 1 }, { triangles: 870_306 }, { triangles: 0, points: 30_000 }];
   expect(told.map(parts)).toEqual(["1 triangle", "870,306 triangles", "30,000 points"]);
   expect(parts({ triangles: 2, points: 1 })).toBe("2 triangles, 1 point");
   expect(parts({})).toBe("0 triangles");

@@ -1,7 +1,7 @@
 //! What does a user say of a site and its packs?
 
-use crate::commands::site::listing::ListedKind;
 use crate::commands::site::pack_names::bare;
+use crate::commands::site::site_pack::ListedKind;
 use crate::report::html::escape;
 use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, anyhow, bail};

@@ -4,7 +4,7 @@ use crate::commands::info::seconds_of;
 use crate::commands::site::about::AboutPack;
 use crate::commands::site::pack_names::ENDING;
 use crate::commands::site::poster::Poster;
-use crate::commands::site::site_pack::SitePack;
+use crate::commands::site::site_pack::{ListedKind, SitePack};
 use foveal_core::content::scene::description::SceneDescription;
 use foveal_core::view::surface::Projection;
 use foveal_media::pack::pack_file::PackFile;
@@ -49,15 +49,6 @@ pub(crate) struct Listed {
     shows: Shows,
 }
 
-/// What a pack of a list is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum ListedKind {
-    Picture,
-    Video,
-    Scene,
-}
-
 /// What is to be seen.
 #[derive(Clone, Debug, Serialize)]
 struct Shows {
@@ -77,16 +68,6 @@ struct Shows {
     triangles: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     points: Option<u64>,
-}
-
-impl ListedKind {
-    pub(super) fn of(file: &SitePack) -> Self {
-        match file {
-            SitePack::Scene(_) => Self::Scene,
-            SitePack::Video(file) if file.pack().description().is_still() => Self::Picture,
-            SitePack::Video(_) => Self::Video,
-        }
-    }
 }
 
 impl Shows {

@@ -14,9 +14,9 @@ pub(crate) use about::About;
 
 use crate::web_files::web_files;
 use anyhow::{Context, bail};
-use listing::{Listed, ListedKind, Listing};
+use listing::{Listed, Listing};
 use pack_names::names_of;
-use site_pack::SitePack;
+use site_pack::{ListedKind, SitePack};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -8,6 +8,7 @@ use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::pack_file::PackFileError;
 use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
 use foveal_render::DrawDevice;
+use serde::Serialize;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -76,5 +77,24 @@ impl SitePack {
                 output::size(source)
             )
         })
+    }
+}
+
+/// What a pack of a list is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ListedKind {
+    Picture,
+    Video,
+    Scene,
+}
+
+impl ListedKind {
+    pub(super) fn of(file: &SitePack) -> Self {
+        match file {
+            SitePack::Scene(_) => Self::Scene,
+            SitePack::Video(file) if file.pack().description().is_still() => Self::Picture,
+            SitePack::Video(_) => Self::Video,
+        }
     }
 }

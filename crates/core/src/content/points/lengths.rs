@@ -156,7 +156,7 @@ fn write_lengths(lengths: &[u8; CLASSES], first_of_all: Option<u8>, bits: &mut B
 }
 
 /// The codes of these lengths, lowest bit first: in the order of their lengths, then of classes.
-fn codes_of(lengths: &[u8; CLASSES]) -> [u32; CLASSES] {
+fn codes_of(lengths: &[u8]) -> [u32; CLASSES] {
     let mut counts = [0_u32; MOST_CODE as usize + 1];
     for length in lengths {
         counts[usize::from(*length)] += 1;
@@ -182,11 +182,8 @@ pub(super) struct NumberList<'a> {
     /// Bits of the longest code.
     mask: u64,
     /// By the next bits: what [`Entry`] tells of the class whose code they begin with.
-    table: Box<[u64; TABLE]>,
+    table: Vec<u64>,
 }
-
-/// Entries of a table of codes.
-const TABLE: usize = 1 << MOST_CODE;
 
 impl<'a> NumberList<'a> {
     /// Opens the list that is in front, and takes it away.
@@ -198,7 +195,7 @@ impl<'a> NumberList<'a> {
             bytes: take_block(bytes)?,
             at: 0,
             mask: 0,
-            table: Box::new([0; TABLE]),
+            table: Vec::new(),
         };
         list.read_codes()?;
         Ok(list)
@@ -221,11 +218,12 @@ impl<'a> NumberList<'a> {
             return wrong(format!("{count} classes from {first}"), "at most 126");
         }
         if count < 2 {
-            self.table[0] = Entry::of(first, 0).0;
+            self.table = vec![Entry::of(first, 0).0];
             return Ok(());
         }
         let mut lengths = [0; CLASSES];
-        for length in &mut lengths[first..first + count] {
+        let lengths = &mut lengths[..count];
+        for length in lengths.iter_mut() {
             *length = self.plain(LENGTH_BITS) as u8;
         }
         let room = |length: &u8| match u32::from(*length) {
@@ -234,21 +232,17 @@ impl<'a> NumberList<'a> {
             _ => 2 << MOST_CODE,
         };
         if lengths.iter().map(room).sum::<u32>() != 1 << MOST_CODE {
-            return wrong(
-                format!("{:?}", &lengths[first..first + count]),
-                "whole codes",
-            );
+            return wrong(format!("{lengths:?}"), "whole codes");
         }
         let longest = lengths.iter().copied().max().unwrap_or_default();
         self.mask = (1 << longest) - 1;
-        let table = &mut self.table[..1 << longest];
-        let codes = codes_of(&lengths);
-        for class in (first..first + count).filter(|it| lengths[*it] > 0) {
-            let entry = Entry::of(class, lengths[class]).0;
-            let places = table[codes[class] as usize..].iter_mut();
-            places
-                .step_by(1 << lengths[class])
-                .for_each(|it| *it = entry);
+        self.table = vec![0; 1 << longest];
+        let codes = codes_of(lengths);
+        let classes = (first..).zip(lengths.iter()).zip(codes);
+        for ((class, length), code) in classes.filter(|((_, length), _)| **length > 0) {
+            let entry = Entry::of(class, *length).0;
+            let places = self.table[code as usize..].iter_mut();
+            places.step_by(1 << length).for_each(|it| *it = entry);
         }
         Ok(())
     }
@@ -285,7 +279,7 @@ impl<'a> NumberList<'a> {
     #[inline]
     pub(super) fn next(&mut self) -> u64 {
         let bits = self.bits();
-        let entry = Entry(self.table[(bits & self.mask) as usize & (TABLE - 1)]);
+        let entry = Entry(self.table[(bits & self.mask) as usize]);
         if entry.bits() == Entry::LONG {
             return self.next_long(entry);
         }

@@ -142,14 +142,7 @@ impl PointUnit {
         if attributes.colours {
             colours::read(shown, &mut rest)?;
         }
-        if attributes.intensities {
-            let most = i64::from(u16::MAX);
-            read_steps(shown, most, &mut rest, |point, it| point.intensity = it)?;
-        }
-        if attributes.classes {
-            let most = i64::from(u8::MAX);
-            read_steps(shown, most, &mut rest, |point, it| point.class = it as u8)?;
-        }
+        read_steps(shown, attributes, &mut rest)?;
         if attributes.colours {
             unit.corrections = colours::read_corrections(corrections, &mut rest)?;
         } else {
@@ -230,28 +223,66 @@ fn write_steps(numbers: impl Iterator<Item = u16>, bytes: &mut Vec<u8>) {
     write_list(&steps.collect::<Vec<_>>(), bytes);
 }
 
-/// Reads numbers from 0 to `most` that [`write_steps`] wrote, one for each point.
+/// Reads intensities and classes, where there are any.
 fn read_steps(
     points: &mut [CloudPoint],
-    most: i64,
+    attributes: PointAttributes,
     bytes: &mut &[u8],
-    set: impl Fn(&mut CloudPoint, u16),
 ) -> Result<(), PackError> {
-    let mut steps = NumberList::take(bytes)?;
-    // What points do not have takes no bits.
-    if steps.only() == Some(0) {
-        return steps.end();
+    let mut intensities = Steps::take(attributes.intensities, bytes)?;
+    let mut classes = Steps::take(attributes.classes, bytes)?;
+    // What takes no bits stays 0.
+    if intensities.list.is_some() || classes.list.is_some() {
+        for point in points {
+            point.intensity = intensities.next() as u16;
+            point.class = classes.next() as u8;
+        }
     }
-    let (mut number, mut all) = (0_i64, 0);
-    for point in points {
-        number = number.wrapping_add(signed_from_unsigned(steps.next()));
-        all |= number;
-        set(point, number as u16);
+    intensities.end(u16::MAX.into())?;
+    classes.end(u8::MAX.into())
+}
+
+/// Numbers that are told as what is added to the one before.
+#[derive(Default)]
+struct Steps<'a> {
+    /// `None` where all of them are 0.
+    list: Option<NumberList<'a>>,
+    number: i64,
+    /// All bits that any of them has.
+    all: i64,
+}
+
+impl<'a> Steps<'a> {
+    fn take(is_there: bool, bytes: &mut &'a [u8]) -> Result<Self, PackError> {
+        if !is_there {
+            return Ok(Self::default());
+        }
+        let list = NumberList::take(bytes)?;
+        if list.only() == Some(0) {
+            list.end()?;
+            return Ok(Self::default());
+        }
+        Ok(Self {
+            list: Some(list),
+            ..Self::default()
+        })
     }
-    steps.end()?;
-    // `most` has all its low bits set.
-    match all & !most {
-        0 => Ok(()),
-        _ => Err(wrong("intensity or class", "too large a number", most)),
+
+    #[inline]
+    fn next(&mut self) -> i64 {
+        if let Some(list) = &mut self.list {
+            self.number = self.number.wrapping_add(signed_from_unsigned(list.next()));
+            self.all |= self.number;
+        }
+        self.number
+    }
+
+    /// Ends to read them; they must not be below 0, or above `most`, all of whose low bits are set.
+    fn end(self, most: i64) -> Result<(), PackError> {
+        self.list.map_or(Ok(()), NumberList::end)?;
+        match self.all & !most {
+            0 => Ok(()),
+            _ => Err(wrong("intensity or class", "too large a number", most)),
+        }
     }
 }

@@ -4,9 +4,9 @@
 //! axes, beside which they lie as far as the third coordinate says: whichever takes fewer bits.
 //!
 //! 1. Through space: the high bits of each coordinate, from the cube's corner, at most 21, make a
-//!    number: bit `n` of x, y and z is its bit `3
-//!    n`, `3 n + 1` and `3 n + 2`. A list of what is added to the number before, from 0. Then, where
-//!    any are left, a block of bits: of each point those of x, y and z, as they are.
+//!    number: bit `n` of x, y and z is its bit `3 n`, `3 n + 1` and `3 n + 2`. A list of what is
+//!    added to the number before, from 0. Then, where any are left, a block of bits: of each point
+//!    those of x, y and z, as they are.
 //! 2. Along a plane: the same of all bits of the plane's two axes, in the order x, y, z. Then
 //!    a list of what is added to the third coordinate of the point before, from 0.
 
