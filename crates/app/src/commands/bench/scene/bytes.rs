@@ -4,6 +4,7 @@ use super::conditions::BenchConditions;
 use super::row::{BenchRow, Turns};
 use super::subject::Subject;
 use foveal_core::content::demand::Content;
+use foveal_core::content::scene::unit_table::UnitKind;
 use foveal_core::pack::unit::UnitId;
 use foveal_scene::baseline::WholeMesh;
 use foveal_scene::cracks::{CutTrial, check_cuts};
@@ -41,7 +42,12 @@ pub(super) fn closed(subject: &Subject, _: &BenchConditions) -> anyhow::Result<V
 /// Bytes a triangle of the finest level, against codecs for the whole mesh on the same grid.
 pub(super) fn of_leaves(subject: &Subject, _: &BenchConditions) -> anyhow::Result<Vec<BenchRow>> {
     let (pack, header) = (subject.file.pack(), subject.file.header());
-    let units: u64 = pack.index().bytes_per_level().iter().sum();
+    let of_meshes = pack
+        .units()
+        .filter(|unit| pack.row(*unit).kind == UnitKind::Mesh);
+    let units: u64 = of_meshes
+        .map(|unit| u64::from(pack.entry(unit).bytes))
+        .sum();
     let tables: u64 = pack.description().tables.iter().map(|it| it.bytes).sum();
     let mut whole = 0;
     for mesh in &subject.finest {

@@ -8,6 +8,7 @@ use super::subject::Subject;
 use crate::report::output;
 use foveal_core::content::asked::Detail;
 use foveal_core::content::policy::Policy;
+use foveal_core::content::scene::description::SceneTexture;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::moment::Moment;
 use foveal_core::units::{Radians, Seconds};
@@ -33,7 +34,10 @@ pub(super) fn memory(
     let mut rows = Vec::new();
     if let (Some(source), Some(peak)) = (&subject.source, subject.prepare_peak) {
         let meshes = source.meshes.iter().map(decoded_bytes);
-        let decoded: f64 = meshes.chain(source.clouds.iter().map(cloud_bytes)).sum();
+        let textures = subject.file.pack().description().textures.iter();
+        let textures = textures.map(texture_bytes);
+        let clouds = source.clouds.iter().map(cloud_bytes);
+        let decoded: f64 = meshes.chain(clouds).chain(textures).sum();
         let turns = Turns::once(peak, Some(TIMES * decoded + BESIDES));
         let what = "peak of prepare, of 8 times the decoded source and 300 MB";
         let row = turns.row(&subject.name, what, "bytes").asked("ratio <= 1");
@@ -61,11 +65,17 @@ fn cloud_bytes(cloud: &SourceCloud) -> f64 {
     bytes as f64
 }
 
+/// What a texture takes in memory once it is decoded, without alpha.
+fn texture_bytes(texture: &SceneTexture) -> f64 {
+    3.0 * texture.size.map(f64::from).iter().product::<f64>()
+}
+
 /// What a mesh takes in memory as it was read.
 fn decoded_bytes(mesh: &SourceMesh) -> f64 {
     let bytes = size_of_val(&mesh.positions[..])
         + size_of_val(&mesh.normals[..])
         + size_of_val(&mesh.colours[..])
+        + size_of_val(&mesh.uvs[..])
         + size_of_val(&mesh.triangles[..])
         + size_of_val(&mesh.materials[..]);
     bytes as f64
