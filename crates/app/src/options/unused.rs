@@ -42,7 +42,8 @@ pub(crate) fn unused_options(matches: &ArgMatches) -> Vec<String> {
         let option = id.replace('_', "-");
         format!("foveal: --{option} changes nothing for a scene; it is for video")
     });
-    let policy = policy.unwrap_or(match is_of_acuity || is_scene || name == "select" {
+    let is_free_scene = is_scene && !["link", "budget"].into_iter().any(is_given);
+    let policy = policy.unwrap_or(match is_of_acuity || is_free_scene || name == "select" {
         true => Policy::Acuity,
         false => Policy::Perceptual,
     });
