@@ -47,6 +47,15 @@ impl WindowPlayer {
         }
     }
 
+    /// What may be spent, where the policy spends.
+    fn budget_told(&self) -> String {
+        let spends = self.live.session().policy_in_use().policy.spends_a_budget();
+        match self.bytes_per_s.filter(|_| spends) {
+            Some(bytes) => format!("{}/s", size(bytes as u64)),
+            None => "no limit".to_owned(),
+        }
+    }
+
     fn lines_of_scene(&self, now: Seconds) -> Vec<Line> {
         let session = self.live.session();
         let (figures, config) = (&session.figures, session.policy_in_use());
@@ -54,6 +63,7 @@ impl WindowPlayer {
         let all = self.live.pack().content().finest_samples();
         let told = [
             ("policy", config.policy.name().to_owned()),
+            ("budget", self.budget_told()),
             (
                 "drawn",
                 format!("{} pictures/s", self.draw_rate.per_second(now)),

@@ -205,6 +205,7 @@ impl Open {
             log: args.log.as_deref().map(LogFile::create).transpose()?,
             looking,
             sound: ready.samples.take().and_then(|it| open_sound(it, length)),
+            bytes_per_s: args.link.map(|link| link.bytes_per_s),
             once: args.once,
             paused: args.paused,
             eye: args.eye,

@@ -43,6 +43,8 @@ pub(crate) struct Begin {
     pub(crate) log: Option<LogFile>,
     pub(crate) looking: Looking,
     pub(crate) sound: Option<Sound>,
+    /// What may be spent in a second; `None` without a limit.
+    pub(crate) bytes_per_s: Option<f64>,
     /// Stay at the end instead of beginning anew.
     pub(crate) once: bool,
     pub(crate) paused: bool,
@@ -59,6 +61,7 @@ pub(crate) struct WindowPlayer {
     pub(crate) live: LivePlayer,
     pub(crate) viewer: Viewer,
     pub(super) policy: PolicyOptions,
+    pub(super) bytes_per_s: Option<f64>,
     log: Option<LogFile>,
     looking: Looking,
     pub(super) sound: Option<Sound>,
@@ -104,6 +107,7 @@ impl WindowPlayer {
             live,
             viewer: Viewer::new(begin.navigation, settings),
             policy: begin.policy,
+            bytes_per_s: begin.bytes_per_s,
             log: begin.log,
             looking: begin.looking,
             sound: begin.sound,
