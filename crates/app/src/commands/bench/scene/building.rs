@@ -7,6 +7,7 @@ use crate::commands::bench::processor_time::cpu_seconds;
 use crate::report::output;
 use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::scene::description::GRID_BITS;
+use foveal_core::content::scene::unit_table::UnitKind;
 use foveal_scene::baseline::{WholeMesh, clod_build};
 use foveal_scene::build::{BuildOptions, build as build_units};
 use std::hint::black_box;
@@ -88,9 +89,11 @@ pub(super) fn decode(
     let file = &subject.file;
     let mut units = Vec::new();
     for unit in file.pack().units() {
-        let attributes = file.scene().object_of(unit).attributes;
-        let replaces = &file.pack().row(unit).replaces;
-        units.push((file.read_chunk(unit)?, attributes, replaces));
+        let row = file.pack().row(unit);
+        if row.kind == UnitKind::Mesh {
+            let attributes = file.scene().object_of(unit).attributes;
+            units.push((file.read_chunk(unit)?, attributes, &row.replaces));
+        }
     }
     let meshes = subject.finest.iter().map(WholeMesh::encode);
     let meshes = meshes.collect::<Result<Vec<_>, _>>()?;
