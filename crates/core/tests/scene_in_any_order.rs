@@ -83,6 +83,7 @@ fn scene() -> Arc<Scene> {
             bounds: ObjectBounds {
                 centre: [0.0; 3],
                 radius: 4.0,
+                half: [0.0; 3],
             },
             grid: Grid {
                 origin: [0.0; 3],

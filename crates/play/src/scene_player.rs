@@ -215,6 +215,7 @@ impl ScenePlayer {
                 self.fetch(piece)?;
             }
         }
+        self.session.charge(page_bytes);
         self.drawer.settle()?;
         Ok(SceneReport {
             units_by_level: self.session.figures.histogram.clone(),

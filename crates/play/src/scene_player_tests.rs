@@ -77,6 +77,7 @@ fn about() -> SceneDescription {
         bounds: ObjectBounds {
             centre: [0.5, 0.5, 0.0],
             radius: 1.0,
+            half: [0.0; 3],
         },
         grid: Grid {
             origin: [0.0; 3],

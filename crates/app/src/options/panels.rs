@@ -26,7 +26,13 @@ pub(crate) struct PanelsOptions {
     pub(crate) panels: Option<PathBuf>,
     /// Where a flat pack lies before them, as `foveal panels fit` places a source: auto (the rig's
     /// screen where it has one, else plane), seed or plane.
-    #[arg(long, value_enum, value_name = "HOW", requires = "panels")]
+    #[arg(
+        long,
+        value_enum,
+        value_name = "HOW",
+        requires = "panels",
+        hide_possible_values = true
+    )]
     placement: Option<PlacementName>,
 }
 

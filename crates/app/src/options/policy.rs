@@ -233,6 +233,18 @@ impl PolicyOptions {
         }
     }
 
+    /// Refuses a score for a scene that units are bought for: nothing tells what score they make.
+    pub(crate) fn refuse_score_of_scene(&self, policy: Policy) -> anyhow::Result<()> {
+        if policy.spends_a_budget() && matches!(self.target, Some(TargetChoice::Jod(_))) {
+            bail!(WrongUsage(format!(
+                "--target: of a scene {} buys all that is worth anything; give --policy acuity, \
+                 which chooses for a score, or leave --target out",
+                policy.name()
+            )));
+        }
+        Ok(())
+    }
+
     /// The same for a score, in the place of the acuity that was asked for.
     pub(crate) fn for_score(&self, target: Option<f64>) -> Self {
         Self {

@@ -41,6 +41,27 @@ fn a_source_is_placed_as_the_seed_does_and_better() {
         plane["need_megapixels"].as_f64().unwrap() <= 4.98,
         "{plane}"
     );
+    // A picture's aspect tips nothing over either.
+    let folder = Folder::new();
+    let wide = folder.name("wide.png");
+    done(&[
+        "panels",
+        "pattern",
+        "grid",
+        "--size",
+        "1920x1080",
+        "--out",
+        &wide,
+    ]);
+    let dome = json(&["panels", "fit", &example("dome-4"), "--source", &wide]);
+    assert!(
+        dome["axis"]["pitch_deg"].as_f64().unwrap().abs() < 1e-6,
+        "{dome}"
+    );
+    assert!(
+        dome["axis"]["roll_deg"].as_f64().unwrap().abs() < 1e-6,
+        "{dome}"
+    );
     let round = json(&["panels", "fit", &example("dome-4"), "--eye", "right"]);
     assert_eq!(round["tan_x"], Value::Null);
     assert_eq!(round["panels"][0]["eye"], "both");

@@ -139,6 +139,22 @@ fn flat_land_is_seen_from_above_at_first_and_where_it_is_told_to_be_on_a_route()
     );
 }
 
+#[test]
+fn a_single_flat_triangle_is_seen_from_above_too() {
+    let folder = Folder::new();
+    let obj = b"v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n";
+    let mesh = folder.holding("flat.obj", obj);
+    let pack = folder.name("flat.foveal");
+    done(&["prepare", "scene", &mesh, "--out", &pack]);
+    let shots = folder.name("shots");
+    let script = "0 settle\n0 screenshot start.png\n0.1 quit";
+    let options = ["--view", "300x200", "--screenshots", &shots];
+    if watched(&folder, &pack, script, &options).is_some() {
+        let start = Rgb::read(&format!("{shots}/start.png"));
+        assert!(covered(&start) > 0.02, "{}", covered(&start));
+    }
+}
+
 /// Share of the pixels that are no grey.
 fn coloured(picture: &Rgb) -> f64 {
     let is_coloured = |at: &[u32; 2]| {
@@ -157,7 +173,7 @@ fn a_window_colours_a_scene_by_importance_and_a_held_key_makes_the_eye_jump() {
     // Of levels and importance one is shown, and importance also by a new device.
     let script = "0 move 60 150\n0 settle\n0 screenshot plain.png\n\
                   0.1 key l\n0.2 key i\n0.4 screenshot worth.png\n\
-                  0.5 lose-device\n0.6 settle\n0.7 screenshot again.png\n\
+                  0.5 lose-device\n0.5 key i\n0.5 key i\n0.6 settle\n0.7 screenshot again.png\n\
                   0.7 move 420 150\n0.8 settle\n0.9 screenshot right.png\n\
                   0.9 move 60 150\n\
                   1.0 key i\n1.0 settle\n1.0 screenshot off.png\n\
@@ -222,6 +238,20 @@ fn policies_and_options_that_are_for_video_are_refused_for_scenes() {
         &["view", &pack, "--gpu-memory", "much"],
         &["--gpu-memory", "256MB"],
     );
+    let score = ["view", &pack, "--demo", "--target", "9"];
+    refused(2, &score, &["--target", "eccentricity", "--policy acuity"]);
+    let out = folder.name("out");
+    let score = [
+        "simulate",
+        &pack,
+        "--policy",
+        "perceptual",
+        "--target",
+        "9",
+        "--out",
+        &out,
+    ];
+    refused(2, &score, &["--target", "perceptual", "--policy acuity"]);
     let script = folder.holding("script.txt", b"0 press h\n");
     refused(
         1,

@@ -83,6 +83,13 @@ impl Budget {
         self.saved = (self.saved - bytes as f64).max(least);
     }
 
+    /// Takes bytes that the link brought beside what was bought, as pages of an index: so much less
+    /// is bought from now on.
+    pub fn charge(&mut self, bytes: u64) {
+        let least = -self.bytes_per_s * MOST_BORROWED_S;
+        self.saved = (self.saved - bytes as f64).max(least);
+    }
+
     /// Whether all that can ever be saved up bought nothing: for the same, waiting buys nothing.
     #[must_use]
     pub fn is_done(&self) -> bool {
@@ -167,6 +174,19 @@ mod tests {
             (0.8 * brought..=most).contains(&(bought as f64)),
             "{bought} of {brought}"
         );
+    }
+
+    #[test]
+    fn what_came_beside_what_was_bought_is_paid_before_more_is() {
+        let mut budget = Budget::new(1000.0);
+        assert_eq!(budget.after(Seconds(0.1)), 100);
+        budget.spend(100);
+        budget.charge(150);
+        assert_eq!(budget.after(Seconds(0.1)), 0);
+        assert_eq!(budget.after(Seconds(0.1)), 50);
+        let mut at_hand = Budget::new(f64::INFINITY);
+        at_hand.charge(1 << 40);
+        assert_eq!(at_hand.after(Seconds(0.0)), u64::MAX);
     }
 
     #[test]

@@ -146,6 +146,13 @@ impl PolicyRun {
         }
     }
 
+    /// The link brought so many bytes beside what was bought.
+    pub(super) fn charge(&mut self, bytes: u64) {
+        if let Some(budget) = &mut self.budget {
+            budget.charge(bytes);
+        }
+    }
+
     /// The units of an asset would refine these parts of what is drawn.
     pub(super) fn see(&mut self, asset: AssetId, footprints: Footprints) {
         let seen = &mut self.footprints;

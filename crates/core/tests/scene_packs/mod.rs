@@ -79,6 +79,7 @@ fn description() -> SceneDescription {
         bounds: ObjectBounds {
             centre: [0.5, 0.5, 0.0],
             radius: 1.0,
+            half: [0.0; 3],
         },
         grid: Grid {
             origin: [0.0; 3],

@@ -308,11 +308,12 @@ fn bounds_of(vertices: &[MeshVertex], grid: &Grid) -> ObjectBounds {
     let sphere = meshopt::compute_sphere_bounds(adapter, None::<meshopt::RadiusDataAdapter<'_>>);
     let on_grid = DVec3::from_array(sphere.center.map(f64::from));
     let centre = DVec3::from_array(grid.origin) + grid.step * on_grid;
-    let reach = vertices
-        .iter()
-        .map(|it| (grid.at(it.place) - centre).length());
+    let away = || vertices.iter().map(|it| grid.at(it.place) - centre);
     ObjectBounds {
         centre: centre.to_array(),
-        radius: reach.fold(0.0, f64::max),
+        radius: away().map(DVec3::length).fold(0.0, f64::max),
+        half: away()
+            .fold(DVec3::ZERO, |most, it| most.max(it.abs()))
+            .to_array(),
     }
 }

@@ -53,7 +53,9 @@ impl<'a> FloatMap<'a> {
         for (line, column) in (0..h).flat_map(|line| (0..w).map(move |column| (line, column))) {
             let pair = [0, 1].map(|k| map.float(line, column, k));
             if pair.iter().any(|it| it.is_infinite() || it.abs() > 1e6) {
-                return Err(format!("is infinite at column {column}, line {line}"));
+                return Err(format!(
+                    "has {pair:?} at column {column}, line {line}, expected -1e6 to 1e6"
+                ));
             }
         }
         Ok(map)

@@ -144,7 +144,8 @@ impl SceneInfo {
                 counted(self.texels, "texel")
             );
         }
-        let [x, y, z] = self.centre;
+        // Nothing is 0, and not -0.
+        let [x, y, z] = self.centre.map(|it| (it * 1e4).round() / 1e4 + 0.0);
         let _ = writeln!(
             text,
             "within {:.4} m of {x:.4}, {y:.4}, {z:.4}",

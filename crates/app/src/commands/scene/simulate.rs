@@ -243,6 +243,7 @@ impl SimulateArgs {
                 others.join(", ")
             )));
         }
+        self.policy.refuse_score_of_scene(config.policy)?;
         if is_limited && !config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
                 "--link, --budget: {name} spends no budget; give --policy perceptual, \

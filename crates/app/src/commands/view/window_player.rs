@@ -238,13 +238,12 @@ impl WindowPlayer {
         self.say(said.to_owned(), now);
     }
 
-    /// Works out what units are worth to an eye with these parameters, where that is shown.
-    fn mark_worth(&mut self, perception: &Parameters) -> anyhow::Result<()> {
+    /// Works out what units are worth to an eye with these parameters, where that is shown. A
+    /// device that is lost meanwhile is opened again, and all is worked out anew.
+    fn mark_worth(&mut self, perception: &Parameters) {
         let viewer = self.viewer.moment().filter(|_| self.importance);
         let viewer = viewer.map(|moment| (perception, moment));
-        self.live.drawer().mark_worth(viewer)?;
-        self.importance_is_stale = false;
-        Ok(())
+        self.importance_is_stale = self.live.drawer().mark_worth(viewer).is_err();
     }
 
     /// The key is held that stands for a saccade, or let go.
@@ -313,7 +312,7 @@ impl WindowPlayer {
         let drawn_by_gaze = marks_gaze || style.samples || style.blurs;
         changed |= self.viewer.stepped(moment, pane, drawn_by_gaze);
         if changed || self.importance_is_stale {
-            self.mark_worth(&config.perception)?;
+            self.mark_worth(&config.perception);
             changed = true;
         }
         Ok(changed || self.words.are_stale(now, self.is_moving()))

@@ -256,6 +256,13 @@ pub struct ObjectBounds {
     pub centre: [f64; 3],
     /// The radius.
     pub radius: f64,
+    /// Half the sides of a box round the same centre; zeros where none is known.
+    #[serde(default, skip_serializing_if = "is_no_box")]
+    pub half: [f64; 3],
+}
+
+fn is_no_box(half: &[f64; 3]) -> bool {
+    *half == [0.0; 3]
 }
 
 /// Where the places of vertices lie.
@@ -462,9 +469,16 @@ impl SceneObject {
         if !(step > 0.0 && step <= 1e12 && origin.iter().all(|it| it.abs() <= 1e15)) {
             return wrong("grid", format!("{:?}", self.grid), "a finite grid");
         }
-        let ObjectBounds { centre, radius } = self.bounds;
+        let ObjectBounds {
+            centre,
+            radius,
+            half,
+        } = self.bounds;
         if !((0.0..=1e15).contains(&radius) && centre.iter().all(|it| it.abs() <= 1e15)) {
             return wrong("bounds", format!("{:?}", self.bounds), "a finite sphere");
+        }
+        if !half.iter().all(|it| (0.0..=1e15).contains(it)) {
+            return wrong("bounds", format!("{:?}", self.bounds), "a finite box");
         }
         if self.placements.is_empty() {
             return wrong("placements", "none".to_owned(), "at least one");

@@ -95,17 +95,22 @@ impl Scene {
     }
 
     /// By which angle about its middle an eye is raised that is to see it at first: none, but of
-    /// what lies flat, as land does, which shows nothing from beside. Takes some nanoseconds for
-    /// each unit.
+    /// what lies flat, as land does, which shows nothing from beside.
     #[must_use]
     pub fn rise(&self) -> Radians {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let units = (0..).map(UnitId).zip(self.pack.rows());
-        let of_objects = units.filter(|(_, row)| row.object != OF_ALL);
-        for (unit, _) in of_objects.filter(|(unit, _)| self.pack.level_of(*unit) == 0) {
-            for stand in self.stands(unit) {
-                low = low.min(stand.sphere.centre);
-                high = high.max(stand.sphere.centre);
+        for object in &self.pack.description().objects {
+            let half = DVec3::from_array(object.bounds.half);
+            if half == DVec3::ZERO {
+                return Radians(0.0);
+            }
+            let centre = DVec3::from_array(object.bounds.centre);
+            for (world_from_object, _) in placements(object) {
+                let centre = world_from_object.transform_point3(centre);
+                let matrix = world_from_object.matrix3;
+                let sides = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::abs);
+                let reach = sides[0] * half.x + sides[1] * half.y + sides[2] * half.z;
+                (low, high) = (low.min(centre - reach), high.max(centre + reach));
             }
         }
         let size = high - low;

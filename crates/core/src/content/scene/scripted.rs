@@ -62,6 +62,7 @@ fn description() -> SceneDescription {
         bounds: ObjectBounds {
             centre: [0.0; 3],
             radius: 1.0,
+            half: [0.0; 3],
         },
         grid: Grid {
             origin: [-0.5; 3],

@@ -47,6 +47,12 @@ impl Session {
         self.run.set_bytes_per_s(bytes_per_s);
     }
 
+    /// The link brought so many bytes beside what was bought, as pages that tell of it: so much less
+    /// is bought from now on.
+    pub fn charge(&mut self, bytes: u64) {
+        self.run.charge(bytes);
+    }
+
     /// What is spent counts from here, by the clock of gazes.
     pub fn begin_at(&mut self, time: Seconds) {
         self.run.begin_at(time);

@@ -135,6 +135,7 @@ fn bounds(cloud: &Cloud, points: &[CloudPoint]) -> ObjectBounds {
     ObjectBounds {
         centre: centre.to_array(),
         radius: all().map(|it| it.distance(centre)).fold(step, f64::max),
+        half: ((high - low) / 2.0).to_array(),
     }
 }
 

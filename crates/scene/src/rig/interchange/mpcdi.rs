@@ -148,7 +148,8 @@ impl<'a> MpcdiDocument<'a> {
             panel: panels.collect::<Result<_, RigFault>>()?,
         };
         let nothing = |_: &str| Err("is not read".to_owned());
-        let mut rig = checked::rig(&entries, &nothing).map_err(|wrong| self.fault(&wrong))?;
+        let mut rig =
+            checked::rig(&entries, &nothing).map_err(|wrong| self.fault(&wrong, &spaces))?;
         let all = self.regions.iter().zip(spaces).zip(&mut rig.panels);
         for ((region, space), panel) in all {
             let Some(set) = self.files_of(region) else {
@@ -210,14 +211,19 @@ impl<'a> MpcdiDocument<'a> {
         own.or_else(|| self.root.all_within("fileset").find(named))
     }
 
-    /// What the check of a rig calls wrong, by the region that says it.
-    fn fault(&self, wrong: &WrongKey) -> RigFault {
+    /// What the check of a rig calls wrong, by the region that says it, or its map of points.
+    fn fault(&self, wrong: &WrongKey, spaces: &[Option<SpaceMap>]) -> RigFault {
         let number = wrong.key.strip_prefix("panel[");
         let number = number.and_then(|rest| rest.split_once(']'));
         let region = number.and_then(|(number, _)| number.parse::<usize>().ok());
-        let region = region.and_then(|number| self.regions.get(number.checked_sub(1)?));
+        let at = region.and_then(|number| number.checked_sub(1));
+        let region = at.and_then(|at| self.regions.get(at));
+        let is_by_map = at
+            .and_then(|at| spaces.get(at))
+            .is_some_and(Option::is_some);
         let key = number.map_or("", |(_, rest)| rest.trim_start_matches('.'));
         let name = match key {
+            "tangents" if is_by_map => "geometryWarpFile, as the eye sees it",
             "tangents" => "frustum",
             "pixels" => "xResolution",
             key => key,

@@ -55,7 +55,7 @@ fn lines_of(panel: &Panel) -> String {
         Scanout::FlipY => "flip-y",
     };
     let output = &panel.output;
-    format!(
+    let mut text = format!(
         "\n[[panel]]\nid = {}\npixels = [{w}, {h}]\n\
          pose = {{ order = \"yaw-pitch-roll\", yaw = {yaw:?}, pitch = {pitch:?}, \
          roll = {roll:?} }}\n\
@@ -70,7 +70,17 @@ fn lines_of(panel: &Panel) -> String {
         quoted(&output.surface),
         output.x,
         output.y,
-    )
+    );
+    if panel.blend > 0.0 {
+        let _ = writeln!(text, "blend = {:?}", panel.blend.to_degrees());
+    }
+    if panel.gain != [1.0; 3] {
+        let _ = writeln!(text, "gain = {:?}", panel.gain);
+    }
+    if panel.black > 0.0 {
+        let _ = writeln!(text, "black = {:?}", panel.black);
+    }
+    text
 }
 
 fn is_by_pixels(grid: &ResidualGrid, size: [u32; 2]) -> bool {

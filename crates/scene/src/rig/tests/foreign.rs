@@ -427,7 +427,7 @@ fn what_is_wrong_with_a_map_is_refused_and_no_more_is_unpacked_than_it_may_need(
     };
     let bomb = vec![b'0'; 1 << 24];
     let cases: [(Vec<u8>, &str); 7] = [
-        (warp(infinite), "infinite at column 3, line 2"),
+        (warp(infinite), "at column 3, line 2, expected -1e6 to 1e6"),
         (warp(folded), "folds rays over"),
         (warp(|_, _, _| [f64::NAN; 2]), "nothing of the panel is lit"),
         (

@@ -163,6 +163,15 @@ fn an_even_black_is_taken_and_one_that_differs_from_pixel_to_pixel_is_told_of() 
         |png: &[u8]| noted(&zipped(&[("a.xml", text.as_bytes()), ("b.png", png)]), None).unwrap();
     let even = of(&grey(|_| 51));
     assert!((even.rig.panels[0].black - 0.04).abs() < 1e-4 && even.notes.is_empty());
+    // What is written of it says so, too, and how a panel fades and is tinted.
+    let mut rig = even.rig.clone();
+    (rig.panels[0].blend, rig.panels[0].gain) = (0.125, [0.5, 1.0, 2.0]);
+    let files = super::super::write_rig(&rig, "a").unwrap();
+    let again = toml(core::str::from_utf8(&files[0].1).unwrap()).unwrap();
+    let [before, after] = [&rig, &again].map(|it| &it.panels[0]);
+    assert!((before.black - after.black).abs() < 1e-12);
+    assert!((before.blend - after.blend).abs() < 1e-12);
+    assert_eq!(before.gain, after.gain);
     let uneven = of(&grey(|k| k as u8));
     assert_eq!(uneven.rig.panels[0].black, 0.0);
     assert!(

@@ -133,6 +133,8 @@ impl ApplicationHandler for App<'_> {
             return event_loop.exit();
         }
         match self.go_on() {
+            // A picture is one frame, however many were asked for.
+            Ok(None) if self.args.frames.is_some() && self.has_ended() => event_loop.exit(),
             Ok(next) => event_loop.set_control_flow(match next {
                 Some(wait) => ControlFlow::WaitUntil(Instant::now() + wait),
                 None => ControlFlow::Wait,
@@ -154,6 +156,11 @@ impl App<'_> {
     fn end(&mut self, event_loop: &ActiveEventLoop, result: anyhow::Result<()>) {
         self.result = result;
         event_loop.exit();
+    }
+
+    /// Whether something was shown and nothing more comes.
+    fn has_ended(&self) -> bool {
+        self.frames > 0 && !matches!(*self.source, PanelSource::Live(_))
     }
 
     /// Shows what is due; how long to wait for what comes next, where anything does.

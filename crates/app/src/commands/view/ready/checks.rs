@@ -78,6 +78,7 @@ fn check_scene(args: &ViewArgs, policy: Policy) -> anyhow::Result<()> {
             able.join(", ")
         )));
     }
+    args.policy.refuse_score_of_scene(policy)?;
     let style = args.showing.showing(InterpolationName::Blended);
     let of_tiles = [
         (style.has_textures, "--reconstruction textures"),

@@ -9,6 +9,8 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// How much less must be needed of a source that does not stand upright: people look at it, too.
 const WORTH_TILTING: f64 = 0.9;
+/// Sine of the elevation (60°) up to which a source follows the panels' axis.
+const STEEPEST: f64 = 0.866;
 /// A ring of azimuths with a smaller gap (3°) is taken for all of them.
 const SMALLEST_GAP: f64 = 0.052;
 
@@ -27,8 +29,11 @@ pub(in super::super) fn best_curved(
         let sigma = least_sigma(all, placement)?;
         Some(width * height / (sigma * sigma))
     };
+    // Panels that go all round share an axis overhead: what is upright there lies on its side
+    // ahead.
+    let tilted = (axis.y.abs() < STEEPEST).then(|| upright(axis));
     let mut best: Option<(Placement, f64)> = None;
-    for axes in [level, upright(axis)] {
+    for axes in core::iter::once(level).chain(tilted) {
         let found = round(all, projection, axes, aspect);
         let Some((placement, need)) = found.and_then(|it| Some((it, need(&it)?))) else {
             continue;
