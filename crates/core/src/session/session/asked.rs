@@ -47,8 +47,8 @@ impl Session {
         self.run.set_bytes_per_s(bytes_per_s);
     }
 
-    /// The link brought so many bytes beside what was bought, as pages that tell of it: so much less
-    /// is bought from now on.
+    /// The link brought so many bytes beside what was bought, as pages that tell of it: so much
+    /// less is bought from now on.
     pub fn charge(&mut self, bytes: u64) {
         self.run.charge(bytes);
     }
