@@ -29,16 +29,19 @@ pub(in super::super) fn best_curved(
         let sigma = least_sigma(all, placement)?;
         Some(width * height / (sigma * sigma))
     };
-    // Panels that go all round share an axis overhead: what is upright there lies on its side
-    // ahead.
-    let tilted = (axis.y.abs() < STEEPEST).then(|| upright(axis));
+    // Panels that go all round share an axis overhead, and what is upright there lies on its side
+    // ahead: it serves where nothing else does.
+    let worth_tilting = match axis.y.abs() < STEEPEST {
+        true => WORTH_TILTING,
+        false => 0.0,
+    };
     let mut best: Option<(Placement, f64)> = None;
-    for axes in core::iter::once(level).chain(tilted) {
+    for axes in [level, upright(axis)] {
         let found = round(all, projection, axes, aspect);
         let Some((placement, need)) = found.and_then(|it| Some((it, need(&it)?))) else {
             continue;
         };
-        if best.is_none_or(|best| need < best.1 * WORTH_TILTING) {
+        if best.is_none_or(|best| need < best.1 * worth_tilting) {
             best = Some((placement, need));
         }
     }
