@@ -57,7 +57,7 @@ export const KEYS = [
   { shown: "M", says: "sound", needs: "heard", keys: [
     {"key":"m","does":"sound"},
   ] },
-  { shown: "L", says: "tiles coloured by level", needs: "atlas", keys: [
+  { shown: "L", says: "tiles coloured by level, red the finest", needs: "atlas", keys: [
     {"key":"l","does":"levels"},
   ] },
   { shown: "O", says: "figures", needs: "nothing", keys: [
@@ -81,7 +81,7 @@ export const KEYS = [
   { shown: "Home", says: "scenes: back to the start", needs: "scene", keys: [
     {"key":"Home","does":"reset"},
   ] },
-  { shown: "L", says: "scenes: coloured by level", needs: "scene", keys: [
+  { shown: "L", says: "scenes: coloured by level, red the finest", needs: "scene", keys: [
     {"key":"l","does":"levels"},
   ] },
 ] as const;
