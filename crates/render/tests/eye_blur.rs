@@ -13,7 +13,7 @@ use foveal_core::view::panel::lens::Bulge;
 use foveal_core::view::panel::placement::{Placement, SourceProjection};
 use foveal_core::view::panel::rig::{Panel, Scanout};
 use foveal_render::twin::{self, TwinSource};
-use foveal_render::warp::{SourceTexture, WarpFilter, WarpPlan, WarpStyle, Warper};
+use foveal_render::warp::WarpFilter;
 use foveal_render::{Gpu, RgbaImage};
 use glam::DVec3;
 
@@ -23,21 +23,6 @@ const BLURRING: [WarpFilter; 3] = [
     WarpFilter::Feline,
     WarpFilter::Auto,
 ];
-
-fn style(filter: WarpFilter) -> WarpStyle {
-    WarpStyle {
-        filter,
-        paints: false,
-    }
-}
-
-fn on_gpu(gpu: &Gpu, picture: &RgbaImage, plan: &WarpPlan, style: &WarpStyle) -> RgbaImage {
-    let warper = Warper::new(gpu);
-    let source = SourceTexture::new(gpu, picture.size, style.filter.reads_levels()).unwrap();
-    source.write(gpu, picture).unwrap();
-    let loaded = warper.load(plan).unwrap();
-    warper.read(&loaded, &source, style).wait(gpu).unwrap()
-}
 
 #[test]
 fn what_an_eye_blurs_is_drawn_as_by_the_twin_before_every_source() {

@@ -18,21 +18,6 @@ use foveal_render::twin::{self, TwinSource};
 use foveal_render::warp::{PanelOnSource, SourceTexture, WarpFilter, WarpPlan, WarpStyle, Warper};
 use foveal_render::{Gpu, RgbaImage};
 
-fn style(filter: WarpFilter) -> WarpStyle {
-    WarpStyle {
-        filter,
-        paints: false,
-    }
-}
-
-fn on_gpu(gpu: &Gpu, picture: &RgbaImage, plan: &WarpPlan, style: &WarpStyle) -> RgbaImage {
-    let warper = Warper::new(gpu);
-    let source = SourceTexture::new(gpu, picture.size, style.filter.reads_levels()).unwrap();
-    source.write(gpu, picture).unwrap();
-    let loaded = warper.load(plan).unwrap();
-    warper.read(&loaded, &source, style).wait(gpu).unwrap()
-}
-
 /// Within 1 of 255 on 99 % of all channels and nowhere more than 3: a device weighs levels and
 /// texels with few bits.
 fn assert_as_twin(gpu: &Gpu, picture: &RgbaImage, plan: &WarpPlan, style: &WarpStyle, what: &str) {

@@ -27,6 +27,11 @@ fn torus_pack(folder: &Folder) -> String {
     pack
 }
 
+fn share(picture: &Rgb, counts: impl Fn(&[u32; 2]) -> bool) -> f64 {
+    let all = picture.places().count();
+    picture.places().filter(counts).count() as f64 / all as f64
+}
+
 /// Share of the pixels that differ clearly from the one in the corner.
 fn covered(picture: &Rgb) -> f64 {
     let corner = picture.at([0, 0]);
@@ -34,8 +39,7 @@ fn covered(picture: &Rgb) -> f64 {
         let pixel = picture.at(*at);
         (0..3).any(|k| pixel[k].abs_diff(corner[k]) > 12)
     };
-    let all = picture.places().count();
-    picture.places().filter(differs).count() as f64 / all as f64
+    share(picture, differs)
 }
 
 #[test]
@@ -161,8 +165,7 @@ fn coloured(picture: &Rgb) -> f64 {
         let [r, g, b] = picture.at(*at);
         r.abs_diff(b).max(r.abs_diff(g)) > 20
     };
-    let all = picture.places().count();
-    picture.places().filter(is_coloured).count() as f64 / all as f64
+    share(picture, is_coloured)
 }
 
 #[test]

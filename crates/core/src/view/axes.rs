@@ -19,6 +19,16 @@ pub struct Axes {
 }
 
 impl Axes {
+    /// Whether they are unit vectors at right angles, up to a millionth.
+    #[must_use]
+    pub fn are_square(&self) -> bool {
+        const ROUNDING: f64 = 1e-6;
+        let axes = [self.right, self.down, self.forward];
+        let is_unit = |axis: &DVec3| (axis.length() - 1.0).abs() < ROUNDING;
+        let is_square = |(a, b): (usize, usize)| axes[a].dot(axes[b]).abs() < ROUNDING;
+        axes.iter().all(is_unit) && [(0, 1), (1, 2), (2, 0)].into_iter().all(is_square)
+    }
+
     /// Looking at the content's forward, upright.
     pub const FRONT: Self = Self {
         forward: DVec3::NEG_Z,

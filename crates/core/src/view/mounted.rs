@@ -8,9 +8,6 @@ use crate::view::surface::Eye;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// How far the length of an axis, or the cosine between two, may be off.
-const ROUNDING: f64 = 1e-6;
-
 /// A panel before a head, as far as it matters to what is chosen and drawn: a view.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MountedPanel {
@@ -106,18 +103,23 @@ impl MountedPanel {
         Self::views(panels, head, at + own.unwrap_or_default())
     }
 
+    /// Its axes in the head's space.
+    fn axes(&self) -> Axes {
+        Axes {
+            right: DVec3::from_array(self.right),
+            down: DVec3::from_array(self.down),
+            forward: DVec3::from_array(self.forward),
+        }
+    }
+
     /// What of it nothing could be seen through, if anything.
     #[must_use]
     pub fn fault(&self) -> Option<&'static str> {
-        let axes = [self.right, self.down, self.forward].map(DVec3::from_array);
-        let is_unit = |axis: &DVec3| (axis.length() - 1.0).abs() < ROUNDING;
-        let pairs = [(0, 1), (1, 2), (2, 0)];
-        let are_square = pairs.map(|(a, b)| axes[a].dot(axes[b]).abs() < ROUNDING);
         let is_placed = self.position.iter().all(|it| it.is_finite());
         match () {
             () if !self.field.is_open() => Some("field: expected tangents between 1e-6 and 1e6"),
             () if self.size.contains(&0) => Some("size: expected at least one pixel"),
-            () if !(axes.iter().all(is_unit) && are_square == [true; 3]) => {
+            () if !self.axes().are_square() => {
                 Some("right, down, forward: expected three unit vectors at right angles")
             }
             () if !is_placed => Some("position: expected three numbers"),

@@ -4,9 +4,6 @@ use crate::view::axes::Axes;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// How far the length of an axis, or the cosine between two, may be off.
-const ROUNDING: f64 = 1e-6;
-
 /// A plane turned from the head, and where on it the content has its middle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Slant {
@@ -45,12 +42,8 @@ impl Slant {
     /// What of it no content could lie on, if anything.
     #[must_use]
     pub fn fault(&self) -> Option<&'static str> {
-        let axes = [self.right, self.down, self.forward].map(DVec3::from_array);
-        let is_unit = |axis: &DVec3| (axis.length() - 1.0).abs() < ROUNDING;
-        let pairs = [(0, 1), (1, 2), (2, 0)];
-        let are_square = pairs.map(|(a, b)| axes[a].dot(axes[b]).abs() < ROUNDING);
         match () {
-            () if !(axes.iter().all(is_unit) && are_square == [true; 3]) => {
+            () if !self.axes().are_square() => {
                 Some("slant: expected three unit vectors at right angles")
             }
             () if !self.middle.iter().all(|t| t.abs() <= 1e6) => {

@@ -6,8 +6,8 @@ use foveal_core::view::panel::eye_blur::EyeBlur;
 use foveal_core::view::panel::placement::{Placement, SourceProjection};
 use foveal_core::view::panel::rig::{Panel, axes_from_seed_angles};
 use foveal_core::view::surface::Eye;
-use foveal_render::RgbaImage;
-use foveal_render::warp::{PanelOnSource, WarpPlan};
+use foveal_render::warp::{PanelOnSource, SourceTexture, WarpFilter, WarpPlan, WarpStyle, Warper};
+use foveal_render::{Gpu, RgbaImage};
 
 /// A flat panel turned by degrees of roll, pitch (down) and yaw, of a width and height at unit
 /// distance.
@@ -139,4 +139,21 @@ pub fn psnr(a: &RgbaImage, b: &RgbaImage) -> f64 {
         .sum();
     let mean = squares / (a.pixels.len() / 4 * 3) as f64;
     10.0 * (255.0 * 255.0 / mean).log10()
+}
+
+/// A filter, without painting where it takes several samples.
+pub fn style(filter: WarpFilter) -> WarpStyle {
+    WarpStyle {
+        filter,
+        paints: false,
+    }
+}
+
+/// The atlas that the pass draws.
+pub fn on_gpu(gpu: &Gpu, picture: &RgbaImage, plan: &WarpPlan, style: &WarpStyle) -> RgbaImage {
+    let warper = Warper::new(gpu);
+    let source = SourceTexture::new(gpu, picture.size, style.filter.reads_levels()).unwrap();
+    source.write(gpu, picture).unwrap();
+    let loaded = warper.load(plan).unwrap();
+    warper.read(&loaded, &source, style).wait(gpu).unwrap()
 }

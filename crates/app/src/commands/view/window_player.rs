@@ -26,7 +26,7 @@ use foveal_core::view::navigation::{Navigation, Pane, Shown};
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::surface::Eye;
 use foveal_play::{LivePack, LivePlayer, Stepped};
-use foveal_render::{Overlay, TileStyle};
+use foveal_render::{Overlay, RenderError, TileStyle};
 use std::time::Duration;
 
 /// How long the sound waits for the frame that it begins with, in seconds.
@@ -240,10 +240,17 @@ impl WindowPlayer {
 
     /// Works out what units are worth to an eye with these parameters, where that is shown. A
     /// device that is lost meanwhile is opened again, and all is worked out anew.
-    fn mark_worth(&mut self, perception: &Parameters) {
+    fn mark_worth(&mut self, perception: &Parameters, now: Seconds) {
         let viewer = self.viewer.moment().filter(|_| self.importance);
         let viewer = viewer.map(|moment| (perception, moment));
-        self.importance_is_stale = self.live.drawer().mark_worth(viewer).is_err();
+        let marked = self.live.drawer().mark_worth(viewer);
+        self.importance_is_stale = matches!(marked, Err(RenderError::ReadBack(_)));
+        if let Err(error) = marked.map_err(|error| error.to_string())
+            && !self.importance_is_stale
+        {
+            self.importance = false;
+            self.say(error, now);
+        }
     }
 
     /// The key is held that stands for a saccade, or let go.
@@ -312,7 +319,7 @@ impl WindowPlayer {
         let drawn_by_gaze = marks_gaze || style.samples || style.blurs;
         changed |= self.viewer.stepped(moment, pane, drawn_by_gaze);
         if changed || self.importance_is_stale {
-            self.mark_worth(&config.perception);
+            self.mark_worth(&config.perception, now);
             changed = true;
         }
         Ok(changed || self.words.are_stale(now, self.is_moving()))
