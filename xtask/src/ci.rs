@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use crate::deps::Deps;
-use crate::steps::{self, Outcome, cargo, repository_root};
+use crate::measured::{self, Which};
+use crate::steps::{self, Outcome, cargo, linting_cargo, repository_root};
 use crate::touched::Touched;
 use crate::{tidy, wasm, web};
 
@@ -24,11 +25,10 @@ pub(crate) fn all() -> Outcome {
     }
     // The program carries the page, so the page comes first.
     steps.run("web", web::run);
-    steps.run("clippy", || clippy(&["--workspace".to_owned()]));
     // What the steps after it run is built here, once, with the features of the whole workspace.
-    let build = ["test", "--workspace", "--no-run", "--quiet"];
-    steps.run("build", || steps::run(&mut cargo(&build)));
+    steps.run("build, clippy", || build(&["--workspace".to_owned()]));
     steps.run("wasm", wasm::run);
+    steps.run("measured", || measured::repeat(&Which::Sample));
     steps.run("web-test", web::test);
     steps.run("test", || test(&["--workspace".to_owned()]));
     if let Some(deps) = deps {
@@ -46,9 +46,12 @@ pub(crate) fn touched() -> Outcome {
     steps.run("tidy", tidy::run);
     let packages = touched.packages();
     if packages.is_empty() {
-        steps.skip("clippy, test", "no crate differs from the last commit");
+        steps.skip(
+            "build, clippy, test",
+            "no crate differs from the last commit",
+        );
     } else {
-        steps.run("clippy", || clippy(&packages));
+        steps.run("build, clippy", || build(&packages));
     }
     for words in touched.tests() {
         steps.run("test", || test(&words));
@@ -66,13 +69,14 @@ fn fmt() -> Outcome {
     steps::run(&mut cargo(&["fmt", "--all", "--check"]))
 }
 
-fn clippy(which: &[String]) -> Outcome {
-    let mut command = cargo(&["clippy", "--all-targets", "--quiet"]);
-    steps::run(command.args(which).args(["--", "-D", "warnings"]))
+/// Builds and lints everything, benchmarks and examples too.
+fn build(which: &[String]) -> Outcome {
+    let words = ["test", "--no-run", "--quiet", "--all-targets"];
+    steps::run(linting_cargo(&words)?.args(which))
 }
 
 fn test(which: &[String]) -> Outcome {
-    let mut command = cargo(&["test"]);
+    let mut command = linting_cargo(&["test"])?;
     command.args(which).env("RUST_BACKTRACE", "1");
     steps::run(command.env(SKIPPED_TESTS, skipped_tests()))
 }

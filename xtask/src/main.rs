@@ -4,6 +4,7 @@
 
 mod ci;
 mod deps;
+mod measured;
 mod steps;
 mod tidy;
 mod touched;
@@ -11,6 +12,8 @@ mod wasm;
 mod web;
 
 use std::process::ExitCode;
+
+use measured::Which;
 
 const USAGE: &str = "\
 cargo xtask COMMAND
@@ -21,6 +24,9 @@ cargo xtask COMMAND
   web-test        the tests of the page; its pictures beside those of the program
   web-bench       the page's memory over ten minutes, and a 16K panorama over a link
   ci              every check: what CI runs
+  measured [NAME] repeat the figures of docs/measured.toml (of runs whose name contains NAME) and
+                  say what moved; --sample only the quick ones, as CI does; --take NAME writes
+                  what came out into the list; --write writes the tables of documents from it
   check           fmt, tidy, clippy and tests of the crates that differ from the last commit
   bless [FILTER]  run the tests (those whose name contains FILTER) and rewrite their goldens";
 
@@ -35,6 +41,11 @@ fn main() -> ExitCode {
         ["web-test"] => web::test(),
         ["web-bench"] => web::bench(),
         ["ci"] => ci::all(),
+        ["measured"] => measured::repeat(&Which::Named("")),
+        ["measured", "--sample"] => measured::repeat(&Which::Sample),
+        ["measured", "--write"] => measured::write(),
+        ["measured", "--take", name] => measured::take(name),
+        ["measured", name] if !name.starts_with('-') => measured::repeat(&Which::Named(name)),
         ["check"] => ci::touched(),
         ["bless"] => steps::bless(None),
         ["bless", filter] => steps::bless(Some(filter)),

@@ -32,16 +32,29 @@ pub(crate) fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
+/// [`cargo`] with Clippy as the compiler of the workspace's own crates: compiling lints, where
+/// `cargo clippy` would check every dependency again. Warnings are errors. Cargo keeps what it
+/// builds so apart from what plain cargo builds.
+pub(crate) fn linting_cargo(arguments: &[&str]) -> Result<Command, String> {
+    let sysroot = output_of(Command::new("rustc").args(["--print", "sysroot"]))?;
+    let driver = Path::new(sysroot.trim()).join("bin").join("clippy-driver");
+    let driver = driver.with_extension(env::consts::EXE_EXTENSION);
+    if !driver.is_file() {
+        return Err("clippy is missing: run `rustup component add clippy`".to_owned());
+    }
+    let mut command = cargo(arguments);
+    command.env("RUSTC_WORKSPACE_WRAPPER", driver);
+    // `cargo clippy -- -D warnings` hands its words to the driver so.
+    const BETWEEN: &str = "__CLIPPY_HACKERY__";
+    command.env("CLIPPY_ARGS", format!("-D{BETWEEN}warnings{BETWEEN}"));
+    Ok(command)
+}
+
 /// The program `name` of the workspace, built. With the features of the whole workspace, so that
 /// it shares what tests and other programs are made of.
 pub(crate) fn built(name: &str) -> Result<Command, String> {
-    run(&mut cargo(&[
-        "build",
-        "--quiet",
-        "--workspace",
-        "--bin",
-        name,
-    ]))?;
+    let words = ["build", "--quiet", "--workspace", "--bin", name];
+    run(&mut linting_cargo(&words)?)?;
     Ok(Command::new(target_folder()?.join("debug").join(name)))
 }
 
@@ -64,7 +77,8 @@ pub(crate) fn module(name: &str) -> Result<PathBuf, String> {
 
 const WASM: &str = "wasm32-unknown-unknown";
 
-fn target_folder() -> Result<PathBuf, String> {
+/// Where cargo builds.
+pub(crate) fn target_folder() -> Result<PathBuf, String> {
     let metadata = crate::tidy::workspace_metadata()?;
     let folder = metadata["target_directory"].as_str();
     Ok(folder.ok_or("cargo names no target folder")?.into())
@@ -114,7 +128,7 @@ fn not_started(command: &Command, error: &std::io::Error) -> String {
 pub(crate) fn bless(filter: Option<&str>) -> Outcome {
     let mut words = vec!["test", "--workspace"];
     words.extend(filter);
-    run(cargo(&words).env("FOVEAL_BLESS", "1"))?;
+    run(linting_cargo(&words)?.env("FOVEAL_BLESS", "1"))?;
     println!("bless: look at each picture that `git status` now lists before you commit it");
     Ok(())
 }

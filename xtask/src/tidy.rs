@@ -24,6 +24,7 @@ use std::fmt;
 
 use serde_json::Value;
 
+use crate::measured;
 use crate::steps::{Outcome, cargo, output_of, repository_root};
 use known::Breach;
 use source::modules::{Modules, crates_with_sources};
@@ -58,6 +59,8 @@ pub(crate) fn run() -> Outcome {
     let tree = Tree::of(&repository_root())?;
     let mut findings = crates::check(&workspace_metadata()?, &tree);
     findings.extend(check_files(&tree));
+    let stale = measured::stale_tables().into_iter();
+    findings.extend(stale.map(|(file, message)| Finding::new(&file, 1, message)));
     let (faults, breaches) = breaches(&tree);
     findings.extend(faults);
     let list = tree.text(known::LIST).unwrap_or_default();

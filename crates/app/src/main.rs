@@ -1,6 +1,9 @@
 //! The `foveal` program: which command runs?
 
 mod commands;
+#[cfg(test)]
+mod documented_tests;
+mod examples;
 mod gaze_source;
 mod options;
 mod report;
@@ -85,7 +88,7 @@ fn main() -> ExitCode {
     quiet_without_display();
     #[cfg(target_os = "linux")]
     keep_freed_memory();
-    let program = with_negative_numbers(Cli::command());
+    let program = examples::attached(with_negative_numbers(Cli::command()));
     report::called::read_command_line(&program);
     let matches = program.try_get_matches();
     let matches = matches.unwrap_or_else(|error| report::output::fail_usage(&error));

@@ -1,8 +1,6 @@
 //! Does a unit of points that is damaged do harm?
-#![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod point_units;
-
+use crate::point_units;
 use foveal_core::content::points::payload::{CloudPoint, PointAttributes, PointUnit};
 use foveal_core::view::random::Random;
 

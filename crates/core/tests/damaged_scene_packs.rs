@@ -1,12 +1,8 @@
 //! Can the bytes of a scene, of one of its units or of a route make their readers panic?
 
-// A test that cannot go on panics.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod image_pages;
-mod mesh_units;
-mod scene_packs;
-
+use crate::image_pages;
+use crate::mesh_units;
+use crate::scene_packs::{ATTRIBUTES, pack_of, repair_checksums, units};
 use foveal_core::content::images::payload::{PageCodec, page_bytes};
 use foveal_core::content::images::shape::PagePlace;
 use foveal_core::content::mesh::cut::MeshCut;
@@ -19,7 +15,6 @@ use foveal_core::pack::UnitNumbers;
 use foveal_core::pack::paged_table::{PageDirectory, write_pages};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::view::random::Random;
-use scene_packs::{ATTRIBUTES, pack_of, repair_checksums, units};
 
 // The vectors of docs/formats/pack.md.
 const TABLE: &str = "

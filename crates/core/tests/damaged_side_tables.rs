@@ -1,12 +1,7 @@
 //! Can bytes in a side table make selection panic or overspend?
 
-// A test that cannot go on panics.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod side_tables;
-
+use crate::side_tables::{Target, table_bytes};
 use foveal_core::view::random::Random;
-use side_tables::{Target, table_bytes};
 
 #[test]
 fn any_bytes_in_side_tables_are_refused_or_chosen_by() {

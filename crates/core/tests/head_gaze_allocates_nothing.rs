@@ -1,8 +1,6 @@
 //! Does any sample cost an allocation on the way from a head pose or a tracker to a gaze?
 
-// A counting allocator is the test.
-#![allow(unsafe_code)]
-
+use crate::counting;
 use foveal_core::gaze::blend::blend;
 use foveal_core::gaze::head_prediction::adaptive::AdaptiveHeadGaze;
 use foveal_core::gaze::head_prediction::lu_2020::predict_lu_2020;
@@ -15,38 +13,13 @@ use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
 use foveal_core::gaze::spread::GazeEvidence;
 use foveal_core::gaze::tracker::GazeTracker;
 use foveal_core::units::{Radians, Seconds};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-thread_local! {
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: every call goes to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
-        // SAFETY: the caller keeps the contract of `dealloc`.
-        unsafe { System.dealloc(place, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn no_sample_from_pose_to_gaze_allocates() {
     let mut motions = MotionFromPoses::default();
     let mut adaptive = AdaptiveHeadGaze::new(HeadGazePreset::free_viewing());
     let mut sgaze = Sgaze::default();
-    let before = ALLOCATIONS.get();
+    let before = counting::allocations();
     let mut sum = 0.0;
     for k in 0..5000 {
         let time = Seconds(f64::from(k) * 0.001);
@@ -71,18 +44,18 @@ fn no_sample_from_pose_to_gaze_allocates() {
             .spread(adaptive.preset().spread(), time)
             .0;
     }
-    assert_eq!(ALLOCATIONS.get(), before);
+    assert_eq!(counting::allocations(), before);
     assert!(sum.is_finite() && sum != 0.0);
-    let counted = ALLOCATIONS.get();
+    let counted = counting::allocations();
     drop(Box::new(7u8));
-    assert_eq!(ALLOCATIONS.get(), counted + 1);
+    assert_eq!(counting::allocations(), counted + 1);
 }
 
 #[test]
 fn no_sample_that_a_tracker_takes_or_expects_allocates() {
     let mut tracker = GazeTracker::new(HeadGazePreset::search());
     let jump = Radians::from_degrees(10.0);
-    let before = ALLOCATIONS.get();
+    let before = counting::allocations();
     let (mut events, mut sum) = ([0; 3], 0.0);
     for k in 0..6000 {
         let time = Seconds(f64::from(k) * 0.001);
@@ -111,7 +84,7 @@ fn no_sample_that_a_tracker_takes_or_expects_allocates() {
             }] += 1;
         }
     }
-    assert_eq!(ALLOCATIONS.get(), before);
+    assert_eq!(counting::allocations(), before);
     assert!(
         sum.is_finite() && events.iter().all(|count| *count > 100),
         "{events:?}"

@@ -1,11 +1,8 @@
 //! How much does each of many viewers of one scene hold, and how long does it take to choose?
 
-// A counting allocator is the test, and a test that cannot go on panics.
-#![allow(unsafe_code, clippy::unwrap_used, clippy::expect_used)]
-
-mod looking;
-mod made_video;
-
+use crate::counting;
+use crate::looking;
+use crate::made_video;
 use foveal_core::content::asked::Detail;
 use foveal_core::content::demand::Content;
 use foveal_core::content::policy::{Policy, PolicyConfig};
@@ -13,8 +10,6 @@ use foveal_core::session::actions::{Pace, SessionEvent};
 use foveal_core::session::bounds::Bounds;
 use foveal_core::session::session::{Session, SessionSettings};
 use foveal_core::view::surface::Projection;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -22,34 +17,6 @@ use std::time::Instant;
 const VIEWERS: u32 = 100;
 /// What each may hold of its own, in bytes.
 const MOST: i64 = 1 << 20;
-
-thread_local! {
-    static HELD: Cell<i64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-fn count(bytes: usize, sign: i64) {
-    let _ = HELD.try_with(|held| held.set(held.get() + sign * bytes as i64));
-}
-
-// SAFETY: every call goes to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count(layout.size(), 1);
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
-        count(layout.size(), -1);
-        // SAFETY: the caller keeps the contract of `dealloc`.
-        unsafe { System.dealloc(place, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 fn viewer(scene: &[Arc<dyn Content>], config: &PolicyConfig) -> Session {
     let settings = SessionSettings {
@@ -96,11 +63,11 @@ fn a_hundred_viewers_of_a_16k_cube_hold_at_most_a_mebibyte_each() {
     let mut sessions = Vec::with_capacity(VIEWERS as usize);
     for number in 0..VIEWERS {
         let which = number as usize % configs.len();
-        let before = HELD.get();
+        let before = counting::held();
         let mut session = viewer(&scene, &configs[which]);
         let times = look(&mut session, number);
         sessions.push(session);
-        let held = HELD.get() - before;
+        let held = counting::held() - before;
         assert!(held <= MOST, "{:?}: {held} bytes", configs[which].policy);
         seen[which].0 = seen[which].0.max(held);
         seen[which].1.extend_from_slice(&times[1..]);

@@ -1,10 +1,6 @@
 //! Is a scene shown without a hole, whatever comes when?
 
-// A test that cannot go on panics.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod looking;
-
+use crate::looking;
 use foveal_core::content::demand::{Content, Demand};
 use foveal_core::content::mesh::payload::Attributes;
 use foveal_core::content::policy::{Policy, PolicyConfig};

@@ -1,11 +1,7 @@
 //! Do selection and sessions serve a kind of content that they have never heard of?
 
-// A test that cannot go on panics.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod looking;
-mod made_video;
-
+use crate::looking;
+use crate::made_video;
 use foveal_core::content::demand::{Chosen, Content, Demand, Offer, Record};
 use foveal_core::content::head::ContentHead;
 use foveal_core::content::policy::{HasTables, Policy, PolicyConfig};

@@ -1,11 +1,6 @@
 //! Does a session keep its promises whatever comes late, twice, broken or never?
 
-// A test that cannot go on panics.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod any_order;
-
-use any_order::Stage;
+use crate::any_order::Stage;
 
 /// Schedules that are run.
 const SCHEDULES: u64 = 10_000;

@@ -3,9 +3,6 @@
 //! The value of going from a blurred to a sharp picture, tile by tile: from signatures, as
 //! selection weighs units that it has not seen, against the pixel twin, which saw both pictures.
 
-// A test that cannot go on panics.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::content::video::units::VideoUnits;

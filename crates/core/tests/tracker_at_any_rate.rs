@@ -1,8 +1,5 @@
 //! Does a tracker expect the same gaze, and find the same saccades, however often it is told?
 
-// A test that cannot go on panics.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
 use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use foveal_core::gaze::main_sequence::{saccade_duration, saccade_way};
 use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};

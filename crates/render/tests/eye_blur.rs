@@ -1,10 +1,7 @@
 //! Do panels show what an eye with astigmatism would see?
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod common;
-
-use common::difference;
-use common::panels::*;
+use crate::common::difference;
+use crate::common::panels::*;
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::panel::distortion::Distortion;

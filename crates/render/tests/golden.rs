@@ -2,13 +2,10 @@
 //!
 //! `FOVEAL_BLESS=1` rewrites the pictures of `tests/golden`; `FOVEAL_LARGE=FOLDER` also writes the
 //! same scenes at 800x600, to be looked at.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::panels::{blurred_plan_of, curved, painted, plan_of, seed_plane, three};
-use common::torus::{self, coming, coming_root, from_above};
-use common::*;
+use crate::common::panels::{blurred_plan_of, curved, painted, plan_of, seed_plane, three};
+use crate::common::torus::{self, coming, coming_root, from_above};
+use crate::common::*;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::panel::distortion::Distortion;

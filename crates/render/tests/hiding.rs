@@ -1,8 +1,6 @@
 //! Does what others hide go undrawn, without a pixel of the picture changing?
 
-mod common;
-
-use common::torus::{ALL, coming, coming_root, object, refinement, root, view};
+use crate::common::torus::{ALL, coming, coming_root, object, refinement, root, view};
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::view::eye_view::EyeView;
 use foveal_render::twin::TwinScene;

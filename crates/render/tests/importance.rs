@@ -1,10 +1,7 @@
 //! Does the GPU find the value that the twin in double precision finds?
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod common;
-
-use common::levels::{Content, levels, scattered};
-use common::{difference, read_png, turned, write_png};
+use crate::common::levels::{Content, levels, scattered};
+use crate::common::{difference, read_png, turned, write_png};
 use foveal_core::perception::eye::Gaze;
 use foveal_core::perception::importance::{Onlooker, sums_per_unit};
 use foveal_core::perception::measures::pyramid::Pyramid;

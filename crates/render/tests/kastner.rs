@@ -1,9 +1,6 @@
 //! Do samples, blur and textures show what they say, and as their twins on the CPU do?
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use foveal_core::content::video::grid::gather::Gather;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::perception::acuity::AcuityModel;

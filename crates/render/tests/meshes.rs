@@ -1,13 +1,10 @@
 //! Do the shaders of meshes draw what their twins draw, and what was sent?
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::torus::{
+use crate::common::torus::{
     ALL, ROOT, coming, coming_root, from_above, object, refinement, root, squares_of, view,
     worth_by_cluster,
 };
-use common::{Seeded, bytes_of, share_beyond, write_png};
+use crate::common::{Seeded, bytes_of, share_beyond, write_png};
 use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
 use foveal_core::content::scene::description::{SceneLook, SceneObject};
 use foveal_core::gaze::sample::GazeSample;

@@ -1,10 +1,7 @@
 //! Do units come from the coarse surface to their places, on the GPU as in its twin?
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::share_beyond;
-use common::torus::{ALL, coming, coming_root, from_above, object, refinement, root};
+use crate::common::share_beyond;
+use crate::common::torus::{ALL, coming, coming_root, from_above, object, refinement, root};
 use foveal_core::content::mesh::payload::{Cluster, ClusterRef, MeshUnit, MeshVertex};
 use foveal_core::pack::unit::UnitId;
 use foveal_render::twin::TwinScene;

@@ -1,10 +1,7 @@
 //! Does a panel's own picture reach its pixels as its optics have it?
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod common;
-
-use common::difference;
-use common::panels::*;
+use crate::common::difference;
+use crate::common::panels::*;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::panel::alpha::AlphaMap;
 use foveal_core::view::panel::distortion::{Distortion, GREEN};

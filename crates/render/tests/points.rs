@@ -1,11 +1,8 @@
 //! Do the shaders of points draw what their twins draw, and what was sent?
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::ball::{FINE, OCTANT, ROOT, cloud, coming, units};
-use common::torus::{ALL, coming_root, object, root, view};
-use common::{bytes_of, share_beyond, write_png};
+use crate::common::ball::{FINE, OCTANT, ROOT, cloud, coming, units};
+use crate::common::torus::{ALL, coming_root, object, root, view};
+use crate::common::{bytes_of, share_beyond, write_png};
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::view::eye_view::EyeView;

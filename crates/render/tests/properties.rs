@@ -1,9 +1,6 @@
 //! Is the picture free of borders, and exact where nothing is missing?
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::picture::{Colour, Matrix, Picture};

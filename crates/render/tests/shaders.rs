@@ -1,5 +1,4 @@
 //! Is every shader valid, and laid out as the Rust structs are?
-#![allow(clippy::unwrap_used)]
 
 use foveal_core::view::surface::Projection;
 use foveal_render::importance::{BandParams, EyeParams};

@@ -1,11 +1,8 @@
 //! Do textures lie where they should, as fine as their pages are there, as their twin draws them?
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::plate::{FIRST_PAGE, PlatePage, checker, object, pages, plates, texture};
-use common::torus::{coming_root, view};
-use common::{Seeded, write_png};
+use crate::common::plate::{FIRST_PAGE, PlatePage, checker, object, pages, plates, texture};
+use crate::common::torus::{coming_root, view};
+use crate::common::{Seeded, write_png};
 use foveal_core::content::images::halving::Halving;
 use foveal_core::content::images::picture::TexturePicture;
 use foveal_core::content::images::wrap::Wrap;

@@ -1,9 +1,6 @@
 //! Do the shaders draw what their twins on the CPU draw?
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::picture::Colour;

@@ -1,10 +1,7 @@
 //! Are all panels of a rig filled from one source as they should be?
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod common;
-
-use common::difference;
-use common::panels::*;
+use crate::common::difference;
+use crate::common::panels::*;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::Field;
 use foveal_core::view::panel::alpha::AlphaMap;

@@ -1,8 +1,5 @@
 //! Is what units add measured on pictures that look as the viewer's do?
 
-// A test that cannot go on panics.
-#![allow(clippy::unwrap_used)]
-
 use foveal_core::content::mesh::cut::MeshCut;
 use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
 use foveal_core::pack::unit::UnitId;

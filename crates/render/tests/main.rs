@@ -1,0 +1,24 @@
+//! Is what is drawn right, on the device and by its twin?
+//!
+//! One program for all of them: each would link the whole crate anew.
+
+// A test that cannot go on panics; one says what it measured.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)]
+
+mod common;
+mod eye_blur;
+mod golden;
+mod hiding;
+mod importance;
+mod kastner;
+mod meshes;
+mod morphs;
+mod optics;
+mod points;
+mod properties;
+mod read_tile;
+mod residency;
+mod shaders;
+mod textures;
+mod twins;
+mod warp;
