@@ -135,7 +135,7 @@ impl<'a> MpcdiDocument<'a> {
         let panels = self.regions.iter().zip(&spaces).map(|(region, space)| {
             let (pose, tangents) = match (screen, space) {
                 (Some(screen), _) => (PoseEntry::default(), region.on_screen(screen)),
-                (None, Some(space)) => around(space),
+                (None, Some(space)) => space.around(),
                 (None, None) => region.before_eye()?,
             };
             Ok(region.entry(pose, tangents))
@@ -233,26 +233,6 @@ impl<'a> MpcdiDocument<'a> {
             None => self.root.fault("", &*wrong.what),
         }
     }
-}
-
-/// The flat panel round what a map of points tells.
-fn around(space: &SpaceMap) -> (PoseEntry, TangentsEntry) {
-    let [yaw, pitch] = space.yaw_pitch.map(|it| Some(it.to_degrees()));
-    let pose = PoseEntry {
-        order: Some(PoseOrder::YawPitchRoll),
-        roll: Some(0.0),
-        pitch,
-        yaw,
-        quaternion: None,
-    };
-    let [left, right, up, down] = space.tangents;
-    let tangents = TangentsEntry {
-        left,
-        right,
-        up,
-        down,
-    };
-    (pose, tangents)
 }
 
 impl<'a> MpcdiRegion<'a> {
