@@ -147,7 +147,13 @@ fn panels_whose_maps_are_more_than_a_device_binds_are_drawn_in_turn() {
     // A map has 57,600 bytes.
     let gpu = narrow(1 << 16);
     for plan in [plan.clone(), plan.clone().by_seed_maps(&maps)] {
-        assert_as_twin(&gpu, &picture, &plan, &style(WarpFilter::Trilinear), "in turn");
+        assert_as_twin(
+            &gpu,
+            &picture,
+            &plan,
+            &style(WarpFilter::Trilinear),
+            "in turn",
+        );
     }
     let less = Warper::new(&narrow(1 << 15)).load(&plan.by_seed_maps(&maps));
     let told = less.err().unwrap().to_string();

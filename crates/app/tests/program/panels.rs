@@ -143,7 +143,9 @@ fn projectors_before_a_wall_become_a_rig_whose_light_is_even() {
     let folder = Folder::new();
     let wall = folder.holding("wall.obj", WALL);
     let rig = folder.name("wall.toml");
-    let import = ["panels", "import", &wall, "--out", &rig, "--eye-at", "0,0,0.5"];
+    let import = [
+        "panels", "import", &wall, "--out", &rig, "--eye-at", "0,0,0.5",
+    ];
     let lit = [
         "--projector",
         "west at=-0.7,0,0 pixels=120x68 throw=1.5 blend=6",
@@ -152,9 +154,14 @@ fn projectors_before_a_wall_become_a_rig_whose_light_is_even() {
     ];
     let found = json(&[&import[..], &lit].concat());
     agrees("panels import", &[&found]);
-    assert_eq!((&found["panels"], found["files"].as_array().unwrap().len()), (&Value::from(2), 3));
+    assert_eq!(
+        (&found["panels"], found["files"].as_array().unwrap().len()),
+        (&Value::from(2), 3)
+    );
     let white = folder.name("white.png");
-    json(&["panels", "pattern", "white", "--size", "64x36", "--out", &white]);
+    json(&[
+        "panels", "pattern", "white", "--size", "64x36", "--out", &white,
+    ]);
     let out = folder.name("out");
     json(&["panels", "warp", &rig, &white, "--out", &out]);
     let west = Rgb::read(&format!("{out}/west.png"));
@@ -172,7 +179,10 @@ fn projectors_before_a_wall_become_a_rig_whose_light_is_even() {
         ("at=0,0,0 pixels=8x6 throw=1", "expected a name"),
         ("w at=0,0,0 pixels=8x6 throw=0", "throw=0"),
         ("w at=0,0,0 pixels=8x6 throw=1 fov=40", "leave one"),
-        ("w at=0,0,0 at=1,0,0 pixels=8x6 throw=1", "at is given twice"),
+        (
+            "w at=0,0,0 at=1,0,0 pixels=8x6 throw=1",
+            "at is given twice",
+        ),
         ("w at=0,0 pixels=8x6 throw=1", "at=0,0"),
         ("w at=0,0,nan pixels=8x6 throw=1", "at=0,0,nan"),
     ] {
@@ -182,7 +192,11 @@ fn projectors_before_a_wall_become_a_rig_whose_light_is_even() {
     let away = [&away[..], &["w at=0,0,0 look=180,0,0 pixels=8x6 throw=1"]].concat();
     refused(1, &away, &["wall.obj", "projector \"w\"", "lights nothing"]);
     let mpcdi = ["panels", "import", &example("three"), "--out", "none.toml"];
-    refused(2, &[&mpcdi[..], &lit].concat(), &["--projector lights a wall"]);
+    refused(
+        2,
+        &[&mpcdi[..], &lit].concat(),
+        &["--projector lights a wall"],
+    );
 }
 
 /// A mesh of 2 x 2 nodes that shows the middle half of the picture, darker to the right.

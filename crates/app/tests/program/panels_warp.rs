@@ -285,17 +285,20 @@ fn the_model_of_the_seed_says_its_numbers() {
 }
 
 #[test]
-fn maps_of_the_seed_of_48_panels_are_drawn_on_any_gpu() {
+fn maps_of_the_seed_that_no_binding_holds_are_drawn_on_any_gpu() {
     let three = rig("three");
-    let all = ["panels", "bench", &three, "--mode", "seed", "--panels", "3,48"];
+    let all = [
+        "panels", "bench", &three, "--mode", "seed", "--panels", "3,24",
+    ];
     let result = json(&[&all[..], &["--runs", "1", "--source", "320x240"]].concat());
     let rows = result["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 4);
     for row in rows {
         assert!(row["wall_ms"].as_f64().is_some(), "{row}");
     }
-    let maps = 48.0 * 480_000.0 * 12.0 / 1_048_576.0;
-    assert!((rows[3]["map_mib"].as_f64().unwrap() - maps).abs() < 1e-6);
+    // More than the 128 MiB that every device binds at once.
+    let maps = 24.0 * 480_000.0 * 12.0 / 1_048_576.0;
+    assert!(maps > 128.0 && (rows[3]["map_mib"].as_f64().unwrap() - maps).abs() < 1e-6);
 }
 
 /// Two screens of a wall of 164 degrees that overlap and fade, and have some black.
@@ -350,7 +353,9 @@ fn a_flat_picture_on_a_wide_wall_is_said_to_show_its_middle_band_alone() {
     let rig = folder.holding("wide.toml", OVERLAP.as_bytes());
     let white = folder.name("white.png");
     let of_size = |size: &str| {
-        let made = ["panels", "pattern", "white", "--size", size, "--out", &white];
+        let made = [
+            "panels", "pattern", "white", "--size", size, "--out", &white,
+        ];
         json(&made);
         let out = folder.name("out");
         foveal(&["panels", "warp", &rig, &white, "--out", &out]).stderr
@@ -363,11 +368,18 @@ fn a_flat_picture_on_a_wide_wall_is_said_to_show_its_middle_band_alone() {
 }
 
 #[test]
-fn a_window_names_the_monitors_there_are_and_text_names_filter_and_device() {
+fn the_text_of_a_warp_names_filter_and_device_and_leaves_out_what_is_nothing() {
     let folder = Folder::new();
     let out = folder.name("out");
     let more = ["--source", "64x48"];
-    let all = ["panels", "warp", &rig("three"), "world:valley", "--out", &out];
+    let all = [
+        "panels",
+        "warp",
+        &rig("three"),
+        "world:valley",
+        "--out",
+        &out,
+    ];
     let ran = foveal(&[&all[..], &more].concat()).stdout;
     assert!(ran.contains("filter auto, drawn by "), "{ran}");
     assert!(!ran.contains("Feline"), "{ran}");

@@ -52,23 +52,21 @@ fn inside_edges(blend: u32, direction: vec3f) -> vec2f {
     return mix(upper, lower, part.y);
 }
 
-// The weight of a blending panel in a direction: 0 at a covered edge and where it is not lit, 1
-// beyond its fade.
-fn weight_of(blend: u32, direction: vec3f) -> f32 {
-    let inside = inside_edges(blend, direction);
-    let weight = clamp(inside.x * blends[blend].sharpness, 0.0, 1.0);
-    return select(0.0, weight, inside.y > 0.0);
+// The weight of a blending panel in a direction: 0 at a covered edge, 1 beyond its fade.
+fn weight_of(blend: u32, inside: vec2f) -> f32 {
+    return clamp(inside.x * blends[blend].sharpness, 0.0, 1.0);
 }
 
 // A panel's share of the light of a direction that it shows, and how many panels fewer than most
 // show it.
 fn light_shared(blend: u32, direction: vec3f) -> vec2f {
-    let own = max(weight_of(blend, direction), 1e-6);
+    let own = max(weight_of(blend, inside_edges(blend, direction)), 1e-6);
     var sum = own;
     var showing = 1.0;
     let end = blends[blend].first + blends[blend].count;
     for (var k = blends[blend].first; k < end; k = k + 1u) {
-        let other = weight_of(neighbours[k], direction);
+        let inside = inside_edges(neighbours[k], direction);
+        let other = select(0.0, weight_of(neighbours[k], inside), inside.y > 0.0);
         sum += other;
         showing += select(0.0, 1.0, other > 0.0);
     }

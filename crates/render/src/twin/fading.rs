@@ -28,19 +28,22 @@ fn inside_edges(plan: &WarpPlan, blend: usize, direction: Vec3) -> Vec2 {
     mix(upper, lower, part.y)
 }
 
-fn weight_of(plan: &WarpPlan, blend: usize, direction: Vec3) -> f32 {
-    let inside = inside_edges(plan, blend, direction);
-    let weight = (inside.x * plan.blends[blend].sharpness).clamp(0.0, 1.0);
-    if inside.y > 0.0 { weight } else { 0.0 }
+fn weight_of(plan: &WarpPlan, blend: usize, inside: Vec2) -> f32 {
+    (inside.x * plan.blends[blend].sharpness).clamp(0.0, 1.0)
 }
 
 pub(super) fn light_shared(plan: &WarpPlan, blend: usize, direction: Vec3) -> Vec2 {
     let record = &plan.blends[blend];
-    let own = weight_of(plan, blend, direction).max(1e-6);
+    let own = weight_of(plan, blend, inside_edges(plan, blend, direction)).max(1e-6);
     let mut sum = own;
     let mut showing = 1.0;
     for k in record.first..record.first + record.count {
-        let other = weight_of(plan, plan.neighbours[k as usize] as usize, direction);
+        let neighbour = plan.neighbours[k as usize] as usize;
+        let inside = inside_edges(plan, neighbour, direction);
+        let other = match inside.y > 0.0 {
+            true => weight_of(plan, neighbour, inside),
+            false => 0.0,
+        };
         sum += other;
         showing += if other > 0.0 { 1.0 } else { 0.0 };
     }

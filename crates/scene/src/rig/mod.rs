@@ -35,7 +35,7 @@ const MOST_BYTES: u64 = 1 << 24;
 /// 3 GB; one of the largest displays is 400 MB.
 const MOST_BESIDE: u64 = 1 << 29;
 
-/// How a file tells of a rig.
+/// How a file describes a rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum RigKind {
     Entries(RigSyntax),
@@ -82,7 +82,7 @@ pub struct NotedRig {
     pub notes: Vec<String>,
 }
 
-/// [`read_rig`], with what is left out. Where an MPCDI tells of points in space, the eye that sees
+/// [`read_rig`], with what is left out. Where an MPCDI has points in space, the eye that sees
 /// them is so many metres to the right of, above and behind their origin; without it only points
 /// about an eye are taken.
 pub fn read_rig_seen_from(path: &Path, eye: Option<[f64; 3]>) -> Result<NotedRig, RigError> {
@@ -177,8 +177,8 @@ pub fn is_foreign(path: &Path) -> bool {
     matches!(RigKind::of(path), Some(RigKind::Mpcdi | RigKind::Mesh))
 }
 
-/// The MPCDI that tells of panels, with a buffer for each surface, and what it does not tell of
-/// them; or why none can. Fades and black are told as pictures.
+/// The MPCDI of panels, with a buffer for each surface, and what it has no place for; or why there
+/// is none. Fades and black become pictures.
 pub fn write_mpcdi(panels: &[&Panel]) -> Result<WrittenMpcdi, String> {
     written_mpcdi::written(panels)
 }

@@ -24,7 +24,7 @@ pub(crate) struct FitArgs {
     json: bool,
 }
 
-/// What is told of a placed source.
+/// A placed source, as results describe it.
 #[derive(Debug, Serialize)]
 pub(super) struct FitReport {
     placement: &'static str,

@@ -71,7 +71,7 @@ struct MapReport {
     points: Vec<PointReport>,
     /// That were written.
     files: Vec<String>,
-    /// What they do not tell of the panels.
+    /// What of the panels they have no place for.
     left_out: Vec<String>,
 }
 

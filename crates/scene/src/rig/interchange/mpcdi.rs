@@ -1,4 +1,4 @@
-//! Which displays does an MPCDI tell of?
+//! Which displays does an MPCDI describe?
 //!
 //! VESA, Multiple Projection Common Data Interchange 2.0 (2015). Writers disagree in the case of
 //! names, in where `fileset` stands, and in zipping at all: all of these are read.
@@ -23,7 +23,7 @@ const MOST_XML: u64 = 1 << 24;
 /// Largest angle from the axis, in degrees.
 const WIDEST: f64 = 89.9;
 
-/// What an MPCDI tells of.
+/// What an MPCDI describes.
 #[derive(Debug, PartialEq)]
 pub(in super::super) struct MpcdiRig {
     pub(in super::super) rig: Rig,

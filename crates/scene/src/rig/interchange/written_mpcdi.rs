@@ -1,7 +1,7 @@
-//! How is a rig told to other programs, as an MPCDI?
+//! How is a rig written as an MPCDI?
 //!
-//! Profile 3d, version 2.0, a buffer a surface, maps that are linear between pixels; what fades is
-//! told as pictures of shares, by alphaMap and betaMap.
+//! Profile 3d, version 2.0, a buffer a surface, maps that are linear between pixels; fades and
+//! black are pictures, alphaMap and betaMap.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -26,7 +26,7 @@ use super::neat;
 /// Least depth of a ray before the panel's axis: 89.9°.
 const LEAST_DEPTH: f64 = 0.001_745;
 
-/// An MPCDI, and what of the panels it does not tell.
+/// An MPCDI, and what of the panels it has no place for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenMpcdi {
     /// The file.
@@ -51,7 +51,7 @@ struct Zipping {
     names: BTreeSet<String>,
 }
 
-/// The file that tells of panels, with a buffer for each surface that they are sent to.
+/// The file of panels, with a buffer for each surface that they are sent to.
 pub(in super::super) fn written(panels: &[&Panel]) -> Result<WrittenMpcdi, String> {
     let fades = faded(panels);
     let mut surfaces = BTreeMap::<&str, Vec<(usize, &Panel)>>::new();

@@ -84,7 +84,10 @@ fn a_pixel_of_a_projector_looks_where_it_lights_a_flat_wall() {
     for (panel, projector) in rig.panels.iter().zip(&all) {
         let off = off(panel, projector, on_flat);
         assert!(off < 1e-5, "{}: {off}", panel.id);
-        assert_eq!((&panel.id, &panel.output.surface), (&projector.id, &projector.id));
+        assert_eq!(
+            (&panel.id, &panel.output.surface),
+            (&projector.id, &projector.id)
+        );
         assert_eq!(panel.scanout, Scanout::Normal);
         assert!((panel.blend.to_degrees() - 3.0).abs() < 1e-9);
     }
@@ -126,8 +129,8 @@ fn what_is_missed_stays_dark_and_what_hides_a_wall_is_lit_in_its_place() {
     let rig = projectors::rig(&half, std::slice::from_ref(&one), EYE).unwrap();
     let ray = |place| rig.panels[0].ray_at(place, GREEN);
     assert!(ray([10.5, 12.5]).is_some() && ray([35.5, 12.5]).is_none());
-    let [a, b, c, d] = [[-0.2, -0.2], [0.2, -0.2], [-0.2, 0.2], [0.2, 0.2]]
-        .map(|[x, y]| DVec3::new(x, y, -1.0));
+    let [a, b, c, d] =
+        [[-0.2, -0.2], [0.2, -0.2], [-0.2, 0.2], [0.2, 0.2]].map(|[x, y]| DVec3::new(x, y, -1.0));
     let board = [[a, b, c], [b, d, c]];
     let alone = projectors::rig(&board, std::slice::from_ref(&one), EYE).unwrap();
     let before = [&half[..], &board].concat();

@@ -308,7 +308,7 @@ impl Windows {
 }
 
 impl PanelWindow {
-    /// What is drawn into next; `None` while nobody sees the window.
+    /// What is drawn into next; `None` while the window is hidden.
     fn target(&mut self, gpu: &Gpu) -> Option<wgpu::SurfaceTexture> {
         let size = self.window.inner_size();
         let size = [size.width, size.height];

@@ -19,6 +19,9 @@ const MARGIN: f64 = 2.0;
 const NEAR: f64 = 4.0;
 /// A part of a chart of so many nodes on a side is not divided further.
 const SMALLEST_PART: usize = 8;
+/// Kinds of edges: those that other panels cover, and all.
+const COVERED: usize = 0;
+const ALL: usize = 1;
 /// Chords whose squares differ by less are equally far.
 const SAME_CHORD: f64 = 1e-12;
 
@@ -95,17 +98,17 @@ impl FadeField {
         });
         field.most = [width + NEAR * field.step, NEAR * field.step];
         field.nodes = vec![[0.0; 2]; field.size[0] * field.size[1]];
-        field.fill(1, edge);
+        field.fill(ALL, edge);
         Some(field)
     }
 
     /// Takes in which pieces of the edge other panels cover.
     pub(super) fn cover(&mut self, pieces: &[EdgePiece]) {
-        self.fill(0, pieces);
+        self.fill(COVERED, pieces);
     }
 
     /// Radians inside the edges that other panels cover, and inside all of them, of a unit
-    /// direction; `None` where that is not lit.
+    /// direction, negative outside; `None` far from the panel.
     #[must_use]
     pub fn at(&self, direction: DVec3) -> Option<[f64; 2]> {
         let place = self.on_chart(direction);
@@ -120,18 +123,17 @@ impl FadeField {
             self.nodes[(cell[1] + dy) * self.size[0] + cell[0] + dx].map(f64::from)
         };
         let (a, b, c, d) = (node(0, 0), node(1, 0), node(0, 1), node(1, 1));
-        let found = [0, 1].map(|k| {
+        Some([0, 1].map(|k| {
             let upper = a[k] * (1.0 - x) + b[k] * x;
             let lower = c[k] * (1.0 - x) + d[k] * x;
             upper * (1.0 - y) + lower * y
-        });
-        (found[1] > 0.0).then_some(found)
+        }))
     }
 
     /// Whether a unit direction lies so many radians inside all edges, or as far as is known.
     pub(super) fn holds(&self, direction: DVec3, margin: f64) -> bool {
-        let margin = margin.min(self.most[1] / 2.0);
-        self.at(direction).is_some_and(|it| it[1] > margin)
+        let margin = margin.min(self.most[ALL] / 2.0);
+        self.at(direction).is_some_and(|it| it[ALL] > margin)
     }
 
     /// The place of a unit direction on the chart, in radians about its middle.
@@ -176,7 +178,13 @@ impl FadeField {
         let near: Vec<EdgePiece> = near.copied().collect();
         if part.is_small() {
             for node in part.nodes() {
-                let angle = signed_angle(&near, self.direction(node));
+                let direction = self.direction(node);
+                // Beside the lit part an edge goes on straight: what is linear between nodes is
+                // then right up to where the edge ends.
+                let angle = match kind == COVERED && self.is_unlit(node) {
+                    true => libm::asin(nearest(&near, direction)[1].clamp(-1.0, 1.0)),
+                    false => signed_angle(&near, direction),
+                };
                 self.set(ChartPart::of(node), kind, angle);
             }
             return;
@@ -184,6 +192,10 @@ impl FadeField {
         for quarter in part.quarters() {
             self.fill_part(quarter, kind, &near);
         }
+    }
+
+    fn is_unlit(&self, [column, row]: [usize; 2]) -> bool {
+        self.nodes[row * self.size[0] + column][ALL] < 0.0
     }
 
     fn set(&mut self, part: ChartPart, kind: usize, angle: f64) {
@@ -230,9 +242,16 @@ impl ChartPart {
     }
 }
 
-/// Radians to the nearest of pieces, positive on the lit side. Where two are equally near, at the
-/// corner between them, that one tells the side whose plane is farther off.
+/// Radians to the nearest of pieces, positive on the lit side.
 fn signed_angle(pieces: &[EdgePiece], from: DVec3) -> f64 {
+    let [chord, sine] = nearest(pieces, from);
+    let angle = 2.0 * libm::asin((chord.sqrt() / 2.0).min(1.0));
+    if sine < 0.0 { -angle } else { angle }
+}
+
+/// What [`EdgePiece::reached`] says of the nearest of pieces. Where two are equally near, at the
+/// corner between them, that one tells the side whose plane is farther off.
+fn nearest(pieces: &[EdgePiece], from: DVec3) -> [f64; 2] {
     let mut best = [f64::INFINITY, 0.0];
     for [chord, sine] in pieces.iter().map(|it| it.reached(from)) {
         let is_same = (chord - best[0]).abs() <= SAME_CHORD;
@@ -240,8 +259,7 @@ fn signed_angle(pieces: &[EdgePiece], from: DVec3) -> f64 {
             best = [chord, sine];
         }
     }
-    let angle = 2.0 * libm::asin((best[0].sqrt() / 2.0).min(1.0));
-    if best[1] < 0.0 { -angle } else { angle }
+    best
 }
 
 /// The square of the chord of an angle.

@@ -19,6 +19,8 @@ pub use field::FadeField;
 
 /// Least share of a lit pixel: where all that show a direction are at their edges, one is left.
 pub const LEAST_SHARE: f64 = 1e-6;
+/// Narrowest fade, in radians: a fiftieth of a second of arc.
+const NARROWEST: f64 = 1e-7;
 /// Most nodes of all fields of a rig: 64 MB.
 const MOST_NODES: f64 = (1 << 23) as f64;
 /// Nodes of a field that is as large as it may be.
@@ -104,7 +106,8 @@ impl Fades {
     /// What the panel of a fade gives of the light of a unit direction that it shows.
     #[must_use]
     pub fn share(&self, fade: usize, direction: DVec3) -> FadedShare {
-        let own = self.fades[fade].weight(direction).max(LEAST_SHARE);
+        // It shows the direction, whatever the field, which is linear, says where edges meet.
+        let own = self.fades[fade].inside(direction)[0].max(LEAST_SHARE);
         let others = self.fades[fade].neighbours.iter();
         let others = others.map(|it| self.fades[*it].weight(direction));
         let (mut sum, mut showing) = (own, 1.0);
@@ -124,8 +127,14 @@ impl Fade {
     /// lit, 1 beyond the fade.
     #[must_use]
     pub fn weight(&self, direction: DVec3) -> f64 {
-        let inside = self.field.at(direction);
-        inside.map_or(0.0, |[covered, _]| (covered / self.width).clamp(0.0, 1.0))
+        let [covered, all] = self.inside(direction);
+        if all > 0.0 { covered } else { 0.0 }
+    }
+
+    /// How far inside the edges that others cover, and radians inside all edges.
+    fn inside(&self, direction: DVec3) -> [f64; 2] {
+        let [covered, all] = self.field.at(direction).unwrap_or([-1.0; 2]);
+        [(covered / self.width).clamp(0.0, 1.0), all]
     }
 }
 
@@ -137,7 +146,8 @@ impl<'a> Looked<'a> {
         let lit = LitPanel::of(panel, drawn);
         let edge = lit.edge();
         let inside: Vec<DVec3> = lit.probes().collect();
-        let field = FadeField::new(&edge, &inside, panel.blend, share)?;
+        let width = panel.blend.max(NARROWEST);
+        let field = FadeField::new(&edge, &inside, width, share)?;
         let places = edge
             .iter()
             .flat_map(|it| it.ends)
@@ -185,7 +195,7 @@ fn fade_of(looked: &[Looked<'_>], index: usize) -> Fade {
     field.cover(&covered.copied().collect::<Vec<_>>());
     Fade {
         rays: own.lit.rays(),
-        width: own.panel.blend,
+        width: own.panel.blend.max(NARROWEST),
         field,
         neighbours,
     }
