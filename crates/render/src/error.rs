@@ -91,6 +91,21 @@ pub enum RenderError {
         /// The device's limit in bytes.
         most: u64,
     },
+    /// A pass needs more of something than the device has.
+    #[error(
+        "{what} takes {needs} of this device's {limit}, which are {has}: draw by --renderer cpu, \
+         or take another GPU"
+    )]
+    Lacks {
+        /// What is drawn.
+        what: &'static str,
+        /// The limit, as WebGPU names it.
+        limit: &'static str,
+        /// How many are needed.
+        needs: u32,
+        /// How many there are.
+        has: u32,
+    },
     /// A texture or buffer that the device allows and its memory does not hold.
     #[error(
         "{what} would take {bytes} bytes, for which the GPU's memory has no room: close what else \

@@ -104,8 +104,8 @@ fn panels_with_optics_that_fade_and_are_turned_are_filled_as_by_their_twin() {
     }
 }
 
-/// A device that binds so many bytes at most.
-fn narrow(bytes: u64) -> Gpu {
+/// A device that binds so many bytes at most, and gives a shader so many buffers.
+fn narrow(bytes: u64, buffers: u32) -> Gpu {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         flags: wgpu::InstanceFlags::empty(),
         ..wgpu::InstanceDescriptor::new_without_display_handle()
@@ -115,6 +115,7 @@ fn narrow(bytes: u64) -> Gpu {
     let opened = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
         required_limits: wgpu::Limits {
             max_storage_buffer_binding_size: bytes,
+            max_storage_buffers_per_shader_stage: buffers,
             ..wgpu::Limits::default().or_worse_values_from(&adapter.limits())
         },
         ..wgpu::DeviceDescriptor::default()
@@ -145,7 +146,7 @@ fn panels_whose_maps_are_more_than_a_device_binds_are_drawn_in_turn() {
     let maps: Vec<Vec<SeedTexel>> = panels.iter().map(map).collect();
     let maps: Vec<&[SeedTexel]> = maps.iter().map(Vec::as_slice).collect();
     // A map has 57,600 bytes.
-    let gpu = narrow(1 << 16);
+    let gpu = narrow(1 << 16, 8);
     for plan in [plan.clone(), plan.clone().by_seed_maps(&maps)] {
         assert_as_twin(
             &gpu,
@@ -155,9 +156,14 @@ fn panels_whose_maps_are_more_than_a_device_binds_are_drawn_in_turn() {
             "in turn",
         );
     }
-    let less = Warper::new(&narrow(1 << 15)).load(&plan.by_seed_maps(&maps));
-    let told = less.err().unwrap().to_string();
-    assert!(told.contains("max_storage_buffer_binding_size"), "{told}");
+    for (gpu, limit) in [
+        (narrow(1 << 15, 8), "max_storage_buffer_binding_size"),
+        (narrow(1 << 16, 5), "max_storage_buffers_per_shader_stage"),
+    ] {
+        let refused = Warper::new(&gpu).load(&plan.clone().by_seed_maps(&maps));
+        let told = refused.err().unwrap().to_string();
+        assert!(told.contains(limit), "{told}");
+    }
 }
 
 #[test]

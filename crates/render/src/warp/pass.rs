@@ -85,9 +85,11 @@ impl Warper {
     /// Uploads a plan and makes its atlas.
     ///
     /// # Errors
-    /// The atlas is larger than the device draws, or the plan larger than it binds.
+    /// The atlas is larger than the device draws, or the grid of one panel larger than it binds, or
+    /// its memory has no room for them.
     pub fn load(&self, plan: &WarpPlan) -> Result<LoadedPlan, RenderError> {
         let gpu = &self.gpu;
+        check_buffers(gpu)?;
         let size = plan.atlas.map(|side| side.max(1));
         check_size(gpu, size)?;
         let bytes = 4 * u64::from(size[0]) * u64::from(size[1]);
@@ -257,6 +259,21 @@ impl Warper {
             &pipeline.get_bind_group_layout(0),
             resources,
         )
+    }
+}
+
+/// Refuses a device that gives a shader fewer buffers than the pass reads.
+fn check_buffers(gpu: &Gpu) -> Result<(), RenderError> {
+    const BUFFERS: u32 = 6;
+    let has = gpu.device.limits().max_storage_buffers_per_shader_stage;
+    match has >= BUFFERS {
+        true => Ok(()),
+        false => Err(RenderError::Lacks {
+            what: "filling panels",
+            limit: "max_storage_buffers_per_shader_stage",
+            needs: BUFFERS,
+            has,
+        }),
     }
 }
 
