@@ -44,6 +44,8 @@ pub struct Losses {
     /// Whether a cell is in view, by rank. One beside it counts nothing in the whole, but is seen
     /// fading into the picture if it is too coarse.
     in_view: Vec<bool>,
+    /// Whether what is not in view may come into it, as the head turns.
+    may_come: bool,
     /// All pixels that show a cell in view.
     shown: f64,
 }
@@ -56,11 +58,11 @@ impl Losses {
         sum <= self.pixels[rank] * libm::pow(bound, SPACE_EXPONENT)
     }
 
-    /// Whether a cell is not in view: what is seen of it is how it fades into the picture, and for
-    /// that it may be one level coarser than it might be in view.
+    /// Whether a cell is not in view, nor may come into it: what is seen of it is how it fades into
+    /// the picture, and for that it may be one level coarser than it might be in view.
     #[must_use]
     pub fn is_beside(&self, rank: usize) -> bool {
-        !self.in_view[rank]
+        !self.in_view[rank] && !self.may_come
     }
 
     /// The quality difference of a picture whose cells are shown at these levels, to the finest.
@@ -129,17 +131,31 @@ impl LossMeter {
         frame: u32,
         glance: &Glance,
     ) -> Losses {
+        self.losses_around(grid, content, frame, (glance, Radians(0.0)))
+    }
+
+    /// The same with what a head that turns by up to `room` brings into view, as far as it tells
+    /// which levels are within a bound: only what is in view counts in the whole.
+    #[must_use]
+    pub fn losses_around(
+        &self,
+        grid: &TileGrid,
+        content: &dyn VideoUnits,
+        frame: u32,
+        (glance, room): (&Glance, Radians),
+    ) -> Losses {
         let cells = grid.tiles_of_left_eye(0).count();
         let mut losses = Losses {
             cells,
             sums: vec![0.0; cells * usize::from(grid.levels)],
             pixels: vec![0.0; cells],
             in_view: vec![false; cells],
+            may_come: room.0 > 0.0,
             shown: 0.0,
         };
         let spread = SpreadTable::new(glance.gaze.spread);
         let sighted = Sighted::new(glance);
-        let near = Sighted::up_to(glance, beside(grid));
+        let near = Sighted::up_to(glance, Radians(beside(grid).0 + room.0));
         for cell in &*self.cells {
             let mut places: Vec<&CellPlace> = sighted.places(cell).collect();
             let in_view = !places.is_empty();

@@ -30,7 +30,13 @@ impl Rules {
 
     /// What is in view or so near that a coarse cell there would be seen fading into it.
     pub(super) fn sight(&self, view: &EyeView) -> Frustum {
-        Frustum::new(view, Radians(self.config.margin.0.max(self.grid.fade().0)))
+        self.sight_around(view, Radians(0.0))
+    }
+
+    /// The same, and what a head that turns by `room` brings there.
+    pub(super) fn sight_around(&self, view: &EyeView, room: Radians) -> Frustum {
+        let margin = self.config.margin.0.max(self.grid.fade().0);
+        Frustum::new(view, Radians(margin + room.0))
     }
 
     pub(super) fn level_shown(&self, view: &EyeView, probe: &Probe) -> u8 {

@@ -8,6 +8,7 @@ use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::rules::Rules;
 use crate::content::video::rules::known_acuity::{EyeBehind, KnownAcuity, UNKNOWN};
 use crate::perception::glance::Glance;
+use crate::units::Radians;
 use crate::view::frustum::Frustum;
 
 impl Rules {
@@ -28,7 +29,12 @@ impl Rules {
         let mut alone = KnownAcuity::default();
         let known = if is_shared { known } else { &mut alone };
         let levels_known = known.levels(eye, self.cells.len());
-        let sight = glance.view.as_ref().map(|view| self.sight(view));
+        let room = match self.turns(glance) {
+            true => self.head_room,
+            false => Radians(0.0),
+        };
+        let view = glance.view.as_ref();
+        let sight = view.map(|view| self.sight_around(view, room));
         let mut level = |(rank, bounds): (usize, &CellBounds)| {
             let coarsest = self.grid.coarsest();
             if !asked(rank) || levels_known[rank] == coarsest {
