@@ -44,8 +44,6 @@ pub struct Losses {
     /// Whether a cell is in view, by rank. One beside it counts nothing in the whole, but is seen
     /// fading into the picture if it is too coarse.
     in_view: Vec<bool>,
-    /// Whether what is not in view may come into it, as the head turns.
-    may_come: bool,
     /// All pixels that show a cell in view.
     shown: f64,
 }
@@ -58,11 +56,12 @@ impl Losses {
         sum <= self.pixels[rank] * libm::pow(bound, SPACE_EXPONENT)
     }
 
-    /// Whether a cell is not in view, nor may come into it: what is seen of it is how it fades into
-    /// the picture, and for that it may be one level coarser than it might be in view.
+    /// Whether a cell is not in view: what is seen of it is how it fades into the picture, or what
+    /// a turning head shows at its border, and for that it may be one level coarser than it might
+    /// be in view.
     #[must_use]
     pub fn is_beside(&self, rank: usize) -> bool {
-        !self.in_view[rank] && !self.may_come
+        !self.in_view[rank]
     }
 
     /// The quality difference of a picture whose cells are shown at these levels, to the finest.
@@ -150,7 +149,6 @@ impl LossMeter {
             sums: vec![0.0; cells * usize::from(grid.levels)],
             pixels: vec![0.0; cells],
             in_view: vec![false; cells],
-            may_come: room.0 > 0.0,
             shown: 0.0,
         };
         let spread = SpreadTable::new(glance.gaze.spread);

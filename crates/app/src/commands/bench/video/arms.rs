@@ -2,7 +2,6 @@
 //!
 //! All of a comparison take turns, so that other work on the machine touches all alike.
 
-use crate::commands::bench::video::SLOPE_BEFORE;
 use crate::commands::bench::video::report::{
     Before, PublishedReport, Rate, Rates, Report, name_of,
 };
@@ -14,6 +13,8 @@ use crate::run::timed::{Conditions, Run, Way};
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::perception::acuity::AcuityModel;
 
+/// The slope that levels were chosen by before there was a target, in degrees a degree.
+pub(super) const SLOPE_BEFORE: f64 = 0.022;
 /// Turns that every policy takes.
 const TURNS: u32 = 10;
 /// Of a turn's foveated frames, those that the setting of before, `viewport` and `full` play too:

@@ -17,7 +17,7 @@ use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage, out_of_range};
 use crate::run::timed::{Conditions, Way};
 use anyhow::bail;
-use arms::{Arms, Published};
+use arms::{Arms, Published, SLOPE_BEFORE};
 use clap::Args;
 use content::{Generated, PackAndOriginal, WALL, cache};
 use foveal_core::content::asked::SLOPES;
@@ -78,8 +78,6 @@ pub(crate) struct VideoArgs {
 
 /// Frames of the original that are decoded, at most.
 const ORIGINAL_FRAMES: u32 = 24;
-/// The slope that levels were chosen by before there was a target, in degrees a degree.
-const SLOPE_BEFORE: f64 = 0.022;
 
 pub(super) fn run(args: &VideoArgs) -> anyhow::Result<()> {
     if !(10..=100_000).contains(&args.frames) {

@@ -30,13 +30,18 @@ impl Rules {
 
     /// What is in view or so near that a coarse cell there would be seen fading into it.
     pub(super) fn sight(&self, view: &EyeView) -> Frustum {
-        self.sight_around(view, Radians(0.0))
+        Frustum::new(view, Radians(self.config.margin.0.max(self.grid.fade().0)))
     }
 
-    /// The same, and what a head that turns by `room` brings there.
-    pub(super) fn sight_around(&self, view: &EyeView, room: Radians) -> Frustum {
-        let margin = self.config.margin.0.max(self.grid.fade().0);
-        Frustum::new(view, Radians(margin + room.0))
+    /// What a head that turns under a steady eye brings there as well, where the view turns with
+    /// it and room is kept for that.
+    pub(super) fn sight_around(&self, glance: &Glance) -> Option<Frustum> {
+        let view = glance.view.as_ref().filter(|_| self.turns(glance))?;
+        let margin = self.grid.fade().0 + self.head_room.0;
+        (self.head_room.0 > 0.0).then(|| {
+            let margin = margin.max(self.config.margin.0);
+            Frustum::new(view, Radians(margin))
+        })
     }
 
     pub(super) fn level_shown(&self, view: &EyeView, probe: &Probe) -> u8 {
