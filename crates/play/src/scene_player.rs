@@ -166,6 +166,13 @@ impl ScenePlayer {
         &self.file
     }
 
+    /// Whether a first frame shows only the roots: what parts of the view units would refine, by
+    /// which `perceptual` chooses, is measured on what was drawn before.
+    #[must_use]
+    pub fn first_is_blind(&self) -> bool {
+        self.session.needs_footprints()
+    }
+
     /// Bytes that come before any unit and page: header, description, directory of the table.
     #[must_use]
     pub fn head_bytes(&self) -> u64 {

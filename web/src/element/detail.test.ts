@@ -29,13 +29,19 @@ test("both, and what is no number of its range, are left out, and said", () => {
 });
 
 test("a demo weighs what tiles add where the pack tells, and a slope is of acuity", () => {
-  const [telling, silent] = [["viewport", "acuity", "perceptual"], ["viewport", "acuity"]].map(
-    (policies) => ({ policies }) as unknown as Parameters<typeof demoPolicy>[0],
-  ) as [Parameters<typeof demoPolicy>[0], Parameters<typeof demoPolicy>[0]];
+  const telling = { kind: "video", policies: ["viewport", "acuity", "perceptual"] } as const;
+  const silent = { kind: "video", policies: ["viewport", "acuity"] } as const;
   expect([demoPolicy(telling), demoPolicy(silent)]).toEqual(["perceptual", "acuity"]);
   expect(firstPolicy({}, telling)).toBe("viewport");
   expect(firstPolicy({ demo: true }, telling)).toBe("perceptual");
   expect(firstPolicy({ demo: true }, silent)).toBe("acuity");
   expect(firstPolicy({ demo: true, slope: 0.011 }, telling)).toBe("acuity");
   expect(firstPolicy({ policy: "full", slope: 0.011 }, telling)).toBe("full");
+});
+
+test("a demo of a scene, which has no score, is chosen by acuity", () => {
+  const scene = { kind: "scene", policies: ["viewport", "acuity", "perceptual"] } as const;
+  expect(demoPolicy(scene)).toBe("acuity");
+  expect(firstPolicy({ demo: true }, scene)).toBe("acuity");
+  expect(firstPolicy({ demo: true, policy: "perceptual" }, scene)).toBe("perceptual");
 });

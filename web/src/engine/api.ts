@@ -41,7 +41,8 @@ export interface EngineOptions {
   readonly demo?: boolean;
   /**
    * Which levels are wanted. Where it is left out: `acuity` with `slope`; with `demo`
-   * `perceptual`, or `acuity` for packs that do not tell what their tiles add; else `viewport`.
+   * `perceptual`, or `acuity` for scenes and for packs that do not tell what their tiles add; else
+   * `viewport`.
    */
   readonly policy?: PolicyName;
   /** The score that levels are chosen for; where it is left out, 9.5 for `acuity`, `perceptual`. */
@@ -78,15 +79,18 @@ export interface EngineOptions {
   readonly view?: View;
 }
 
-/** The policy of a demo with a pack: the first of these that the pack has the tables for. */
-export function demoPolicy({ policies }: Pick<PackFacts, "policies">): PolicyName {
-  return policies.includes("perceptual") ? "perceptual" : "acuity";
+/**
+ * The policy of a demo with a pack: the first of these that the pack has the tables for. Nothing
+ * tells the score of a scene, so `perceptual` would fetch all of it.
+ */
+export function demoPolicy({ kind, policies }: Pick<PackFacts, "kind" | "policies">): PolicyName {
+  return kind === "video" && policies.includes("perceptual") ? "perceptual" : "acuity";
 }
 
 /** The policy that an engine begins with. */
 export function firstPolicy(
   { policy, demo, slope }: Pick<EngineOptions, "policy" | "demo" | "slope">,
-  pack: Pick<PackFacts, "policies">,
+  pack: Pick<PackFacts, "kind" | "policies">,
 ): PolicyName {
   if (policy !== undefined) return policy;
   if (slope !== undefined) return "acuity";

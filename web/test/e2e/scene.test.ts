@@ -168,7 +168,7 @@ test("only the policies of scenes are offered, and each shows the ring", async (
   await on("view.html?pack=torus.foveal&demo", async (opened) => {
     const { page } = opened;
     await told(page, "settled");
-    expect((await stats(opened)).policy).toBe("perceptual");
+    expect((await stats(opened)).policy).toBe("acuity");
     const offered = await page.locator("foveal-view select option").allTextContents();
     const gazing = ["acuity", "perceptual", "eccentricity"];
     expect(offered).toEqual(["viewport", ...gazing, "uniform", "full", "coarsest"]);

@@ -10,7 +10,7 @@ use crate::options::decoding::DeviceReport;
 use crate::options::panels::{PlayedPanel, SAMPLES_ONE_VIEW, ShownRig, around_the_head};
 use crate::options::policy::Switch;
 use crate::options::renderer::{RendererName, open_device};
-use crate::options::showing::{EyeName, InterpolationName};
+use crate::options::showing::EyeName;
 use crate::report::output::{self, WrongUsage, out_of_range};
 use crate::run::open_player::open_player;
 use crate::run::optics::intermediate_pixels;
@@ -34,6 +34,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
+
+/// A pixel as three 32-bit floats, which is what Kastner 2016 (table 5.4) counts shares of.
+const FLOATS_BYTES: u64 = 12;
 
 /// What a run took.
 #[derive(Clone, Debug, Serialize)]
@@ -62,6 +65,9 @@ pub(crate) struct RunSummary {
     /// without.
     pub(crate) expected_jod: Option<f64>,
     pub(crate) gpu_bytes: u64,
+    /// The same over the finest level whole, as 8-bit 4:2:0, and as three 32-bit floats a pixel.
+    pub(crate) gpu_share: f64,
+    pub(crate) gpu_share_of_floats: f64,
     pub(crate) decoded_on: DeviceReport,
     pub(crate) log_sha256: String,
     /// How good it looked beside the full picture, where somebody asked; on panels that of the
@@ -181,11 +187,10 @@ impl SimulateArgs {
 
     /// These options with those that a preset stands for.
     fn with_preset(&self, projection: Projection) -> Self {
-        let mut with = self.clone();
-        if let Some(preset) = self.watching.system() {
-            with.policy = preset.policy(&self.policy, projection);
+        Self {
+            policy: self.watching.presets.policy(&self.policy, projection),
+            ..self.clone()
         }
-        with
     }
 
     /// These options with those that panels stand for.
@@ -219,11 +224,7 @@ impl SimulateArgs {
                 "--heat-map marks the tiles of --reconstruction atlas; give one of them".to_owned()
             ));
         }
-        let usual = match self.watching.system() {
-            Some(_) => InterpolationName::Nearest,
-            None => InterpolationName::Blended,
-        };
-        Ok(self.showing.showing(usual))
+        Ok(self.showing.showing(self.watching.presets.interpolation()))
     }
 
     /// Checks the options that need no pack.
@@ -247,7 +248,7 @@ impl SimulateArgs {
                     .to_owned()
             ));
         }
-        if self.watching.system().is_none() {
+        if self.watching.presets.system().is_none() {
             self.config()?;
         }
         Ok(())
@@ -334,6 +335,8 @@ pub(crate) fn summarise(
         .collect();
     decode_ms.sort_by(f64::total_cmp);
     let p95 = (decode_ms.len() * 95).div_ceil(100).max(1) - 1;
+    let (surface, gpu_bytes) = (player.grid().surface, player.drawer().gpu_bytes());
+    let gpu_share_of = |bytes: u64| gpu_bytes as f64 / bytes as f64;
     let detail = reports.iter().map(|r| r.detail_share).sum::<Option<f64>>();
     let loss = reports.iter().map(|r| r.expected_loss).sum::<Option<f64>>();
     RunSummary {
@@ -354,7 +357,9 @@ pub(crate) fn summarise(
         detail_share_mean: detail.map(|sum| sum / count),
         target: player.config().target,
         expected_jod: loss.map(|sum| player.config().policy.expectation().jod(sum / count)),
-        gpu_bytes: player.drawer().gpu_bytes(),
+        gpu_bytes,
+        gpu_share: gpu_share_of(surface.bytes_of_planes()),
+        gpu_share_of_floats: gpu_share_of(surface.pixels() * FLOATS_BYTES),
         decoded_on: DeviceReport::new(player.device_use()),
         log_sha256: sha256_hex(session.as_bytes()),
         score: None,
@@ -369,7 +374,8 @@ impl RunSummary {
             "{} under {}: {:.2} % of the pixels (most {:.2} %), {:.2} MB fetched, \
              {:.1} MPix decoded\n\
              decoding {:.1} ms a frame (95th percentile {:.1}), {}, {}, {}, {}, \
-             {:.2} MB on the GPU\n{}{}{}{}{}",
+             {:.2} MB on the GPU ({:.1} % of the finest level in 4:2:0, {:.1} % in 32-bit floats)\n\
+             {}{}{}{}{}",
             counted(self.frames, "frame"),
             self.policy,
             self.pixels_share_mean * 100.0,
@@ -383,6 +389,8 @@ impl RunSummary {
             counted(self.damaged_tiles, "damaged tile"),
             counted(self.level_changes, "level change"),
             self.gpu_bytes as f64 / 1e6,
+            self.gpu_share * 100.0,
+            self.gpu_share_of_floats * 100.0,
             self.detail_share_mean
                 .map_or(String::new(), |share| format!(
                     "{:.1} % of the detail that the eye could see, gaze expected within {:.2}°\n",

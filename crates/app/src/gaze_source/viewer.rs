@@ -25,17 +25,19 @@ impl Default for ViewerModel {
     }
 }
 
-/// The preset of a name, or of a file that `foveal gaze fit head` wrote.
-pub(crate) fn preset_of(choice: &str) -> anyhow::Result<HeadGazePreset> {
+/// The preset of a name, or of a file that `foveal gaze fit head` wrote; `plays` says whether a
+/// published system could have been named in its place.
+pub(crate) fn preset_of(choice: &str, plays: bool) -> anyhow::Result<HeadGazePreset> {
     if let Some(preset) = HeadGazePreset::named(choice) {
         return Ok(preset);
     }
     let path = Path::new(choice);
     if !path.exists() {
-        bail!(
-            "--preset is {choice}; give free-viewing, search or a file that is there, or, where \
-             a published system is chosen, kastner-2016"
-        );
+        let system = match plays {
+            true => "; or kastner-2016, to choose as that system does",
+            false => "",
+        };
+        bail!("--preset is {choice}; give free-viewing, search or a file that is there{system}");
     }
     let text = read_text(path, "a preset")?;
     let preset: HeadGazePreset = toml::from_str(&text).with_context(|| choice.to_owned())?;

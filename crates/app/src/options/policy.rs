@@ -475,7 +475,7 @@ impl ViewOptions {
 }
 
 /// How pictures are cut.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub(crate) struct CutOptions {
     /// A pyramid of tiles of this many pixels on a side.
     #[arg(long, value_name = "PX", conflicts_with = "grid")]

@@ -1,10 +1,8 @@
 //! What is known of the viewer, and what can arrive in time?
 
-use crate::gaze_source::{ViewerModel, preset_of};
+use crate::gaze_source::ViewerModel;
 use crate::options::link::{Link, parse_delay, parse_link};
-use crate::options::preset::SystemPreset;
-use crate::report::output::WrongUsage;
-use anyhow::bail;
+use crate::options::preset::PlayPresets;
 use clap::Args;
 use foveal_core::units::Seconds;
 
@@ -20,10 +18,8 @@ pub(crate) struct Watching {
     /// Levels are chosen for the gaze that is expected by then.
     #[arg(long, value_name = "MS", value_parser = parse_delay, default_value = "0")]
     late: Seconds,
-    /// How gaze follows the head: free-viewing (default), search or a file that `gaze fit head`
-    /// wrote; or, beside that, a published system to choose as: kastner-2016.
-    #[arg(long, value_name = "NAME|FILE.toml")]
-    preset: Vec<String>,
+    #[command(flatten)]
+    pub(crate) presets: PlayPresets,
 }
 
 impl Watching {
@@ -34,24 +30,9 @@ impl Watching {
 
     /// The viewer, for whom gaze is expected.
     pub(crate) fn viewer(&self) -> anyhow::Result<ViewerModel> {
-        let is_of_viewer = |name: &&String| SystemPreset::named(name).is_none();
-        let mut of_viewer = self.preset.iter().filter(is_of_viewer);
-        let preset = of_viewer.next().map_or("free-viewing", String::as_str);
-        if let Some(second) = of_viewer.next() {
-            bail!(WrongUsage(format!(
-                "--preset: gaze follows the head as in {preset} or as in {second}, not both"
-            )));
-        }
         Ok(ViewerModel {
-            preset: preset_of(preset)?,
+            preset: self.presets.head_gaze()?,
             late: Seconds(self.late.0 + self.link().delay.0),
         })
-    }
-
-    /// The published system that was asked for.
-    pub(crate) fn system(&self) -> Option<SystemPreset> {
-        self.preset
-            .iter()
-            .find_map(|name| SystemPreset::named(name))
     }
 }

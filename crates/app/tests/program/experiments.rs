@@ -65,7 +65,6 @@ fn a_pack_is_timed_foveated_against_viewport_full_and_its_original() {
         "--slope",
         "0.022",
     ]);
-    agrees("bench video", &[&report]);
     assert_eq!(report["score"], report["before"]["score"]);
     assert!(number(&report, "score") < 9.9, "{report}");
     for key in [
@@ -88,8 +87,13 @@ fn a_pack_is_timed_foveated_against_viewport_full_and_its_original() {
 #[test]
 fn a_benchmark_without_content_or_with_too_few_frames_is_refused() {
     refused(2, &["bench", "video"], &["PACK"]);
-    let policy = ["bench", "video", "x.foveal", "--policy", "grid"];
-    refused(2, &policy, &["--policy", "acuity or perceptual"]);
+    let bench = ["bench", "video", "x.foveal"];
+    let policy = [&bench[..], &["--policy", "best"]].concat();
+    refused(2, &policy, &["--policy", "perceptual"]);
+    let slope = [&bench[..], &["--policy", "grid", "--slope", "0.01"]].concat();
+    refused(2, &slope, &["--slope", "acuity"]);
+    let score = [&bench[..], &["--policy", "grid", "--target", "9"]].concat();
+    refused(2, &score, &["--target", "grid"]);
     let target = ["bench", "video", "x.foveal", "--target", "10"];
     refused(2, &target, &["--target", "1 to 9.99"]);
     refused(
@@ -101,6 +105,41 @@ fn a_benchmark_without_content_or_with_too_few_frames_is_refused() {
         1,
         &["bench", "video", "x.foveal", "--renderer", "none"],
         &["x.foveal"],
+    );
+}
+
+#[test]
+fn the_rule_of_a_published_system_is_timed_beside_ours_at_its_score() {
+    let folder = Folder::new();
+    let clip = wide_clip(&folder, [640, 360], 9);
+    let pack = folder.name("clip.foveal");
+    let preset = ["--preset", "kastner-2016"];
+    let flat = ["--projection", "flat", "--out", &pack];
+    done(&[&["prepare", "video", &clip], &flat[..], &preset[..]].concat());
+    let bench = ["bench", "video", &pack, "--frames", "10"];
+    let original = ["--original", &clip];
+    let report = json(&[&bench[..], &preset[..], &original[..]].concat());
+    let published = &report["published"];
+    assert_eq!(published["policy"], "sampled", "{report}");
+    let [ours, theirs] = [&report, published].map(|it| number(it, "score"));
+    assert!(ours >= theirs - 0.01, "{ours} {theirs}");
+    assert!(number(&report, "target") <= 9.99, "{report}");
+    for key in ["decode_fps", "end_to_end_fps"] {
+        assert!(number(&published[key], "median") > 0.0, "{report}");
+        assert!(number(&report["coarsest"][key], "median") > 0.0, "{report}");
+    }
+    assert_eq!(published["full"], report["full"], "they play one pack");
+    // A rule that has no score is timed as it is.
+    let grid = json(&[&bench[..], &["--policy", "grid", "--renderer", "none"]].concat());
+    agrees("bench video", &[&report, &grid]);
+    assert_eq!(grid["policy"], "grid");
+    assert!(
+        grid["score"].is_null() && grid["published"].is_null(),
+        "{grid}"
+    );
+    assert!(
+        number(&grid, "foveated_fps") > number(&grid, "full_fps"),
+        "{grid}"
     );
 }
 
@@ -142,7 +181,10 @@ fn codecs_are_compared_by_time_bytes_and_speed() {
     let folder = Folder::new();
     let clip = wide_clip(&folder, [320, 180], 8);
     let options = ["evaluate", "codecs", &clip, "--frames", "8", "--play", "18"];
-    let report = json(&[&options[..], &["--codecs", "vp9,png"]].concat());
+    let cut = [
+        "--grid", "4x4", "--policy", "coarsest", "--codecs", "vp9,png",
+    ];
+    let report = json(&[&options[..], &cut].concat());
     agrees("evaluate codecs", &[&report]);
     let rows = report["codecs"].as_array().unwrap();
     assert_eq!(rows.len(), 2);
@@ -156,14 +198,29 @@ fn codecs_are_compared_by_time_bytes_and_speed() {
             "foveated_saccade_fps_p5",
             "full_fps",
             "coarsest_fps",
+            "grid_fps_median",
+            "grid_saccade_fps_p5",
             "prepare_s",
         ] {
             assert!(number(row, key) > 0.0, "{row}");
         }
+        assert_eq!(row["policy"], "coarsest");
+        let [coarsest, grid] = ["pixels_share_mean", "grid_pixels_share_mean"].map(|key| {
+            let share = number(row, key);
+            assert!(share > 0.0 && share < 1.0, "{row}");
+            share
+        });
+        assert!(coarsest < grid, "{row}");
     }
     // Lossless takes more.
     assert!(number(&rows[1], "bytes") > 2.0 * number(&rows[0], "bytes"));
     assert!(number(&rows[1], "storage_ratio") > number(&rows[0], "storage_ratio"));
+    let preset = ["--preset", "kastner-2016", "--codecs", "jpeg90"];
+    let report = json(&[&options[..], &preset].concat());
+    agrees("evaluate codecs", &[&report]);
+    let row = &report["codecs"][0];
+    assert_eq!(row["policy"], "sampled", "{row}");
+    assert_eq!(row["bytes_per_level"].as_array().map(Vec::len), Some(3));
     refused(
         2,
         &[&options[..], &["--codecs", "vp7"]].concat(),

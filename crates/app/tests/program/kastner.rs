@@ -1,7 +1,11 @@
 //! Does the program do what the two frameworks of Kastner 2016 do?
 
-use crate::scenes::{noisy_clip, waves, write_clip};
-use crate::support::{Folder, done, frame_picture, json, refused};
+use crate::scene::torus_pack;
+use crate::scenes::{noisy_clip, numbered_sphere, waves, write_clip};
+use crate::support::{Folder, Rgb, done, frame_picture, json, refused};
+use crate::view::watched;
+use foveal_core::content::policy::Policy;
+use foveal_core::session::log_of_parts::SessionLog;
 use foveal_core::view::picture::Picture;
 use serde_json::json;
 
@@ -296,4 +300,127 @@ fn the_blur_is_off_unless_asked_for_and_leaves_where_the_eye_looks() {
         .places()
         .filter(|place| plain.at(*place) != blurred.at(*place));
     assert!(changed.count() > 1000);
+}
+
+/// The policies of a window's log, part by part.
+fn policies_of(log: &str) -> Vec<Policy> {
+    let log = SessionLog::parse(&std::fs::read_to_string(log).unwrap()).unwrap();
+    log.parts
+        .iter()
+        .map(|part| part.head.policy.policy)
+        .collect()
+}
+
+#[test]
+fn the_preset_plays_in_a_window_by_mouse_and_keys() {
+    let folder = Folder::new();
+    let flat = wave_pack(&folder);
+    let shots = folder.name("shots");
+    // The mouse is the eye; I fills pixels otherwise, P goes to another rule and back.
+    let script = "0 move 40 60\n0 settle\n0 screenshot left.png\n\
+                  0.1 move 460 60\n0.1 settle\n0.1 screenshot right.png\n\
+                  0.2 key i\n0.2 settle\n0.2 screenshot blended.png\n\
+                  0.3 key p\n0.3 settle\n0.4 key Shift+P\n0.4 settle\n0.5 quit";
+    let preset = ["--preset", "kastner-2016", "--samples", "9000"];
+    let log = folder.name("log.jsonl");
+    let window = [
+        "--view",
+        "512x256",
+        "--paused",
+        "--screenshots",
+        &shots,
+        "--log",
+        &log,
+    ];
+    let options = [&preset[..], &["--mask-size", "200"], &window[..]].concat();
+    if watched(&folder, &flat, script, &options).is_none() {
+        return;
+    }
+    let policies = policies_of(&log);
+    assert_eq!(policies.first(), Some(&Policy::Sampled), "{policies:?}");
+    assert_eq!(policies.last(), Some(&Policy::Sampled), "{policies:?}");
+    assert!(policies.contains(&Policy::Full), "{policies:?}");
+    let out = folder.name("whole");
+    let full = ["--policy", "full", "--frames", "1", "--view", "512x256"];
+    done(&[&["simulate", &flat, "--out", &out], &full[..]].concat());
+    let whole = frame_picture(&out, 0);
+    // Mean difference to the whole picture round a place of the mouse.
+    let shot = |name: &str| Rgb::read(&format!("{shots}/{name}.png"));
+    let off = |shot: &Rgb, x: u32| {
+        let near = |at: &[u32; 2]| at[0].abs_diff(x) < 12 && at[1].abs_diff(60) < 12;
+        let places: Vec<[u32; 2]> = whole.places().filter(near).collect();
+        let apart = |at: &[u32; 2]| {
+            let (shown, whole) = (shot.at(*at), whole.at(*at));
+            (0..3).map(move |k| u32::from(shown[k].abs_diff(whole[k])))
+        };
+        let sum: u32 = places.iter().flat_map(apart).sum();
+        f64::from(sum) / places.len() as f64
+    };
+    for (name, gaze, beside) in [("left", 40, 460), ("right", 460, 40), ("blended", 460, 40)] {
+        let [near, far] = [gaze, beside].map(|x| off(&shot(name), x));
+        assert!(
+            2.0 * near < far,
+            "{name}: {near} at the mouse, {far} far from it"
+        );
+    }
+    assert!(shot("right").difference(&shot("blended")) > 2);
+}
+
+#[test]
+fn a_panorama_of_the_preset_plays_by_the_grid_and_a_scene_refuses_it() {
+    let folder = Folder::new();
+    let clip = write_clip(&folder, "s.mkv", &numbered_sphere(64, 2));
+    let pack = folder.name("s.foveal");
+    let preset = ["--preset", "kastner-2016"];
+    let cube = ["--projection", "equirect", "--codec", "png", "--out", &pack];
+    done(&[&["prepare", "video", &clip], &cube[..], &preset[..]].concat());
+    // Arrows turn the head.
+    let script = "0 move 100 60\n0 settle\n0 key Left\n0 key Up\n0 settle\n0 quit";
+    let log = folder.name("log.jsonl");
+    let options = [&preset[..], &["--view", "320x200", "--log", &log]].concat();
+    if watched(&folder, &pack, script, &options).is_some() {
+        let policies = policies_of(&log);
+        assert!(
+            policies.iter().all(|it| *it == Policy::Grid),
+            "{policies:?}"
+        );
+        let again = json(&["replay", &log, "--pack", &pack]);
+        assert_eq!(again["same"], true, "{again}");
+    }
+    let scene = torus_pack(&folder);
+    let out = folder.name("out");
+    let view = [&["view", &scene], &preset[..]].concat();
+    refused(2, &view, &["kastner-2016", "scene"]);
+    let simulate = [&["simulate", &scene, "--out", &out], &preset[..]].concat();
+    refused(2, &simulate, &["kastner-2016", "scene"]);
+    refused(
+        1,
+        &["view", &pack, "--preset", "kastner"],
+        &["kastner-2016", "free-viewing"],
+    );
+}
+
+#[test]
+fn the_gpu_memory_of_a_run_is_told_over_two_frames() {
+    let folder = Folder::new();
+    let pack = wave_pack(&folder);
+    let out = folder.name("out");
+    let how = ["--frames", "1", "--view", "512x256", "--out", &out];
+    let preset = [
+        "--preset",
+        "kastner-2016",
+        "--samples",
+        "9000",
+        "--mask-size",
+        "200",
+    ];
+    let run = json(&[&["simulate", &pack], &how[..], &preset[..]].concat());
+    let number = |key: &str| run[key].as_f64().unwrap();
+    let pixels = 512.0 * 256.0;
+    assert_eq!(number("gpu_share"), number("gpu_bytes") / (1.5 * pixels));
+    assert_eq!(
+        number("gpu_share_of_floats"),
+        number("gpu_bytes") / (12.0 * pixels)
+    );
+    assert!(number("gpu_bytes") > 0.0, "{run}");
 }

@@ -24,6 +24,7 @@ mod live_gaze;
 mod loss;
 mod no_adapter;
 mod numbers;
+mod odd_sizes;
 mod options;
 mod panels;
 mod panels_live;

@@ -232,12 +232,12 @@ fn what_cannot_be_captured_is_refused_with_what_to_do() {
         "panels",
         "warp",
         &rig,
-        "lavfi:testsrc2=size=64x48",
+        "lavfi:testsrc2=size=65x49",
         "--out",
         &out,
     ]);
     assert_eq!(
         (&graph["frames"], &graph["source"]),
-        (&1.into(), &serde_json::json!([64, 48]))
+        (&1.into(), &serde_json::json!([65, 49]))
     );
 }

@@ -14,6 +14,7 @@ use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::Screen;
 use foveal_media::pack::pack_file::PackFile;
 use serde_json::{Value, json};
+use std::fmt::Write;
 use std::path::Path;
 use std::sync::{Arc, Mutex, Weak};
 
@@ -261,6 +262,49 @@ fn what_a_rule_chooses_takes_no_link() {
     ];
     refused(1, &run, &["--preset", "reading"]);
     assert!(!Path::new(&out).exists());
+}
+
+#[test]
+fn a_nodding_head_under_a_steady_gaze_changes_no_level() {
+    let world = World::prepared();
+    // A gaze that stays while the head nods by 18° and turns a little, or stays as well.
+    let trace = |nods: bool| {
+        let mut text = "t_s,yaw_deg,pitch_deg,head_yaw_deg,head_pitch_deg\n".to_owned();
+        for frame in 0..FRAMES {
+            let nod = if nods { 18.0 } else { 0.0 } * (f64::from(frame) * 0.5).sin();
+            writeln!(text, "{},8,-5,{},{nod}", f64::from(frame) / 25.0, 0.4 * nod).unwrap();
+        }
+        let name = format!("nods-{nods}.csv");
+        format!("trace:{}", world.folder.holding(&name, text.as_bytes()))
+    };
+    for policy in ["acuity", "perceptual"] {
+        let run = |nods: bool| {
+            let gaze = trace(nods);
+            let how = ["--policy", policy, "--gaze", &gaze, "--view", "640x400"];
+            world.play(&format!("{policy}-nods-{nods}"), &how)
+        };
+        let [(nodding, figures), (still, _)] = [true, false].map(run);
+        let heads = column(&nodding, "head_pitch_deg");
+        assert!(heads.iter().any(|pitch| *pitch > 17.0), "{heads:?}");
+        for name in ["pixels", "tiles", "level_changes"] {
+            assert_eq!(
+                column(&nodding, name),
+                column(&still, name),
+                "{policy}: {name}"
+            );
+        }
+        // What changes, changes with the groups of the content.
+        let changes = column(&nodding, "level_changes");
+        let changed = (0..).zip(&changes).filter(|(_, changes)| **changes > 0.0);
+        assert!(
+            changed.clone().all(|(frame, _)| frame % 8 == 0),
+            "{changes:?}"
+        );
+        if policy == "acuity" {
+            let slopes = changed.count();
+            assert!(slopes < 4, "{figures}");
+        }
+    }
 }
 
 #[test]

@@ -1,7 +1,10 @@
 //! Does a window fly through a scene, and can what it showed be chosen again?
 
+use crate::scene::torus;
 use crate::support::{Folder, Rgb, done, json, refused};
 use crate::view::watched;
+use foveal_core::content::policy::Policy;
+use foveal_core::session::log_of_parts::SessionLog;
 use std::fmt::Write;
 
 /// A torus with bumps, of 2 x 96 x 48 triangles, as a pack.
@@ -241,7 +244,7 @@ fn policies_and_options_that_are_for_video_are_refused_for_scenes() {
         &["view", &pack, "--gpu-memory", "much"],
         &["--gpu-memory", "256MB"],
     );
-    let score = ["view", &pack, "--demo", "--target", "9"];
+    let score = ["view", &pack, "--demo", "--link", "8mbit", "--target", "9"];
     refused(2, &score, &["--target", "eccentricity", "--policy acuity"]);
     let out = folder.name("out");
     let score = [
@@ -263,4 +266,52 @@ fn policies_and_options_that_are_for_video_are_refused_for_scenes() {
     );
     let log = folder.holding("log.jsonl", b"{}\n");
     refused(1, &["replay", &log, "--pack", &pack], &["log.jsonl"]);
+}
+
+#[test]
+fn a_demo_of_a_scene_stays_coarse_beside_the_gaze() {
+    let folder = Folder::new();
+    let mesh = folder.holding("fine.obj", torus(160, 80).as_bytes());
+    let pack = folder.name("fine.foveal");
+    done(&["prepare", "scene", &mesh, "--out", &pack]);
+    // The policy of a window, and the triangles that it ends with.
+    let watch = |name: &str, more: &[&str]| {
+        let log = folder.name(name);
+        let script = "0 move 60 150\n0 settle\n0.1 quit";
+        let options = [&["--view", "480x300", "--log", &log], more].concat();
+        watched(&folder, &pack, script, &options)?;
+        let log = SessionLog::parse(&std::fs::read_to_string(log).unwrap()).unwrap();
+        let part = log.parts.last().unwrap();
+        Some((part.head.policy.policy, part.frames.last().unwrap().samples))
+    };
+    let Some((policy, foveated)) = watch("demo.jsonl", &["--demo"]) else {
+        return;
+    };
+    assert_eq!(policy, Policy::Acuity);
+    let (_, all) = watch("full.jsonl", &["--policy", "full"]).unwrap();
+    let share = foveated as f64 / all as f64;
+    assert!(share < 0.7, "{foveated} of {all} triangles are shown");
+    // What a link brings is spent by worth, as before.
+    let linked = watch("link.jsonl", &["--demo", "--link", "8mbit"]);
+    assert_eq!(linked.unwrap().0, Policy::Eccentricity);
+}
+
+#[test]
+fn one_frame_of_a_scene_under_perceptual_says_that_it_shows_the_roots() {
+    let folder = Folder::new();
+    let pack = torus_pack(&folder);
+    let run = |policy: &str, frames: &str| {
+        let out = folder.name("out");
+        let how = ["--policy", policy, "--frames", frames, "--pictures", "none"];
+        done(&[&["simulate", &pack, "--out", &out], &how[..]].concat()).stderr
+    };
+    let told = run("perceptual", "1");
+    assert!(
+        told.contains("only the roots") && told.contains("--frames 2"),
+        "{told}"
+    );
+    for (policy, frames) in [("perceptual", "2"), ("acuity", "1")] {
+        let told = run(policy, frames);
+        assert!(!told.contains("roots"), "{policy} {frames}: {told}");
+    }
 }

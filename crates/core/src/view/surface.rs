@@ -4,6 +4,7 @@
 //! both, so eccentricity and density are one formula each.
 
 use super::axes::Axes;
+use super::picture::plane_size;
 use super::slant::Slant;
 use crate::units::{Ppd, Radians};
 use core::f64::consts::FRAC_PI_4;
@@ -429,6 +430,17 @@ impl Surface {
     #[must_use]
     pub fn pixels(&self) -> u64 {
         u64::from(self.faces()) * u64::from(self.size[0]) * u64::from(self.size[1])
+    }
+
+    /// Bytes of all faces at level 0 as 8-bit 4:2:0 planes.
+    #[must_use]
+    pub fn bytes_of_planes(&self) -> u64 {
+        let [width, height] = self.size;
+        let samples = |plane| plane_size(width, height, plane).map(u64::from);
+        let face: u64 = (0..3)
+            .map(|plane| samples(plane).iter().product::<u64>())
+            .sum();
+        u64::from(self.faces()) * face
     }
 }
 

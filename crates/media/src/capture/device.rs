@@ -173,6 +173,16 @@ impl Device {
 
 impl Reader {
     fn open(source: &LiveSource, display: &str) -> Result<Self, String> {
+        if let LiveSource::Graph(graph) = source {
+            // What ends in sound takes no pixel format.
+            let whole = LiveSource::Graph(with_whole_chroma(graph));
+            return Self::open_as_it_is(&whole, display)
+                .or_else(|_| Self::open_as_it_is(source, display));
+        }
+        Self::open_as_it_is(source, display)
+    }
+
+    fn open_as_it_is(source: &LiveSource, display: &str) -> Result<Self, String> {
         let mut options = av::Dictionary::new();
         let (device, url) = match source {
             LiveSource::Screen => ("x11grab", display),
@@ -240,5 +250,49 @@ impl Reader {
         let due = Duration::try_from_secs_f64(time - first).unwrap_or_default();
         let left = due.saturating_sub(begun.elapsed());
         std::thread::sleep(left.min(MOST_PACE));
+    }
+}
+
+/// Pixel formats with colour at every pixel.
+const WHOLE_CHROMA: &str = "format=pix_fmts=rgba|bgra|rgb24|bgr24|gbrp|yuv444p|yuva444p|gray";
+
+/// The graph, with colour at every pixel of what it ends in: where colour is halved, FFmpeg's
+/// sources leave out the last column and row of an odd size.
+fn with_whole_chroma(graph: &str) -> String {
+    let chain = graph.trim_end();
+    let label = match chain.ends_with(']') {
+        true => chain.rfind('[').unwrap_or(chain.len()),
+        false => chain.len(),
+    };
+    let (filters, label) = chain.split_at(label);
+    format!("{filters},{WHOLE_CHROMA}{label}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_graph_of_an_odd_size_keeps_its_last_column_and_row() {
+        for (graph, size) in [
+            ("testsrc2=size=1001x667", [1001, 667]),
+            ("testsrc2=s=33x17,hflip[out0]", [33, 17]),
+            ("color=s=5x3", [5, 3]),
+        ] {
+            let source = LiveSource::Graph(graph.to_owned());
+            let mut device = Device::open(&source).unwrap();
+            let Next::Picture(picture) = device.next() else {
+                panic!("{graph} gives no picture");
+            };
+            let [width, height] = picture.size;
+            assert_eq!([width, height], size, "{graph}");
+            assert_eq!(picture.rgba.len(), (4 * width * height) as usize);
+        }
+    }
+
+    #[test]
+    fn a_pixel_format_is_asked_for_before_the_label_of_the_output() {
+        let asked = with_whole_chroma("color[a];[a]hflip[out0] ");
+        assert_eq!(asked, format!("color[a];[a]hflip,{WHOLE_CHROMA}[out0]"));
     }
 }

@@ -5,6 +5,7 @@
 use crate::commands::demo::machine::Machine;
 use crate::commands::evaluate::trial::{Trial, TrialOptions};
 use crate::options::policy::CutOptions;
+use crate::options::preset::SystemPreset;
 use crate::report::output;
 use anyhow::{Context, anyhow};
 use clap::Args;
@@ -19,6 +20,9 @@ pub(crate) struct CodecsArgs {
     trial: TrialOptions,
     #[command(flatten)]
     cut: CutOptions,
+    /// A published system whose cut and rule are taken; what is given as well wins.
+    #[arg(long, value_enum)]
+    preset: Option<SystemPreset>,
     /// Codecs to compare; jpeg90 is JPEG of quality 90.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = parse_coding)]
     #[arg(default_value = "vp8,vp9,h264,hevc,av1,jpeg90,jpeg100,png")]
@@ -63,7 +67,7 @@ pub(super) fn run(args: &CodecsArgs) -> anyhow::Result<()> {
         let of = args.codecs.len();
         output::say(&format!("{number} of {of}: {}", coding.name));
         let settings = args.settings(coding, jobs);
-        let trial = args.trial.trial(&settings, &scratch)?;
+        let trial = args.trial.trial(&settings, args.preset, &scratch)?;
         let share = args.share_of_input()?;
         rows.push(Row {
             codec: coding.name.clone(),
@@ -83,10 +87,14 @@ pub(super) fn run(args: &CodecsArgs) -> anyhow::Result<()> {
 
 impl CodecsArgs {
     fn settings(&self, coding: &Coding, jobs: usize) -> PrepareSettings {
+        let cut = match self.preset {
+            Some(preset) => preset.cut(&self.cut),
+            None => self.cut.clone(),
+        };
         PrepareSettings {
-            cut: self.cut.asked(),
-            levels: self.cut.levels,
-            ratio: self.cut.ratio(),
+            cut: cut.asked(),
+            levels: cut.levels,
+            ratio: cut.ratio(),
             codec: coding.codec,
             quality: coding.quality.clone(),
             jobs,
@@ -133,7 +141,7 @@ impl Report {
     fn text(&self) -> String {
         let mut text = format!(
             "{}\n{}, {}\n\n\
-             {:<8} {:>9} {:>8} {:>10} {:>8} {:>8} {:>8} {:>8}  bytes a level\n",
+             {:<8} {:>9} {:>8} {:>10} {:>12} {:>8} {:>8} {:>8} {:>8} {:>8}  bytes a level\n",
             self.machine.text(),
             self.input,
             counted(self.frames, "frame"),
@@ -141,7 +149,9 @@ impl Report {
             "prepare s",
             "MPix/s",
             "MB",
-            "fps",
+            self.codecs.first().map_or("fps", |row| row.trial.policy),
+            "saccade",
+            "grid",
             "saccade",
             "full",
             "coarsest",
@@ -153,12 +163,15 @@ impl Report {
                 .map(|bytes| format!("{:.2} MB", *bytes as f64 / 1e6))
                 .collect();
             text += &format!(
-                "{codec:<8} {:>9.1} {:>8.1} {:>10.2} {:>8.1} {:>8.1} {:>8.1} {:>8.0}  {}\n",
+                "{codec:<8} {:>9.1} {:>8.1} {:>10.2} {:>12.1} {:>8.1} {:>8.1} {:>8.1} {:>8.1} \
+                 {:>8.0}  {}\n",
                 trial.prepare_s,
                 trial.prepare_mpix_per_s,
                 trial.bytes as f64 / 1e6,
                 trial.foveated_fps_median,
                 trial.foveated_saccade_fps_p5,
+                trial.grid_fps_median,
+                trial.grid_saccade_fps_p5,
                 trial.full_fps,
                 trial.coarsest_fps,
                 levels.join(" / "),

@@ -80,7 +80,7 @@ pub(super) fn run(args: &GridSweepArgs) -> anyhow::Result<()> {
             ));
             match args
                 .trial
-                .trial(&args.settings(grid, levels, jobs), &scratch)
+                .trial(&args.settings(grid, levels, jobs), None, &scratch)
             {
                 Ok(trial) => cuts.push(Row {
                     grid,

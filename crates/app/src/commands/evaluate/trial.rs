@@ -1,12 +1,14 @@
 //! What does a video take, prepared and played in one way?
 
+use crate::options::policy::policy_parser;
+use crate::options::preset::SystemPreset;
 use crate::report::output::{self, Counting, out_of_range};
 use crate::run::kept_pack::plan_of;
-use crate::run::timed::{Conditions, Run};
+use crate::run::timed::{Conditions, Run, Way};
 use anyhow::{Context, bail};
 use clap::Args;
-use foveal_core::content::policy::{Policy, PolicyConfig};
-use foveal_core::view::surface::Screen;
+use foveal_core::content::policy::Policy;
+use foveal_core::view::surface::{Projection, Screen};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{PrepareSettings, prepare};
 use foveal_media::tiles::decoders::DecoderChoice;
@@ -33,6 +35,9 @@ pub(super) struct TrialOptions {
     /// Threads (default: all cores).
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
+    /// How the foveated frames are chosen (default: acuity, or the preset's).
+    #[arg(long, value_parser = policy_parser())]
+    policy: Option<Policy>,
     /// Seed of the gaze, which jumps every ninth frame to anywhere.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -95,12 +100,18 @@ pub(super) struct Trial {
     pub(super) bytes: u64,
     /// Finest level first.
     pub(super) bytes_per_level: Vec<u64>,
-    /// Mean share of the pixels under `acuity`, of those of the finest level.
+    /// What chose the foveated frames.
+    pub(super) policy: &'static str,
+    /// Mean share of the pixels of foveated frames, of those of the finest level.
     pub(super) pixels_share_mean: f64,
-    /// Frames a second under `acuity`, choosing and decoding: half of the frames are faster.
+    /// Foveated frames a second, choosing and decoding: half of the frames are faster.
     pub(super) foveated_fps_median: f64,
     /// Of the frames on which the gaze jumped, one in twenty is slower.
     pub(super) foveated_saccade_fps_p5: f64,
+    /// The same under `grid`, the rule of Kastner 2016 for panoramas.
+    pub(super) grid_pixels_share_mean: f64,
+    pub(super) grid_fps_median: f64,
+    pub(super) grid_saccade_fps_p5: f64,
     /// Frames a second with every finest tile, and with the coarsest level alone.
     pub(super) full_fps: f64,
     pub(super) coarsest_fps: f64,
@@ -132,6 +143,7 @@ impl TrialOptions {
     pub(super) fn trial(
         &self,
         settings: &PrepareSettings,
+        system: Option<SystemPreset>,
         scratch: &Scratch,
     ) -> anyhow::Result<Trial> {
         let pack = scratch.0.join("trial.foveal");
@@ -147,7 +159,7 @@ impl TrialOptions {
         let about = &prepared.description;
         let [width, height] = about.source.size.map(f64::from);
         let pixels = width * height * f64::from(about.frames);
-        let played = self.play(&pack);
+        let played = self.play(&pack, &self.way(system, about.projection));
         std::fs::remove_file(&pack)
             .with_context(|| format!("{}: cannot be removed", pack.display()))?;
         Ok(Trial {
@@ -159,7 +171,16 @@ impl TrialOptions {
         })
     }
 
-    fn play(&self, pack: &Path) -> anyhow::Result<Trial> {
+    /// How the foveated frames are chosen.
+    fn way(&self, system: Option<SystemPreset>, projection: Projection) -> Way {
+        match (self.policy, system) {
+            (Some(policy), _) => Way::under(policy),
+            (None, Some(system)) => system.way(projection),
+            (None, None) => Way::under(Policy::Acuity),
+        }
+    }
+
+    fn play(&self, pack: &Path, way: &Way) -> anyhow::Result<Trial> {
         let conditions = Conditions {
             file: Arc::new(PackFile::open(pack)?),
             drawing: &DrawDevice::Nothing,
@@ -170,24 +191,28 @@ impl TrialOptions {
             },
             seed: self.seed,
         };
-        let run = |policy, frames| -> anyhow::Result<Run> {
-            let mut run = conditions.run(PolicyConfig::new(policy), false)?;
+        let run = |way: &Way, frames| -> anyhow::Result<Run> {
+            let mut run = conditions.run(way, false)?;
             run.turn(frames)?;
             Ok(run)
         };
-        let foveated = run(Policy::Acuity, self.play)?;
-        let jumps = foveated.frames.iter().filter(|(_, jumped)| *jumped);
+        let foveated = run(way, self.play)?;
+        let grid = run(&Way::under(Policy::Grid), self.play)?;
         Ok(Trial {
+            policy: way.config.policy.name(),
             frames: 0,
             prepare_s: 0.0,
             prepare_mpix_per_s: 0.0,
             bytes: 0,
             bytes_per_level: bytes_per_level(&conditions.file),
             pixels_share_mean: foveated.share(),
-            foveated_fps_median: fps_at(50, foveated.frames.iter().map(|(seconds, _)| *seconds)),
-            foveated_saccade_fps_p5: fps_at(5, jumps.map(|(seconds, _)| *seconds)),
-            full_fps: run(Policy::Full, FULL_FRAMES.min(self.play))?.decoding[0],
-            coarsest_fps: run(Policy::Coarsest, self.play)?.decoding[0],
+            foveated_fps_median: median_fps(&foveated),
+            foveated_saccade_fps_p5: saccade_fps(&foveated),
+            grid_pixels_share_mean: grid.share(),
+            grid_fps_median: median_fps(&grid),
+            grid_saccade_fps_p5: saccade_fps(&grid),
+            full_fps: run(&Way::under(Policy::Full), FULL_FRAMES.min(self.play))?.decoding[0],
+            coarsest_fps: run(&Way::under(Policy::Coarsest), self.play)?.decoding[0],
             late_frames: foveated.late,
             incomplete_frames: foveated.incomplete,
         })
@@ -201,6 +226,17 @@ fn bytes_per_level(file: &PackFile) -> Vec<u64> {
         bytes[usize::from(pack.tile_of(unit).level)] += u64::from(pack.entry(unit).bytes);
     }
     bytes
+}
+
+/// Frames a second that half of the frames of a run reach.
+fn median_fps(run: &Run) -> f64 {
+    fps_at(50, run.frames.iter().map(|(seconds, _)| *seconds))
+}
+
+/// Frames a second that all but one in twenty of those reach on which the gaze jumped.
+fn saccade_fps(run: &Run) -> f64 {
+    let jumps = run.frames.iter().filter(|(_, jumped)| *jumped);
+    fps_at(5, jumps.map(|(seconds, _)| *seconds))
 }
 
 /// Frames a second that all but `percent` of a hundred frames reach.

@@ -79,7 +79,7 @@ impl PresetOptions {
     /// One law per recording, with the mean gaze it is compared to.
     pub(crate) fn fits(&self, recordings: &[HeadRecording]) -> anyhow::Result<Vec<HeadFit>> {
         if !self.leave_one_out {
-            let fit = HeadFit::shipped(preset_of(&self.preset)?);
+            let fit = HeadFit::shipped(preset_of(&self.preset, false)?);
             return Ok(vec![fit; recordings.len()]);
         }
         if recordings.len() < 2 {

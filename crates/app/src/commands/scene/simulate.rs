@@ -39,6 +39,11 @@ const FRAMES: u32 = 120;
 /// Frames a second where no interval is given.
 const RATE: f64 = 30.0;
 
+/// What is said of a run that ends before `perceptual` can choose.
+const ONLY_ROOTS: &str = "--frames 1: perceptual chooses by what of the frame before is hidden, so \
+                          a first frame shows only the roots, the coarsest level; give --frames 2 \
+                          or more, or --policy acuity";
+
 /// What a run took.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct SceneSummary {
@@ -117,6 +122,9 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let mut mover = mover.through(view).on_panels(mounted);
     let folders = args.folders(panels.as_deref())?;
     let mut optics = as_seen(panels.as_deref().unwrap_or_default());
+    if frames == 1 && player.first_is_blind() {
+        output::say(ONLY_ROOTS);
+    }
     let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
     let mut shown = Vec::new();
     for frame in 0..frames {
@@ -158,6 +166,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
 impl SimulateArgs {
     fn check_scene(&self) -> anyhow::Result<()> {
         self.check_counts()?;
+        self.watching.presets.refuse_for_scene()?;
         let is_video = [
             (self.start > 0, "--start: a scene has no frames in time"),
             (self.paced, "--paced: a scene has no frames in time"),

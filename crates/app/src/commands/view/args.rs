@@ -7,6 +7,7 @@ use crate::options::decoding::DecodingOptions;
 use crate::options::link::{Link, parse_link};
 use crate::options::panels::PanelsOptions;
 use crate::options::policy::{PolicyOptions, ViewOptions};
+use crate::options::preset::PlayPresets;
 use crate::options::showing::{EyeName, ShowingOptions};
 use clap::Args;
 use std::path::PathBuf;
@@ -51,9 +52,8 @@ pub(crate) struct ViewArgs {
     /// Scenes: what units may take on the GPU, as 32MB or 1GB.
     #[arg(long, value_name = "SIZE", default_value = "256MB", value_parser = parse_memory)]
     pub(super) gpu_memory: u64,
-    /// How gaze follows the head: free-viewing, search or a file that `gaze fit head` wrote.
-    #[arg(long, value_name = "NAME|FILE.toml", default_value = "free-viewing")]
-    pub(super) preset: String,
+    #[command(flatten)]
+    pub(super) presets: PlayPresets,
     /// Begin paused.
     #[arg(long)]
     pub(super) paused: bool,

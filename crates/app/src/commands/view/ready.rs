@@ -8,7 +8,7 @@ use crate::commands::view::args::ViewArgs;
 use crate::commands::view::ready::checks::{before, check, open_pack, policy_of};
 use crate::commands::view::script::Script;
 use crate::commands::view::sound::samples::Samples;
-use crate::gaze_source::{ViewerModel, preset_of};
+use crate::gaze_source::ViewerModel;
 use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, bail};
 use foveal_core::content::policy::Policy;
@@ -72,7 +72,7 @@ impl Ready {
         });
         let ready = Self {
             watching: ViewerModel {
-                preset: preset_of(&args.preset)?,
+                preset: args.presets.head_gaze()?,
                 late: args.link.unwrap_or_default().delay,
             },
             script: script.transpose()?.unwrap_or_default(),

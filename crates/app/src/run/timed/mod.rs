@@ -18,7 +18,7 @@ use foveal_eval::score::{Mode, Viewing};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_play::Decoding;
 use foveal_play::{Player, PlayerOptions};
-use foveal_render::{DrawDevice, TileStyle};
+use foveal_render::{DrawDevice, Interpolation, TileStyle};
 use std::sync::Arc;
 
 /// What 360° content is seen with: a headset of 22 pixels a degree.
@@ -40,15 +40,45 @@ pub(crate) struct Conditions<'a> {
 /// Frames that are scored.
 const SCORED_FRAMES: u32 = 8;
 
+/// How frames are chosen and drawn.
+#[derive(Clone, Debug)]
+pub(crate) struct Way {
+    pub(crate) config: PolicyConfig,
+    /// How pixels between samples are filled, where samples are shown.
+    pub(crate) interpolation: Interpolation,
+}
+
+impl Way {
+    /// Under this policy, with the usual interpolation.
+    pub(crate) fn of(config: PolicyConfig) -> Self {
+        Self {
+            config,
+            interpolation: Interpolation::default(),
+        }
+    }
+
+    /// Under a policy with its usual parameters.
+    pub(crate) fn under(policy: Policy) -> Self {
+        Self::of(PolicyConfig::new(policy))
+    }
+}
+
 impl Conditions<'_> {
-    fn player(&self, config: PolicyConfig, paced: bool) -> anyhow::Result<Player> {
+    fn player(&self, way: &Way, paced: bool) -> anyhow::Result<Player> {
         let surface = self.file.pack().description().grid(self.screen).surface;
         let options = PlayerOptions {
-            config,
-            view: display(&surface),
+            config: way.config.clone(),
+            // A mask of samples is as large as the picture that it is drawn into.
+            view: match way.config.policy {
+                Policy::Sampled => self.drawn(),
+                _ => display(&surface),
+            },
             screen: self.screen,
             drawing: self.drawing.clone(),
-            style: TileStyle::default(),
+            style: TileStyle {
+                interpolation: way.interpolation,
+                ..TileStyle::default()
+            },
             bytes_per_s: f64::INFINITY,
             paced,
             judged: false,
@@ -70,11 +100,11 @@ impl Conditions<'_> {
         }
     }
 
-    /// The score of the first frames under a policy, against every finest tile, in JOD, for an eye
-    /// that rests ahead; `None` where nothing draws.
-    pub(crate) fn score(&self, config: &PolicyConfig) -> anyhow::Result<Option<f64>> {
-        let mut shown = self.player(config.clone(), false)?;
-        let mut full = self.player(PolicyConfig::new(Policy::Full), false)?;
+    /// The score of the first frames, against every finest tile, in JOD, for an eye that rests
+    /// ahead; `None` where nothing draws.
+    pub(crate) fn score(&self, way: &Way) -> anyhow::Result<Option<f64>> {
+        let mut shown = self.player(way, false)?;
+        let mut full = self.player(&Way::under(Policy::Full), false)?;
         let about = self.file.pack().description();
         let (surface, view) = (about.grid(self.screen).surface, self.drawn());
         let display = display_of_view(&view, surface.projection);
@@ -100,11 +130,11 @@ impl Conditions<'_> {
         Ok(Some(engine.score()?.jod))
     }
 
-    /// A run under one policy; `paced` shows a frame when its time is over.
-    pub(crate) fn run(&self, config: PolicyConfig, paced: bool) -> anyhow::Result<Run> {
+    /// A run in one way; `paced` shows a frame when its time is over.
+    pub(crate) fn run(&self, way: &Way, paced: bool) -> anyhow::Result<Run> {
         let about = self.file.pack().description();
         let surface = about.grid(self.screen).surface;
-        let player = self.player(config, paced)?;
+        let player = self.player(way, paced)?;
         let eye = JumpingEye::new(surface, self.seed);
         Ok(Run::new(player, eye, self.drawn(), about.frames))
     }

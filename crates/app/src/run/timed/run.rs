@@ -140,6 +140,14 @@ impl Run {
         self.shares.iter().sum::<f64>() / self.shares.len().max(1) as f64
     }
 
+    /// Frames until the fovea showed its level, of 95 of 100 saccades.
+    pub(crate) fn to_fovea_p95(&self) -> u32 {
+        let mut frames = self.to_fovea.clone();
+        frames.sort_unstable();
+        let p95 = (frames.len() * 95).div_ceil(100).max(1) - 1;
+        frames.get(p95).copied().unwrap_or_default()
+    }
+
     /// What a graphics device decoded so far.
     pub(crate) fn device_use(&self) -> DeviceUse {
         self.player.device_use()

@@ -56,8 +56,9 @@ impl Losses {
         sum <= self.pixels[rank] * libm::pow(bound, SPACE_EXPONENT)
     }
 
-    /// Whether a cell is not in view: what is seen of it is how it fades into the picture, and for
-    /// that it may be one level coarser than it might be in view.
+    /// Whether a cell is not in view: what is seen of it is how it fades into the picture, or what
+    /// a turning head shows at its border, and for that it may be one level coarser than it might
+    /// be in view.
     #[must_use]
     pub fn is_beside(&self, rank: usize) -> bool {
         !self.in_view[rank]
@@ -129,6 +130,19 @@ impl LossMeter {
         frame: u32,
         glance: &Glance,
     ) -> Losses {
+        self.losses_around(grid, content, frame, (glance, Radians(0.0)))
+    }
+
+    /// The same with what a head that turns by up to `room` brings into view, as far as it tells
+    /// which levels are within a bound: only what is in view counts in the whole.
+    #[must_use]
+    pub fn losses_around(
+        &self,
+        grid: &TileGrid,
+        content: &dyn VideoUnits,
+        frame: u32,
+        (glance, room): (&Glance, Radians),
+    ) -> Losses {
         let cells = grid.tiles_of_left_eye(0).count();
         let mut losses = Losses {
             cells,
@@ -139,7 +153,7 @@ impl LossMeter {
         };
         let spread = SpreadTable::new(glance.gaze.spread);
         let sighted = Sighted::new(glance);
-        let near = Sighted::up_to(glance, beside(grid));
+        let near = Sighted::up_to(glance, Radians(beside(grid).0 + room.0));
         for cell in &*self.cells {
             let mut places: Vec<&CellPlace> = sighted.places(cell).collect();
             let in_view = !places.is_empty();

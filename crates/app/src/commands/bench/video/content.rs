@@ -3,12 +3,14 @@
 //! A clip of 64 frames is drawn, coded as H.264 as a camera would, and prepared like anybody's
 //! video. Both files stay in the cache for the next run.
 
+use crate::options::policy::CutOptions;
+use crate::options::preset::SystemPreset;
 use crate::report::output::{self, Counting};
 use crate::run::kept_pack::{kept, plan_of, write_pack};
 use anyhow::{Context, bail};
 use clap::ValueEnum;
 use foveal_core::view::picture::{Colour, Matrix, Picture};
-use foveal_core::view::surface::Screen;
+use foveal_core::view::surface::{Projection, Screen};
 use foveal_media::generate::{FRAMES_PER_SECOND, GeneratedScene, Pan, Turn};
 use foveal_media::plain_file::rename_durably;
 use foveal_media::prepare::{PrepareSettings, ProjectionChoice};
@@ -57,19 +59,25 @@ pub(super) struct PackAndOriginal {
 }
 
 impl Generated {
-    /// The clip and its pack under `cache`, made where they are not there.
-    pub(super) fn prepare(self, cache: &Path) -> anyhow::Result<PackAndOriginal> {
+    /// The clip and its pack under `cache`, made where they are not there: by default settings, or
+    /// cut and coded as `system` did.
+    pub(super) fn prepare(
+        self,
+        cache: &Path,
+        system: Option<SystemPreset>,
+    ) -> anyhow::Result<PackAndOriginal> {
         std::fs::create_dir_all(cache)
             .with_context(|| format!("{}: the folder cannot be made", cache.display()))?;
         let name = self.to_possible_value();
         let name = name.as_ref().map_or("clip", |value| value.get_name());
         let original = cache.join(format!("{name}-{DRAWN}.mkv"));
-        let pack = cache.join(format!("{name}-{DRAWN}.foveal"));
+        let of_system = system.map_or(String::new(), |system| format!("-{}", system.name()));
+        let pack = cache.join(format!("{name}-{DRAWN}{of_system}.foveal"));
         if !original.is_file() {
             output::say(&format!("{}: is being drawn", original.display()));
             self.draw(&original)?;
         }
-        let settings = self.settings()?;
+        let settings = self.settings(system)?;
         if kept(&original, &pack, &settings).is_none() {
             let plan = plan_of(&original, &settings)?;
             write_pack(&original, &pack, &plan, Some(u64::from(FRAMES)))?;
@@ -78,14 +86,31 @@ impl Generated {
         Ok(PackAndOriginal { pack, original })
     }
 
-    fn settings(self) -> anyhow::Result<PrepareSettings> {
-        Ok(PrepareSettings {
-            projection: match self {
-                Self::Panorama16k => ProjectionChoice::Cube,
-                Self::Wide8k | Self::Wide16k => ProjectionChoice::Flat,
-            },
+    fn settings(self, system: Option<SystemPreset>) -> anyhow::Result<PrepareSettings> {
+        let (choice, projection) = match self {
+            Self::Panorama16k => (ProjectionChoice::Cube, Projection::Cube),
+            Self::Wide8k | Self::Wide16k => (ProjectionChoice::Flat, Projection::Flat),
+        };
+        let usual = PrepareSettings {
+            projection: choice,
             jobs: output::jobs(None)?,
             ..PrepareSettings::default()
+        };
+        let Some(system) = system else {
+            return Ok(usual);
+        };
+        let cut = system.cut(&CutOptions::default());
+        let (codec, quality) = match system.coding(projection) {
+            Some((codec, quality)) => (codec, Some(quality)),
+            None => (usual.codec, None),
+        };
+        Ok(PrepareSettings {
+            cut: cut.asked(),
+            levels: cut.levels,
+            ratio: cut.ratio(),
+            codec,
+            quality,
+            ..usual
         })
     }
 

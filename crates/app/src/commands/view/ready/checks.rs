@@ -23,22 +23,30 @@ pub(super) fn open_pack(args: &ViewArgs) -> anyhow::Result<LivePack> {
     Ok(LivePack::Video(file, video))
 }
 
-/// These options with those that panels stand for.
+/// These options with those that panels and a published system stand for.
 pub(super) fn before(args: &ViewArgs, rig: Option<&ShownRig>) -> anyhow::Result<ViewArgs> {
     let mut with = args.clone();
-    let Some(rig) = rig else {
+    if is_scene_pack(&args.pack) {
+        args.presets.refuse_for_scene()?;
+    }
+    if rig.is_none() && args.presets.system().is_none() {
         return Ok(with);
-    };
-    if args.policy.policy == Some(Policy::Sampled) {
-        bail!(WrongUsage(SAMPLES_ONE_VIEW.to_owned()));
     }
     let shape = match is_scene_pack(&args.pack) {
         true => None,
-        false => PackFile::open(&args.pack)?
-            .pack()
-            .description()
-            .flat_shape(),
+        false => {
+            let file = PackFile::open(&args.pack)?;
+            let about = file.pack().description();
+            with.policy = args.presets.policy(&args.policy, about.projection);
+            about.flat_shape()
+        }
     };
+    let Some(rig) = rig else {
+        return Ok(with);
+    };
+    if with.policy.policy == Some(Policy::Sampled) {
+        bail!(WrongUsage(SAMPLES_ONE_VIEW.to_owned()));
+    }
     if let Some(screen) = args.panels.screen(rig, shape)? {
         with.view.screen = screen;
     }
@@ -50,6 +58,8 @@ pub(super) fn policy_of(args: &ViewArgs, pack: &LivePack) -> PolicyOptions {
     let usual = match (args.demo, pack) {
         (false, _) => Policy::Viewport,
         (true, LivePack::Video(..)) => Policy::Perceptual,
+        // Nothing tells the score of a scene, so what buys by worth would buy all of it.
+        (true, LivePack::Scene(_)) if args.link.is_none() => Policy::Acuity,
         (true, LivePack::Scene(_)) => Policy::Eccentricity,
     };
     args.policy.under(args.policy.policy.unwrap_or(usual))

@@ -4,7 +4,6 @@ use crate::commands::view::ready::Ready;
 use crate::commands::view::ready::opening::usable;
 use crate::commands::view::window::panes::RigPanes;
 use crate::options::panels::around_the_head;
-use crate::options::showing::InterpolationName;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::session::bounds::Bounds;
 use foveal_core::units::Radians;
@@ -89,7 +88,7 @@ impl Ready {
     pub(in crate::commands::view) fn style(&self, policy: Policy) -> TileStyle {
         TileStyle {
             samples: policy == Policy::Sampled,
-            ..self.args.showing.showing(InterpolationName::Blended)
+            ..self.args.showing.showing(self.args.presets.interpolation())
         }
     }
 

@@ -33,6 +33,17 @@ impl Rules {
         Frustum::new(view, Radians(self.config.margin.0.max(self.grid.fade().0)))
     }
 
+    /// What a head that turns under a steady eye brings there as well, where the view turns with
+    /// it and room is kept for that.
+    pub(super) fn sight_around(&self, glance: &Glance) -> Option<Frustum> {
+        let view = glance.view.as_ref().filter(|_| self.turns(glance))?;
+        let margin = self.grid.fade().0 + self.head_room.0;
+        (self.head_room.0 > 0.0).then(|| {
+            let margin = margin.max(self.config.margin.0);
+            Frustum::new(view, Radians(margin))
+        })
+    }
+
     pub(super) fn level_shown(&self, view: &EyeView, probe: &Probe) -> u8 {
         level_of_footprint(&self.grid, view.footprint(probe.ppd, probe.direction))
     }

@@ -9,6 +9,7 @@ use crate::content::video::grid::neighbours::neighbours;
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::content::video::rules::distance::{acuity_thresholds, angle_to_cell, distance_levels};
 use crate::content::video::rules::known_acuity::KnownAcuity;
+use crate::content::video::rules::still::turns_with_head;
 use crate::content::video::units::VideoUnits;
 use crate::gaze::sample::GazeSample;
 use crate::perception::acuity::AcuityModel;
@@ -23,6 +24,7 @@ use sha2::{Digest, Sha256};
 pub mod distance;
 pub(crate) mod known_acuity;
 pub mod steady;
+mod still;
 pub mod target;
 mod together;
 
@@ -66,6 +68,8 @@ pub struct Rules {
     config: PolicyConfig,
     cells: Vec<CellBounds>,
     thresholds: Vec<Radians>,
+    /// How far beside the view `acuity` looks because the head may turn there while the eye stays.
+    head_room: Radians,
 }
 
 impl Rules {
@@ -86,7 +90,14 @@ impl Rules {
             config,
             cells,
             thresholds,
+            head_room: Radians(0.0),
         }
+    }
+
+    /// The same rule where a head that turns by up to `head_room` under a steady eye must find the
+    /// levels that `acuity` would choose there.
+    pub(crate) fn with_head_room(self, head_room: Radians) -> Self {
+        Self { head_room, ..self }
     }
 
     /// From now on chooses for another eye, as far as `acuity` does.
@@ -322,7 +333,7 @@ impl Rules {
 
     /// Whether the picture turns with a head inside the content.
     fn turns(&self, glance: &Glance) -> bool {
-        self.grid.surface.projection == Projection::Cube && !glance.is_magnified()
+        turns_with_head(&self.grid, glance)
     }
 
     /// The footprint under which the display shows no difference; the safety disc is exempt. On a

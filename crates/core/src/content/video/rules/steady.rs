@@ -4,11 +4,15 @@
 //! that followed it would flicker wherever it rests near a border. So a cell becomes finer as soon
 //! as it must, and coarser only when it need not be that fine for a gaze anywhere within a small
 //! angle of where it is (a Schmitt trigger in space).
+//!
+//! A head turns while the eye stays. So under `acuity` cells are chosen through the view in which
+//! the gaze was first found there, with room for what the head may turn to.
 
-use crate::content::policy::PolicyConfig;
+use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::rules::known_acuity::KnownAcuity;
+use crate::content::video::rules::still::{head_room, stays};
 use crate::content::video::rules::{Occasion, Rules, Selection};
 use crate::content::video::units::VideoUnits;
 use crate::perception::acuity::AcuityModel;
@@ -21,7 +25,18 @@ pub struct SteadySelector {
     exact: Rules,
     loose: Rules,
     slack: Radians,
-    before: Option<LevelMap>,
+    /// Whether the view is that of where the gaze was first found.
+    keeps_view: bool,
+    before: Option<Shown>,
+}
+
+/// What was shown, and the glance whose view it was chosen through.
+#[derive(Clone, Debug)]
+struct Shown {
+    levels: LevelMap,
+    anchor: Glance,
+    /// The glance that it was chosen for, where nothing else counts.
+    chosen_for: Option<Glance>,
 }
 
 impl SteadySelector {
@@ -29,11 +44,16 @@ impl SteadySelector {
     #[must_use]
     pub fn new(grid: TileGrid, config: PolicyConfig) -> Self {
         let slack = config.steadiness;
-        let exact = Rules::new(grid, config);
+        let keeps_view = config.policy == Policy::Acuity && slack.0 > 0.0;
+        let exact = match keeps_view {
+            true => Rules::new(grid, config).with_head_room(head_room()),
+            false => Rules::new(grid, config),
+        };
         Self {
             loose: exact.loosened(slack),
             exact,
             slack,
+            keeps_view,
             before: None,
         }
     }
@@ -57,6 +77,9 @@ impl SteadySelector {
     pub(crate) fn set_acuity(&mut self, acuity: AcuityModel) {
         self.exact.set_acuity(acuity);
         self.loose.set_acuity(acuity);
+        if let Some(before) = &mut self.before {
+            before.chosen_for = None;
+        }
     }
 
     /// The choice for one glance, after those before. Costs at most twice a
@@ -83,40 +106,75 @@ impl SteadySelector {
     /// The level that each cell then needs; what is found of the eye's acuity is kept for other
     /// views.
     pub(crate) fn needed(&mut self, occasion: &Occasion<'_>, known: &mut KnownAcuity) -> LevelMap {
-        let grid = *self.exact.grid();
-        let mut levels = self.exact.levels_of(occasion, known, |_| true);
-        if self.slack.0 > 0.0 {
-            if let Some(before) = &self.before {
-                let mut stray = *occasion.glance;
-                stray.gaze.spread = Radians(stray.gaze.spread.0 + self.slack.0);
-                let [was, is] = [before, &levels].map(LevelMap::levels);
-                let coarser: Vec<bool> = was.iter().zip(is).map(|(was, is)| was < is).collect();
-                let strays = Occasion {
-                    glance: &stray,
-                    ..*occasion
-                };
-                let enough = self.loose.levels_of(&strays, known, |rank| coarser[rank]);
-                for (rank, _) in (0..).zip(&coarser).filter(|(_, coarser)| **coarser) {
-                    let cell = grid.tile_at(0, rank);
-                    let kept = before.level(&grid, cell).max(enough.level(&grid, cell));
-                    levels.refine(&grid, cell, kept);
-                }
-            }
-            self.before = Some(levels.clone());
+        if self.slack.0 <= 0.0 {
+            return self.exact.levels_of(occasion, known, |_| true);
         }
+        let grid = *self.exact.grid();
+        let anchor = self.anchor(occasion.glance);
+        let glance = Glance {
+            view: anchor.view,
+            ..*occasion.glance
+        };
+        let same = |before: &&Shown| {
+            before
+                .chosen_for
+                .is_some_and(|it| looks_alike(&it, &glance))
+        };
+        if let Some(before) = self.before.as_ref().filter(same) {
+            return before.levels.clone();
+        }
+        let occasion = Occasion {
+            glance: &glance,
+            ..*occasion
+        };
+        let mut levels = self.exact.levels_of(&occasion, known, |_| true);
+        if let Some(Shown { levels: before, .. }) = &self.before {
+            let mut stray = glance;
+            stray.gaze.spread = Radians(stray.gaze.spread.0 + self.slack.0);
+            let [was, is] = [before, &levels].map(LevelMap::levels);
+            let coarser: Vec<bool> = was.iter().zip(is).map(|(was, is)| was < is).collect();
+            let strays = Occasion {
+                glance: &stray,
+                ..occasion
+            };
+            let enough = self.loose.levels_of(&strays, known, |rank| coarser[rank]);
+            for (rank, _) in (0..).zip(&coarser).filter(|(_, coarser)| **coarser) {
+                let cell = grid.tile_at(0, rank);
+                let kept = before.level(&grid, cell).max(enough.level(&grid, cell));
+                levels.refine(&grid, cell, kept);
+            }
+        }
+        self.before = Some(Shown {
+            levels: levels.clone(),
+            anchor,
+            chosen_for: self.keeps_view.then_some(glance),
+        });
         levels
     }
+
+    /// The glance whose view levels are chosen through: that of before while the gaze stays.
+    fn anchor(&self, glance: &Glance) -> Glance {
+        let before = self.before.as_ref().filter(|_| self.keeps_view);
+        let before = before.map(|before| before.anchor);
+        let kept = before.filter(|was| stays(self.exact.grid(), was, glance, self.slack));
+        kept.unwrap_or(*glance)
+    }
+}
+
+/// Whether an eye that resolves the same sees the same through both.
+fn looks_alike(was: &Glance, is: &Glance) -> bool {
+    was.view == is.view
+        && was.gaze.gaze_in_content == is.gaze.gaze_in_content
+        && was.gaze.spread == is.gaze.spread
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::content::policy::Policy;
-    use crate::content::video::grid::tile_grid::{Cut, Tile};
+    use crate::content::video::grid::tile_grid::Cut;
     use crate::gaze::sample::{GazeSample, HeadPose};
     use crate::perception::parameters::EyeState;
     use crate::units::Seconds;
-    use crate::view::axes::angle_between;
     use crate::view::eye_view::{EyeView, Field};
     use crate::view::random::Random;
     use crate::view::surface::{Eye, Surface};
@@ -190,27 +248,49 @@ mod tests {
 
     #[test]
     fn a_nodding_head_under_a_steady_eye_changes_no_level() {
-        for policy in [Policy::Grid, Policy::Acuity] {
-            let mut steady = SteadySelector::new(sphere(), PolicyConfig::new(policy));
-            let grid = sphere();
-            let gaze = glance([12.0, -7.0], [0.0; 2]).gaze.gaze_in_content;
-            // What leaves the view becomes coarse under acuity.
-            let near = |cell: &Tile| {
-                let apart = angle_between(grid.centre(*cell), gaze).to_degrees();
-                policy == Policy::Grid || apart < 15.0
-            };
-            let near: Vec<Tile> = grid.tiles_of_left_eye(0).filter(near).collect();
-            let mut at = |pitch: f64| {
-                let head = [0.3 * pitch, pitch];
-                let levels = steady.select(None, 0, &glance([12.0, -7.0], head)).levels;
-                let level = |cell: &Tile| levels.level(&grid, *cell);
-                near.iter().map(level).collect::<Vec<u8>>()
-            };
-            let first = at(0.0);
-            for step in 0..60 {
-                let pitch = 15.0 * libm::sin(f64::from(step) * 0.4);
-                assert_eq!(at(pitch), first, "{policy:?} at {pitch}");
+        // Of the display and sparser: what the display shows of a cell binds in one of them.
+        for face in [1024, 8192] {
+            let grid = TileGrid::new(Surface::cube(face), Cut::Tile(face / 16), 5, 2).unwrap();
+            for policy in [Policy::Grid, Policy::Acuity] {
+                let mut steady = SteadySelector::new(grid, PolicyConfig::new(policy));
+                let mut at = |pitch: f64| {
+                    let head = [0.3 * pitch, pitch];
+                    steady.select(None, 0, &glance([12.0, -7.0], head)).levels
+                };
+                let first = at(0.0);
+                for step in 0..60 {
+                    let pitch = 25.0 * libm::sin(f64::from(step) * 0.4);
+                    assert_eq!(at(pitch), first, "{policy:?} at {pitch}");
+                }
             }
+        }
+    }
+
+    #[test]
+    fn a_head_that_nods_while_the_gaze_trembles_settles() {
+        let mut steady = SteadySelector::new(sphere(), PolicyConfig::new(Policy::Acuity));
+        let mut random = Random::new(5);
+        let mut shown = Vec::new();
+        for step in 0..400 {
+            let pitch = 20.0 * libm::sin(f64::from(step) * 0.4);
+            let gaze = [0, 1].map(|_| 0.6 * (random.unit() - 0.5));
+            let chosen = steady.select(None, 0, &glance(gaze, [0.0, pitch]));
+            shown.push(chosen.levels);
+        }
+        assert!(shown[200..].iter().all(|levels| levels == &shown[399]));
+    }
+
+    #[test]
+    fn a_turned_head_is_shown_at_most_a_level_less_than_if_it_had_pointed_there_before() {
+        let rule = Rules::new(sphere(), PolicyConfig::new(Policy::Acuity));
+        let mut steady = SteadySelector::new(sphere(), PolicyConfig::new(Policy::Acuity));
+        let _ = steady.select(None, 0, &glance([5.0, 0.0], [0.0; 2]));
+        let turned = glance([5.0, 0.0], [20.0, 10.0]);
+        let [shown, needed] = [steady.select(None, 0, &turned), rule.select(&turned)];
+        for cell in sphere().tiles_of(0) {
+            let [shown, needed] = [&shown, &needed].map(|it| it.levels.level(&sphere(), cell));
+            // At the border of its view a turned head is shown a level less.
+            assert!(shown <= needed + 1, "{cell:?}");
         }
     }
 

@@ -11,6 +11,7 @@ use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::losses::{LossMeter, Losses};
 use crate::content::video::rules::known_acuity::KnownAcuity;
 use crate::content::video::rules::steady::SteadySelector;
+use crate::content::video::rules::still::{head_room, is_turned_view, stays, turns_with_head};
 use crate::content::video::rules::{Occasion, Selection};
 use crate::content::video::units::VideoUnits;
 use crate::pack::unit::UnitId;
@@ -19,8 +20,6 @@ use crate::perception::glance::Glance;
 use crate::perception::visible_loss::BEST_JOD;
 use crate::units::Radians;
 use crate::view::axes::angle_between;
-use crate::view::eye_view::EyeView;
-use glam::DVec3;
 
 /// Steps of the bound for each doubling.
 const BOUND_STEPS: f64 = 4.0;
@@ -32,8 +31,6 @@ const SLOPE_STEPS: f64 = 2.0;
 const LEAST_LOST: f64 = 0.5;
 /// A cell becomes coarser when it would lose less than this share of what it may lose.
 const COARSER_BELOW: f64 = 0.7;
-/// How far the gaze may go before levels are chosen anew, over the steadiness that is asked for.
-const ANEW: f64 = 0.5;
 /// How far gaze and spread may go before a slope is looked for anew, in degrees: the fovea's
 /// radius. Levels follow the eye at every glance; only the slope waits.
 const SLOPE_ANEW_DEG: f64 = 2.5;
@@ -134,7 +131,7 @@ impl TargetSelector {
         let still = still.filter(|before| self.is_still(&before.glance, glance));
         if let Some(before) = of_group {
             match &mut self.rule {
-                Some(rule) if keeps_slope(&before.glance, glance) => {
+                Some(rule) if still.is_some() || keeps_slope(&before.glance, glance) => {
                     return rule.needed(&occasion, known);
                 }
                 None if still.is_some() => return before.needed.clone(),
@@ -143,7 +140,11 @@ impl TargetSelector {
         }
         // An eye that trembles is taken to look where it did before.
         let looked = still.map_or(*glance, |before| before.glance);
-        let losses = self.meter.losses(&self.grid, content, frame, &looked);
+        let meter = &self.meter;
+        let losses = match self.keeps_view(&looked) {
+            true => meter.losses_around(&self.grid, content, frame, (&looked, head_room())),
+            false => meter.losses(&self.grid, content, frame, &looked),
+        };
         let (step, needed) = match self.rule.take() {
             Some(mut rule) => {
                 let step = self.slope(&rule, &losses, &looked, known);
@@ -165,11 +166,12 @@ impl TargetSelector {
 
     /// Whether what was chosen still serves.
     fn is_still(&self, before: &Glance, glance: &Glance) -> bool {
-        let [was, is] = [before, glance].map(|glance| glance.gaze.gaze_in_content);
-        let still = Radians(self.config.steadiness.0 * ANEW);
-        before.view == glance.view
-            && before.gaze.spread == glance.gaze.spread
-            && angle_between(was, is) <= still
+        stays(&self.grid, before, glance, self.config.steadiness)
+    }
+
+    /// Whether levels must serve a head that turns while the eye stays.
+    fn keeps_view(&self, glance: &Glance) -> bool {
+        self.config.steadiness.0 > 0.0 && turns_with_head(&self.grid, glance)
     }
 
     /// The slope by which acuity falls off.
@@ -255,22 +257,10 @@ impl TargetSelector {
 
 /// Whether eye and head are still so near to where a slope was found that it serves.
 fn keeps_slope(before: &Glance, glance: &Glance) -> bool {
-    let within = |a: DVec3, b: DVec3, degrees| angle_between(a, b).to_degrees() <= degrees;
     let [was, is] = [before, glance].map(|glance| &glance.gaze);
-    let views_agree = match (&before.view, &glance.view) {
-        (Some(was), Some(is)) => {
-            let turned = EyeView {
-                axes: is.axes,
-                ..*was
-            };
-            turned == *is
-                && within(was.axes.forward, is.axes.forward, SLOPE_ANEW_HEAD_DEG)
-                && within(was.axes.right, is.axes.right, SLOPE_ANEW_HEAD_DEG)
-        }
-        (was, is) => was == is,
-    };
-    views_agree
-        && within(was.gaze_in_content, is.gaze_in_content, SLOPE_ANEW_DEG)
+    let moved = angle_between(was.gaze_in_content, is.gaze_in_content);
+    is_turned_view(before, glance, Radians::from_degrees(SLOPE_ANEW_HEAD_DEG))
+        && moved.to_degrees() <= SLOPE_ANEW_DEG
         && Radians((was.spread.0 - is.spread.0).abs()).to_degrees() <= SLOPE_ANEW_DEG
 }
 

@@ -29,6 +29,7 @@ impl Rules {
         let known = if is_shared { known } else { &mut alone };
         let levels_known = known.levels(eye, self.cells.len());
         let sight = glance.view.as_ref().map(|view| self.sight(view));
+        let around = self.sight_around(glance);
         let mut level = |(rank, bounds): (usize, &CellBounds)| {
             let coarsest = self.grid.coarsest();
             if !asked(rank) || levels_known[rank] == coarsest {
@@ -43,7 +44,8 @@ impl Rules {
             };
             match &sight {
                 Some(sight) if !glance.is_magnified() => {
-                    self.needed_in_sight(bounds, glance, sight, resolved)
+                    let sights = (sight, around.as_ref());
+                    self.needed_in_sight(bounds, glance, sights, resolved)
                 }
                 _ => resolved(),
             }
@@ -52,7 +54,8 @@ impl Rules {
         let mut levels = Vec::with_capacity(self.cells.len());
         for row in self.cells.chunks(columns) {
             let first = levels.len();
-            let sight = sight.as_ref().filter(|_| !glance.is_magnified());
+            let sight = around.as_ref().or(sight.as_ref());
+            let sight = sight.filter(|_| !glance.is_magnified());
             match sight.is_some_and(|sight| self.is_row_beyond(row, sight)) {
                 true => levels.resize(first + row.len(), self.grid.coarsest()),
                 false => levels.extend((first..).zip(row).map(&mut level)),
@@ -78,12 +81,13 @@ impl Rules {
     }
 
     /// The coarser of what the eye resolves and the finest that `viewport` would show; of the
-    /// latter the safety disc is exempt.
+    /// latter the safety disc is exempt. What only a turning head brings into sight, at the border
+    /// of the view, is a level coarser than the eye resolves.
     fn needed_in_sight(
         &self,
         bounds: &CellBounds,
         glance: &Glance,
-        sight: &Frustum,
+        (sight, around): (&Frustum, Option<&Frustum>),
         resolved: impl FnOnce() -> u8,
     ) -> u8 {
         let coarsest = self.grid.coarsest();
@@ -96,10 +100,14 @@ impl Rules {
             false => coarsest,
         };
         let is_beyond = bounds.is_beyond(sight);
-        if is_beyond && exempt == coarsest {
+        let may_come = is_beyond && around.is_some_and(|around| !bounds.is_beyond(around));
+        if is_beyond && exempt == coarsest && !may_come {
             return coarsest;
         }
         let resolved = resolved();
+        if may_come {
+            return resolved.max(exempt.min(resolved + 1)).min(coarsest);
+        }
         match &glance.view {
             Some(view) if !is_beyond && resolved < exempt => {
                 let middle = bounds.middle();
