@@ -4,9 +4,9 @@ use crate::commands::info::PackInfo;
 use crate::report::output::WrongUsage;
 use anyhow::bail;
 use foveal_core::pack::{Difference, Identity, MAGIC};
+use foveal_media::pack::name_claim::IfTaken;
 use foveal_media::pack::pack_file::PackFile;
-use std::fs::File;
-use std::io::Read;
+use foveal_media::plain_file::first_bytes;
 use std::path::{Path, PathBuf};
 
 /// A pack that lies where another is to go.
@@ -33,10 +33,16 @@ pub(crate) fn pack_at(out: &Path) -> Result<Option<PackThere>, WrongUsage> {
     )))
 }
 
+/// What becomes of a pack at that name: another that comes meanwhile is not replaced.
+pub(crate) fn if_taken(there: Option<&PackThere>) -> IfTaken {
+    match there {
+        Some(_) => IfTaken::Replace,
+        None => IfTaken::Refuse,
+    }
+}
+
 fn begins_as_pack(path: &Path) -> bool {
-    let mut begin = [0; MAGIC.len()];
-    let read = File::open(path).and_then(|mut file| file.read_exact(&mut begin));
-    read.is_ok() && begin == MAGIC
+    first_bytes(path, MAGIC.len() as u64).is_ok_and(|begin| begin == MAGIC)
 }
 
 impl PackThere {

@@ -2,6 +2,7 @@
 
 use crate::ClipCodec;
 use crate::pack::journal_file::journal_path;
+use crate::pack::name_claim::{IfTaken, NameClaim};
 use crate::pack::pack_file::{PackFile, partial_path};
 use crate::prepare::{
     Event, PrepareError, PrepareSettings, ProjectionChoice, Witness, prepare_resumable,
@@ -23,6 +24,10 @@ fn how() -> PrepareSettings {
     settings(ProjectionChoice::Flat, Codec::Vp9)
 }
 
+fn claimed(out: &Path) -> NameClaim {
+    NameClaim::of(out, IfTaken::Replace).unwrap()
+}
+
 /// Prepares until `stop` frames are coded; returns what it told, and whether it came to the end.
 fn run(
     clip: &Path,
@@ -38,7 +43,7 @@ fn run(
             Event::Begins(note) => notes.push(note),
             Event::Progress(progress) => assert!(progress.frames < stop, "stopped"),
         };
-        prepare_resumable(clip, out, &plan, go_on, &mut tell)
+        prepare_resumable(clip, claimed(out), &plan, go_on, &mut tell)
     }));
     let ended = ended.is_ok_and(|ended| {
         ended.unwrap();
@@ -166,7 +171,7 @@ fn a_file_that_takes_the_name_meanwhile_stays() {
     let out = Scratch::new("foveal");
     let plan = plan_of(&clip, &how()).unwrap();
     let mut tell = |_: Event| std::fs::write(&*out, "precious").unwrap();
-    let error = prepare_resumable(&clip, &out, &plan, true, &mut tell).unwrap_err();
+    let error = prepare_resumable(&clip, claimed(&out), &plan, true, &mut tell).unwrap_err();
     assert!(format!("{error}").contains("meanwhile"), "{error}");
     assert_eq!(bytes(&out), b"precious");
 }
@@ -185,7 +190,7 @@ fn an_input_that_changes_while_it_is_read_is_an_error() {
             grown = true;
         }
     };
-    let error = prepare_resumable(&clip, &out, &plan, true, &mut tell).unwrap_err();
+    let error = prepare_resumable(&clip, claimed(&out), &plan, true, &mut tell).unwrap_err();
     assert!(matches!(error, PrepareError::Changed(_)), "{error}");
     assert!(
         error.to_string().contains("changed while it was read"),
@@ -219,7 +224,7 @@ fn a_pack_tells_what_was_lost_and_is_else_the_same() {
     let clip = clip();
     let (out, plan) = (Scratch::new("foveal"), plan_of(&clip, &how()).unwrap());
     let prepare = |stops: bool| {
-        let prepare = || prepare_resumable(&clip, &out, &plan, true, &mut Judge { stops });
+        let prepare = || prepare_resumable(&clip, claimed(&out), &plan, true, &mut Judge { stops });
         catch_unwind(AssertUnwindSafe(prepare))
     };
     assert!(prepare(true).is_err() && !out.exists());
