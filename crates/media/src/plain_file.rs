@@ -54,6 +54,28 @@ pub fn first_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
     Ok(first)
 }
 
+/// Opens a device or a pipe for writing, which takes bytes as they come. A pipe that nobody reads
+/// would be waited for, and is refused.
+///
+/// # Errors
+/// It cannot be opened, or nobody reads it.
+pub fn open_sink(path: &Path) -> Result<File> {
+    let mut options = OpenOptions::new();
+    options.write(true);
+    // As long as this is open there is a writer, and opening waits for none.
+    #[cfg(unix)]
+    let _at_once =
+        std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options.clone(), libc::O_NONBLOCK)
+            .open(path)
+            .map_err(|error| match error.raw_os_error() {
+                Some(libc::ENXIO) => {
+                    Error::other("nobody reads from this pipe; start its reader first")
+                }
+                _ => error,
+            })?;
+    options.open(path)
+}
+
 /// Gives a file another name once its bytes are on disk, in the place of what had that, and makes
 /// the name durable, which is in its folder.
 ///

@@ -6,7 +6,7 @@ use foveal_core::gaze::read::osc::EyeMessages;
 use foveal_core::gaze::read::record::{GazeRecord, MAX_RECORD_BYTES};
 use foveal_core::gaze::read::row::TraceRow;
 use foveal_core::gaze::read::stream::GazeStream;
-use foveal_core::units::{Seconds, counted};
+use foveal_core::units::{Seconds, counted, one_line};
 use rosc::{OscMessage, OscPacket, OscType};
 use serde::Serialize;
 
@@ -92,8 +92,9 @@ impl Intake {
     fn skip(&mut self, why: &str) {
         if self.skipped == 0 {
             say(&format!(
-                "foveal: {}: skipped what is no gaze ({why}); others like it are only counted",
-                self.name
+                "foveal: {}: skipped what is no gaze ({}); others like it are only counted",
+                self.name,
+                one_line(why)
             ));
         }
         self.skipped += 1;

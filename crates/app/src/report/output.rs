@@ -10,7 +10,7 @@ use crate::report::fault::Fault;
 pub(crate) use crate::report::fault::told;
 use crate::report::visible::visible;
 use anyhow::{Context, anyhow, bail};
-use foveal_media::plain_file::{open_plain, read_plain, rename_durably, rename_new};
+use foveal_media::plain_file::{open_plain, open_sink, read_plain, rename_durably, rename_new};
 use indicatif::{ProgressBar, ProgressStyle};
 use old_names::with_old_names;
 use serde::Serialize;
@@ -137,20 +137,17 @@ const MAX_TEXT_BYTES: u64 = 1 << 30;
 
 /// The text of a file that a person named; `what` it should be goes into the message.
 pub(crate) fn read_text(path: &Path, what: &str) -> anyhow::Result<String> {
-    let name = path.display();
-    let unread = || format!("{name}: cannot be read as {what}");
-    let expected = || format!("{name}: expected {what}: a file of at most {MAX_TEXT_BYTES} bytes");
-    let bytes = told_apart(read_plain(path, MAX_TEXT_BYTES), unread, expected)?;
+    let unread = || format!("{}: cannot be read as {what}", path.display());
+    let bytes = told_apart(read_plain(path, MAX_TEXT_BYTES), (path, what), unread)?;
     String::from_utf8(bytes).with_context(unread)
 }
 
 /// Opens the file that a person named; `what` it should be goes into the message. A pipe, which
 /// nobody may ever write into, is refused.
 pub(crate) fn open_file(path: &Path, what: &str) -> anyhow::Result<File> {
-    let name = path.display();
-    let missing = || format!("{name}: no {what} there");
-    let expected = || format!("{name}: expected a {what}: a CSV file");
-    let (file, _) = told_apart(open_plain(path), missing, expected)?;
+    let missing = || format!("{}: no {what} there", path.display());
+    let as_csv = format!("a {what}, as CSV");
+    let (file, _) = told_apart(open_plain(path), (path, &as_csv), missing)?;
     Ok(file)
 }
 
@@ -158,11 +155,19 @@ pub(crate) fn open_file(path: &Path, what: &str) -> anyhow::Result<File> {
 /// read.
 fn told_apart<T>(
     read: std::io::Result<T>,
+    (path, what): (&Path, &str),
     unread: impl Fn() -> String,
-    expected: impl Fn() -> String,
 ) -> anyhow::Result<T> {
+    let name = path.display();
     read.or_else(|error| match error.kind() {
-        ErrorKind::IsADirectory | ErrorKind::Other | ErrorKind::FileTooLarge => bail!(expected()),
+        ErrorKind::IsADirectory => bail!("{name}: is a folder; give the file of {what}"),
+        ErrorKind::Other => bail!(
+            "{name}: is no plain file; give {what} as one, and write what comes through a pipe \
+             into it first"
+        ),
+        ErrorKind::FileTooLarge => {
+            bail!("{name}: is larger than {MAX_TEXT_BYTES} bytes; give {what} that is shorter")
+        }
         _ => Err(error).with_context(unread),
     })
 }
@@ -240,7 +245,7 @@ fn write_as(
     rename: impl FnOnce(&Path, &Path) -> std::io::Result<()>,
 ) -> anyhow::Result<()> {
     let Some(growing) = growing_name(path) else {
-        let written = std::fs::write(path, bytes);
+        let written = open_sink(path).and_then(|mut sink| sink.write_all(bytes));
         return written.with_context(|| format!("{}: cannot be written", path.display()));
     };
     let written = std::fs::write(&growing, bytes).and_then(|()| rename(&growing, path));

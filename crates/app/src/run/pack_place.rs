@@ -4,6 +4,7 @@ use crate::commands::info::PackInfo;
 use crate::report::output::WrongUsage;
 use anyhow::bail;
 use foveal_core::pack::{Difference, Identity, MAGIC};
+use foveal_core::units::one_line;
 use foveal_media::pack::name_claim::IfTaken;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::plain_file::first_bytes;
@@ -57,7 +58,7 @@ impl PackThere {
             None => {
                 let what = format!(
                     "a pack is there of {} that does not say how it was made",
-                    about.source.name
+                    one_line(&about.source.name)
                 );
                 bail!(self.in_the_way(&what));
             }
@@ -69,7 +70,7 @@ impl PackThere {
             Some(Difference::Input) => "of another input, or of this one before it changed",
             Some(Difference::Settings) => "with other settings",
         };
-        let (name, [w, h]) = (&about.source.name, about.source.size);
+        let (name, [w, h]) = (one_line(&about.source.name), about.source.size);
         let what = format!("a pack is there of {name} ({w}x{h}), made {how}");
         bail!(self.in_the_way(&what))
     }

@@ -67,7 +67,7 @@ impl Capture {
         let (there, wanted) = (Arc::clone(&shared), source.clone());
         let (opened, is_open) = channel();
         // A device may never answer, and a graph's sums never end.
-        std::thread::spawn(move || {
+        let capturing = move || {
             let mut device = match Device::open(&wanted) {
                 Ok(device) => device,
                 Err(error) => {
@@ -91,7 +91,15 @@ impl Capture {
             };
             there.state().ended = Some(why);
             there.changed.notify_all();
-        });
+        };
+        let thread = std::thread::Builder::new().name("capture".to_owned());
+        thread
+            .spawn(capturing)
+            .map_err(|error| CaptureError::Open {
+                name: source.to_string(),
+                reason: format!("no thread can be had for it: {error}"),
+                next: "raise the limits on threads and memory: `ulimit -u`, `ulimit -v`".to_owned(),
+            })?;
         match is_open.recv_timeout(MOST_OPENING) {
             Ok(opened) => opened.map(|()| Self { shared }),
             Err(_) => Err(CaptureError::Open {

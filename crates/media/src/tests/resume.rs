@@ -199,6 +199,37 @@ fn an_input_that_changes_while_it_is_read_is_an_error() {
     assert!(!out.exists());
 }
 
+/// A disk that keeps something else than was written.
+struct BadDisk;
+
+impl Witness for BadDisk {
+    fn tell(&mut self, _: Event) {}
+
+    fn loss_of(&mut self, pack: &Path) -> Option<Loss> {
+        let mut kept = bytes(pack);
+        let middle = kept.len() / 2;
+        kept[middle] ^= 1;
+        std::fs::write(pack, kept).unwrap();
+        None
+    }
+}
+
+#[test]
+fn a_pack_that_cannot_be_read_back_gets_no_name() {
+    let clip = write_clip("mkv", ClipCodec::Ffv1, &group([96, 64], 8, 6));
+    let out = Scratch::new("foveal");
+    let plan = plan_of(&clip, &how()).unwrap();
+    let prepare =
+        |witness: &mut dyn Witness| prepare_resumable(&clip, claimed(&out), &plan, true, witness);
+    let told = prepare(&mut BadDisk).unwrap_err().to_string();
+    assert!(told.contains("cannot be read back"), "{told}");
+    assert!(!out.exists());
+    // What of it is good is found again, and what is not is coded again.
+    prepare(&mut |_: Event| ()).unwrap();
+    assert!(PackFile::open(&out).unwrap().verify(|_, _| ()).is_empty());
+    assert!(nothing_left(&out));
+}
+
 /// Somebody who is shown the whole pack, and tells what was lost unless stopped.
 struct Judge {
     stops: bool,

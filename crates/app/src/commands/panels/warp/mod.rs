@@ -69,6 +69,7 @@ pub(crate) fn run(args: &WarpArgs) -> anyhow::Result<()> {
     // A comparison judges the warp alone: what dims or fades a panel is left out of both.
     let plain: Vec<Panel> = all.iter().map(|panel| args.judged(panel)).collect();
     let panels: Vec<&Panel> = plain.iter().collect();
+    args.spare_inputs(&panels)?;
     let ran = match &args.out {
         Some(out) => to_files(args, &rig, &panels, (&mut source, out))?,
         None => {
