@@ -77,7 +77,8 @@ mod tests {
     #[test]
     fn files_that_are_named_are_read_by_the_bounded_readers_alone() {
         let text = "let a = std::fs::read(path)?;\nlet b = fs::read_to_string(path)?;\n\
-                    use std::fs::{File, read as all};\nuse std::fs::read;\nlet c = paths.map(std::fs::File::open);\n";
+                    use std::fs::{File, read as all};\nuse std::fs::read;\n\
+                    let c = paths.map(std::fs::File::open);\n";
         let mut found = lines("crates/app/src/a.rs", text);
         found.sort_unstable();
         assert_eq!(found, [1, 2, 3, 4, 5]);
@@ -95,7 +96,8 @@ mod tests {
 
     #[test]
     fn tests_packs_folders_and_files_of_the_system_are_free() {
-        let free = "use std::fs::{File, read_dir}; PackFile::open(path); fs::read_dir(path); fs::read_link(path); File::create(p)
+        let free = "use std::fs::{File, read_dir}; PackFile::open(path); fs::read_dir(path);
+                    fs::read_link(path); File::create(path);
                     std::fs::read_to_string(\"/proc/self/status\");
                     // fs::read(path)
                     #[cfg(test)] mod tests { fn f() { fs::read(path); } }";

@@ -207,31 +207,6 @@ fn what_cannot_be_captured_is_refused_with_what_to_do() {
         "lavfi:no_such_filter",
         &["lavfi:no_such_filter", "lavfi:testsrc2"],
     );
-    let written = folder.name("written");
-    for graph in [
-        format!("lavfi:testsrc2,metadata=print:file={written}"),
-        format!("lavfi:testsrc2,'metadata'=print:file={written}"),
-        format!("lavfi:color,signalstats[a];movie={written}[b];[a][b]overlay"),
-        "lavfi:movie=http\\\\://127.0.0.1\\\\:1/a.mkv".to_owned(),
-    ] {
-        let name = if graph.contains("movie") {
-            "movie"
-        } else {
-            "metadata"
-        };
-        let name = if graph.contains("signalstats") {
-            "signalstats"
-        } else {
-            name
-        };
-        let warp = ["panels", "warp", &rig, &graph, "--out", &out];
-        refused(
-            1,
-            &warp,
-            &["lavfi:", &format!("{name:?}"), "lavfi:testsrc2"],
-        );
-        assert!(!Path::new(&written).exists(), "{graph}");
-    }
     refuse(
         1,
         "v4l2:/dev/no-such",
@@ -253,19 +228,6 @@ fn what_cannot_be_captured_is_refused_with_what_to_do() {
     ];
     refused(2, &both, &["--window"]);
     assert!(!Path::new(&out).exists());
-    // A file of that name may be meant, and is not taken for the other.
-    folder.holding("lavfi:testsrc2", b"a file");
-    let here = |source: &str| {
-        let mut warp = command(&["panels", "warp", &rig, source, "--out", &out]);
-        warp.current_dir(folder.name(""));
-        finish(warp)
-    };
-    assert_refused(&here("lavfi:testsrc2"), 2, &["./lavfi:testsrc2", "file"]);
-    assert_refused(
-        &here("./lavfi:testsrc2"),
-        1,
-        &["./lavfi:testsrc2", "no video"],
-    );
     let graph = json(&[
         "panels",
         "warp",

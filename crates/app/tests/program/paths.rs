@@ -1,4 +1,4 @@
-//! Is every name that a person gives read within bounds, written over by nobody, and told in a line?
+//! What becomes of names that a person gives, whatever lies there and however they are spelled?
 
 use crate::bounded::within;
 use crate::scene::torus;
@@ -153,7 +153,7 @@ fn a_pipe_that_nobody_reads_is_not_waited_for() {
             &pipe,
         ][..],
         &["gaze", "classify", &trace, "--out", &pipe],
-        &["panels", "pattern", "grid", "--out", &pipe],
+        &["panels", "pattern", "grid", "--size", "64x48", "--out", &pipe],
     ] {
         assert_refused(&in_time(arguments), 1, &["pipe", "nobody reads"]);
     }

@@ -84,8 +84,11 @@ impl NameClaim {
     /// The file in which the pack grows, empty. What an earlier preparation left goes: another name
     /// of that file keeps its bytes.
     pub(super) fn take_empty(&mut self) -> Result<File, Error> {
+        // A rest stays locked until the new file is there.
         let begun = self.file.take();
-        if let Some(file) = begun.filter(|_| !self.is_rest) {
+        if !self.is_rest
+            && let Some(file) = begun
+        {
             return Ok(file);
         }
         std::fs::remove_file(&self.partial)?;

@@ -59,7 +59,7 @@ impl PackWriter {
         identity: Identity,
         go_on: bool,
     ) -> Result<Begun, PackFileError> {
-        let mut note = None;
+        let (mut note, mut old) = (None, None);
         if let Some(mut file) = claim.take_rest() {
             let taken = if go_on {
                 JournalFile::take_up(claim.partial(), &mut file, draft, &identity)
@@ -80,7 +80,10 @@ impl PackWriter {
                         )),
                     });
                 }
-                Err(why) => note = Some(format!("starts afresh: {why}")),
+                Err(why) => {
+                    note = Some(format!("starts afresh: {why}"));
+                    old = Some(file);
+                }
             }
         }
         let builder = begin_pack(draft);
@@ -91,6 +94,8 @@ impl PackWriter {
         };
         let begun = begin();
         let (journal, file) = begun.map_err(|source| cannot_begin(claim.path(), source))?;
+        // Until now it was locked, so that nobody took it up.
+        drop(old);
         Ok(Begun {
             writer: Self::new(claim, file, builder, Some(journal)),
             steps: Vec::new(),

@@ -161,8 +161,8 @@ impl<F: FnMut(Event)> Witness for F {
     }
 }
 
-/// As [`prepare`], to a name that was claimed; however it is stopped, the same call goes on after the last group of all levels
-/// that was whole, and ends with the same bytes.
+/// As [`prepare`], to a name that was claimed; however it is stopped, the same call goes on after
+/// the last group of all levels that was whole, and ends with the same bytes.
 ///
 /// Until the pack is whole, `OUT.partial` and `OUT.partial.journal` lie beside it. What was begun
 /// from another or a changed input, with other settings or by another version is not gone on with,

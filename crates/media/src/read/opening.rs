@@ -1,7 +1,7 @@
-//! How is a file opened by FFmpeg, and for how long does that look for pictures at most?
+//! How does FFmpeg open a file, whatever that holds?
 //!
-//! A file without an end of its data, as a damaged recording or a disk image of zeros, may be of any
-//! size; many of FFmpeg's formats read all of it in search of a beginning.
+//! A file of nothing, such as a damaged recording or an image of an empty disk, may be of any size;
+//! many of FFmpeg's formats read all of it in search of a beginning. So that has a time limit.
 
 use std::cell::Cell;
 use std::ffi::{CString, c_int, c_void};

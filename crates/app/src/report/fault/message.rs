@@ -56,8 +56,8 @@ fn links(error: &anyhow::Error, said: fn(&&Cause) -> String) -> Vec<String> {
     links
 }
 
-/// What a cause says, with the drawing of the place that is wrong in a TOML file. Keys that it quotes
-/// may hold line ends, which are no lines of the message.
+/// What a cause says, with the drawing of the place that is wrong in a TOML file. Keys that it
+/// quotes may hold line ends, which are no lines of the message.
 fn drawn(cause: &&Cause) -> String {
     let text = cause.to_string();
     let quoted = cause

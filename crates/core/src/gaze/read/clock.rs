@@ -5,8 +5,8 @@
 //! over the last half minute to minute, counts as no delay at all, and what a sample took beyond
 //! it is its delay.
 //!
-//! A clock that leaps ahead again and again, or does not move, tells nothing. Arrivals then take the
-//! place of its times, until it has gone as ours does for half a minute.
+//! A clock that leaps ahead again and again, or does not move, tells nothing. Arrivals then take
+//! the place of its times, until it has gone as ours does for half a minute.
 
 use crate::units::Seconds;
 
@@ -21,8 +21,8 @@ const BEGUN_ANEW_S: f64 = 1.0;
 /// A source whose time leaps this much further than ours, in seconds, has set its clock.
 const LEAP_S: f64 = 10.0;
 
-/// A step that is longer than ours by more than this, in seconds, is a leap: longer than the hiccups
-/// of a network, so that what comes late and all at once is none.
+/// A step that is longer than ours by more than this, in seconds, is a leap: longer than the
+/// hiccups of a network, so that what comes late and all at once is none.
 const LEAST_LEAP_S: f64 = 0.25;
 
 /// Samples in a row that are not newer than one before, over more than [`BEGUN_ANEW_S`], of a clock
