@@ -153,7 +153,9 @@ fn a_pipe_that_nobody_reads_is_not_waited_for() {
             &pipe,
         ][..],
         &["gaze", "classify", &trace, "--out", &pipe],
-        &["panels", "pattern", "grid", "--size", "64x48", "--out", &pipe],
+        &[
+            "panels", "pattern", "grid", "--size", "64x48", "--out", &pipe,
+        ],
     ] {
         assert_refused(&in_time(arguments), 1, &["pipe", "nobody reads"]);
     }
