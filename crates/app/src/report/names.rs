@@ -75,7 +75,7 @@ mod tests {
                 "dir/a\\u{a}foveal: all is well\\u{9}.foveal: is no pack\nend",
             ),
             // A picture of it, a file in it, an option and a file behind a kind.
-            ("a\nfoveal", "a\nfoveal"),
+            ("a\nfoveal", "a\\u{a}foveal"),
             (" all is well\t-00001.png", " all is well\\u{9}-00001.png"),
             ("b\nc/frames.csv", "b\\u{a}c/frames.csv"),
             (

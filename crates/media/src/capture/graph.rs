@@ -304,16 +304,30 @@ mod tests {
         }
     }
 
+    /// The beginning of FFmpeg's `AVFilter`.
+    #[repr(C)]
+    struct AvFilter {
+        names: [*const std::ffi::c_char; 2],
+        pads: [*const std::ffi::c_void; 2],
+        class: *const ffi::AVClass,
+    }
+
+    #[allow(unsafe_code)] // ffmpeg-next has filters only with a part of FFmpeg that nothing needs.
+    #[link(name = "avfilter")]
+    unsafe extern "C" {
+        fn avfilter_get_by_name(name: *const std::ffi::c_char) -> *const AvFilter;
+    }
+
     /// Names of the options of a filter of the FFmpeg that is there; none where it has it not.
-    #[allow(unsafe_code)] // ffmpeg-next does not tell the options of a filter.
+    #[allow(unsafe_code)]
     fn options_of(name: &str) -> Vec<String> {
         let name = std::ffi::CString::new(name).unwrap();
         let mut options = Vec::new();
         // SAFETY: the name ends in NUL. A filter and its class are constants of the library, whose
         // options end where `av_opt_next` gives none; an object begins with its class.
         unsafe {
-            let filter = ffi::avfilter_get_by_name(name.as_ptr());
-            let class = filter.as_ref().map(|it| it.priv_class);
+            let filter = avfilter_get_by_name(name.as_ptr());
+            let class = filter.as_ref().map(|it| it.class);
             let Some(class) = class.filter(|it| !it.is_null()) else {
                 return options;
             };
