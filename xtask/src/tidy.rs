@@ -13,6 +13,7 @@ mod names;
 mod one_loop;
 mod papers;
 mod purity;
+mod reading;
 mod rooms;
 mod sizes;
 mod source;
@@ -132,6 +133,7 @@ fn check_files(tree: &Tree) -> Vec<Finding> {
         findings.extend(sizes::check(path, text));
         findings.extend(modules::check(path, text));
         findings.extend(purity::check(path, text));
+        findings.extend(reading::check(path, text));
         findings.extend(documents::check(path, text, tree));
         findings.extend(papers::check(path, text, tree));
         findings.extend(citation::check(path, text, tree));

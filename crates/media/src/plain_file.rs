@@ -1,7 +1,10 @@
-//! How is a file opened, whatever takes its place meanwhile?
+//! How is a file read that somebody named, whatever lies or comes there, and how given its name?
+//!
+//! All that the program reads of a name that it was given is opened here, or by scene's reader of
+//! meshes: `cargo xtask tidy` refuses other openings.
 
 use std::fs::{File, Metadata, OpenOptions};
-use std::io::{Error, ErrorKind, Result};
+use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
 /// Opens a file for reading. What is opened is judged, not what lay there before, and opening waits
@@ -25,21 +28,135 @@ pub fn open_unlinked(path: &Path) -> Result<(File, Metadata)> {
     judged(path, flags)
 }
 
-/// Gives a file another name once its bytes are on disk, and makes the name durable, which is in
-/// its folder.
+/// The bytes of a plain file of at most `most` bytes, however it grows meanwhile.
+///
+/// # Errors
+/// As there, or [`ErrorKind::FileTooLarge`].
+pub fn read_plain(path: &Path, most: u64) -> Result<Vec<u8>> {
+    let (file, there) = open_plain(path)?;
+    let mut bytes = Vec::new();
+    if there.len() <= most {
+        file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+    }
+    match there.len() <= most && bytes.len() as u64 <= most {
+        true => Ok(bytes),
+        false => Err(ErrorKind::FileTooLarge.into()),
+    }
+}
+
+/// The first bytes of a plain file, at most `most` of them.
+///
+/// # Errors
+/// It cannot be opened or read, is a folder, or no plain file.
+pub fn first_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
+    let mut first = Vec::new();
+    open_plain(path)?.0.take(most).read_to_end(&mut first)?;
+    Ok(first)
+}
+
+/// Opens a device or a pipe for writing, which takes bytes as they come. A pipe that nobody reads
+/// would be waited for, and is refused.
+///
+/// # Errors
+/// It cannot be opened, or nobody reads it.
+pub fn open_sink(path: &Path) -> Result<File> {
+    let mut options = OpenOptions::new();
+    options.write(true);
+    // As long as this is open there is a writer, and opening waits for none.
+    #[cfg(unix)]
+    let _at_once =
+        std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options.clone(), libc::O_NONBLOCK)
+            .open(path)
+            .map_err(|error| match error.raw_os_error() {
+                Some(libc::ENXIO) => {
+                    Error::other("nobody reads from this pipe; start its reader first")
+                }
+                _ => error,
+            })?;
+    options.open(path)
+}
+
+/// Gives a file another name once its bytes are on disk, in the place of what had that, and makes
+/// the name durable, which is in its folder.
 ///
 /// # Errors
 /// It cannot be renamed, or its folder not be written.
 pub fn rename_durably(from: &Path, to: &Path) -> Result<()> {
+    durably(from, to, |from, to| std::fs::rename(from, to))
+}
+
+/// The same, unless something has the name already.
+///
+/// # Errors
+/// As there, or [`ErrorKind::AlreadyExists`].
+pub fn rename_new(from: &Path, to: &Path) -> Result<()> {
+    durably(from, to, rename_if_free)
+}
+
+fn durably(from: &Path, to: &Path, rename: impl FnOnce(&Path, &Path) -> Result<()>) -> Result<()> {
     File::open(from)?.sync_all()?;
-    std::fs::rename(from, to)?;
     let folder = to.parent().filter(|it| !it.as_os_str().is_empty());
-    // Elsewhere than on Unix a folder cannot be opened.
-    #[cfg(unix)]
-    File::open(folder.unwrap_or(Path::new(".")))?.sync_all()?;
-    #[cfg(not(unix))]
-    let _ = folder;
-    Ok(())
+    // Before the name is given: a failure leaves nothing under it. A folder that can be written
+    // and not read, or any elsewhere than on Unix, is left to the system.
+    let folder = File::open(folder.unwrap_or(Path::new("."))).ok();
+    rename(from, to)?;
+    match folder.map_or(Ok(()), |it| it.sync_all()) {
+        // Some file systems have no such call for folders.
+        Err(error)
+            if !matches!(
+                error.kind(),
+                ErrorKind::InvalidInput | ErrorKind::Unsupported
+            ) =>
+        {
+            Err(error)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Renames in one step, in which nothing can take the name, where the file system has that.
+fn rename_if_free(from: &Path, to: &Path) -> Result<()> {
+    match rename_at_once(from, to) {
+        Err(error)
+            if matches!(
+                error.kind(),
+                ErrorKind::InvalidInput | ErrorKind::Unsupported
+            ) => {}
+        done => return done,
+    }
+    match std::fs::symlink_metadata(to) {
+        Ok(_) => Err(ErrorKind::AlreadyExists.into()),
+        Err(_) => std::fs::rename(from, to),
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[allow(unsafe_code)] // The standard library has no rename that replaces nothing.
+fn rename_at_once(from: &Path, to: &Path) -> Result<()> {
+    use std::os::unix::ffi::OsStrExt;
+    let name = |path: &Path| std::ffi::CString::new(path.as_os_str().as_bytes());
+    let (from, to) = (name(from)?, name(to)?);
+    let here = libc::AT_FDCWD;
+    // SAFETY: both names end in NUL and outlive the call, which writes to neither.
+    let done = unsafe {
+        libc::syscall(
+            libc::SYS_renameat2,
+            here,
+            from.as_ptr(),
+            here,
+            to.as_ptr(),
+            libc::RENAME_NOREPLACE,
+        )
+    };
+    match done {
+        0 => Ok(()),
+        _ => Err(Error::last_os_error()),
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn rename_at_once(_: &Path, _: &Path) -> Result<()> {
+    Err(ErrorKind::Unsupported.into())
 }
 
 fn judged(path: &Path, flags: i32) -> Result<(File, Metadata)> {
@@ -85,6 +202,42 @@ mod tests {
                     .contains("no plain file")
             );
         }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_file_is_read_up_to_what_it_may_have_and_no_further() {
+        let folder = std::env::temp_dir().join(format!("foveal-bounds-{}", std::process::id()));
+        std::fs::create_dir(&folder).unwrap();
+        let file = folder.join("file");
+        std::fs::write(&file, b"abcd").unwrap();
+        assert_eq!(read_plain(&file, 4).unwrap(), b"abcd");
+        let larger = read_plain(&file, 3).unwrap_err();
+        assert_eq!(larger.kind(), ErrorKind::FileTooLarge);
+        assert_eq!(first_bytes(&file, 3).unwrap(), b"abc");
+        assert_eq!(first_bytes(&file, 9).unwrap(), b"abcd");
+        if cfg!(target_os = "linux") {
+            assert!(read_plain(Path::new("/dev/zero"), 9).is_err());
+            // It says that it has no bytes, and has many.
+            let told = read_plain(Path::new("/proc/self/status"), 9).unwrap_err();
+            assert_eq!(told.kind(), ErrorKind::FileTooLarge);
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_name_that_is_taken_is_not_given_twice() {
+        let folder = std::env::temp_dir().join(format!("foveal-names-{}", std::process::id()));
+        std::fs::create_dir(&folder).unwrap();
+        let [one, two, name] = ["one", "two", "name"].map(|it| folder.join(it));
+        std::fs::write(&one, b"1").unwrap();
+        std::fs::write(&two, b"2").unwrap();
+        rename_new(&one, &name).unwrap();
+        let taken = rename_new(&two, &name).unwrap_err();
+        assert_eq!(taken.kind(), ErrorKind::AlreadyExists);
+        assert_eq!(std::fs::read(&name).unwrap(), b"1");
+        rename_durably(&two, &name).unwrap();
+        assert_eq!(std::fs::read(&name).unwrap(), b"2");
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -7,12 +7,13 @@ use crate::options::preset::SystemPreset;
 use crate::report::output::{self, WrongUsage, out_of_range};
 use crate::run::kept_pack::{remark, warn};
 use crate::run::loss::loss_of;
-use crate::run::pack_place::pack_at;
+use crate::run::pack_place::{if_taken, pack_at};
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::content::video::bytes::description::Loss;
 use foveal_core::units::counted;
 use foveal_media::VideoInput;
+use foveal_media::pack::name_claim::NameClaim;
 use foveal_media::pack::pack_file::{PackFile, partial_path};
 use foveal_media::prepare::{
     Event, PreparationPlan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice, Witness,
@@ -159,7 +160,7 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
     refuse_to_overwrite_input(&args.input, out)?;
     let there = pack_at(out)?;
     let plan = args.plan()?;
-    if let Some(there) = there.filter(|_| !args.force) {
+    if let Some(there) = there.as_ref().filter(|_| !args.force) {
         let pack = there.if_it_is(&pack_identity_of(&args.input, &plan)?)?;
         let text = format!(
             "{}: is there already, made in the same way of {}; nothing was written",
@@ -174,7 +175,8 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
     }
     remark(&args.input, &plan.remarks);
     let begun = Instant::now();
-    args.prepare(out, &plan)?;
+    let claim = NameClaim::of(out, if_taken(there.as_ref()))?;
+    args.prepare((out, claim), &plan)?;
     let seconds = begun.elapsed().as_secs_f64();
     let pack = PackInfo::new(&PackFile::open(out)?)?;
     let text = format!("{}: {seconds:.1} s\n{}", out.display(), pack.text());
@@ -194,7 +196,11 @@ impl PrepareVideoArgs {
     }
 
     /// Makes the pack with a progress bar, and says what no plan could tell.
-    fn prepare(&self, out: &Path, plan: &PreparationPlan) -> anyhow::Result<()> {
+    fn prepare(
+        &self,
+        (out, claim): (&Path, NameClaim),
+        plan: &PreparationPlan,
+    ) -> anyhow::Result<()> {
         let mut guide = Guide {
             args: self,
             plan,
@@ -203,7 +209,7 @@ impl PrepareVideoArgs {
             jobs: output::jobs(self.jobs)?,
             has_begun: false,
         };
-        let prepared = prepare_resumable(&self.input, out, plan, !self.no_resume, &mut guide);
+        let prepared = prepare_resumable(&self.input, claim, plan, !self.no_resume, &mut guide);
         guide.bar.finish_and_clear();
         let has_begun = guide.has_begun;
         let partial = partial_path(out);

@@ -2,9 +2,10 @@
 
 use crate::gaze_source::choice::LiveChoice;
 use crate::report::output::say;
-use anyhow::{Context, anyhow, bail};
-use std::io::ErrorKind;
-use std::net::{SocketAddr, TcpStream, ToSocketAddrs, UdpSocket};
+use anyhow::{Context, anyhow};
+use std::io::{ErrorKind, Read, Write};
+use std::net::{IpAddr, SocketAddr, TcpStream, ToSocketAddrs, UdpSocket};
+use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 use tungstenite::http::Uri;
 use tungstenite::protocol::WebSocketConfig;
@@ -16,7 +17,8 @@ const POLL: Duration = Duration::from_millis(20);
 const MOST_BYTES: usize = 65_536;
 /// A sender who says nothing for this long holds a source no longer.
 const SILENCE: Duration = Duration::from_secs(1);
-/// Longest wait for a server's answer.
+/// Longest time until a server has answered, from finding its address to the last byte of its
+/// greeting.
 const ANSWER: Duration = Duration::from_secs(3);
 /// Pause before a lost server is tried again.
 const AGAIN: Duration = Duration::from_secs(1);
@@ -117,7 +119,7 @@ impl SourceHolder {
 /// A client of a WebSocket server, which connects again when it is lost.
 pub(super) struct WebSocketFeed {
     url: String,
-    socket: Option<WebSocket<TcpStream>>,
+    socket: Option<WebSocket<TimelyStream>>,
     tried: Instant,
 }
 
@@ -157,24 +159,97 @@ fn is_wait(kind: ErrorKind) -> bool {
     )
 }
 
-fn connect(url: &str) -> anyhow::Result<WebSocket<TcpStream>> {
+/// A connection all of whose reads and writes end by one time, however little each of them brings.
+#[derive(Debug)]
+struct TimelyStream {
+    stream: TcpStream,
+    /// None once the server has greeted: reads then wait for [`POLL`].
+    until: Option<Instant>,
+}
+
+impl TimelyStream {
+    /// What is left of the time; an error where nothing is.
+    fn left(&self) -> std::io::Result<Option<Duration>> {
+        let Some(until) = self.until else {
+            return Ok(None);
+        };
+        match until.saturating_duration_since(Instant::now()) {
+            Duration::ZERO => Err(ErrorKind::WouldBlock.into()),
+            left => Ok(Some(left)),
+        }
+    }
+}
+
+impl Read for TimelyStream {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        if let Some(left) = self.left()? {
+            self.stream.set_read_timeout(Some(left))?;
+        }
+        self.stream.read(bytes)
+    }
+}
+
+impl Write for TimelyStream {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if let Some(left) = self.left()? {
+            self.stream.set_write_timeout(Some(left))?;
+        }
+        self.stream.write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.stream.flush()
+    }
+}
+
+fn no_answer() -> anyhow::Error {
+    anyhow!("the server did not answer within {} s", ANSWER.as_secs())
+}
+
+fn connect(url: &str) -> anyhow::Result<WebSocket<TimelyStream>> {
+    let until = Instant::now() + ANSWER;
     let uri: Uri = url.parse().context("no address of a WebSocket server")?;
     let host = uri.host().context("the address names no host")?;
     let host = host.trim_start_matches('[').trim_end_matches(']');
     let mut failure = anyhow!("the host has no address");
-    for address in (host, uri.port_u16().unwrap_or(80)).to_socket_addrs()? {
-        match TcpStream::connect_timeout(&address, ANSWER) {
-            Ok(stream) => return greet(url, stream),
-            Err(error) => failure = error.into(),
+    for address in addresses_of(host, uri.port_u16().unwrap_or(80))? {
+        match until.saturating_duration_since(Instant::now()) {
+            Duration::ZERO => return Err(no_answer()),
+            left => match TcpStream::connect_timeout(&address, left) {
+                Ok(stream) => return greet(url, stream, until),
+                Err(error) => failure = error.into(),
+            },
         }
     }
     Err(failure)
 }
 
-fn greet(url: &str, stream: TcpStream) -> anyhow::Result<WebSocket<TcpStream>> {
-    stream.set_read_timeout(Some(ANSWER))?;
-    stream.set_write_timeout(Some(ANSWER))?;
+/// The addresses of a host. Finding them may take the system longer than anybody should wait, and
+/// cannot be stopped; so it has a thread of its own.
+fn addresses_of(host: &str, port: u16) -> anyhow::Result<Vec<SocketAddr>> {
+    if let Ok(address) = host.parse::<IpAddr>() {
+        return Ok(vec![(address, port).into()]);
+    }
+    let (send, receive) = channel();
+    let host = host.to_owned();
+    std::thread::Builder::new()
+        .name("address".to_owned())
+        .spawn(move || {
+            let found = (host.as_str(), port).to_socket_addrs();
+            // Nobody may be waiting any more.
+            let _ = send.send(found.map(Iterator::collect));
+        })?;
+    let found = receive.recv_timeout(ANSWER);
+    let found = found.map_err(|_| anyhow!("its address was not found in time"))?;
+    Ok(found?)
+}
+
+fn greet(url: &str, stream: TcpStream, until: Instant) -> anyhow::Result<WebSocket<TimelyStream>> {
     stream.set_nodelay(true)?;
+    let stream = TimelyStream {
+        stream,
+        until: Some(until),
+    };
     let config = WebSocketConfig::default()
         .read_buffer_size(MOST_BYTES)
         .write_buffer_size(0)
@@ -182,13 +257,14 @@ fn greet(url: &str, stream: TcpStream) -> anyhow::Result<WebSocket<TcpStream>> {
         .max_message_size(Some(MOST_BYTES))
         .max_frame_size(Some(MOST_BYTES));
     match tungstenite::client::client_with_config(url, stream, Some(config)) {
-        Ok((socket, _)) => {
-            socket.get_ref().set_read_timeout(Some(POLL))?;
+        Ok((mut socket, _)) => {
+            let greeted = socket.get_mut();
+            greeted.until = None;
+            greeted.stream.set_read_timeout(Some(POLL))?;
+            greeted.stream.set_write_timeout(Some(ANSWER))?;
             Ok(socket)
         }
-        Err(tungstenite::HandshakeError::Interrupted(_)) => {
-            bail!("the server did not answer within {} s", ANSWER.as_secs())
-        }
+        Err(tungstenite::HandshakeError::Interrupted(_)) => Err(no_answer()),
         Err(tungstenite::HandshakeError::Failure(error)) => Err(error.into()),
     }
 }

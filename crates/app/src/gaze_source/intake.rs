@@ -6,7 +6,7 @@ use foveal_core::gaze::read::osc::EyeMessages;
 use foveal_core::gaze::read::record::{GazeRecord, MAX_RECORD_BYTES};
 use foveal_core::gaze::read::row::TraceRow;
 use foveal_core::gaze::read::stream::GazeStream;
-use foveal_core::units::{Seconds, counted};
+use foveal_core::units::{Seconds, counted, one_line};
 use rosc::{OscMessage, OscPacket, OscType};
 use serde::Serialize;
 
@@ -23,6 +23,8 @@ pub(crate) struct Counts {
     pub(crate) foreign: u64,
     /// How often the sender's clock began anew.
     pub(crate) anew: u64,
+    /// Records that were dated by their arrival, since the sender's clock leaps or stands.
+    pub(crate) untimed: u64,
 }
 
 /// Makes rows of messages.
@@ -54,7 +56,13 @@ impl Intake {
         let mut rows = Vec::new();
         for record in records {
             match record {
-                Ok(Some(record)) => rows.extend(self.stream.take(&record, arrived)),
+                Ok(Some(record)) => {
+                    let trusted = self.stream.untimed() == 0;
+                    rows.extend(self.stream.take(&record, arrived));
+                    if trusted && self.stream.untimed() > 0 {
+                        self.tell_of_clock();
+                    }
+                }
                 Ok(None) => {}
                 Err(why) => self.skip(&why),
             }
@@ -69,14 +77,24 @@ impl Intake {
             dropped,
             foreign,
             anew: self.stream.anew(),
+            untimed: self.stream.untimed(),
         }
+    }
+
+    fn tell_of_clock(&self) {
+        say(&format!(
+            "foveal: {}: the sender's clock leaps or stands, so what it sends is dated by when it \
+             arrives, until the clock goes as time does; is t_s in seconds?",
+            self.name
+        ));
     }
 
     fn skip(&mut self, why: &str) {
         if self.skipped == 0 {
             say(&format!(
-                "foveal: {}: skipped what is no gaze ({why}); others like it are only counted",
-                self.name
+                "foveal: {}: skipped what is no gaze ({}); others like it are only counted",
+                self.name,
+                one_line(why)
             ));
         }
         self.skipped += 1;
@@ -167,6 +185,7 @@ mod tests {
             dropped: 4,
             foreign: 5,
             anew: 0,
+            untimed: 0,
         };
         assert_eq!(intake.counts(4, 5), counts);
     }

@@ -136,14 +136,17 @@ impl Drop for Live {
                 dropped,
                 foreign,
                 anew,
+                untimed,
             } = counts;
             say(&format!(
                 "foveal: {}: skipped {} without a gaze, {foreign} of other senders, {late} that \
-                 came after newer ones, and {} that nobody took in time; its clock began anew {}",
+                 came after newer ones, and {} that nobody took in time; its clock began anew {}, \
+                 and {} were dated by their arrival",
                 self.name,
                 counted(skipped, "message"),
                 counted(dropped, "sample"),
-                counted(anew, "time")
+                counted(anew, "time"),
+                counted(untimed, "sample")
             ));
         }
     }

@@ -9,13 +9,13 @@ use crate::report::called::called;
 use crate::report::fault::Fault;
 pub(crate) use crate::report::fault::told;
 use crate::report::visible::visible;
-use anyhow::{Context, bail};
-use foveal_media::plain_file::{open_plain, rename_durably};
+use anyhow::{Context, anyhow, bail};
+use foveal_media::plain_file::{open_plain, open_sink, read_plain, rename_durably, rename_new};
 use indicatif::{ProgressBar, ProgressStyle};
 use old_names::with_old_names;
 use serde::Serialize;
 use std::borrow::Cow;
-use std::fs::{File, Metadata};
+use std::fs::File;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -137,38 +137,39 @@ const MAX_TEXT_BYTES: u64 = 1 << 30;
 
 /// The text of a file that a person named; `what` it should be goes into the message.
 pub(crate) fn read_text(path: &Path, what: &str) -> anyhow::Result<String> {
-    let name = path.display();
-    let unread = || format!("{name}: cannot be read as {what}");
-    let expected = || format!("{name}: expected {what}: a file of at most {MAX_TEXT_BYTES} bytes");
-    let (file, there) = opened(path, unread, expected)?;
-    if there.len() > MAX_TEXT_BYTES {
-        bail!(expected());
-    }
-    std::io::read_to_string(file).with_context(unread)
+    let unread = || format!("{}: cannot be read as {what}", path.display());
+    let bytes = told_apart(read_plain(path, MAX_TEXT_BYTES), (path, what), unread)?;
+    String::from_utf8(bytes).with_context(unread)
 }
 
 /// Opens the file that a person named; `what` it should be goes into the message. A pipe, which
 /// nobody may ever write into, is refused.
 pub(crate) fn open_file(path: &Path, what: &str) -> anyhow::Result<File> {
-    let name = path.display();
-    let missing = || format!("{name}: no {what} there");
-    let expected = || format!("{name}: expected a {what}: a CSV file");
-    Ok(opened(path, missing, expected)?.0)
+    let missing = || format!("{}: no {what} there", path.display());
+    let as_csv = format!("a {what}, as CSV");
+    let (file, _) = told_apart(open_plain(path), (path, &as_csv), missing)?;
+    Ok(file)
 }
 
-/// A plain file, or what to say where it is none, or cannot be opened.
-fn opened(
-    path: &Path,
-    unopened: impl Fn() -> String,
-    expected: impl Fn() -> String,
-) -> anyhow::Result<(File, Metadata)> {
-    match open_plain(path) {
-        Ok(opened) => Ok(opened),
-        Err(error) if matches!(error.kind(), ErrorKind::IsADirectory | ErrorKind::Other) => {
-            bail!(expected())
+/// What was read of a plain file, or what to say where there is something else, or nothing can be
+/// read.
+fn told_apart<T>(
+    read: std::io::Result<T>,
+    (path, what): (&Path, &str),
+    unread: impl Fn() -> String,
+) -> anyhow::Result<T> {
+    let name = path.display();
+    read.or_else(|error| match error.kind() {
+        ErrorKind::IsADirectory => bail!("{name}: is a folder; give the file of {what}"),
+        ErrorKind::Other => bail!(
+            "{name}: is no plain file; give {what} as one, and write what comes through a pipe \
+             into it first"
+        ),
+        ErrorKind::FileTooLarge => {
+            bail!("{name}: is larger than {MAX_TEXT_BYTES} bytes; give {what} that is shorter")
         }
-        Err(error) => Err(error).with_context(unopened),
-    }
+        _ => Err(error).with_context(unread),
+    })
 }
 
 /// Refuses to write where one of the inputs lies, under whatever name.
@@ -215,13 +216,36 @@ pub(crate) fn write_soon(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_as(path, bytes, |from, to| std::fs::rename(from, to))
 }
 
+/// Writes a file whole or not at all, and replaces nothing.
+pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let name = path.display();
+    let mut growing = path.as_os_str().to_owned();
+    growing.push(".partial");
+    let growing = PathBuf::from(growing);
+    let begun = File::create_new(&growing);
+    let mut file = begun.with_context(|| format!("{}: cannot be written", growing.display()))?;
+    let written = file
+        .write_all(bytes)
+        .and_then(|()| rename_new(&growing, path));
+    if written.is_err() {
+        let _ = std::fs::remove_file(&growing);
+    }
+    written.map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => anyhow!(
+            "{name}: is there already, and nothing is replaced; give another name or folder, or \
+             move it away"
+        ),
+        _ => anyhow!(error).context(format!("{name}: cannot be written")),
+    })
+}
+
 fn write_as(
     path: &Path,
     bytes: &[u8],
     rename: impl FnOnce(&Path, &Path) -> std::io::Result<()>,
 ) -> anyhow::Result<()> {
     let Some(growing) = growing_name(path) else {
-        let written = std::fs::write(path, bytes);
+        let written = open_sink(path).and_then(|mut sink| sink.write_all(bytes));
         return written.with_context(|| format!("{}: cannot be written", path.display()));
     };
     let written = std::fs::write(&growing, bytes).and_then(|()| rename(&growing, path));

@@ -1,10 +1,10 @@
 //! How does a picture get into a file and out of one?
 
-use crate::report::output::write_soon;
+use crate::report::output::{write_new, write_soon};
 use anyhow::{Context, bail};
+use foveal_media::plain_file::open_plain;
 use foveal_render::RgbaImage;
 use png::{ColorType, Compression, Transformations};
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -13,6 +13,13 @@ pub(crate) fn write_png(path: &Path, image: &RgbaImage) -> anyhow::Result<()> {
     let mut bytes = Vec::new();
     encode_png(image, Compression::Fast, &mut bytes)?;
     write_soon(path, &bytes)
+}
+
+/// The same under a name that nothing has.
+pub(crate) fn write_new_png(path: &Path, image: &RgbaImage) -> anyhow::Result<()> {
+    let mut bytes = Vec::new();
+    encode_png(image, Compression::Fast, &mut bytes)?;
+    write_new(path, &bytes)
 }
 
 /// Most pixels of a picture that is read: 8K.
@@ -40,7 +47,7 @@ impl RgbPicture {
 /// Reads a PNG file of any colour type and depth.
 pub(crate) fn read_png(path: &Path) -> anyhow::Result<RgbPicture> {
     let name = path.display();
-    let file = File::open(path).with_context(|| format!("{name}: no PNG file there"))?;
+    let (file, _) = open_plain(path).with_context(|| format!("{name}: no PNG file there"))?;
     let mut decoder = png::Decoder::new(BufReader::new(file));
     decoder.set_transformations(Transformations::EXPAND | Transformations::STRIP_16);
     let mut reader = decoder

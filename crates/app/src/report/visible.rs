@@ -3,11 +3,19 @@
 //! Names of files, packs, logs and senders may hold what a terminal obeys, or what turns the
 //! direction of the text around it. All text for people passes here.
 
+use crate::report::names::in_lines;
 use std::borrow::Cow;
 
 /// The text with every control character but line ends and tabs, and every mark that turns the
-/// direction of text (Unicode Standard Annex 9), as `\u{1b}`.
+/// direction of text (Unicode Standard Annex 9), as `\u{1b}`; line ends and tabs of names too.
 pub(crate) fn visible(text: &str) -> Cow<'_, str> {
+    match in_lines(text) {
+        Cow::Borrowed(text) => without_marks(text),
+        Cow::Owned(text) => Cow::Owned(without_marks(&text).into_owned()),
+    }
+}
+
+fn without_marks(text: &str) -> Cow<'_, str> {
     if !text.chars().any(is_obeyed) {
         return Cow::Borrowed(text);
     }

@@ -4,9 +4,10 @@ use crate::commands::info::PackInfo;
 use crate::report::output::WrongUsage;
 use anyhow::bail;
 use foveal_core::pack::{Difference, Identity, MAGIC};
+use foveal_core::units::one_line;
+use foveal_media::pack::name_claim::IfTaken;
 use foveal_media::pack::pack_file::PackFile;
-use std::fs::File;
-use std::io::Read;
+use foveal_media::plain_file::first_bytes;
 use std::path::{Path, PathBuf};
 
 /// A pack that lies where another is to go.
@@ -33,10 +34,16 @@ pub(crate) fn pack_at(out: &Path) -> Result<Option<PackThere>, WrongUsage> {
     )))
 }
 
+/// What becomes of a pack at that name: another that comes meanwhile is not replaced.
+pub(crate) fn if_taken(there: Option<&PackThere>) -> IfTaken {
+    match there {
+        Some(_) => IfTaken::Replace,
+        None => IfTaken::Refuse,
+    }
+}
+
 fn begins_as_pack(path: &Path) -> bool {
-    let mut begin = [0; MAGIC.len()];
-    let read = File::open(path).and_then(|mut file| file.read_exact(&mut begin));
-    read.is_ok() && begin == MAGIC
+    first_bytes(path, MAGIC.len() as u64).is_ok_and(|begin| begin == MAGIC)
 }
 
 impl PackThere {
@@ -51,7 +58,7 @@ impl PackThere {
             None => {
                 let what = format!(
                     "a pack is there of {} that does not say how it was made",
-                    about.source.name
+                    one_line(&about.source.name)
                 );
                 bail!(self.in_the_way(&what));
             }
@@ -63,7 +70,7 @@ impl PackThere {
             Some(Difference::Input) => "of another input, or of this one before it changed",
             Some(Difference::Settings) => "with other settings",
         };
-        let (name, [w, h]) = (&about.source.name, about.source.size);
+        let (name, [w, h]) = (one_line(&about.source.name), about.source.size);
         let what = format!("a pack is there of {name} ({w}x{h}), made {how}");
         bail!(self.in_the_way(&what))
     }

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use std::process::Command;
 
 /// A run with at most so many seconds of processor time and KiB of memory.
-fn within([seconds, kib]: [u32; 2], arguments: &[&str]) -> Ran {
+pub(crate) fn within([seconds, kib]: [u32; 2], arguments: &[&str]) -> Ran {
     let plain = command(arguments);
     let mut limited = Command::new("sh");
     limited.args([

@@ -6,7 +6,7 @@ use foveal_core::gaze::read::trace::Trace;
 use foveal_core::units::Seconds;
 use rosc::{OscMessage, OscPacket, OscType};
 use serde_json::Value;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, UdpSocket};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -517,4 +517,52 @@ fn a_line_of_two_gigabytes_is_refused_by_its_line() {
         let said = String::from_utf8(ran.stderr).unwrap();
         assert!(said.contains("line 3"), "{said}");
     }
+}
+
+#[test]
+fn a_server_that_answers_byte_by_byte_is_waited_for_three_seconds_in_all() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let gaze = format!("ws://{}", listener.local_addr().unwrap());
+    let select = ["select", "--projection", "cube", "--face-size", "256"];
+    let over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let (mut stream, _) = listener.accept().unwrap();
+            let greeting = b"HTTP/1.1 101 Switching Protocols\r\nX-Slow: ";
+            let endless = greeting.iter().chain(std::iter::repeat(&b'a'));
+            for byte in endless.take(200) {
+                if over.load(Ordering::Relaxed) || stream.write_all(&[*byte]).is_err() {
+                    break;
+                }
+                std::thread::sleep(Duration::from_millis(100));
+            }
+        });
+        let begun = Instant::now();
+        let words = [&gaze, "did not answer within 3 s"];
+        refused(1, &[&select[..], &["--gaze", &gaze]].concat(), &words);
+        let took = begun.elapsed();
+        over.store(true, Ordering::Relaxed);
+        assert!((2.9..6.0).contains(&took.as_secs_f64()), "{took:?}");
+    });
+}
+
+#[test]
+fn a_sender_whose_clock_leaps_again_and_again_is_dated_by_arrival() {
+    let folder = Folder::new();
+    let mut recording = Recording::of("udp:0", folder.name("leaps.csv"));
+    let leaps: Vec<String> = (0..60)
+        .map(|n| {
+            let t = 9.99 * f64::from(n);
+            format!(r#"{{"t_s":{t},"yaw_deg":{n},"pitch_deg":0}}"#)
+        })
+        .collect();
+    send_all(&recording.address(), &leaps);
+    recording.wait(|text| text.contains(",59,"));
+    let (trace, summary, said) = recording.stop();
+    assert_eq!(said.matches("clock leaps or stands").count(), 1, "{said}");
+    assert!(summary["untimed"].as_u64().unwrap() >= 50, "{summary}");
+    assert_eq!(summary["foreign"], 0, "{summary}");
+    let times: Vec<f64> = trace.rows().iter().map(|row| row.time.0).collect();
+    // But for the first leap, which may be a clock that was set.
+    assert!(times[times.len() - 1] - times[2] < 10.0, "{times:?}");
 }

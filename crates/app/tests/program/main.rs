@@ -30,6 +30,7 @@ mod panels;
 mod panels_live;
 mod panels_pack;
 mod panels_warp;
+mod paths;
 mod perception;
 mod perceptual;
 mod policies;

@@ -1,7 +1,7 @@
 //! Do panels show what is captured, and do windows show what files hold?
 
 use crate::scenes::CELL;
-use crate::support::{Folder, Rgb, command, json, refused};
+use crate::support::{Folder, Rgb, assert_refused, command, finish, json, refused};
 use crate::view::{Display, flat_pack};
 use foveal_core::view::panel::fit::{PlacementRule, SourceSize, fit};
 use foveal_core::view::panel::pixel_map::homography;
@@ -240,4 +240,57 @@ fn what_cannot_be_captured_is_refused_with_what_to_do() {
         (&graph["frames"], &graph["source"]),
         (&1.into(), &serde_json::json!([65, 49]))
     );
+}
+
+#[test]
+fn a_graph_neither_writes_nor_fetches_and_is_not_mistaken_for_a_file() {
+    let folder = Folder::new();
+    let rig = folder.holding("two.toml", TWO.as_bytes());
+    let [out, written] = ["out", "written"].map(|name| folder.name(name));
+    for (graph, filter) in [
+        (
+            format!("testsrc2,metadata=print:file={written}"),
+            "metadata",
+        ),
+        (
+            format!("testsrc2,'meta'data=print:file={written}"),
+            "metadata",
+        ),
+        (
+            format!("color[a];movie={written}[b];[a][b]overlay"),
+            "movie",
+        ),
+        ("movie=http\\\\://127.0.0.1\\\\:1/a.mkv".to_owned(), "movie"),
+    ] {
+        let graph = format!("lavfi:{graph}");
+        let warp = ["panels", "warp", &rig, &graph, "--out", &out];
+        refused(
+            1,
+            &warp,
+            &["lavfi:", &format!("{filter:?}"), "lavfi:testsrc2"],
+        );
+        assert!(!Path::new(&written).exists(), "{graph}");
+    }
+    // A file of such a name may be meant.
+    folder.holding("lavfi:testsrc2", b"a file");
+    let here = |source: &str| {
+        let mut warp = command(&["panels", "warp", &rig, source, "--out", &out]);
+        warp.current_dir(folder.name(""));
+        finish(warp)
+    };
+    assert_refused(&here("lavfi:testsrc2"), 2, &["./lavfi:testsrc2", "file"]);
+    assert_refused(
+        &here("./lavfi:testsrc2"),
+        1,
+        &["./lavfi:testsrc2", "not a video"],
+    );
+    // The source of a picture is not written over.
+    let source = folder.name("A.png");
+    json(&[
+        "panels", "pattern", "grid", "--size", "64x48", "--out", &source,
+    ]);
+    let before = std::fs::read(&source).unwrap();
+    let warp = ["panels", "warp", &rig, &source, "--out", &folder.name(".")];
+    refused(2, &warp, &["A.png", "is what is read"]);
+    assert_eq!(std::fs::read(&source).unwrap(), before);
 }

@@ -2,7 +2,9 @@
 
 use crate::results::agrees;
 use crate::scenes::write_clip;
-use crate::support::{Folder, Ran, Rgb, command, done, finish, frame_picture, refused, skipped};
+use crate::support::{
+    Folder, Ran, Rgb, assert_refused, command, done, finish, frame_picture, refused, skipped,
+};
 use foveal_core::view::picture::Picture;
 use foveal_media::generate::numbered_tiles;
 use serde_json::Value;
@@ -59,7 +61,7 @@ impl Display {
         }
     }
 
-    /// The program in a window on it, with a script.
+    /// The program in a window on it, with a script, in the folder, where screenshots go.
     pub(crate) fn view(
         &self,
         folder: &Folder,
@@ -67,9 +69,11 @@ impl Display {
         script: &str,
         options: &[&str],
     ) -> Command {
+        // Screenshots have names, and no folders.
+        let script = script.replace(&folder.name(""), "");
         let script = folder.holding("script.txt", script.as_bytes());
         let mut view = command(&["view", pack, "--script", &script, "--json"]);
-        view.args(options);
+        view.args(options).current_dir(folder.name(""));
         view.env("DISPLAY", &self.name)
             .env_remove("WAYLAND_DISPLAY")
             .env("XDG_RUNTIME_DIR", folder.to_str().unwrap());
@@ -125,13 +129,12 @@ fn headless(folder: &Folder, pack: &str, size: &str, frame: usize) -> Rgb {
 fn a_settled_window_shows_the_picture_of_the_headless_run() {
     let folder = Folder::new();
     let pack = flat_pack(&folder);
-    let (first, last) = (folder.name("first.png"), folder.name("made/here/last.png"));
-    let script = format!(
-        "0 settle\n0 screenshot {first}\n0.1 key End\n0.1 settle\n0.1 screenshot last.png\n0.2 quit"
-    );
+    let [first, last] = ["first", "last"].map(|name| folder.name(&format!("made/here/{name}.png")));
+    let script = "0 settle\n0 screenshot first.png\n0.1 key End\n0.1 settle\n\
+                  0.1 screenshot last.png\n0.2 quit";
     let shots = folder.name("made/here");
     let options = ["--view", "400x225", "--paused", "--screenshots", &shots];
-    let Some(summary) = watched(&folder, &pack, &script, &options) else {
+    let Some(summary) = watched(&folder, &pack, script, &options) else {
         return;
     };
     assert_eq!(summary["wrong_frame_tiles"], 0);
@@ -179,6 +182,38 @@ fn a_window_says_which_key_lists_the_keys_and_that_key_does() {
         let _ = window.wait();
         assert!(seen, "{script}");
         std::fs::remove_file(&plain).unwrap();
+    }
+}
+
+#[test]
+fn a_screenshot_of_a_script_has_a_name_alone_and_replaces_nothing() {
+    let folder = Folder::new();
+    let pack = flat_pack(&folder);
+    let refused_name = |name: &str| {
+        let script = format!("0 screenshot {name}\n");
+        let script = folder.holding("bad.txt", script.as_bytes());
+        let view = ["view", &pack, "--script", &script];
+        refused(1, &view, &["bad.txt", "line 1", "--screenshots"]);
+    };
+    let there = folder.name("there.png");
+    for name in ["../../x.png", "a/b.png", "/tmp/x.png", "..", ".", &there] {
+        refused_name(name);
+    }
+    std::fs::write(&there, b"mine").unwrap();
+    std::fs::create_dir(folder.name("shots")).unwrap();
+    std::os::unix::fs::symlink(&there, folder.name("shots/link.png")).unwrap();
+    for (name, options) in [
+        ("there.png", &[][..]),
+        ("link.png", &["--screenshots", "shots"]),
+    ] {
+        let Some(display) = Display::start() else {
+            return;
+        };
+        let script = format!("0 settle\n0 screenshot {name}\n0.1 quit");
+        let options = [&["--view", "200x112", "--paused"], options].concat();
+        let ran = finish(display.view(&folder, &pack, &script, &options));
+        assert_refused(&ran, 1, &[name, "there already"]);
+        assert_eq!(std::fs::read(&there).unwrap(), b"mine");
     }
 }
 

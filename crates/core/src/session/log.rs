@@ -13,7 +13,7 @@ use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
 use crate::perception::parameters::EyeState;
 use crate::selection::scheduler::Scheduler;
-use crate::units::{Radians, Seconds};
+use crate::units::{Radians, Seconds, one_line};
 use crate::view::eye_view::{EyeView, Field};
 use crate::view::mounted::MountedPanel;
 use crate::view::panel::rig::MOST_PANELS;
@@ -175,7 +175,7 @@ pub enum SessionError {
     #[error("the session log is empty; give the session.jsonl that simulate wrote")]
     Empty,
     /// A line that cannot be read.
-    #[error("line {line}: {why}")]
+    #[error("line {line}: {}", one_line(why))]
     Line {
         /// Line in the file, from 1.
         line: usize,

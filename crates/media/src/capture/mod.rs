@@ -4,13 +4,18 @@
 //! screen dies in 4:2:0. Only what a person names on the command line is opened.
 
 mod device;
+pub mod graph;
 pub mod source;
 mod windows;
 
 use device::{Device, Next};
 use source::{CaptureError, CapturedPicture, LiveSource};
+use std::sync::mpsc::channel;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
+
+/// Longest wait for a source to open.
+const MOST_OPENING: Duration = Duration::from_secs(10);
 
 /// A source that is being captured; the capture ends with the value.
 ///
@@ -51,10 +56,29 @@ impl Capture {
     /// # Errors
     /// There is no such screen, window, device or graph.
     pub fn open(source: &LiveSource) -> Result<Self, CaptureError> {
-        let mut device = Device::open(source)?;
+        if let LiveSource::Graph(graph) = source {
+            graph::check(graph).map_err(|reason| CaptureError::Open {
+                name: source.to_string(),
+                reason,
+                next: "give a graph of others, such as lavfi:testsrc2".to_owned(),
+            })?;
+        }
         let shared = Arc::new(Shared::default());
-        let there = Arc::clone(&shared);
-        std::thread::spawn(move || {
+        let (there, wanted) = (Arc::clone(&shared), source.clone());
+        let (opened, is_open) = channel();
+        // A device may never answer, and a graph's sums never end.
+        let capturing = move || {
+            let mut device = match Device::open(&wanted) {
+                Ok(device) => device,
+                Err(error) => {
+                    // Nobody may be waiting any more.
+                    let _ = opened.send(Err(error));
+                    return;
+                }
+            };
+            if opened.send(Ok(())).is_err() {
+                return;
+            }
             let why = loop {
                 match device.next() {
                     Next::Picture(picture) => {
@@ -67,8 +91,23 @@ impl Capture {
             };
             there.state().ended = Some(why);
             there.changed.notify_all();
-        });
-        Ok(Self { shared })
+        };
+        let thread = std::thread::Builder::new().name("capture".to_owned());
+        thread
+            .spawn(capturing)
+            .map_err(|error| CaptureError::Open {
+                name: source.to_string(),
+                reason: format!("no thread can be had for it: {error}"),
+                next: "raise the limits on threads and memory: `ulimit -u`, `ulimit -v`".to_owned(),
+            })?;
+        match is_open.recv_timeout(MOST_OPENING) {
+            Ok(opened) => opened.map(|()| Self { shared }),
+            Err(_) => Err(CaptureError::Open {
+                name: source.to_string(),
+                reason: format!("it does not open within {} s", MOST_OPENING.as_secs()),
+                next: "is it there, and does it work elsewhere?".to_owned(),
+            }),
+        }
     }
 
     /// The newest picture that was not asked for before, waited for so long; `None` where none
@@ -150,5 +189,7 @@ mod tests {
         };
         assert!(refusal("lavfi:no_such_filter").starts_with("lavfi:no_such_filter: "));
         assert!(refusal("v4l2:/dev/no-such-camera").contains("v4l2:/dev/no-such-camera: "));
+        let refused = refusal("lavfi:testsrc2,metadata=print:file=x");
+        assert!(refused.contains("\"metadata\""), "{refused}");
     }
 }

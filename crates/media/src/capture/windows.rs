@@ -1,6 +1,7 @@
 //! Which window of an X display has a title?
 
 use super::source::CaptureError;
+use foveal_core::units::one_line;
 use x11rb::connection::Connection;
 use x11rb::protocol::composite::{ConnectionExt as _, Redirect};
 use x11rb::protocol::xproto::{Atom, AtomEnum, ConnectionExt, Window};
@@ -90,7 +91,8 @@ pub(super) fn no_display(reason: &str) -> (String, String) {
 }
 
 fn listed(titles: &[&str]) -> String {
-    let some = titles.iter().take(MOST_LISTED).map(|it| format!("`{it}`"));
+    let some = titles.iter().take(MOST_LISTED);
+    let some = some.map(|it| format!("`{}`", one_line(it)));
     let some: Vec<String> = some.collect();
     let more = titles.len().saturating_sub(MOST_LISTED);
     match (some.is_empty(), more) {

@@ -158,7 +158,8 @@ fn read_journal(path: &Path) -> Result<Vec<u8>, String> {
         return Err(format!("{} is no journal", path.display()));
     }
     let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes).map_err(none)?;
+    let mut bounded = (&mut file).take(MOST_BYTES);
+    bounded.read_to_end(&mut bytes).map_err(none)?;
     Ok(bytes)
 }
 

@@ -3,6 +3,7 @@
 pub mod content_tag;
 pub mod damage;
 pub(crate) mod journal_file;
+pub mod name_claim;
 mod open_pack;
 pub mod pack_file;
 pub(crate) mod pack_writer;

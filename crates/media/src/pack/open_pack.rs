@@ -49,6 +49,17 @@ pub enum PackFileError {
     },
 }
 
+impl PackFileError {
+    /// What is wrong, without the place.
+    pub(crate) fn reason(&self) -> String {
+        match self {
+            Self::Io { what, source, .. } => with_cause(what, source),
+            Self::NoFile { what, .. } => (*what).to_owned(),
+            Self::Format { source, .. } => source.to_string(),
+        }
+    }
+}
+
 /// What to do about bytes that are no pack of this version.
 fn advice(path: &Path, error: &PackError) -> String {
     match error.field.as_str() {

@@ -1,6 +1,7 @@
 //! How is the pack of a scene written and read?
 
 use crate::pack::damage::Damage;
+use crate::pack::name_claim::NameClaim;
 use crate::pack::open_pack::{OpenPack, PackFileError};
 use crate::pack::pack_writer::PackWriter;
 use foveal_core::content::images::shape::BORDER;
@@ -24,24 +25,26 @@ pub fn is_scene_pack(path: &Path) -> bool {
     OpenPack::open(path).is_ok_and(|(_, description)| is_scene(&description))
 }
 
-/// Writes a scene whose units come in their order: to its final name once it is whole. Returns its
-/// bytes.
+/// Writes a scene whose units come in their order: to the name that was claimed, once it is whole
+/// and was read back. Returns its bytes.
 ///
 /// # Errors
-/// The file cannot be written, or the units do not fit the description.
+/// The file cannot be written, the units do not fit the description, or what was written is not
+/// what is read.
 pub fn write_scene(
-    path: &Path,
+    claim: NameClaim,
     description: SceneDescription,
     units: impl Iterator<Item = (UnitRow, Vec<u8>)>,
 ) -> Result<u64, PackFileError> {
-    let mut writer = PackWriter::begin(path, begin_scene(&description))?;
+    let mut writer = PackWriter::begin(claim, begin_scene(&description))?;
     let mut rows = Vec::new();
     for (unit, (row, payload)) in (0..).map(UnitId).zip(units) {
         writer.push_chunk(chunk_name(unit), &payload)?;
         rows.push(row);
     }
     let finish = |builder| finish_scene(builder, description, &rows);
-    writer.end(finish, |parts, _| Ok(parts))
+    let check = |partial: &Path| Ok(SceneFile::open(partial)?.verify(|_, _| ()));
+    writer.end(finish, |parts, _| Ok(parts), check)
 }
 
 /// An open scene pack: description, index and table of units in memory, chunks read when they are

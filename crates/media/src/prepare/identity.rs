@@ -3,11 +3,10 @@
 use super::error::PrepareError;
 use super::plan::PreparationPlan;
 use crate::error::MediaError;
+use crate::plain_file::first_bytes;
 use foveal_core::pack::Identity;
 use foveal_core::session::log::sha256_hex;
 use std::fmt;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -73,11 +72,7 @@ pub(super) fn identity_of(input: &Path, plan: &PreparationPlan) -> Result<Identi
         path: input.to_owned(),
         reason: e.to_string(),
     };
-    let mut first = Vec::new();
-    let file = File::open(input).map_err(unreadable)?;
-    file.take(FIRST_BYTES)
-        .read_to_end(&mut first)
-        .map_err(unreadable)?;
+    let first = first_bytes(input, FIRST_BYTES).map_err(unreadable)?;
     let codecs = ffmpeg_next::codec::version();
     let [major, minor, micro] = [codecs >> 16, codecs >> 8 & 255, codecs & 255];
     Ok(Identity {

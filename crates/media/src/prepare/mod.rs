@@ -27,6 +27,7 @@ pub use plan::PreparationPlan;
 pub use remarks::Remarks;
 pub use settings::{PrepareSettings, ProjectionChoice, Quality, StereoChoice};
 
+use crate::pack::name_claim::NameClaim;
 use crate::pack::pack_file::PackFileError;
 use crate::pack::pack_writer::PackWriter;
 use crate::parallel::in_parallel;
@@ -160,22 +161,22 @@ impl<F: FnMut(Event)> Witness for F {
     }
 }
 
-/// As [`prepare`]; however it is stopped, the same call goes on after the last group of all levels
-/// that was whole, and ends with the same bytes.
+/// As [`prepare`], to a name that was claimed; however it is stopped, the same call goes on after
+/// the last group of all levels that was whole, and ends with the same bytes.
 ///
 /// Until the pack is whole, `OUT.partial` and `OUT.partial.journal` lie beside it. What was begun
 /// from another or a changed input, with other settings or by another version is not gone on with,
 /// nor is anything where `go_on` is false; an event says so.
 pub fn prepare_resumable(
     input: &Path,
-    out: &Path,
+    claim: NameClaim,
     plan: &PreparationPlan,
     go_on: bool,
     witness: &mut dyn Witness,
 ) -> Result<Prepared, PrepareError> {
     let identity = identity_of(input, plan)?;
     let description = described(input, plan)?;
-    let begun = PackWriter::resume(out, &description, identity, go_on)?;
+    let begun = PackWriter::resume(claim, &description, identity, go_on)?;
     if let Some(note) = begun.note {
         witness.tell(Event::Begins(note));
     }

@@ -3,8 +3,7 @@
 //! FFmpeg reads a cut Matroska or WebM file to where it breaks off and reports a normal end. Other
 //! containers report the cut by themselves.
 
-use std::fs::File;
-use std::io::Read;
+use crate::plain_file::first_bytes;
 use std::path::Path;
 
 /// Identifiers of the two elements that every Matroska file begins with (RFC 8794, RFC 9559).
@@ -15,9 +14,8 @@ const MOST_HEADER_BYTES: u64 = 4096;
 
 /// Whether the file is Matroska and shorter than its header says; false where it cannot be read.
 pub(crate) fn is_cut_matroska(path: &Path, bytes: u64) -> bool {
-    let mut head = Vec::new();
-    let read = File::open(path).and_then(|f| f.take(MOST_HEADER_BYTES).read_to_end(&mut head));
-    read.is_ok() && declared_matroska_bytes(&head).is_some_and(|declared| declared > bytes)
+    let head = first_bytes(path, MOST_HEADER_BYTES).unwrap_or_default();
+    declared_matroska_bytes(&head).is_some_and(|declared| declared > bytes)
 }
 
 /// Length of the Matroska file that begins with `head`; None for other files and unknown lengths.

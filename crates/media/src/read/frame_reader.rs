@@ -12,6 +12,7 @@ use ffmpeg_next as av;
 use crate::error::MediaError;
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
 use crate::read::cut_short::is_cut_matroska;
+use crate::read::opening::{Search, open_input};
 use crate::read::source;
 use crate::surround::spherical_boxes::broken_boxes_of;
 
@@ -59,11 +60,10 @@ impl FrameReader {
             path: path.to_owned(),
             reason,
         };
-        // A name with %d in it is a name, not a series of pictures.
-        let mut options = av::Dictionary::new();
-        options.set("pattern_type", "none");
-        let input = av::format::input_with_dictionary(&absolute, options)
-            .map_err(|e| refused_box(path).unwrap_or_else(|| not_video(e.to_string())))?;
+        let input = open_input(&absolute).map_err(|error| {
+            let reason = Search::told(error.to_string());
+            refused_box(path).unwrap_or_else(|| not_video(reason))
+        })?;
         // Lists make FFmpeg read files that nobody named here.
         if matches!(input.format().name(), "hls" | "concat" | "dash") {
             return Err(not_video(

@@ -14,6 +14,7 @@ use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 use crate::error::MediaError;
+use crate::plain_file::open_plain;
 use crate::read::deliver::over;
 use crate::read::source::{SourceInfo, Transparency};
 use crate::read::still_tags::StillTags;
@@ -175,7 +176,7 @@ impl Planes {
 }
 
 fn png_reader(path: &Path) -> Option<png::Reader<BufReader<File>>> {
-    let mut decoder = png::Decoder::new(BufReader::new(File::open(path).ok()?));
+    let mut decoder = png::Decoder::new(BufReader::new(open_plain(path).ok()?.0));
     decoder.set_transformations(png::Transformations::EXPAND | png::Transformations::STRIP_16);
     decoder.read_info().ok()
 }
@@ -225,7 +226,7 @@ fn jpeg_decoder(path: &Path) -> Option<JpegDecoder<BufReader<File>>> {
         .set_max_height(MOST_SIDE)
         .set_strict_mode(true)
         .jpeg_set_out_colorspace(ColorSpace::RGB);
-    let file = BufReader::new(File::open(path).ok()?);
+    let file = BufReader::new(open_plain(path).ok()?.0);
     let mut decoder = JpegDecoder::new_with_options(file, options);
     decoder.decode_headers().ok()?;
     Some(decoder)

@@ -7,6 +7,7 @@ pub(crate) mod frame;
 pub(crate) mod frame_reader;
 pub mod input;
 pub(crate) mod large_still;
+pub(crate) mod opening;
 pub(crate) mod orientation;
 pub(crate) mod sound_reader;
 pub mod source;

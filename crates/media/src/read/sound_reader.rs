@@ -10,6 +10,7 @@ use ffmpeg_next as av;
 use foveal_core::content::video::bytes::sound::SOUND_RATE;
 
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
+use crate::read::opening::{Search, open_input};
 
 /// What comes out: floating point, interleaved.
 const OUT: Sample = Sample::F32(sample::Type::Packed);
@@ -55,10 +56,8 @@ impl SoundReader {
     /// Opens the sound of a file; `None` where it has none. The error says why it cannot be read.
     pub(crate) fn open(path: &Path, origin_ns: i64) -> Result<Option<Self>, String> {
         start();
-        let mut options = av::Dictionary::new();
-        options.set("pattern_type", "none");
-        let input = av::format::input_with_dictionary(&path_for_ffmpeg(path)?, options)
-            .map_err(|e| e.to_string())?;
+        let _search = Search::begin();
+        let input = open_input(&path_for_ffmpeg(path)?).map_err(|e| Search::told(e.to_string()))?;
         let Some(stream) = input.streams().best(media::Type::Audio) else {
             return Ok(None);
         };

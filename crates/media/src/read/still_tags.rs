@@ -3,13 +3,13 @@
 //! EXIF of JPEG, PNG, WebP and TIFF files tells which way is up, XMP of JPEG and PNG files (before
 //! the pixels) whether the picture is of a sphere.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Seek, SeekFrom};
 use std::path::Path;
 
 use exif::{In, Reader, Tag};
 use zune_jpeg::JpegDecoder;
 
+use crate::plain_file::open_plain;
 use crate::read::orientation::Orientation;
 use crate::surround::photo_sphere::PhotoSphere;
 
@@ -38,8 +38,8 @@ enum Kind {
 impl StillTags {
     /// What the file at `path` says; nothing where it cannot be read.
     pub(crate) fn of(path: &Path) -> Self {
-        File::open(path)
-            .map(|file| Self::read(&mut BufReader::new(file)))
+        open_plain(path)
+            .map(|(file, _)| Self::read(&mut BufReader::new(file)))
             .unwrap_or_default()
     }
 

@@ -1,7 +1,7 @@
 //! Which boxes of an MP4 file about the sphere and the eyes are broken, and where?
 
+use crate::plain_file::open_plain;
 use foveal_core::units::counted;
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
@@ -67,8 +67,8 @@ pub fn broken_boxes(file: &mut (impl Read + Seek)) -> Vec<BrokenBox> {
 
 /// The broken boxes of the file at `path`; none where it cannot be read.
 pub(crate) fn broken_boxes_of(path: &Path) -> Vec<BrokenBox> {
-    File::open(path)
-        .map(|mut file| broken_boxes(&mut file))
+    open_plain(path)
+        .map(|(mut file, _)| broken_boxes(&mut file))
         .unwrap_or_default()
 }
 

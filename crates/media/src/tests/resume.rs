@@ -2,6 +2,7 @@
 
 use crate::ClipCodec;
 use crate::pack::journal_file::journal_path;
+use crate::pack::name_claim::{IfTaken, NameClaim};
 use crate::pack::pack_file::{PackFile, partial_path};
 use crate::prepare::{
     Event, PrepareError, PrepareSettings, ProjectionChoice, Witness, prepare_resumable,
@@ -23,6 +24,10 @@ fn how() -> PrepareSettings {
     settings(ProjectionChoice::Flat, Codec::Vp9)
 }
 
+fn claimed(out: &Path) -> NameClaim {
+    NameClaim::of(out, IfTaken::Replace).unwrap()
+}
+
 /// Prepares until `stop` frames are coded; returns what it told, and whether it came to the end.
 fn run(
     clip: &Path,
@@ -38,7 +43,7 @@ fn run(
             Event::Begins(note) => notes.push(note),
             Event::Progress(progress) => assert!(progress.frames < stop, "stopped"),
         };
-        prepare_resumable(clip, out, &plan, go_on, &mut tell)
+        prepare_resumable(clip, claimed(out), &plan, go_on, &mut tell)
     }));
     let ended = ended.is_ok_and(|ended| {
         ended.unwrap();
@@ -166,7 +171,7 @@ fn a_file_that_takes_the_name_meanwhile_stays() {
     let out = Scratch::new("foveal");
     let plan = plan_of(&clip, &how()).unwrap();
     let mut tell = |_: Event| std::fs::write(&*out, "precious").unwrap();
-    let error = prepare_resumable(&clip, &out, &plan, true, &mut tell).unwrap_err();
+    let error = prepare_resumable(&clip, claimed(&out), &plan, true, &mut tell).unwrap_err();
     assert!(format!("{error}").contains("meanwhile"), "{error}");
     assert_eq!(bytes(&out), b"precious");
 }
@@ -185,13 +190,44 @@ fn an_input_that_changes_while_it_is_read_is_an_error() {
             grown = true;
         }
     };
-    let error = prepare_resumable(&clip, &out, &plan, true, &mut tell).unwrap_err();
+    let error = prepare_resumable(&clip, claimed(&out), &plan, true, &mut tell).unwrap_err();
     assert!(matches!(error, PrepareError::Changed(_)), "{error}");
     assert!(
         error.to_string().contains("changed while it was read"),
         "{error}"
     );
     assert!(!out.exists());
+}
+
+/// A disk that keeps something else than was written.
+struct BadDisk;
+
+impl Witness for BadDisk {
+    fn tell(&mut self, _: Event) {}
+
+    fn loss_of(&mut self, pack: &Path) -> Option<Loss> {
+        let mut kept = bytes(pack);
+        let middle = kept.len() / 2;
+        kept[middle] ^= 1;
+        std::fs::write(pack, kept).unwrap();
+        None
+    }
+}
+
+#[test]
+fn a_pack_that_cannot_be_read_back_gets_no_name() {
+    let clip = write_clip("mkv", ClipCodec::Ffv1, &group([96, 64], 8, 6));
+    let out = Scratch::new("foveal");
+    let plan = plan_of(&clip, &how()).unwrap();
+    let prepare =
+        |witness: &mut dyn Witness| prepare_resumable(&clip, claimed(&out), &plan, true, witness);
+    let told = prepare(&mut BadDisk).unwrap_err().to_string();
+    assert!(told.contains("cannot be read back"), "{told}");
+    assert!(!out.exists());
+    // What of it is good is found again, and what is not is coded again.
+    prepare(&mut |_: Event| ()).unwrap();
+    assert!(PackFile::open(&out).unwrap().verify(|_, _| ()).is_empty());
+    assert!(nothing_left(&out));
 }
 
 /// Somebody who is shown the whole pack, and tells what was lost unless stopped.
@@ -219,7 +255,7 @@ fn a_pack_tells_what_was_lost_and_is_else_the_same() {
     let clip = clip();
     let (out, plan) = (Scratch::new("foveal"), plan_of(&clip, &how()).unwrap());
     let prepare = |stops: bool| {
-        let prepare = || prepare_resumable(&clip, &out, &plan, true, &mut Judge { stops });
+        let prepare = || prepare_resumable(&clip, claimed(&out), &plan, true, &mut Judge { stops });
         catch_unwind(AssertUnwindSafe(prepare))
     };
     assert!(prepare(true).is_err() && !out.exists());

@@ -20,6 +20,7 @@ use foveal_core::content::video::grid::tile_grid::Cut;
 use foveal_core::perception::acuity::AcuityModel;
 use foveal_core::perception::visible_loss::{BEST_JOD, quality_of_jod};
 use foveal_eval::score::{Mode, ScorePicture, Viewing};
+use foveal_media::VideoInput;
 use foveal_media::generate::GeneratedScene;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{PrepareSettings, ProjectionChoice, prepare};
@@ -100,6 +101,10 @@ struct Report {
 
 pub(super) fn run(args: &TargetsArgs) -> anyhow::Result<()> {
     args.check()?;
+    // What cannot be read is told before an hour of other work.
+    for input in &args.input {
+        VideoInput::open(input)?;
+    }
     let scratch = Scratch::new(args.scratch.as_deref())?;
     let drawing = open_device(RendererName::Gpu)?;
     let mut rows = Vec::new();

@@ -199,7 +199,8 @@ struct Sink {
 impl Sink {
     fn create(path: &Path) -> anyhow::Result<Self> {
         let growing = growing(path);
-        let created = File::create(&growing).and_then(|mut file| {
+        // Another recording to this name may have begun since it was looked for.
+        let created = File::create_new(&growing).and_then(|mut file| {
             file.write_all(TraceRow::header().as_bytes())?;
             Ok(file)
         });

@@ -13,6 +13,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::route::{EyePose, Route};
 use foveal_core::view::surface::{Screen, Surface};
+use std::path::Path;
 
 /// How far a gaze stays from the route's forward, in degrees.
 const MOST_GAZE_DEG: f64 = 20.0;
@@ -24,9 +25,10 @@ pub(crate) fn route_of(text: &str) -> anyhow::Result<Route> {
         "orbit" => Route::Orbit,
         file => {
             let forms = "give still, orbit or a file with t_s,x,y,z,yaw_deg,pitch_deg";
-            let text = std::fs::read_to_string(file)
-                .with_context(|| format!("--route {file}: cannot be read; {forms}"))?;
-            parse_route(&text).with_context(|| format!("--route {file}: no route; {forms}"))?
+            let of_file = |what: &str| format!("--route {file}: {what}; {forms}");
+            let text = output::read_text(Path::new(file), "a route")
+                .with_context(|| of_file("cannot be read"))?;
+            parse_route(&text).with_context(|| of_file("no route"))?
         }
     })
 }

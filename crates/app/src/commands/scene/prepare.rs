@@ -2,12 +2,13 @@
 
 use crate::commands::scene::scene_info::SceneInfo;
 use crate::report::output::{self, WrongUsage, out_of_range};
-use crate::run::pack_place::pack_at;
+use crate::run::pack_place::{if_taken, pack_at};
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::content::scene::description::{GRID_BITS, KIND, SceneDescription, SceneSource};
 use foveal_core::pack::{Identity, MAX_DESCRIPTION_BYTES};
 use foveal_core::units::counted;
+use foveal_media::pack::name_claim::NameClaim;
 use foveal_media::pack::scene_file::{SceneFile, write_scene};
 use foveal_scene::build::{BuildOptions, Built, build};
 use foveal_scene::read::{ReadOptions, Up, read, texels};
@@ -95,19 +96,24 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
         .as_deref()
         .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
     args.refuse_to_overwrite_inputs(out)?;
-    let there = pack_at(out)?.is_some();
+    let there = pack_at(out)?;
+    // Before the work: who comes second is told at once.
+    let claim = match there.is_none() || args.force {
+        true => Some(NameClaim::of(out, if_taken(there.as_ref()))?),
+        false => None,
+    };
     let source = args.read()?;
     let identity = args.identity(&source);
-    if there && !args.force {
+    let Some(claim) = claim else {
         return args.say_what_is_there(out, &identity);
-    }
+    };
     source.remarks.iter().for_each(|remark| output::say(remark));
     let built = args.build(&source, jobs)?;
     let description = args.description(&source, &built, identity);
     refuse_too_long(&description)?;
     drop(source);
     let units = built.units.into_iter().map(|unit| (unit.row, unit.payload));
-    write_scene(out, description, units)?;
+    write_scene(claim, description, units)?;
     let seconds = begun.elapsed().as_secs_f64();
     let mut scene = SceneInfo::new(&SceneFile::open(out)?);
     scene.seconds = Some(seconds);

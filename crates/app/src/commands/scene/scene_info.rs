@@ -155,10 +155,10 @@ impl SceneInfo {
             let _ = writeln!(text, "level {level}: {}", output::size(*bytes));
         }
         for (what, count) in &self.repairs {
-            let _ = writeln!(text, "{}: {count}", what.replace('_', " "));
+            let _ = writeln!(text, "{}: {count}", one_line(&what.replace('_', " ")));
         }
         for remark in &self.remarks {
-            let _ = writeln!(text, "{remark}");
+            let _ = writeln!(text, "{}", one_line(remark));
         }
         text
     }

@@ -36,6 +36,8 @@ use std::time::Duration;
 const VIEW: [u32; 2] = [1280, 800];
 /// Frames that are made of who stands still where no number is given.
 const FRAMES: u32 = 120;
+/// Longest route of which all is played without being asked for: a slip in its times means years.
+const MOST_UNASKED: Seconds = Seconds(3600.0);
 /// Frames a second where no interval is given.
 const RATE: f64 = 30.0;
 
@@ -98,9 +100,11 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let config = args.scene_config()?;
     let view = args.scene_view()?;
     let panels = args.panels_in_scene()?;
+    let interval = args.interval.map_or(1.0 / RATE, |interval| interval.0);
+    let route = route_of(&args.route)?;
+    let frames = args.frames_of(&route, interval)?;
     let drawing = args.device_for(&config)?;
     let link = args.watching.link();
-    let interval = args.interval.map_or(1.0 / RATE, |interval| interval.0);
     let budget = args.budget.map(|bytes| bytes as f64 / interval);
     let options = ScenePlayerOptions {
         config: config.clone(),
@@ -111,8 +115,6 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     };
     let mounted: Vec<MountedPanel> = panels.iter().flatten().map(MountedPanel::of).collect();
     let mut player = ScenePlayer::new(Arc::clone(&file), options)?.through(mounted.clone());
-    let route = route_of(&args.route)?;
-    let frames = args.frames_of(&route, interval);
     let length = Seconds(f64::from(frames) * interval);
     let route = (route, player.scene().bounds());
     let viewer = args.watching.viewer()?;
@@ -225,11 +227,23 @@ impl SimulateArgs {
     }
 
     /// Frames that are made: as many as the route takes, unless told otherwise.
-    fn frames_of(&self, route: &Route, interval: f64) -> u32 {
-        let of_route = route
-            .length()
-            .map(|length| (length.0 / interval).ceil().max(1.0) as u32);
-        self.frames.or(of_route).unwrap_or(FRAMES)
+    fn frames_of(&self, route: &Route, interval: f64) -> anyhow::Result<u32> {
+        if let Some(asked) = self.frames {
+            return Ok(asked);
+        }
+        let Some(length) = route.length() else {
+            return Ok(FRAMES);
+        };
+        let frames = (length.0 / interval).ceil().max(1.0);
+        if length.0 > MOST_UNASKED.0 {
+            bail!(WrongUsage(format!(
+                "--route {}: ends after {} s, which is {frames} frames; of more than an hour \
+                 --frames must say how many are played, or the times be shortened (t_s is in \
+                 seconds)",
+                self.route, length.0
+            )));
+        }
+        Ok(frames as u32)
     }
 
     /// The policy, where scenes are chosen by it.

@@ -20,6 +20,13 @@ pub(super) fn numbered_pictures(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
         let Some(number) = number_of(&path) else {
             continue;
         };
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        if file.contains(char::is_control) {
+            bail!(
+                "{name}: the name {file:?} in it holds a line end or another control character; \
+                 rename that picture"
+            );
+        }
         if let Some(other) = pictures.insert(number, path.clone()) {
             bail!(
                 "{}: has the number of {}; keep one of them there",

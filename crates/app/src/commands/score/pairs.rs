@@ -9,7 +9,7 @@ use anyhow::{Context, bail};
 use csv::StringRecord;
 use foveal_core::units::counted;
 use foveal_eval::score::named_displays::NamedDisplay;
-use foveal_media::plain_file::rename_durably;
+use foveal_media::plain_file::{open_sink, rename_durably};
 use serde::Serialize;
 use serde_json::Value;
 use std::fs::File;
@@ -189,6 +189,9 @@ impl Table {
             let found = counted(found, "field");
             bail!("line {line} has {found}, line 1 has {wanted}; put names with commas in quotes");
         }
+        if row.iter().any(|field| field.contains(char::is_control)) {
+            bail!("line {line} holds a line end or another control character; rename the file");
+        }
         let file = |column: &str| {
             self.file(row, column)
                 .with_context(|| format!("line {line}, column {column}: empty; name a file"))
@@ -256,7 +259,10 @@ impl GrowingTable {
             ));
         }
         let growing = output::growing_name(out);
-        let file = File::create(growing.as_deref().unwrap_or(out));
+        let file = match &growing {
+            Some(growing) => File::create(growing),
+            None => open_sink(out),
+        };
         let file = file.with_context(|| cannot_write(out))?;
         Ok(Self {
             out: out.to_owned(),

@@ -4,11 +4,11 @@ use crate::report::output;
 use anyhow::{Context, bail};
 use foveal_eval::score::ScorePicture;
 use foveal_eval::score::picture::Samples;
+use foveal_media::plain_file::{first_bytes, open_plain};
 use foveal_media::{SourceInfo, VideoInput};
 use foveal_render::RgbaImage;
 use png::{BitDepth, ColorType, Transformations};
-use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::BufReader;
 use std::path::Path;
 
 /// Most pixels of a picture: 16K by 8K.
@@ -57,9 +57,7 @@ fn is_floating(format: &str) -> bool {
 
 /// Whether a file is PNG by its first bytes.
 pub(crate) fn is_png(path: &Path) -> bool {
-    let mut head = [0; PNG_HEAD.len()];
-    let read = File::open(path).and_then(|mut file| file.read_exact(&mut head));
-    read.is_ok() && head == PNG_HEAD
+    first_bytes(path, PNG_HEAD.len() as u64).is_ok_and(|head| head == PNG_HEAD)
 }
 
 /// A picture that was drawn, without its alpha.
@@ -73,7 +71,7 @@ pub(crate) fn from_image(image: &RgbaImage) -> anyhow::Result<ScorePicture> {
 
 fn read_png(path: &Path) -> anyhow::Result<ScorePicture> {
     let name = path.display();
-    let file = File::open(path).with_context(|| format!("{name}: cannot be opened"))?;
+    let (file, _) = open_plain(path).with_context(|| format!("{name}: cannot be opened"))?;
     let mut decoder = png::Decoder::new(BufReader::new(file));
     decoder.set_transformations(Transformations::EXPAND);
     let damaged = || format!("{name}: the PNG file is damaged; write it again");

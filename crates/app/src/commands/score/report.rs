@@ -1,7 +1,7 @@
 //! What does a result say?
 
 use crate::commands::score::engine::CompanionValues;
-use foveal_core::units::counted;
+use foveal_core::units::{counted, one_line};
 use foveal_eval::score::companion::Companion;
 use foveal_eval::score::constants as fit;
 use foveal_eval::score::display::Transfer;
@@ -50,7 +50,7 @@ impl ScoreConditions {
             .map_or(String::new(), |fps| format!(" at {fps} Hz"));
         format!(
             "{w}x{h}{rate} on {} ({:.2} pixels/°, {} to {:.4} cd/m²), {}",
-            self.display,
+            one_line(&self.display),
             self.ppd,
             self.peak_cd_m2,
             self.black_cd_m2,

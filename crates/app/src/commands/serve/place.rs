@@ -10,7 +10,7 @@ use foveal_media::plain_file::{open_plain, open_unlinked};
 use percent_encoding::percent_decode_str;
 use std::borrow::Cow;
 use std::fs::{File, Metadata};
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -57,6 +57,8 @@ pub(super) enum FoundContent {
 
 /// The page of a folder.
 const PAGE: &str = "index.html";
+/// Most of a page for addresses where nothing lies, in bytes: it is changed before it is sent.
+const MOST_OF_PAGE: u64 = 1 << 20;
 /// The page of a site for addresses where nothing lies.
 const NOTHING: &str = "404.html";
 
@@ -95,7 +97,10 @@ impl ServedPlace {
         };
         let text = match page.content {
             FoundContent::Bytes(bytes) => String::from_utf8(bytes.into_owned()).ok()?,
-            FoundContent::File(file) => std::io::read_to_string(file).ok()?,
+            FoundContent::File(file) => {
+                let bounded = file.take(MOST_OF_PAGE);
+                std::io::read_to_string(bounded).ok()?
+            }
         };
         // What it loads and leads to lies at the beginning of the site.
         Some(text.replace("=\"./", "=\"/"))

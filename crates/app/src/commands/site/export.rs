@@ -9,10 +9,13 @@ use crate::report::output::{self, Counting};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 use foveal_core::units::counted;
-use foveal_media::plain_file::rename_durably;
+use foveal_media::plain_file::{read_plain, rename_durably};
 use serde::Serialize;
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
+
+/// Largest list of an earlier site that is read, in bytes: some thousand times a usual one.
+const MOST_LISTING: u64 = 16 << 20;
 
 /// What can be exported.
 #[derive(Clone, Debug, Subcommand)]
@@ -145,7 +148,7 @@ fn is_site(folder: &Path) -> bool {
 
 /// The list of the site that an earlier export made in this folder.
 fn listing_in(folder: &Path) -> Option<serde_json::Value> {
-    let bytes = std::fs::read(folder.join(LISTING)).ok()?;
+    let bytes = read_plain(&folder.join(LISTING), MOST_LISTING).ok()?;
     let listing: serde_json::Value = serde_json::from_slice(&bytes).ok()?;
     let program = GENERATOR.split(' ').next();
     let generator = listing["generator"].as_str().unwrap_or_default();

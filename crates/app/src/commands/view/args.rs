@@ -74,7 +74,7 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "DIR")]
     pub(super) screenshots: Option<PathBuf>,
     /// A file with one thing a line to happen by itself: SECONDS and key NAME, press NAME, release
-    /// NAME (keys that fly), move X Y, leave, drag DX DY, wheel STEPS, resize W H, screenshot FILE,
+    /// NAME (keys that fly), move X Y, leave, drag DX DY, wheel STEPS, resize W H, screenshot NAME,
     /// settle or quit.
     #[arg(long, value_name = "FILE")]
     pub(super) script: Option<PathBuf>,

@@ -1,6 +1,8 @@
 //! Where is written down what was selected?
 
+use crate::report::output::growing_name;
 use anyhow::Context;
+use foveal_media::plain_file::open_sink;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,8 +16,11 @@ pub(crate) struct LogFile {
 impl LogFile {
     /// Makes the file.
     pub(crate) fn create(path: &Path) -> anyhow::Result<Self> {
-        let out = File::create(path)
-            .with_context(|| format!("--log {}: cannot be written", path.display()))?;
+        let out = match growing_name(path) {
+            Some(_) => File::create(path),
+            None => open_sink(path),
+        };
+        let out = out.with_context(|| format!("--log {}: cannot be written", path.display()))?;
         Ok(Self {
             path: path.to_owned(),
             out,

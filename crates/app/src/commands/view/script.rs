@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 /// What a line may say, for messages.
 const FORMS: &str = "SECONDS and one of: key NAME, press NAME, release NAME, move X Y, leave, \
-                     drag DX DY, wheel STEPS, resize W H, screenshot FILE, settle, quit";
+                     drag DX DY, wheel STEPS, resize W H, screenshot NAME, settle, quit";
 /// Endings of pictures that no screenshot is.
 const OTHER_PICTURES: [&str; 6] = ["jpg", "jpeg", "webp", "gif", "bmp", "tiff"];
 /// Longest side of a window in pixels.
@@ -35,6 +35,7 @@ pub(crate) enum Deed {
     /// The wheel away from the viewer, in steps.
     Wheel(f64),
     Resize([u32; 2]),
+    /// Under this name, in the folder of screenshots.
     Screenshot(PathBuf),
     /// Wait until nothing in view can get finer.
     Settle,
@@ -171,6 +172,10 @@ fn key_named(what: &str, name: &str, in_scene: bool) -> anyhow::Result<Deed> {
 
 fn screenshot_named(name: &str) -> anyhow::Result<Option<Deed>> {
     let path = PathBuf::from(name);
+    let is_name = path.file_name().is_some_and(|only| only == name) && !name.contains('\\');
+    if !name.is_empty() && !is_name {
+        bail!("a screenshot has a name without a folder; give the folder by --screenshots");
+    }
     let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
     if ending.is_some_and(|ending| OTHER_PICTURES.iter().any(|other| ending == *other)) {
         bail!("a screenshot is a PNG file; give it the ending .png");
@@ -233,6 +238,10 @@ mod tests {
             "0 resize -1 400",
             "0 screenshot",
             "0 screenshot a.JPG",
+            "0 screenshot ../../x.png",
+            "0 screenshot /x.png",
+            "0 screenshot a/",
+            "0 screenshot ..",
             "0 key x",
             "0 key v",
             "0 quit now",

@@ -274,7 +274,7 @@ impl Open {
             images.reduce(|left, right| left.beside(&right))
         };
         let whole = whole.context("a picture of no eye")?;
-        crate::report::picture_file::write_png(path, &whole)
+        crate::report::picture_file::write_new_png(path, &whole)
     }
 
     /// What bends and dims the panels of this window.

@@ -1,5 +1,6 @@
 //! Which part of a message says where, which what, and which what to do next?
 
+use foveal_core::units::one_line;
 use std::path::Path;
 
 /// A message, told apart.
@@ -31,7 +32,7 @@ impl Message {
 
 /// An error and its causes in one text, each once.
 pub(super) fn whole(error: &anyhow::Error) -> String {
-    links(error, |cause| cause.to_string()).join(": ")
+    links(error, drawn).join(": ")
 }
 
 /// Whether an error or one of its causes says what to do next.
@@ -55,13 +56,26 @@ fn links(error: &anyhow::Error, said: fn(&&Cause) -> String) -> Vec<String> {
     links
 }
 
+/// What a cause says, with the drawing of the place that is wrong in a TOML file. Keys that it
+/// quotes may hold line ends, which are no lines of the message.
+fn drawn(cause: &&Cause) -> String {
+    let text = cause.to_string();
+    let quoted = cause
+        .downcast_ref::<toml::de::Error>()
+        .map(|it| it.message());
+    match quoted.and_then(|quoted| text.trim_end().strip_suffix(quoted)) {
+        Some(drawing) => format!("{drawing}{}", one_line(quoted.unwrap_or_default())),
+        None => text,
+    }
+}
+
 /// What a cause says, without the drawing of the place that is wrong in a TOML file.
 fn in_a_line(cause: &&Cause) -> String {
     let text = cause.to_string();
     match cause.downcast_ref::<toml::de::Error>() {
         Some(wrong) => {
             let place = text.lines().next().unwrap_or_default();
-            format!("{place}: {}", wrong.message().replace('\n', " "))
+            format!("{place}: {}", one_line(wrong.message()))
         }
         None => text,
     }

@@ -91,6 +91,12 @@ impl GazeStream {
         self.clock.anew()
     }
 
+    /// How many records were dated by their arrival, since the sender's clock leaps or stands.
+    #[must_use]
+    pub fn untimed(&self) -> u64 {
+        self.clock.untimed()
+    }
+
     /// How many records came too late to be used.
     #[must_use]
     pub fn late(&self) -> u64 {

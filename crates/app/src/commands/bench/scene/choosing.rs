@@ -15,6 +15,7 @@ use foveal_core::content::scene::unit_table::UnitKind;
 use foveal_core::perception::moment::Moment;
 use foveal_core::selection::greedy::Rule;
 use foveal_eval::bench_cases::{SCENE_BUDGET_BYTES, UNITS, scene_catalog, scene_value_at};
+use foveal_media::plain_file::read_plain;
 use std::hint::black_box;
 use std::sync::Arc;
 
@@ -85,7 +86,7 @@ fn clusters(subject: &Subject) -> anyhow::Result<usize> {
 /// The scene so many times, to both sides of where it stands.
 fn beside_each_other(subject: &Subject, extent: &Extent, copies: usize) -> anyhow::Result<Scene> {
     let (file, header) = (&subject.file, subject.file.header());
-    let bytes = std::fs::read(file.path())?;
+    let bytes = read_plain(file.path(), file.bytes())?;
     let part = |from: u64, length: u64| {
         let part = bytes.get(from as usize..(from + length) as usize);
         part.context("the pack became shorter")

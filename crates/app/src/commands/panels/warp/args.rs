@@ -4,10 +4,11 @@ use super::eye::EyeArgs;
 use crate::commands::panels::filter_name::FilterName;
 use crate::commands::panels::rig_args::RigArgs;
 use crate::options::renderer::RendererName;
-use crate::report::output::{WrongUsage, out_of_range};
+use crate::report::output::{WrongUsage, out_of_range, spare_inputs};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
-use std::path::PathBuf;
+use foveal_core::view::panel::rig::Panel;
+use std::path::{Path, PathBuf};
 
 /// Most of Feline's samples of a pixel.
 pub(super) const MOST_PROBES: u32 = 16;
@@ -116,6 +117,24 @@ impl WarpArgs {
                  --stereo or --distance"
                     .to_owned()
             ));
+        }
+        Ok(())
+    }
+
+    /// Refuses to write a picture where the source or the rig lies.
+    pub(super) fn spare_inputs(&self, panels: &[&Panel]) -> Result<(), WrongUsage> {
+        let Some(out) = &self.out else {
+            return Ok(());
+        };
+        let of_panel = |panel: &&Panel| [panel.id.clone(), panel.output.surface.clone()];
+        let names = panels.iter().flat_map(of_panel).chain(["atlas".to_owned()]);
+        for name in names {
+            let once = out.join(format!("{name}.png"));
+            let first = out.join(name).join("frame_00000.png");
+            for picture in [once, first] {
+                let read = [self.rig.rig.as_path(), Path::new(&self.source_name)];
+                spare_inputs(&picture, read)?;
+            }
         }
         Ok(())
     }

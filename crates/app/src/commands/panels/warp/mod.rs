@@ -66,6 +66,7 @@ pub(crate) fn run(args: &WarpArgs) -> anyhow::Result<()> {
     let mut source = PanelSource::open(&args.source_name)?;
     args.check_source(&source)?;
     let panels = args.rig.panels(&rig);
+    args.spare_inputs(&panels)?;
     let ran = match &args.out {
         Some(out) => to_files(args, &rig, &panels, (&mut source, out))?,
         None => {

@@ -54,6 +54,7 @@ pub(super) struct EyePart {
 
 impl PanelSource {
     pub(super) fn open(name: &str) -> anyhow::Result<Self> {
+        refuse_two_meanings(name)?;
         match name {
             "world:valley" => return Ok(Self::World(GeneratedWorld::valley())),
             "world:gratings" => {
@@ -147,6 +148,18 @@ impl PanelSource {
             })),
         }
     }
+}
+
+/// Refuses the name of a file that is also that of something else.
+fn refuse_two_meanings(name: &str) -> Result<(), WrongUsage> {
+    let is_other = name.starts_with("world:") || LiveSource::parse(name).is_some();
+    if is_other && std::fs::symlink_metadata(name).is_ok() {
+        return Err(WrongUsage(format!(
+            "{name}: is what this name stands for, and also a file here; give ./{name} for the \
+             file, or move that away"
+        )));
+    }
+    Ok(())
 }
 
 impl LivePictures {
