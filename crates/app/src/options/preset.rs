@@ -48,7 +48,7 @@ impl SystemPreset {
         let Self::Kastner2016 = self;
         let policy = match projection {
             Projection::Flat => Policy::Sampled,
-            Projection::Cube => Policy::Grid,
+            Projection::Cube | Projection::Equirect => Policy::Grid,
         };
         let mut options = given.clone();
         options.policy = given.policy.or(Some(policy));
