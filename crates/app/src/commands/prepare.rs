@@ -77,8 +77,8 @@ pub(crate) struct PrepareVideoArgs {
     /// that each eye's picture then has, --projection finds whether it is 360°.
     #[arg(long, value_enum, default_value = "auto")]
     stereo: StereoName,
-    /// What lies all around: how the pack shows it. A whole equirectangular picture keeps its pixels
-    /// as they are; on a cube there are fewer, and none are crowded at the poles.
+    /// What lies all around: how the pack shows it. A whole equirectangular picture keeps its
+    /// pixels as they are; on a cube there are fewer, and none are crowded at the poles.
     #[arg(long, value_enum, value_name = "NAME", default_value = "cube")]
     pack_projection: PackProjectionName,
     /// 360°: how pixels lie over the faces of the cube (default: equi-angular, and what a preset

@@ -2,6 +2,7 @@
 
 use crate::scenes::{noise, picture, write_clip};
 use crate::support::{Folder, Rgb, done, frame_picture, json, refused};
+use crate::view::watched;
 use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::{CUBE_FACES, Surface};
 use glam::DVec3;
@@ -209,6 +210,25 @@ fn every_command_plays_it() {
     );
     let site = folder.name("site");
     done(&["export", "site", &pack, "--out", &site]);
+}
+
+#[test]
+fn in_a_window_one_turns_up_to_its_pole_and_the_log_replays() {
+    let folder = Folder::new();
+    let clip = write_clip(&folder, "world_360.mkv", &[sphere([256, 128])]);
+    let pack = packed(
+        &folder,
+        &clip,
+        "world.foveal",
+        &["--pack-projection", "equirect"],
+    );
+    let log = folder.name("log.jsonl");
+    let script = "0 drag 60 300\n0.3 move 100 80\n0.8 settle\n1 quit";
+    let options = ["--view", "200x150", "--demo", "--log", &log];
+    if let Some(summary) = watched(&folder, &pack, script, &options) {
+        assert_eq!(summary["damaged_tiles"], 0, "{summary}");
+        done(&["replay", &log, "--pack", &pack]);
+    }
 }
 
 #[test]

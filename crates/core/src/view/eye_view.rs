@@ -142,8 +142,8 @@ impl EyeView {
     }
 
     /// The matrix that turns (column, row, 1) into what the reconstruct passes look up: the world
-    /// ray where content lies all around; on flat content the homogeneous place in level-0 pixels, exactly the identity
-    /// when the view shows the content pixel for pixel.
+    /// ray where content lies all around; on flat content the homogeneous place in level-0 pixels,
+    /// exactly the identity when the view shows the content pixel for pixel.
     #[must_use]
     pub fn content_from_pixel(&self, surface: &Surface) -> DMat3 {
         let rays = self.ray_from_pixel();

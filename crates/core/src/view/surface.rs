@@ -1,7 +1,8 @@
 //! Where does a pixel of the content lie before the eye?
 //!
-//! Flat video is one rectangle at unit distance, 360° video six of them, or one picture whose columns
-//! are even in yaw and whose rows are even in pitch: eccentricity and density are one formula each.
+//! Flat video is one rectangle at unit distance, 360° video six of them, or one picture whose
+//! columns are even in yaw and whose rows are even in pitch: eccentricity and density are one
+//! formula each.
 
 use super::axes::{Axes, direction_from_yaw_pitch, yaw_pitch_from_direction};
 use super::slant::Slant;
@@ -333,8 +334,8 @@ impl Surface {
     }
 
     /// Tangent-plane position of a place on a face, `place` in level-0 pixels (0 is the left or top
-    /// border, pixel centres lie at +0.5); on an equirectangular picture its angles to the right and
-    /// down, in radians.
+    /// border, pixel centres lie at +0.5); on an equirectangular picture its angles to the right
+    /// and down, in radians.
     #[must_use]
     pub fn tangent(&self, place: [f64; 2]) -> [f64; 2] {
         let (mapping, middle) = (self.mapping(), self.middle());
@@ -507,8 +508,8 @@ impl Surface {
         ]
     }
 
-    /// The wider side of a level-0 pixel in the middle of a face, in tangent units; in radians of an
-    /// equirectangular picture.
+    /// The wider side of a level-0 pixel in the middle of a face, in tangent units; in radians of
+    /// an equirectangular picture.
     #[must_use]
     pub fn pitch(&self) -> f64 {
         let [x, y] = [0, 1].map(|k| 2.0 * self.tangents[k] / f64::from(self.size[k]));

@@ -1,8 +1,8 @@
 //! What does the next coarser level of an equirectangular picture look like?
 //!
-//! Its sides close to a turn and a pole lies between opposite columns, so that no border repeats. And
-//! a texel near a pole is a sliver, many to the width of one in the middle: a row is averaged along
-//! itself over as much as its texels are high, or a coarse level would be a star there, sharp
+//! Its sides close to a turn and a pole lies between opposite columns, so that no border repeats.
+//! And a texel near a pole is a sliver, many to the width of one in the middle: a row is averaged
+//! along itself over as much as its texels are high, or a coarse level would be a star there, sharp
 //! around the pole and not towards it.
 
 use crate::parallel::in_parallel;
@@ -18,8 +18,8 @@ const MARGIN: u32 = 8;
 /// Rows are averaged where the height of a texel is more than this many of its widths.
 const LEAST_WIDTHS: f64 = 1.25;
 
-/// The level that is `ratio` times coarser, 2 or 4, of each picture; as
-/// [`halve_all`], but closed and averaged towards the poles. The same for any number of threads.
+/// The level that is `ratio` times coarser, 2 or 4, of each picture; as [`halve_all`], but closed
+/// and averaged towards the poles. The same for any number of threads.
 pub(super) fn halve_spheres(
     pictures: &[Picture],
     ratio: u32,
@@ -32,10 +32,9 @@ pub(super) fn halve_spheres(
         let continued = in_parallel(jobs, coarse.len(), |k| continued(&coarse[k]));
         let halves = halve_all(&continued, 2, colour, jobs);
         coarse = in_parallel(jobs, halves.len(), |k| {
-            let mut half = halves[k].crop([MARGIN / 2; 2], size);
-            average_rows(&mut half, colour);
-            half
+            halves[k].crop([MARGIN / 2; 2], size)
         });
+        average_rows(&mut coarse, colour, jobs);
     }
     coarse
 }
@@ -45,15 +44,22 @@ fn continued(picture: &Picture) -> Picture {
     let planes = [0, 1, 2].map(|p| {
         let [w, h] = picture.plane_size(p).map(i64::from);
         let margin = i64::from(MARGIN) >> u32::from(p > 0);
-        let row = |y: i64| {
+        let mut plane = Vec::with_capacity(((w + 2 * margin) * (h + 2 * margin)) as usize);
+        for y in -margin..h + margin {
             let is_over_pole = !(0..h).contains(&y);
             let folded = if y < 0 { -1 - y } else { 2 * h - 1 - y };
             let y = if is_over_pole { folded } else { y }.clamp(0, h - 1);
             let turned = if is_over_pole { w / 2 } else { 0 };
             let row = &picture.planes[p][(y * w) as usize..][..w as usize];
-            (-margin..w + margin).map(move |x| row[(x + turned).rem_euclid(w) as usize])
-        };
-        (-margin..h + margin).flat_map(row).collect()
+            let mut from = (turned - margin).rem_euclid(w) as usize;
+            let mut left = (w + 2 * margin) as usize;
+            while left > 0 {
+                let some = &row[from..][..left.min(row.len() - from)];
+                plane.extend_from_slice(some);
+                (from, left) = (0, left - some.len());
+            }
+        }
+        plane
     });
     Picture {
         width: picture.width + 2 * MARGIN,
@@ -63,49 +69,63 @@ fn continued(picture: &Picture) -> Picture {
 }
 
 /// Averages every row along itself over the height of a texel: luma as light.
-fn average_rows(picture: &mut Picture, colour: Colour) {
+fn average_rows(pictures: &mut [Picture], colour: Colour, jobs: usize) {
     let table = LumaLight::of(colour);
-    for p in 0..3 {
-        let [w, h] = picture.plane_size(p).map(f64::from);
-        let rows = picture.planes[p].chunks_exact_mut(w as usize);
-        for (y, row) in rows.enumerate() {
-            let level = libm::sin((y as f64 + 0.5) / h * PI);
-            let widths = w / (2.0 * h * level);
-            if widths < LEAST_WIDTHS {
-                continue;
-            }
-            match p {
-                0 => average(row, widths, |c| table.light(c), |light| table.code(light)),
-                _ => average(row, widths, i32::from, |c| c as u8),
-            }
+    let rows_of = |(k, picture): (usize, &Picture)| {
+        let rows = (0..3).flat_map(|p| {
+            let [w, h] = picture.plane_size(p).map(f64::from);
+            let row = move |y: u32| {
+                let level = libm::sin((f64::from(y) + 0.5) / h * PI);
+                let widths = w / (2.0 * h * level);
+                (widths >= LEAST_WIDTHS).then_some((k, p, y as usize, widths))
+            };
+            (0..h as u32).filter_map(row).collect::<Vec<_>>()
+        });
+        rows.collect::<Vec<_>>()
+    };
+    let rows: Vec<_> = pictures.iter().enumerate().flat_map(rows_of).collect();
+    let averaged = in_parallel(jobs, rows.len(), |at| {
+        let (k, p, y, widths) = rows[at];
+        let width = pictures[k].plane_size(p)[0] as usize;
+        let row = &pictures[k].planes[p][y * width..][..width];
+        match p {
+            0 => average(row, widths, |c| table.light(c), |light| table.code(light)),
+            _ => average(row, widths, i32::from, |c| c as u8),
         }
+    });
+    for ((k, p, y, _), row) in rows.into_iter().zip(averaged) {
+        pictures[k].planes[p][y * row.len()..][..row.len()].copy_from_slice(&row);
     }
 }
 
-/// Every sample of a closed row becomes the mean over `width` samples round it.
-fn average(row: &mut [u8], width: f64, value_of: impl Fn(u8) -> i32, code_of: impl Fn(i32) -> u8) {
-    let count = row.len() as f64;
-    let mut sums = vec![0.0];
-    for code in row.iter() {
-        sums.push(sums[sums.len() - 1] + f64::from(value_of(*code)));
+/// The mean over `width` samples round every sample of a closed row.
+fn average(
+    row: &[u8],
+    width: f64,
+    value_of: impl Fn(u8) -> i32,
+    code_of: impl Fn(i32) -> u8,
+) -> Vec<u8> {
+    let count = row.len();
+    let half = width.min(count as f64) / 2.0;
+    let reach = half as usize + 1;
+    // The row from `reach` samples before its begin on, and what lies before each.
+    let begin = count - reach % count;
+    let around = row.iter().cycle().skip(begin).take(count + 2 * reach + 1);
+    let values: Vec<f64> = around.map(|code| f64::from(value_of(*code))).collect();
+    let mut sums = Vec::with_capacity(values.len());
+    let mut sum = 0.0;
+    for value in &values {
+        sums.push(sum);
+        sum += value;
     }
-    let total = sums[row.len()];
-    let width = width.min(count);
-    // Sum of what lies left of a place, a whole number of turns away or not.
-    let until = |place: f64| {
-        let turns = (place / count).floor();
-        let within = place - turns * count;
-        let whole = (within as usize).min(row.len() - 1);
-        let part = (sums[whole + 1] - sums[whole]) * (within - whole as f64);
-        turns * total + sums[whole] + part
-    };
+    let ends = [-half, half].map(|end| reach as f64 + 0.5 + end);
+    let [(low, low_part), (high, high_part)] = ends.map(|end| (end as usize, end.fract()));
+    let until = |at: usize, part: f64| sums[at] + part * values[at];
     let mean = |x: usize| {
-        let middle = x as f64 + 0.5;
-        let sum = until(middle + width / 2.0) - until(middle - width / 2.0);
-        code_of((sum / width).round() as i32)
+        let sum = until(x + high, high_part) - until(x + low, low_part);
+        code_of((sum / (2.0 * half)).round() as i32)
     };
-    let averaged: Vec<u8> = (0..row.len()).map(mean).collect();
-    row.copy_from_slice(&averaged);
+    (0..count).map(mean).collect()
 }
 
 #[cfg(test)]

@@ -195,3 +195,21 @@ fn the_density_of_a_row_of_a_sphere_is_that_of_its_sparser_axis() {
     assert!((sphere.ppd([7.0, 128.0]).0 - 512.0 / 360.0).abs() < 1e-9);
     assert!((sphere.ppd([7.0, 3.0]).0 - 512.0 / 360.0).abs() < 1e-9);
 }
+
+#[test]
+fn pixels_of_an_equirectangular_picture_look_where_the_format_says() {
+    let sphere = Surface::equirect([8, 4]);
+    let format = include_str!("../../../../../docs/formats/pack.md");
+    for (pixel, line) in [([0, 0], "(0, 0)"), ([4, 2], "(4, 2)"), ([7, 3], "(7, 3)")] {
+        let direction = sphere.direction(0, pixel.map(|k| f64::from(k) + 0.5));
+        let told = format.lines().find_map(|it| it.strip_prefix(line)).unwrap();
+        let told: Vec<f64> = told
+            .split_whitespace()
+            .map(|k| k.parse().unwrap())
+            .collect();
+        assert_eq!(told.len(), 3, "{line}");
+        for (k, told) in told.into_iter().enumerate() {
+            assert!((direction[k] - told).abs() < 1e-7, "{line}: {direction}");
+        }
+    }
+}

@@ -211,29 +211,6 @@ fn what_is_usual_is_not_written_and_what_is_not_reads_back() {
     }
 }
 
-#[test]
-fn pixels_of_an_equirectangular_picture_look_where_the_format_says() {
-    let json = serde_json::to_string(&description()).unwrap();
-    let named = json.replace("\"flat\"", "\"equirect\"");
-    let sphere = Description {
-        size: [8, 4],
-        ..Description::parse(named.as_bytes()).unwrap()
-    };
-    let surface = sphere.grid(Screen::default()).surface;
-    let format = include_str!("../../../../../../docs/formats/pack.md");
-    for (pixel, line) in [([0, 0], "(0, 0)"), ([4, 2], "(4, 2)"), ([7, 3], "(7, 3)")] {
-        let direction = surface.direction(0, pixel.map(|k| f64::from(k) + 0.5));
-        let told = format.lines().find_map(|it| it.strip_prefix(line)).unwrap();
-        let told: Vec<f64> = told
-            .split_whitespace()
-            .map(|k| k.parse().unwrap())
-            .collect();
-        for (k, told) in told.into_iter().enumerate() {
-            assert!((direction[k] - told).abs() < 1e-7, "{line}: {direction}");
-        }
-    }
-}
-
 /// The description of a finished pack of one frame, as its bytes.
 fn written(description: Description) -> Vec<u8> {
     let description = Description {

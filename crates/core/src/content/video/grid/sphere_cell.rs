@@ -31,9 +31,9 @@ impl SphereCell {
         }
     }
 
-    /// Directions between which it lies: its corners, those nearer to the equator moved to where the
-    /// great circle that touches the parallel there meets the sides. What is half a turn wide or
-    /// more lies between none, which these stand for too.
+    /// Directions between which it lies: its corners, those nearer to the equator moved to where
+    /// the great circle that touches the parallel there meets the sides. What is half a turn wide
+    /// or more lies between none, which these stand for too.
     pub(crate) fn hull(&self) -> [DVec3; 4] {
         let [left, right] = self.yaws;
         let half = (right - left) / 2.0;
@@ -56,8 +56,8 @@ impl SphereCell {
         ]
     }
 
-    /// At least this far from its middle something of it may lie although no corner does: of what is
-    /// wider than half a turn anything.
+    /// The radius round its middle that its corners do not tell: half a turn where it is wider than
+    /// that, as then its farthest place need be no corner, else 0.
     pub(crate) fn least_radius(&self) -> f64 {
         let is_wide = self.yaws[1] - self.yaws[0] > PI;
         if is_wide { PI } else { 0.0 }
