@@ -324,7 +324,11 @@ fn equirect_as_asked(
 }
 
 fn default_levels(surface: Surface, ratio: u32) -> u8 {
-    let longest = surface.size[0].max(surface.size[1]);
+    // Of a whole turn a quarter counts, as one face of a cube has it.
+    let longest = match surface.projection {
+        Projection::Equirect => (surface.size[0] / 4).max(surface.size[1] / 2),
+        Projection::Flat | Projection::Cube => surface.size[0].max(surface.size[1]),
+    };
     let fits = |level: &u8| longest / ratio.max(2).pow(u32::from(*level)) >= LEAST_COARSEST;
     (1..LEVELS).take_while(fits).count() as u8 + 1
 }
