@@ -58,13 +58,11 @@ impl SourceView {
     /// Of a source that would be prepared as planned; flat content fills `screen`.
     #[must_use]
     pub fn new(plan: &PreparationPlan, info: &SourceInfo, screen: Screen) -> Self {
-        let mut surface = plan.description.grid(screen).surface;
-        surface.eyes = 1;
         Self {
             surround: plan.surround,
             part: plan.part,
             eyes: plan.eyes,
-            surface,
+            surface: plan.source_surface(screen),
             colour: info.colour,
         }
     }

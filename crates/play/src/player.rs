@@ -500,7 +500,7 @@ impl Player {
     fn views(&self, head: HeadPose) -> Vec<EyeView> {
         let head = match self.grid().surface.projection {
             Projection::Flat => HeadPose::default(),
-            Projection::Cube => head,
+            Projection::Cube | Projection::Equirect => head,
         };
         match self.panels.as_slice() {
             [] => vec![self.turned(head)],
@@ -511,7 +511,7 @@ impl Player {
     fn turned(&self, head: HeadPose) -> EyeView {
         match self.grid().surface.projection {
             Projection::Flat => self.options.view,
-            Projection::Cube => EyeView {
+            Projection::Cube | Projection::Equirect => EyeView {
                 axes: head.axes(),
                 ..self.options.view
             },

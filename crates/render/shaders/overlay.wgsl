@@ -21,7 +21,7 @@ fn line(away: f32, width: f32) -> f32 {
 fn to_border(seen: SeenPlace) -> f32 {
     let shown = shown_in(seen.face, cell_at(seen.place));
     let tile = source_at(level_in(shown), seen.face, seen.place, shown);
-    let away = min(seen.place - tile.low, tile.high - seen.place);
+    let away = seen_apart(seen.place, min(seen.place - tile.low, tile.high - seen.place));
     return min(away.x, away.y) / max(seen.footprint, 1.0);
 }
 

@@ -18,8 +18,10 @@ const SCENE: &str = include_str!("../shaders/shared/scene.wgsl");
 const PICTURE: &str = include_str!("../shaders/shared/picture.wgsl");
 const PLANE: &str = include_str!("../shaders/shared/plane.wgsl");
 const CUBE: &str = include_str!("../shaders/shared/cube.wgsl");
+const EQUIRECT: &str = include_str!("../shaders/shared/equirect.wgsl");
 const RECONSTRUCT_PLANE: &str = include_str!("../shaders/reconstruct_plane.wgsl");
 const RECONSTRUCT_CUBE: &str = include_str!("../shaders/reconstruct_cube.wgsl");
+const RECONSTRUCT_EQUIRECT: &str = include_str!("../shaders/reconstruct_equirect.wgsl");
 const OVERLAY: &str = include_str!("../shaders/overlay.wgsl");
 const INTERPOLATE_SPARSE: &str = include_str!("../shaders/interpolate_sparse.wgsl");
 const BLUR_HALVE: &str = include_str!("../shaders/blur_halve.wgsl");
@@ -77,6 +79,14 @@ pub fn reconstruct(projection: Projection) -> Shader {
                 ["cover_rest", "reconstruct_cube"],
             ],
             text: joined(CUBE, &[COLOUR, PICTURE, RECONSTRUCT_CUBE]),
+        },
+        Projection::Equirect => Shader {
+            name: "reconstruct_equirect",
+            steps: &[
+                ["cover", "reconstruct_equirect_inside"],
+                ["cover_rest", "reconstruct_equirect"],
+            ],
+            text: joined(EQUIRECT, &[COLOUR, PICTURE, RECONSTRUCT_EQUIRECT]),
         },
     }
 }
@@ -221,6 +231,7 @@ fn surroundings(projection: Projection) -> &'static str {
     match projection {
         Projection::Flat => PLANE,
         Projection::Cube => CUBE,
+        Projection::Equirect => EQUIRECT,
     }
 }
 

@@ -154,6 +154,19 @@ fn a_cube_fine_round_a_gaze_at_an_edge() {
 }
 
 #[test]
+fn a_sphere_fine_round_a_gaze_at_its_seam_and_near_a_pole() {
+    let surface = Surface::equirect([2048, 1024]);
+    let grid = TileGrid::new(surface, Cut::Tile(128), 4, 2).unwrap();
+    let scene = Scene::new(grid, FULL, |face, place| {
+        detail_around(&surface, face, place)
+    });
+    let tiles = fine_around(&grid, 0, [20.0, 200.0], [60.0, 20.0]);
+    let view = turned([180.0, 65.0, 0.0], 70.0, [96, 72]);
+    assert_golden("equirect_gaze", &scene, &tiles, &view, None);
+    assert_golden("equirect_levels", &scene, &tiles, &view, Some(marks()));
+}
+
+#[test]
 fn a_panorama_without_poles_at_the_corner_of_a_face_for_the_right_eye() {
     let surface = Surface::cube(512).without_poles().for_two_eyes();
     let grid = TileGrid::new(surface, Cut::Tile(64), 4, 2).unwrap();

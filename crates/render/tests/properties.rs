@@ -135,6 +135,7 @@ fn a_picture_of_one_colour_is_that_colour_everywhere() {
         TileGrid::new(flat([283, 171]), Cut::Grid([5, 3]), 3, 4).unwrap(),
         cube_waves(94, Cut::Grid([4, 4]), 3, 4).grid,
         cube_waves(100, Cut::Tile(32), 5, 2).grid,
+        TileGrid::new(Surface::equirect([283, 171]), Cut::Tile(32), 4, 2).unwrap(),
     ];
     for grid in grids {
         let scene = Scene::new(grid, colour, |_, _| [101.0, 90.0, 160.0]);
@@ -357,11 +358,66 @@ fn a_cube_of_fine_tiles_shows_the_function_that_it_was_made_from() {
     }
 }
 
+/// Views whose middle column or row runs along the seam of a sphere, or, looking at a pole, along
+/// four meridians.
+fn at_seams() -> Vec<(EyeView, usize)> {
+    let size = [160, 160];
+    let mut views: Vec<(EyeView, usize)> = [0.0, 40.0, -65.0]
+        .map(|pitch| (turned([180.0, pitch, 0.0], 50.0, size), 0))
+        .to_vec();
+    for pitch in [90.0, -90.0] {
+        let view = turned([0.0, pitch, 0.0], 50.0, size);
+        views.extend([(view, 0), (view, 1)]);
+    }
+    views
+}
+
+#[test]
+fn no_border_shows_at_the_seam_and_the_poles_of_a_sphere() {
+    let gpu = Gpu::open_blocking().unwrap();
+    for (size, cut, levels, ratio) in [
+        ([1024, 512], Cut::Tile(64), 4, 2),
+        ([1000, 500], Cut::Tile(64), 4, 2),
+        ([1000, 500], Cut::Grid([8, 5]), 3, 4),
+    ] {
+        let surface = Surface::equirect(size);
+        let grid = TileGrid::new(surface, cut, levels, ratio).unwrap();
+        let (mut all, mut coarsest) = ([Steps::default(); 2], [Steps::default(); 2]);
+        for (n, part) in [0.05, 0.4, 0.65, 0.97].into_iter().enumerate() {
+            let scene = Scene::new(grid, FULL, |face, place| {
+                waves_around_moved(n as f64, &surface, face, place)
+            });
+            let place = size.map(|side| f64::from(side) * part);
+            let tiles = fine_around(&grid, 0, place, [150.0, 60.0]);
+            let [mut bare, mut mixed] = [scene.on_gpu(&gpu, &[]), scene.on_gpu(&gpu, &tiles)];
+            for (view, axis) in at_seams() {
+                for (renderer, sums) in [(&mut bare, &mut coarsest), (&mut mixed, &mut all)] {
+                    let image = renderer.reconstruct(&view).unwrap();
+                    gather(sums, straddle(&image, axis, 80, 0..160, &[1, 2, 3]));
+                }
+            }
+        }
+        assert_no_border(coarsest, &format!("{size:?} {cut:?} coarsest"));
+        assert_no_border(all, &format!("{size:?} {cut:?} mixed"));
+    }
+}
+
+#[test]
+fn a_sphere_of_fine_tiles_shows_the_function_that_it_was_made_from() {
+    shows_its_waves(&waves_on(
+        Surface::equirect([1024, 512]),
+        Cut::Tile(64),
+        3,
+        2,
+    ));
+}
+
 /// Every pixel of views over edges and corners is within four codes of the function.
 fn shows_its_waves(scene: &Scene) {
     let gpu = Gpu::open_blocking().unwrap();
     let mut renderer = scene.on_gpu(&gpu, &scene.finest());
-    for view in at_edges().into_iter().map(|(view, _)| view).chain([
+    let views = at_edges().into_iter().chain(at_seams());
+    for view in views.map(|(view, _)| view).chain([
         turned([45.0, 35.26, 0.0], 50.0, [160, 160]),
         turned([-135.0, -35.26, 20.0], 50.0, [160, 160]),
     ]) {
@@ -395,6 +451,10 @@ fn each_eye_sees_its_own_content_as_if_there_were_no_other() {
         (
             Surface::cube(96).without_poles(),
             turned([45.0, 30.0, 10.0], 90.0, [90, 70]),
+        ),
+        (
+            Surface::equirect([200, 100]),
+            turned([170.0, 60.0, 10.0], 90.0, [90, 70]),
         ),
         (
             flat([150, 90]),

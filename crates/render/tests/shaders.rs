@@ -18,7 +18,7 @@ use naga::{Module, TypeInner};
 use std::mem::offset_of;
 
 fn all() -> Vec<(Shader, Projection)> {
-    [Projection::Flat, Projection::Cube]
+    [Projection::Flat, Projection::Cube, Projection::Equirect]
         .into_iter()
         .flat_map(|p| {
             let over_tiles = [

@@ -168,3 +168,26 @@ fn two_eyes_and_missing_faces_are_drawn_as_by_their_twin() {
         );
     }
 }
+
+#[test]
+fn a_sphere_is_drawn_as_by_its_twin() {
+    for (size, cut, levels, ratio, name) in [
+        ([256, 128], Cut::Tile(32), 4, 2, "pyramid"),
+        ([250, 122], Cut::Tile(32), 4, 2, "odd pyramid"),
+        ([240, 118], Cut::Grid([7, 4]), 3, 4, "grid"),
+        ([96, 64], Cut::Tile(96), 3, 2, "one cell"),
+    ] {
+        let surface = Surface::equirect(size).for_two_eyes();
+        let scene = waves_on(surface, cut, levels, ratio);
+        for (n, turn) in [[179.0, 5.0, 15.0], [40.0, 88.0, 0.0], [-100.0, -90.0, 20.0]]
+            .iter()
+            .enumerate()
+        {
+            for (across, size) in [(110.0, [120, 90]), (15.0, [90, 120])] {
+                let view = of_right_eye(turned(*turn, across, size));
+                let what = format!("sphere {name} {turn:?} {across}");
+                assert_alike(&scene, &view, n as u64, &what);
+            }
+        }
+    }
+}

@@ -56,6 +56,7 @@ fn about_video(video: &Video, has_sound: bool) -> Value {
         "projection": match about.projection {
             Projection::Flat => "flat",
             Projection::Cube => "cube",
+            Projection::Equirect => "equirect",
         },
         "size": about.size,
         "faces": surface.faces_of_an_eye(),

@@ -437,7 +437,7 @@ export function deviceSize(of: HTMLElement): readonly [number, number] {
 
 function spokenFacts(pack: PackFacts): string {
   if (pack.kind === "scene") return `Scene of ${parts(pack)}`;
-  const around = pack.projection === "cube" ? " all around" : "";
+  const around = pack.projection === "flat" ? "" : " all around";
   if (pack.frames === 1) return `Picture${around}`;
   return `Video${around}, ${spokenTime(pack.seconds)}${pack.hasSound ? ", with sound" : ""}`;
 }

@@ -102,10 +102,10 @@ export interface PackFacts {
   /** Pictures, one or many, or what an eye flies through. */
   readonly kind: "video" | "scene";
   /** Null for a scene. */
-  readonly projection: "flat" | "cube" | null;
+  readonly projection: "flat" | "cube" | "equirect" | null;
   /** Pixels of the content, or of a face, at the finest level; zeros for a scene. */
   readonly size: readonly [number, number];
-  /** Faces of a cube, an eye; 1 for flat content, 0 for a scene. */
+  /** Faces of a cube, an eye; 0 for a scene, else 1. */
   readonly faces: number;
   /** Eyes with pictures of their own. */
   readonly eyes: 1 | 2;

@@ -13,7 +13,7 @@ export interface Listed {
   readonly poster: { readonly file: string; readonly width: number; readonly height: number };
   readonly bytes: number;
   /** Null for a scene, as its width and height. */
-  readonly projection: "flat" | "cube" | null;
+  readonly projection: "flat" | "cube" | "equirect" | null;
   readonly eyes: number;
   readonly width: number | null;
   readonly height: number | null;
@@ -77,7 +77,7 @@ export function titleOf(pack: Listed): string {
 export function factsOf(pack: Listed): string {
   const licence = pack.licence === undefined ? "" : `, ${pack.licence}`;
   if (pack.triangles !== undefined) return `${parts(pack)}${licence}`;
-  const kind = pack.projection === "cube" ? "360°" : "flat";
+  const kind = pack.projection === "flat" ? "flat" : "360°";
   const eyes = pack.eyes === 2 ? ", 3D" : "";
   const sound = pack.sound ? ", sound" : "";
   return `${kind}${eyes}, ${pack.width} × ${pack.height}${sound}${licence}`;

@@ -87,7 +87,7 @@ function keepInAddress(view: FovealView): void {
   let isDue = false;
   const write = (): void => {
     isDue = false;
-    if (last === null || view.pack?.projection !== "cube") return;
+    if (last === null || view.pack?.kind !== "video" || view.pack.projection === "flat") return;
     const query = queryOf(location.search, last);
     if (query !== location.search) history.replaceState(history.state, "", query + location.hash);
   };

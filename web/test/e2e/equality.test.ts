@@ -51,6 +51,12 @@ const SCENES: readonly Scene[] = [
     diagonalInches: wide(SPHERE),
     gazes: [[320, 200], [100, 300]],
   },
+  {
+    pack: "round",
+    size: SPHERE,
+    diagonalInches: wide(SPHERE),
+    gazes: [[320, 200], [100, 300]],
+  },
 ];
 
 interface Drawn {

@@ -4,7 +4,7 @@
 // program is named by FOVEAL; `cargo xtask web-test` says which.
 
 import { execFile } from "node:child_process";
-import { mkdtemp, rm } from "node:fs/promises";
+import { copyFile, mkdtemp, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { promisify } from "node:util";
@@ -32,7 +32,7 @@ export default async function setup(project: TestProject): Promise<() => Promise
   const prepare = async (name: string, size: readonly [number, number], more: string[]) => {
     const clip = join(folder, `${name}.avi`);
     const framesPerSecond = FRAMES_PER_SECOND;
-    const heard = name === "sphere" ? {} : { sound: sound() };
+    const heard = name === "flat" ? { sound: sound() } : {};
     await writeAvi(clip, { size, framesPerSecond, pictures: pictures(size), ...heard });
     const pack = join(folder, `${name}.foveal`);
     await run(program, ["prepare", "video", clip, "--out", pack, ...more]);
@@ -40,8 +40,12 @@ export default async function setup(project: TestProject): Promise<() => Promise
   };
   const flat = await prepare("flat", [1024, 576], ["--projection", "flat"]);
   const sphere = await prepare("sphere", [2048, 1024], ["--projection", "equirect"]);
+  const equirect = ["--projection", "equirect", "--pack-projection", "equirect"];
+  const round = await prepare("round", [1024, 512], equirect);
   const site = join(folder, "site");
   await run(program, ["export", "site", flat, sphere, "--out", site]);
+  // Beside those that the site lists.
+  await copyFile(round, join(site, "round.foveal"));
   project.provide("site", site);
   project.provide("program", program);
   project.provide("packs", folder);

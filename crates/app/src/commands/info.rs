@@ -233,6 +233,10 @@ impl PackInfo {
                 )
             }
             (Projection::Cube, _) => format!("cube of {0}x{0} px faces", self.face_width),
+            (Projection::Equirect, _) => {
+                let [w, h] = [self.face_width, self.face_height];
+                format!("equirectangular, {w}x{h} px")
+            }
         };
         if self.mapping == Mapping::EquiAngular {
             surround += ", equi-angular";

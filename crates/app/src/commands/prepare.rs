@@ -16,8 +16,8 @@ use foveal_media::VideoInput;
 use foveal_media::pack::name_claim::NameClaim;
 use foveal_media::pack::pack_file::{PackFile, partial_path};
 use foveal_media::prepare::{
-    Event, PreparationPlan, PrepareError, PrepareSettings, ProjectionChoice, StereoChoice, Witness,
-    pack_identity_of, prepare_resumable, rehearse,
+    Event, PreparationPlan, PrepareError, PrepareSettings, ProjectionChoice, SpherePack,
+    StereoChoice, Witness, pack_identity_of, prepare_resumable, rehearse,
 };
 use foveal_media::tiles::encode_settings::Speed;
 use indicatif::ProgressBar;
@@ -33,6 +33,12 @@ enum ProjectionName {
     HalfEquirect,
     /// Faces in 3x2, 6x1 or 1x6, or in 4x1 without top and bottom.
     Cube,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PackProjectionName {
+    Cube,
+    Equirect,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -72,6 +78,10 @@ pub(crate) struct PrepareVideoArgs {
     /// that each eye's picture then has, --projection finds whether it is 360°.
     #[arg(long, value_enum, default_value = "auto")]
     stereo: StereoName,
+    /// What lies all around: how the pack shows it. A whole equirectangular picture keeps its
+    /// pixels as they are; on a cube there are fewer, and none are crowded at the poles.
+    #[arg(long, value_enum, value_name = "NAME", default_value = "cube")]
+    pack_projection: PackProjectionName,
     /// 360°: how pixels lie over the faces of the cube (default: equi-angular, and what a preset
     /// has). Faces of an input that is a cube stay as they are.
     #[arg(long, value_enum)]
@@ -257,9 +267,13 @@ impl PrepareVideoArgs {
                 StereoName::Tb => StereoChoice::TopBottom,
             },
             sound: !self.no_sound,
-            mapping: match self.preset {
-                Some(preset) => Some(preset.mapping(self.mapping)),
-                None => self.mapping,
+            pack_projection: match self.pack_projection {
+                PackProjectionName::Cube => SpherePack::Cube,
+                PackProjectionName::Equirect => SpherePack::Equirect,
+            },
+            mapping: match (self.preset, self.pack_projection) {
+                (Some(preset), PackProjectionName::Cube) => Some(preset.mapping(self.mapping)),
+                _ => self.mapping,
             }
             .map(MappingName::mapping),
             face_size: self.face_size,

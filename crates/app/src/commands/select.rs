@@ -36,6 +36,7 @@ use std::fmt::Write as _;
 enum ProjectionName {
     Flat,
     Cube,
+    Equirect,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -49,7 +50,7 @@ pub(crate) struct SelectArgs {
     /// Cube: how pixels lie over a face (default: equi-angular, and what a preset has).
     #[arg(long, value_enum)]
     mapping: Option<MappingName>,
-    /// Flat: pixels of the picture.
+    /// Flat and equirect: pixels of the picture.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<[u32; 2]>,
     /// Faces that the share is counted over (Kastner 2016 counts four of six).
@@ -268,17 +269,21 @@ impl SelectArgs {
             )
             .mapped(self.mapping().mapping()),
             ProjectionName::Flat => {
-                if self.mapping.is_some() || self.face_size.is_some() {
-                    let cubes = "--mapping and --face-size are of cubes: leave them out, or give \
-                                 --projection cube";
-                    bail!(wrong(cubes));
-                }
-                let size = self
-                    .size
-                    .ok_or_else(|| wrong("--projection flat needs --size WxH"))?;
+                let size = self.size_of_picture("flat")?;
                 Surface::flat(size, self.view.screen)
             }
+            ProjectionName::Equirect => Surface::equirect(self.size_of_picture("equirect")?),
         })
+    }
+
+    fn size_of_picture(&self, projection: &str) -> anyhow::Result<[u32; 2]> {
+        if self.mapping.is_some() || self.face_size.is_some() {
+            let cubes = "--mapping and --face-size are of cubes: leave them out, or give \
+                         --projection cube";
+            bail!(wrong(cubes));
+        }
+        let needed = || wrong(&format!("--projection {projection} needs --size WxH"));
+        Ok(self.size.ok_or_else(needed)?)
     }
 
     /// What bounds what is worth choosing: a view only where one was asked for, or needed.
@@ -325,7 +330,7 @@ impl Bounding {
             Self::Nothing => Vec::new(),
             Self::View(view) => vec![match surface.projection {
                 Projection::Flat => *view,
-                Projection::Cube => EyeView {
+                Projection::Cube | Projection::Equirect => EyeView {
                     axes: head.axes(),
                     ..*view
                 },
@@ -333,7 +338,7 @@ impl Bounding {
             Self::Panels(panels, _) => {
                 let head = match surface.projection {
                     Projection::Flat => HeadPose::default(),
-                    Projection::Cube => head,
+                    Projection::Cube | Projection::Equirect => head,
                 };
                 MountedPanel::views_from(panels, &head, DVec3::ZERO)
             }
@@ -355,7 +360,7 @@ fn wrong(what: &str) -> WrongUsage {
 fn random_gaze(surface: &Surface, random: &mut Random) -> GazeSample {
     let forward = GazeSample::at(Seconds(0.0), Radians(0.0), Radians(0.0));
     let gaze_in_content = match surface.projection {
-        Projection::Cube => random.direction(),
+        Projection::Cube | Projection::Equirect => random.direction(),
         Projection::Flat => {
             let [w, h] = surface.size.map(f64::from);
             surface.direction(0, [w * random.unit(), h * random.unit()])

@@ -12,7 +12,7 @@ use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
 use foveal_core::gaze::scan::ScanPath;
 use foveal_core::gaze::tracker::{GazeTracker, Prediction};
 use foveal_core::units::{Radians, Seconds};
-use foveal_core::view::surface::{Projection, Surface};
+use foveal_core::view::surface::Surface;
 use foveal_play::Look;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -91,7 +91,7 @@ impl GazeSource {
             late: viewer.late,
             head: FollowingHead::default(),
             head_of_samples: FollowingHead::default(),
-            head_moves: surface.projection == Projection::Cube,
+            head_moves: surface.projection.surrounds(),
         })
     }
 

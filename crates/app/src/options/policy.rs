@@ -421,7 +421,7 @@ impl ViewOptions {
         };
         Ok(match surface.projection {
             Projection::Flat => EyeView::filling(surface, size),
-            Projection::Cube => {
+            Projection::Cube | Projection::Equirect => {
                 let field = Field::of_larger_side(fov, size);
                 EyeView {
                     position: Default::default(),
@@ -462,7 +462,7 @@ impl ViewOptions {
                 let shown = (f64::from(h) / height_of_width).round() as u32;
                 (w.max(shown), height_of_width)
             }
-            Projection::Cube => {
+            Projection::Cube | Projection::Equirect => {
                 let across = 2.0 * (self.fov()?.0 / 2.0).tan() / surface.pitch();
                 // Even, and 16:10 as headset eyes roughly are.
                 ((across as u32).next_multiple_of(16), 0.625)

@@ -91,7 +91,7 @@ impl SystemPreset {
         let Self::Kastner2016 = self;
         match projection {
             Projection::Flat => Policy::Sampled,
-            Projection::Cube => Policy::Grid,
+            Projection::Cube | Projection::Equirect => Policy::Grid,
         }
     }
 

@@ -141,10 +141,9 @@ fn sphere_scenes(plan: &Plan, surface: &Surface) -> Vec<Scene> {
         Surround::Equirect(Coverage::Full) => (TAU / w.max(2.0 * h), 1.0),
         Surround::Flat | Surround::Cube(_) => (surface.pitch(), 1.0),
     };
-    let pitches = if surface.faces_of_an_eye() == 4 {
-        0.5
-    } else {
-        1.0
+    let pitches = match plan.surround {
+        Surround::Cube(layout) if layout.faces() == 4 => 0.5,
+        _ => 1.0,
     };
     let quarter = TAU / pixel / 4.0;
     let shape = [1.0, f64::from(LARGEST_VIEW[1]) / f64::from(LARGEST_VIEW[0])];

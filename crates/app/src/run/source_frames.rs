@@ -10,7 +10,7 @@ use foveal_core::view::surface::{Projection, Screen};
 use foveal_eval::score::ScorePicture;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{
-    PreparationPlan as Plan, PrepareSettings, ProjectionChoice, StereoChoice,
+    PreparationPlan as Plan, PrepareSettings, ProjectionChoice, SpherePack, StereoChoice,
 };
 use foveal_media::{SourceInfo, SourceView, VideoInput};
 use std::path::{Path, PathBuf};
@@ -153,6 +153,10 @@ fn plan_like(source: &Path, info: &SourceInfo, about: &Description) -> Option<Pl
         StereoChoice::SideBySide,
         StereoChoice::TopBottom,
     ];
+    let pack_projection = match about.projection {
+        Projection::Equirect => SpherePack::Equirect,
+        Projection::Flat | Projection::Cube => SpherePack::Cube,
+    };
     let choices = projections
         .into_iter()
         .flat_map(|projection| stereo.map(|stereo| (projection, stereo)));
@@ -160,6 +164,7 @@ fn plan_like(source: &Path, info: &SourceInfo, about: &Description) -> Option<Pl
         let settings = PrepareSettings {
             projection,
             stereo,
+            pack_projection,
             cut: Some(about.cut),
             levels: Some(about.levels),
             ratio: about.ratio,
@@ -181,7 +186,7 @@ fn plan_like(source: &Path, info: &SourceInfo, about: &Description) -> Option<Pl
         .iter()
         .find(|plan| plan.description.size == about.size);
     let sphere = || {
-        let is_sphere = about.projection == Projection::Cube;
+        let is_sphere = about.projection.surrounds();
         alike.first().filter(|_| is_sphere)
     };
     same.or_else(sphere).cloned()

@@ -65,15 +65,17 @@ fn left_and_right(both: &Rgb) -> [Rgb; 2] {
 
 #[test]
 fn each_eye_is_shown_what_its_half_alone_shows() {
-    for (projection, size) in [
-        ("flat", [96, 64]),
-        ("equirect", [256, 128]),
-        ("half-equirect", [128, 128]),
+    for (projection, packed, size) in [
+        ("flat", "cube", [96, 64]),
+        ("equirect", "cube", [256, 128]),
+        ("half-equirect", "cube", [128, 128]),
+        ("equirect", "equirect", [256, 128]),
+        ("half-equirect", "equirect", [128, 128]),
     ] {
         let folder = Folder::new();
         let eyes = parts(size, 2);
         let both = write_clip(&folder, "pair_LR.mkv", &all_beside(&eyes));
-        let how = ["--projection", projection];
+        let how = ["--projection", projection, "--pack-projection", packed];
         let out = shown(&folder, &both, &how, &["--eye", "both"]);
         let info = json(&["info", &folder.name("pair_LR.foveal")]);
         assert_eq!(info["eyes"], json!(2), "{info}");
@@ -86,7 +88,7 @@ fn each_eye_is_shown_what_its_half_alone_shows() {
             assert_eq!(
                 frame_picture(&alone, 1).difference(&seen),
                 0,
-                "{projection} {name}"
+                "{projection} {packed} {name}"
             );
         }
     }

@@ -50,6 +50,7 @@ mod score_many;
 mod selection;
 mod serving;
 mod site;
+mod spheres;
 mod support;
 mod unwritable;
 mod view;

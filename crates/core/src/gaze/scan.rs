@@ -7,7 +7,7 @@ use super::sample::GazeSample;
 use crate::units::{Radians, Seconds};
 use crate::view::axes::{angle_between, direction_at, direction_between};
 use crate::view::random::Random;
-use crate::view::surface::{Projection, Surface};
+use crate::view::surface::Surface;
 use glam::DVec3;
 
 /// Length of a fixation in seconds.
@@ -135,7 +135,7 @@ fn is_on(surface: &Surface, direction: DVec3) -> bool {
         let (tangent, middle) = (surface.tangent(place), surface.middle());
         let within = |k: usize| (tangent[k] - middle[k]).abs() <= INSIDE * surface.tangents[k];
         let inside = (0..2).all(within);
-        surface.projection == Projection::Cube || inside
+        surface.projection.surrounds() || inside
     })
 }
 

@@ -1,7 +1,7 @@
 //! Which ray belongs to a pixel of what shows the picture?
 
 use super::axes::Axes;
-use super::surface::{Eye, Projection, Surface};
+use super::surface::{Eye, Surface};
 use crate::units::{Ppd, Radians};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
@@ -142,12 +142,12 @@ impl EyeView {
     }
 
     /// The matrix that turns (column, row, 1) into what the reconstruct passes look up: the world
-    /// ray on a cube; on flat content the homogeneous place in level-0 pixels, exactly the identity
-    /// when the view shows the content pixel for pixel.
+    /// ray where content lies all around; on flat content the homogeneous place in level-0 pixels,
+    /// exactly the identity when the view shows the content pixel for pixel.
     #[must_use]
     pub fn content_from_pixel(&self, surface: &Surface) -> DMat3 {
         let rays = self.ray_from_pixel();
-        if surface.projection == Projection::Cube {
+        if surface.projection.surrounds() {
             return rays;
         }
         let face = surface.axes(0);

@@ -113,7 +113,7 @@ impl Navigation {
     pub fn new(surface: Surface, fov: Radians) -> Self {
         let place = match surface.projection {
             Projection::Flat => Place::Before(surface),
-            Projection::Cube => Place::Around(surface),
+            Projection::Cube | Projection::Equirect => Place::Around(surface),
         };
         Self {
             centre: surface.size.map(|side| f64::from(side) / 2.0),

@@ -1,13 +1,14 @@
 //! Where does a pixel of the content lie before the eye?
 //!
-//! Flat video is one rectangle at unit distance, 360° video six of them: the same geometry serves
-//! both, so eccentricity and density are one formula each.
+//! Flat video is one rectangle at unit distance, 360° video six of them, or one picture whose
+//! columns are even in yaw and whose rows are even in pitch: eccentricity and density are one
+//! formula each.
 
-use super::axes::Axes;
+use super::axes::{Axes, direction_from_yaw_pitch, yaw_pitch_from_direction};
 use super::picture::plane_size;
 use super::slant::Slant;
 use crate::units::{Ppd, Radians};
-use core::f64::consts::FRAC_PI_4;
+use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +20,17 @@ pub enum Projection {
     Flat,
     /// Six square faces of a cube around the eye.
     Cube,
+    /// One picture of all directions: columns even in yaw, a whole turn, the middle ahead; rows
+    /// even in pitch, from straight up to straight down.
+    Equirect,
+}
+
+impl Projection {
+    /// Whether content lies all around, so that a head turns in it.
+    #[must_use]
+    pub fn surrounds(self) -> bool {
+        self != Self::Flat
+    }
 }
 
 /// How the pixels of a cube's faces lie over their angles.
@@ -109,27 +121,28 @@ impl Default for Screen {
     }
 }
 
-/// The rectangles at unit distance that content lies on, and their pixels at level 0.
+/// What content lies on, rectangles at unit distance or the sphere, and its pixels at level 0.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Surface {
-    /// Flat or cube.
+    /// Flat, cube or equirectangular.
     pub projection: Projection,
     /// Pixels of one face at level 0: columns, rows.
     pub size: [u32; 2],
-    /// Half of a face's width and height at unit distance (tangents of the half angles).
+    /// Half of a face's width and height at unit distance (tangents of the half angles); of an
+    /// equirectangular picture half the angles themselves, in radians.
     pub tangents: [f64; 2],
     /// Eyes that have a picture of their own, 1 or 2. The faces of the right eye follow those of
     /// the left and lie in the same directions.
     #[serde(default = "one_eye", skip_serializing_if = "is_one_eye")]
     pub eyes: u8,
     /// Faces of a cube that there are, an eye: 6, or the first 4 where the source shows neither
-    /// top nor bottom. Flat content ignores it.
+    /// top nor bottom. Only of a cube.
     #[serde(default = "all_faces", skip_serializing_if = "are_all_faces")]
     pub cube_faces: u8,
-    /// How pixels lie over the faces of a cube. Flat content is gnomonic, whatever this says.
+    /// How pixels lie over the faces of a cube. Only of a cube.
     #[serde(default, skip_serializing_if = "Mapping::is_default")]
     pub mapping: Mapping,
-    /// How flat content stands that is not square before the head; of a cube there is none.
+    /// How flat content stands that is not square before the head; nothing else does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slant: Option<Slant>,
 }
@@ -224,6 +237,17 @@ impl Surface {
         }
     }
 
+    /// An equirectangular picture of `size` pixels.
+    #[must_use]
+    pub fn equirect(size: [u32; 2]) -> Self {
+        Self {
+            projection: Projection::Equirect,
+            size,
+            tangents: [PI, FRAC_PI_2],
+            ..Self::cube(size[0])
+        }
+    }
+
     /// This surface with only the four faces round the horizon: towards top and bottom there is
     /// nothing.
     #[must_use]
@@ -256,7 +280,7 @@ impl Surface {
     #[must_use]
     pub fn faces_of_an_eye(&self) -> u32 {
         match self.projection {
-            Projection::Flat => 1,
+            Projection::Flat | Projection::Equirect => 1,
             Projection::Cube => u32::from(self.cube_faces),
         }
     }
@@ -270,7 +294,13 @@ impl Surface {
         }
     }
 
-    /// Orientation of a face, of either eye.
+    /// Whether its faces are planes; else it is the sphere, on which rows are no straight lines.
+    #[must_use]
+    pub fn is_of_planes(&self) -> bool {
+        self.projection != Projection::Equirect
+    }
+
+    /// Orientation of a face, of either eye; of an equirectangular picture that of its middle.
     #[must_use]
     pub fn axes(&self, face: u32) -> Axes {
         match self.stands() {
@@ -305,7 +335,8 @@ impl Surface {
     }
 
     /// Tangent-plane position of a place on a face, `place` in level-0 pixels (0 is the left or top
-    /// border, pixel centres lie at +0.5).
+    /// border, pixel centres lie at +0.5); on an equirectangular picture its angles to the right
+    /// and down, in radians.
     #[must_use]
     pub fn tangent(&self, place: [f64; 2]) -> [f64; 2] {
         let (mapping, middle) = (self.mapping(), self.middle());
@@ -326,18 +357,46 @@ impl Surface {
         })
     }
 
-    /// How its pixels lie: of flat content evenly, whatever the field says.
+    /// How its pixels lie: evenly but on a cube, whatever the field says.
     pub(crate) fn mapping(&self) -> Mapping {
         match self.projection {
-            Projection::Flat => Mapping::Gnomonic,
+            Projection::Flat | Projection::Equirect => Mapping::Gnomonic,
             Projection::Cube => self.mapping,
         }
     }
 
-    /// Unit direction of a place on a face, in level-0 pixels.
+    /// Unit direction of a place on a face, in level-0 pixels. An equirectangular picture goes on
+    /// over its borders, a turn over and beyond the poles.
     #[must_use]
     pub fn direction(&self, face: u32, place: [f64; 2]) -> DVec3 {
-        self.axes(face).at(self.tangent(place)).normalize()
+        let tangent = self.tangent(place);
+        if self.projection == Projection::Equirect {
+            return direction_from_yaw_pitch(Radians(tangent[0]), Radians(-tangent[1]));
+        }
+        self.axes(face).at(tangent).normalize()
+    }
+
+    /// Where a place beyond the borders of an equirectangular picture lies on it, and any other
+    /// place as it is.
+    #[must_use]
+    pub fn closed(&self, place: [f64; 2]) -> [f64; 2] {
+        if self.projection != Projection::Equirect {
+            return place;
+        }
+        let [w, h] = self.size.map(f64::from);
+        let beyond_pole = !(0.0..=h).contains(&place[1]);
+        let x = place[0] + if beyond_pole { w / 2.0 } else { 0.0 };
+        let y = match beyond_pole {
+            true if place[1] < 0.0 => -place[1],
+            true => 2.0 * h - place[1],
+            false => place[1],
+        };
+        let x = x - libm::floor(x / w) * w;
+        // Neither border is the picture's: what lies on it is the first column, or the last row.
+        [
+            if x < w { x } else { 0.0 },
+            y.clamp(0.0, h * (1.0 - f64::EPSILON)),
+        ]
     }
 
     /// The face that `direction` meets and the place on it in level-0 pixels: the left eye's, to
@@ -350,6 +409,10 @@ impl Surface {
         let face = match self.projection {
             Projection::Flat => 0,
             Projection::Cube => cube_face(direction),
+            Projection::Equirect => {
+                let (yaw, pitch) = yaw_pitch_from_direction(direction);
+                return Some((0, self.closed(self.place([yaw.0, -pitch.0]))));
+            }
         };
         if face >= self.faces_of_an_eye() {
             return None;
@@ -370,13 +433,19 @@ impl Surface {
     ///
     /// A pixel of a camera's picture at tangent radius r spans `pitch / sqrt(1 + r²)` radians
     /// across the radius and less along it; the wider of the two is what limits the detail. Of an
-    /// equi-angular face it is the long axis of the ellipse that a pixel's circle becomes.
+    /// equi-angular face it is the long axis of the ellipse that a pixel's circle becomes. A row of
+    /// an equirectangular picture is denser along itself by one over the cosine of its pitch, so
+    /// that from some pitch on the distance of the rows is what limits the detail.
     #[must_use]
     pub fn ppd(&self, place: [f64; 2]) -> Ppd {
         let [a, b] = self.tangent(place);
-        let spacing = match self.mapping() {
-            Mapping::Gnomonic => self.pitch() / (1.0 + a * a + b * b).sqrt(),
-            Mapping::EquiAngular => {
+        let spacing = match (self.projection, self.mapping()) {
+            (Projection::Equirect, _) => {
+                let [across, down] = self.sides(b);
+                across.max(down)
+            }
+            (_, Mapping::Gnomonic) => self.pitch() / (1.0 + a * a + b * b).sqrt(),
+            (_, Mapping::EquiAngular) => {
                 let [across, down, both] = self.spans([a, b]);
                 let mean = f64::midpoint(across, down);
                 let half = (across - down) / 2.0;
@@ -386,13 +455,34 @@ impl Surface {
         Ppd(1.0 / Radians(spacing).to_degrees())
     }
 
-    /// What a pixel at a place covers, over what a square of [`Self::ppd`] foreshortened by the
-    /// cosine to the face's axis does: 1 for square pixels of a camera's picture.
+    /// The width and the height of a pixel of an equirectangular picture at an angle down, in
+    /// radians.
+    fn sides(&self, down: f64) -> [f64; 2] {
+        let [across, height] = [0, 1].map(|k| 2.0 * self.tangents[k] / f64::from(self.size[k]));
+        [across * libm::cos(down).abs(), height]
+    }
+
+    /// By how much a pixel in a direction of a face appears foreshortened: the cosine to the face's
+    /// axis; 1 on the sphere.
+    #[must_use]
+    pub fn foreshortening(&self, face: u32, direction: DVec3) -> f64 {
+        match self.is_of_planes() {
+            true => direction.dot(self.axes(face).forward),
+            false => 1.0,
+        }
+    }
+
+    /// What a pixel at a place covers, over what a square of [`Self::ppd`] does that is
+    /// foreshortened by [`Self::foreshortening`]: 1 for square pixels of a camera's picture.
     #[must_use]
     pub fn shape(&self, place: [f64; 2]) -> f64 {
-        match self.mapping() {
-            Mapping::Gnomonic => 1.0,
-            Mapping::EquiAngular => {
+        match (self.projection, self.mapping()) {
+            (Projection::Equirect, _) => {
+                let [across, down] = self.sides(self.tangent(place)[1]);
+                across.min(down) / across.max(down)
+            }
+            (_, Mapping::Gnomonic) => 1.0,
+            (_, Mapping::EquiAngular) => {
                 let [a, b] = self.tangent(place);
                 let [across, down, both] = self.spans([a, b]);
                 let area = (across * down - both * both).sqrt();
@@ -419,7 +509,8 @@ impl Surface {
         ]
     }
 
-    /// The wider side of a level-0 pixel in the middle of a face, in tangent units.
+    /// The wider side of a level-0 pixel in the middle of a face, in tangent units; in radians of
+    /// an equirectangular picture.
     #[must_use]
     pub fn pitch(&self) -> f64 {
         let [x, y] = [0, 1].map(|k| 2.0 * self.tangents[k] / f64::from(self.size[k]));
@@ -461,137 +552,4 @@ pub fn cube_face(direction: DVec3) -> u32 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::view::axes::direction_from_yaw_pitch;
-
-    #[test]
-    fn every_cube_face_has_the_handedness_of_the_world() {
-        for axes in CUBE_FACES {
-            assert_eq!(axes.right.cross(axes.down), axes.forward);
-        }
-    }
-
-    #[test]
-    fn a_place_on_the_cube_survives_the_way_to_a_direction_and_back() {
-        for mapping in [Mapping::Gnomonic, Mapping::EquiAngular] {
-            let cube = Surface::cube(64).mapped(mapping);
-            for face in 0..6 {
-                for y in 0..64 {
-                    for x in 0..64 {
-                        let place = [f64::from(x) + 0.5, f64::from(y) + 0.5];
-                        let found = cube.locate(cube.direction(face, place)).unwrap();
-                        assert_eq!(found.0, face);
-                        assert!((found.1[0] - place[0]).abs() < 64e-12);
-                        assert!((found.1[1] - place[1]).abs() < 64e-12);
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn equi_angular_places_are_even_in_angle_and_have_the_density_of_the_equator() {
-        let cube = Surface::cube(256).mapped(Mapping::EquiAngular);
-        let at = |x: f64| cube.direction(0, [x, 128.0]);
-        for x in 0..256 {
-            let step = crate::view::axes::angle_between(at(f64::from(x)), at(f64::from(x) + 1.0));
-            assert!((step.to_degrees() - 90.0 / 256.0).abs() < 1e-9, "{x}");
-        }
-        // A picture of 1024 columns round the equator.
-        assert!((cube.ppd([128.0; 2]).0 - 1024.0 / 360.0).abs() < 1e-9);
-        // A pixel's long side is at most 1.16 times as long anywhere.
-        assert!(cube.ppd([0.0; 2]).0 > 1024.0 / 360.0 / 1.16);
-    }
-
-    #[test]
-    fn the_density_of_a_pixel_is_what_its_neighbours_are_apart() {
-        for mapping in [Mapping::Gnomonic, Mapping::EquiAngular] {
-            let cube = Surface::cube(512).mapped(mapping);
-            for place in [[256.0, 256.0], [20.0, 300.0], [3.0, 5.0], [500.0, 256.0]] {
-                let from = cube.direction(1, place);
-                let widest = (0..64).map(|step| {
-                    let turn = f64::from(step) / 64.0 * core::f64::consts::PI;
-                    let to = [place[0] + 0.01 * turn.cos(), place[1] + 0.01 * turn.sin()];
-                    (cube.direction(1, to) - from).length() / 0.01
-                });
-                let widest = Radians(widest.fold(0.0, f64::max)).to_degrees();
-                let told = 1.0 / cube.ppd(place).0;
-                assert!((widest / told - 1.0).abs() < 0.003, "{mapping:?} {place:?}");
-                // Sides of one pixel give its area.
-                let [right, down] = [[0.01, 0.0], [0.0, 0.01]]
-                    .map(|step| cube.direction(1, [place[0] + step[0], place[1] + step[1]]) - from);
-                let area = right.cross(down).length() / 1e-4;
-                let cos = from.dot(cube.axes(1).forward);
-                let side = Radians::from_degrees(told).0;
-                let told = side * side * cos * cube.shape(place);
-                assert!((area / told - 1.0).abs() < 0.003, "{mapping:?} {place:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_desk_screen_fills_about_48_degrees() {
-        let screen = Surface::flat([1920, 1080], Screen::default());
-        let degrees = Radians(2.0 * libm::atan(screen.tangents[0])).to_degrees();
-        assert!((degrees - 47.77).abs() < 0.05, "{degrees}");
-    }
-
-    #[test]
-    fn density_grows_from_the_centre_of_a_face_to_its_corner() {
-        let cube = Surface::cube(4096);
-        let centre = cube.ppd([2048.0, 2048.0]).0;
-        assert!((centre - 35.74).abs() < 0.01, "{centre}");
-        assert!(cube.ppd([0.0, 0.0]).0 > 1.7 * centre);
-    }
-
-    #[test]
-    fn a_panorama_without_poles_has_nothing_above_and_below() {
-        let panorama = Surface::cube(8).without_poles();
-        assert_eq!((panorama.faces(), panorama.pixels()), (4, 4 * 64));
-        assert_eq!(panorama.locate(DVec3::new(0.1, 1.0, 0.1)), None);
-        assert_eq!(panorama.locate(DVec3::new(0.1, -1.0, 0.1)), None);
-        assert_eq!(panorama.locate(DVec3::X).map(|found| found.0), Some(1));
-    }
-
-    #[test]
-    fn the_faces_of_the_right_eye_lie_where_those_of_the_left_do() {
-        for surface in [Surface::cube(8), Surface::cube(8).without_poles()] {
-            let both = surface.for_two_eyes();
-            let right = both.first_face(Eye::Right);
-            assert_eq!(
-                (both.faces(), right),
-                (2 * surface.faces(), surface.faces())
-            );
-            assert_eq!(surface.first_face(Eye::Right), 0);
-            for face in 0..surface.faces() {
-                assert_eq!(both.axes(right + face), surface.axes(face));
-            }
-        }
-    }
-
-    #[test]
-    fn wide_pixels_fill_the_screen_that_twice_as_many_square_ones_do() {
-        let screen = Screen::default();
-        let wide = Surface::flat_with_pixels([960, 1080], [2, 1], screen);
-        let square = Surface::flat([1920, 1080], screen);
-        assert_eq!(wide.tangents, square.tangents);
-        assert!(wide.pitch() > 1.9 * square.pitch());
-    }
-
-    #[test]
-    fn yaw_to_the_right_lands_on_the_right_face() {
-        let degrees = Radians::from_degrees;
-        let cube = Surface::cube(8);
-        let face = |yaw, pitch| {
-            cube.locate(direction_from_yaw_pitch(degrees(yaw), degrees(pitch)))
-                .unwrap()
-                .0
-        };
-        assert_eq!(face(90.0, 0.0), 1);
-        assert_eq!(face(-90.0, 0.0), 3);
-        assert_eq!(face(0.0, 80.0), 4);
-        assert_eq!(face(0.0, -80.0), 5);
-        assert_eq!(face(180.0, 0.0), 2);
-    }
-}
+mod tests;

@@ -3,7 +3,8 @@
 use super::plan::PreparationPlan;
 use crate::parallel::in_parallel;
 use crate::prepare::pyramid::{halve, halve_all};
-use crate::sphere::CubeSampler;
+use crate::prepare::sphere_levels::halve_spheres;
+use crate::sphere::{Coverage, CubeSampler, equirect_from_cube};
 use crate::surround::cube_layout::CubeLayout;
 use crate::surround::eye_layout::EyeLayout;
 use crate::surround::found::Surround;
@@ -11,6 +12,7 @@ use crate::surround::sphere_part::SpherePart;
 use crate::tiles::encode_settings::Speed;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::picture::{Colour, Picture};
+use foveal_core::view::surface::Projection;
 use std::borrow::Cow;
 
 /// How one eye's picture becomes faces.
@@ -21,6 +23,10 @@ enum Turn {
     Sphere(Box<CubeSampler>),
     /// By cutting; the flag says that chroma lies on the left luma sample of each pair.
     Cube(CubeLayout, bool),
+    /// Onto the front half of a whole sphere.
+    Half(SpherePart),
+    /// By cutting, and resampling onto a sphere of this many pixels; the flag as above.
+    Unfolded(CubeLayout, bool, [u32; 2]),
 }
 
 /// Turns source pictures into the tiles of all levels.
@@ -39,9 +45,23 @@ impl Cutter {
     pub(super) fn new(plan: &PreparationPlan) -> Self {
         let face = plan.grid.surface.size[0];
         let left = plan.source_chroma_left;
-        let turn = match plan.surround {
-            Surround::Flat => Turn::Flat,
-            Surround::Equirect(coverage) => {
+        let surface = plan.grid.surface;
+        let turn = match (plan.surround, surface.projection) {
+            (Surround::Flat, _) | (Surround::Equirect(Coverage::Full), Projection::Equirect) => {
+                Turn::Flat
+            }
+            (Surround::Equirect(Coverage::FrontHalf), Projection::Equirect) => {
+                // Even, so that chroma stays on its luma.
+                let at = plan.eye_size[0] / 4 * 2;
+                Turn::Half(SpherePart {
+                    whole: surface.size,
+                    at: [at, 0],
+                })
+            }
+            (Surround::Cube(layout), Projection::Equirect) => {
+                Turn::Unfolded(layout, left, surface.size)
+            }
+            (Surround::Equirect(coverage), _) => {
                 let sampler = CubeSampler::new(plan.eye_size, face, coverage, left)
                     .mapped(plan.grid.surface.mapping);
                 Turn::Sphere(Box::new(match plan.speed {
@@ -49,7 +69,7 @@ impl Cutter {
                     Speed::Reference => sampler,
                 }))
             }
-            Surround::Cube(layout) => Turn::Cube(layout, left),
+            (Surround::Cube(layout), _) => Turn::Cube(layout, left),
         };
         Self {
             grid: plan.grid,
@@ -73,7 +93,7 @@ impl Cutter {
         };
         let whole;
         let picture = if let Some(part) = self.part {
-            whole = part.whole_of(picture, if self.colour.full_range { 0 } else { 16 });
+            whole = part.whole_of(picture, self.black());
             &whole
         } else {
             picture
@@ -100,7 +120,31 @@ impl Cutter {
                 .iter()
                 .flat_map(|eye| layout.split(eye, *left))
                 .collect(),
+            Turn::Half(part) => eyes
+                .iter()
+                .map(|eye| part.whole_of(eye, self.black()))
+                .collect(),
+            Turn::Unfolded(layout, left, size) => eyes
+                .iter()
+                .map(|eye| self.unfolded(layout.split(eye, *left), *left, *size))
+                .collect(),
         }
+    }
+
+    fn black(&self) -> u8 {
+        if self.colour.full_range { 0 } else { 16 }
+    }
+
+    /// The sphere that these faces show; black where there are none.
+    fn unfolded(&self, faces: Vec<Picture>, chroma_left: bool, size: [u32; 2]) -> Picture {
+        let [w, h] = [faces[0].width, faces[0].height];
+        let mut faces = faces.into_iter();
+        let cube = [(); 6].map(|()| match faces.next() {
+            Some(face) if chroma_left => between_luma(face),
+            Some(face) => face,
+            None => Picture::filled(w, h, [self.black(), 128, 128]),
+        });
+        equirect_from_cube(&cube, size, self.jobs)
     }
 
     /// Whole faces are halved, then every level is cut.
@@ -108,7 +152,11 @@ impl Cutter {
         let mut levels = Vec::new();
         for level in 0..self.grid.levels {
             if level > 0 {
-                faces = halve_all(&faces, self.grid.ratio, self.colour, self.jobs).into();
+                let halve = match self.grid.surface.is_of_planes() {
+                    true => halve_all,
+                    false => halve_spheres,
+                };
+                faces = halve(&faces, self.grid.ratio, self.colour, self.jobs).into();
             }
             let scale = self.grid.scale(level);
             let count = self.grid.tiles_in_level(level);
@@ -143,6 +191,20 @@ impl Cutter {
         }
         levels
     }
+}
+
+/// The picture with chroma between its luma samples, which lay on the left one of each pair.
+fn between_luma(mut picture: Picture) -> Picture {
+    let width = picture.plane_size(1)[0] as usize;
+    for plane in &mut picture.planes[1..] {
+        for row in plane.chunks_exact_mut(width) {
+            for x in 0..width - 1 {
+                let sum = 3 * u16::from(row[x]) + u16::from(row[x + 1]);
+                row[x] = ((sum + 2) / 4) as u8;
+            }
+        }
+    }
+    picture
 }
 
 /// Limited-range planes (Y 16–235, chroma 16–240) as full-range ones (0–255).

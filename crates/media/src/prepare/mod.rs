@@ -18,6 +18,7 @@ pub(crate) mod settings;
 mod sound;
 #[cfg(test)]
 mod speed_tests;
+mod sphere_levels;
 mod time_notes;
 
 pub use crate::surround::found::Surround;
@@ -25,7 +26,7 @@ pub use error::PrepareError;
 pub use identity::pack_identity_of;
 pub use plan::PreparationPlan;
 pub use remarks::Remarks;
-pub use settings::{PrepareSettings, ProjectionChoice, Quality, StereoChoice};
+pub use settings::{PrepareSettings, ProjectionChoice, Quality, SpherePack, StereoChoice};
 
 use crate::pack::name_claim::NameClaim;
 use crate::pack::pack_file::PackFileError;

@@ -3,9 +3,10 @@
 use super::error::PrepareError;
 use super::rates::{describe, rates_of};
 use super::remarks::Remarks;
-use super::settings::{FACE_SIZES, PrepareSettings};
+use super::settings::{FACE_SIZES, PrepareSettings, SpherePack};
 use crate::read::source::{Sound, SourceInfo};
 use crate::sphere::{Coverage, face_size_for};
+use crate::surround::cube_layout::CubeLayout;
 use crate::surround::eye_layout::EyeLayout;
 use crate::surround::found::{Surround, SurroundOfEyes, surround_of};
 use crate::surround::sphere_part::SpherePart;
@@ -15,7 +16,7 @@ use foveal_core::content::video::bytes::description::{Description, Source};
 use foveal_core::content::video::bytes::rate::QualityScale;
 use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 use foveal_core::view::picture::Colour;
-use foveal_core::view::surface::{Mapping, Screen, Surface};
+use foveal_core::view::surface::{Mapping, Projection, Screen, Surface};
 use std::path::Path;
 
 /// What will be made of an input.
@@ -67,7 +68,10 @@ impl PreparationPlan {
         let mut remarks = Remarks::default();
         let found = surround_of(input, info, settings, &mut remarks)?;
         let surround = found.surround;
-        let surface = cube_as_asked(surface(&found), surround, settings)?;
+        let surface = match settings.pack_projection {
+            SpherePack::Cube => cube_as_asked(surface(&found), surround, settings)?,
+            SpherePack::Equirect => equirect_as_asked(&found, settings)?,
+        };
         let levels = settings
             .levels
             .unwrap_or_else(|| default_levels(surface, settings.ratio));
@@ -79,7 +83,7 @@ impl PreparationPlan {
         let stretch_to_full_range = stretches(info, settings);
         let colour = Colour {
             full_range: info.colour.full_range || stretch_to_full_range,
-            chroma_left: info.colour.chroma_left && !matches!(surround, Surround::Equirect(_)),
+            chroma_left: info.colour.chroma_left && !is_resampled(surround, &surface),
             ..info.colour
         };
         let rates = rates_of(settings, info.looks_still, levels)?;
@@ -132,6 +136,17 @@ impl PreparationPlan {
 }
 
 impl PreparationPlan {
+    /// What one eye's picture of the source itself lies on where it is flat or a cube.
+    pub(crate) fn source_surface(&self, screen: Screen) -> Surface {
+        match self.surround {
+            Surround::Cube(layout) => cube_of(layout, self.eye_size),
+            Surround::Flat | Surround::Equirect(_) => Surface {
+                eyes: 1,
+                ..self.description.grid(screen).surface
+            },
+        }
+    }
+
     /// Everything but the input and the program that the bytes of the pack depend on, as text.
     pub(super) fn what_decides_the_bytes(&self) -> String {
         let about = &self.description;
@@ -218,19 +233,21 @@ fn surface(found: &SurroundOfEyes) -> Surface {
             Surface::cube(face_size_for(w.max(h), Coverage::FrontHalf))
         }
         Surround::Equirect(coverage) => Surface::cube(face_size_for(w, coverage)),
-        Surround::Cube(layout) => {
-            let cube = Surface::cube(layout.face_size(found.eye_size));
-            if layout.faces() == 4 {
-                cube.without_poles()
-            } else {
-                cube
-            }
-        }
+        Surround::Cube(layout) => cube_of(layout, found.eye_size),
     };
     if found.eyes.eyes() > 1 {
         surface.for_two_eyes()
     } else {
         surface
+    }
+}
+
+/// The faces that a picture holds.
+fn cube_of(layout: CubeLayout, eye_size: [u32; 2]) -> Surface {
+    let cube = Surface::cube(layout.face_size(eye_size));
+    match layout.faces() {
+        4 => cube.without_poles(),
+        _ => cube,
     }
 }
 
@@ -266,8 +283,52 @@ fn cube_as_asked(
     Ok(surface)
 }
 
+/// Whether chroma comes to lie between its luma samples, wherever it lay.
+fn is_resampled(surround: Surround, surface: &Surface) -> bool {
+    match surround {
+        Surround::Flat => false,
+        Surround::Equirect(_) => surface.projection == Projection::Cube,
+        Surround::Cube(_) => surface.projection == Projection::Equirect,
+    }
+}
+
+/// One picture of the whole sphere, as dense as what it is made of.
+fn equirect_as_asked(
+    found: &SurroundOfEyes,
+    settings: &PrepareSettings,
+) -> Result<Surface, PrepareError> {
+    let wrong = |what: &str| Err(PrepareError::Option(format!("--pack-projection {what}")));
+    if settings.mapping.is_some() || settings.face_size.is_some() {
+        return wrong("equirect: it has no faces; leave --mapping and --face-size out");
+    }
+    let [w, h] = found.eye_size;
+    let size = match found.surround {
+        Surround::Flat => {
+            return wrong(
+                "equirect: the input is flat; leave it out, or say how it surrounds the eye with \
+                 --projection",
+            );
+        }
+        Surround::Equirect(Coverage::Full) => [w, h],
+        Surround::Equirect(Coverage::FrontHalf) => [2 * w, h],
+        Surround::Cube(layout) => {
+            let face = layout.face_size(found.eye_size);
+            [4 * face, 2 * face]
+        }
+    };
+    let surface = Surface::equirect(size);
+    Ok(match found.eyes.eyes() {
+        1 => surface,
+        _ => surface.for_two_eyes(),
+    })
+}
+
 fn default_levels(surface: Surface, ratio: u32) -> u8 {
-    let longest = surface.size[0].max(surface.size[1]);
+    // Of a whole turn a quarter counts, as one face of a cube has it.
+    let longest = match surface.projection {
+        Projection::Equirect => (surface.size[0] / 4).max(surface.size[1] / 2),
+        Projection::Flat | Projection::Cube => surface.size[0].max(surface.size[1]),
+    };
     let fits = |level: &u8| longest / ratio.max(2).pow(u32::from(*level)) >= LEAST_COARSEST;
     (1..LEVELS).take_while(fits).count() as u8 + 1
 }

@@ -17,6 +17,8 @@ pub struct PrepareSettings {
     pub stereo: StereoChoice,
     /// Whether its sound comes along.
     pub sound: bool,
+    /// How a pack shows what lies all around.
+    pub pack_projection: SpherePack,
     /// How pixels lie over the faces of a cube that is resampled; equi-angular if `None`.
     pub mapping: Option<Mapping>,
     /// Pixels on a side of such a face; by size of the source if `None`.
@@ -46,6 +48,7 @@ impl Default for PrepareSettings {
             projection: ProjectionChoice::Auto,
             stereo: StereoChoice::Auto,
             sound: true,
+            pack_projection: SpherePack::Cube,
             mapping: None,
             face_size: None,
             cut: None,
@@ -74,6 +77,16 @@ pub enum ProjectionChoice {
     HalfEquirect,
     /// Faces of a cube, laid out as their metadata or their shape tells.
     Cube,
+}
+
+/// How a pack shows what lies all around: Kastner 2016, section 3.3.2, names both.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SpherePack {
+    /// On the faces of a cube.
+    #[default]
+    Cube,
+    /// On one equirectangular picture; one that is whole keeps its pixels as they are.
+    Equirect,
 }
 
 /// What the caller says about the two eyes.

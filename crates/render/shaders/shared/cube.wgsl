@@ -100,6 +100,11 @@ fn neighbour(face: u32, place: vec2f, k: u32, high: bool) -> Neighbour {
     return Neighbour(first + beside, place_beside, select(1u, 0u, runs_right));
 }
 
+// Columns and rows between places of a face, as they are seen.
+fn seen_apart(place: vec2f, apart: vec2f) -> vec2f {
+    return apart;
+}
+
 // The footprint with the cells over the edges nearby.
 fn widened_across(face: u32, place: vec2f, known: f32) -> f32 {
     let reach = tiles.growth * (tiles.coarsest_scale - known);

@@ -8,17 +8,22 @@
 const GNOMONIC = 0u;
 const QUARTER = 0.7853981633974483;
 
+// Of tangents from -1 to 1.
+fn arc_tangent(x: vec2f) -> vec2f {
+    let s = x * x;
+    let high = -0.0752896400 + s * (0.0429096138 + s * (-0.0161657367 + s * 0.0028662257));
+    let middle = -0.1420889944 + s * (0.1065626393 + s * high);
+    let low = -0.3333314528 + s * (0.1999355085 + s * middle);
+    return x + x * s * low;
+}
+
 fn place_on_face(tangent: vec2f) -> vec2f {
     if (tiles.mapping == GNOMONIC) {
         return tangent;
     }
     let steep = abs(tangent) > vec2f(1.0);
     let x = select(tangent, 1.0 / tangent, steep);
-    let s = x * x;
-    let high = -0.0752896400 + s * (0.0429096138 + s * (-0.0161657367 + s * 0.0028662257));
-    let middle = -0.1420889944 + s * (0.1065626393 + s * high);
-    let low = -0.3333314528 + s * (0.1999355085 + s * middle);
-    let place = (x + x * s * low) / QUARTER;
+    let place = arc_tangent(x) / QUARTER;
     return select(place, 2.0 * sign(tangent) - place, steep);
 }
 

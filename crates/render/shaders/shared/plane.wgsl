@@ -10,6 +10,11 @@ fn seen_by(pixel: vec2f) -> SeenPlace {
     return SeenPlace(inside, view.first_face, place, footprint);
 }
 
+// Columns and rows between places of a face, as they are seen.
+fn seen_apart(place: vec2f, apart: vec2f) -> vec2f {
+    return apart;
+}
+
 fn widened_across(face: u32, place: vec2f, known: f32) -> f32 {
     return known;
 }

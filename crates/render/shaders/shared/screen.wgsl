@@ -1,7 +1,7 @@
 // What does a pixel of a view show?
 
 struct View {
-    // Turns (column, row, 1) into a homogeneous place on flat content, into a ray on a cube.
+    // Turns (column, row, 1) into a homogeneous place on flat content, else into a ray.
     content_from_pixel: mat3x3f,
     // The first face of the eye that looks.
     first_face: u32,

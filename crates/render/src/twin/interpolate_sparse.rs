@@ -6,7 +6,7 @@ use super::shared::picture::picture_at;
 use super::shared::screen::View;
 use super::shared::tiles::TwinTiles;
 use super::shared::wgsl::mix;
-use super::shared::{cube, plane};
+use super::shared::{cube, equirect, plane};
 use crate::params::SparseParams;
 use crate::tiles::sparse::Interpolation;
 use foveal_core::perception::samples::nearest_sample::NEIGHBOURS;
@@ -102,6 +102,7 @@ pub(super) fn interpolate_sparse(
     let seen = match tiles.grid.surface.projection {
         Projection::Flat => plane::seen_by(tiles, view, position),
         Projection::Cube => cube::seen_by(tiles, view, position),
+        Projection::Equirect => equirect::seen_by(tiles, view, position),
     };
     if !seen.inside {
         return Vec4::new(0.0, 0.0, 0.0, 1.0);

@@ -13,6 +13,7 @@ mod interpolate_sparse;
 mod overlay;
 mod projected;
 mod reconstruct_cube;
+mod reconstruct_equirect;
 mod reconstruct_plane;
 mod reconstruct_textures;
 mod reduce_source;
@@ -45,6 +46,9 @@ pub fn reconstruct(tiles: &TwinTiles, view: &EyeView) -> RgbaImage {
         let colour = match tiles.grid.surface.projection {
             Projection::Flat => reconstruct_plane::reconstruct_plane(tiles, &params, position),
             Projection::Cube => reconstruct_cube::reconstruct_cube(tiles, &params, position),
+            Projection::Equirect => {
+                reconstruct_equirect::reconstruct_equirect(tiles, &params, position)
+            }
         };
         image.set_pixel(at, code(colour));
     });

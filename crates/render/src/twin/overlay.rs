@@ -4,7 +4,7 @@ use super::shared::footprint::{level_of, shown_footprint};
 use super::shared::ramp::ramp;
 use super::shared::screen::{SeenPlace, View};
 use super::shared::tiles::{TwinTiles, cell_at, scale_of, shown_in, source_at};
-use super::shared::{cube, plane};
+use super::shared::{cube, equirect, plane};
 use crate::params::Overlay;
 use foveal_core::view::surface::Projection;
 use glam::{Vec2, Vec3, Vec4};
@@ -17,6 +17,10 @@ fn to_border(tiles: &TwinTiles, seen: &SeenPlace) -> f32 {
     let shown = shown_in(tiles, seen.face, cell_at(tiles, seen.place));
     let tile = source_at(tiles, shown, seen.face, seen.place);
     let away = (seen.place - tile.low).min(tile.high - seen.place);
+    let away = match tiles.grid.surface.projection {
+        Projection::Flat | Projection::Cube => away,
+        Projection::Equirect => equirect::seen_apart(tiles, seen.place, away),
+    };
     away.x.min(away.y) / seen.footprint.max(1.0)
 }
 
@@ -31,6 +35,7 @@ pub(super) fn overlay(tiles: &TwinTiles, view: &View, marks: &Overlay, position:
     let seen = match tiles.grid.surface.projection {
         Projection::Flat => plane::seen_by(tiles, view, position),
         Projection::Cube => cube::seen_by(tiles, view, position),
+        Projection::Equirect => equirect::seen_by(tiles, view, position),
     };
     if seen.inside {
         let own = scale_of(

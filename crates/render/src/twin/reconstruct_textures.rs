@@ -4,7 +4,7 @@
 use super::shared::colour::rgb_from_yuv;
 use super::shared::screen::View;
 use super::shared::tiles::{Plane, TwinTiles, cell_at, fetch, shown_in};
-use super::shared::{cube, plane};
+use super::shared::{cube, equirect, plane};
 use foveal_core::view::surface::Projection;
 use glam::{Vec2, Vec3, Vec4};
 
@@ -12,6 +12,7 @@ pub(super) fn reconstruct_textures(tiles: &TwinTiles, view: &View, position: Vec
     let seen = match tiles.grid.surface.projection {
         Projection::Flat => plane::seen_by(tiles, view, position),
         Projection::Cube => cube::seen_by(tiles, view, position),
+        Projection::Equirect => equirect::seen_by(tiles, view, position),
     };
     if !seen.inside {
         return Vec4::new(0.0, 0.0, 0.0, 1.0);

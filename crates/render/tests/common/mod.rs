@@ -184,7 +184,7 @@ pub fn waves(_face: u32, place: [f64; 2]) -> [f64; 3] {
     waves_moved(0.0, place)
 }
 
-/// The same kind of waves as a function of the direction that a place of a cube lies in.
+/// The same kind of waves as a function of the direction that a place lies in.
 pub fn waves_around_moved(phase: f64, surface: &Surface, face: u32, place: [f64; 2]) -> [f64; 3] {
     let d = surface.direction(face, place);
     let wave = |x: f64, y: f64, z: f64| (d.x * x + d.y * y + d.z * z + phase * (x + 2.0)).sin();
@@ -220,7 +220,9 @@ pub fn waves_on(surface: Surface, cut: Cut, levels: u8, ratio: u32) -> Scene {
         };
         match surface.projection {
             Projection::Flat => waves_moved(phase, place),
-            Projection::Cube => waves_around_moved(phase, &surface, face, place),
+            Projection::Cube | Projection::Equirect => {
+                waves_around_moved(phase, &surface, face, place)
+            }
         }
     })
 }

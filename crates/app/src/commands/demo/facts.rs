@@ -27,6 +27,7 @@ fn source(played: &Played) -> String {
     let kind = match about.projection {
         Projection::Flat => "flat".to_owned(),
         Projection::Cube => format!("360°, on a cube of {0}×{0} pixel faces", about.size[0]),
+        Projection::Equirect => "360°, equirectangular".to_owned(),
     };
     let origin = if played.content.generated {
         "Drawn by the program, with fine detail everywhere"

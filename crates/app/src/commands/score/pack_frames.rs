@@ -196,7 +196,7 @@ pub(crate) fn display_of_view(view: &EyeView, projection: Projection) -> Display
     let extent = [field.left + field.right, field.up + field.down];
     let light = match projection {
         Projection::Flat => Photometry::DESK,
-        Projection::Cube => Photometry::HEADSET,
+        Projection::Cube | Projection::Equirect => Photometry::HEADSET,
     };
     Display::of("view", view.size, extent, light)
 }

@@ -152,7 +152,7 @@ fn view(surface: &Surface, front: Radians) -> EyeView {
             let height = (height.round() as u32).clamp(1, MOST_HEIGHT);
             EyeView::filling(surface, [WIDTH, height])
         }
-        Projection::Cube => {
+        Projection::Cube | Projection::Equirect => {
             let size = [WIDTH, WIDTH * 9 / 16];
             EyeView {
                 position: Default::default(),

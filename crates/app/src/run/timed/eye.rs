@@ -45,7 +45,7 @@ impl JumpingEye {
         self.frames += 1;
         let head = match self.surface.projection {
             Projection::Flat => HeadPose::default(),
-            Projection::Cube => self.head.follow(self.at, time),
+            Projection::Cube | Projection::Equirect => self.head.follow(self.at, time),
         };
         let gaze = GazeSample {
             time,
@@ -69,7 +69,7 @@ impl JumpingEye {
 
     fn anywhere(&mut self) -> DVec3 {
         match self.surface.projection {
-            Projection::Cube => self.random.direction(),
+            Projection::Cube | Projection::Equirect => self.random.direction(),
             Projection::Flat => {
                 let place = self
                     .surface

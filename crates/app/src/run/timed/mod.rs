@@ -144,7 +144,7 @@ impl Conditions<'_> {
 fn display(surface: &Surface) -> EyeView {
     match surface.projection {
         Projection::Flat => EyeView::filling(surface, surface.size),
-        Projection::Cube => {
+        Projection::Cube | Projection::Equirect => {
             let size = [HEADSET_PIXELS; 2];
             EyeView {
                 position: Default::default(),

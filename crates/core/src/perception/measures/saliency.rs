@@ -145,7 +145,7 @@ pub fn saliency(cues: &Cues, projection: Projection, tangents: [f64; 2], place: 
 /// Where eyes rest whatever is shown: near the equator of a sphere, near the centre of a picture.
 fn bias(projection: Projection, tangents: [f64; 2], place: DVec3) -> f64 {
     let squared = match projection {
-        Projection::Cube => {
+        Projection::Cube | Projection::Equirect => {
             let pitch = yaw_pitch_from_direction(place).1.to_degrees() / EQUATOR_DEG;
             pitch * pitch
         }

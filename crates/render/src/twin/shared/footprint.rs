@@ -3,7 +3,7 @@
 
 use super::tiles::TwinTiles;
 use super::widened::widened;
-use super::{cube, plane};
+use super::{cube, equirect, plane};
 use foveal_core::view::surface::Projection;
 use glam::Vec2;
 
@@ -18,6 +18,7 @@ pub(crate) fn shown_footprint(
     match tiles.grid.surface.projection {
         Projection::Flat => plane::widened_across(widest),
         Projection::Cube => cube::widened_across(tiles, face, place, widest),
+        Projection::Equirect => equirect::widened_across(tiles, face, place, widest),
     }
 }
 

@@ -6,17 +6,21 @@ use std::f32::consts::FRAC_PI_4;
 
 const GNOMONIC: u32 = 0;
 
+pub(crate) fn arc_tangent(x: Vec2) -> Vec2 {
+    let s = x * x;
+    let high = -0.075_289_64 + s * (0.042_909_614 + s * (-0.016_165_737 + s * 0.002_866_225_7));
+    let middle = -0.142_089 + s * (0.106_562_64 + s * high);
+    let low = -0.333_331_45 + s * (0.199_935_51 + s * middle);
+    x + x * s * low
+}
+
 pub(crate) fn place_on_face(tiles: &TwinTiles, tangent: Vec2) -> Vec2 {
     if tiles.params.mapping == GNOMONIC {
         return tangent;
     }
     let steep = tangent.abs().cmpgt(Vec2::ONE);
     let x = Vec2::select(steep, 1.0 / tangent, tangent);
-    let s = x * x;
-    let high = -0.075_289_64 + s * (0.042_909_614 + s * (-0.016_165_737 + s * 0.002_866_225_7));
-    let middle = -0.142_089 + s * (0.106_562_64 + s * high);
-    let low = -0.333_331_45 + s * (0.199_935_51 + s * middle);
-    let place = (x + x * s * low) / FRAC_PI_4;
+    let place = arc_tangent(x) / FRAC_PI_4;
     Vec2::select(steep, 2.0 * tangent.signum() - place, place)
 }
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod colour;
 pub(crate) mod cube;
+pub(crate) mod equirect;
 pub(crate) mod footprint;
 pub(crate) mod lattice;
 pub(crate) mod mapping;

@@ -9,7 +9,7 @@ use super::tiles::{
     scale_of, segment_start, shown_in, source_at,
 };
 use super::wgsl::mix;
-use super::{cube, plane};
+use super::{cube, equirect, plane};
 use foveal_core::view::surface::Projection;
 use glam::{IVec2, Vec2, Vec3, Vec4};
 
@@ -71,6 +71,9 @@ fn corner_across(
     match tiles.grid.surface.projection {
         Projection::Flat => plane::corner_sample(tiles, corner, plane, level, face, around),
         Projection::Cube => cube::corner_sample(tiles, corner, (plane, level), face, place, around),
+        Projection::Equirect => {
+            equirect::corner_sample(tiles, corner, (plane, level), face, place, around)
+        }
     }
 }
 
@@ -78,6 +81,7 @@ fn beyond_edges(tiles: &TwinTiles, face: u32, axis: &Axis, k: usize) -> Vec2 {
     match tiles.grid.surface.projection {
         Projection::Flat => plane::beyond_edges(axis),
         Projection::Cube => cube::beyond_edges(tiles, face, axis, k),
+        Projection::Equirect => equirect::beyond_edges(axis, k),
     }
 }
 
@@ -99,6 +103,7 @@ fn beside_edge(tiles: &TwinTiles, face: u32, place: Vec2) -> (u32, Vec2) {
     match tiles.grid.surface.projection {
         Projection::Flat => plane::beside_edge(tiles, face, place),
         Projection::Cube => cube::beside_edge(tiles, face, place),
+        Projection::Equirect => equirect::beside_edge(tiles, face, place),
     }
 }
 

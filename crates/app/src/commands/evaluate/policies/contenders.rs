@@ -67,7 +67,7 @@ pub(super) fn contenders(ladders: Ladders<'_>, projection: Projection) -> Vec<Co
     let plain = |policy| Contender::new(PolicyConfig::new(policy));
     let mut all = vec![plain(Policy::Full), plain(Policy::Viewport)];
     // On a flat picture the thesis samples by distance; its grid is for panoramas.
-    all.extend((projection == Projection::Cube).then(|| plain(Policy::Grid)));
+    all.extend(projection.surrounds().then(|| plain(Policy::Grid)));
     all.push(Contender {
         curve: "acuity watson".to_owned(),
         ..Contender::new(PolicyConfig {

@@ -9,7 +9,7 @@ use foveal_core::session::bounds::Bounds;
 use foveal_core::units::Radians;
 use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::navigation::Navigation;
-use foveal_core::view::surface::{Projection, Surface};
+use foveal_core::view::surface::Surface;
 use foveal_play::LivePack;
 use foveal_render::{DrawDevice, Drawer, RenderError, TileStyle};
 
@@ -43,7 +43,7 @@ impl Ready {
             true => panels.iter().map(MountedPanel::of).collect(),
             false => around_the_head(panels),
         };
-        let turns = self.surface().projection == Projection::Cube;
+        let turns = self.surface().projection.surrounds();
         Some(RigPanes::new(panels, mounted, turns))
     }
 

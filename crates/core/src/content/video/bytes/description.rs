@@ -230,6 +230,7 @@ impl Description {
         let surface = match self.projection {
             Projection::Flat => Surface::flat_with_pixels(self.size, self.pixel_aspect, screen),
             Projection::Cube => Surface::cube(self.size[0]).mapped(self.mapping),
+            Projection::Equirect => Surface::equirect(self.size),
         };
         let surface = Surface {
             eyes: self.eyes,

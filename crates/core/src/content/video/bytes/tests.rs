@@ -197,7 +197,13 @@ fn what_is_usual_is_not_written_and_what_is_not_reads_back() {
         eyes: 2,
         ..description()
     };
-    for unusual in [both, wide] {
+    let sphere = Description {
+        projection: Projection::Equirect,
+        size: [64, 32],
+        eyes: 2,
+        ..description()
+    };
+    for unusual in [both, wide, sphere] {
         let json = serde_json::to_vec(&unusual).unwrap();
         assert_eq!(Description::parse(&json).unwrap(), unusual);
         let surface = unusual.grid(Screen::default()).surface;

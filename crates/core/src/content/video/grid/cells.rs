@@ -3,6 +3,7 @@
 //! The answer is a footprint: the level-0 pixels that one shown texel may span. A level is allowed
 //! where its footprint is allowed everywhere in the cell.
 
+use crate::content::video::grid::sphere_cell::SphereCell;
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::units::{Ppd, Radians};
 use crate::view::axes::angle_between;
@@ -22,6 +23,8 @@ pub(crate) struct CellBounds {
     middle: Probe,
     /// Its corners, which are probed too.
     corners: [Probe; 4],
+    /// Directions between which it lies.
+    hull: [DVec3; 4],
     /// Angle from the centre to the farthest corner, and its sine, of a quarter turn at most.
     radius: Radians,
     sine: f64,
@@ -47,10 +50,18 @@ impl CellBounds {
             radius = if angle > radius { angle } else { radius };
             ppd = if probe.ppd < ppd { probe.ppd } else { ppd };
         }
+        let corners = corners(grid, cell);
+        let mut hull = corners.map(|corner| corner.direction);
+        if !grid.surface.is_of_planes() {
+            let sphere_cell = SphereCell::new(grid, cell);
+            hull = sphere_cell.hull();
+            radius = Radians(radius.0.max(sphere_cell.least_radius()));
+        }
         Self {
             cell,
             middle,
-            corners: corners(grid, cell),
+            corners,
+            hull,
             radius,
             sine: libm::sin(radius.0.min(core::f64::consts::FRAC_PI_2)),
             ppd,
@@ -62,8 +73,7 @@ impl CellBounds {
         let centre = self.middle.direction;
         let surely = sight.is_surely_missed(centre, self.sine);
         surely.unwrap_or_else(|| sight.is_missed_by(centre, self.radius))
-            // A cell lies within its corners.
-            || sight.is_missed_between(self.corners.map(|corner| corner.direction))
+            || sight.is_missed_between(self.hull)
     }
 
     /// Its corners, as they are probed.
@@ -86,6 +96,12 @@ impl CellBounds {
         Radians((angle_between(gaze, self.middle.direction).0 - self.radius.0).max(0.0))
     }
 
+    /// Greatest eccentricity that any place of the cell can have.
+    pub(crate) fn most_eccentricity(&self, gaze: DVec3) -> Radians {
+        let away = angle_between(gaze, self.middle.direction).0 + self.radius.0;
+        Radians(away.min(core::f64::consts::PI))
+    }
+
     /// How much nearer to the gaze another probe can be than the one called nearest: cosines of
     /// small angles are told apart no better.
     pub(crate) const NEAREST_WITHIN: Radians = Radians(1e-7);
@@ -98,13 +114,23 @@ impl CellBounds {
             grid.surface
                 .tangent(place(grid, self.cell, [step as u32; 2]))
         });
-        let cosine = |[x, y]: [u32; 2]| {
+        let on_plane = |[x, y]: [u32; 2]| {
             let [a, b] = [tangents[x as usize][0], tangents[y as usize][1]];
             (a * ahead[0] + b * ahead[1] + ahead[2]) / (a * a + b * b + 1.0).sqrt()
         };
+        let turned = tangents.map(|[yaw, down]| [libm::sincos(yaw), libm::sincos(down)]);
+        let on_sphere = |[x, y]: [u32; 2]| {
+            let [(right, forward), _] = turned[x as usize];
+            let [_, (down, level)] = turned[y as usize];
+            level * (right * ahead[0] + forward * ahead[2]) + down * ahead[1]
+        };
+        let is_of_planes = grid.surface.is_of_planes();
         let mut nearest = (f64::NEG_INFINITY, [0; 2]);
         for step in steps() {
-            let cosine = cosine(step);
+            let cosine = match is_of_planes {
+                true => on_plane(step),
+                false => on_sphere(step),
+            };
             if cosine > nearest.0 {
                 nearest = (cosine, step);
             }

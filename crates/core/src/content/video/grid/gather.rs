@@ -104,16 +104,24 @@ impl<'a> Gather<'a> {
             rows.map(|at| [0, 1].map(|dx| f64::from(picture.planes[plane][at + dx])))
         } else {
             // Of whichever tiles they are.
-            let [columns, rows] = [0, 1].map(|k| {
-                let last = (f64::from(self.grid.surface.size[k]) - 0.5).max(0.5);
-                [0.5, 1.5].map(|half| (from[k] + (low[k] + half) * texel).clamp(0.5, last))
-            });
-            let texel_at = |x, y| f64::from(self.mean_at(face, [x, y], plane, texel));
+            let [columns, rows] =
+                [0, 1].map(|k| [0.5, 1.5].map(|half| from[k] + (low[k] + half) * texel));
+            let texel_at = |x, y| f64::from(self.mean_at(face, self.inside([x, y]), plane, texel));
             rows.map(|y| columns.map(|x| texel_at(x, y)))
         };
         let [x, y] = [0, 1].map(|k| along[k] - low[k]);
         let [upper, lower] = taps.map(|[left, right]| left + (right - left) * x);
         libm::round(upper + (lower - upper) * y) as u32
+    }
+
+    /// The place on the surface nearest to one that may lie beyond its borders.
+    fn inside(&self, place: [f64; 2]) -> [f64; 2] {
+        let surface = &self.grid.surface;
+        let place = surface.closed(place);
+        [0, 1].map(|k| {
+            let last = (f64::from(surface.size[k]) - 0.5).max(0.5);
+            place[k].clamp(0.5, last)
+        })
     }
 
     /// Level-0 pixels that a texel of a plane of this tile covers, on a side.

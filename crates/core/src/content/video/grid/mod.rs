@@ -5,4 +5,5 @@ pub mod gather;
 pub mod level_map;
 pub(crate) mod neighbours;
 pub mod places;
+pub(crate) mod sphere_cell;
 pub mod tile_grid;

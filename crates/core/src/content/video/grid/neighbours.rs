@@ -10,12 +10,14 @@ const ALONG: f64 = 1e-3;
 
 /// The cells that share an edge or a corner with `cell`, without itself: eight inside a face, fewer
 /// at the border of flat content or of a face without a neighbour, and seven in the corner of a
-/// cube face, where three faces meet.
+/// cube face, where three faces meet. At a pole of an equirectangular picture, where all columns
+/// meet, it is the whole row.
 #[must_use]
 pub(crate) fn neighbours(grid: &TileGrid, cell: Tile) -> Vec<Tile> {
     let from = grid.origin(cell).map(f64::from);
     let size = grid.covered(cell).map(f64::from);
     let mut found = Vec::with_capacity(8);
+    found.extend(round_a_pole(grid, cell));
     for step in [
         [-1, -1],
         [0, -1],
@@ -41,9 +43,23 @@ pub(crate) fn neighbours(grid: &TileGrid, cell: Tile) -> Vec<Tile> {
     found
 }
 
+/// The other cells of a row that touches a pole: all of them meet there.
+fn round_a_pole(grid: &TileGrid, cell: Tile) -> impl Iterator<Item = Tile> + use<> {
+    let [columns, rows] = grid.cells();
+    let row = u32::from(cell.y);
+    let meets = !grid.surface.is_of_planes() && (row == 0 || row + 1 == rows);
+    let columns = if meets { 0..columns } else { 0..0 };
+    let others = columns.map(move |x| Tile {
+        x: x as u16,
+        ..cell
+    });
+    others.filter(move |other| *other != cell)
+}
+
 /// The cell at a place that may lie beyond the border of its face.
 fn cell_beyond(grid: &TileGrid, face: u8, place: [f64; 2]) -> Option<Tile> {
     let surface = &grid.surface;
+    let place = surface.closed(place);
     let inside = (0..2).all(|k| place[k] >= 0.0 && place[k] < f64::from(surface.size[k]));
     if inside {
         return Some(grid.cell_at(u32::from(face), place));
@@ -90,10 +106,30 @@ mod tests {
     }
 
     #[test]
+    fn at_the_seam_of_a_sphere_columns_touch_and_at_its_poles_whole_rows() {
+        let sphere = Surface::equirect([2048, 1024]).for_two_eyes();
+        let grid = TileGrid::new(sphere, Cut::Tile(128), 4, 2).unwrap();
+        assert_eq!(grid.cells(), [16, 8]);
+        for cell in grid.tiles_of(0) {
+            let next = neighbours(&grid, cell);
+            // At a pole the other fifteen, and three of the row below.
+            let expected = if [0, 7].contains(&cell.y) { 18 } else { 8 };
+            assert_eq!(next.len(), expected, "{cell:?}");
+            assert!(next.iter().all(|other| other.face == cell.face));
+            let beside = Tile {
+                x: (cell.x + 1) % 16,
+                ..cell
+            };
+            assert!(next.contains(&beside), "{cell:?}");
+        }
+    }
+
+    #[test]
     fn touching_is_mutual() {
         let flat = Surface::flat([1000, 600], Screen::default());
         let panorama = Surface::cube(640).without_poles().for_two_eyes();
-        for surface in [Surface::cube(640), flat, panorama] {
+        let sphere = Surface::equirect([1000, 600]);
+        for surface in [Surface::cube(640), flat, panorama, sphere] {
             let grid = TileGrid::new(surface, Cut::Tile(128), 3, 2).unwrap();
             for cell in grid.tiles_of(0) {
                 for next in neighbours(&grid, cell) {

@@ -54,27 +54,26 @@ impl CellPlaces {
 
     fn with(grid: &TileGrid, cell: Tile, across: u32) -> Self {
         let (from, size) = (grid.origin(cell), grid.covered(cell));
+        let surface = &grid.surface;
         let at = |x: f64, y: f64| {
             let place = [
                 f64::from(from[0]) + x * f64::from(size[0]),
                 f64::from(from[1]) + y * f64::from(size[1]),
             ];
             let face = u32::from(cell.face);
-            let surface = &grid.surface;
             (
                 surface.direction(face, place),
                 surface.ppd(place),
                 surface.shape(place),
             )
         };
-        let forward = grid.surface.axes(u32::from(cell.face)).forward;
         let share = 1.0 / f64::from(across * across);
         let pixels = f64::from(size[0]) * f64::from(size[1]);
         let middle = |step: u32| (f64::from(step) + 0.5) / f64::from(across);
         let places = (0..across * across).map(|k| {
             let (direction, ppd, shape) = at(middle(k % across), middle(k / across));
             // Away from the face's axis a pixel fills a smaller solid angle: cos³.
-            let cos = direction.dot(forward);
+            let cos = surface.foreshortening(u32::from(cell.face), direction);
             let area_deg2 = pixels * share / (ppd.0 * ppd.0) * cos * shape;
             CellPlace {
                 direction,
@@ -210,6 +209,10 @@ mod tests {
         for mapping in [Mapping::Gnomonic, Mapping::EquiAngular] {
             let surface = Surface::cube(1024).mapped(mapping);
             let grid = TileGrid::new(surface, Cut::Tile(128), 4, 2).unwrap();
+            assert!((square_degrees(&grid) / sphere - 1.0).abs() < 0.01);
+        }
+        for size in [[2048, 1024], [1500, 1000]] {
+            let grid = TileGrid::new(Surface::equirect(size), Cut::Tile(128), 4, 2).unwrap();
             assert!((square_degrees(&grid) / sphere - 1.0).abs() < 0.01);
         }
     }

@@ -26,7 +26,9 @@ impl Cut {
     #[must_use]
     pub fn pyramid_for(surface: &Surface) -> Self {
         match (surface.projection, surface.size[0]) {
-            (Projection::Cube, 500..) | (Projection::Flat, 12_000..) => Self::Tile(256),
+            (Projection::Cube, 500..)
+            | (Projection::Equirect, 2_000..)
+            | (Projection::Flat, 12_000..) => Self::Tile(256),
             (Projection::Flat, 2_000..) => Self::Tile(512),
             _ => Self::Tile(128),
         }
@@ -305,6 +307,9 @@ impl TileGrid {
         let surface = &self.surface;
         let rise = self.scale(self.coarsest()) - 1;
         let pixels = self.blend_pixels() * f64::from(rise);
+        if !surface.is_of_planes() {
+            return Radians(pixels * surface.pitch());
+        }
         let half = f64::from(surface.size[0]) / 2.0;
         Radians(libm::atan(
             pixels * surface.tangents[0] / half * surface.mapping().slope(0.0),
@@ -399,6 +404,13 @@ mod tests {
                 2,
             ),
             (Surface::flat([1280, 720], screen), Cut::Tile(512), 5, 2),
+            (
+                Surface::equirect([1000, 500]).for_two_eyes(),
+                Cut::Tile(64),
+                4,
+                2,
+            ),
+            (Surface::equirect([720, 361]), Cut::Grid([9, 5]), 3, 4),
             (Surface::flat([1281, 723], screen), Cut::Tile(128), 4, 2),
             (Surface::flat([7, 3], screen), Cut::Tile(128), 2, 2),
             (Surface::flat([1921, 801], screen), Cut::Grid([8, 4]), 3, 4),

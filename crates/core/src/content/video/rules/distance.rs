@@ -6,6 +6,7 @@
 
 use crate::content::video::grid::cells::{CellBounds, probes};
 use crate::content::video::grid::level_map::LevelMap;
+use crate::content::video::grid::sphere_cell::SphereCell;
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::perception::acuity::AcuityModel;
 use crate::units::Radians;
@@ -103,8 +104,12 @@ fn distance_to_cell(grid: &TileGrid, cell: Tile, direction: DVec3) -> Radians {
 
 /// Angle between a direction and the nearest place of a cell in the plane of its face, seen from
 /// ahead of that face; 0 inside, borders included, and half a turn from beside or behind the face.
+/// Of an equirectangular picture, the nearest place on the sphere.
 pub(crate) fn angle_to_cell(grid: &TileGrid, cell: Tile, direction: DVec3) -> Radians {
     let surface = &grid.surface;
+    if !surface.is_of_planes() {
+        return SphereCell::new(grid, cell).angle_to(direction);
+    }
     let axes = surface.axes(u32::from(cell.face));
     let depth = direction.dot(axes.forward);
     if depth <= 1e-9 {

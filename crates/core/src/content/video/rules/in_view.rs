@@ -61,7 +61,11 @@ impl Rules {
             return self.grid.coarsest();
         }
         let corners = bounds.corners();
-        let floor = level_of_footprint(&self.grid, least_footprint(view, corners));
+        let least = match self.grid.surface.is_of_planes() {
+            true => least_footprint(view, corners),
+            false => least_footprint_round(view, bounds),
+        };
+        let floor = level_of_footprint(&self.grid, least);
         let stop = floor.max(enough);
         let finest = |probes: &mut dyn Iterator<Item = Probe>| {
             let mut finest = None;
@@ -90,7 +94,10 @@ impl Rules {
         if bounds.is_beyond(&sight) {
             return self.grid.coarsest();
         }
-        let floor = self.magnified_floor(bounds, view, glance);
+        let floor = match self.grid.surface.is_of_planes() {
+            true => self.magnified_floor(bounds, view, glance),
+            false => 0,
+        };
         if floor == self.grid.coarsest() {
             return floor;
         }
@@ -147,4 +154,10 @@ fn least_footprint(view: &EyeView, corners: &[Probe; 4]) -> f64 {
         probe.ppd.0 * depth / view.least_ppd().0
     };
     corners.iter().map(on_plane).fold(f64::MAX, f64::min)
+}
+
+/// The same of a cell of the sphere, by its least density and what of it is farthest from ahead.
+fn least_footprint_round(view: &EyeView, bounds: &CellBounds) -> f64 {
+    let depth = libm::cos(bounds.most_eccentricity(view.axes.forward).0);
+    bounds.least_ppd().0 * depth / view.least_ppd().0
 }

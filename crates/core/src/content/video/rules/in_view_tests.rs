@@ -9,12 +9,13 @@ use crate::view::eye_view::Field;
 use crate::view::random::Random;
 use crate::view::surface::{Eye, Screen, Surface};
 
-fn grids() -> [TileGrid; 3] {
+fn grids() -> [TileGrid; 4] {
     let flat = |size| Surface::flat(size, Screen::default());
     [
         TileGrid::new(Surface::cube(1024), Cut::Tile(128), 5, 2).unwrap(),
         TileGrid::new(flat([6000, 2500]), Cut::Tile(256), 5, 2).unwrap(),
         TileGrid::new(flat([1536, 1024]), Cut::Grid([8, 8]), 3, 4).unwrap(),
+        TileGrid::new(Surface::equirect([2048, 1024]), Cut::Tile(128), 5, 2).unwrap(),
     ]
 }
 

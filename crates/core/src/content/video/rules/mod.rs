@@ -17,7 +17,6 @@ use crate::perception::glance::Glance;
 use crate::units::{Ppd, Radians};
 use crate::view::axes::{angle_between, direction_between};
 use crate::view::eye_view::EyeView;
-use crate::view::surface::Projection;
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 
@@ -239,7 +238,7 @@ impl Rules {
         let surface = &self.grid.surface;
         let under = surface.locate(gaze);
         let under = under.map(|(face, place)| self.grid.cell_at(face, place));
-        if under.is_none() && surface.projection == Projection::Flat {
+        if under.is_none() && !surface.projection.surrounds() {
             return Vec::new();
         }
         match self.config.edge_rule {

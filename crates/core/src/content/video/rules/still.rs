@@ -22,7 +22,7 @@ pub(super) fn head_room() -> Radians {
 
 /// Whether the picture turns with a head inside the content.
 pub(super) fn turns_with_head(grid: &TileGrid, glance: &Glance) -> bool {
-    grid.surface.projection == Projection::Cube && !glance.is_magnified()
+    grid.surface.projection.surrounds() && !glance.is_magnified()
 }
 
 /// Whether the gaze stays within `slack` of where it was, as surely known and through the same

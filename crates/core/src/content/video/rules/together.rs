@@ -68,8 +68,12 @@ impl Rules {
         levels
     }
 
-    /// Whether nothing of a row of cells of one face is in sight, and nothing of it is exempt.
+    /// Whether nothing of a row of cells of one face is in sight, and nothing of it is exempt;
+    /// false where that is not sure, as of a row that goes all around.
     fn is_row_beyond(&self, row: &[CellBounds], sight: &Frustum) -> bool {
+        if !self.grid.surface.is_of_planes() {
+            return false;
+        }
         let (Some(first), Some(last)) = (row.first(), row.last()) else {
             return true;
         };
