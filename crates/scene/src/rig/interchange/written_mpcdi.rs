@@ -108,7 +108,8 @@ fn faded(panels: &[&Panel]) -> Fades {
 
 /// What a file of this kind has no place for.
 fn left_out(panels: &[&Panel]) -> Vec<String> {
-    let kinds: [(&str, fn(&Panel) -> bool); 4] = [
+    type IsLeftOut = fn(&Panel) -> bool;
+    let kinds: [(&str, IsLeftOut); 4] = [
         ("the eye that looks at a panel", |it| !it.is_for_both),
         ("gain", |it| it.gain != [1.0; 3]),
         ("maps of red and blue (that of green counts)", |it| {
@@ -118,7 +119,7 @@ fn left_out(panels: &[&Panel]) -> Vec<String> {
             !it.output.monitor.is_empty()
         }),
     ];
-    let one = |(what, is_lost): (&str, fn(&Panel) -> bool)| {
+    let one = |(what, is_lost): (&str, IsLeftOut)| {
         let all = panels.iter().filter(|it| is_lost(it));
         let ids: Vec<&str> = all.map(|it| it.id.as_str()).collect();
         let shown = ids.iter().take(4).copied().collect::<Vec<_>>().join(", ");

@@ -8,7 +8,6 @@ use crate::perception::glance::Glance;
 use crate::units::Radians;
 use crate::view::axes::angle_between;
 use crate::view::eye_view::EyeView;
-use crate::view::surface::Projection;
 use glam::DVec3;
 
 /// How far the head may turn under a steady eye before levels are chosen for where it points, in
