@@ -18,7 +18,8 @@ fn to_border(tiles: &TwinTiles, seen: &SeenPlace) -> f32 {
     let tile = source_at(tiles, shown, seen.face, seen.place);
     let away = (seen.place - tile.low).min(tile.high - seen.place);
     let away = match tiles.grid.surface.projection {
-        Projection::Flat | Projection::Cube => away,
+        Projection::Flat => plane::seen_apart(away),
+        Projection::Cube => cube::seen_apart(away),
         Projection::Equirect => equirect::seen_apart(tiles, seen.place, away),
     };
     away.x.min(away.y) / seen.footprint.max(1.0)

@@ -109,6 +109,10 @@ fn neighbour(tiles: &TwinTiles, face: u32, place: Vec2, k: u32, high: bool) -> N
     }
 }
 
+pub(crate) fn seen_apart(apart: Vec2) -> Vec2 {
+    apart
+}
+
 pub(crate) fn widened_across(tiles: &TwinTiles, face: u32, place: Vec2, known: f32) -> f32 {
     let reach = tiles.params.growth * (tiles.params.coarsest_scale - known);
     let near_low = place.cmplt(Vec2::splat(reach));
