@@ -1,6 +1,6 @@
 //! What is taken for granted about a viewer?
 
-use crate::report::output::read_text;
+use crate::report::output::read_settings;
 use anyhow::{Context, bail};
 use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use foveal_core::units::Seconds;
@@ -37,7 +37,7 @@ pub(crate) fn preset_of(choice: &str) -> anyhow::Result<HeadGazePreset> {
              a published system is chosen, kastner-2016"
         );
     }
-    let text = read_text(path, "a preset")?;
+    let text = read_settings(path, "a preset")?;
     let preset: HeadGazePreset = toml::from_str(&text).with_context(|| choice.to_owned())?;
     preset.checked().with_context(|| choice.to_owned())
 }

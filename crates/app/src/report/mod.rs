@@ -5,6 +5,7 @@ pub(crate) mod colour_ramp;
 pub(crate) mod damage;
 pub(crate) mod fault;
 pub(crate) mod html;
+pub(crate) mod out_of_memory;
 pub(crate) mod output;
 pub(crate) mod picture_file;
 pub(crate) mod plot;

@@ -54,7 +54,7 @@ impl Capture {
         let mut device = Device::open(source)?;
         let shared = Arc::new(Shared::default());
         let there = Arc::clone(&shared);
-        std::thread::spawn(move || {
+        let capturing = move || {
             let why = loop {
                 match device.next() {
                     Next::Picture(picture) => {
@@ -67,7 +67,15 @@ impl Capture {
             };
             there.state().ended = Some(why);
             there.changed.notify_all();
-        });
+        };
+        let thread = std::thread::Builder::new().name("capture".to_owned());
+        thread
+            .spawn(capturing)
+            .map_err(|error| CaptureError::Open {
+                name: "capture".to_owned(),
+                reason: format!("no thread can be had for it: {error}"),
+                next: "raise the limits on threads and memory: `ulimit -u`, `ulimit -v`".to_owned(),
+            })?;
         Ok(Self { shared })
     }
 
