@@ -1,5 +1,6 @@
 //! The `foveal` program: which command runs?
 
+mod allocator;
 mod commands;
 #[cfg(test)]
 mod documented_tests;
@@ -10,14 +11,12 @@ mod report;
 mod run;
 mod web_files;
 
+use allocator::Allocator;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Also that of FFmpeg's libraries, which it replaces in the whole program: tiles come and go by
-/// the thousand, and a tenth of the time of decoding them went into the system's allocator.
-#[cfg(target_os = "linux")]
 #[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+static ALLOCATOR: Allocator = Allocator::new();
 
 /// Streams and renders only the detail that an eye can see.
 #[derive(Debug, Parser)]

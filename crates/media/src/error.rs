@@ -109,6 +109,14 @@ pub enum MediaError {
         /// Width and height of this frame, as coded.
         to: [u32; 2],
     },
+    /// The system gives no thread.
+    #[error("no thread can be had for {what}")]
+    Thread {
+        /// What it would have done.
+        what: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
     /// A setting or a picture that was handed in does not fit.
     #[error("{field} is {found}; expected {expected}")]
     Setting {

@@ -22,9 +22,9 @@ pub(crate) fn in_parallel<T: Send>(
         }
     };
     let mut all = std::thread::scope(|scope| {
-        let others: Vec<_> = (1..jobs.clamp(1, count.max(1)))
-            .map(|_| scope.spawn(take))
-            .collect();
+        // Where the system gives fewer threads, these take longer.
+        let other = |_| std::thread::Builder::new().spawn_scoped(scope, take).ok();
+        let others: Vec<_> = (1..jobs.clamp(1, count.max(1))).map_while(other).collect();
         let mut all = take();
         for other in others {
             match other.join() {

@@ -50,7 +50,7 @@ impl RenderedWorth {
     /// tell it under rendered importance.
     ///
     /// # Errors
-    /// A unit is damaged, or the device was lost.
+    /// The device was lost.
     pub(crate) fn footprints(&mut self, moment: &Moment) -> Result<Footprints, PlayError> {
         if let Some((_, footprints)) = self.last.as_ref().filter(|(last, _)| {
             last.views == moment.views
@@ -125,7 +125,14 @@ impl RenderedWorth {
                 unit: UnitRef { asset, unit },
                 frame: 0,
             };
-            drawer.upload(piece, self.file.read_unit(unit)?)?;
+            // What is damaged, or does not fit to what is, is seen by whoever plays.
+            let Ok(payload) = self.file.read_unit(unit) else {
+                continue;
+            };
+            match drawer.upload(piece, payload) {
+                Err(error) if !error.is_of_unit() => return Err(error.into()),
+                _ => {}
+            }
         }
         Ok(())
     }

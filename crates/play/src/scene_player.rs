@@ -10,6 +10,7 @@ use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{ImportanceSource, Policy, PolicyConfig};
 use foveal_core::content::scene::Scene;
+use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
 use foveal_core::content::scene::worth::detail_share;
 use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::pack::unit::UnitId;
@@ -60,6 +61,8 @@ pub struct ScenePlayer {
     rendered: Option<RenderedWorth>,
     log: String,
     damaged: u64,
+    /// Roots of meshes and clouds that are not known to be damaged.
+    whole_roots: usize,
     tell: fn(&str),
 }
 
@@ -87,6 +90,7 @@ impl ScenePlayer {
     /// It cannot be drawn.
     pub fn new(file: Arc<SceneFile>, options: ScenePlayerOptions) -> Result<Self, PlayError> {
         let scene = Arc::clone(file.scene());
+        let whole_roots = shape_roots(&file);
         // What draws may take an eighth more than units do.
         let most = options.gpu_bytes - options.gpu_bytes / 8;
         let drawer = Drawer::of_scene(&options.drawing, &scene, most)?;
@@ -120,6 +124,7 @@ impl ScenePlayer {
             rendered,
             log: String::new(),
             damaged: 0,
+            whole_roots,
             tell: options.tell,
             file,
         })
@@ -149,7 +154,8 @@ impl ScenePlayer {
         &self.log
     }
 
-    /// Units that could not be read so far; coarser ones stand in for them.
+    /// Units that could not be read so far, or did not fit to what they refine; coarser ones stand
+    /// in for them.
     #[must_use]
     pub fn damaged_units(&self) -> u64 {
         self.damaged + self.drawer.refused_units()
@@ -183,7 +189,7 @@ impl ScenePlayer {
     /// which the link has brought what is spent.
     ///
     /// # Errors
-    /// A root is damaged, or the device was lost.
+    /// All roots are damaged, or the device was lost.
     pub fn show(&mut self, time: Seconds, moment: &Moment) -> Result<SceneReport, PlayError> {
         let begun = Instant::now();
         let now = Now {
@@ -253,7 +259,8 @@ impl ScenePlayer {
         Ok(())
     }
 
-    /// Reads and parses a unit; a finer one that is damaged leaves the coarser ones.
+    /// Reads and parses a unit; one that is damaged leaves coarser ones, and a root all other
+    /// objects.
     fn fetch(&mut self, piece: Piece) -> Result<(), PlayError> {
         let unit = piece.unit.unit;
         let event = match self.file.read_unit(unit) {
@@ -261,10 +268,15 @@ impl ScenePlayer {
                 self.cache.insert(piece, payload);
                 SessionEvent::Decoded { piece, frames: 1 }
             }
-            Err(error) if self.scene().needs(unit).is_empty() => return Err(error.into()),
             Err(error) => {
+                if self.is_root_of_shape(unit) {
+                    self.whole_roots -= 1;
+                    if self.whole_roots == 0 {
+                        return Err(error.into());
+                    }
+                }
                 if self.damaged == 0 {
-                    let more = "a coarser level is shown; `foveal verify` lists all damage";
+                    let more = "what there is else is shown; `foveal verify` lists all damage";
                     (self.tell)(&format!("{error}; {more}"));
                 }
                 self.damaged += 1;
@@ -273,6 +285,11 @@ impl ScenePlayer {
         };
         self.session.take(event);
         Ok(())
+    }
+
+    fn is_root_of_shape(&self, unit: UnitId) -> bool {
+        let row = self.file.pack().row(unit);
+        row.needs.is_empty() && row.kind != UnitKind::Image
     }
 
     /// Share of the detail that a viewer could see who looks so, hidden or not, that is on screen.
@@ -324,4 +341,10 @@ impl ScenePlayer {
     pub fn picture_in_place(&mut self, view: &EyeView) -> Result<Option<RgbaImage>, PlayError> {
         Ok(self.drawer.picture_in_place(view)?)
     }
+}
+
+/// Number of roots that are no pages of textures.
+fn shape_roots(file: &SceneFile) -> usize {
+    let is_one = |row: &&UnitRow| row.needs.is_empty() && row.kind != UnitKind::Image;
+    file.pack().rows().iter().filter(is_one).count()
 }

@@ -281,7 +281,7 @@ impl Drawer {
                         match self.upload(piece, payload) {
                             Ok(()) => came.extend(moves.then_some(piece.unit.unit)),
                             // What is damaged so that it does not fit is left coarse.
-                            Err(RenderError::Unit(_)) => self.refused += 1,
+                            Err(error) if error.is_of_unit() => self.refused += 1,
                             Err(other) => return Err(other),
                         }
                         changed = true;

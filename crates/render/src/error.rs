@@ -135,3 +135,11 @@ pub enum RenderError {
     #[error("the GPU did not return its result: {0}")]
     ReadBack(String),
 }
+
+impl RenderError {
+    /// Whether one unit alone is wrong: it is damaged, or does not fit to those that are there.
+    #[must_use]
+    pub fn is_of_unit(&self) -> bool {
+        matches!(self, Self::Unit(_) | Self::Misfit { .. })
+    }
+}

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod baseline;
+pub mod beneath;
 pub mod build;
 pub mod cracks;
 pub mod generate;

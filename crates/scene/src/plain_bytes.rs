@@ -1,6 +1,6 @@
 //! How is a file read that somebody named?
 
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions};
 use std::io::Read;
 use std::path::Path;
 
@@ -13,7 +13,11 @@ pub(crate) fn plain_bytes(path: &Path, most: u64) -> Result<Vec<u8>, PlainBytesE
     options.read(true);
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK);
-    let mut file = options.open(path)?;
+    bytes_of(options.open(path)?, most)
+}
+
+/// The same of a file that is open.
+pub(crate) fn bytes_of(mut file: File, most: u64) -> Result<Vec<u8>, PlainBytesError> {
     let there = file.metadata()?;
     if !there.is_file() || there.len() > most {
         return Err(PlainBytesError::Other);

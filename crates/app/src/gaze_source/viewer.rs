@@ -1,6 +1,6 @@
 //! What is taken for granted about a viewer?
 
-use crate::report::output::read_text;
+use crate::report::output::read_settings;
 use anyhow::{Context, bail};
 use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use foveal_core::units::Seconds;
@@ -39,7 +39,7 @@ pub(crate) fn preset_of(choice: &str, plays: bool) -> anyhow::Result<HeadGazePre
         };
         bail!("--preset is {choice}; give free-viewing, search or a file that is there{system}");
     }
-    let text = read_text(path, "a preset")?;
+    let text = read_settings(path, "a preset")?;
     let preset: HeadGazePreset = toml::from_str(&text).with_context(|| choice.to_owned())?;
     preset.checked().with_context(|| choice.to_owned())
 }

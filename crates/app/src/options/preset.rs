@@ -82,7 +82,9 @@ impl SystemPreset {
         let Self::Kastner2016 = self;
         match projection {
             Projection::Flat => None,
-            Projection::Cube => Some((Codec::Jpeg, Quality::Ijg(vec![KASTNER_JPEG]))),
+            Projection::Cube | Projection::Equirect => {
+                Some((Codec::Jpeg, Quality::Ijg(vec![KASTNER_JPEG])))
+            }
         }
     }
 

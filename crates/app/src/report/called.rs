@@ -27,6 +27,11 @@ pub(crate) fn called() -> &'static Called {
     CALLED.get_or_init(|| Called::with(&clap::Command::new("foveal"), std::iter::empty()))
 }
 
+/// Whether `--json` is asked for, as far as the command line was read. Allocates nothing.
+pub(crate) fn json_asked() -> bool {
+    CALLED.get().is_some_and(|called| called.json)
+}
+
 impl Called {
     fn with(program: &clap::Command, words: impl Iterator<Item = OsString>) -> Self {
         let words: Vec<String> = words

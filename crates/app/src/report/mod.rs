@@ -6,6 +6,7 @@ pub(crate) mod damage;
 pub(crate) mod fault;
 pub(crate) mod html;
 mod names;
+pub(crate) mod out_of_memory;
 pub(crate) mod output;
 pub(crate) mod picture_file;
 pub(crate) mod plot;

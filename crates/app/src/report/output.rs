@@ -8,7 +8,7 @@ mod old_names;
 use crate::report::called::called;
 use crate::report::fault::Fault;
 pub(crate) use crate::report::fault::told;
-use crate::report::visible::visible;
+use crate::report::visible::{bounded, visible};
 use anyhow::{Context, anyhow, bail};
 use foveal_media::plain_file::{open_plain, open_sink, read_plain, rename_durably, rename_new};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -23,6 +23,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Whether a result was printed; a failure after it is told on stderr alone.
 static PRINTED: AtomicBool = AtomicBool::new(false);
+
+/// Whether a result was printed.
+pub(crate) fn has_printed() -> bool {
+    PRINTED.load(Ordering::Relaxed)
+}
 
 /// Prints `result` as one JSON object, or `text` for people.
 pub(crate) fn result(json: bool, result: &impl Serialize, text: &str) -> anyhow::Result<()> {
@@ -94,7 +99,11 @@ pub(crate) fn fail_usage(error: &clap::Error) -> ! {
         print_fault(&Fault::of_usage(error, called()));
     }
     let text = error.render().to_string();
-    if let Cow::Owned(text) = visible(&text) {
+    let is_plain = matches!(
+        (visible(&text), bounded(&text)),
+        (Cow::Borrowed(_), Cow::Borrowed(_))
+    );
+    if !is_plain {
         say(text.trim_end());
         std::process::exit(error.exit_code());
     }
@@ -115,7 +124,7 @@ fn print_fault(fault: &Fault) {
 
 /// A line for people on stderr; nobody may be listening.
 pub(crate) fn say(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", visible(line));
+    let _ = writeln!(std::io::stderr(), "{}", visible(&bounded(line)));
 }
 
 /// Most threads that may be asked for.
@@ -140,6 +149,19 @@ pub(crate) fn read_text(path: &Path, what: &str) -> anyhow::Result<String> {
     let unread = || format!("{}: cannot be read as {what}", path.display());
     let bytes = told_apart(read_plain(path, MAX_TEXT_BYTES), (path, what), unread)?;
     String::from_utf8(bytes).with_context(unread)
+}
+
+/// Longest file of settings, in bytes: its parser keeps some fifty times as many.
+const MAX_SETTINGS_BYTES: usize = 1 << 20;
+
+/// The text of a file of settings in TOML.
+pub(crate) fn read_settings(path: &Path, what: &str) -> anyhow::Result<String> {
+    let text = read_text(path, what)?;
+    if text.len() > MAX_SETTINGS_BYTES {
+        let (name, bytes) = (path.display(), text.len());
+        bail!("{name}: has {bytes} bytes, and {what} at most {MAX_SETTINGS_BYTES}; shorten it");
+    }
+    Ok(text)
 }
 
 /// Opens the file that a person named; `what` it should be goes into the message. A pipe, which

@@ -7,6 +7,7 @@
 use crate::commands::score::{display_of_view, picture_of};
 use crate::run::open_player::open_player;
 use crate::run::source_frames::SourceFrames;
+use anyhow::Context;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::bytes::description::{Description, Loss};
 use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
@@ -182,8 +183,9 @@ fn drawn(
     let parts = std::thread::scope(|scope| {
         let parts = scenes
             .chunks(some)
-            .map(|part| scope.spawn(move || draw(part)));
-        let parts: Vec<_> = parts.collect();
+            .map(|part| std::thread::Builder::new().spawn_scoped(scope, move || draw(part)));
+        let parts = parts.collect::<Result<Vec<_>, _>>();
+        let parts = parts.context("no thread can be had for drawing")?;
         let join = |part: std::thread::ScopedJoinHandle<'_, _>| {
             part.join()
                 .unwrap_or_else(|panic| std::panic::resume_unwind(panic))

@@ -5,6 +5,7 @@
 // A test that cannot go on panics.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod altered;
 mod bounded;
 mod bridge;
 mod clouds;
@@ -50,6 +51,7 @@ mod score_many;
 mod selection;
 mod serving;
 mod site;
+mod small_files;
 mod spheres;
 mod support;
 mod unwritable;

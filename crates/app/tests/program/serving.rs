@@ -247,6 +247,10 @@ fn a_request_names_its_host_once_and_by_a_name_of_the_server() {
         (format!("GET http://other.example/ HTTP/1.1\r\n{here}"), 421),
         ("GET / HTTP/1.1\r\nHost: a@localhost".to_owned(), 400),
         ("GET / HTTP/1.1\r\nHost: localhost:x".to_owned(), 400),
+        ("GET / HTTP/1.1\r\nHost: localhost:99999".to_owned(), 400),
+        ("GET / HTTP/1.1\r\nHost: localhost:65536".to_owned(), 400),
+        ("GET / HTTP/1.1\r\nHost: localhost:65535".to_owned(), 200),
+        ("GET / HTTP/1.1\r\nHost: [::1]:99999".to_owned(), 400),
     ] {
         assert_eq!(status(&server, &head), Some(expected), "{head}");
     }

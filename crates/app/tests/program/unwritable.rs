@@ -1,7 +1,9 @@
 //! Does a pack that cannot be written, or is not finished, leave nothing behind?
 
 use crate::scenes::{noisy_clip, waves, write_clip};
-use crate::support::{Folder, command, done, finish, has_dev_full, json, refused, skipped};
+use crate::support::{
+    Folder, assert_refused, command, done, finish, foveal, has_dev_full, json, refused, skipped,
+};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -127,6 +129,44 @@ fn a_full_disk_is_told_and_nothing_is_left_on_it() {
             &["frame", "cannot be written"],
         );
     }
+}
+
+#[test]
+fn an_export_onto_a_full_disk_leaves_no_folder_and_an_earlier_site_as_it_was() {
+    let (folder, small) = (Folder::new(), Folder::new());
+    let Some(_disk) = SmallDisk::mount(&small, "size=128k") else {
+        return;
+    };
+    let clip = write_clip(&folder, "a.mkv", &waves([64, 48], 2));
+    let pack = folder.name("a.foveal");
+    done(&["prepare", "video", &clip, "--out", &pack]);
+    let out = small.name("site");
+    let ran = foveal(&["export", "site", &pack, "--out", &out]);
+    if ran.stderr.contains("built without its pages") {
+        return skipped("the program was built without its pages, so no site was exported");
+    }
+    assert_refused(
+        &ran,
+        1,
+        &["cannot be written", "No space left", "make room"],
+    );
+    assert_eq!(small.names(), [""; 0]);
+    // A folder that was there stays, and one that an export left is completed.
+    std::fs::create_dir(&out).unwrap();
+    assert_refused(
+        &foveal(&["export", "site", &pack, "--out", &out]),
+        1,
+        &["make room"],
+    );
+    assert_eq!(small.names(), ["site"]);
+    let begun = folder.name("begun");
+    std::fs::create_dir(&begun).unwrap();
+    let mark = b"{\"version\":1,\"generator\":\"foveal 0\",\"packs\":[]}";
+    std::fs::write(format!("{begun}/packs.json.partial"), mark).unwrap();
+    std::fs::write(format!("{begun}/index.html"), b"half").unwrap();
+    done(&["export", "site", &pack, "--out", &begun]);
+    assert!(!Path::new(&format!("{begun}/packs.json.partial")).exists());
+    assert!(std::fs::read(format!("{begun}/index.html")).unwrap() != b"half");
 }
 
 #[test]

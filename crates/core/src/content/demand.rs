@@ -135,6 +135,12 @@ pub trait Content: core::fmt::Debug + Send + Sync {
     /// to show.
     fn base(&self, frame: u32) -> Vec<UnitId>;
 
+    /// Whether units of the coarsest level stand each by itself, so that the others are shown where
+    /// one is damaged.
+    fn stands_in_parts(&self) -> bool {
+        false
+    }
+
     /// The coarsest level.
     fn coarsest(&self) -> u8;
 

@@ -15,6 +15,7 @@ mod wanting;
 use crate::content::demand::Content;
 use crate::content::policy::PolicyConfig;
 use crate::content::unit::UnitRef;
+use crate::pack::unit::UnitId;
 use crate::perception::moment::Moment;
 use crate::session::actions::{Now, Pace, SessionAction, SessionEvent};
 use crate::session::bounds::Bounds;
@@ -359,13 +360,23 @@ impl Session {
         }
         self.figures.damaged_units += 1;
         self.states.set(piece, UnitState::Damaged);
-        let is_base = self.is_base(piece);
+        let is_base = self.is_base(piece) && !self.is_spared(piece);
         let is_of_coming = self.coming.as_ref().filter(|it| it.shows.contains(&piece));
         if let Some(coming) = is_of_coming.filter(|_| is_base) {
             self.damaged = Some(coming.tick);
             self.give_up_coming();
             self.figures.damaged_frames += 1;
         }
+    }
+
+    /// Whether a damaged piece of the coarsest level leaves others that are shown without it.
+    fn is_spared(&self, piece: Piece) -> bool {
+        let asset = &self.scene[usize::from(piece.unit.asset.0)];
+        let is_whole = |unit: UnitId| {
+            let unit = UnitRef { unit, ..piece.unit };
+            self.states.of(Piece { unit, ..piece }) != Some(UnitState::Damaged)
+        };
+        asset.stands_in_parts() && asset.base(piece.frame).into_iter().any(is_whole)
     }
 
     /// The frame that was coming does not come.

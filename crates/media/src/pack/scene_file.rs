@@ -4,18 +4,17 @@ use crate::pack::damage::Damage;
 use crate::pack::name_claim::NameClaim;
 use crate::pack::open_pack::{OpenPack, PackFileError};
 use crate::pack::pack_writer::PackWriter;
-use foveal_core::content::images::shape::BORDER;
 use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::payload::Payload;
-use foveal_core::content::points::whole::CloudCheck;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::description::SceneDescription;
 use foveal_core::content::scene::pack::{
     ScenePack, begin_scene, chunk_name, finish_scene, is_scene,
 };
 use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
+use foveal_core::content::scene::whole::SceneCheck;
 use foveal_core::pack::unit::UnitId;
-use foveal_core::pack::{Header, PackError, check_crc};
+use foveal_core::pack::{Header, check_crc};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -144,34 +143,6 @@ impl SceneFile {
         }
     }
 
-    /// Refuses a unit that shows something else than the table tells of it.
-    fn check_row(&self, unit: UnitId, payload: &Payload) -> Result<(), PackFileError> {
-        let row = self.pack().row(unit);
-        let says = match payload {
-            Payload::Mesh(mesh) => {
-                let corners = mesh.clusters.iter().map(|it| it.vertices.len());
-                [mesh.triangles(), corners.sum()]
-            }
-            Payload::Image(page) => {
-                let inner = page.picture.size.map(|side| (side - 2 * BORDER) as usize);
-                let quarter = row.replaces.first().map(|it| it.cluster);
-                let is_its = quarter.is_none_or(|it| it == page.page.quarter());
-                [inner[0] * inner[1], usize::from(!is_its)]
-            }
-            Payload::Points(points) => [points.points.len(), 0],
-            Payload::Picture(_) => return Ok(()),
-        };
-        let told = [row.samples, row.vertices].map(|it| it as usize);
-        match says == told {
-            true => Ok(()),
-            false => Err(self.open.format(PackError {
-                field: format!("unit {}, samples and vertices", unit.0),
-                found: format!("{says:?}"),
-                expected: format!("{told:?}, as the table tells"),
-            })),
-        }
-    }
-
     /// Reads every byte once and checks it: `progress` is told how many bytes are done of how many.
     /// Returns what is damaged, nothing if all is well; of chunks or tables that overlap or leave
     /// gaps that alone.
@@ -181,14 +152,16 @@ impl SceneFile {
         }
         let mut damage = Damage::default();
         let mut done = 0;
-        let mut clouds = CloudCheck::default();
+        let mut check = SceneCheck::new(self.pack());
         for unit in self.pack().units() {
-            let checked = self.read_unit(unit).and_then(|says| {
-                self.check_row(unit, &says)?;
-                let fits = clouds.add(unit, self.pack().row(unit), &says);
+            let read = self.read_unit(unit);
+            if read.is_err() {
+                check.miss(unit);
+            }
+            damage.add(read.and_then(|says| {
+                let fits = check.add(unit, &says);
                 fits.map_err(|source| self.open.format(source))
-            });
-            damage.add(checked);
+            }));
             done += u64::from(self.pack().entry(unit).bytes);
             progress(done, self.bytes());
         }

@@ -28,6 +28,7 @@ pub use plan::PreparationPlan;
 pub use remarks::Remarks;
 pub use settings::{PrepareSettings, ProjectionChoice, Quality, SpherePack, StereoChoice};
 
+use crate::MediaError;
 use crate::pack::name_claim::NameClaim;
 use crate::pack::pack_file::PackFileError;
 use crate::pack::pack_writer::PackWriter;
@@ -270,7 +271,12 @@ fn code(
     let mut progress = |frames, bytes| progress(Progress { frames, of, bytes });
     let (send, receive) = sync_channel(read_ahead(plan.description.source.size));
     let repaired = std::thread::scope(|scope| {
-        let reader = scope.spawn(move || read_frames(input, &known, &send, most));
+        let reading = move || read_frames(input, &known, &send, most);
+        let reader = std::thread::Builder::new().spawn_scoped(scope, reading);
+        let reader = reader.map_err(|source| MediaError::Thread {
+            what: "reading",
+            source,
+        })?;
         let coded = code_frames(&receive, coder, sink, &mut progress);
         // The reader stops when nobody listens.
         drop(receive);

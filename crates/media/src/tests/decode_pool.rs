@@ -81,7 +81,7 @@ fn any_tile_of_any_frame_in_any_order_is_the_picture_of_decoding_in_order() {
         let file = open(&path);
         let (expected, tiles) = (decoded_in_order(&file), all_tiles(&file));
         assert_eq!(expected.len(), tiles.len() * FRAMES as usize);
-        let mut pool = DecodePool::new(Arc::clone(&file), 3);
+        let mut pool = DecodePool::new(Arc::clone(&file), 3).unwrap();
         let mut state = 11;
         for _ in 0..40 {
             let mut asked = 0;
@@ -121,7 +121,7 @@ fn asked_within_a_group_exactly_the_frames_from_its_key_are_decoded() {
         }
         let length = groups[usize::from(tile.level)];
         let since_key = |frame: u32| frame % length + 1;
-        let mut pool = DecodePool::new(Arc::clone(&file), 2);
+        let mut pool = DecodePool::new(Arc::clone(&file), 2).unwrap();
         let mut decoded = |frame| one(&mut pool, &file, tile, frame).decoded;
         assert_eq!(decoded(5), 6);
         assert_eq!(decoded(6), 1, "the frame that follows");
@@ -140,7 +140,7 @@ fn no_picture_of_the_coarsest_level_is_decoded_twice_when_frames_follow_each_oth
     let path = flat_pack(Codec::Vp9);
     let file = open(&path);
     let tile = file.pack().grid().tile_at(file.pack().grid().coarsest(), 0);
-    let mut pool = DecodePool::new(Arc::clone(&file), 1);
+    let mut pool = DecodePool::new(Arc::clone(&file), 1).unwrap();
     // Two turns: the clip loops.
     let frames = (0..2 * FRAMES).map(|frame| frame % FRAMES);
     let decoded: u32 = frames
@@ -159,7 +159,7 @@ fn decoders_are_handed_on_when_the_gaze_moves_and_pictures_stay_right() {
     let path = prepared(&clip, &cut);
     let file = open(&path);
     let expected = decoded_in_order(&file);
-    let mut pool = DecodePool::new(Arc::clone(&file), 2);
+    let mut pool = DecodePool::new(Arc::clone(&file), 2).unwrap();
     // Far more tiles than decoders stay open, some at a time.
     let tiles: Vec<Tile> = file.pack().grid().tiles_of(0).collect();
     for (at, few) in tiles.chunks(20).enumerate() {
@@ -179,7 +179,7 @@ fn still_codecs_decode_only_the_frame_that_was_asked_for() {
         let path = flat_pack(codec);
         let file = open(&path);
         let tile = all_tiles(&file)[0];
-        let mut pool = DecodePool::new(Arc::clone(&file), 1);
+        let mut pool = DecodePool::new(Arc::clone(&file), 1).unwrap();
         for frame in [5, 7, 7, 3, 36] {
             assert_eq!(one(&mut pool, &file, tile, frame).decoded, 1);
         }
@@ -191,7 +191,7 @@ fn cancelling_takes_back_what_was_not_begun() {
     let path = flat_pack(Codec::Vp9);
     let file = open(&path);
     let tiles = all_tiles(&file);
-    let mut pool = DecodePool::new(Arc::clone(&file), 1);
+    let mut pool = DecodePool::new(Arc::clone(&file), 1).unwrap();
     let mut asked = 0;
     for frame in (0..FRAMES).rev() {
         for tile in &tiles {
@@ -217,7 +217,7 @@ fn what_is_not_there_by_the_deadline_comes_later() {
     let path = flat_pack(Codec::Vp9);
     let file = open(&path);
     let tile = all_tiles(&file)[0];
-    let mut pool = DecodePool::new(Arc::clone(&file), 1);
+    let mut pool = DecodePool::new(Arc::clone(&file), 1).unwrap();
     ask(&mut pool, &file, tile, 7);
     let early = pool.receive(Some(Instant::now()));
     let done = early.or_else(|| pool.receive(None)).unwrap();
@@ -238,7 +238,7 @@ fn a_damaged_chunk_is_an_error_for_its_tile_alone() {
         writer.seek(SeekFrom::Start(middle)).unwrap();
         writer.write_all(&[0x55; 3]).unwrap();
         let file = open(&path);
-        let mut pool = DecodePool::new(Arc::clone(&file), 2);
+        let mut pool = DecodePool::new(Arc::clone(&file), 2).unwrap();
         for frame in [0, 3, 9] {
             tiles
                 .iter()
@@ -272,7 +272,7 @@ fn a_pool_dropped_with_work_queued_ends() {
     let (ended, wait) = channel();
     std::thread::spawn(move || {
         for workers in [1, 4] {
-            let mut pool = DecodePool::new(Arc::clone(&file), workers);
+            let mut pool = DecodePool::new(Arc::clone(&file), workers).unwrap();
             for tile in all_tiles(&file) {
                 (0..FRAMES).for_each(|frame| ask(&mut pool, &file, tile, frame));
             }

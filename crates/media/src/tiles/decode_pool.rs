@@ -124,8 +124,10 @@ impl Coarsest {
 
 impl DecodePool {
     /// A pool of `workers` threads (at least one) on a pack, and one more for its coarsest level.
-    #[must_use]
-    pub fn new(pack: Arc<PackFile>, workers: usize) -> Self {
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn new(pack: Arc<PackFile>, workers: usize) -> Result<Self, MediaError> {
         let decoders = Decoders::software(pack.pack().description().codec);
         Self::with(pack, workers, decoders)
     }
@@ -133,7 +135,7 @@ impl DecodePool {
     /// The same with decoders on a graphics device, as chosen.
     ///
     /// # Errors
-    /// [`DecoderChoice::Hardware`] without a device.
+    /// [`DecoderChoice::Hardware`] without a device, or the system gives no thread.
     pub fn choosing(
         pack: Arc<PackFile>,
         workers: usize,
@@ -145,7 +147,7 @@ impl DecodePool {
             .filter_map(first)
             .map(|tile| grid.tile_pixels(tile));
         let decoders = Decoders::new(choice, codec, largest.max().unwrap_or(0))?;
-        Ok(Self::with(pack, workers, decoders))
+        Self::with(pack, workers, decoders)
     }
 
     /// What was decoded on a graphics device so far.
@@ -154,7 +156,7 @@ impl DecodePool {
         self.shared.decoders.device_use()
     }
 
-    fn with(pack: Arc<PackFile>, workers: usize, decoders: Decoders) -> Self {
+    fn with(pack: Arc<PackFile>, workers: usize, decoders: Decoders) -> Result<Self, MediaError> {
         let shared = Arc::new(Shared {
             pack,
             decoders,
@@ -165,18 +167,28 @@ impl DecodePool {
         let (send, results) = channel();
         let start = |work: fn(&Shared, &Sender<DecodedTile>)| {
             let (shared, send) = (Arc::clone(&shared), send.clone());
-            std::thread::spawn(move || work(&shared, &send))
+            let thread = std::thread::Builder::new().name("decode".to_owned());
+            thread.spawn(move || work(&shared, &send))
         };
-        let workers = std::iter::once(start(Shared::work_on_coarsest))
-            .chain((0..workers.max(1)).map(|_| start(Shared::work)))
-            .collect();
-        Self {
-            shared,
+        let mut pool = Self {
+            shared: Arc::clone(&shared),
             results,
             at_hand: VecDeque::new(),
-            workers,
+            workers: Vec::new(),
             waiting: 0,
-        }
+        };
+        // Those that began end with the pool.
+        let none = |source| MediaError::Thread {
+            what: "decoding",
+            source,
+        };
+        pool.workers
+            .push(start(Shared::work_on_coarsest).map_err(none)?);
+        pool.workers.push(start(Shared::work).map_err(none)?);
+        // Fewer than were asked for take longer.
+        let more = (1..workers).map_while(|_| start(Shared::work).ok());
+        pool.workers.extend(more);
+        Ok(pool)
     }
 
     /// Asks for a frame of a unit, after all that was asked for before.

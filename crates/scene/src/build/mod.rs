@@ -14,6 +14,7 @@ mod joined;
 mod mesh;
 mod numbering;
 mod pages;
+mod pyramid;
 mod regions;
 mod simplify;
 mod sphere;

@@ -2,10 +2,11 @@
 
 use super::built::{BuildError, BuiltUnit};
 use super::mesh::GridMesh;
+use super::pyramid::{BAND_ROWS, PageMaker, Pyramid};
 use super::regions::{ShownRegion, regions};
 use super::sphere::LocalSphere;
 use super::textures::{ShownImage, ShownImages};
-use crate::read::image;
+use crate::read::image::PictureRows;
 use crate::source::SourceScene;
 use foveal_core::content::images::halving::Halving;
 use foveal_core::content::images::payload::{PageCodec, page_bytes};
@@ -23,7 +24,8 @@ use foveal_core::view::picture::{Colour, Matrix, Picture};
 use glam::DVec3;
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Quality of pages as JPEG, on the scale of the Independent JPEG Group: what photographs of
 /// surfaces are mostly stored with, so that a page is no larger than its part of the source.
@@ -81,9 +83,13 @@ pub(super) struct WrittenTextures {
     pub broken: u64,
 }
 
+/// Bytes that pages may take beside eight for each byte of their pictures.
+const MOST_PAGE_BYTES: u64 = 64 << 20;
+const MOST_PAGE_BYTES_A_BYTE: u64 = 8;
+
 /// Writes the textures that meshes show, and tells these their numbers.
 ///
-/// One texture after the other is in memory.
+/// Some hundred rows of one texture after the other are in memory, and the pages of all.
 pub(super) fn write(
     source: &SourceScene,
     shown: &ShownImages,
@@ -91,12 +97,15 @@ pub(super) fn write(
     exact: bool,
 ) -> Result<WrittenTextures, BuildError> {
     let mut written = WrittenTextures::default();
+    let named: BTreeSet<usize> = shown.all.iter().map(|it| it.image).collect();
+    let bytes = named.iter().map(|it| source.images[*it].bytes.len() as u64);
+    let mut left = MOST_PAGE_BYTES + MOST_PAGE_BYTES_A_BYTE * bytes.sum::<u64>();
     for number in 0..shown.all.len() as u16 {
-        let seen = seen_regions(meshes, number, &shown.all[usize::from(number)]);
+        let about = &shown.all[usize::from(number)];
+        let seen = seen_regions(meshes, number, about);
         if seen.regions.is_empty() {
             continue;
         }
-        let about = &shown.all[usize::from(number)];
         let texture = Texture {
             number: written.all.len() as u16,
             about: ShownImage { ..*about },
@@ -104,9 +113,16 @@ pub(super) fn write(
             seen,
         };
         let image = &source.images[about.image];
-        let picture = image::decode(&image.bytes);
-        written.broken += u64::from(picture.is_none());
-        let (told, pages) = texture.write(&image.name, picture)?;
+        let mut made = texture.write(PictureRows::open(&image.bytes), left)?;
+        if made.is_none() {
+            written.broken += 1;
+            made = texture.white()?;
+        }
+        let Some((mut told, pages)) = made else {
+            continue;
+        };
+        told.name.clone_from(&image.name);
+        left = left.saturating_sub(payload_bytes(&pages));
         written.textures.push(told);
         written.all.push(pages);
         for texturing in meshes
@@ -119,6 +135,10 @@ pub(super) fn write(
         }
     }
     Ok(written)
+}
+
+fn payload_bytes(pages: &[BuiltPage]) -> u64 {
+    pages.iter().map(|it| it.payload.len() as u64).sum()
 }
 
 /// Which parts of surfaces show the pages of level 0 of a texture.
@@ -196,66 +216,105 @@ struct Texture {
     seen: SeenRegions,
 }
 
-/// A page whose texels are not cut out yet.
-struct Planned {
-    place: PagePlace,
-    region: ShownRegion,
+/// The pages of a texture that are shown, finest level first.
+struct PlannedPages<'a> {
+    texture: &'a Texture,
+    shape: TextureShape,
+    planned: &'a [BTreeMap<PagePlace, ShownRegion>],
 }
 
+impl PageMaker for PlannedPages<'_> {
+    type Made = BuiltPage;
+    type Error = PackError;
+
+    fn wanted(&self, level: u8, row: u16) -> Vec<PagePlace> {
+        let [columns, _] = self.shape.pages(level);
+        let all = (0..columns as u16).map(|column| PagePlace {
+            level,
+            place: [column, row],
+        });
+        let planned = &self.planned[usize::from(level)];
+        all.filter(|it| planned.contains_key(it)).collect()
+    }
+
+    fn make(&self, place: PagePlace, texels: &TexturePicture) -> Result<BuiltPage, PackError> {
+        let region = &self.planned[usize::from(place.level)][&place];
+        self.texture.page(&self.shape, (place, region), texels)
+    }
+}
+
+/// A texture as it is told of, and its pages: coarsest first.
+type Written = (SceneTexture, Vec<BuiltPage>);
+
 impl Texture {
-    /// What is told of it, and its pages: coarsest first. A broken picture is white.
+    /// What is told of it, and its pages; `None` where the picture is broken, or where they take
+    /// more than `most` bytes.
     fn write(
         &self,
-        name: &str,
-        picture: Option<TexturePicture>,
-    ) -> Result<(SceneTexture, Vec<BuiltPage>), PackError> {
-        let (shape, mut level) = match picture {
-            Some(picture) => (
-                TextureShape {
-                    size: self.about.size,
-                },
-                picture,
-            ),
-            None => (
-                TextureShape { size: [1, 1] },
-                TexturePicture::of_one([255; 4]),
-            ),
+        picture: Option<PictureRows<'_>>,
+        most: u64,
+    ) -> Result<Option<Written>, PackError> {
+        let Some(mut picture) = picture else {
+            return Ok(None);
         };
-        if self.about.cutoff.is_none() {
-            level.texels.par_iter_mut().for_each(|it| it[3] = 255);
-        }
-        let halving = Halving::default();
+        self.made_of(self.about.size, &mut |rows| picture.next(rows), most)
+    }
+
+    /// The same of a broken picture, which is white.
+    fn white(&self) -> Result<Option<Written>, PackError> {
+        let mut texel = Some(vec![[255; 4]]);
+        let mut next = |_: u32| Some(texel.take().unwrap_or_default());
+        self.made_of([1, 1], &mut next, u64::MAX)
+    }
+
+    fn made_of(
+        &self,
+        size: [u32; 2],
+        next: &mut dyn FnMut(u32) -> Option<Vec<[u8; 4]>>,
+        most: u64,
+    ) -> Result<Option<Written>, PackError> {
+        let shape = TextureShape { size };
         let planned = self.planned(&shape);
-        let mut pages = Vec::new();
-        for (number, planned) in planned.iter().enumerate() {
-            if number > 0 {
-                level = halving.halved(&level);
+        let maker = PlannedPages {
+            texture: self,
+            shape,
+            planned: &planned,
+        };
+        let mut pyramid = Pyramid::new(&maker, shape, self.about.wrap);
+        let mut pages: Vec<BuiltPage> = Vec::new();
+        let mut bytes = 0;
+        loop {
+            let Some(mut rows) = next(BAND_ROWS) else {
+                return Ok(None);
+            };
+            if rows.is_empty() {
+                break;
             }
-            let written = planned.par_iter().map(|it| self.page(&shape, &level, it));
-            pages.push(written.collect::<Result<Vec<_>, _>>()?);
+            if self.about.cutoff.is_none() {
+                rows.par_iter_mut().for_each(|it| it[3] = 255);
+            }
+            pyramid.push(rows)?;
+            let made = pyramid.take_made();
+            bytes += payload_bytes(&made);
+            pages.extend(made);
+            if bytes > most {
+                return Ok(None);
+            }
         }
-        while level.size != [1, 1] {
-            level = halving.halved(&level);
-        }
-        let [r, g, b, _] = level.at([0, 0]);
+        let [r, g, b, _] = pyramid.mean();
+        let halving = Halving::default();
         let told = SceneTexture {
-            name: name.to_owned(),
-            size: shape.size,
+            name: String::new(),
+            size,
             wrap: self.about.wrap,
             colour: [r, g, b].map(|it| halving.light(it)),
             cutoff: self.about.cutoff,
         };
-        Ok((told, linked(pages)))
+        Ok(Some((told, linked(pages))))
     }
 
     /// The pages of each level, finest first; each in order.
-    fn planned(&self, shape: &TextureShape) -> Vec<Vec<Planned>> {
-        let in_order = |level: BTreeMap<PagePlace, ShownRegion>| {
-            let pages = level.into_iter();
-            pages
-                .map(|(place, region)| Planned { place, region })
-                .collect()
-        };
+    fn planned(&self, shape: &TextureShape) -> Vec<BTreeMap<PagePlace, ShownRegion>> {
         let is_there = |page: &PagePlace| shape.page_size(*page).is_some();
         let mut level = self.seen.regions.clone();
         if !level.keys().all(is_there) {
@@ -271,27 +330,25 @@ impl Texture {
             }
             let coarser = coarser.into_iter().map(|(page, all)| (page, round(&all)));
             let finer = std::mem::replace(&mut level, coarser.collect());
-            levels.push(in_order(finer));
+            levels.push(finer);
         }
-        levels.push(in_order(level));
+        levels.push(level);
         levels
     }
 
     fn page(
         &self,
         shape: &TextureShape,
-        level: &TexturePicture,
-        planned: &Planned,
+        (place, region): (PagePlace, &ShownRegion),
+        picture: &TexturePicture,
     ) -> Result<BuiltPage, PackError> {
-        let Planned { place, region } = planned;
-        let picture = shape.cut(level, *place, self.about.wrap);
         let codec = match self.exact || self.about.cutoff.is_some() {
             true => PageCodec::Png,
             false => PageCodec::Jpeg,
         };
         let file = match codec {
-            PageCodec::Png => png_of(&picture, self.about.cutoff.is_some()),
-            PageCodec::Jpeg => jpeg_of(&picture),
+            PageCodec::Png => png_of(picture, self.about.cutoff.is_some()),
+            PageCodec::Jpeg => jpeg_of(picture),
         };
         let file = file.map_err(|found| PackError {
             field: "page of a texture".to_owned(),
@@ -300,9 +357,9 @@ impl Texture {
         })?;
         let is_root = place.level == shape.root();
         let texel_of_coarser = region.texel * f64::from(1_u32 << (place.level + 1));
-        let [columns, rows] = shape.page_size(*place).unwrap_or_default();
+        let [columns, rows] = shape.page_size(place).unwrap_or_default();
         Ok(BuiltPage {
-            place: *place,
+            place,
             coarser: None,
             row: UnitRow {
                 kind: UnitKind::Image,
@@ -317,19 +374,19 @@ impl Texture {
                 signature: if is_root {
                     Signature::default()
                 } else {
-                    signature(&picture)
+                    signature(picture)
                 },
                 samples: columns * rows,
                 ..UnitRow::default()
             },
-            payload: page_bytes(self.number, *place, codec, &file),
+            payload: page_bytes(self.number, place, codec, &file),
         })
     }
 }
 
 /// All pages, coarsest level first, each told which one it lies in.
-fn linked(levels: Vec<Vec<BuiltPage>>) -> Vec<BuiltPage> {
-    let mut pages: Vec<BuiltPage> = levels.into_iter().rev().flatten().collect();
+fn linked(mut pages: Vec<BuiltPage>) -> Vec<BuiltPage> {
+    pages.sort_by_key(|it| (Reverse(it.place.level), it.place));
     let numbers: BTreeMap<PagePlace, usize> = pages.iter().map(|it| it.place).zip(0..).collect();
     for page in &mut pages {
         page.coarser = numbers.get(&page.place.coarser()).copied();

@@ -1,8 +1,10 @@
 //! Where are the files that a scene names, and what is in them?
 
-use crate::plain_bytes::{PlainBytesError, plain_bytes};
+use crate::beneath::{self, Beneath};
+use crate::plain_bytes::{PlainBytesError, bytes_of, plain_bytes};
 use foveal_core::pack::sha256_hex;
 use std::collections::HashMap;
+use std::fs::File;
 use std::path::{Component, Path, PathBuf};
 use std::rc::Rc;
 
@@ -18,52 +20,78 @@ pub(super) trait Folder {
 
 /// The folder of a scene file.
 pub(super) struct OnDisk {
-    folder: PathBuf,
-    /// What was read, by path without links: a file is read once, by however many names.
-    read: HashMap<PathBuf, Rc<Vec<u8>>>,
+    file: PathBuf,
+    /// Opened when a file of it is named.
+    folder: Option<Beneath>,
+    /// What was read: a file is read once, by however many names.
+    read: HashMap<FileIdentity, Rc<Vec<u8>>>,
     /// Bytes read through it.
     pub(super) bytes: u64,
     /// SHA-256 of each file that was read, in order.
     pub(super) hashes: Vec<String>,
 }
 
+/// A file that a scene file names, and what it names in turn.
+pub(super) struct NamedFile {
+    /// Where it lies, for messages.
+    pub(super) path: PathBuf,
+    pub(super) bytes: Vec<u8>,
+    pub(super) folder: OnDisk,
+}
+
 impl OnDisk {
     /// The folder that `file` lies in.
     pub(super) fn of(file: &Path) -> Self {
-        let folder = match file.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
         Self {
-            folder: folder.to_owned(),
+            file: file.to_owned(),
+            folder: None,
             read: HashMap::new(),
             bytes: 0,
             hashes: Vec::new(),
         }
     }
 
-    /// All bytes of a scene file.
-    pub(super) fn read_scene(&mut self, file: &Path) -> Result<Vec<u8>, ReadError> {
-        let bytes = read_regular(file).map_err(|reason| ReadError::Open {
-            path: file.to_owned(),
-            reason,
+    /// All bytes of the scene file itself.
+    pub(super) fn read_scene(&mut self) -> Result<Vec<u8>, ReadError> {
+        let bytes = plain_bytes(&self.file, u64::MAX).map_err(|error| ReadError::Open {
+            path: self.file.clone(),
+            reason: reason(error),
         })?;
         self.count(&bytes);
         Ok(bytes)
     }
-}
 
-impl OnDisk {
-    /// Where the file `name` lies, without links; refused if it lies elsewhere.
-    pub(super) fn find(&self, name: &str) -> Result<PathBuf, Fault> {
-        let told = |error: std::io::Error| missing(name, error.to_string());
-        let path = self.folder.join(inside(name)?);
-        let real = path.canonicalize().map_err(told)?;
-        let folder = self.folder.canonicalize().map_err(told)?;
-        match real.starts_with(folder) {
-            true => Ok(real),
-            false => Err(leads_out(name)),
-        }
+    /// A 3D file that it names by this relative path, which [`inside`] made.
+    pub(super) fn read_named(&mut self, name: &str) -> Result<NamedFile, Fault> {
+        let relative = inside(name)?;
+        let file = self.open(name, &relative)?;
+        let told = |error| not_opened(name, &error);
+        let beneath = self.beneath().map_err(told)?;
+        let inner = relative.parent().unwrap_or(Path::new(""));
+        let mut folder = Self {
+            folder: Some(beneath.inner(inner).map_err(told)?),
+            ..Self::of(&beneath.path_of(&relative))
+        };
+        let bytes = bytes_of(file, u64::MAX).map_err(|error| missing(name, reason(error)))?;
+        folder.count(&bytes);
+        Ok(NamedFile {
+            path: folder.file.clone(),
+            bytes,
+            folder,
+        })
+    }
+
+    fn beneath(&mut self) -> std::io::Result<&Beneath> {
+        let opened = match self.folder.take() {
+            Some(opened) => opened,
+            None => Beneath::beside(&self.file)?,
+        };
+        Ok(self.folder.insert(opened))
+    }
+
+    fn open(&mut self, name: &str, relative: &Path) -> Result<File, Fault> {
+        let opened = self.beneath().and_then(|it| it.open(relative));
+        opened.map_err(|error| not_opened(name, &error))
     }
 
     fn count(&mut self, bytes: &[u8]) {
@@ -74,14 +102,46 @@ impl OnDisk {
 
 impl Folder for OnDisk {
     fn read(&mut self, name: &str) -> Result<Rc<Vec<u8>>, Fault> {
-        let real = self.find(name)?;
-        if let Some(bytes) = self.read.get(&real) {
+        let relative = inside(name)?;
+        let file = self.open(name, &relative)?;
+        let identity = FileIdentity::of(&file, &relative);
+        let identity = identity.map_err(|error| not_opened(name, &error))?;
+        if let Some(bytes) = self.read.get(&identity) {
             return Ok(Rc::clone(bytes));
         }
-        let bytes = Rc::new(read_regular(&real).map_err(|reason| missing(name, reason))?);
+        let bytes = bytes_of(file, u64::MAX).map_err(|error| missing(name, reason(error)))?;
+        let bytes = Rc::new(bytes);
         self.count(&bytes);
-        self.read.insert(real, Rc::clone(&bytes));
+        self.read.insert(identity, Rc::clone(&bytes));
         Ok(bytes)
+    }
+}
+
+/// What tells a file from others, whatever it is called.
+#[derive(PartialEq, Eq, Hash)]
+struct FileIdentity {
+    /// Device and number, where the system counts files.
+    #[cfg(unix)]
+    place: (u64, u64),
+    #[cfg(not(unix))]
+    path: PathBuf,
+}
+
+impl FileIdentity {
+    #[cfg(unix)]
+    fn of(file: &File, _relative: &Path) -> std::io::Result<Self> {
+        use std::os::unix::fs::MetadataExt;
+        let there = file.metadata()?;
+        Ok(Self {
+            place: (there.dev(), there.ino()),
+        })
+    }
+
+    #[cfg(not(unix))]
+    fn of(_file: &File, relative: &Path) -> std::io::Result<Self> {
+        Ok(Self {
+            path: relative.to_owned(),
+        })
     }
 }
 
@@ -149,11 +209,18 @@ fn leads_out(name: &str) -> Fault {
     )
 }
 
-fn read_regular(path: &Path) -> Result<Vec<u8>, String> {
-    plain_bytes(path, u64::MAX).map_err(|error| match error {
+fn not_opened(name: &str, error: &std::io::Error) -> Fault {
+    match beneath::leads_out(error) {
+        true => leads_out(name),
+        false => missing(name, error.to_string()),
+    }
+}
+
+fn reason(error: PlainBytesError) -> String {
+    match error {
         PlainBytesError::System(error) => error.to_string(),
         PlainBytesError::Other => "it is no regular file".to_owned(),
-    })
+    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,12 @@
-//! How is the picture of a texture read?
+//! How is the picture of a texture read, and which are too large to be?
+//!
+//! Row by row where its format has rows. What can only be decoded whole, a JPEG and a PNG whose
+//! rows are interlaced, takes memory for all of it and may be no larger than that allows.
 
-use foveal_core::content::images::picture::TexturePicture;
 use foveal_core::content::images::shape::MOST_SIDE;
-use png::{ColorType, Decoder, Limits, Transformations};
+use foveal_core::units::counted;
+use png::{ColorType, Decoder, Limits, Reader, Transformations};
+use std::fmt;
 use std::io::Cursor;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
@@ -13,42 +17,107 @@ const MOST_TEXELS: u64 = 1 << 28;
 /// Most texels that a byte of a file can hold: of a PNG's deflate, which packs 1032 to 1, at eight
 /// texels a byte, and of a progressive JPEG of one colour.
 const MOST_TEXELS_A_BYTE: u64 = 1 << 14;
+/// Bytes that a picture may take that is decoded whole, beside eight for each of its file.
+const MOST_WHOLE: u64 = 220 << 20;
+const MOST_WHOLE_A_BYTE: u64 = 8;
 /// What a PNG's decoder may allocate beside the picture.
 const MOST_PNG_BYTES: usize = 64 << 20;
+/// Columns and rows that a JPEG can tell of.
+const MOST_OF_JPEG: usize = 65_535;
 
 /// The first bytes of every PNG.
 const PNG: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
+/// Why bytes are no picture that is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PictureFault {
+    /// They are no JPEG and no PNG, or end in their head.
+    NotOne,
+    /// It has another number of columns and rows than a texture can have.
+    Size([u32; 2]),
+    /// So many texels do not fit into so many bytes.
+    Claims([u32; 2], u64),
+    /// It can only be decoded whole, and takes more than the second number of bytes.
+    Whole([u32; 2], u64),
+}
+
+impl fmt::Display for PictureFault {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotOne => write!(out, "is no whole JPEG or PNG"),
+            Self::Size([columns, rows]) => write!(
+                out,
+                "has {columns} x {rows} texels, and at most {MOST_SIDE} fit along a side: make it \
+                 smaller"
+            ),
+            Self::Claims([columns, rows], bytes) => write!(
+                out,
+                "tells of {columns} x {rows} texels, which do not fit into its {}",
+                counted(*bytes, "byte")
+            ),
+            Self::Whole([columns, rows], most) => write!(
+                out,
+                "has {columns} x {rows} texels that can only be decoded at once, in more than \
+                 {} MB: save it as a PNG that is not interlaced, or smaller",
+                most / 1_000_000
+            ),
+        }
+    }
+}
+
 /// Columns and rows of a JPEG or PNG; `None` where the bytes are neither, or of too large a
 /// picture. Allocates nothing for the picture.
 pub(crate) fn size_of(bytes: &[u8]) -> Option<[u32; 2]> {
-    let size = match bytes.starts_with(&PNG) {
-        true => {
-            let reader = png_decoder(bytes).read_info().ok()?;
-            [reader.info().width, reader.info().height]
-        }
-        false => {
-            let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), jpeg_options());
-            decoder.decode_headers().ok()?;
-            let (columns, rows) = decoder.dimensions()?;
-            [u32::try_from(columns).ok()?, u32::try_from(rows).ok()?]
-        }
-    };
-    let texels = u64::from(size[0]) * u64::from(size[1]);
-    let most = MOST_TEXELS.min(bytes.len() as u64 * MOST_TEXELS_A_BYTE);
-    let fits = size.iter().all(|side| (1..=MOST_SIDE).contains(side)) && texels <= most;
-    fits.then_some(size)
+    measured(bytes).ok()
 }
 
-/// The picture of a JPEG or PNG; `None` where it is broken, or [`size_of`] tells no size.
-pub(crate) fn decode(bytes: &[u8]) -> Option<TexturePicture> {
-    let size = size_of(bytes)?;
-    let texels = match bytes.starts_with(&PNG) {
-        true => texels_of_png(bytes)?,
-        false => texels_of_jpeg(bytes)?,
+/// The same, with what is wrong.
+pub(crate) fn measured(bytes: &[u8]) -> Result<[u32; 2], PictureFault> {
+    let told = told(bytes).ok_or(PictureFault::NotOne)?;
+    let size = told.size;
+    let texels = u64::from(size[0]) * u64::from(size[1]);
+    if !size.iter().all(|side| (1..=MOST_SIDE).contains(side)) || texels > MOST_TEXELS {
+        return Err(PictureFault::Size(size));
+    }
+    let file_bytes = bytes.len() as u64;
+    if texels > file_bytes * MOST_TEXELS_A_BYTE {
+        return Err(PictureFault::Claims(size, file_bytes));
+    }
+    let most = MOST_WHOLE + MOST_WHOLE_A_BYTE * file_bytes;
+    match texels * told.whole_bytes_a_texel > most {
+        true => Err(PictureFault::Whole(size, most)),
+        false => Ok(size),
+    }
+}
+
+/// What the head of a picture tells.
+struct Told {
+    size: [u32; 2],
+    /// Bytes of a texel where all of them are in memory at once; 0 where they need not be.
+    whole_bytes_a_texel: u64,
+}
+
+fn told(bytes: &[u8]) -> Option<Told> {
+    if bytes.starts_with(&PNG) {
+        let reader = png_decoder(bytes).read_info().ok()?;
+        let about = reader.info();
+        return Some(Told {
+            size: [about.width, about.height],
+            whole_bytes_a_texel: if about.interlaced { 4 } else { 0 },
+        });
+    }
+    let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), jpeg_options());
+    decoder.decode_headers().ok()?;
+    let about = decoder.info()?;
+    // Of one in several passes, all coefficients too: two bytes of each component.
+    let coefficients = match about.sof.is_sequential_dct() {
+        true => 0,
+        false => 2 * u64::from(about.components),
     };
-    let is_whole = texels.len() == size[0] as usize * size[1] as usize;
-    is_whole.then_some(TexturePicture { size, texels })
+    Some(Told {
+        size: [about.width, about.height].map(u32::from),
+        whole_bytes_a_texel: 3 + coefficients,
+    })
 }
 
 fn png_decoder(bytes: &[u8]) -> Decoder<Cursor<&[u8]>> {
@@ -60,44 +129,116 @@ fn png_decoder(bytes: &[u8]) -> Decoder<Cursor<&[u8]>> {
     decoder
 }
 
-fn texels_of_png(bytes: &[u8]) -> Option<Vec<[u8; 4]>> {
-    let mut reader = png_decoder(bytes).read_info().ok()?;
-    let mut raw = vec![0; reader.output_buffer_size()?];
-    let frame = reader.next_frame(&mut raw).ok()?;
-    raw.truncate(frame.buffer_size());
-    let grey = |code: u8, alpha: u8| [code, code, code, alpha];
-    Some(match frame.color_type {
-        ColorType::Rgba => raw.as_chunks().0.to_vec(),
-        ColorType::Rgb => opaque(&raw),
-        ColorType::Grayscale => raw.iter().map(|code| grey(*code, 255)).collect(),
-        ColorType::GrayscaleAlpha => {
-            let texels = raw.as_chunks().0.iter();
-            texels.map(|[code, alpha]| grey(*code, *alpha)).collect()
-        }
-        ColorType::Indexed => return None,
-    })
-}
-
 fn jpeg_options() -> DecoderOptions {
     DecoderOptions::new_safe()
-        .set_max_width(MOST_SIDE as usize)
-        .set_max_height(MOST_SIDE as usize)
+        .set_max_width(MOST_OF_JPEG)
+        .set_max_height(MOST_OF_JPEG)
         .jpeg_set_out_colorspace(ColorSpace::RGB)
 }
 
-fn texels_of_jpeg(bytes: &[u8]) -> Option<Vec<[u8; 4]>> {
-    let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), jpeg_options());
-    Some(opaque(&decoder.decode().ok()?))
+/// A picture whose rows come one after the other, from the top.
+pub(crate) struct PictureRows<'a> {
+    size: [u32; 2],
+    next: u32,
+    source: RowSource<'a>,
 }
 
-fn opaque(rgb: &[u8]) -> Vec<[u8; 4]> {
-    let texels = rgb.as_chunks().0.iter();
-    texels.map(|[r, g, b]| [*r, *g, *b, 255]).collect()
+enum RowSource<'a> {
+    Png(Box<Reader<Cursor<&'a [u8]>>>),
+    /// All samples, and how many a texel has.
+    Whole(Vec<u8>, ColorType),
+}
+
+impl<'a> PictureRows<'a> {
+    /// Begins to read a JPEG or PNG; `None` where it is broken, or [`size_of`] tells no size.
+    pub(crate) fn open(bytes: &'a [u8]) -> Option<Self> {
+        let size = size_of(bytes)?;
+        let source = if bytes.starts_with(&PNG) {
+            let mut reader = Box::new(png_decoder(bytes).read_info().ok()?);
+            match reader.info().interlaced {
+                false => RowSource::Png(reader),
+                true => {
+                    let mut raw = vec![0; reader.output_buffer_size()?];
+                    let frame = reader.next_frame(&mut raw).ok()?;
+                    raw.truncate(frame.buffer_size());
+                    RowSource::Whole(raw, frame.color_type)
+                }
+            }
+        } else {
+            let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), jpeg_options());
+            RowSource::Whole(decoder.decode().ok()?, ColorType::Rgb)
+        };
+        Some(Self {
+            size,
+            next: 0,
+            source,
+        })
+    }
+
+    /// The texels of up to so many rows more, row by row; none after the last. `None` where the
+    /// picture is broken there.
+    pub(crate) fn next(&mut self, rows: u32) -> Option<Vec<[u8; 4]>> {
+        let [columns, all] = self.size.map(|side| side as usize);
+        let first = self.next as usize;
+        let count = (rows as usize).min(all - first);
+        let mut texels = Vec::with_capacity(count * columns);
+        match &mut self.source {
+            RowSource::Png(reader) => {
+                let kind = reader.output_color_type().0;
+                for _ in 0..count {
+                    let row = reader.next_row().ok()??;
+                    add_texels(row.data(), kind, &mut texels)?;
+                }
+                let is_last = count > 0 && first + count == all;
+                if is_last && reader.next_row().ok()?.is_some() {
+                    return None;
+                }
+            }
+            RowSource::Whole(raw, kind) => {
+                let row_bytes = columns * kind.samples();
+                let part = raw.get(first * row_bytes..(first + count) * row_bytes)?;
+                add_texels(part, *kind, &mut texels)?;
+            }
+        }
+        self.next += count as u32;
+        (texels.len() == count * columns).then_some(texels)
+    }
+}
+
+/// Adds the texels that samples of eight bits tell.
+fn add_texels(samples: &[u8], kind: ColorType, texels: &mut Vec<[u8; 4]>) -> Option<()> {
+    let grey = |code: u8, alpha: u8| [code, code, code, alpha];
+    match kind {
+        ColorType::Rgba => texels.extend(samples.as_chunks::<4>().0),
+        ColorType::Rgb => {
+            let all = samples.as_chunks().0.iter();
+            texels.extend(all.map(|[r, g, b]| [*r, *g, *b, 255]));
+        }
+        ColorType::Grayscale => texels.extend(samples.iter().map(|code| grey(*code, 255))),
+        ColorType::GrayscaleAlpha => {
+            let all = samples.as_chunks().0.iter();
+            texels.extend(all.map(|[code, alpha]| grey(*code, *alpha)));
+        }
+        ColorType::Indexed => return None,
+    }
+    Some(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// All texels of a picture.
+    fn decode(bytes: &[u8]) -> Option<Vec<[u8; 4]>> {
+        let mut rows = PictureRows::open(bytes)?;
+        let mut all = Vec::new();
+        loop {
+            match rows.next(3)? {
+                some if some.is_empty() => return Some(all),
+                some => all.extend(some),
+            }
+        }
+    }
 
     fn png_of(size: [u32; 2], kind: ColorType, raw: &[u8]) -> Vec<u8> {
         let mut bytes = Vec::new();
@@ -111,7 +252,7 @@ mod tests {
 
     #[test]
     fn a_png_of_any_kind_becomes_its_texels() {
-        let read = |kind, raw: &[u8]| decode(&png_of([1, 2], kind, raw)).unwrap().texels;
+        let read = |kind, raw: &[u8]| decode(&png_of([1, 2], kind, raw)).unwrap();
         assert_eq!(
             read(ColorType::Grayscale, &[7, 8]),
             [[7, 7, 7, 255], [8, 8, 8, 255]]
@@ -139,6 +280,9 @@ mod tests {
             assert_eq!(size_of(&bad), None, "{size:?}");
             assert_eq!(decode(&bad), None);
         }
+        let wide = png_of([100_000, 1], ColorType::Grayscale, &[9; 100_000]);
+        let fault = measured(&wide).unwrap_err();
+        assert!(fault.to_string().contains("100000 x 1 texels"), "{fault}");
         assert_eq!(size_of(b"\xff\xd8\xff\xc0 no picture"), None);
         assert_eq!(decode(&good[..good.len() - 20]), None);
     }

@@ -10,6 +10,7 @@ mod las;
 #[cfg(test)]
 mod mangle;
 mod obj;
+mod pictures;
 mod place;
 mod ply;
 mod single;
@@ -70,6 +71,7 @@ pub fn read(inputs: &[&Path], options: &ReadOptions) -> Result<SourceScene, Read
             false => read_file(path, None, options.up)?,
         });
     }
+    pictures::leave_out_pictures(&mut scene);
     Ok(scene)
 }
 

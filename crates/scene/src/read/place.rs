@@ -5,6 +5,9 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::error::Fault;
 use crate::source::SourceScene;
 
+/// Most places where all objects of a scene stand together: more than a pack tells of.
+pub(super) const MOST_PLACES: usize = 1 << 15;
+
 /// Which axis of a file points up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Up {
@@ -25,6 +28,22 @@ pub(super) fn turn_up(scene: &mut SourceScene, up: Up) {
     for world_from_mesh in objects.chain(clouds).flatten() {
         *world_from_mesh = world_from_file * *world_from_mesh;
     }
+}
+
+/// Refuses a scene with more places than a pack tells of.
+pub(super) fn check_count(scene: &SourceScene) -> Result<(), Fault> {
+    let objects = scene.objects.iter().map(|it| it.placements.len());
+    let clouds = scene.clouds.iter().map(|it| it.placements.len());
+    match objects.chain(clouds).sum::<usize>() > MOST_PLACES {
+        true => Err(too_many()),
+        false => Ok(()),
+    }
+}
+
+/// What is said of more places.
+pub(super) fn too_many() -> Fault {
+    let what = format!("objects stand in more than {MOST_PLACES} places");
+    Fault::broken("scene", what, "give fewer places, or several packs")
 }
 
 /// Refuses a scene with a vertex that stands nowhere: beyond what numbers can say.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::error::{Fault, ReadError};
-use super::files::{Folder, OnDisk};
+use super::files::{Folder, NamedFile, OnDisk};
 use super::place::{self, Up};
 use super::{gltf, las, obj, ply, sound, stl};
 use crate::source::SourceScene;
@@ -52,11 +52,30 @@ pub(super) fn read_file(
     name: Option<&str>,
     up: Option<Up>,
 ) -> Result<SourceScene, ReadError> {
-    let format = SceneFormat::of(path).ok_or_else(|| ReadError::UnknownEnding {
-        path: path.to_owned(),
-    })?;
+    if SceneFormat::of(path).is_none() {
+        return Err(unknown_ending(path));
+    }
     let mut folder = OnDisk::of(path);
-    let bytes = folder.read_scene(path)?;
+    let named = NamedFile {
+        path: path.to_owned(),
+        bytes: folder.read_scene()?,
+        folder,
+    };
+    read_named(named, name, up)
+}
+
+/// The same of a 3D file that another named.
+pub(super) fn read_named(
+    named: NamedFile,
+    name: Option<&str>,
+    up: Option<Up>,
+) -> Result<SourceScene, ReadError> {
+    let NamedFile {
+        path,
+        bytes,
+        mut folder,
+    } = named;
+    let format = SceneFormat::of(&path).ok_or_else(|| unknown_ending(&path))?;
     let stem = path.file_stem().map(|stem| stem.to_string_lossy());
     let stem = stem.as_deref().unwrap_or("object");
     let file = SceneFile {
@@ -67,10 +86,16 @@ pub(super) fn read_file(
     };
     let mut one = file
         .read(&mut folder)
-        .map_err(|fault| fault.in_file(path))?;
+        .map_err(|fault| fault.in_file(&path))?;
     one.bytes = folder.bytes;
     one.hashes = folder.hashes;
     Ok(one)
+}
+
+fn unknown_ending(path: &Path) -> ReadError {
+    ReadError::UnknownEnding {
+        path: path.to_owned(),
+    }
 }
 
 /// A file that is in memory.
@@ -101,6 +126,7 @@ impl SceneFile<'_> {
         }
         scene.leave_out_empty();
         place::turn_up(&mut scene, self.up);
+        place::check_count(&scene)?;
         place::check(&scene)?;
         if scene.objects.is_empty() && scene.clouds.is_empty() {
             return Err(Fault::Empty {

@@ -88,7 +88,7 @@ impl<'a> Words<'a> {
 pub(super) fn finite(word: &str) -> Result<f64, String> {
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) => Err(format!("{word}, which is no finite number")),
+        Ok(_) => Err(format!("{}, which is no finite number", shortened(word))),
         Err(_) => Err(format!("{:?}, which is no number", shortened(word))),
     }
 }

@@ -13,7 +13,8 @@ mod places;
 #[cfg(test)]
 mod tests;
 
-use crate::plain_bytes::{PlainBytesError, plain_bytes};
+use crate::beneath::{Beneath, leads_out};
+use crate::plain_bytes::{PlainBytesError, bytes_of, plain_bytes};
 use crate::read::{ReadError, ReadOptions, read};
 use crate::source::{SourceObject, SourceScene};
 use std::path::Path;
@@ -102,8 +103,7 @@ pub fn read_rig_seen_from(path: &Path, eye: Option<[f64; 3]>) -> Result<NotedRig
             RigFault::new("", what, NEXT).in_file(path)
         }
     })?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let read = |name: &str| -> Result<Vec<u8>, String> { beside(folder, name) };
+    let read = |name: &str| -> Result<Vec<u8>, String> { beside(path, name) };
     let plain = |rig| NotedRig {
         rig,
         notes: Vec::new(),
@@ -189,16 +189,17 @@ pub fn write_rig(rig: &Rig, stem: &str) -> Result<Vec<(String, Vec<u8>)>, String
     written_toml::written(rig, stem)
 }
 
-/// The bytes of a file that lies in a folder, or why not.
-fn beside(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
-    let only_names = |path: &Path| {
-        let mut parts = path.components();
-        parts.all(|part| matches!(part, std::path::Component::Normal(_)))
-    };
-    if name.is_empty() || !only_names(Path::new(name)) {
+/// The bytes of a file that lies in the folder of a rig file, or why not.
+fn beside(rig: &Path, name: &str) -> Result<Vec<u8>, String> {
+    if name.is_empty() {
         return Err("names no file in the rig file's folder".to_owned());
     }
-    plain_bytes(&folder.join(name), MOST_BESIDE).map_err(|error| match error {
+    let opened = Beneath::beside(rig).and_then(|it| it.open(Path::new(name)));
+    let file = opened.map_err(|error| match leads_out(&error) {
+        true => "names no file in the rig file's folder".to_owned(),
+        false => format!("cannot be read: {error}"),
+    })?;
+    bytes_of(file, MOST_BESIDE).map_err(|error| match error {
         PlainBytesError::System(error) => format!("cannot be read: {error}"),
         PlainBytesError::Other => format!("is no file of at most {MOST_BESIDE} bytes"),
     })

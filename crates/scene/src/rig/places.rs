@@ -4,9 +4,14 @@ use std::ops::Range;
 
 use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
+use toml_parser::Source;
 
 use super::error::{NEXT, RigFault, WrongKey};
 use crate::nearest::{line_number, nearest};
+
+/// Most words of a rig file in TOML, of which its parser keeps some hundred bytes each: twelve
+/// displays with a grid of 65 x 65 points in three colours have a million.
+const MOST_WORDS: usize = 1 << 21;
 
 /// How a rig file is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +33,11 @@ type KeyPlace = (String, Range<usize>);
 impl RigText<'_> {
     /// Reads it as entries.
     pub(super) fn parse<T: DeserializeOwned>(&self) -> Result<T, RigFault> {
+        if self.syntax == RigSyntax::Toml && Source::new(self.text).lex().nth(MOST_WORDS).is_some()
+        {
+            let what = format!("it has more than {MOST_WORDS} words: give large grids as files");
+            return Err(RigFault::new("", what, NEXT));
+        }
         match self.syntax {
             RigSyntax::Toml => toml::from_str(self.text).map_err(|error| {
                 let at = error.span().map_or(0, |span| span.start);

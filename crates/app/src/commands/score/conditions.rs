@@ -3,7 +3,7 @@
 use crate::commands::score::frames::Frames;
 use crate::gaze_source::{GazeChoice, parse_gaze};
 use crate::options::policy::parse_pair;
-use crate::report::output::{WrongUsage, out_of_range, read_text};
+use crate::report::output::{WrongUsage, out_of_range, read_settings, read_text};
 use anyhow::{Context, bail};
 use clap::ValueEnum;
 use foveal_core::units::counted;
@@ -164,7 +164,7 @@ pub(super) fn display_of(
             &format!("{names}, or a file that is there")
         ));
     }
-    let text = read_text(path, "a display")?;
+    let text = read_settings(path, "a display")?;
     let file: DisplayFile = toml::from_str(&text).with_context(|| choice.to_owned())?;
     file.display().with_context(|| choice.to_owned())
 }

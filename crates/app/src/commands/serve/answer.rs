@@ -139,7 +139,11 @@ enum Asked {
 fn authority_of(text: &str) -> Option<Authority> {
     let authority: Authority = text.parse().ok()?;
     let rest = text.strip_prefix(authority.host())?;
-    let is_port = |it: &str| it.bytes().all(|digit| digit.is_ascii_digit());
+    // None is the usual one (RFC 9110, section 4.2.3).
+    let is_port = |it: &str| {
+        let is_number = it.bytes().all(|digit| digit.is_ascii_digit());
+        is_number && (it.is_empty() || it.parse::<u16>().is_ok())
+    };
     let is_plain = rest.is_empty() || rest.strip_prefix(':').is_some_and(is_port);
     is_plain.then_some(authority)
 }

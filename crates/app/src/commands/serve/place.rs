@@ -1,12 +1,13 @@
 //! Which file lies at the path of a request?
 //!
 //! Nothing outside the folder is reachable: a path is split into names, none of which may be
-//! special, and what the names lead to must lie in the folder with all links followed. Packs that
-//! were named are sent or nothing: what takes the place of one must be a pack, and no link.
+//! special, and what the names lead to is opened beneath the folder, through whatever links stay in
+//! it. Packs that were named are sent or nothing: what takes the place of one must be a pack, and no link.
 
 use crate::commands::serve::tags::{ContentTags, modified, tag_of};
 use crate::commands::site::{Site, SiteFile};
-use foveal_media::plain_file::{open_plain, open_unlinked};
+use foveal_media::plain_file::open_unlinked;
+use foveal_scene::beneath::Beneath;
 use percent_encoding::percent_decode_str;
 use std::borrow::Cow;
 use std::fs::{File, Metadata};
@@ -125,24 +126,22 @@ fn names_of(path: &str) -> Option<Vec<String>> {
 
 impl ServedPlace {
     fn in_folder(&self, folder: &Path, names: &[String]) -> Found {
-        let asked = names
-            .iter()
-            .fold(folder.to_owned(), |path, name| path.join(name));
-        let Ok(path) = asked.canonicalize() else {
+        let Ok(beneath) = Beneath::of(folder) else {
             return Found::Nothing;
         };
-        if !path.starts_with(folder) {
-            return Found::Nothing;
-        }
-        match open_unlinked(&path) {
-            Ok(opened) => self.found(&names.join("/"), opened),
-            Err(error) if error.kind() == ErrorKind::IsADirectory => {
-                match open_plain(&path.join(PAGE)) {
-                    Ok(_) => Found::Folder,
-                    Err(_) => Found::Nothing,
-                }
-            }
-            Err(_) => Found::Nothing,
+        let asked: PathBuf = names.iter().collect();
+        let opened = |path: &Path| {
+            let file = beneath.open(path).ok()?;
+            let there = file.metadata().ok()?;
+            Some((file, there))
+        };
+        match opened(&asked) {
+            Some((file, there)) if there.is_file() => self.found(&names.join("/"), (file, there)),
+            Some((_, there)) if there.is_dir() => match opened(&asked.join(PAGE)) {
+                Some((_, page)) if page.is_file() => Found::Folder,
+                _ => Found::Nothing,
+            },
+            _ => Found::Nothing,
         }
     }
 

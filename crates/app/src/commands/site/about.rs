@@ -91,7 +91,7 @@ impl About {
         };
         if let Some(path) = &options.about {
             let of_file = || format!("--about {}", path.display());
-            let text = output::read_text(path, "a TOML file about packs")?;
+            let text = output::read_settings(path, "a TOML file about packs")?;
             let said: BTreeMap<String, AboutPack> = toml::from_str(&text).with_context(of_file)?;
             for (name, pack) in said {
                 let wrong = |what| anyhow!("{}: [{name}]: {what}", of_file());

@@ -11,7 +11,8 @@ use clap::{Args, Subcommand};
 use foveal_core::units::counted;
 use foveal_media::plain_file::{read_plain, rename_durably};
 use serde::Serialize;
-use std::io::ErrorKind;
+use std::collections::BTreeSet;
+use std::io::{ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
 /// Largest list of an earlier site that is read, in bytes: some thousand times a usual one.
@@ -141,14 +142,20 @@ fn refuse_foreign_folder(out: &Path) -> anyhow::Result<()> {
     bail!("--out {name}: the folder is not empty and holds no site; give a new or an empty one");
 }
 
-/// Whether an earlier export made this folder.
+/// Whether an earlier export made this folder, or began to.
 fn is_site(folder: &Path) -> bool {
-    listing_in(folder).is_some()
+    [LISTING, BEGUN]
+        .iter()
+        .any(|name| listing_in(folder, name).is_some())
 }
 
-/// The list of the site that an earlier export made in this folder.
-fn listing_in(folder: &Path) -> Option<serde_json::Value> {
-    let bytes = read_plain(&folder.join(LISTING), MOST_LISTING).ok()?;
+/// Where the list grows; from the first moment on, so that the folder of an export that was stopped
+/// is known, and holds no list.
+const BEGUN: &str = "packs.json.partial";
+
+/// The list of the site that an earlier export made in this folder, under this name.
+fn listing_in(folder: &Path, name: &str) -> Option<serde_json::Value> {
+    let bytes = read_plain(&folder.join(name), MOST_LISTING).ok()?;
     let listing: serde_json::Value = serde_json::from_slice(&bytes).ok()?;
     let program = GENERATOR.split(' ').next();
     let generator = listing["generator"].as_str().unwrap_or_default();
@@ -168,16 +175,52 @@ fn listed_files(listing: &serde_json::Value) -> Vec<String> {
 }
 
 /// Writes every file whole or not at all, the list last: packs that it names are there. Packs of an
-/// earlier site that are not in this one are removed. Returns how many are links.
+/// earlier site that are not in this one are removed. Where there was none, a failure leaves
+/// nothing. Returns how many are links.
 fn write(site: &Site, out: &Path, bytes: u64) -> anyhow::Result<usize> {
-    let earlier = listing_in(out);
-    if earlier.is_none() {
-        // An export that is stopped leaves a site, which the next one may replace.
-        std::fs::create_dir_all(out)
-            .with_context(|| format!("--out {}: the folder cannot be made", out.display()))?;
-        let empty = serde_json::to_vec(&Listing::new(&[]))?;
-        output::write_whole(&out.join(LISTING), &empty)?;
+    if let Some(earlier) = listing_in(out, LISTING) {
+        let linked = write_files(site, out, bytes)?;
+        remove_stale(site, out, &earlier)?;
+        return Ok(linked);
     }
+    let was_there = out.is_dir();
+    let begun = begin(out).and_then(|()| write_files(site, out, bytes));
+    if begun.is_err() {
+        take_back(site, out, was_there);
+    }
+    begun
+}
+
+/// Makes the folder of a site, and marks it as one that is not whole yet.
+fn begin(out: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(out)
+        .with_context(|| format!("--out {}: the folder cannot be made", out.display()))?;
+    let mark = out.join(BEGUN);
+    let written = std::fs::write(&mark, serde_json::to_vec(&Listing::new(&[]))?);
+    written.with_context(|| format!("{}: cannot be written", mark.display()))
+}
+
+/// Removes what was written of a site that did not become whole, and folders that are empty then.
+fn take_back(site: &Site, out: &Path, was_there: bool) {
+    let names = site.files.keys().map(String::as_str).chain([BEGUN]);
+    let mut folders = BTreeSet::new();
+    for path in names.map(|name| out.join(name)) {
+        // What cannot be removed is left for the next export.
+        let _ = std::fs::remove_file(&path);
+        let parents = path.ancestors().skip(1);
+        let inner = parents.take_while(|it| *it != out);
+        folders.extend(inner.map(Path::to_owned));
+    }
+    // Inner ones come after those that they lie in.
+    for folder in folders.iter().rev() {
+        let _ = std::fs::remove_dir(folder);
+    }
+    if !was_there {
+        let _ = std::fs::remove_dir(out);
+    }
+}
+
+fn write_files(site: &Site, out: &Path, bytes: u64) -> anyhow::Result<usize> {
     let bar = output::bar(Some(bytes), Counting::Bytes);
     let mut linked = 0;
     let last = |name: &&String| name.as_str() == LISTING;
@@ -195,7 +238,12 @@ fn write(site: &Site, out: &Path, bytes: u64) -> anyhow::Result<usize> {
         bar.inc(file.bytes()?);
     }
     bar.finish_and_clear();
-    let stale = earlier.iter().flat_map(listed_files);
+    Ok(linked)
+}
+
+/// Removes what only an earlier site had.
+fn remove_stale(site: &Site, out: &Path, earlier: &serde_json::Value) -> anyhow::Result<()> {
+    let stale = listed_files(earlier).into_iter();
     for name in stale.filter(|name| !site.files.contains_key(name)) {
         let path = out.join(name);
         match std::fs::remove_file(&path) {
@@ -210,7 +258,7 @@ fn write(site: &Site, out: &Path, bytes: u64) -> anyhow::Result<usize> {
             _ => {}
         }
     }
-    Ok(linked)
+    Ok(())
 }
 
 /// Makes `to` the file `from`: by a hard link where the file system has them, which takes no room,

@@ -8,7 +8,7 @@ use std::io::ErrorKind;
 pub(super) fn advice(error: &anyhow::Error) -> Option<&'static str> {
     error.chain().rev().find_map(|cause| {
         if let Some(system) = cause.downcast_ref::<std::io::Error>() {
-            return of_system(system.kind());
+            return of_number(system).or_else(|| of_system(system.kind()));
         }
         if cause.is::<PackError>() {
             return Some("copy the pack again, or prepare it again");
@@ -18,6 +18,26 @@ pub(super) fn advice(error: &anyhow::Error) -> Option<&'static str> {
         }
         None
     })
+}
+
+/// Advice for what the system ran out of, which has no kind of its own.
+#[cfg(unix)]
+fn of_number(error: &std::io::Error) -> Option<&'static str> {
+    Some(match error.raw_os_error()? {
+        libc::EMFILE => "raise the limit on open files: `ulimit -n 4096` before the command",
+        libc::ENFILE => "too many files are open on this machine: close other programs",
+        libc::ENOMEM => "close other programs, or raise the limit on memory: `ulimit -v`",
+        libc::EAGAIN => "raise the limits on threads and memory: `ulimit -u`, `ulimit -v`",
+        libc::ENAMETOOLONG => "give a shorter name",
+        libc::ELOOP => "links lead round in a circle there; give the file itself",
+        libc::EIO => "the disk cannot be read or written there; check it, or copy from elsewhere",
+        _ => return None,
+    })
+}
+
+#[cfg(not(unix))]
+fn of_number(_error: &std::io::Error) -> Option<&'static str> {
+    None
 }
 
 /// Advice for what the system refused.

@@ -7,9 +7,11 @@ mod causes;
 mod message;
 
 use crate::report::called::Called;
+use crate::report::visible::bounded;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use message::Message;
 use serde::Serialize;
+use std::borrow::Cow;
 
 /// The parts of a failure, as `--json` prints them.
 #[derive(Debug, PartialEq, Eq, Serialize)]
@@ -40,6 +42,23 @@ impl Fault {
             what,
             place: place.unwrap_or_else(|| called.command.clone()),
             next,
+        }
+        .bounded()
+    }
+
+    /// None of its parts is longer than a message is.
+    fn bounded(self) -> Self {
+        let of = |text: String| {
+            let short = match bounded(&text) {
+                Cow::Borrowed(_) => None,
+                Cow::Owned(short) => Some(short),
+            };
+            short.unwrap_or(text)
+        };
+        Self {
+            what: of(self.what),
+            place: of(self.place),
+            next: of(self.next),
         }
     }
 
@@ -74,6 +93,7 @@ impl Fault {
                 false => tips.join("; "),
             },
         }
+        .bounded()
     }
 }
 

@@ -106,18 +106,36 @@ impl TextureShape {
     /// There must be such a page, and the picture must have the size of its level.
     #[must_use]
     pub fn cut(&self, level: &TexturePicture, page: PagePlace, wrap: [Wrap; 2]) -> TexturePicture {
-        let inner = self.page_size(page).unwrap_or_default();
         assert_eq!(level.size, self.level_size(page.level), "size of the level");
+        let columns = level.size[0] as usize;
+        let row = |row: u32| &level.texels[row as usize * columns..][..columns];
+        self.cut_of_rows(&row, page, wrap)
+    }
+
+    /// The same of a level whose rows `row` gives: those of the page, and those that lie beside it.
+    ///
+    /// # Panics
+    /// There must be such a page, and the rows must be as long as those of its level.
+    #[must_use]
+    pub fn cut_of_rows<'a>(
+        &self,
+        row: &dyn Fn(u32) -> &'a [[u8; 4]],
+        page: PagePlace,
+        wrap: [Wrap; 2],
+    ) -> TexturePicture {
+        let inner = self.page_size(page).unwrap_or_default();
+        let level_size = self.level_size(page.level);
         let along = |k: usize| {
             let first = i64::from(page.place[k]) * i64::from(PAGE_SIDE);
             let border = i64::from(BORDER);
             let all = first - border..first + i64::from(inner[k]) + border;
-            all.map(move |it| wrap[k].texel(it, level.size[k]))
+            all.map(move |it| wrap[k].texel(it, level_size[k]))
         };
-        let rows = along(1).flat_map(|row| along(0).map(move |column| level.at([column, row])));
+        let rows = along(1).map(row);
+        let texels = rows.flat_map(|row| along(0).map(move |column| row[column as usize]));
         TexturePicture {
             size: inner.map(|side| side + 2 * BORDER),
-            texels: rows.collect(),
+            texels: texels.collect(),
         }
     }
 }

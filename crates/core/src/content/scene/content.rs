@@ -36,6 +36,10 @@ impl Content for Scene {
         units.take_while(is_root).collect()
     }
 
+    fn stands_in_parts(&self) -> bool {
+        true
+    }
+
     fn coarsest(&self) -> u8 {
         self.pack().coarsest()
     }

@@ -15,6 +15,7 @@ pub mod scripted;
 pub mod showing;
 pub mod sight;
 pub mod unit_table;
+pub mod whole;
 pub mod worth;
 
 pub use scene::Scene;

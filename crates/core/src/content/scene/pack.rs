@@ -1,10 +1,10 @@
 //! Which units are in the pack of a scene, and where are their bytes?
 
-use super::description::{KIND, SceneDescription};
+use super::description::{KIND, SceneDescription, SceneObject};
 use super::unit_table::{OF_ALL, UNITS, UNITS_VERSION, UnitKind, UnitRow, read_units, write_units};
 use crate::content::images::payload::ImagePage;
 use crate::content::images::shape::TextureShape;
-use crate::content::mesh::payload::{ClusterRef, MeshUnit};
+use crate::content::mesh::payload::{ClusterRef, MeshUnit, NO_TEXTURE};
 use crate::content::payload::Payload;
 use crate::content::points::cut::OCTANTS;
 use crate::content::points::payload::PointUnit;
@@ -15,6 +15,7 @@ use crate::pack::{
     TableEntry, UnitNumbers, check_crc,
 };
 use serde::Deserialize;
+use std::collections::HashMap;
 
 /// Most units, each counted in every place where its object stands: a reader keeps a sphere of
 /// each.
@@ -248,6 +249,19 @@ impl ScenePack {
         &self.rows
     }
 
+    /// The unit that refines each cluster that one does, by the cluster's unit and number there.
+    #[must_use]
+    pub fn refiners(&self) -> HashMap<(UnitId, u8), UnitId> {
+        let units = (0..).map(UnitId).zip(&self.rows);
+        let refiners = units.flat_map(|(unit, row)| {
+            let cluster =
+                |it: &ClusterRef| Some((*row.needs.get(usize::from(it.need))?, it.cluster));
+            let clusters = row.replaces.iter().filter_map(cluster);
+            clusters.map(move |cluster| (cluster, unit))
+        });
+        refiners.collect()
+    }
+
     /// All units, coarsest level first.
     pub fn units(&self) -> impl ExactSizeIterator<Item = UnitId> + use<> {
         self.index.units()
@@ -292,7 +306,9 @@ impl ScenePack {
         let read = match row.kind {
             UnitKind::Mesh => {
                 let object = &self.description.objects[usize::from(row.object)];
-                MeshUnit::parse(chunk, object.attributes, &row.replaces).map(Payload::Mesh)
+                let read = MeshUnit::parse(chunk, object.attributes, &row.replaces);
+                let read = read.and_then(|unit| check_textures_of(&unit, object).map(|()| unit));
+                read.map(Payload::Mesh)
             }
             UnitKind::Points => {
                 let object = &self.description.objects[usize::from(row.object)];
@@ -345,6 +361,22 @@ impl ScenePack {
     /// They do not.
     pub fn check_coverage(&self, header: &Header) -> Result<(), PackError> {
         self.index.check_coverage(header, &self.description.tables)
+    }
+}
+
+/// Whether all vertices have textures that their object has: a reader looks them up.
+fn check_textures_of(unit: &MeshUnit, object: &SceneObject) -> Result<(), PackError> {
+    let Some(texturing) = &object.texturing else {
+        return Ok(());
+    };
+    let count = texturing.textures.len();
+    let is_known = |it: &u8| *it == NO_TEXTURE || usize::from(*it) < count;
+    match unit.vertices.iter().find(|it| !is_known(&it.texture)) {
+        None => Ok(()),
+        Some(vertex) => {
+            let expected = format!("fewer than {count}");
+            Err(PackError::new("texture", vertex.texture, expected))
+        }
     }
 }
 

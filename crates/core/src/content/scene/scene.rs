@@ -4,7 +4,6 @@ use super::description::{SceneObject, most_growth};
 use super::pack::ScenePack;
 use super::sight::Sphere;
 use super::unit_table::{OF_ALL, UnitKind, UnitRow};
-use crate::content::mesh::payload::ClusterRef;
 use crate::pack::unit::UnitId;
 use crate::units::Radians;
 use glam::{DAffine3, DVec3};
@@ -132,14 +131,7 @@ impl Scene {
     /// The unit that refines each cluster that one does, by the cluster's unit and number there.
     #[must_use]
     pub fn refiners(&self) -> HashMap<(UnitId, u8), UnitId> {
-        let units = (0..).map(UnitId).zip(self.pack.rows());
-        let refiners = units.flat_map(|(unit, row)| {
-            let cluster =
-                |it: &ClusterRef| Some((*row.needs.get(usize::from(it.need))?, it.cluster));
-            let clusters = row.replaces.iter().filter_map(cluster);
-            clusters.map(move |cluster| (cluster, unit))
-        });
-        refiners.collect()
+        self.pack.refiners()
     }
 
     pub(super) fn stands(&self, unit: UnitId) -> &[Stand] {

@@ -25,50 +25,52 @@ const INPUT: Keys = Keys {
     names: &["file", "name", "up", "place"],
     tables: &[("place", PLACE)],
 };
-const PLACE: Keys = Keys {
+/// The keys of a place.
+pub(super) const PLACE: Keys = Keys {
     names: &["translation", "rotation_deg", "scale"],
     tables: &[],
 };
+/// Those of a table that holds places alone.
+pub(super) const PLACES: Keys = Keys {
+    names: &["place"],
+    tables: &[("place", PLACE)],
+};
 
-/// Refuses what is no TOML, and keys that there are not.
-pub(super) fn check(text: &str) -> Result<(), Fault> {
-    let table = DeTable::parse(text).map_err(|error| wrong(text, &error))?;
-    KEYS.check(table.get_ref(), text)
-}
-
-/// What a parser says is wrong, with its line.
-pub(super) fn wrong(text: &str, error: &toml::de::Error) -> Fault {
-    let line = line_of(text, error.span().map_or(0, |span| span.start));
-    Fault::broken(line, error.message().replace('\n', " "), NEXT)
-}
+/// The line of a byte of a text, which may be a part of a whole.
+pub(super) type LineOf<'a> = &'a dyn Fn(usize) -> String;
 
 impl Keys {
-    fn check(&self, table: &DeTable<'_>, text: &str) -> Result<(), Fault> {
+    /// Refuses what is no TOML, and keys that there are not.
+    pub(super) fn check_text(&self, text: &str, line: LineOf<'_>) -> Result<(), Fault> {
+        let table = DeTable::parse(text).map_err(|error| wrong(&error, line))?;
+        self.check(table.get_ref(), line)
+    }
+
+    fn check(&self, table: &DeTable<'_>, line: LineOf<'_>) -> Result<(), Fault> {
         for (key, value) in table {
             let name = key.get_ref().as_ref();
             if !self.names.contains(&name) {
-                let line = line_of(text, key.span().start);
                 let nearest = nearest(self.names.iter().copied(), name);
                 let what = format!("there is no key {:?}", shortened(name));
                 let next = match nearest {
                     Some(nearest) => format!("the nearest is {nearest:?}; {NEXT}"),
                     None => NEXT.to_owned(),
                 };
-                return Err(Fault::broken(line, what, next));
+                return Err(Fault::broken(line(key.span().start), what, next));
             }
             if let Some((_, keys)) = self.tables.iter().find(|(table, _)| *table == name) {
-                keys.check_all(value, text)?;
+                keys.check_all(value, line)?;
             }
         }
         Ok(())
     }
 
     /// Checks a table, or each of several; what is none is refused by its type later.
-    fn check_all(&self, value: &Spanned<DeValue<'_>>, text: &str) -> Result<(), Fault> {
+    fn check_all(&self, value: &Spanned<DeValue<'_>>, line: LineOf<'_>) -> Result<(), Fault> {
         match value.get_ref() {
-            DeValue::Table(table) => self.check(table, text),
+            DeValue::Table(table) => self.check(table, line),
             DeValue::Array(all) => all.iter().try_for_each(|it| match it.get_ref() {
-                DeValue::Table(table) => self.check(table, text),
+                DeValue::Table(table) => self.check(table, line),
                 _ => Ok(()),
             }),
             _ => Ok(()),
@@ -76,6 +78,12 @@ impl Keys {
     }
 }
 
-fn line_of(text: &str, byte: usize) -> String {
+/// What a parser says is wrong, with its line.
+pub(super) fn wrong(error: &toml::de::Error, line: LineOf<'_>) -> Fault {
+    let line = line(error.span().map_or(0, |span| span.start));
+    Fault::broken(line, error.message().replace('\n', " "), NEXT)
+}
+
+pub(super) fn line_of(text: &str, byte: usize) -> String {
     format!("line {}", line_number(text, byte))
 }

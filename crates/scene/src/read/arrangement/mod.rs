@@ -3,6 +3,7 @@
 //! Normative: docs/formats/scene.md.
 
 mod keys;
+mod outline;
 #[cfg(test)]
 mod tests;
 
@@ -10,20 +11,24 @@ use std::path::Path;
 
 use glam::{DAffine3, DMat3, DVec3};
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use super::colour::linear_from_encoded;
 use super::error::{Fault, ReadError};
 use super::files::OnDisk;
-use super::place::{self, Up};
-use super::single::{SceneFormat, read_file};
+use super::place::{self, MOST_PLACES, Up};
+use super::single::{SceneFormat, read_named};
 use super::text::shortened;
 use crate::source::SourceScene;
-use keys::NEXT;
+use keys::{KEYS, NEXT, PLACE, PLACES, line_of};
+use outline::{Outline, PlaceText};
 
 /// Most bytes of a scene file.
 const MOST_BYTES: usize = 1 << 24;
-/// Most places where all objects stand together.
-const MOST_PLACES: usize = 1 << 15;
+/// Most bytes that tell of one place.
+const MOST_PLACE_BYTES: usize = 1 << 16;
+/// Most inputs: as many as objects fit into a pack.
+const MOST_INPUTS: usize = 4096;
 /// Largest number of a place, in metres, and of a scale.
 const LARGEST: f64 = 1e9;
 
@@ -42,7 +47,10 @@ struct ArrangedInput {
     file: String,
     name: Option<String>,
     up: Option<UpAxis>,
-    #[serde(default)]
+    /// What stands in the outline: nothing of what they say.
+    #[serde(default, rename = "place")]
+    outlined: Vec<IgnoredAny>,
+    #[serde(skip)]
     place: Vec<ArrangedPlace>,
 }
 
@@ -53,7 +61,13 @@ enum UpAxis {
     Z,
 }
 
-#[derive(Debug, Default, Deserialize)]
+/// A place by itself, in brackets.
+#[derive(Debug, Deserialize)]
+struct BracketedPlace {
+    place: [ArrangedPlace; 1],
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(default)]
 struct ArrangedPlace {
     translation: [f64; 3],
@@ -79,8 +93,17 @@ impl Arrangement {
             let place = format!("byte {}", error.valid_up_to());
             Fault::broken(place, "is no text in UTF-8", NEXT)
         })?;
-        keys::check(text)?;
-        let said: Self = toml::from_str(text).map_err(|error| keys::wrong(text, &error))?;
+        let outline = Outline::of(text)?;
+        let line = |at: usize| line_of(text, outline.whole(at));
+        KEYS.check_text(&outline.text, &line)?;
+        let said = toml::from_str(&outline.text).map_err(|error| keys::wrong(&error, &line));
+        let mut said: Self = said?;
+        for place in &outline.places {
+            let of = place.input.checked_sub(1);
+            if let Some(input) = of.and_then(|it| said.input.get_mut(it)) {
+                input.place.push(ArrangedPlace::parse(text, place)?);
+            }
+        }
         said.check()?;
         Ok(said)
     }
@@ -107,6 +130,9 @@ impl Arrangement {
             );
         }
         for (input, number) in self.input.iter().zip(1..) {
+            if input.outlined.len() > input.place.len() {
+                return wrong(&format!("input {number}"), "a place is no table".to_owned());
+            }
             for (place, at) in input.place.iter().zip(1..) {
                 let place = place.world_from_file();
                 if !place.is_some_and(|it| it.is_finite()) {
@@ -120,7 +146,7 @@ impl Arrangement {
     }
 
     /// Reads all files that it names, which lie in `folder`.
-    fn read(&self, folder: &OnDisk, up: Option<Up>) -> Result<SourceScene, Wrong> {
+    fn read(&self, folder: &mut OnDisk, up: Option<Up>) -> Result<SourceScene, Wrong> {
         let mut scene = SourceScene {
             background: self.background.as_deref().and_then(light_of),
             light: self.light.map(DVec3::from_array),
@@ -128,16 +154,16 @@ impl Arrangement {
         };
         let mut places = 0;
         for (input, number) in self.input.iter().zip(1..) {
-            let path = folder.find(&input.file)?;
-            if SceneFormat::of(&path).is_none() {
+            if SceneFormat::of(Path::new(&input.file)).is_none() {
                 let what = format!("{:?} is no 3D file", shortened(&input.file));
                 return Err(Fault::broken(format!("input {number}"), what, NEXT).into());
             }
+            let named = folder.read_named(&input.file)?;
             let own_up = input.up.map(|it| match it {
                 UpAxis::Y => Up::Y,
                 UpAxis::Z => Up::Z,
             });
-            let mut one = read_file(&path, input.name.as_deref(), own_up.or(up))?;
+            let mut one = read_named(named, input.name.as_deref(), own_up.or(up))?;
             let all = input
                 .place
                 .iter()
@@ -162,6 +188,28 @@ impl Arrangement {
 }
 
 impl ArrangedPlace {
+    /// Reads what a text says of one place.
+    fn parse(text: &str, place: &PlaceText) -> Result<Self, Fault> {
+        /// What makes brackets with one place a text of their own.
+        const BEFORE: &str = "place = [";
+        let own = text.get(place.bytes.clone()).unwrap_or_default();
+        if own.len() > MOST_PLACE_BYTES {
+            let what = format!("a place takes more than {MOST_PLACE_BYTES} bytes");
+            return Err(Fault::broken(line_of(text, place.bytes.start), what, NEXT));
+        }
+        let before = if place.is_inline { BEFORE.len() } else { 0 };
+        let line = |at: usize| line_of(text, place.bytes.start + at.saturating_sub(before));
+        let told = |error| keys::wrong(&error, &line);
+        if !place.is_inline {
+            PLACE.check_text(own, &line)?;
+            return toml::from_str(own).map_err(told);
+        }
+        let own = format!("{BEFORE}{own}]");
+        PLACES.check_text(&own, &line)?;
+        let said: BracketedPlace = toml::from_str(&own).map_err(told)?;
+        Ok(said.place[0])
+    }
+
     /// Scaled, turned about x, then y, then z, and moved; `None` where a number is out of range.
     fn world_from_file(&self) -> Option<DAffine3> {
         let scale = DVec3::from_array(match self.scale {
@@ -216,9 +264,9 @@ impl From<ReadError> for Wrong {
 /// Reads a scene file and all files that it names; `up` is of those of which it does not say it.
 pub(super) fn read(path: &Path, up: Option<Up>) -> Result<SourceScene, ReadError> {
     let mut folder = OnDisk::of(path);
-    let bytes = folder.read_scene(path)?;
+    let bytes = folder.read_scene()?;
     let said = Arrangement::parse(&bytes).map_err(|fault| fault.in_file(path))?;
-    let mut scene = said.read(&folder, up).map_err(|wrong| match wrong {
+    let mut scene = said.read(&mut folder, up).map_err(|wrong| match wrong {
         Wrong::Here(fault) => fault.in_file(path),
         Wrong::There(error) => error,
     })?;

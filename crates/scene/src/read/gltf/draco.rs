@@ -4,10 +4,11 @@
 
 use draco_core::{DataType, DecodeLimits, DecoderBuffer, Mesh, MeshDecoder, PointAttribute};
 use draco_core::{DracoError, PointIndex};
+use std::collections::HashMap;
 
 use super::super::error::Fault;
 use super::buffers::Buffers;
-use super::json::{Accessor, Document, Primitive, View};
+use super::json::{Accessor, Document, GltfAttributes, Primitive, View};
 
 /// How corners of triangles are told: unsigned, 32 bits.
 const INDICES: u32 = 5125;
@@ -16,6 +17,7 @@ const TRIANGLES: u32 = 4;
 
 /// Puts accessors of what they say in place of those of parts that are compressed.
 pub(super) fn unpack(document: &mut Document, buffers: &mut Buffers<'_>) -> Result<(), Fault> {
+    let mut known = HashMap::new();
     for mesh in 0..document.meshes.len() {
         for part in 0..document.meshes[mesh].primitives.len() {
             let place = format!("mesh {mesh}, primitive {part}");
@@ -24,7 +26,21 @@ pub(super) fn unpack(document: &mut Document, buffers: &mut Buffers<'_>) -> Resu
                 continue;
             }
             let mut primitive = std::mem::take(said);
-            unpack_part(document, buffers, &mut primitive, &place)?;
+            // Parts may show the same in other materials.
+            let part_of = (primitive.extensions.clone(), primitive.attributes.clone());
+            match known.get(&part_of) {
+                Some((attributes, indices)) => {
+                    primitive.attributes = GltfAttributes::clone(attributes);
+                    primitive.indices = *indices;
+                    primitive.mode = Some(TRIANGLES);
+                    primitive.extensions.draco = None;
+                }
+                None => {
+                    unpack_part(document, buffers, &mut primitive, &place)?;
+                    let unpacked = (primitive.attributes.clone(), primitive.indices);
+                    known.insert(part_of, unpacked);
+                }
+            }
             document.meshes[mesh].primitives[part] = primitive;
         }
     }

@@ -88,7 +88,7 @@ pub(super) struct Mesh {
     pub(super) weights: Vec<f64>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(default)]
 pub(super) struct Primitive {
     pub(super) attributes: GltfAttributes,
@@ -99,7 +99,7 @@ pub(super) struct Primitive {
     pub(super) extensions: PrimitiveExtensions,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(default)]
 pub(super) struct PrimitiveExtensions {
     #[serde(rename = "KHR_draco_mesh_compression")]
@@ -107,7 +107,7 @@ pub(super) struct PrimitiveExtensions {
 }
 
 /// A part of a mesh that Draco compressed.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct DracoPart {
     pub(super) buffer_view: u32,
@@ -115,7 +115,7 @@ pub(super) struct DracoPart {
     pub(super) attributes: GltfAttributes,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(default, rename_all = "UPPERCASE")]
 pub(super) struct GltfAttributes {
     pub(super) position: Option<u32>,

@@ -12,8 +12,12 @@ use crate::build::codes_from_linear;
 use crate::source::{Repairs, SourceCloud, SourceMesh};
 
 /// How many vertices and corners may be made of each byte of the buffers. Eight-bit strips give
-/// one; parts of meshes may also show the same bytes several times.
-const MOST_PER_BYTE: usize = 16;
+/// one, and files of people a tenth; so meshes may show the same bytes some ten times.
+const MOST_PER_BYTE: usize = 2;
+/// So many may be made of whatever bytes.
+const MOST_FREE: usize = 1 << 18;
+/// Least bytes of each that was unpacked: of indices.
+const LEAST_UNPACKED: usize = 2;
 
 /// Reads meshes, all parts of one into one.
 pub(super) struct MeshReader<'a> {
@@ -176,14 +180,16 @@ impl MeshReader<'_> {
         self.spent = self.spent.saturating_add(elements);
         let bytes = self.accessors.buffers.total;
         let unpacked = self.accessors.buffers.unpacked as usize;
-        if self.spent <= bytes.saturating_mul(MOST_PER_BYTE).saturating_add(unpacked) {
+        let most = bytes.saturating_mul(MOST_PER_BYTE);
+        let most = most.saturating_add(MOST_FREE + unpacked / LEAST_UNPACKED);
+        if self.spent <= most {
             return Ok(());
         }
         let what = format!(
             "{} vertices and corners are made of only {bytes} bytes up to here",
             self.spent
         );
-        let next = "share meshes between nodes instead of accessors between meshes";
+        let next = "let nodes show the same mesh instead of meshes that differ in their materials";
         Err(Fault::broken(place, what, next))
     }
 

@@ -8,6 +8,7 @@ mod json;
 mod mesh;
 mod meshopt;
 mod nodes;
+mod sharing;
 mod textures;
 
 use std::collections::HashMap;
@@ -29,6 +30,7 @@ pub(super) fn read(
     folder: &mut dyn Folder,
 ) -> Result<SourceScene, Fault> {
     let (mut document, binary) = container::parse(bytes)?;
+    sharing::share_meshes(&mut document);
     let mut buffers = Buffers::read(&document, binary, folder)?;
     meshopt::unpack(&mut document, &mut buffers)?;
     draco::unpack(&mut document, &mut buffers)?;

@@ -3,6 +3,7 @@
 use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 
 use super::super::error::Fault;
+use super::super::place::{MOST_PLACES, too_many};
 use super::accessor::Accessors;
 use super::json::{Document, InstanceAttributes, Node};
 
@@ -33,6 +34,7 @@ pub(super) fn shown(accessors: &Accessors<'_>) -> Result<Vec<ShownMesh>, Fault> 
             world_from_mesh,
         };
         match &document.nodes[node].extensions.instances {
+            None if all.len() == MOST_PLACES => return Err(too_many()),
             None => all.push(shown(world_from_mesh)),
             Some(said) => {
                 let many = instances(accessors, &said.attributes, node, all.len())?;
@@ -59,10 +61,8 @@ fn instances(
         return Err(Fault::at(place(node), what));
     }
     // Nodes may share what places their instances.
-    let most = accessors.buffers.total + accessors.buffers.unpacked as usize;
-    if count > most.saturating_sub(before) as u64 {
-        let what = format!("its {count} instances are more than all buffers have bytes");
-        return Err(Fault::at(place(node), what));
+    if count > (MOST_PLACES - before) as u64 {
+        return Err(too_many());
     }
     let translations = rows(accessors, said.translation, [0.0; 3], count)?;
     let rotations = rows(accessors, said.rotation, [0.0, 0.0, 0.0, 1.0], count)?;

@@ -22,8 +22,12 @@ const CHUNK_SIZE_AT: usize = 12;
 const ANY_SIZE: u32 = u32::MAX;
 /// Bytes that say where the table of chunks lies.
 const POINTER_BYTES: usize = 8;
-/// Most points that a byte unpacks to: more would be the same point, over and over.
-const MOST_PER_BYTE: u64 = 16;
+/// Bytes that a byte unpacks to at most, beside what may always be: more would be the same point,
+/// over and over. Scans of a plain by a machine reach hundreds.
+const MOST_UNPACKED: u64 = 2048;
+const MOST_FREE: u64 = 1 << 25;
+/// Bytes that are unpacked at a time.
+const PART_BYTES: usize = 1 << 18;
 /// Bytes that may be left of a chunk behind its points: what ends a coder.
 const MOST_LEFT: u64 = 16;
 /// Most points of a chunk.
@@ -59,8 +63,13 @@ pub(super) fn read(
     })?;
     let (packing, vlr) = packing_of(said, header)?;
     let room = header.points_end.saturating_sub(header.points_at) as u64;
-    if header.count > room.saturating_mul(MOST_PER_BYTE) {
-        return Err(header.wrong_count(&format!("only {room} bytes follow")));
+    let unpacked = header.count.saturating_mul(header.record_bytes as u64);
+    if unpacked > MOST_FREE.saturating_add(room.saturating_mul(MOST_UNPACKED)) {
+        let what = format!(
+            "only {room} bytes follow, of which a point takes {}",
+            header.record_bytes
+        );
+        return Err(header.wrong_count(&what));
     }
     let chunks = match packing {
         Packing::One => vec![Chunk {
@@ -71,7 +80,6 @@ pub(super) fn read(
         _ => chunks(bytes, header, &vlr)?,
     };
     let layers = layers_of(&vlr);
-    let mut records = Vec::new();
     for (number, chunk) in chunks.iter().enumerate() {
         let fault = |what: String| {
             let place = format!("byte {}, chunk {number} of {}", chunk.at, chunks.len());
@@ -84,16 +92,11 @@ pub(super) fn read(
                 return Err(header.wrong_count(&format!("chunk {number} has {told}")));
             }
         }
-        records.clear();
-        records.resize(chunk.points as usize * header.record_bytes, 0);
-        let left = unpack(chunk, said, packing, &mut records).map_err(fault)?;
+        let left = unpack(chunk, (said, header.record_bytes), packing, each).map_err(fault)?;
         if left > MOST_LEFT && packing != Packing::Layers {
             let what = format!("{left} bytes of chunk {number} are left behind them");
             return Err(header.wrong_count(&what));
         }
-        records
-            .chunks_exact(header.record_bytes)
-            .for_each(&mut *each);
     }
     Ok(())
 }
@@ -216,10 +219,7 @@ fn chunks<'a>(bytes: &'a [u8], header: &LasHeader, vlr: &LazVlr) -> Result<Vec<C
         if size > left && is_open || points == 0 {
             return Err(header.wrong_count("the table of chunks counts others"));
         }
-        let most = (chunk.len() as u64)
-            .saturating_mul(MOST_PER_BYTE)
-            .min(MOST_OF_CHUNK);
-        if points > most {
+        if points > MOST_OF_CHUNK {
             let what = format!("a chunk of {} bytes has {points} points", chunk.len());
             return Err(fault(what));
         }
@@ -255,12 +255,12 @@ fn table_of_chunks<'a>(bytes: &'a [u8], header: &LasHeader) -> Result<(usize, &'
     })
 }
 
-/// Unpacks a chunk into records, and returns how many bytes of it are left.
+/// Unpacks the records of a chunk, some at a time, and returns how many bytes of it are left.
 fn unpack(
     chunk: &Chunk<'_>,
-    said: &[u8],
+    (said, record_bytes): (&[u8], usize),
     packing: Packing,
-    records: &mut [u8],
+    each: &mut dyn FnMut(&[u8]),
 ) -> Result<u64, String> {
     // As a file of one chunk: a pointer to its table, the chunk, and a table of none.
     let mut file = Vec::with_capacity(chunk.bytes.len() + 2 * POINTER_BYTES);
@@ -282,12 +282,21 @@ fn unpack(
     let unpacked = || {
         let mut unpacking = LasZipDecompressor::selective(Cursor::new(file), vlr, kept)
             .map_err(|error| error.to_string())?;
-        let unpacked = unpacking.decompress_many(records);
-        unpacked.map_err(|error| format!("its {} points end too early: {error}", chunk.points))?;
+        let at_once = (PART_BYTES / record_bytes).max(1) as u64;
+        let mut records = vec![0; at_once.min(chunk.points) as usize * record_bytes];
+        let mut left = chunk.points;
+        while left > 0 {
+            let part = &mut records[..at_once.min(left) as usize * record_bytes];
+            unpacking
+                .decompress_many(part)
+                .map_err(|error| format!("its {} points end too early: {error}", chunk.points))?;
+            part.chunks_exact(record_bytes).for_each(&mut *each);
+            left -= at_once.min(left);
+        }
         Ok(end.saturating_sub(unpacking.into_inner().position()))
     };
-    // It takes for granted that what a coder tells is in range, and unwinds where it is not; the
-    // records are cleared by whoever goes on.
+    // It takes for granted that what a coder tells is in range, and unwinds where it is not; what
+    // came before is dropped with the file.
     let unwound = |_| Err("it is damaged".to_owned());
     catch_unwind(AssertUnwindSafe(unpacked)).unwrap_or_else(unwound)
 }

@@ -1,0 +1,167 @@
+//! Do the units of a scene say what the table tells of them, and fit to each other?
+//!
+//! What is asked here is what whoever draws units asks of each as it comes: a pack of which this
+//! finds nothing wrong is drawn whole.
+
+use super::pack::ScenePack;
+use crate::content::images::shape::{BORDER, PagePlace, TextureShape};
+use crate::content::mesh::payload::MeshUnit;
+use crate::content::payload::Payload;
+use crate::content::points::whole::CloudCheck;
+use crate::pack::PackError;
+use crate::pack::unit::UnitId;
+use core::hash::BuildHasher;
+use std::collections::{HashMap, HashSet};
+
+/// Compares units with what is told of them and with those that they need, which come before them.
+///
+/// Keeps eight bytes for each vertex of clusters whose refinement has not come.
+#[derive(Debug)]
+pub struct SceneCheck<'a> {
+    pack: &'a ScenePack,
+    clouds: CloudCheck,
+    /// Which unit refines each cluster.
+    refiners: HashMap<(UnitId, u8), UnitId>,
+    /// The vertices of clusters that are refined; each stands there until it is.
+    clusters: HashMap<(UnitId, u8), Vec<u64>>,
+    /// Pages, with their textures.
+    pages: HashMap<UnitId, (u16, PagePlace)>,
+    /// Units that are damaged themselves, or need one that is.
+    damaged: HashSet<UnitId>,
+    hasher: core::hash::BuildHasherDefault<std::hash::DefaultHasher>,
+}
+
+impl<'a> SceneCheck<'a> {
+    /// No unit of a pack.
+    #[must_use]
+    pub fn new(pack: &'a ScenePack) -> Self {
+        Self {
+            refiners: pack.refiners(),
+            pack,
+            clouds: CloudCheck::default(),
+            clusters: HashMap::new(),
+            pages: HashMap::new(),
+            damaged: HashSet::new(),
+            hasher: Default::default(),
+        }
+    }
+
+    /// A unit could not be read: nothing is asked of those that need it.
+    pub fn miss(&mut self, unit: UnitId) {
+        self.damaged.insert(unit);
+    }
+
+    /// Adds a unit after all with lower numbers.
+    ///
+    /// # Errors
+    /// It shows something else than the table tells of it, or does not fit to what it needs.
+    pub fn add(&mut self, unit: UnitId, says: &Payload) -> Result<(), PackError> {
+        let needs = &self.pack.row(unit).needs;
+        let misses = needs.iter().any(|it| self.damaged.contains(it));
+        let checked = self.check_row(unit, says).and_then(|()| match misses {
+            // What it needs is told of already.
+            true => Ok(()),
+            false => self.fit(unit, says),
+        });
+        if misses || checked.is_err() {
+            self.damaged.insert(unit);
+        }
+        checked
+    }
+
+    fn fit(&mut self, unit: UnitId, says: &Payload) -> Result<(), PackError> {
+        match says {
+            Payload::Mesh(says) => self.fit_mesh(unit, says),
+            Payload::Image(page) => self.fit_page(unit, (page.texture, page.page)),
+            Payload::Points(_) => self.clouds.add(unit, self.pack.row(unit), says),
+            Payload::Picture(_) => Ok(()),
+        }
+    }
+
+    /// Refuses a unit that shows something else than the table tells of it.
+    fn check_row(&self, unit: UnitId, says: &Payload) -> Result<(), PackError> {
+        let row = self.pack.row(unit);
+        let found = match says {
+            Payload::Mesh(mesh) => {
+                let corners = mesh.clusters.iter().map(|it| it.vertices.len());
+                [mesh.triangles(), corners.sum()]
+            }
+            Payload::Image(page) => {
+                let inner = page.picture.size.map(|side| (side - 2 * BORDER) as usize);
+                let quarter = row.replaces.first().map(|it| it.cluster);
+                let is_its = quarter.is_none_or(|it| it == page.page.quarter());
+                [inner[0] * inner[1], usize::from(!is_its)]
+            }
+            Payload::Points(points) => [points.points.len(), 0],
+            Payload::Picture(_) => return Ok(()),
+        };
+        let told = [row.samples, row.vertices].map(|it| it as usize);
+        match found == told {
+            true => Ok(()),
+            false => Err(PackError::new(
+                &format!("unit {}, samples and vertices", unit.0),
+                format!("{found:?}"),
+                format!("{told:?}, as the table tells"),
+            )),
+        }
+    }
+
+    /// Refuses a unit of a mesh whose coarse clusters are not there, or have other vertices than
+    /// stay; keeps the vertices of its clusters that others refine.
+    fn fit_mesh(&mut self, unit: UnitId, says: &MeshUnit) -> Result<(), PackError> {
+        let needs = &self.pack.row(unit).needs;
+        let mut vertices: Vec<u64> = Vec::new();
+        let mut met: HashSet<u64> = HashSet::new();
+        for replaced in &says.replaces {
+            let need = needs.get(usize::from(replaced.need)).copied();
+            // Of two that replace a cluster, the second finds nothing there.
+            let there = need.and_then(|need| self.clusters.remove(&(need, replaced.cluster)));
+            let Some(there) = there else {
+                return Err(PackError::new(
+                    &format!("unit {}, replaces", unit.0),
+                    format!("cluster {} of {need:?}", replaced.cluster),
+                    "a cluster that is there, and that no other unit replaces",
+                ));
+            };
+            vertices.extend(there.into_iter().filter(|it| met.insert(*it)));
+        }
+        if vertices.len() != usize::from(says.staying) {
+            return Err(PackError::new(
+                &format!("unit {}, staying vertices", unit.0),
+                says.staying,
+                format!("{}, as many as the replaced clusters have", vertices.len()),
+            ));
+        }
+        vertices.extend(says.vertices.iter().map(|it| self.hasher.hash_one(it)));
+        for (cluster, number) in says.clusters.iter().zip(0..) {
+            if self.refiners.contains_key(&(unit, number)) {
+                let own = cluster.vertices.iter().map(|it| vertices[usize::from(*it)]);
+                self.clusters.insert((unit, number), own.collect());
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a page that needs another than the one it lies in.
+    fn fit_page(&mut self, unit: UnitId, page: (u16, PagePlace)) -> Result<(), PackError> {
+        let (texture, place) = page;
+        let about = &self.pack.description().textures[usize::from(texture)];
+        let is_root = place.level == TextureShape { size: about.size }.root();
+        let is_coarser = |need: &UnitId| self.pages.get(need) == Some(&(texture, place.coarser()));
+        let needs = &self.pack.row(unit).needs;
+        let fits = match needs[..] {
+            [] => is_root,
+            [need] => !is_root && is_coarser(&need),
+            _ => false,
+        };
+        self.pages.insert(unit, page);
+        match fits {
+            true => Ok(()),
+            false => Err(PackError::new(
+                &format!("unit {}, needs", unit.0),
+                format!("{needs:?} of page {place:?}"),
+                "the page that it lies in, or nothing of the coarsest",
+            )),
+        }
+    }
+}
