@@ -6,7 +6,8 @@ export default defineConfig({
   test: {
     include: ["test/e2e/*.test.ts"],
     globalSetup: ["test/e2e/setup.ts"],
-    fileParallelism: false,
+    // Two files at once: while one waits the other draws. More only wait for each other.
+    maxWorkers: 2,
     testTimeout: 300_000,
     hookTimeout: 300_000,
   },

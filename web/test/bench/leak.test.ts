@@ -3,10 +3,9 @@
 // Minutes of looking over a loopback: no part of `make test`. MINUTES says how many, 10 if nothing.
 
 import { readdirSync, readFileSync } from "node:fs";
-import { chromium } from "playwright-core";
 import { expect, inject, test } from "vitest";
 import { RangeHost } from "../range-server.ts";
-import { DRAWS, executable } from "../e2e/browser.ts";
+import { connect, serveBrowser } from "../e2e/browser.ts";
 
 const MINUTES = Number(process.env.MINUTES ?? 10);
 /** How much more than after the first minute is no leak. */
@@ -40,8 +39,8 @@ function bytesOf(root: number): number {
 
 test(`${MINUTES} minutes of looking round need no more memory than the first`, async () => {
   const host = await RangeHost.of(inject("site"));
-  const server = await chromium.launchServer({ executablePath: executable(), args: DRAWS });
-  const browser = await chromium.connect(server.wsEndpoint());
+  const server = await serveBrowser();
+  const browser = await connect(server.wsEndpoint());
   const page = await browser.newPage({ viewport: { width: 640, height: 400 } });
   await page.goto(`${host.url}view.html?pack=sphere.foveal&demo`);
   await page.waitForTimeout(5000);

@@ -7,7 +7,7 @@ import { rm, symlink } from "node:fs/promises";
 import { homedir } from "node:os";
 import { join } from "node:path";
 import { inject, test } from "vitest";
-import { launch } from "../e2e/browser.ts";
+import { connect } from "../e2e/browser.ts";
 import { expectPrompt } from "../e2e/looking.ts";
 import { RangeHost } from "../range-server.ts";
 
@@ -19,7 +19,7 @@ test.skipIf(!existsSync(PACK))(`a 16K panorama is seen within 0.6 s (${HOW})`, a
   const link = join(inject("site"), "panorama.foveal");
   await symlink(PACK, link);
   const host = await RangeHost.of(inject("site"));
-  const browser = await launch();
+  const browser = await connect(inject("browser"));
   try {
     await expectPrompt(browser, host.url, "panorama.foveal");
   } finally {

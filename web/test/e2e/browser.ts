@@ -1,7 +1,13 @@
 // How does a test get a page, and what does it see of it?
 
 import { execFileSync } from "node:child_process";
-import { type Browser, type BrowserContextOptions, type Page, chromium } from "playwright-core";
+import {
+  type Browser,
+  type BrowserContextOptions,
+  type BrowserServer,
+  type Page,
+  chromium,
+} from "playwright-core";
 import type { Stats } from "../../src/engine/api.ts";
 import { PNG } from "./png.ts";
 
@@ -29,9 +35,19 @@ export function executable(): string {
   throw new Error("no Chromium is installed: scripts/install.sh does it");
 }
 
-/** A browser that draws, or one without WebGPU. */
-export function launch(webgpu: "webgpu" | "no webgpu" = "webgpu"): Promise<Browser> {
-  const args = webgpu === "webgpu" ? DRAWS : ["--no-sandbox", "--disable-features=WebGPU"];
+/** A browser that draws, to which files connect. */
+export function serveBrowser(): Promise<BrowserServer> {
+  return chromium.launchServer({ executablePath: executable(), args: DRAWS });
+}
+
+/** The browser at an address; what is opened here goes when this is closed, the browser stays. */
+export function connect(address: string): Promise<Browser> {
+  return chromium.connect(address);
+}
+
+/** A browser of one's own, without WebGPU. */
+export function launchPlain(): Promise<Browser> {
+  const args = ["--no-sandbox", "--disable-features=WebGPU"];
   return chromium.launch({ executablePath: executable(), args });
 }
 

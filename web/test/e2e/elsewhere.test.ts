@@ -11,14 +11,14 @@ import { promisify } from "node:util";
 import type { Browser } from "playwright-core";
 import { afterAll, beforeAll, expect, inject, test } from "vitest";
 import { RangeHost } from "../range-server.ts";
-import { countTold, launch, open, seen, settled, told } from "./browser.ts";
+import { connect, countTold, open, seen, settled, told } from "./browser.ts";
 
 const run = promisify(execFile);
 
 let browser: Browser;
 
 beforeAll(async () => {
-  browser = await launch();
+  browser = await connect(inject("browser"));
 });
 
 afterAll(() => browser.close());

@@ -13,7 +13,7 @@ import { afterAll, beforeAll, expect, inject, test } from "vitest";
 import type { EngineOptions } from "../../src/engine/api.ts";
 import type { Engine } from "../../src/engine/engine.ts";
 import { RangeHost } from "../range-server.ts";
-import { launch, open } from "./browser.ts";
+import { connect, open } from "./browser.ts";
 import { PNG } from "./png.ts";
 
 const run = promisify(execFile);
@@ -79,7 +79,7 @@ let host: RangeHost;
 let folder: string;
 
 beforeAll(async () => {
-  browser = await launch();
+  browser = await connect(inject("browser"));
   host = await RangeHost.of(inject("site"));
   folder = await mkdtemp(join(tmpdir(), "foveal-equal-"));
 });

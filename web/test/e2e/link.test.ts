@@ -4,12 +4,12 @@
 
 import { expect, inject, test } from "vitest";
 import { RangeHost } from "../range-server.ts";
-import { launch } from "./browser.ts";
+import { connect } from "./browser.ts";
 import { expectPrompt } from "./looking.ts";
 
 for (const pack of ["flat", "sphere"] as const) {
   test(`the ${pack} pack is seen, sharp and followed as soon as a link allows`, async () => {
-    const browser = await launch();
+    const browser = await connect(inject("browser"));
     const host = await RangeHost.of(inject("site"));
     try {
       await expectPrompt(browser, host.url, `${pack}.foveal`);

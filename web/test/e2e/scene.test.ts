@@ -9,7 +9,7 @@ import type { Browser } from "playwright-core";
 import { afterAll, beforeAll, expect, inject, test } from "vitest";
 import type { EngineProblem } from "../../src/engine/api.ts";
 import { RangeHost } from "../range-server.ts";
-import { type Opened, countTold, launch, open, seen, settled, stats, told } from "./browser.ts";
+import { type Opened, connect, countTold, open, seen, settled, stats, told } from "./browser.ts";
 import type { PNG } from "./png.ts";
 
 const run = promisify(execFile);
@@ -26,7 +26,7 @@ let index: number;
 let fileBytes: number;
 
 beforeAll(async () => {
-  browser = await launch();
+  browser = await connect(inject("browser"));
   folder = await mkdtemp(join(tmpdir(), "foveal-scene-"));
   const [model, pack] = [join(folder, "torus.obj"), join(folder, "torus.foveal")];
   await writeFile(model, torus());

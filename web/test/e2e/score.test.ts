@@ -4,13 +4,13 @@ import type { Browser } from "playwright-core";
 import { afterAll, beforeAll, expect, inject, test } from "vitest";
 import type { Stats } from "../../src/engine/api.ts";
 import { RangeHost } from "../range-server.ts";
-import { type Opened, launch, open, settled, told } from "./browser.ts";
+import { type Opened, connect, open, settled, told } from "./browser.ts";
 
 let browser: Browser;
 let host: RangeHost;
 
 beforeAll(async () => {
-  browser = await launch();
+  browser = await connect(inject("browser"));
   host = await RangeHost.of(inject("site"), { delayMs: 20 });
 });
 

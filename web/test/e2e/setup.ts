@@ -1,7 +1,8 @@
-// Which site do the tests open?
+// Which site do the tests open, and in which browser?
 //
-// One that the program itself makes of generated clips, in a folder that goes away with them. The
-// program is named by FOVEAL; `cargo xtask web-test` says which.
+// A site that the program itself makes of generated clips, in a folder that goes away with them,
+// and one browser for all files: a context for each test keeps them apart. The program is named by
+// FOVEAL; `cargo xtask web-test` says which.
 
 import { execFile } from "node:child_process";
 import { copyFile, mkdtemp, rm } from "node:fs/promises";
@@ -11,9 +12,12 @@ import { promisify } from "node:util";
 import type { TestProject } from "vitest/node";
 import { writeAvi } from "../avi.ts";
 import { FRAMES_PER_SECOND, pictures, sound } from "../scenes.ts";
+import { serveBrowser } from "./browser.ts";
 
 declare module "vitest" {
   interface ProvidedContext {
+    /** Where files connect to the browser. */
+    browser: string;
     /** The folder of the site. */
     site: string;
     /** The program. */
@@ -28,6 +32,7 @@ const run = promisify(execFile);
 export default async function setup(project: TestProject): Promise<() => Promise<void>> {
   const program = process.env.FOVEAL;
   if (program === undefined) throw new Error("FOVEAL names no program: run `cargo xtask web-test`");
+  const browser = await serveBrowser();
   const folder = await mkdtemp(join(tmpdir(), "foveal-web-"));
   const prepare = async (name: string, size: readonly [number, number], more: string[]) => {
     const clip = join(folder, `${name}.avi`);
@@ -38,16 +43,22 @@ export default async function setup(project: TestProject): Promise<() => Promise
     await run(program, ["prepare", "video", clip, "--out", pack, ...more]);
     return pack;
   };
-  const flat = await prepare("flat", [1024, 576], ["--projection", "flat"]);
-  const sphere = await prepare("sphere", [2048, 1024], ["--projection", "equirect"]);
   const equirect = ["--projection", "equirect", "--pack-projection", "equirect"];
-  const round = await prepare("round", [1024, 512], equirect);
+  const [flat, sphere, round] = await Promise.all([
+    prepare("flat", [1024, 576], ["--projection", "flat"]),
+    prepare("sphere", [2048, 1024], ["--projection", "equirect"]),
+    prepare("round", [1024, 512], equirect),
+  ]);
   const site = join(folder, "site");
   await run(program, ["export", "site", flat, sphere, "--out", site]);
   // Beside those that the site lists.
   await copyFile(round, join(site, "round.foveal"));
+  project.provide("browser", browser.wsEndpoint());
   project.provide("site", site);
   project.provide("program", program);
   project.provide("packs", folder);
-  return () => rm(folder, { recursive: true, force: true });
+  return async () => {
+    await browser.close();
+    await rm(folder, { recursive: true, force: true });
+  };
 }

@@ -5,12 +5,21 @@ import type { Browser } from "playwright-core";
 import { afterAll, beforeAll, expect, inject, test } from "vitest";
 import type { EngineProblem } from "../../src/engine/api.ts";
 import { type Faults, RangeHost } from "../range-server.ts";
-import { type Opened, countTold, launch, open, seen, stats, told } from "./browser.ts";
+import {
+  type Opened,
+  connect,
+  countTold,
+  launchPlain,
+  open,
+  seen,
+  stats,
+  told,
+} from "./browser.ts";
 
 let browser: Browser;
 
 beforeAll(async () => {
-  browser = await launch();
+  browser = await connect(inject("browser"));
 });
 
 afterAll(() => browser.close());
@@ -266,7 +275,7 @@ test("an address that names no video offers the list", async () => {
 });
 
 test("without WebGPU the coarsest level plays, and a sentence says why", async () => {
-  const plain = await launch("no webgpu");
+  const plain = await launchPlain();
   const host = await RangeHost.of(inject("site"), { delayMs: 10 });
   try {
     for (const pack of ["flat", "sphere"]) {

@@ -5,13 +5,13 @@ import { afterAll, beforeAll, expect, inject, test } from "vitest";
 import type { Stats } from "../../src/engine/api.ts";
 import { type Asked, RangeHost } from "../range-server.ts";
 import { colourAt } from "../scenes.ts";
-import { type Opened, launch, open, seen, settled, stats, told } from "./browser.ts";
+import { type Opened, connect, open, seen, settled, stats, told } from "./browser.ts";
 
 let browser: Browser;
 let host: RangeHost;
 
 beforeAll(async () => {
-  browser = await launch();
+  browser = await connect(inject("browser"));
 });
 
 afterAll(() => browser.close());
