@@ -176,7 +176,7 @@ impl Level {
                     self.waits = Some(self.kept[..needed.min(self.kept.len())].to_vec());
                 }
                 false => {
-                    made.extend(self.made_of(maker, self.made_rows, &self.kept, self.first)?)
+                    made.extend(self.made_of(maker, self.made_rows, &self.kept, self.first)?);
                 }
             }
             self.made_rows += 1;
