@@ -12,7 +12,7 @@ use ffmpeg_next as av;
 use crate::error::MediaError;
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
 use crate::read::cut_short::is_cut_matroska;
-use crate::read::opening::{Search, open_input};
+use crate::read::opening::{open_input, read_packet};
 use crate::read::source;
 use crate::surround::spherical_boxes::broken_boxes_of;
 
@@ -60,10 +60,8 @@ impl FrameReader {
             path: path.to_owned(),
             reason,
         };
-        let input = open_input(&absolute).map_err(|error| {
-            let reason = Search::told(error.to_string());
-            refused_box(path).unwrap_or_else(|| not_video(reason))
-        })?;
+        let input = open_input(&absolute)
+            .map_err(|reason| refused_box(path).unwrap_or_else(|| not_video(reason)))?;
         // Lists make FFmpeg read files that nobody named here.
         if matches!(input.format().name(), "hls" | "concat" | "dash") {
             return Err(not_video(
@@ -169,18 +167,18 @@ impl FrameReader {
         loop {
             // A fresh packet each time: av_read_frame overwrites without freeing.
             let mut packet = Packet::empty();
-            match packet.read(&mut self.input) {
-                Ok(()) if packet.stream() != self.stream => {}
-                Ok(()) if packet.is_corrupt() => return self.end(Some(LOST)),
+            match read_packet(&mut packet, &mut self.input) {
+                Ok(true) if packet.stream() != self.stream => {}
+                Ok(true) if packet.is_corrupt() => return self.end(Some(LOST)),
                 // Some containers hold packets without data, which decoders refuse.
-                Ok(()) if packet.size() == 0 => {}
-                Ok(()) => return self.decoder.send_packet(&packet).map_err(|e| e.to_string()),
-                Err(av::Error::Eof) if self.is_cut => return self.end(Some("it ends too early")),
-                Err(av::Error::Eof) if self.has_shrunk() => {
+                Ok(true) if packet.size() == 0 => {}
+                Ok(true) => return self.decoder.send_packet(&packet).map_err(|e| e.to_string()),
+                Ok(false) if self.is_cut => return self.end(Some("it ends too early")),
+                Ok(false) if self.has_shrunk() => {
                     return self.end(Some("it was cut while it was read"));
                 }
-                Err(av::Error::Eof) => return self.end(None),
-                Err(e) => return self.end(Some(&e.to_string())),
+                Ok(false) => return self.end(None),
+                Err(why) => return self.end(Some(&why)),
             }
         }
     }

@@ -15,7 +15,6 @@ use crate::plain_file::open_plain;
 use crate::read::deliver::{FrameConversion, has_alpha};
 use crate::read::frame_reader::FrameReader;
 use crate::read::large_still::LargeStill;
-use crate::read::opening::Search;
 use crate::read::orientation::Orientation;
 use crate::read::source::{self, SourceInfo, Transparency};
 use crate::read::still_tags::StillTags;
@@ -61,7 +60,6 @@ impl VideoInput {
     pub fn open(path: &Path) -> Result<Self, MediaError> {
         // Opening a pipe would wait for somebody to write into it.
         let bytes = file_bytes(path)?;
-        let _search = Search::begin();
         let source = match LargeStill::open(path)? {
             Some(still) => Source::Still(Box::new(still)),
             None => Source::Stream(Box::new(StreamInput::open(path, bytes)?)),
@@ -130,7 +128,7 @@ impl StreamInput {
         let mut reader = FrameReader::open(path, bytes)?;
         let no_frames = |reason| MediaError::NoFrames {
             path: path.to_owned(),
-            reason: Search::told(reason),
+            reason,
         };
         let first = reader.next_frame().map_err(no_frames)?;
         let first = first.ok_or_else(|| no_frames("it is empty".to_owned()))?;

@@ -1,126 +1,162 @@
-//! How does FFmpeg open a file, whatever that holds?
+//! How does FFmpeg read a file, whatever that holds?
 //!
-//! A file of nothing, such as a damaged recording or an image of an empty disk, may be of any size;
-//! many of FFmpeg's formats read all of it in search of a beginning. So that has a time limit.
+//! A file of nothing, such as a damaged recording or an image of an empty disk, may be of any size.
+//! Many of FFmpeg's formats read all of it in search of a beginning, and keep it meanwhile. So what
+//! is read for one packet has a limit.
 
 use std::cell::Cell;
-use std::ffi::{CString, c_int, c_void};
+use std::ffi::{CStr, CString, c_int, c_void};
 use std::path::Path;
 use std::ptr;
-use std::time::{Duration, Instant};
 
 use av::ffi;
 use av::format::context::Input;
 use ffmpeg_next as av;
 
-/// Longest search for the first picture, or the first sound, of a file.
-pub(crate) const MOST_SEARCH: Duration = Duration::from_secs(30);
+/// Most bytes that are read for a packet, or to open a file.
+const MOST_BYTES: i64 = 1 << 30;
+/// The same of a picture, which is one packet.
+const MOST_OF_PICTURE: i64 = 1 << 32;
+
+/// How far a search of this thread is.
+#[derive(Clone, Copy)]
+struct State {
+    /// Most bytes of it.
+    most: i64,
+    /// Bytes read of the file before it, once known.
+    before: Option<i64>,
+    is_over: bool,
+}
 
 thread_local! {
-    /// Until when this thread reads on in what it opens.
-    static UNTIL: Cell<Option<Instant>> = const { Cell::new(None) };
+    static SEARCH: Cell<Option<State>> = const { Cell::new(None) };
+    /// [`MOST_BYTES`], but for tests.
+    static MOST: Cell<i64> = const { Cell::new(MOST_BYTES) };
 }
 
-/// As long as it lives, what this thread opens is read no longer than [`MOST_SEARCH`].
-pub(crate) struct Search {
-    /// What bounded this thread before.
-    before: Option<Instant>,
-}
+/// As long as it lives, this thread reads no more of a file than a search may.
+struct Search;
 
 impl Search {
-    pub(crate) fn begin() -> Self {
-        Self::within(MOST_SEARCH)
+    fn begin() -> Self {
+        SEARCH.set(Some(State {
+            most: MOST.get(),
+            before: None,
+            is_over: false,
+        }));
+        Self
     }
 
-    fn within(most: Duration) -> Self {
-        let until = Instant::now() + most;
-        Self {
-            before: UNTIL.replace(Some(until)),
-        }
-    }
-
-    /// What an error means: that nothing was found in time, or what it says.
-    pub(crate) fn told(error: String) -> String {
-        match is_over() {
-            true => format!(
-                "nothing to show was found in it within {} s",
-                MOST_SEARCH.as_secs()
-            ),
-            false => error,
+    /// What an error means: that nothing was found, or what it says.
+    fn told(&self, error: &av::Error) -> String {
+        match SEARCH.get().filter(|it| it.is_over) {
+            Some(state) => format!("{} MiB of it hold nothing to show", state.most >> 20),
+            None => error.to_string(),
         }
     }
 }
 
 impl Drop for Search {
     fn drop(&mut self) {
-        UNTIL.set(self.before);
+        SEARCH.set(None);
     }
 }
 
-fn is_over() -> bool {
-    UNTIL.get().is_some_and(|until| Instant::now() > until)
+/// Asked by FFmpeg before each read of a file; `context` is that of the file.
+#[allow(unsafe_code)] // FFmpeg calls it.
+extern "C" fn is_interrupted(context: *mut c_void) -> c_int {
+    let Some(mut state) = SEARCH.get() else {
+        return 0;
+    };
+    // SAFETY: the context outlives its files, and is no other thread's while this one reads.
+    let Some(context) = (unsafe { context.cast::<ffi::AVFormatContext>().as_ref() }) else {
+        return 0;
+    };
+    // SAFETY: null, or the file of the context, open as long as it is read.
+    let read = unsafe { context.pb.as_ref() }.map_or(0, |file| file.bytes_read);
+    let found = read - *state.before.get_or_insert(read);
+    state.is_over |= found > state.most && (found > MOST_OF_PICTURE || !is_picture(context));
+    SEARCH.set(Some(state));
+    c_int::from(state.is_over)
 }
 
-/// Asked by FFmpeg before each read.
-extern "C" fn is_interrupted(_: *mut c_void) -> c_int {
-    c_int::from(is_over())
+/// Whether a file is one picture, by its format, once that is known.
+#[allow(unsafe_code)]
+fn is_picture(context: &ffi::AVFormatContext) -> bool {
+    // SAFETY: null, or a constant of the library, whose name ends in NUL.
+    let name = unsafe { context.iformat.as_ref().map(|it| CStr::from_ptr(it.name)) };
+    name.is_some_and(|name| name == c"image2" || name.to_bytes().ends_with(b"_pipe"))
 }
 
-/// Opens a file and finds its streams, within the search of this thread, if it is in one.
+/// Opens a file and finds its streams. The error says why that is not done.
 #[allow(unsafe_code)] // ffmpeg-next takes options or an interruption, not both.
-pub(crate) fn open_input(path: &Path) -> Result<Input, av::Error> {
+pub(crate) fn open_input(path: &Path) -> Result<Input, String> {
     let name = path.to_str().and_then(|it| CString::new(it).ok());
-    let name = name.ok_or(av::Error::InvalidData)?;
+    let name = name.ok_or("its name cannot be told to FFmpeg")?;
     let mut options = av::Dictionary::new();
     // A name with %d in it is a name, not a series of pictures.
     options.set("pattern_type", "none");
-    // SAFETY: the context was allocated here, and is the library's, or freed by it, once it is
-    // given to `avformat_open_input`; the callback needs no data, so it may outlive everything;
-    // name and options outlive the call, which leaves a dictionary that is owned again.
+    let search = Search::begin();
+    let told = |status: c_int| search.told(&av::Error::from(status));
+    // SAFETY: the context was allocated here, and is freed by `avformat_open_input` where that
+    // fails, else closed here or owned by what is returned; its callback is given itself, which
+    // outlives its files; name and options outlive the call, which leaves a dictionary that is
+    // owned again.
     unsafe {
         let mut context = ffi::avformat_alloc_context();
         if context.is_null() {
-            let errno = libc::ENOMEM;
-            return Err(av::Error::Other { errno });
+            return Err("there is no memory for it".to_owned());
         }
-        (*context).interrupt_callback.callback = Some(is_interrupted);
-        let mut raw = options.disown();
-        let file = name.as_ptr();
+        (*context).interrupt_callback = ffi::AVIOInterruptCB {
+            callback: Some(is_interrupted),
+            opaque: context.cast(),
+        };
+        let mut left = options.disown();
+        let name = name.as_ptr();
         let opened =
-            ffi::avformat_open_input(&raw mut context, file, ptr::null_mut(), &raw mut raw);
-        drop(av::Dictionary::own(raw));
+            ffi::avformat_open_input(&raw mut context, name, ptr::null_mut(), &raw mut left);
+        drop(av::Dictionary::own(left));
         if opened < 0 {
-            return Err(av::Error::from(opened));
+            return Err(told(opened));
         }
         let found = ffi::avformat_find_stream_info(context, ptr::null_mut());
         if found < 0 {
             ffi::avformat_close_input(&raw mut context);
-            return Err(av::Error::from(found));
+            return Err(told(found));
         }
         Ok(Input::wrap(context))
+    }
+}
+
+/// Reads the next packet; false at the end of the file. The error says why there is none.
+pub(crate) fn read_packet(packet: &mut av::Packet, input: &mut Input) -> Result<bool, String> {
+    let search = Search::begin();
+    match packet.read(input) {
+        // What was kept of a search without an end is no packet, nor is that the file's end.
+        read if SEARCH.get().is_some_and(|it| it.is_over) => {
+            Err(search.told(&read.err().unwrap_or(av::Error::Exit)))
+        }
+        Ok(()) => Ok(true),
+        Err(av::Error::Eof) => Ok(false),
+        Err(error) => Err(error.to_string()),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::VideoInput;
     use crate::tests::scenes::Scratch;
 
     #[test]
     fn a_file_of_nothing_is_not_read_to_its_end() {
-        crate::ffmpeg::start();
-        let file = Scratch::holding("mjpeg", b"");
-        let opened = std::fs::File::options().write(true).open(&*file).unwrap();
-        // A minute and more at the speed of memory.
-        opened.set_len(1 << 38).unwrap();
-        let begun = Instant::now();
-        let search = Search::within(Duration::from_millis(50));
-        let found = open_input(&file);
-        assert!(begun.elapsed() < Duration::from_secs(10));
-        let streams = found.map_or(0, |it| it.streams().count());
-        assert!(streams <= 1);
-        assert!(Search::told("else".to_owned()).contains("within 30 s"));
-        drop(search);
-        assert_eq!(Search::told("else".to_owned()), "else");
+        MOST.set(8 << 20);
+        for ending in ["h264", "mjpeg", "mp3"] {
+            let file = Scratch::holding(ending, b"");
+            let opened = std::fs::File::options().write(true).open(&*file).unwrap();
+            opened.set_len(1 << 40).unwrap();
+            let told = VideoInput::open(&file).err().unwrap().to_string();
+            assert!(told.contains(ending), "{told}");
+        }
     }
 }

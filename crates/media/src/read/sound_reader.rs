@@ -10,7 +10,7 @@ use ffmpeg_next as av;
 use foveal_core::content::video::bytes::sound::SOUND_RATE;
 
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
-use crate::read::opening::{Search, open_input};
+use crate::read::opening::{open_input, read_packet};
 
 /// What comes out: floating point, interleaved.
 const OUT: Sample = Sample::F32(sample::Type::Packed);
@@ -56,8 +56,7 @@ impl SoundReader {
     /// Opens the sound of a file; `None` where it has none. The error says why it cannot be read.
     pub(crate) fn open(path: &Path, origin_ns: i64) -> Result<Option<Self>, String> {
         start();
-        let _search = Search::begin();
-        let input = open_input(&path_for_ffmpeg(path)?).map_err(|e| Search::told(e.to_string()))?;
+        let input = open_input(&path_for_ffmpeg(path)?)?;
         let Some(stream) = input.streams().best(media::Type::Audio) else {
             return Ok(None);
         };
@@ -118,18 +117,19 @@ impl SoundReader {
     fn feed(&mut self) -> Result<(), String> {
         loop {
             let mut packet = Packet::empty();
-            match packet.read(&mut self.input) {
-                Ok(()) if packet.stream() != self.stream || packet.size() == 0 => {}
-                Ok(()) => {
+            match read_packet(&mut packet, &mut self.input) {
+                Ok(true) if packet.stream() != self.stream || packet.size() == 0 => {}
+                Ok(true) => {
                     self.damaged += u32::from(self.decoder.send_packet(&packet).is_err());
                     return Ok(());
                 }
                 // How the file ends is for whoever reads its pictures to tell.
-                Err(_) if !self.is_at_end => {
+                Ok(false) | Err(_) if !self.is_at_end => {
                     self.is_at_end = true;
                     return self.decoder.send_eof().map_err(|e| e.to_string());
                 }
-                Err(e) => return Err(e.to_string()),
+                Ok(false) => return Err(av::Error::Eof.to_string()),
+                Err(why) => return Err(why),
             }
         }
     }
