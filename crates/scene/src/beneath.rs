@@ -183,7 +183,8 @@ pub fn leads_out(error: &Error) -> bool {
     error.get_ref().is_some_and(|it| it.is::<LeadsOut>())
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
+#[cfg(unix)]
 mod tests {
     use super::*;
     use std::os::unix::fs::symlink;

@@ -6,14 +6,15 @@ use crate::support::{Folder, foveal, json_of};
 use foveal_core::content::mesh::payload::ClusterRef;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::description::{KIND, SceneDescription, SceneSource};
+use foveal_core::content::scene::pack::{begin_scene, chunk_name, finish_scene};
 use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::moment::Moment;
-use foveal_core::units::Seconds;
+use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
-use foveal_media::pack::scene_file::{SceneFile, write_scene};
+use foveal_media::pack::scene_file::SceneFile;
 use foveal_play::{ScenePlayer, ScenePlayerOptions};
 use foveal_render::DrawDevice;
 use foveal_scene::build::{BuildOptions, build};
@@ -67,15 +68,22 @@ impl Parts {
         }
     }
 
-    /// The pack, if parts like these can be told at all.
+    /// The pack, if parts like these can be told at all. It is not read back: what it is to be
+    /// refused for is in it.
     fn write(&self, path: &str) -> bool {
-        let _ = std::fs::remove_file(path);
-        write_scene(
-            Path::new(path),
-            self.about.clone(),
-            self.units.clone().into_iter(),
-        )
-        .is_ok()
+        let mut builder = begin_scene(&self.about);
+        let mut file = vec![0; builder.data_offset() as usize];
+        for (unit, (_, payload)) in (0..).map(UnitId).zip(&self.units) {
+            builder.push(chunk_name(unit), payload);
+            file.extend_from_slice(payload);
+        }
+        let rows: Vec<UnitRow> = self.units.iter().map(|(row, _)| row.clone()).collect();
+        let Ok(parts) = finish_scene(builder, self.about.clone(), &rows) else {
+            return false;
+        };
+        file[..parts.head.len()].copy_from_slice(&parts.head);
+        file.extend_from_slice(&parts.tail);
+        std::fs::write(path, file).is_ok()
     }
 }
 
@@ -171,7 +179,10 @@ fn played(file: &Arc<SceneFile>) -> Result<u64, foveal_play::PlayError> {
         size: [48, 48],
         eye: Default::default(),
     };
-    let moment = Moment::new(GazeSample::default(), vec![view]);
+    let moment = Moment::new(
+        GazeSample::at(Seconds(0.0), Radians(0.0), Radians(0.0)),
+        vec![view],
+    );
     for second in 0..2 {
         player.show(Seconds(f64::from(second)), &moment)?;
         player.picture(&view)?;

@@ -11,7 +11,7 @@ use foveal_scene::beneath::Beneath;
 use percent_encoding::percent_decode_str;
 use std::borrow::Cow;
 use std::fs::{File, Metadata};
-use std::io::{ErrorKind, Read};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 

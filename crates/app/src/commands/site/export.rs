@@ -12,7 +12,7 @@ use foveal_core::units::counted;
 use foveal_media::plain_file::{read_plain, rename_durably};
 use serde::Serialize;
 use std::collections::BTreeSet;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 
 /// Largest list of an earlier site that is read, in bytes: some thousand times a usual one.
