@@ -163,7 +163,7 @@ fn made_of(path: &str) -> Made {
     }
 }
 
-fn played(file: &Arc<SceneFile>) -> Result<u64, foveal_play::PlayError> {
+fn played(file: &Arc<SceneFile>) -> Result<u64, Box<foveal_play::PlayError>> {
     let options = ScenePlayerOptions {
         config: PolicyConfig::new(Policy::Full),
         drawing: DrawDevice::Twin,
@@ -263,13 +263,13 @@ fn alter(parts: &mut Parts, dice: &mut Dice) -> String {
             row.samples = row
                 .samples
                 .wrapping_add(dice.below(5) as u32)
-                .wrapping_sub(2)
+                .wrapping_sub(2);
         }
         6 => {
             row.vertices = row
                 .vertices
                 .wrapping_add(dice.below(5) as u32)
-                .wrapping_sub(2)
+                .wrapping_sub(2);
         }
         7 => {
             let at = dice.below(row.needs.len());
