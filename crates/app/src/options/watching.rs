@@ -7,6 +7,7 @@ use crate::report::output::WrongUsage;
 use anyhow::bail;
 use clap::Args;
 use foveal_core::units::Seconds;
+use std::path::Path;
 
 /// What is known of the viewer, and what can arrive in time.
 #[derive(Clone, Debug, Args)]
@@ -16,8 +17,8 @@ pub(crate) struct Watching {
     /// the coarsest level, which is always sent (default: no limit).
     #[arg(long, value_name = "L", value_parser = parse_link)]
     pub(crate) link: Option<Link>,
-    /// How long before a frame is shown its gaze must be known, in ms; the link's delay adds to it.
-    /// Levels are chosen for the gaze that is expected by then.
+    /// Latency from gaze to display, in ms; the link's delay adds to it. Levels are chosen for the
+    /// gaze that is expected by then.
     #[arg(long, value_name = "MS", value_parser = parse_delay, default_value = "0")]
     late: Seconds,
     /// How gaze follows the head: free-viewing (default), search or a file that `gaze fit head`
@@ -46,6 +47,11 @@ impl Watching {
             preset: preset_of(preset)?,
             late: Seconds(self.late.0 + self.link().delay.0),
         })
+    }
+
+    /// The files that are read.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.preset.iter().map(Path::new)
     }
 
     /// The published system that was asked for.
