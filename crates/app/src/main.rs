@@ -13,6 +13,7 @@ mod web_files;
 
 use allocator::Allocator;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 #[global_allocator]
@@ -84,7 +85,7 @@ enum Prepare {
 }
 
 fn main() -> ExitCode {
-    quiet_without_display();
+    settle_environment();
     #[cfg(target_os = "linux")]
     keep_freed_memory();
     let program = examples::attached(with_negative_numbers(Cli::command()));
@@ -146,18 +147,26 @@ fn keep_freed_memory() {
     }
 }
 
-/// Mesa's device-select layer complains on stderr when there is no display to ask; wgpu chooses the
-/// device itself.
-fn quiet_without_display() {
+/// What Mesa's drivers ask of the environment and complain of on stderr where it is missing: its
+/// device-select layer a display (wgpu chooses the device itself), its loaders a folder for what
+/// lives as long as the user is logged in.
+fn settle_environment() {
     let has = |name| std::env::var_os(name).is_some();
+    let mut missing = Vec::new();
     if !has("DISPLAY") && !has("WAYLAND_DISPLAY") && !has("NODEVICE_SELECT") {
+        missing.push(("NODEVICE_SELECT", OsString::from("1")));
+    }
+    if cfg!(target_os = "linux") && !has("XDG_RUNTIME_DIR") {
+        missing.push(("XDG_RUNTIME_DIR", std::env::temp_dir().into()));
+    }
+    for (name, value) in missing {
         #[allow(
             unsafe_code,
             reason = "changing the environment is unsafe beside other threads"
         )]
         // SAFETY: the first statement of main; no other thread has begun.
         unsafe {
-            std::env::set_var("NODEVICE_SELECT", "1");
+            std::env::set_var(name, value);
         }
     }
 }

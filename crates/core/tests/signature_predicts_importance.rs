@@ -188,7 +188,7 @@ impl Look {
     /// The value of each tile as selection finds it.
     fn by_worth(&self, parameters: &Parameters) -> Vec<f64> {
         let config = PolicyConfig {
-            perception: *parameters,
+            perception: parameters.clone(),
             ..PolicyConfig::new(Policy::Perceptual)
         };
         let glance = Glance {

@@ -170,7 +170,7 @@ impl FftImportance {
         let size = view.size.map(|side| side as usize);
         let pixels = size[0] * size[1];
         Self {
-            parameters: *parameters,
+            parameters: parameters.clone(),
             size,
             weights: Weights::default(),
             transforms: Transforms::new(size),

@@ -160,6 +160,14 @@ impl Player {
         &self.options.config
     }
 
+    /// Whether the losses that are expected of frames foretell a score: not where a link limits
+    /// what is bought, as they leave out what is loaded outside the view.
+    #[must_use]
+    pub fn knows_score(&self) -> bool {
+        let spends = self.config().policy.spends_a_budget();
+        !(spends && self.options.bytes_per_s.is_finite())
+    }
+
     /// The tiles of the pack.
     #[must_use]
     pub fn grid(&self) -> &TileGrid {
@@ -192,6 +200,12 @@ impl Player {
     #[must_use]
     pub fn time(&self, frame: u32) -> Seconds {
         Seconds(self.times_ns[frame as usize] as f64 / 1e9)
+    }
+
+    /// Length of a round: the last frame lasts as long as frames do.
+    #[must_use]
+    pub fn length(&self) -> Seconds {
+        self.session.timeline().length()
     }
 
     /// Makes `frame` the first to be played: what is spent counts from there.
@@ -259,7 +273,7 @@ impl Player {
         Ok(FrameReport {
             session,
             gaze,
-            gaze_error_deg: off.to_degrees(),
+            gaze_error_deg: look.gaze_is_known.then(|| off.to_degrees()),
             detail_share: judged.map(|[share, _]| share),
             expected_loss: judged.map(|[_, loss]| loss),
             view,

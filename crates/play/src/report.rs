@@ -13,8 +13,8 @@ pub struct FrameReport {
     pub session: SessionFrame,
     /// Where the eye looked.
     pub gaze: GazeSample,
-    /// How far from there it was expected, in degrees.
-    pub gaze_error_deg: f64,
+    /// How far from there it was expected, in degrees; `None` where nobody knows where it looked.
+    pub gaze_error_deg: Option<f64>,
     /// Share of the detail that this eye could see that was shown; `None` where the pack does not
     /// tell what its units add, or judging was not asked for.
     pub detail_share: Option<f64>,
@@ -55,4 +55,16 @@ pub struct FrameReport {
     pub failed_tiles: usize,
     /// Cells whose level changed since the frame before.
     pub level_changes: u64,
+}
+
+impl FrameReport {
+    /// The same without the tiles that were shown and the views, which a long run need not keep.
+    #[must_use]
+    pub fn without_tiles(self) -> Self {
+        Self {
+            tiles: Vec::new(),
+            views: Vec::new(),
+            ..self
+        }
+    }
 }

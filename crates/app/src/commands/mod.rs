@@ -14,6 +14,7 @@ pub(crate) mod score;
 pub(crate) mod select;
 pub(crate) mod serve;
 pub(crate) mod simulate;
+pub(crate) mod simulate_length;
 pub(crate) mod simulate_options;
 pub(crate) mod simulate_pictures;
 pub(crate) mod simulate_score;

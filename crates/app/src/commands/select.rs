@@ -1,6 +1,6 @@
 //! What would be chosen, without content?
 
-use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel, parse_gaze};
+use crate::gaze_source::{GazeChoice, GazeSource, TrackerOptions, ViewerModel, parse_gaze};
 use crate::options::panels::{
     NamedPanel, PanelsOptions, SAMPLES_ONE_VIEW, ShownRig, around_the_head,
 };
@@ -80,6 +80,8 @@ pub(crate) struct SelectArgs {
     )]
     #[arg(value_parser = parse_gaze)]
     gaze: GazeChoice,
+    #[command(flatten)]
+    tracker: TrackerOptions,
     /// Select for this many gazes, uniform on the content.
     #[arg(long, value_name = "N", conflicts_with = "gaze")]
     random_gazes: Option<u32>,
@@ -179,7 +181,8 @@ pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
         None => {
             let start = Seconds(0.0);
             let viewer = ViewerModel::default();
-            let mut source = GazeSource::new(&args.gaze, &surface, args.seed, start, &viewer)?;
+            let gaze = args.tracker.read_as(&args.gaze)?;
+            let mut source = GazeSource::new(&gaze, &surface, args.seed, start, &viewer)?;
             let result = choose(source.look(start).gaze);
             let text = result.text();
             output::result(args.json, &Selected { result, panels }, &text)

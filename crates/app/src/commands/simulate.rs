@@ -2,6 +2,7 @@
 
 use crate::commands::scene;
 use crate::commands::score::ScoreReport;
+use crate::commands::simulate_length::{MOST_LIVE, Playing};
 use crate::commands::simulate_options::SimulateArgs;
 use crate::commands::simulate_pictures::PictureSinks;
 use crate::commands::simulate_score::{Baseline, RunScoring};
@@ -11,25 +12,26 @@ use crate::options::panels::{PlayedPanel, SAMPLES_ONE_VIEW, ShownRig, around_the
 use crate::options::policy::Switch;
 use crate::options::renderer::{RendererName, open_device};
 use crate::options::showing::EyeName;
-use crate::report::output::{self, WrongUsage, out_of_range};
+use crate::report::output::{self, WrongUsage};
 use crate::run::open_player::open_player;
 use crate::run::optics::intermediate_pixels;
+use crate::run::run_folder::{LOG, TABLE};
 use anyhow::bail;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::bytes::description::Description;
 use foveal_core::session::log::{SessionLogPart, sha256_hex};
 use foveal_core::units::counted;
 use foveal_core::view::axes::yaw_pitch_from_direction;
+use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::head_pose::HeadPose;
 use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::surface::Projection;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::is_scene_pack;
 use foveal_play::{FrameReport, Player, PlayerOptions};
-use foveal_render::TileStyle;
+use foveal_render::{DrawDevice, TileStyle};
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -37,6 +39,10 @@ use std::time::{Duration, Instant};
 
 /// A pixel as three 32-bit floats, which is what Kastner 2016 (table 5.4) counts shares of.
 const FLOATS_BYTES: u64 = 12;
+/// Why `expected_jod` is null under a link.
+const NO_EXPECTED_JOD: &str = "foveal: under --link no score is expected (expected_jod is null): \
+                               the expectation leaves out what is loaded outside the view and \
+                               what uniform leaves; --score measures it";
 
 /// What a run took.
 #[derive(Clone, Debug, Serialize)]
@@ -55,14 +61,15 @@ pub(crate) struct RunSummary {
     pub(crate) wrong_frame_tiles: usize,
     pub(crate) damaged_tiles: usize,
     pub(crate) level_changes: u64,
-    pub(crate) gaze_error_deg_mean: f64,
+    /// Null where it is not known where the eye looked.
+    pub(crate) gaze_error_deg_mean: Option<f64>,
     /// Share of the detail that the eye could see that was shown; null for packs without
     /// signatures.
     pub(crate) detail_share_mean: Option<f64>,
     /// The score that levels were chosen for, in JOD; null without one.
     pub(crate) target: Option<f64>,
     /// The score against every finest tile that signatures foretell, in JOD; null for packs
-    /// without.
+    /// without, and under a link.
     pub(crate) expected_jod: Option<f64>,
     pub(crate) gpu_bytes: u64,
     /// The same over the finest level whole, as 8-bit 4:2:0, and as three 32-bit floats a pixel.
@@ -83,6 +90,7 @@ pub(crate) struct RunSummary {
 }
 
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
+    let args = &args.with_table()?;
     if is_scene_pack(&args.pack) {
         return scene::simulate::run(args);
     }
@@ -95,52 +103,55 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let panels = rig.map(|rig| rig.panels);
     let config = args.config()?;
     let showing = args.showing(config.policy)?;
-    let frames = args.frames_to_play(about.frames)?;
-    let fps = about.frame_rate;
+    args.check_length(about)?;
     let surface = about.grid(args.view.screen).surface;
     args.tell_of_eyes(surface.eyes);
     let mounted = panels.as_deref().map(around_the_head).unwrap_or_default();
     let (view, drawing) = (args.view.eye_view(&surface)?, open_device(args.renderer)?);
     let ahead = MountedPanel::views_from(&mounted, &HeadPose::default(), Default::default());
+    args.scoring.check(&drawing)?;
+    let options = PlayerOptions {
+        style: showing,
+        ..args.player_options(config, view, &drawing)?
+    };
+    let mut player = open_player(Arc::clone(&file), options)?.through(mounted);
+    let length = args.length(about, &player);
+    let viewer = args.watching.viewer()?;
+    let mut gaze = GazeSource::new(&args.gaze, &surface, args.seed, length, &viewer)?;
+    let playing = args.playing(about, &gaze)?;
     let mut scoring = args.scoring.open(&Baseline {
         file: &file,
         views: if ahead.is_empty() { vec![view] } else { ahead },
         screen: args.view.screen,
         drawing: &drawing,
         decoding: args.decoding.decoding()?,
-        frames: frames.len(),
+        fps: (playing.pictures != Some(1)).then_some(playing.fps),
     })?;
-    let options = PlayerOptions {
-        config,
-        view,
-        screen: args.view.screen,
-        drawing,
-        style: showing,
-        paced: args.paced,
-        judged: true,
-        bytes_per_s: args.watching.link().bytes_per_s,
-        tell: output::say,
-        decoding: args.decoding.decoding()?,
-    };
-    let mut player = open_player(Arc::clone(&file), options)?.through(mounted);
-    let length = player.time(frames.end - 1);
-    let mut gaze = GazeSource::new(
-        &args.gaze,
-        &surface,
-        args.seed,
-        length,
-        &args.watching.viewer()?,
+    let mut pictures = PictureSinks::new(args, playing.rate(about), panels.as_deref())?;
+    if panels.is_some() {
+        // Should it be interrupted, this tells in which folders its pictures lie.
+        let begun = session(&player, &[]).write();
+        output::write_whole(&args.out.join(LOG), begun.as_bytes())?;
+    }
+    let reports = play(
+        &mut player,
+        &mut gaze,
+        &playing,
+        &mut pictures,
+        &mut scoring,
     )?;
-    let mut pictures = PictureSinks::new(args, fps, panels.as_deref())?;
-    let reports = play(&mut player, &mut gaze, frames, &mut pictures, &mut scoring)?;
     pictures.finish()?;
     let session = session(&player, &reports).write();
-    output::write_whole(&args.out.join("session.jsonl"), session.as_bytes())?;
-    output::write_whole(&args.out.join("frames.csv"), csv(&reports).as_bytes())?;
     let policy = player.config().policy.name();
     let judged = |scoring: RunScoring| scoring.report(&args.gaze.as_judged());
     let scores = scoring.map(judged).transpose()?;
+    let of_frames = scores.as_ref().map(|scores| scores.lowest.per_frame());
+    output::write_whole(&args.out.join(LOG), session.as_bytes())?;
+    output::write_whole(&args.out.join(TABLE), csv(&reports, of_frames).as_bytes())?;
     let jods = scores.as_ref().map(|scores| scores.jods.as_slice());
+    if !player.knows_score() {
+        output::say(NO_EXPECTED_JOD);
+    }
     let summary = RunSummary {
         intermediate_pixels: panels.as_deref().map(intermediate_pixels),
         panels: panels.map(|panels| PlayedPanel::all(&panels, jods)),
@@ -151,27 +162,33 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
 }
 
 impl SimulateArgs {
-    /// The frames to play of a pack that has `there`; says so where they are fewer than asked for.
-    fn frames_to_play(&self, there: u32) -> anyhow::Result<Range<u32>> {
-        if self.start >= there {
-            let range = format!("0 to {} in this pack", there - 1);
-            bail!(out_of_range("--start", self.start, &range));
-        }
-        let asked = self.frames.unwrap_or(there - self.start);
-        let frames = self.start..self.start.saturating_add(asked).min(there);
-        if asked as usize > frames.len() {
-            let from = match self.start {
-                0 => String::new(),
-                start => format!(" from frame {start} on"),
-            };
-            output::say(&format!(
-                "{}: has {}, so only {}{from} will be played",
-                self.pack.display(),
-                counted(there, "frame"),
-                frames.len(),
-            ));
-        }
-        Ok(frames)
+    /// These options with the gaze of a tracker's table, where that is named.
+    fn with_table(&self) -> anyhow::Result<Self> {
+        Ok(Self {
+            gaze: self.tracker.read_as(&self.gaze)?,
+            ..self.clone()
+        })
+    }
+
+    /// How a video is played under a policy in a view.
+    fn player_options(
+        &self,
+        config: PolicyConfig,
+        view: EyeView,
+        drawing: &DrawDevice,
+    ) -> anyhow::Result<PlayerOptions> {
+        Ok(PlayerOptions {
+            config,
+            view,
+            screen: self.view.screen,
+            drawing: drawing.clone(),
+            style: TileStyle::default(),
+            paced: self.paced,
+            judged: true,
+            bytes_per_s: self.watching.link().bytes_per_s,
+            tell: output::say,
+            decoding: self.decoding.decoding()?,
+        })
     }
 
     /// Says where it makes no difference whose picture is asked for.
@@ -233,7 +250,6 @@ impl SimulateArgs {
         let of_scenes = [
             (self.route != "still", "--route"),
             (self.budget.is_some(), "--budget"),
-            (self.interval.is_some(), "--interval"),
         ];
         if let Some((_, option)) = of_scenes.into_iter().find(|(is_given, _)| *is_given) {
             bail!(WrongUsage(format!(
@@ -271,7 +287,7 @@ impl SimulateArgs {
 fn play(
     player: &mut Player,
     gaze: &mut GazeSource,
-    frames: Range<u32>,
+    playing: &Playing,
     pictures: &mut PictureSinks<'_>,
     scoring: &mut Option<RunScoring>,
 ) -> anyhow::Result<Vec<FrameReport>> {
@@ -280,26 +296,27 @@ fn play(
         stop.as_ref()
             .is_some_and(|stop| stop.load(Ordering::Relaxed))
     };
-    let bar = output::bar(Some(frames.len() as u64), output::Counting::Frames);
-    let first = player.time(frames.start);
-    player.begin_at(frames.start);
+    let bar = output::bar(playing.pictures.map(u64::from), output::Counting::Frames);
+    let shown = &playing.shown;
+    let first = shown.time(0, player);
+    player.begin_at(shown.frame(0));
     let mut reports = Vec::new();
     let begun = Instant::now();
-    for frame in frames {
+    for picture in 0..playing.pictures.unwrap_or(MOST_LIVE) {
+        let time = shown.time(picture, player);
         if gaze.is_live() {
-            let due = (player.time(frame).0 - first.0).max(0.0);
-            sleep_until(begun + Duration::from_secs_f64(due));
+            sleep_until(begun + Duration::from_secs_f64((time.0 - first.0).max(0.0)));
         }
         if stopped() && !reports.is_empty() {
             break;
         }
-        let look = gaze.look(player.time(frame));
-        let report = player.show(frame, &look)?;
+        let look = gaze.look(time);
+        let report = player.show(shown.frame(picture), &look)?;
         if let Some(scoring) = scoring {
             scoring.frame(player, &look, &report)?;
         }
-        pictures.frame(player, &report)?;
-        reports.push(report);
+        pictures.frame(player, picture, &report)?;
+        reports.push(report.without_tiles());
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -353,10 +370,12 @@ pub(crate) fn summarise(
         wrong_frame_tiles: reports.iter().map(|r| r.wrong_frame_tiles).sum(),
         damaged_tiles: reports.iter().map(|r| r.failed_tiles).sum(),
         level_changes: reports.iter().map(|r| r.level_changes).sum(),
-        gaze_error_deg_mean: reports.iter().map(|r| r.gaze_error_deg).sum::<f64>() / count,
+        gaze_error_deg_mean: mean_of_known(reports.iter().map(|r| r.gaze_error_deg)),
         detail_share_mean: detail.map(|sum| sum / count),
         target: player.config().target,
-        expected_jod: loss.map(|sum| player.config().policy.expectation().jod(sum / count)),
+        expected_jod: loss
+            .filter(|_| player.knows_score())
+            .map(|sum| player.config().policy.expectation().jod(sum / count)),
         gpu_bytes,
         gpu_share: gpu_share_of(surface.bytes_of_planes()),
         gpu_share_of_floats: gpu_share_of(surface.pixels() * FLOATS_BYTES),
@@ -368,6 +387,12 @@ pub(crate) fn summarise(
     }
 }
 
+/// The mean of what is known; `None` where nothing is.
+fn mean_of_known(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    let known: Vec<f64> = values.flatten().collect();
+    (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+}
+
 impl RunSummary {
     fn text(&self, out: &Path) -> String {
         format!(
@@ -375,7 +400,7 @@ impl RunSummary {
              {:.1} MPix decoded\n\
              decoding {:.1} ms a frame (95th percentile {:.1}), {}, {}, {}, {}, \
              {:.2} MB on the GPU ({:.1} % of the finest level in 4:2:0, {:.1} % in 32-bit floats)\n\
-             {}{}{}{}{}",
+             {}{}{}{}{}{}",
             counted(self.frames, "frame"),
             self.policy,
             self.pixels_share_mean * 100.0,
@@ -393,9 +418,12 @@ impl RunSummary {
             self.gpu_share_of_floats * 100.0,
             self.detail_share_mean
                 .map_or(String::new(), |share| format!(
-                    "{:.1} % of the detail that the eye could see, gaze expected within {:.2}°\n",
+                    "{:.1} % of the detail that the eye could see\n",
                     share * 100.0,
-                    self.gaze_error_deg_mean
+                )),
+            self.gaze_error_deg_mean
+                .map_or(String::new(), |error| format!(
+                    "mean error of the expected gaze: {error:.2}°\n"
                 )),
             self.decoded_on.text(),
             self.score.as_ref().map_or(String::new(), ScoreReport::text),
@@ -407,25 +435,27 @@ impl RunSummary {
     }
 }
 
-/// The figures of a run as CSV, one line a frame.
-pub(crate) fn csv(reports: &[FrameReport]) -> String {
+/// The figures of a run as CSV, one line a frame, with the score of each where there is one
+/// (docs/formats/results.md).
+pub(crate) fn csv(reports: &[FrameReport], jods: Option<&[f64]>) -> String {
     let mut text = "frame,time_s,gaze_yaw_deg,gaze_pitch_deg,head_yaw_deg,head_pitch_deg,tiles,\
                     pixels,share,decoded_pixels,new_bytes,decode_ms,upload_ms,late,missing_tiles,\
-                    level_changes,gaze_error_deg,detail_share\n"
+                    level_changes,gaze_error_deg,detail_share,jod\n"
         .to_owned();
-    for report in reports {
+    let known = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.6}"));
+    for (number, report) in reports.iter().enumerate() {
         let (yaw, pitch) = yaw_pitch_from_direction(report.gaze.gaze_in_content);
         let head = report.session.head;
         let _ = writeln!(
             text,
-            "{},{:.6},{:.4},{:.4},{:.4},{:.4},{},{},{:.6},{},{},{:.3},{:.3},{},{},{},{:.4},{}",
+            "{},{:.6},{:.4},{:.4},{:.4},{:.4},{},{},{:.6},{},{},{:.3},{:.3},{},{},{},{},{},{}",
             report.session.frame,
             report.session.time_s.0,
             yaw.to_degrees(),
             pitch.to_degrees(),
             head.yaw.to_degrees(),
             head.pitch.to_degrees(),
-            report.tiles.len(),
+            report.histogram.iter().sum::<u32>(),
             report.pixels,
             report.share,
             report.decoded_pixels,
@@ -435,10 +465,9 @@ pub(crate) fn csv(reports: &[FrameReport]) -> String {
             u8::from(report.late),
             report.missing.len(),
             report.level_changes,
-            report.gaze_error_deg,
-            report
-                .detail_share
-                .map_or(String::new(), |share| format!("{share:.6}")),
+            known(report.gaze_error_deg),
+            known(report.detail_share),
+            known(jods.and_then(|jods| jods.get(number)).copied()),
         );
     }
     text

@@ -1,21 +1,23 @@
 //! What can a person ask of a simulation?
 
 use crate::commands::simulate_score::ScoringOptions;
-use crate::gaze_source::{GazeChoice, parse_gaze};
+use crate::gaze_source::{GazeChoice, TrackerOptions, parse_gaze};
 use crate::options::bytes::{parse_budget, parse_memory};
 use crate::options::decoding::DecodingOptions;
+use crate::options::hold::HoldOptions;
 use crate::options::link::parse_delay;
 use crate::options::panels::PanelsOptions;
 use crate::options::policy::{PolicyOptions, ViewOptions};
 use crate::options::renderer::RendererName;
 use crate::options::showing::{EyeName, ShowingOptions};
 use crate::options::watching::Watching;
-use crate::report::output::out_of_range;
+use crate::report::output::{WrongUsage, out_of_range};
+use crate::run::run_folder::make_room;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::units::Seconds;
 use foveal_core::view::panel::rig::Panel;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Most frames between two pictures.
 const MOST_EVERY: u32 = 10_000;
@@ -46,6 +48,8 @@ pub(crate) struct SimulateArgs {
     #[arg(value_parser = parse_gaze)]
     pub(crate) gaze: GazeChoice,
     #[command(flatten)]
+    pub(crate) tracker: TrackerOptions,
+    #[command(flatten)]
     pub(crate) policy: PolicyOptions,
     #[command(flatten)]
     pub(crate) watching: Watching,
@@ -58,11 +62,15 @@ pub(crate) struct SimulateArgs {
     /// First frame to play; decoding starts at its group's key frame, without showing.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) start: u32,
-    /// Stop after this many frames (default: all; of a scene those of its route, of a still one
-    /// 120).
+    /// Stop after this many frames (default: all, and with a live gaze round after round until it
+    /// is stopped by Ctrl-C; of a scene those of its route, or of --hold; before a viewer who
+    /// stands still, without a trace, 120).
     #[arg(long, value_name = "N")]
     pub(crate) frames: Option<u32>,
-    /// Folder for pictures, frames.csv and session.jsonl; made if it is not there.
+    #[command(flatten)]
+    pub(crate) hold: HoldOptions,
+    /// Folder for pictures, frames.csv and session.jsonl; made if it is not there. What an older
+    /// run left in it is removed.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// What pictures to write.
@@ -99,7 +107,7 @@ pub(crate) struct SimulateArgs {
     /// Scenes: bytes that can be spent in each interval, as 100KB, in the place of --link.
     #[arg(long, value_name = "BYTES", value_parser = parse_budget)]
     pub(crate) budget: Option<u64>,
-    /// Scenes: time from one picture to the next, in ms (default: 33.3).
+    /// Scenes and stills: time from one picture to the next, in ms (default: 33.3).
     #[arg(long, value_name = "MS", value_parser = parse_interval)]
     pub(crate) interval: Option<Seconds>,
     /// Scenes: most memory on the GPU.
@@ -123,15 +131,36 @@ impl SimulateArgs {
         if self.frames == Some(0) {
             bail!(out_of_range("--frames", 0, "at least 1"));
         }
+        if self.frames.is_some() && self.hold.hold.is_some() {
+            bail!(WrongUsage(
+                "--frames and --hold both say how long it is shown; give one of them".to_owned()
+            ));
+        }
         Ok(())
     }
 
-    /// Where the pictures of each view go, made where they are not there.
+    /// The files that are read.
+    fn inputs(&self) -> Vec<&Path> {
+        let mut inputs = vec![self.pack.as_path(), Path::new(&self.route)];
+        inputs.extend(self.gaze.file());
+        inputs.extend(self.panels.panels.as_deref());
+        inputs.extend(self.watching.files());
+        inputs
+    }
+
+    /// Where the pictures of each view go, made where they are not there; what an older run left
+    /// there is removed.
     pub(crate) fn folders(&self, panels: Option<&[Panel]>) -> anyhow::Result<Vec<PathBuf>> {
         let folders = match panels {
             None => vec![self.out.clone()],
             Some(panels) => panels.iter().map(|it| self.out.join(&it.id)).collect(),
         };
+        let ids: Vec<&str> = panels
+            .iter()
+            .flat_map(|it| it.iter())
+            .map(|it| it.id.as_str())
+            .collect();
+        make_room(&self.out, &ids, &self.inputs())?;
         let writes = self.pictures != WrittenPictures::None;
         for folder in std::iter::once(&self.out).chain(folders.iter().filter(|_| writes)) {
             std::fs::create_dir_all(folder).with_context(|| {

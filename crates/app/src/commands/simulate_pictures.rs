@@ -3,6 +3,7 @@
 use crate::commands::simulate_options::{SimulateArgs, WrittenPictures};
 use crate::report::picture_file::write_png;
 use crate::run::optics::as_seen;
+use crate::run::run_folder::{VIDEO, picture_name};
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::panel::rig::Panel;
@@ -74,14 +75,16 @@ impl<'a> PictureSinks<'a> {
         })
     }
 
-    /// Draws and writes what a frame shows.
+    /// Draws and writes what the frame of a picture shows, by its number from 0.
     pub(crate) fn frame(
         &mut self,
         player: &mut Player,
+        picture: u32,
         report: &FrameReport,
     ) -> anyhow::Result<()> {
-        let (frame, args) = (report.session.frame, self.args);
-        let is_left_out = !(frame - args.start).is_multiple_of(args.every);
+        let args = self.args;
+        let number = args.start.saturating_add(picture);
+        let is_left_out = !picture.is_multiple_of(args.every);
         if args.pictures == WrittenPictures::None || is_left_out {
             return Ok(());
         }
@@ -108,7 +111,7 @@ impl<'a> PictureSinks<'a> {
             });
             match picture.transpose()? {
                 Some(image) if args.pictures == WrittenPictures::Png => {
-                    write_png(&sink.folder.join(format!("frame_{frame:05}.png")), &image)?;
+                    write_png(&sink.folder.join(picture_name(number)), &image)?;
                 }
                 Some(image) => sink.append(&image)?,
                 None => {}
@@ -130,7 +133,7 @@ impl PictureSink {
         let picture = picture_from_rgba(&image.pixels, image.size, VIDEO_COLOUR);
         if self.video.is_none() {
             self.video = Some(ClipWriter::create(
-                &self.folder.join("frames.mkv"),
+                &self.folder.join(VIDEO),
                 &ClipFormat {
                     codec: ClipCodec::Vp9(VIDEO_QUALITY),
                     size: image.size,

@@ -44,8 +44,8 @@ pub(crate) struct Baseline<'a> {
     pub(crate) screen: Screen,
     pub(crate) drawing: &'a DrawDevice,
     pub(crate) decoding: Decoding,
-    /// Frames that will be played.
-    pub(crate) frames: usize,
+    /// Pictures a second; `None` where there is only one.
+    pub(crate) fps: Option<f64>,
 }
 
 /// Scores frame after frame, each view by itself.
@@ -100,7 +100,7 @@ impl ScoringOptions {
             decoding: beside.decoding,
         };
         let full = open_player(Arc::clone(beside.file), options)?;
-        let fps = (beside.frames > 1).then(|| beside.file.pack().description().fps());
+        let fps = beside.fps;
         let judge = |view: &EyeView| {
             let display = match &self.score_display {
                 Some(choice) => display_named("--score-display", choice)?,

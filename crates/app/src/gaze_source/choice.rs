@@ -2,8 +2,9 @@
 
 use crate::options::policy::parse_pair;
 use anyhow::{Context, anyhow, bail};
+use foveal_core::gaze::read::tracker_table::TrackerForm;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What `--gaze` may be, for help and messages.
 const FORMS: &str = "YAW,PITCH in degrees, center, scan, trace:FILE, head:FILE, udp:PORT, ws:URL \
@@ -18,6 +19,8 @@ pub(crate) enum GazeChoice {
     Scan,
     /// A recorded trace.
     Trace(PathBuf),
+    /// The table of an eye tracker, as it wrote it.
+    Table(PathBuf, TrackerForm),
     /// The head of a recorded trace.
     Head(PathBuf),
     /// Whoever sends now.
@@ -25,15 +28,28 @@ pub(crate) enum GazeChoice {
 }
 
 impl GazeChoice {
-    /// What a judge calls the gaze by which it judged: nobody knows where a live eye looked, only
-    /// what was expected of it.
+    /// The file that it is read from, if any.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Trace(path) | Self::Table(path, _) | Self::Head(path) => Some(path),
+            Self::At(_) | Self::Scan | Self::Live(_) => None,
+        }
+    }
+
+    /// What a judge calls the gaze by which it judged: of a live eye only what was expected is
+    /// known.
     pub(crate) fn as_judged(&self) -> String {
         match self {
-            Self::At([yaw, pitch]) => format!("true gaze of the run: {yaw},{pitch} degrees"),
-            Self::Scan => "true gaze of the run: scan".to_owned(),
-            Self::Trace(path) => format!("true gaze of the run: trace:{}", path.display()),
-            Self::Head(path) => format!("true gaze of the run: eyes of {}", path.display()),
-            Self::Live(sender) => format!("expected gaze of the run: {sender}"),
+            Self::At([yaw, pitch]) => format!("true gaze of the run ({yaw}, {pitch})"),
+            Self::Scan => "true gaze of the run (scan)".to_owned(),
+            Self::Trace(path) | Self::Table(path, _) => {
+                format!("true gaze of the run (trace:{})", path.display())
+            }
+            Self::Head(path) => format!(
+                "true gaze of the run (eyes of {}; where they are not known, what is expected)",
+                path.display()
+            ),
+            Self::Live(sender) => format!("expected gaze of the run ({sender})"),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::gaze_source::choice::GazeChoice;
 use crate::gaze_source::live::Live;
-use crate::gaze_source::trace_file::read_trace;
+use crate::gaze_source::trace_file::{read_table, read_trace};
 use crate::gaze_source::viewer::ViewerModel;
 use anyhow::bail;
 use foveal_core::gaze::head::FollowingHead;
@@ -65,9 +65,14 @@ impl GazeSource {
                 GazePath::At(GazeSample::at(Seconds(0.0), degrees(*yaw), degrees(*pitch)))
             }
             GazeChoice::Scan => GazePath::Scan(ScanPath::new(surface, seed)),
-            GazeChoice::Trace(file) => GazePath::Trace(read_over(file, length)?),
+            GazeChoice::Trace(file) => {
+                GazePath::Trace(checked_over(file, read_trace(file)?, length)?)
+            }
+            GazeChoice::Table(file, form) => {
+                GazePath::Trace(checked_over(file, read_table(file, form)?, length)?)
+            }
             GazeChoice::Head(file) => {
-                let trace = read_over(file, length)?;
+                let trace = checked_over(file, read_trace(file)?, length)?;
                 let headless = |sample: &GazeSample| sample.head.is_none();
                 if let Some(row) = trace.samples().iter().position(headless) {
                     bail!(
@@ -100,6 +105,17 @@ impl GazeSource {
         matches!(self.path, GazePath::Live(_))
     }
 
+    /// How long a recorded trace lasts, from 0; 0 of every other source.
+    pub(crate) fn lasts(&self) -> Seconds {
+        match &self.path {
+            GazePath::Trace(trace) | GazePath::Head(trace) => {
+                let last = trace.samples().last();
+                Seconds(last.map_or(0.0, |last| last.time.0.max(0.0)))
+            }
+            GazePath::At(_) | GazePath::Scan(_) | GazePath::Live(_) => Seconds(0.0),
+        }
+    }
+
     /// The viewer when a picture is shown at `time`; times must not decrease. On flat content the
     /// head stays before the screen; on 360° content a head that was not recorded follows the gaze.
     /// A live source tells what is known when it is asked.
@@ -113,15 +129,25 @@ impl GazeSource {
         let mut expected = expected.unwrap_or_else(|| unknown(&self.path, time));
         expected.gaze.time = time;
         let gaze = match &mut self.path {
-            GazePath::At(sample) => GazeSample { time, ..*sample },
+            GazePath::At(sample) => *sample,
             GazePath::Scan(path) => path.at(time).0,
             GazePath::Trace(trace) => trace.at(time),
-            GazePath::Head(_) | GazePath::Live(_) => expected.gaze,
+            // Its eyes, where it has any, are known to the judge alone.
+            GazePath::Head(trace) => match trace.at(time) {
+                eyes if eyes.valid => eyes,
+                GazeSample { head, .. } => GazeSample {
+                    head,
+                    valid: false,
+                    ..expected.gaze
+                },
+            },
+            GazePath::Live(_) => expected.gaze,
         };
         let gaze = GazeSample { time, ..gaze };
         let head = self.head_at(&gaze, time);
-        // In time, what is is what is expected; only what nobody sees must be guessed.
-        let seen = gaze.valid && self.late.0 == 0.0;
+        // Without delay the prediction equals the sample, where the source tells of eyes.
+        let tells_eyes = !matches!(self.path, GazePath::Head(_));
+        let seen = gaze.valid && tells_eyes && self.late.0 == 0.0;
         if seen {
             expected.gaze = gaze;
         }
@@ -131,6 +157,7 @@ impl GazeSource {
         };
         Look {
             gaze,
+            gaze_is_known: gaze.valid && !self.is_live(),
             head,
             expected,
             head_expected,
@@ -185,9 +212,8 @@ impl GazeSource {
     }
 }
 
-/// Reads a trace, some of which is of the time from 0 to `length`.
-fn read_over(file: &Path, length: Seconds) -> anyhow::Result<Trace> {
-    let trace = read_trace(file)?;
+/// A trace of a file, some of which is of the time from 0 to `length`.
+fn checked_over(file: &Path, trace: Trace, length: Seconds) -> anyhow::Result<Trace> {
     let samples = trace.samples();
     if let (Some(first), Some(last)) = (samples.first(), samples.last())
         && (first.time.0 > length.0.max(1.0) || last.time.0 < 0.0)
@@ -216,7 +242,16 @@ fn come<'a>(trace: &'a Trace, given: &mut u64, time: Seconds) -> &'a [GazeSample
 fn unknown(path: &GazePath, time: Seconds) -> Prediction {
     let gaze = match path {
         GazePath::At(sample) => *sample,
-        GazePath::Trace(trace) | GazePath::Head(trace) => trace.at(time),
+        GazePath::Trace(trace) => trace.at(time),
+        GazePath::Head(trace) => {
+            let first = trace.at(time);
+            let forward = first.head.unwrap_or_default().axes().forward;
+            GazeSample {
+                gaze_in_content: forward,
+                valid: false,
+                ..first
+            }
+        }
         GazePath::Scan(_) | GazePath::Live(_) => GazeSample::at(time, Radians(0.0), Radians(0.0)),
     };
     Prediction {

@@ -3,6 +3,7 @@
 pub(crate) mod bytes;
 pub(crate) mod codec;
 pub(crate) mod decoding;
+pub(crate) mod hold;
 pub(crate) mod link;
 pub(crate) mod panels;
 pub(crate) mod perception;

@@ -1,6 +1,6 @@
 //! Which options do several commands share, and how are their values written?
 
-use crate::options::perception::PerceptionOptions;
+use crate::options::perception::{PerceptionOptions, read_acuity};
 use crate::report::output::{WrongUsage, out_of_range};
 use anyhow::{Context, anyhow, bail};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -12,11 +12,13 @@ use foveal_core::content::policy::{
 };
 use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 use foveal_core::perception::acuity::AcuityModel;
+use foveal_core::perception::measured_acuity::MeasuredAcuity;
 use foveal_core::units::{Radians, counted};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::surface::{Mapping, Projection, Screen, Surface};
+use std::path::PathBuf;
 
 /// Reads a policy by its name.
 pub(crate) fn policy_parser() -> impl TypedValueParser<Value = Policy> {
@@ -25,14 +27,25 @@ pub(crate) fn policy_parser() -> impl TypedValueParser<Value = Policy> {
     PossibleValuesParser::new(names).try_map(|name| Policy::named(&name).ok_or("no policy"))
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum AcuityName {
-    /// A pixel of 1/60° + --slope x eccentricity.
+/// The value of `--acuity`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum AcuityChoice {
     Linear,
-    /// Watson 2014, corrected: one polarity, four meridians, the better eye.
     Watson,
-    /// Watson 2014 as printed by Chen et al. 2022.
     WatsonPaper,
+    /// Measurements in a file.
+    File(PathBuf),
+}
+
+/// Reads the value of `--acuity`.
+fn parse_acuity(text: &str) -> anyhow::Result<AcuityChoice> {
+    Ok(match text {
+        "linear" => AcuityChoice::Linear,
+        "watson" => AcuityChoice::Watson,
+        "watson-paper" => AcuityChoice::WatsonPaper,
+        file if file.to_ascii_lowercase().ends_with(".csv") => AcuityChoice::File(file.into()),
+        _ => bail!("expected linear, watson, watson-paper or a file FILE.csv"),
+    })
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -57,9 +70,12 @@ pub(crate) struct PolicyOptions {
     #[arg(long, value_name = "JOD|none", value_parser = parse_target)]
     #[arg(allow_hyphen_values = true)]
     target: Option<TargetChoice>,
-    /// The eye of the acuity policy (default: linear).
-    #[arg(long, value_enum)]
-    acuity: Option<AcuityName>,
+    /// The eye of the acuity policy: linear (1/60° + --slope x eccentricity; the default), watson
+    /// (Watson 2014, corrected), watson-paper (as Chen et al. 2022 print it), or measurements: CSV
+    /// with ecc_deg and mar_deg or mar_arcmin, the smallest pixel that is told apart. Measurements
+    /// also limit what the eye resolves under perceptual and eccentricity.
+    #[arg(long, value_name = "NAME|FILE.csv", value_parser = parse_acuity)]
+    acuity: Option<AcuityChoice>,
     /// The linear eye: degrees by which the smallest pixel that it tells apart grows with each
     /// degree of eccentricity; a slope of a cycle, two pixels, is twice as large (default: what
     /// --target takes; 0.022 for distance and sampled).
@@ -208,7 +224,7 @@ impl PolicyOptions {
     /// The policy that was asked for.
     pub(crate) fn policy(&self) -> Policy {
         let is_of_acuity = self.acuity.is_some() || self.slope.is_some() || self.safety_disc != 0.0;
-        let usual = match is_of_acuity {
+        let usual = match is_of_acuity && self.perception.sensitivity.is_none() {
             true => Policy::Acuity,
             false => Policy::Perceptual,
         };
@@ -262,9 +278,20 @@ impl PolicyOptions {
 
     /// These parameters under another policy.
     pub(crate) fn config_of(&self, policy: Policy) -> anyhow::Result<PolicyConfig> {
+        let measured = match &self.acuity {
+            Some(AcuityChoice::File(path)) => Some(read_acuity(path)?),
+            _ => None,
+        };
+        if self.importance == ImportanceName::Rendered && self.perception.sensitivity.is_some() {
+            bail!(WrongUsage(
+                "--importance rendered takes the model's own sensitivity; leave it out, or \
+                 --sensitivity"
+                    .to_owned()
+            ));
+        }
         Ok(PolicyConfig {
             policy,
-            acuity: self.acuity()?,
+            acuity: self.acuity(measured.as_ref())?,
             safety_disc: angle("--safety-disc", self.safety_disc)?,
             margin: angle("--margin", self.margin)?,
             edge_rule: match self.edge_rule {
@@ -277,7 +304,7 @@ impl PolicyOptions {
             thresholds: self.thresholds()?,
             mask: self.mask()?,
             steadiness: angle("--steadiness", self.steadiness)?,
-            perception: self.perception.parameters()?,
+            perception: self.perception.parameters(measured)?,
             saliency: self.saliency == Switch::On,
             importance: self.importance.into(),
             target: self.target(policy)?,
@@ -287,10 +314,12 @@ impl PolicyOptions {
 
     /// The score that levels are chosen for under a policy.
     fn target(&self, policy: Policy) -> anyhow::Result<Option<f64>> {
-        let other = match (self.slope, self.acuity) {
+        let other = match (self.slope, &self.acuity) {
             (Some(_), _) => Some("--slope"),
-            (None, Some(AcuityName::Watson | AcuityName::WatsonPaper)) => Some("--acuity"),
-            _ => None,
+            (None, None | Some(AcuityChoice::Linear)) => None,
+            // What was measured limits what perceptual takes to be seen, at any score.
+            (None, Some(AcuityChoice::File(_))) if policy != Policy::Acuity => None,
+            (None, Some(_)) => Some("--acuity"),
         };
         match (self.target, other) {
             (Some(TargetChoice::Jod(_)), Some(other)) => bail!(WrongUsage(format!(
@@ -303,18 +332,21 @@ impl PolicyOptions {
         }
     }
 
-    fn acuity(&self) -> anyhow::Result<AcuityModel> {
-        match (self.acuity.unwrap_or(AcuityName::Linear), self.slope) {
-            (AcuityName::Linear, None) => Ok(AcuityModel::LINEAR),
-            (AcuityName::Linear, Some(slope)) if SLOPES.contains(&slope) => {
+    /// The model that was asked for, or what the file of measurements holds.
+    fn acuity(&self, measured: Option<&MeasuredAcuity>) -> anyhow::Result<AcuityModel> {
+        let choice = self.acuity.as_ref().unwrap_or(&AcuityChoice::Linear);
+        match (choice, measured, self.slope) {
+            (AcuityChoice::Linear, _, None) => Ok(AcuityModel::LINEAR),
+            (AcuityChoice::Linear, _, Some(slope)) if SLOPES.contains(&slope) => {
                 Ok(AcuityModel::linear(slope))
             }
-            (AcuityName::Linear, Some(slope)) => {
+            (AcuityChoice::Linear, _, Some(slope)) => {
                 bail!(out_of_range("--slope", slope, "0 to 1 degree a degree"))
             }
-            (AcuityName::Watson, None) => Ok(AcuityModel::Watson),
-            (AcuityName::WatsonPaper, None) => Ok(AcuityModel::WatsonPaper),
-            (_, Some(_)) => bail!(WrongUsage(
+            (_, Some(measured), None) => Ok(AcuityModel::Table(measured.clone())),
+            (AcuityChoice::Watson, _, None) => Ok(AcuityModel::Watson),
+            (_, _, None) => Ok(AcuityModel::WatsonPaper),
+            (_, _, Some(_)) => bail!(WrongUsage(
                 "--slope is for --acuity linear; leave one of them out".to_owned()
             )),
         }

@@ -16,6 +16,7 @@ use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use foveal_core::view::surface::Projection;
 use foveal_media::prepare::Quality;
 use foveal_render::Interpolation;
+use std::path::Path;
 
 /// A published system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -125,6 +126,11 @@ impl PlayPresets {
             )));
         }
         preset_of(preset, true)
+    }
+
+    /// The files that are read.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.preset.iter().map(Path::new)
     }
 
     /// The published system that was asked for.

@@ -5,6 +5,7 @@ use crate::options::link::{Link, parse_delay, parse_link};
 use crate::options::preset::PlayPresets;
 use clap::Args;
 use foveal_core::units::Seconds;
+use std::path::Path;
 
 /// What is known of the viewer, and what can arrive in time.
 #[derive(Clone, Debug, Args)]
@@ -14,8 +15,8 @@ pub(crate) struct Watching {
     /// the coarsest level, which is always sent (default: no limit).
     #[arg(long, value_name = "L", value_parser = parse_link)]
     pub(crate) link: Option<Link>,
-    /// How long before a frame is shown its gaze must be known, in ms; the link's delay adds to it.
-    /// Levels are chosen for the gaze that is expected by then.
+    /// Latency from gaze to display, in ms; the link's delay adds to it. Levels are chosen for the
+    /// gaze that is expected by then.
     #[arg(long, value_name = "MS", value_parser = parse_delay, default_value = "0")]
     late: Seconds,
     #[command(flatten)]
@@ -34,5 +35,10 @@ impl Watching {
             preset: self.presets.head_gaze()?,
             late: Seconds(self.late.0 + self.link().delay.0),
         })
+    }
+
+    /// The files that are read.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.presets.files()
     }
 }

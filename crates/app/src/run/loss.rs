@@ -226,6 +226,7 @@ fn draw(file: &Arc<PackFile>, scene: &Scene, frames: &[u32]) -> anyhow::Result<V
         };
         Look {
             gaze,
+            gaze_is_known: true,
             head: scene.head,
             expected: Prediction {
                 gaze,

@@ -27,14 +27,22 @@ const SCREEN: [&str; 2] = ["--screen", "0.38x0.30m,1024x768,0.67m"];
 #[test]
 fn saccades_are_found_early_and_better_than_by_one_threshold() {
     let found = json(&["gaze", "eval", "saccade"]);
-    let rest = ["baseline_180", "by_file"];
+    let rules = ["baseline_180", "baseline_engbert_kliegl", "baseline_ivt_30"];
+    let rest = rules.into_iter().chain(["by_file"]);
     assert_eq!(keys(&found), SCORE.into_iter().chain(rest).collect());
-    assert_eq!(keys(&found["baseline_180"]), SCORE.into());
+    for rule in rules {
+        assert_eq!(keys(&found[rule]), SCORE.into());
+    }
     assert!(number(&found["event_f1"]) >= 0.88, "{found}");
     assert!(number(&found["onset_lag_ms_median"]) <= 8.0, "{found}");
     for better in ["event_f1", "kappa"] {
         let baseline = number(&found["baseline_180"][better]);
         assert!(baseline < number(&found[better]), "{better}: {found}");
+    }
+    for published in ["baseline_engbert_kliegl", "baseline_ivt_30"] {
+        let f1 = number(&found[published]["event_f1"]);
+        assert!(f1 > number(&found["baseline_180"]["event_f1"]), "{found}");
+        assert!(f1 < number(&found["event_f1"]), "{found}");
     }
     let files = found["by_file"].as_array().unwrap();
     assert!(files.len() > 1);

@@ -199,3 +199,104 @@ fn toml_of(preset: &HeadGazePreset) -> String {
         axis("pitch", preset.pitch.parameters())
     )
 }
+
+#[test]
+fn a_recording_that_is_judged_also_plays_and_is_converted_to_a_trace() {
+    let folder = Folder::new();
+    let [recording, ..] = recordings(&folder, &HeadGazePreset::free_viewing());
+    let trace = folder.name("trace.csv");
+    let gaze = format!("head:{recording}");
+    let select = [
+        "select",
+        "--projection",
+        "cube",
+        "--face-size",
+        "512",
+        "--gaze",
+        &gaze,
+    ];
+    assert!(json(&select)["pixels"].as_u64().unwrap() > 0);
+    let eyes = format!("trace:{recording}");
+    json(&["gaze", "record", "--gaze", &eyes, "--out", &trace]);
+    assert_eq!(json(&["gaze", "classify", &recording])["samples"], 4000);
+    // What is converted is judged as what it was made from.
+    let mean_deg = |file: &str| {
+        let found = json(&["gaze", "eval", "head", "--data", file]);
+        found["predictors"]["foveal"]["mean_deg"].as_f64().unwrap()
+    };
+    let [of_recording, of_trace] = [&recording, &trace].map(|file| mean_deg(file));
+    assert!(
+        (of_recording - of_trace).abs() < 0.3,
+        "{of_recording} {of_trace}"
+    );
+}
+
+#[test]
+fn the_table_of_a_tracker_is_read_by_the_names_of_its_columns() {
+    let folder = Folder::new();
+    let table = "Recording timestamp\tGaze X\tGaze Y\n1000\t960\t540\n1010\t1440\t540\n1020\t\t\n";
+    let table = folder.holding("tobii.tsv", table.as_bytes());
+    let (gaze, out) = (format!("trace:{table}"), folder.name("trace.csv"));
+    let columns = ["--gaze-columns", "Recording timestamp:ms,Gaze X,Gaze Y"];
+    let screen = ["--gaze-screen", "0.52x0.29m,1920x1080,0.6m"];
+    let record = ["gaze", "record", "--gaze", &gaze, "--out", &out];
+    let made = json(&[&record[..], &columns, &screen].concat());
+    assert_eq!(
+        (&made["samples"], &made["valid"]),
+        (&3.into(), &2.into()),
+        "{made}"
+    );
+    let trace = std::fs::read_to_string(&out).unwrap();
+    let second: Vec<&str> = trace.lines().nth(2).unwrap().split(',').collect();
+    let yaw = (0.13_f64 / 0.6).atan().to_degrees();
+    assert!(
+        (second[0].parse::<f64>().unwrap() - 0.01).abs() < 1e-9,
+        "{trace}"
+    );
+    assert!(
+        (second[2].parse::<f64>().unwrap() - yaw).abs() < 1e-9,
+        "{trace}"
+    );
+    let select = [
+        "select",
+        "--projection",
+        "flat",
+        "--size",
+        "960x540",
+        "--gaze",
+        &gaze,
+    ];
+    let direct = json(&[&select[..], &columns, &screen].concat());
+    let through = format!("trace:{out}");
+    let select = [
+        "select",
+        "--projection",
+        "flat",
+        "--size",
+        "960x540",
+        "--gaze",
+        &through,
+    ];
+    assert_eq!(direct, json(&select));
+    refused(2, &[&record[..], &columns].concat(), &["--gaze-screen"]);
+    let scan = [
+        "select",
+        "--projection",
+        "cube",
+        "--face-size",
+        "512",
+        "--gaze",
+        "scan",
+    ];
+    refused(
+        2,
+        &[&scan[..], &columns, &screen].concat(),
+        &["--gaze-columns", "trace:FILE"],
+    );
+    let missing = ["--gaze-columns", "t,x,y"];
+    refused(
+        1,
+        &[&record[..], &missing, &screen].concat(),
+        &["tobii.tsv", "names t, x, y"],
+    );
+}

@@ -3,6 +3,7 @@
 use crate::scenes::{waves, write_clip};
 use crate::support::{Folder, Ran, assert_refused, column, command, done, json, json_of, refused};
 use foveal_core::gaze::read::trace::Trace;
+use foveal_core::session::log::SessionLogPart;
 use foveal_core::units::Seconds;
 use rosc::{OscMessage, OscPacket, OscType};
 use serde_json::Value;
@@ -418,6 +419,11 @@ fn a_source_that_never_speaks_is_said_so() {
 
 /// Runs the program while a thread sends it one line again and again, with growing times.
 fn run_looking_at(arguments: &[&str], line: &str) -> Ran {
+    run_until(arguments, line, None)
+}
+
+/// The same, stopped by a signal after a while.
+fn run_until(arguments: &[&str], line: &str, stop: Option<(Duration, &str)>) -> Ran {
     let mut running = Running::new(arguments);
     let (address, over) = (running.address(), AtomicBool::new(false));
     std::thread::scope(|scope| {
@@ -429,6 +435,10 @@ fn run_looking_at(arguments: &[&str], line: &str) -> Ran {
                 std::thread::sleep(STEP);
             }
         });
+        if let Some((after, signal)) = stop {
+            std::thread::sleep(after);
+            running.signal(signal);
+        }
         let ran = running.finish();
         over.store(true, Ordering::Relaxed);
         ran
@@ -448,7 +458,7 @@ fn a_live_gaze_plays_a_pack() {
     let folder = Folder::new();
     let (pack, out) = (sphere_pack(&folder), folder.name("out"));
     let live = ["simulate", &pack, "--gaze", "udp:0", "--out", &out];
-    let how = ["--renderer", "none", "--json"];
+    let how = ["--renderer", "none", "--json", "--frames", "8"];
     let line = r#"{"t_s":NOW,"yaw_deg":10,"pitch_deg":5,"space":"head",
                    "head_yaw_deg":20,"head_pitch_deg":0}"#
         .replace('\n', "");
@@ -466,6 +476,32 @@ fn a_live_gaze_plays_a_pack() {
 }
 
 #[test]
+fn a_live_gaze_plays_round_after_round_until_it_is_stopped() {
+    let folder = Folder::new();
+    let (pack, out) = (sphere_pack(&folder), folder.name("out"));
+    let live = ["simulate", &pack, "--gaze", "udp:0", "--out", &out];
+    let how = ["--renderer", "none", "--json", "--policy", "acuity"];
+    let line = r#"{"t_s":NOW,"yaw_deg":10,"pitch_deg":5}"#;
+    for signal in ["-INT", "-TERM"] {
+        // Eight frames of 40 ms take a third of a second.
+        let stop = Some((Duration::from_millis(1500), signal));
+        let ran = run_until(&[&live[..], &how].concat(), line, stop);
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+        let figures = json_of(&ran);
+        let played = figures["frames"].as_u64().unwrap();
+        assert!((9..80).contains(&played), "{figures}");
+        assert_eq!(figures["gaze_error_deg_mean"], Value::Null, "{figures}");
+        let frames = column(&out, "frame");
+        let expected = (0..).map(|k| f64::from(k % 8)).take(frames.len());
+        assert!(frames.iter().copied().eq(expected), "{frames:?}");
+        let times = column(&out, "time_s");
+        assert!(times.windows(2).all(|pair| pair[1] > pair[0]), "{times:?}");
+        let log = format!("{out}/session.jsonl");
+        assert_eq!(json(&["replay", &log, "--pack", &pack])["same"], true);
+    }
+}
+
+#[test]
 fn a_head_alone_is_a_gaze() {
     let folder = Folder::new();
     let (pack, out) = (sphere_pack(&folder), folder.name("out"));
@@ -474,7 +510,17 @@ fn a_head_alone_is_a_gaze() {
     let gaze = format!("head:{trace}");
     let play = ["simulate", &pack, "--gaze", &gaze, "--out", &out];
     done(&[&play[..], &["--renderer", "none"]].concat());
-    assert!(column(&out, "gaze_yaw_deg").iter().all(|yaw| *yaw == 12.0));
+    // What is chosen for follows the head; the eyes are known to the judge alone.
+    let log = std::fs::read_to_string(format!("{out}/session.jsonl")).unwrap();
+    for frame in SessionLogPart::parse(&log).unwrap().frames {
+        let [x, _, z] = frame.gaze;
+        assert!((x.atan2(-z).to_degrees() - 12.0).abs() < 1e-9, "{frame:?}");
+    }
+    assert!(
+        column(&out, "gaze_yaw_deg")
+            .iter()
+            .all(|yaw| (yaw - 80.0).abs() < 1e-3)
+    );
     // From a sender that knows no more than the head.
     let live = ["simulate", &pack, "--gaze", "udp:0", "--out", &out];
     let line = r#"{"t_s":NOW,"head_yaw_deg":-40,"head_pitch_deg":1}"#;

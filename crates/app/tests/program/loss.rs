@@ -91,7 +91,7 @@ fn a_pack_is_scored_against_its_source_in_the_same_view() {
         (10.0, &Value::from(4))
     );
     assert!(full["companions"]["psnr_db"].is_null(), "{full}");
-    assert_eq!(full["gaze"], "true gaze of the run: 0,0 degrees");
+    assert_eq!(full["gaze"], "true gaze of the run (0, 0)");
     let coarse = json(&[&score[..], &["coarsest", "--frames", "2"]].concat());
     assert!(
         number(&coarse, "jod") < 9.9 && coarse["frames"] == 2,

@@ -299,10 +299,7 @@ fn a_run_is_scored_against_the_full_picture() {
         "{coarsest}"
     );
     assert_eq!(coarsest["score"]["foveated"], true);
-    assert_eq!(
-        coarsest["score"]["gaze"],
-        "true gaze of the run: 0,0 degrees"
-    );
+    assert_eq!(coarsest["score"]["gaze"], "true gaze of the run (0, 0)");
     assert_keys(&coarsest["score"], &KEYS);
     let out = folder.name("nowhere");
     let nowhere = ["simulate", &pack, "--out", &out, "--score"];
@@ -353,7 +350,7 @@ fn a_run_is_scored_by_where_the_eye_looked_and_not_by_what_the_system_was_told()
         let found = json(&words);
         let source = found["score"]["gaze"].as_str().unwrap();
         assert!(
-            source.starts_with("true gaze of the run: trace:"),
+            source.starts_with("true gaze of the run (trace:"),
             "{source}"
         );
         found["score"]["jod"].as_f64().unwrap()

@@ -79,7 +79,7 @@ impl Policy {
         match self {
             Self::Full => PolicyFacts {
                 name: "full",
-                help: "All at its finest, in view or not",
+                help: "Everything at the finest level, in view or not",
                 ..PLAIN
             },
             Self::Coarsest => PolicyFacts {

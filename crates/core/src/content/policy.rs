@@ -228,7 +228,7 @@ impl PolicyConfig {
         };
         let acuity = match self.target {
             Some(target) if policy == Policy::Acuity => AcuityModel::linear(slope_for(target)),
-            _ => self.acuity,
+            _ => self.acuity.clone(),
         };
         Self {
             policy,

@@ -4,13 +4,14 @@
 //! (2014) follows the density of midget ganglion cells and asks for 2.5–4.6 times more pixels.
 //! Sources and tests: docs/papers.md, rows "acuity".
 
+use super::measured_acuity::MeasuredAcuity;
 use crate::units::{Cpd, Radians};
 use crate::view::axes::{Axes, angle_between, yaw_pitch_from_direction};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// Which eye model says what can be resolved.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AcuityModel {
     /// Minimum angle of resolution that grows linearly with eccentricity: `mar_deg + slope x e`.
@@ -27,6 +28,8 @@ pub enum AcuityModel {
     /// Watson 2014 as Chen et al. 2022 print it (Eqs. 9–11): both polarities, the temporal and
     /// superior meridians mirrored to both sides, two plane angles.
     WatsonPaper,
+    /// Smallest angles that somebody measured, the same along all meridians.
+    Table(MeasuredAcuity),
 }
 
 impl AcuityModel {
@@ -49,7 +52,7 @@ impl AcuityModel {
     pub fn acuity(&self, gaze: DVec3, direction: DVec3) -> Cpd {
         let eccentricity = angle_between(gaze, direction);
         match self {
-            Self::Linear { .. } => self.best_acuity(eccentricity),
+            Self::Linear { .. } | Self::Table(_) => self.best_acuity(eccentricity),
             Self::Watson => {
                 let [x, y] = visual_field_offset(gaze, direction);
                 let length = (x * x + y * y).sqrt().max(1e-12);
@@ -70,6 +73,7 @@ impl AcuityModel {
         match self {
             // Two pixels a cycle, one pixel a minimum angle of resolution.
             Self::Linear { mar_deg, slope } => Cpd(0.5 / (mar_deg + slope * degrees)),
+            Self::Table(measured) => measured.acuity(eccentricity),
             Self::Watson => {
                 let along = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
                 best(along.map(|[x, y]| binocular_acuity([x * degrees, y * degrees])))
@@ -177,7 +181,9 @@ pub fn watson_acuity_paper(offset_deg: [f64; 2]) -> Cpd {
 pub fn acuity_along(model: &AcuityModel, meridian: Meridian, eccentricity_deg: f64) -> Cpd {
     let both = 0.5 / watson_spacing([eccentricity_deg, 0.0], meridian, meridian);
     match model {
-        AcuityModel::Linear { .. } => model.best_acuity(Radians::from_degrees(eccentricity_deg)),
+        AcuityModel::Linear { .. } | AcuityModel::Table(_) => {
+            model.best_acuity(Radians::from_degrees(eccentricity_deg))
+        }
         AcuityModel::Watson => Cpd(SINGLE_POLARITY * both),
         AcuityModel::WatsonPaper => Cpd(both),
     }

@@ -37,9 +37,10 @@ impl Parameters {
     /// Which density of cells limits what is resolved.
     #[must_use]
     pub fn acuity_model(&self) -> AcuityModel {
-        match self.model {
-            Model::Paper => AcuityModel::WatsonPaper,
-            Model::Default => AcuityModel::Watson,
+        match (&self.acuity, self.model) {
+            (Some(measured), _) => AcuityModel::Table(measured.clone()),
+            (None, Model::Paper) => AcuityModel::WatsonPaper,
+            (None, Model::Default) => AcuityModel::Watson,
         }
     }
 
@@ -83,17 +84,21 @@ impl Parameters {
         eccentricity: Radians,
         luminance: f64,
     ) -> Seen {
+        let measured = self.sensitivity.as_ref();
+        let measured = measured.map(|measured| measured.at(frequency, eccentricity));
         match self.model {
             Model::Paper => {
-                let foveal = barten(frequency, luminance, SizeTerm::Printed);
+                let printed = || barten(frequency, luminance, SizeTerm::Printed);
+                let seen = measured.unwrap_or_else(printed);
                 Seen {
-                    sustained: foveal,
-                    transient: foveal,
+                    sustained: seen,
+                    transient: seen,
                 }
             }
             Model::Default => {
                 let at = |hertz| {
-                    self.sensitivity_gain * sensitivity(frequency, hertz, luminance, eccentricity)
+                    let ours = || sensitivity(frequency, hertz, luminance, eccentricity);
+                    self.sensitivity_gain * measured.unwrap_or_else(ours)
                 };
                 Seen {
                     sustained: at(0.0),

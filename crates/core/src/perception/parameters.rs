@@ -1,5 +1,7 @@
 //! Which numbers does the model of the eye take, and where do they come from?
 
+use super::measured_acuity::MeasuredAcuity;
+use super::measured_sensitivity::MeasuredSensitivity;
 use crate::gaze::sample::EyeEvent;
 use crate::units::{Cpd, Radians, Seconds};
 use serde::{Deserialize, Serialize};
@@ -31,7 +33,7 @@ pub enum EyeState {
 }
 
 /// Every number of the perception model. Names are those that [`Parameters::set`] takes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     /// Which equations are followed.
     pub model: Model,
@@ -67,6 +69,12 @@ pub struct Parameters {
     pub sensitivity_gain: f64,
     /// Weight of the flicker channel: Mantiuk et al. 2021, v1.2. `default` model only.
     pub flicker_weight: f64,
+    /// What this eye resolves, in the place of what the model says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub acuity: Option<MeasuredAcuity>,
+    /// Its sensitivity to a still pattern and to a change, in the place of what the model says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensitivity: Option<MeasuredSensitivity>,
 }
 
 impl Default for Parameters {
@@ -85,6 +93,8 @@ impl Default for Parameters {
             display_cpd: 0.0,
             sensitivity_gain: 6.5010,
             flicker_weight: 0.25,
+            acuity: None,
+            sensitivity: None,
         }
     }
 }
@@ -93,7 +103,7 @@ impl Default for Parameters {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ParameterError {
     /// No parameter is called so.
-    #[error("no parameter {name:?}; there are {}", NAMES.map(|(name, _)| name).join(", "))]
+    #[error("no parameter {name:?}; there are {}", NAMED.map(|named| named.name).join(", "))]
     Unknown {
         /// What was asked for.
         name: String,
@@ -106,52 +116,116 @@ pub enum ParameterError {
         /// What was given.
         value: f64,
         /// What it takes.
-        range: &'static str,
+        range: String,
     },
 }
 
-/// What values a parameter takes.
-#[derive(Clone, Copy)]
-enum Range {
-    NotNegative,
-    Positive,
-    NotPositive,
-    Field,
+/// What is known of a parameter that can be set.
+#[derive(Clone, Copy, Debug)]
+pub struct NamedParameter {
+    /// As users write it.
+    pub name: &'static str,
+    /// What it is.
+    pub what: &'static str,
+    /// Of its value; nothing for a plain number.
+    pub unit: &'static str,
+    /// Least and most that it takes.
+    pub range: [f64; 2],
 }
 
-impl Range {
-    fn holds(self, value: f64) -> bool {
-        match self {
-            Self::NotNegative => (0.0..=1e6).contains(&value),
-            Self::Positive => (1e-6..=1e6).contains(&value),
-            Self::NotPositive => (-1e6..=0.0).contains(&value),
-            Self::Field => (1.0..=180.0).contains(&value),
+impl NamedParameter {
+    const fn new(
+        name: &'static str,
+        unit: &'static str,
+        range: [f64; 2],
+        what: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            what,
+            unit,
+            range,
         }
     }
 
-    fn text(self) -> &'static str {
-        match self {
-            Self::NotNegative => "a number from 0 to 1e6",
-            Self::Positive => "a number from 1e-6 to 1e6",
-            Self::NotPositive => "a number from -1e6 to 0",
-            Self::Field => "1 to 180 degrees",
-        }
+    fn holds(&self, value: f64) -> bool {
+        value >= self.range[0] && value <= self.range[1]
     }
 }
 
-const NAMES: [(&str, Range); 12] = [
-    ("lambda", Range::NotNegative),
-    ("lambda_suppressed", Range::NotPositive),
-    ("omega", Range::Positive),
-    ("pedestal", Range::NotNegative),
-    ("landed_ms", Range::NotNegative),
-    ("saccade_field_deg", Range::Field),
-    ("peak", Range::Positive),
-    ("black", Range::Positive),
-    ("luminance", Range::Positive),
-    ("display_cpd", Range::NotNegative),
-    ("sensitivity_gain", Range::NotNegative),
-    ("flicker_weight", Range::NotNegative),
+const NOT_NEGATIVE: [f64; 2] = [0.0, 1e6];
+const POSITIVE: [f64; 2] = [1e-6, 1e6];
+const NOT_POSITIVE: [f64; 2] = [-1e6, 0.0];
+
+/// Every parameter that [`Parameters::set`] takes.
+pub const NAMED: [NamedParameter; 12] = [
+    NamedParameter::new(
+        "lambda",
+        "",
+        NOT_NEGATIVE,
+        "weight of popping against what is gained",
+    ),
+    NamedParameter::new(
+        "lambda_suppressed",
+        "",
+        NOT_POSITIVE,
+        "the same in a saccade and until landed_ms after it",
+    ),
+    NamedParameter::new(
+        "omega",
+        "thresholds",
+        POSITIVE,
+        "seen contrast from which Weber's law holds",
+    ),
+    NamedParameter::new(
+        "pedestal",
+        "cycles per degree",
+        NOT_NEGATIVE,
+        "importance of every pixel besides acuity, of the paper's model and of eccentricity",
+    ),
+    NamedParameter::new(
+        "landed_ms",
+        "ms",
+        NOT_NEGATIVE,
+        "how long after a saccade changes stay hard to see",
+    ),
+    NamedParameter::new(
+        "saccade_field_deg",
+        "degrees",
+        [1.0, 180.0],
+        "eccentricity that a place may have after a jump",
+    ),
+    NamedParameter::new("peak", "cd/m²", POSITIVE, "luminance of white"),
+    NamedParameter::new(
+        "black",
+        "cd/m²",
+        POSITIVE,
+        "luminance of black, less than peak",
+    ),
+    NamedParameter::new(
+        "luminance",
+        "cd/m²",
+        POSITIVE,
+        "luminance that the eye is adapted to",
+    ),
+    NamedParameter::new(
+        "display_cpd",
+        "cycles per degree",
+        NOT_NEGATIVE,
+        "highest frequency of the display, 0 for that of its pixels",
+    ),
+    NamedParameter::new(
+        "sensitivity_gain",
+        "",
+        NOT_NEGATIVE,
+        "sensitivity to pictures over that in a laboratory",
+    ),
+    NamedParameter::new(
+        "flicker_weight",
+        "",
+        NOT_NEGATIVE,
+        "weight of the flicker channel",
+    ),
 ];
 
 impl Parameters {
@@ -187,15 +261,27 @@ impl Parameters {
         let unknown = || ParameterError::Unknown {
             name: name.to_owned(),
         };
-        let &(name, range) = NAMES.iter().find(|(n, _)| *n == name).ok_or_else(unknown)?;
-        if !range.holds(value) {
-            let range = range.text();
-            return Err(ParameterError::Range { name, value, range });
+        let named = NAMED.iter().find(|named| named.name == name);
+        let named = named.ok_or_else(unknown)?;
+        if !named.holds(value) {
+            let NamedParameter { name, unit, .. } = *named;
+            let [least, most] = named.range;
+            return Err(ParameterError::Range {
+                name,
+                value,
+                range: format!("{least} to {most} {unit}").trim_end().to_owned(),
+            });
         }
         if let Some(place) = self.place(name) {
             *place = value;
         }
         Ok(())
+    }
+
+    /// A parameter by its name.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.clone().place(name).copied()
     }
 
     fn place(&mut self, name: &str) -> Option<&mut f64> {
@@ -250,8 +336,9 @@ mod tests {
 
     #[test]
     fn every_named_parameter_can_be_set_and_no_other() {
-        for (name, range) in NAMES {
-            let value = if range.holds(7.0) { 7.0 } else { -7.0 };
+        for named in NAMED {
+            let name = named.name;
+            let value = if named.holds(7.0) { 7.0 } else { -7.0 };
             let mut parameters = Parameters::default();
             parameters.set(name, value).unwrap();
             assert_eq!(parameters.place(name).copied(), Some(value));

@@ -18,6 +18,8 @@ const SEEING_EXPONENT: f64 = 3.5;
 /// How an eye sees a place of the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LookedPlace {
+    /// From the gaze.
+    pub eccentricity: Radians,
     /// By how many octaves eccentricity raises frequency at the cortex.
     pub octaves_raised: f64,
     /// Highest frequency that the eye resolves there.
@@ -32,6 +34,7 @@ impl LookedPlace {
     pub fn at(parameters: &Parameters, eccentricity: Radians, display: Cpd) -> Self {
         let most = parameters.display_limit();
         Self {
+            eccentricity,
             octaves_raised: parameters.octaves_raised(eccentricity),
             acuity: parameters.acuity_model().best_acuity(eccentricity),
             display: if most < display { most } else { display },
@@ -71,7 +74,7 @@ impl StepWorth {
     #[must_use]
     pub fn new(parameters: &Parameters) -> Self {
         Self {
-            parameters: *parameters,
+            parameters: parameters.clone(),
             drawn: DrawnFiner::Filtered,
             seen: Default::default(),
         }
@@ -165,7 +168,9 @@ impl StepWorth {
             (table(0, EyeState::Steady), octave, place.limit())
         };
         let share = share_of_octave_below(frequency, limit);
-        let [sustained, transient] = table.at(octave as f32).map(|s| f64::from(s) * share);
+        let [sustained, transient] = table
+            .at(octave as f32, place.eccentricity.0 as f32)
+            .map(|s| f64::from(s) * share);
         Seen {
             sustained,
             transient,

@@ -5,6 +5,7 @@
 //! by. The judge takes its constants from here.
 
 use super::sensitivity_table::SensitivityTable;
+use crate::units::Radians;
 
 /// Exponent of contrast in the difference (`mask_p`).
 pub const DIFFERENCE_EXPONENT: f64 = 2.4;
@@ -63,6 +64,7 @@ pub struct Sensed {
 /// [`Sensed`] over octaves of frequency: powers of a [`SensitivityTable`], made once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensedTable {
+    /// Row by row of eccentricity.
     entries: Vec<Sensed>,
 }
 
@@ -76,20 +78,17 @@ impl SensedTable {
         }
     }
 
-    /// At `octaves` (log2 of the frequency at the cortex in cycles per degree), as far as the
-    /// display shows it: `share` in 0..=1. Interpolated linearly, constant beyond the ends.
+    /// At `octaves` (log2 of the frequency at the cortex in cycles per degree) and an eccentricity,
+    /// as [`SensitivityTable::at`] takes them, as far as the display shows it: `share` in 0..=1.
+    /// Interpolated linearly, constant beyond the ends.
     #[must_use]
-    pub fn at(&self, octaves: f64, share: f64) -> Sensed {
-        let first = f64::from(SensitivityTable::FIRST_OCTAVE);
-        let last = self.entries.len() - 1;
-        let place = (octaves - first) * SensitivityTable::PER_OCTAVE as f64;
-        let place = place.clamp(0.0, last as f64);
-        let index = (place as usize).min(last - 1);
-        let [near, far] = [self.entries[index], self.entries[index + 1]];
-        let between = |a: f64, b: f64| a + (b - a) * (place - index as f64);
-        let sensed = Sensed {
-            difference: between(near.difference, far.difference),
-            masking: between(near.masking, far.masking),
+    pub fn at(&self, octaves: f64, eccentricity: Radians, share: f64) -> Sensed {
+        let rows = self.entries.len() / SensitivityTable::ENTRIES;
+        let (row, down) = SensitivityTable::row(rows, eccentricity.0 as f32);
+        let near = self.in_row(row, octaves);
+        let sensed = match down > 0.0 {
+            true => near.towards(&self.in_row(row + 1, octaves), f64::from(down)),
+            false => near,
         };
         if share >= 1.0 {
             return sensed;
@@ -100,9 +99,27 @@ impl SensedTable {
             masking: sensed.masking * shown.masking,
         }
     }
+
+    fn in_row(&self, row: usize, octaves: f64) -> Sensed {
+        let first = f64::from(SensitivityTable::FIRST_OCTAVE);
+        let entries = &self.entries[row * SensitivityTable::ENTRIES..][..SensitivityTable::ENTRIES];
+        let last = entries.len() - 1;
+        let place = (octaves - first) * SensitivityTable::PER_OCTAVE as f64;
+        let place = place.clamp(0.0, last as f64);
+        let index = (place as usize).min(last - 1);
+        entries[index].towards(&entries[index + 1], place - index as f64)
+    }
 }
 
 impl Sensed {
+    fn towards(self, other: &Self, share: f64) -> Self {
+        let between = |a: f64, b: f64| a + (b - a) * share;
+        Self {
+            difference: between(self.difference, other.difference),
+            masking: between(self.masking, other.masking),
+        }
+    }
+
     fn of(sensitivity: f64) -> Self {
         Self {
             difference: libm::pow(sensitivity, DIFFERENCE_EXPONENT),
@@ -136,12 +153,13 @@ mod tests {
     fn more_lost_is_seen_more_and_more_kept_hides_it() {
         let table = SensitivityTable::new(&Parameters::default(), EyeState::Steady);
         let table = SensedTable::new(&table);
-        let sensed = table.at(2.0, 1.0);
+        let ahead = Radians(0.0);
+        let sensed = table.at(2.0, ahead, 1.0);
         let seen = |lost, kept| sensed.difference(&LostOctave::new(lost, kept));
         assert!(seen(0.2, 0.0) > seen(0.1, 0.0));
         assert!(seen(0.1, 0.2) < seen(0.1, 0.0));
         assert_eq!(seen(0.0, 0.3), 0.0);
-        let unseen = table.at(2.0, 0.0);
+        let unseen = table.at(2.0, ahead, 0.0);
         assert_eq!(unseen.difference(&LostOctave::new(1.0, 0.0)), 0.0);
     }
 }

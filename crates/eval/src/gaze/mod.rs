@@ -15,3 +15,5 @@ pub mod saccade;
 pub mod synthetic;
 #[cfg(test)]
 mod synthetic_viewer;
+pub mod trace_from_head;
+pub mod velocity_rules;

@@ -2,6 +2,7 @@
 
 use super::events::Agreement;
 use super::recording::{Label, Recording, Trial};
+use super::velocity_rules::{engbert_kliegl, ivt_30};
 use foveal_core::gaze::saccade::{Detection, FixedThreshold, SaccadeDetector};
 use foveal_core::gaze::sample::{EyeEvent, GazeSample};
 use serde::Serialize;
@@ -51,18 +52,22 @@ pub struct SaccadeReport {
     pub score: SaccadeScore,
     /// Each file by itself.
     pub by_file: Vec<FileScore>,
-    /// The same over all files for the fixed threshold of Chen et al. 2022.
+    /// The same over all files for the fixed threshold of Chen et al. 2022, sample by sample too.
     pub baseline_180: SaccadeScore,
+    /// For Engbert and Kliegl 2003, which looks at whole trials.
+    pub baseline_engbert_kliegl: SaccadeScore,
+    /// For I-VT at 30° a second, which looks at what comes after a sample too.
+    pub baseline_ivt_30: SaccadeScore,
 }
 
 /// Runs our detector and the baseline over recordings, sample by sample, restarted at each trial.
 #[must_use]
 pub fn judge_saccades(recordings: &[Recording]) -> SaccadeReport {
     let ours: Vec<_> = recordings.iter().map(|r| by_coder(r, detected)).collect();
-    let fixed: Vec<_> = recordings
-        .iter()
-        .map(|r| by_coder(r, fixed_threshold))
-        .collect();
+    let baseline = |rule: Rule| {
+        let all: Vec<_> = recordings.iter().map(|r| by_coder(r, rule)).collect();
+        mean(&scores(&pooled(&all)))
+    };
     SaccadeReport {
         score: mean(&scores(&pooled(&ours))),
         by_file: recordings
@@ -70,7 +75,9 @@ pub fn judge_saccades(recordings: &[Recording]) -> SaccadeReport {
             .zip(&ours)
             .map(|(r, a)| file_score(r, a))
             .collect(),
-        baseline_180: mean(&scores(&pooled(&fixed))),
+        baseline_180: baseline(fixed_threshold),
+        baseline_engbert_kliegl: baseline(engbert_kliegl),
+        baseline_ivt_30: baseline(ivt_30),
     }
 }
 
@@ -81,30 +88,31 @@ pub(super) fn detections(trial: &Trial) -> Vec<Detection> {
     trial.samples.iter().map(next).collect()
 }
 
-fn detected(trial: &Trial) -> Vec<EyeEvent> {
-    detections(trial).iter().map(|said| said.event).collect()
+/// Says of each sample of a trial whether it is in a saccade.
+type Rule = fn(&Trial) -> Vec<bool>;
+
+fn detected(trial: &Trial) -> Vec<bool> {
+    let said = detections(trial).into_iter();
+    said.map(|said| said.event == EyeEvent::Saccade).collect()
 }
 
-fn fixed_threshold(trial: &Trial) -> Vec<EyeEvent> {
+fn fixed_threshold(trial: &Trial) -> Vec<bool> {
     let mut rule = FixedThreshold::default();
     let next = |s: &GazeSample| rule.next(s.time, s.gaze_in_content, s.valid);
-    trial.samples.iter().map(next).collect()
+    let said = trial.samples.iter().map(next);
+    said.map(|event| event == EyeEvent::Saccade).collect()
 }
 
 type ByCoder = Vec<(String, Agreement)>;
 
-fn by_coder(recording: &Recording, predict: fn(&Trial) -> Vec<EyeEvent>) -> ByCoder {
+fn by_coder(recording: &Recording, rule: Rule) -> ByCoder {
     let mut all: ByCoder = recording
         .coders
         .iter()
         .map(|name| (name.clone(), Agreement::default()))
         .collect();
     for trial in &recording.trials {
-        let said = predict(trial);
-        let predicted: Vec<bool> = said
-            .iter()
-            .map(|&event| event == EyeEvent::Saccade)
-            .collect();
+        let predicted = rule(trial);
         for ((_, agreement), labels) in all.iter_mut().zip(&trial.labels) {
             let truly: Vec<bool> = labels.iter().map(|&l| l == Label::Saccade).collect();
             agreement.add(&truly, &predicted, trial.rate_hz);
@@ -204,6 +212,17 @@ mod tests {
         let report = judge_saccades(&[synthetic(SyntheticConfig::default())]);
         assert!(report.baseline_180.event_f1 < report.score.event_f1);
         assert!(report.baseline_180.kappa < report.score.kappa);
+    }
+
+    #[test]
+    fn rules_of_a_whole_trial_find_more_than_the_fixed_threshold() {
+        let report = judge_saccades(&[synthetic(SyntheticConfig::default())]);
+        let fixed = report.baseline_180.event_f1;
+        assert!(
+            report.baseline_engbert_kliegl.event_f1 > fixed,
+            "{report:?}"
+        );
+        assert!(report.baseline_ivt_30.event_f1 > fixed, "{report:?}");
     }
 
     #[test]

@@ -79,7 +79,7 @@ impl Importance {
         Ok(Self {
             gpu: gpu.clone(),
             size,
-            parameters: *parameters,
+            parameters: parameters.clone(),
             bands,
             eye,
             looking,

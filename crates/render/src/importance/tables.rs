@@ -49,7 +49,7 @@ impl EyeTables {
             _ => place_row(parameters, row),
         };
         Self {
-            sensitivities: SensitivityTable::new(parameters, state).entries().to_vec(),
+            sensitivities: SensitivityTable::new(parameters, state).foveal().to_vec(),
             places: (0..=ROWS).flat_map(row).collect(),
         }
     }

@@ -17,7 +17,7 @@ pub fn mask_shape(config: &PolicyConfig, view: &EyeView) -> MaskShape {
     MaskShape {
         side: config.mask.side.min(2 * view.size[0].max(view.size[1])),
         pitch: (field.left + field.right) / f64::from(view.size[0]),
-        eye: config.acuity,
+        eye: config.acuity.clone(),
     }
 }
 

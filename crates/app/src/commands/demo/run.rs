@@ -179,7 +179,7 @@ impl Run {
         let reports = self.reports;
         let log = session(&self.player, &reports).write();
         output::write_whole(&folder.join("session.jsonl"), log.as_bytes())?;
-        output::write_whole(&folder.join("frames.csv"), csv(&reports).as_bytes())?;
+        output::write_whole(&folder.join("frames.csv"), csv(&reports, None).as_bytes())?;
         let name = self.policy.name().to_owned();
         let score = self.engine.map(|(engine, viewing)| {
             let gaze = Some(GazeChoice::Scan.as_judged());

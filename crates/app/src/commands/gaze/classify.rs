@@ -1,7 +1,9 @@
 //! `foveal gaze classify`: what does the eye do at every sample of a trace?
 
-use crate::commands::gaze::labelled_file::{parse_label_screen, read_recording};
-use crate::gaze_source::read_trace;
+use crate::commands::gaze::labelled_file::read_recording;
+use crate::gaze_source::{
+    GazeChoice, TrackerOptions, parse_tracker_screen, read_table, read_trace,
+};
 use crate::report::output::{self, open_file};
 use anyhow::Context;
 use clap::Args;
@@ -23,8 +25,10 @@ pub(crate) struct ClassifyArgs {
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
     /// Labelled recordings in pixels: size, pixels and distance of the screen.
-    #[arg(long, value_name = "WxHm,WxH,Dm", value_parser = parse_label_screen)]
+    #[arg(long, value_name = "WxHm,WxH,Dm", value_parser = parse_tracker_screen)]
     screen: Option<LabelScreen>,
+    #[command(flatten)]
+    tracker: TrackerOptions,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -46,7 +50,11 @@ pub(crate) fn run(args: &ClassifyArgs) -> anyhow::Result<()> {
     if let Some(out) = &args.out {
         output::spare_inputs(out, [args.trace.as_path()])?;
     }
-    let trials = read_trials(&args.trace, args.screen.as_ref())?;
+    let trace = GazeChoice::Trace(args.trace.clone());
+    let trials = match args.tracker.read_as(&trace)? {
+        GazeChoice::Table(path, form) => vec![read_table(&path, &form)?.samples().to_vec()],
+        _ => read_trials(&args.trace, args.screen.as_ref())?,
+    };
     let mut counts = Counts::default();
     let mut table = "t_s,event\n".to_owned();
     for samples in &trials {

@@ -1,6 +1,7 @@
 //! `foveal gaze eval saccade|landing|filter`: how true is what is said of eye events?
 
-use crate::commands::gaze::labelled_file::{parse_label_screen, read_recording};
+use crate::commands::gaze::labelled_file::read_recording;
+use crate::gaze_source::parse_tracker_screen;
 use crate::report::output;
 use clap::Args;
 use foveal_eval::gaze::filter::judge_filter;
@@ -20,7 +21,7 @@ pub(crate) struct EventArgs {
     #[arg(long, value_name = "FILE", num_args = 1..)]
     data: Vec<PathBuf>,
     /// Size, pixels and distance of the screen that pixels lie on.
-    #[arg(long, value_name = "WxHm,WxH,Dm", value_parser = parse_label_screen)]
+    #[arg(long, value_name = "WxHm,WxH,Dm", value_parser = parse_tracker_screen)]
     screen: Option<LabelScreen>,
     /// Print one JSON object.
     #[arg(long)]
@@ -105,6 +106,12 @@ fn saccade_table(report: &SaccadeReport) -> String {
     }
     row("all", &report.score);
     row("all, baseline: faster than 180 deg/s", &report.baseline_180);
+    for (name, score) in [
+        ("Engbert & Kliegl 2003", &report.baseline_engbert_kliegl),
+        ("I-VT, 30 deg/s over 20 ms", &report.baseline_ivt_30),
+    ] {
+        row(&format!("all, baseline: {name} (offline)"), score);
+    }
     text
 }
 

@@ -1,8 +1,8 @@
 //! What did a source deliver?
 
 use crate::gaze_source::{
-    Counts, FIRST_SAMPLE, GazeChoice, GazeSource, Live, LiveChoice, ViewerModel, interrupted,
-    parse_gaze, read_trace,
+    Counts, FIRST_SAMPLE, GazeChoice, GazeSource, Live, LiveChoice, TrackerOptions, ViewerModel,
+    interrupted, parse_gaze, read_table, read_trace,
 };
 use crate::report::output::{self, WrongUsage, out_of_range};
 use anyhow::{Context, bail};
@@ -24,6 +24,8 @@ pub(crate) struct RecordArgs {
     /// YAW,PITCH in degrees, center, scan, trace:FILE, head:FILE, udp:PORT, ws:URL or osc:PORT.
     #[arg(long, value_name = "G", allow_hyphen_values = true, value_parser = parse_gaze)]
     gaze: GazeChoice,
+    #[command(flatten)]
+    tracker: TrackerOptions,
     /// The trace to write.
     #[arg(long, value_name = "TRACE.csv")]
     out: PathBuf,
@@ -46,9 +48,10 @@ struct Recorded {
     valid: u64,
     /// From the first sample to the last.
     seconds: f64,
-    rate_hz: f64,
-    /// What the sender's clock said at 0.
-    source_start_s: f64,
+    /// Null of a recording that is too short to have one.
+    rate_hz: Option<f64>,
+    /// What the sender's clock said at 0; null of a source that is not live.
+    source_start_s: Option<f64>,
     #[serde(flatten)]
     counts: Counts,
 }
@@ -73,8 +76,9 @@ pub(crate) fn run(args: &RecordArgs) -> anyhow::Result<()> {
         ));
     }
     check_target(args)?;
-    let recorded = match &args.gaze {
+    let recorded = match &args.tracker.read_as(&args.gaze)? {
         GazeChoice::Live(choice) => record_live(args, choice)?,
+        GazeChoice::Table(file, form) => copy(args, read_table(file, form)?.rows(), |row| row)?,
         GazeChoice::Trace(file) => copy(args, read_trace(file)?.rows(), |row| row)?,
         GazeChoice::Head(file) => copy(args, read_trace(file)?.rows(), |row| TraceRow {
             gaze_deg: None,
@@ -124,8 +128,8 @@ fn check_target(args: &RecordArgs) -> anyhow::Result<()> {
             growing.display()
         );
     }
-    if let GazeChoice::Trace(file) | GazeChoice::Head(file) = &args.gaze {
-        output::spare_inputs(out, [file.as_path()])?;
+    if let Some(file) = args.gaze.file() {
+        output::spare_inputs(out, [file])?;
     }
     Ok(())
 }
@@ -158,7 +162,7 @@ fn copy(
     let mut sink = Sink::create(&args.out)?;
     let kept = rows.iter().take_while(|row| row.time.0 < end);
     sink.write(kept.map(|row| change(*row)))?;
-    sink.finish(Counts::default(), 0.0)
+    sink.finish(Counts::default(), None)
 }
 
 fn record_live(args: &RecordArgs, choice: &LiveChoice) -> anyhow::Result<Recorded> {
@@ -178,8 +182,8 @@ fn record_live(args: &RecordArgs, choice: &LiveChoice) -> anyhow::Result<Recorde
         let last = interrupted.load(Ordering::Relaxed) || over();
         sink.write(live.take().into_iter())?;
         if last {
-            let start = live.start().unwrap_or_default();
-            return sink.finish(live.counts(), start.0);
+            let start = live.start().map(|start| start.0);
+            return sink.finish(live.counts(), start);
         }
         std::thread::sleep(LOOK);
     }
@@ -228,7 +232,7 @@ impl Sink {
         written.with_context(|| cannot_write(&self.growing))
     }
 
-    fn finish(self, counts: Counts, source_start_s: f64) -> anyhow::Result<Recorded> {
+    fn finish(self, counts: Counts, source_start_s: Option<f64>) -> anyhow::Result<Recorded> {
         drop(self.file);
         rename_durably(&self.growing, &self.path).with_context(|| {
             let kept = self.growing.display();
@@ -241,11 +245,7 @@ impl Sink {
             samples: self.samples,
             valid: self.valid,
             seconds,
-            rate_hz: if seconds > SHORTEST_S {
-                steps / seconds
-            } else {
-                0.0
-            },
+            rate_hz: (seconds > SHORTEST_S).then(|| steps / seconds),
             source_start_s,
             counts,
         })
@@ -259,12 +259,13 @@ fn cannot_write(path: &Path) -> String {
 impl Recorded {
     fn text(&self) -> String {
         format!(
-            "{}: {}, {} of them valid, over {:.2} s ({:.1} Hz)",
+            "{}: {}, {} of them valid, over {:.2} s{}",
             self.file,
             counted(self.samples, "sample"),
             self.valid,
             self.seconds,
             self.rate_hz
+                .map_or(String::new(), |hz| format!(" ({hz:.1} Hz)"))
         )
     }
 }

@@ -1,14 +1,13 @@
 //! Which recordings and which preset does a gaze command work on?
 
-use crate::gaze_source::{preset_of, read_trace};
-use crate::report::output::{WrongUsage, open_file, spare_inputs};
+use crate::gaze_source::{GazeFile, GazeForm, preset_of};
+use crate::report::output::{WrongUsage, spare_inputs};
 use anyhow::{Context, bail};
 use clap::Args;
 use foveal_eval::gaze::head_fit::HeadFit;
 use foveal_eval::gaze::head_from_trace::recording_from_trace;
 use foveal_eval::gaze::head_protocol::leave_one_out;
 use foveal_eval::gaze::head_recording::HeadRecording;
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 /// Recordings of eyes and head.
@@ -43,25 +42,15 @@ fn read(path: &Path) -> anyhow::Result<HeadRecording> {
     if path.is_dir() {
         bail!("{name}: is a folder; give the recordings in it");
     }
-    let file = open_file(path, "recording")?;
-    let mut file = BufReader::new(file);
-    let start = file
-        .fill_buf()
-        .with_context(|| format!("{name}: cannot be read"))?;
-    let header = start
-        .split(|byte| *byte == b'\n')
-        .next()
-        .unwrap_or_default();
-    if header.windows(3).any(|name| name == b"t_s") {
-        let recording = recording_from_trace(&read_trace(path)?);
-        return recording.with_context(|| {
+    match GazeFile::read(path, GazeForm::Recording)? {
+        GazeFile::Recording(recording) => Ok(recording),
+        GazeFile::Trace(trace) => recording_from_trace(&trace).with_context(|| {
             format!(
                 "{name}: never knows eyes and head together; record with a source that sends \
                  head_yaw_deg and head_pitch_deg"
             )
-        });
+        }),
     }
-    HeadRecording::read(file).with_context(|| name.to_string())
 }
 
 /// Which law predicts the gaze.

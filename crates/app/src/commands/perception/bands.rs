@@ -8,10 +8,13 @@ use clap::Args;
 use foveal_core::perception::importance::Onlooker;
 use foveal_core::perception::measures::pyramid::{Band, Pyramid, band_frequency, bands_of};
 use foveal_core::perception::parameters::{EyeState, Parameters};
+use foveal_core::units::counted;
 use foveal_render::RgbaImage;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
+/// Bands that no picture has more of: each is half as large as the one before.
+const MOST_BANDS: usize = 32;
 /// Seen contrast, in thresholds, that a shade half way from grey to black or white stands for.
 const HALF_SHADE: f64 = 60.0;
 
@@ -48,12 +51,13 @@ struct BandRow {
 pub(crate) fn run(args: &BandsArgs) -> anyhow::Result<()> {
     let parameters = args.look.parameters()?;
     let picture = read_picture(&args.picture)?;
-    for index in 0..bands_of(picture.size) {
+    for index in 0..MOST_BANDS {
         output::spare_inputs(&file_of(&args.out, index), [args.picture.as_path()])?;
     }
     let onlooker = args.look.onlooker(picture.size, EyeState::Steady)?;
     let out = &args.out;
     std::fs::create_dir_all(out).with_context(|| format!("{}: no folder", out.display()))?;
+    remove_older(out, bands_of(picture.size))?;
     let pyramid = Pyramid::of(parameters.luminance_from_rgb(&picture.rgb), picture.size);
     let middle = onlooker.spot(picture.size.map(|side| f64::from(side) / 2.0));
     let mut bands = Vec::new();
@@ -73,6 +77,23 @@ pub(crate) fn run(args: &BandsArgs) -> anyhow::Result<()> {
     };
     let text: String = bands.iter().map(line).collect();
     output::result(args.json, &Bands { bands }, &text)
+}
+
+/// Removes the bands of an older, larger picture, which these would lie among, and says so.
+fn remove_older(out: &Path, bands: usize) -> anyhow::Result<()> {
+    let files = (bands..MOST_BANDS).map(|index| file_of(out, index));
+    let older: Vec<PathBuf> = files.filter(|file| file.is_file()).collect();
+    if !older.is_empty() {
+        let count = counted(older.len(), "band");
+        output::say(&format!(
+            "{}: {count} of a larger picture are removed",
+            out.display()
+        ));
+    }
+    for file in older {
+        std::fs::remove_file(&file).with_context(|| format!("{}: stays", file.display()))?;
+    }
+    Ok(())
 }
 
 fn file_of(out: &Path, index: usize) -> PathBuf {

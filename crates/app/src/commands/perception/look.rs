@@ -1,6 +1,6 @@
 //! How is a picture looked at, and by which model of the eye?
 
-use crate::options::perception::PerceptionOptions;
+use crate::options::perception::{PerceptionOptions, read_acuity};
 use crate::options::policy::parse_pair;
 use crate::report::output::out_of_range;
 use crate::report::picture_file::{RgbPicture, read_png};
@@ -13,7 +13,7 @@ use foveal_core::perception::parameters::{EyeState, Parameters};
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Who looks at a picture.
 #[derive(Clone, Debug, Args)]
@@ -32,13 +32,18 @@ pub(crate) struct LookOptions {
         allow_negative_numbers = true
     )]
     spread: f64,
+    /// What the eye resolves, in the place of the model's cells: CSV with ecc_deg and mar_deg or
+    /// mar_arcmin, the smallest pixel that is told apart.
+    #[arg(long, value_name = "FILE.csv")]
+    acuity: Option<PathBuf>,
     #[command(flatten)]
     perception: PerceptionOptions,
 }
 
 impl LookOptions {
     pub(crate) fn parameters(&self) -> anyhow::Result<Parameters> {
-        self.perception.parameters()
+        let acuity = self.acuity.as_deref().map(read_acuity).transpose()?;
+        self.perception.parameters(acuity)
     }
 
     /// The eye before a picture of `size`.

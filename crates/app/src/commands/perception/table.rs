@@ -1,6 +1,6 @@
 //! What does the eye resolve at given eccentricities, and how little contrast does it see?
 
-use crate::options::perception::ModelName;
+use crate::options::perception::{ModelName, read_acuity, read_sensitivity};
 use crate::report::output::{self, out_of_range};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
@@ -9,6 +9,7 @@ use foveal_core::perception::parameters::{Model, Parameters};
 use foveal_core::units::{Cpd, Radians};
 use serde::Serialize;
 use std::fmt::Write;
+use std::path::PathBuf;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum MeridianName {
@@ -55,6 +56,14 @@ pub(crate) struct TableArgs {
         allow_negative_numbers = true
     )]
     luminance: f64,
+    /// What the eye resolves, in the place of the model's cells: CSV with ecc_deg and mar_deg or
+    /// mar_arcmin, the smallest pixel that is told apart.
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "meridian")]
+    acuity: Option<PathBuf>,
+    /// The contrast sensitivity, in the place of the model's: CSV with cpd, ecc_deg and
+    /// sensitivity.
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "luminance")]
+    sensitivity: Option<PathBuf>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -71,8 +80,9 @@ struct Table {
 struct AcuityRow {
     ecc_deg: f64,
     e_cpd: f64,
-    density_per_deg2: f64,
-    spacing_arcmin: f64,
+    /// Null of an eye whose acuity was measured.
+    density_per_deg2: Option<f64>,
+    spacing_arcmin: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -96,7 +106,7 @@ pub(crate) fn run(args: &TableArgs) -> anyhow::Result<()> {
         1e-3..=1e5,
         "0.001 to 100000 cd/m²",
     )?;
-    let table = table(args);
+    let table = table(args)?;
     output::result(args.json, &table, &text(&table))
 }
 
@@ -112,10 +122,16 @@ fn check(
     }
 }
 
-fn table(args: &TableArgs) -> Table {
+fn table(args: &TableArgs) -> anyhow::Result<Table> {
     let parameters = Parameters {
         // Thresholds of the laboratory, without the factor for pictures.
         sensitivity_gain: 1.0,
+        acuity: args.acuity.as_deref().map(read_acuity).transpose()?,
+        sensitivity: args
+            .sensitivity
+            .as_deref()
+            .map(read_sensitivity)
+            .transpose()?,
         ..Parameters::of(args.model.model())
     };
     let meridian = match args.meridian {
@@ -124,11 +140,12 @@ fn table(args: &TableArgs) -> Table {
         MeridianName::Nasal => Meridian::Nasal,
         MeridianName::Inferior => Meridian::Inferior,
     };
+    let of_cells = |value: f64| parameters.acuity.is_none().then_some(value);
     let acuity = |&ecc_deg: &f64| AcuityRow {
         ecc_deg,
         e_cpd: acuity_along(&parameters.acuity_model(), meridian, ecc_deg).0,
-        density_per_deg2: meridian.density(ecc_deg),
-        spacing_arcmin: 60.0 * watson_spacing([ecc_deg, 0.0], meridian, meridian),
+        density_per_deg2: of_cells(meridian.density(ecc_deg)),
+        spacing_arcmin: of_cells(60.0 * watson_spacing([ecc_deg, 0.0], meridian, meridian)),
     };
     let csf = |&cpd: &f64| {
         let open = Cpd(f64::INFINITY);
@@ -136,19 +153,23 @@ fn table(args: &TableArgs) -> Table {
         let sensitivity = seen.sustained;
         CsfRow { cpd, sensitivity }
     };
-    Table {
+    Ok(Table {
         model: parameters.model,
         acuity: args.ecc.iter().map(acuity).collect(),
         csf: args.cpd.iter().map(csf).collect(),
-    }
+    })
 }
 
 fn text(table: &Table) -> String {
     let mut text = String::from("ecc °   acuity cpd   cells /deg²   spacing '\n");
     for row in &table.acuity {
         let [e, c] = [row.ecc_deg, row.e_cpd];
-        let [d, s] = [row.density_per_deg2, row.spacing_arcmin];
-        let _ = writeln!(text, "{e:5.1}   {c:10.4}   {d:11.1}   {s:9.4}");
+        let cells = |value: Option<f64>, digits| {
+            value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
+        };
+        let d = cells(row.density_per_deg2, 1);
+        let s = cells(row.spacing_arcmin, 4);
+        let _ = writeln!(text, "{e:5.1}   {c:10.4}   {d:>11}   {s:>9}");
     }
     text.push_str("cpd     sensitivity\n");
     for row in &table.csf {

@@ -73,7 +73,8 @@ impl Mover {
                     "at most 20 degrees from the route's forward"
                 ))
             }
-            GazeChoice::At(_) | GazeChoice::Scan | GazeChoice::Trace(_) => {}
+            GazeChoice::At(_) | GazeChoice::Scan | GazeChoice::Trace(_) | GazeChoice::Table(..) => {
+            }
         }
         // A gaze wanders over what lies within 20 degrees of straight ahead.
         let mut reach = Surface::flat([1000, 1000], Screen::default());
@@ -85,6 +86,11 @@ impl Mover {
             view: EyeView::filling(&reach, [1, 1]),
             panels: Vec::new(),
         })
+    }
+
+    /// How long a recorded gaze lasts; 0 of every other.
+    pub(crate) fn gaze_lasts(&self) -> Seconds {
+        self.gaze.lasts()
     }
 
     /// The same through this view, wherever it is.

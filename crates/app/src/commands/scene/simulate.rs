@@ -5,11 +5,13 @@ use crate::commands::scene::moving::{Mover, route_of};
 use crate::commands::scene::scene_info::BytesByKind;
 use crate::commands::score::ScoreReport;
 use crate::commands::simulate_options::{SimulateArgs, WrittenPictures};
+use crate::options::hold::pictures_in;
 use crate::options::panels::PlayedPanel;
 use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage};
 use crate::report::picture_file::write_png;
 use crate::run::optics::{as_seen, intermediate_pixels};
+use crate::run::run_folder::{LOG, TABLE, picture_name};
 use anyhow::bail;
 use foveal_core::content::policy::{ImportanceSource, Policy, PolicyConfig};
 use foveal_core::content::scene::demand::why_not;
@@ -34,7 +36,7 @@ use std::time::Duration;
 
 /// Pixels of a view that is not given.
 const VIEW: [u32; 2] = [1280, 800];
-/// Frames that are made of who stands still where no number is given.
+/// Default frame count of `--route still`, without a trace.
 const FRAMES: u32 = 120;
 /// Longest route of which all is played without being asked for: a slip in its times means years.
 const MOST_UNASKED: Seconds = Seconds(3600.0);
@@ -65,7 +67,8 @@ pub(crate) struct SceneSummary {
     /// Units on screen in the last frame, by level.
     units_by_level: Vec<u32>,
     bytes_by_kind: BytesByKind,
-    triangles_mean: f64,
+    /// Null where nothing draws.
+    triangles_mean: Option<f64>,
     cpu_ms_per_frame: f64,
     choose_ms_per_frame: f64,
     gpu_bytes: u64,
@@ -87,8 +90,8 @@ struct Frame {
     time: Seconds,
     bytes: u64,
     report: SceneReport,
-    /// Triangles of what is drawn, in each place where it stands; 0 where nothing draws.
-    triangles: u64,
+    /// Triangles of what is drawn, in each place where it stands; `None` where nothing draws.
+    triangles: Option<u64>,
     /// Share of the visible detail that was shown, hidden or not.
     detail_share: f64,
     judged: Option<JudgedFrame>,
@@ -102,23 +105,20 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let panels = args.panels_in_scene()?;
     let interval = args.interval.map_or(1.0 / RATE, |interval| interval.0);
     let route = route_of(&args.route)?;
-    let frames = args.frames_of(&route, interval)?;
+    let known = args.frames_known(&route, interval)?;
     let drawing = args.device_for(&config)?;
     let link = args.watching.link();
-    let budget = args.budget.map(|bytes| bytes as f64 / interval);
-    let options = ScenePlayerOptions {
-        config: config.clone(),
-        drawing: drawing.clone(),
-        bytes_per_s: budget.unwrap_or(link.bytes_per_s),
-        gpu_bytes: args.gpu_memory,
-        tell: output::say,
-    };
+    let options = args.scene_player_options(&config, &drawing, interval);
     let mounted: Vec<MountedPanel> = panels.iter().flatten().map(MountedPanel::of).collect();
     let mut player = ScenePlayer::new(Arc::clone(&file), options)?.through(mounted.clone());
-    let length = Seconds(f64::from(frames) * interval);
+    let length = Seconds(f64::from(known.unwrap_or_default()) * interval);
     let route = (route, player.scene().bounds());
     let viewer = args.watching.viewer()?;
     let mover = Mover::new(route, &args.gaze, args.seed, length, &viewer)?;
+    let frames = match known {
+        Some(frames) => frames,
+        None => frames_over(mover.gaze_lasts(), interval)?,
+    };
     let fps = (frames > 1).then_some(1.0 / interval);
     let mut judge = args.judge(&file, (&view, &mounted), &drawing, fps)?;
     let mut mover = mover.through(view).on_panels(mounted);
@@ -127,6 +127,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     if frames == 1 && player.first_is_blind() {
         output::say(ONLY_ROOTS);
     }
+    let draws = !matches!(drawing, DrawDevice::Nothing);
     let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
     let mut shown = Vec::new();
     for frame in 0..frames {
@@ -136,6 +137,10 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         let judged = judge.frame(&mut player, &standing, &report)?;
         // Errors are of one view.
         let judged = judged.filter(|_| panels.is_none());
+        if frame == 0 && panels.is_some() {
+            // Should it be interrupted, this tells in which folders its pictures lie.
+            output::write_whole(&args.out.join(LOG), player.log().as_bytes())?;
+        }
         if args.pictures == WrittenPictures::Png && frame.is_multiple_of(args.every) {
             let pictures = (frame, args.heat_map, &mut optics);
             write_pictures(&mut player, &standing.moment.views, &folders, pictures)?;
@@ -145,16 +150,17 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             time: Seconds(time.0 + link.delay.0),
             bytes: head + report.unit_bytes + report.page_bytes,
             report,
-            triangles: player.drawer().triangles_drawn(),
+            triangles: draws.then(|| player.drawer().triangles_drawn()),
             detail_share: player.detail_share(&standing.moment),
             judged,
         });
         bar.inc(1);
     }
     bar.finish_and_clear();
-    output::write_whole(&args.out.join("session.jsonl"), player.log().as_bytes())?;
-    output::write_whole(&args.out.join("frames.csv"), csv(&shown).as_bytes())?;
     let scores = judge.scores(&args.gaze.as_judged())?;
+    let of_frames = scores.as_ref().map(|scores| scores.lowest.per_frame());
+    output::write_whole(&args.out.join(LOG), player.log().as_bytes())?;
+    output::write_whole(&args.out.join(TABLE), csv(&shown, of_frames).as_bytes())?;
     let jods = scores.as_ref().map(|scores| scores.jods.as_slice());
     let summary = SceneSummary {
         intermediate_pixels: panels.as_deref().map(intermediate_pixels),
@@ -166,6 +172,23 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
 }
 
 impl SimulateArgs {
+    /// How a scene is played under a policy, with so many seconds between two pictures.
+    fn scene_player_options(
+        &self,
+        config: &PolicyConfig,
+        drawing: &DrawDevice,
+        interval: f64,
+    ) -> ScenePlayerOptions {
+        let budget = self.budget.map(|bytes| bytes as f64 / interval);
+        ScenePlayerOptions {
+            config: config.clone(),
+            drawing: drawing.clone(),
+            bytes_per_s: budget.unwrap_or(self.watching.link().bytes_per_s),
+            gpu_bytes: self.gpu_memory,
+            tell: output::say,
+        }
+    }
+
     fn check_scene(&self) -> anyhow::Result<()> {
         self.check_counts()?;
         self.watching.presets.refuse_for_scene()?;
@@ -226,14 +249,21 @@ impl SimulateArgs {
         Judge::open(&self.scoring, file, &views, judging, fps)
     }
 
-    /// Frames that are made: as many as the route takes, unless told otherwise.
-    fn frames_of(&self, route: &Route, interval: f64) -> anyhow::Result<u32> {
-        if let Some(asked) = self.frames {
-            return Ok(asked);
-        }
+    /// Frames that are made: as many as the route takes, unless told otherwise; `None` before a
+    /// viewer who stands still as long as their gaze is known.
+    fn frames_known(&self, route: &Route, interval: f64) -> anyhow::Result<Option<u32>> {
         let Some(length) = route.length() else {
-            return Ok(FRAMES);
+            let held = self
+                .hold
+                .hold
+                .map(|hold| pictures_in(hold, Seconds(interval)));
+            return Ok(self.frames.map(Ok).or(held).transpose()?);
         };
+        self.hold
+            .refuse_for("a route, which tells how long it lasts")?;
+        if self.frames.is_some() {
+            return Ok(self.frames);
+        }
         let frames = (length.0 / interval).ceil().max(1.0);
         if length.0 > MOST_UNASKED.0 {
             bail!(WrongUsage(format!(
@@ -243,7 +273,7 @@ impl SimulateArgs {
                 self.route, length.0
             )));
         }
-        Ok(frames as u32)
+        Ok(Some(frames as u32))
     }
 
     /// The policy, where scenes are chosen by it.
@@ -299,6 +329,14 @@ impl SimulateArgs {
     }
 }
 
+/// Frames before a viewer who stands still, whose gaze was recorded for so long, if at all.
+fn frames_over(trace: Seconds, interval: f64) -> anyhow::Result<u32> {
+    match trace.0 > 0.0 {
+        true => Ok(pictures_in(trace, Seconds(interval))?),
+        false => Ok(FRAMES),
+    }
+}
+
 /// Draws and writes what every view shows, into its folder.
 fn write_pictures(
     player: &mut ScenePlayer,
@@ -314,7 +352,7 @@ fn write_pictures(
         let device = player.drawer().device().clone();
         let picture = picture.map(|image| optics.image(&device, at, image));
         if let Some(image) = picture.transpose()? {
-            write_png(&folder.join(format!("frame_{frame:05}.png")), &image)?;
+            write_png(&folder.join(picture_name(frame)), &image)?;
         }
     }
     Ok(())
@@ -349,7 +387,11 @@ fn summarise(policy: Policy, frames: &[Frame], player: &mut ScenePlayer) -> Scen
         error_all: judged.map(|it| it.all),
         units_by_level: last.map_or_else(Vec::new, |it| it.report.units_by_level.clone()),
         bytes_by_kind: BytesByKind::of(player.file(), player.fetched()),
-        triangles_mean: mean(&|frame| frame.triangles as f64),
+        triangles_mean: frames
+            .iter()
+            .map(|frame| frame.triangles)
+            .sum::<Option<u64>>()
+            .map(|sum| sum as f64 / count),
         cpu_ms_per_frame: mean(&|frame| ms(frame.report.cpu)),
         choose_ms_per_frame: mean(&|frame| ms(frame.report.choose)),
         gpu_bytes: player.drawer().gpu_bytes(),
@@ -365,9 +407,9 @@ fn summarise(policy: Policy, frames: &[Frame], player: &mut ScenePlayer) -> Scen
 impl SceneSummary {
     /// Triangles of a frame; nothing of a cloud, which has none.
     fn triangles_told(&self) -> String {
-        match self.triangles_mean > 0.0 {
-            true => format!("{:.0} triangles and ", self.triangles_mean),
-            false => String::new(),
+        match self.triangles_mean.filter(|mean| *mean > 0.0) {
+            Some(mean) => format!("{mean:.0} triangles and "),
+            None => String::new(),
         }
     }
 
@@ -416,10 +458,12 @@ impl SceneSummary {
     }
 }
 
-fn csv(frames: &[Frame]) -> String {
-    let mut text =
-        "frame,t_s,bytes,units,triangles,choose_ms,cpu_ms,detail_share,error_fovea,error_all\n"
-            .to_owned();
+/// The figures of a run as CSV, one line a frame, with the score of each where there is one
+/// (docs/formats/results.md).
+fn csv(frames: &[Frame], jods: Option<&[f64]>) -> String {
+    let mut text = "frame,t_s,bytes,units,triangles,choose_ms,cpu_ms,detail_share,error_fovea,\
+                    error_all,jod\n"
+        .to_owned();
     for (number, frame) in frames.iter().enumerate() {
         let report = &frame.report;
         let [fovea, all] = match frame.judged {
@@ -429,13 +473,17 @@ fn csv(frames: &[Frame]) -> String {
             ],
             None => Default::default(),
         };
+        let jod = jods.and_then(|jods| jods.get(number));
+        let jod = jod.map_or_else(String::new, |jod| format!("{jod:.6}"));
         let _ = writeln!(
             text,
-            "{number},{},{},{},{},{:.3},{:.3},{},{fovea},{all}",
+            "{number},{},{},{},{},{:.3},{:.3},{},{fovea},{all},{jod}",
             frame.time.0,
             frame.bytes,
             report.units_by_level.iter().sum::<u32>(),
-            frame.triangles,
+            frame
+                .triangles
+                .map_or_else(String::new, |it| it.to_string()),
             report.choose.as_secs_f64() * 1e3,
             report.cpu.as_secs_f64() * 1e3,
             frame.detail_share,

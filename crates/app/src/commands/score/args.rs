@@ -95,7 +95,7 @@ pub(crate) struct ScoreArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(help_heading = "Pictures and videos")]
     pub(super) fps: Option<f64>,
-    /// Score every row of a table: CSV with reference,test and as wanted gaze_x,gaze_y,gaze_trace,
+    /// Score every row of a table: CSV with reference,test; optionally gaze_x,gaze_y,gaze_trace,
     /// display, which go before the options; other columns are kept. Files are named from where the
     /// table lies.
     #[arg(

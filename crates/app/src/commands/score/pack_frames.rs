@@ -93,6 +93,7 @@ impl PackFrames {
         let head = HeadPose::default();
         let look = Look {
             gaze,
+            gaze_is_known: true,
             head,
             expected: Prediction {
                 gaze,

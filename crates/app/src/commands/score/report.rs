@@ -56,7 +56,7 @@ impl ScoreConditions {
             self.black_cd_m2,
             self.gaze
                 .as_ref()
-                .map_or("not foveated".to_owned(), |gaze| format!("gaze {gaze}"))
+                .map_or("not foveated".to_owned(), |gaze| format!("gaze: {gaze}"))
         )
     }
 }
@@ -119,11 +119,16 @@ impl ScoreReport {
         }
     }
 
+    /// The score of every frame.
+    pub(crate) fn per_frame(&self) -> &[f64] {
+        &self.per_frame
+    }
+
     pub(crate) fn text(&self) -> String {
         let mode = mode_name(self.mode);
         let mut text = format!(
-            "{:.4} JOD ({} {}, {mode}, {}; 10 is no difference, 1 less is what three of four \
-             people see)\n{}, {}\n",
+            "{:.4} JOD ({} {}, {mode}, {}; 10 is no difference; a difference of 1 is seen by \
+             three of four people)\n{}, {}\n",
             self.jod,
             self.metric,
             self.version,

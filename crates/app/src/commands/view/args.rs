@@ -2,14 +2,17 @@
 
 use crate::commands::view::keys;
 use crate::commands::view::looking::{WindowGaze, parse_window_gaze};
+use crate::gaze_source::TrackerOptions;
 use crate::options::bytes::parse_memory;
 use crate::options::decoding::DecodingOptions;
+use crate::options::hold::parse_hold;
 use crate::options::link::{Link, parse_link};
 use crate::options::panels::PanelsOptions;
 use crate::options::policy::{PolicyOptions, ViewOptions};
 use crate::options::preset::PlayPresets;
 use crate::options::showing::{EyeName, ShowingOptions};
 use clap::Args;
+use foveal_core::units::Seconds;
 use std::path::PathBuf;
 
 /// Space pauses, arrows and the mouse move, the wheel zooms, H lists all keys and then figures.
@@ -33,6 +36,8 @@ pub(crate) struct ViewArgs {
     )]
     #[arg(value_parser = parse_window_gaze)]
     pub(super) gaze: WindowGaze,
+    #[command(flatten)]
+    pub(super) tracker: TrackerOptions,
     #[command(flatten)]
     pub(super) policy: PolicyOptions,
     #[command(flatten)]
@@ -60,6 +65,10 @@ pub(crate) struct ViewArgs {
     /// Stay at the end instead of beginning anew.
     #[arg(long)]
     pub(super) once: bool,
+    /// Stills and scenes: close the window after so many seconds, at most 3600 (default: it stays
+    /// until it is closed).
+    #[arg(long, value_name = "SECONDS", value_parser = parse_hold, conflicts_with = "script")]
+    pub(super) hold: Option<Seconds>,
     /// Begin on the full screen.
     #[arg(long)]
     pub(super) full_screen: bool,

@@ -70,12 +70,13 @@ impl Ready {
             let text = output::read_text(path, "a script")?;
             Script::parse(&text, in_scene).with_context(|| format!("--script {}", path.display()))
         });
+        let held = args.hold.map(|hold| Ok(Script::quitting_at(hold)));
         let ready = Self {
             watching: ViewerModel {
                 preset: args.presets.head_gaze()?,
                 late: args.link.unwrap_or_default().delay,
             },
-            script: script.transpose()?.unwrap_or_default(),
+            script: script.or(held).transpose()?.unwrap_or_default(),
             samples: if args.mute { None } else { sound_of(&pack) },
             args: args.clone(),
             panels,

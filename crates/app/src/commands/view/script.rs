@@ -39,7 +39,7 @@ pub(crate) enum Deed {
     Screenshot(PathBuf),
     /// Wait until nothing in view can get finer.
     Settle,
-    /// The GPU taken away: nobody's wish, but a window must survive it.
+    /// Test only: simulates GPU loss.
     LoseDevice,
     Quit,
 }
@@ -90,6 +90,14 @@ impl Script {
             rest,
             ..Self::default()
         })
+    }
+
+    /// A script that closes the window after so long.
+    pub(crate) fn quitting_at(time: Seconds) -> Self {
+        Self {
+            rest: vec![(time.0, Deed::Quit)],
+            ..Self::default()
+        }
     }
 
     /// The next thing, if it is time for it; what needs the picture waits for it.

@@ -100,7 +100,10 @@ impl WindowPlayer {
                 "score",
                 score_told(
                     self.live.session().policy().target,
-                    self.live.session().expected_jod(),
+                    // What a link leaves out is not in the expectation.
+                    (self.bytes_per_s.is_none())
+                        .then(|| self.live.session().expected_jod())
+                        .flatten(),
                 ),
             ),
             line("picture", self.style_told()),

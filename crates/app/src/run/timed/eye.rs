@@ -57,6 +57,7 @@ impl JumpingEye {
         };
         Look {
             gaze,
+            gaze_is_known: true,
             head,
             expected: Prediction {
                 gaze,

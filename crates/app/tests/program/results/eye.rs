@@ -25,8 +25,15 @@ fn what_the_eye_sees_is_told_of_as_documented() {
     });
     let look = ["--gaze", "16,16", "--fov", "20", "--out"];
     let weigh = ["perception", "importance", &before, &after, "--updates"];
-    let weighed = json(&[&weigh[..], &look, &[&folder.name("map.png")]].concat());
-    agrees("perception importance", &[&weighed]);
+    let acuity = folder.holding("acuity.csv", b"ecc_deg,mar_arcmin\n0,1\n20,9\n");
+    let csf = "cpd,ecc_deg,sensitivity\n1,0,50\n8,0,20\n";
+    let csf = folder.holding("csf.csv", csf.as_bytes());
+    let own = ["--acuity", &acuity, "--sensitivity", &csf];
+    let out = folder.name("map.png");
+    let weighed = json(&[&weigh[..], &look, &[&out]].concat());
+    let by_own = json(&[&weigh[..], &own, &look, &[&out]].concat());
+    assert_ne!(weighed["maps"][0]["mean"], by_own["maps"][0]["mean"]);
+    agrees("perception importance", &[&weighed, &by_own]);
     let seen = json(
         &[
             &["perception", "bands", &before],

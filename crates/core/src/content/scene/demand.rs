@@ -300,6 +300,7 @@ mod tests {
     use super::*;
     use crate::content::scene::scripted::scripted_scene;
     use crate::gaze::sample::GazeSample;
+    use crate::perception::measured_acuity::MeasuredAcuity;
     use crate::units::Seconds;
     use crate::view::axes::Axes;
     use crate::view::eye_view::{EyeView, Field};
@@ -341,15 +342,18 @@ mod tests {
         let scene = Arc::new(scripted_scene().unwrap());
         let mut random = Random::new(11);
         let (mut chosen, mut left) = (0, 0);
+        let measured = "ecc_deg,mar_arcmin\n0,1\n5,1.2\n6,7\n50,60\n";
+        let measured = MeasuredAcuity::parse(measured).unwrap();
         for round in 0..900 {
             let policy = [Policy::Acuity, Policy::Viewport][round % 2];
             let acuity = [
                 AcuityModel::LINEAR,
                 AcuityModel::linear(0.0),
                 AcuityModel::Watson,
+                AcuityModel::Table(measured.clone()),
             ];
             let config = PolicyConfig {
-                acuity: acuity[round / 2 % 3],
+                acuity: acuity[round / 2 % 4].clone(),
                 ..PolicyConfig::new(policy)
             };
             let demand = SceneDemand::new(Arc::clone(&scene), &config);

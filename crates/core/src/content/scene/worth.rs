@@ -183,9 +183,9 @@ pub fn parameters_of_morphs(parameters: &Parameters) -> Parameters {
         Model::Default => Parameters {
             lambda: 0.0,
             lambda_suppressed: 0.0,
-            ..*parameters
+            ..parameters.clone()
         },
-        Model::Paper => *parameters,
+        Model::Paper => parameters.clone(),
     }
 }
 

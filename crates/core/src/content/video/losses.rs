@@ -110,8 +110,12 @@ impl LossMeter {
     /// The same, with places of this grid that others use as well.
     pub(super) fn sharing(places: &SharedPlaces, grid: &TileGrid, parameters: &Parameters) -> Self {
         let parameters = match parameters.model {
-            Model::Default => *parameters,
-            Model::Paper => Parameters::default(),
+            Model::Default => parameters.clone(),
+            Model::Paper => Parameters {
+                acuity: parameters.acuity.clone(),
+                sensitivity: parameters.sensitivity.clone(),
+                ..Parameters::default()
+            },
         };
         let table = SensitivityTable::new(&parameters, EyeState::Steady);
         Self {
@@ -218,9 +222,9 @@ impl LossMeter {
             // The octave below the limit is the finest.
             if limit - frequency < 1.5 {
                 let up = frequency + raised + FINEST_OCTAVES_UP;
-                return self.table.at(up, share * FINEST_SHARE);
+                return self.table.at(up, eccentricity, share * FINEST_SHARE);
             }
-            self.table.at(frequency + raised, share)
+            self.table.at(frequency + raised, eccentricity, share)
         })
     }
 }

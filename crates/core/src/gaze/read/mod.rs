@@ -7,3 +7,4 @@ pub mod route;
 pub mod row;
 pub mod stream;
 pub mod trace;
+pub mod tracker_table;

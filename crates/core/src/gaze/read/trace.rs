@@ -155,6 +155,26 @@ impl Trace {
         reader.finish()
     }
 
+    /// The trace of rows that were not read from text.
+    ///
+    /// # Errors
+    /// There are none, more than a trace may have, or times that do not grow.
+    pub fn from_rows(rows: Vec<TraceRow>) -> Result<Self, TraceError> {
+        if rows.len() > MAX_ROWS {
+            return Err(TraceError::TooLong(MAX_ROWS + 2));
+        }
+        let mut pairs = rows.windows(2).zip(3..);
+        let falls = pairs.find(|(pair, _)| pair[1].time <= pair[0].time);
+        match falls {
+            Some((pair, line)) => Err(TraceError::Backwards {
+                line,
+                found: pair[1].time.0.to_string(),
+                before: pair[0].time.0.to_string(),
+            }),
+            None => Self::new(rows),
+        }
+    }
+
     /// The trace as text that reads back as the same rows, to the bit; all columns are written.
     #[must_use]
     pub fn write(&self) -> String {

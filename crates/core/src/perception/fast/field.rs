@@ -3,11 +3,11 @@
 //! What depends on the gaze changes slowly across the picture: it is looked up in tables at every
 //! [`SPACING`]th pixel and interpolated between.
 
-use crate::perception::acuity::{AcuityModel, Meridian, watson_spacing};
+use crate::perception::acuity::{Meridian, watson_spacing};
 use crate::perception::gain::Weights;
 use crate::perception::importance::Onlooker;
 use crate::perception::measures::pyramid::band_gain;
-use crate::perception::parameters::{EyeState, Parameters};
+use crate::perception::parameters::{EyeState, Model, Parameters};
 use crate::perception::sensitivity_table::SensitivityTable;
 use crate::perception::spread::effective_eccentricity;
 use crate::units::Radians;
@@ -37,6 +37,8 @@ struct Resolved {
     limit: f32,
     /// Octaves that eccentricity raises frequency by.
     raised: f32,
+    /// That eccentricity, in radians.
+    eccentricity: f32,
 }
 
 /// Sensitivities of one view for one gaze, at nodes.
@@ -70,7 +72,7 @@ impl EyeField {
         let count = size[0] * size[1];
         let plane = || vec![0.0; count];
         Self {
-            parameters: *parameters,
+            parameters: parameters.clone(),
             size,
             nodes: nodes(view, size),
             resolved: vec![Resolved::default(); count],
@@ -182,8 +184,18 @@ impl EyeField {
             cos,
             angle,
         };
-        let limit = at.log_acuity(&self.spacing, self.parameters.acuity_model());
-        Resolved { limit, raised }
+        let limit = match &self.parameters.acuity {
+            Some(measured) => {
+                let acuity = measured.acuity(Radians(f64::from(angle)));
+                libm::log2(acuity.0) as f32
+            }
+            None => at.log_acuity(&self.spacing, self.parameters.model),
+        };
+        Resolved {
+            limit,
+            raised,
+            eccentricity: angle,
+        }
     }
 
     fn fill_band(&mut self, band: usize, looking: &Looking) {
@@ -206,11 +218,14 @@ impl EyeField {
     fn seen(&self, band: usize, looking: &Looking, node: &Node, resolved: &Resolved) -> [f32; 2] {
         let octaves = node.density - (band + 2) as f32;
         let [sustained, transient] = match looking.state {
-            EyeState::Jumping => self.far.at(octaves),
+            EyeState::Jumping => self.far.at(octaves, 0.0),
             _ => {
                 let limit = resolved.limit.min(self.display_limit);
                 let share = (limit - octaves + 0.5).clamp(0.0, 1.0);
-                self.near.at(octaves + resolved.raised).map(|s| s * share)
+                let near = self
+                    .near
+                    .at(octaves + resolved.raised, resolved.eccentricity);
+                near.map(|s| s * share)
             }
         };
         let scale = self.scales[band];
@@ -332,7 +347,7 @@ struct Offset {
 
 impl Offset {
     /// Log2 of the acuity in cycles per degree: `AcuityModel::acuity` through the table of cells.
-    fn log_acuity(&self, spacing: &[[f32; 4]], model: AcuityModel) -> f32 {
+    fn log_acuity(&self, spacing: &[[f32; 4]], model: Model) -> f32 {
         let [x, y] = self.across;
         let length2 = x * x + y * y;
         let [x2, y2] = if length2 > 1e-16 {
@@ -340,7 +355,7 @@ impl Offset {
         } else {
             [1.0, 0.0]
         };
-        let spacing2 = if model == AcuityModel::WatsonPaper {
+        let spacing2 = if model == Model::Paper {
             let bearing = [x2.sqrt(), y2.sqrt()];
             let angle = bearing.map(|along| libm::atan2f(self.sin * along, self.cos));
             let [h, v] = angle.map(|a| a * a);
@@ -405,7 +420,6 @@ fn nodes(view: &EyeView, size: [usize; 2]) -> Vec<Node> {
 mod tests {
     use super::*;
     use crate::perception::eye::Gaze;
-    use crate::perception::parameters::Model;
     use crate::view::axes::direction_from_yaw_pitch;
     use crate::view::eye_view::Field;
 

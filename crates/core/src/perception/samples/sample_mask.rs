@@ -19,7 +19,7 @@ const SEED: u64 = 2016;
 pub const SPACINGS: usize = 64;
 
 /// What a mask depends on.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MaskShape {
     /// Pixels on a side.
     pub side: u32,

@@ -7,6 +7,7 @@
 //! 1 fixation, 2 saccade, 3 post-saccadic oscillation, 4 pursuit, 5 blink, 6 undefined too.
 
 use super::recording::{Label, Recording, Trial};
+pub use foveal_core::gaze::read::tracker_table::TrackerScreen as LabelScreen;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::units::{Radians, Seconds};
 use glam::DVec3;
@@ -25,26 +26,6 @@ const RATE_HZ: [f64; 2] = [10.0, 5000.0];
 const MAX_INDEX: f64 = 1e9;
 /// Start of the name of a coder's column.
 const CODER: &str = "coder_";
-
-/// Size and place of the screen that pixels lie on; the eye is before its middle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LabelScreen {
-    /// Width and height in metres.
-    pub size_m: [f64; 2],
-    /// Width and height in pixels.
-    pub size_px: [f64; 2],
-    /// Distance from the eye in metres.
-    pub distance_m: f64,
-}
-
-impl LabelScreen {
-    /// Unit direction from the eye to a place on the screen, in pixels from its upper left.
-    #[must_use]
-    pub fn direction(&self, [x, y]: [f64; 2]) -> DVec3 {
-        let metres = |k: usize, at: f64| (at / self.size_px[k] - 0.5) * self.size_m[k];
-        DVec3::new(metres(0, x), -metres(1, y), -self.distance_m).normalize()
-    }
-}
 
 /// Why a file is no labelled recording.
 #[derive(Debug, Error)]

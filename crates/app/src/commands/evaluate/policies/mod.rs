@@ -13,7 +13,7 @@ mod tables;
 
 use crate::commands::demo::machine::Machine;
 use crate::commands::score::{ScoreConditions, display_named, display_of_view};
-use crate::gaze_source::{GazeChoice, parse_gaze};
+use crate::gaze_source::{GazeChoice, TrackerOptions, parse_gaze};
 use crate::options::policy::ViewOptions;
 use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage, out_of_range};
@@ -49,6 +49,8 @@ pub(crate) struct PoliciesArgs {
     )]
     #[arg(value_parser = parse_gaze)]
     gaze: GazeChoice,
+    #[command(flatten)]
+    tracker: TrackerOptions,
     /// desk, which is the view itself, or a display as of `foveal score --display`.
     #[arg(long, value_name = "NAME|FILE.toml", default_value = DESK)]
     display: String,
@@ -104,6 +106,10 @@ const RATES: core::ops::RangeInclusive<f64> = 0.001..=1e5;
 
 pub(super) fn run(args: &PoliciesArgs) -> anyhow::Result<()> {
     args.check()?;
+    let args = &PoliciesArgs {
+        gaze: args.tracker.read_as(&args.gaze)?,
+        ..args.clone()
+    };
     let own = (args.display != DESK).then(|| display_named("--display", &args.display));
     let own = own.transpose()?;
     let file = Arc::new(PackFile::open(&args.pack)?);

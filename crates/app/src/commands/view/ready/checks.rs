@@ -1,6 +1,9 @@
 //! Which options does a pack of a kind take?
 
 use crate::commands::view::args::ViewArgs;
+use crate::commands::view::looking::WindowGaze;
+use crate::gaze_source::GazeChoice;
+use crate::options::hold::moves;
 use crate::options::panels::{SAMPLES_ONE_VIEW, ShownRig};
 use crate::options::policy::{PolicyOptions, check_thresholds};
 use crate::options::showing::InterpolationName;
@@ -8,6 +11,7 @@ use crate::report::output::WrongUsage;
 use anyhow::bail;
 use foveal_core::content::policy::Policy;
 use foveal_core::content::scene::demand::why_not;
+use foveal_core::units::counted;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
 use foveal_play::LivePack;
@@ -29,6 +33,14 @@ pub(super) fn before(args: &ViewArgs, rig: Option<&ShownRig>) -> anyhow::Result<
     if is_scene_pack(&args.pack) {
         args.presets.refuse_for_scene()?;
     }
+    with.gaze = match &args.gaze {
+        WindowGaze::Other(choice) => WindowGaze::Other(args.tracker.read_as(choice)?),
+        // Refuses columns of no table.
+        own => args
+            .tracker
+            .read_as(&GazeChoice::Scan)
+            .map(|_| own.clone())?,
+    };
     if rig.is_none() && args.presets.system().is_none() {
         return Ok(with);
     }
@@ -70,6 +82,11 @@ pub(super) fn check(args: &ViewArgs, pack: &LivePack) -> anyhow::Result<()> {
     let config = args.policy.config()?;
     match pack {
         LivePack::Video(file, _) => {
+            let about = file.pack().description();
+            if args.hold.is_some() && !about.is_still() {
+                let frames = counted(about.frames, "frame");
+                bail!(moves(&format!("a video of {frames}")));
+            }
             check_thresholds(&config, &file.pack().description().grid(args.view.screen))
         }
         LivePack::Scene(_) => check_scene(args, config.policy),

@@ -106,7 +106,8 @@ fn in_a_window_a_cell_is_as_fine_as_its_finest_probe() {
             view.field.at_eye = Some(borders.map(|tangent| tangent * share));
             for (disc, spread) in [(0.0, 0.0), (3.0, 0.5)] {
                 let config = PolicyConfig {
-                    acuity: [AcuityModel::LINEAR, AcuityModel::Watson][one_of(&mut random, 2)],
+                    acuity: [AcuityModel::LINEAR, AcuityModel::Watson][one_of(&mut random, 2)]
+                        .clone(),
                     safety_disc: Radians::from_degrees(disc),
                     ..PolicyConfig::new(Policy::Acuity)
                 };

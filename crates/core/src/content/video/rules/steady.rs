@@ -75,7 +75,7 @@ impl SteadySelector {
 
     /// From now on chooses for another eye.
     pub(crate) fn set_acuity(&mut self, acuity: AcuityModel) {
-        self.exact.set_acuity(acuity);
+        self.exact.set_acuity(acuity.clone());
         self.loose.set_acuity(acuity);
         if let Some(before) = &mut self.before {
             before.chosen_for = None;

@@ -4,6 +4,7 @@ use super::*;
 use crate::content::video::grid::level_map::{histogram, pixels};
 use crate::content::video::grid::tile_grid::Cut;
 use crate::pack::unit::UnitId;
+use crate::perception::measured_acuity::MeasuredAcuity;
 use crate::perception::measures::contrast::Signature;
 use crate::perception::measures::cues::Cues;
 use crate::perception::parameters::EyeState;
@@ -14,6 +15,17 @@ use crate::view::frustum::Frustum;
 use crate::view::random::Random;
 use crate::view::surface::{Eye, Screen, Surface};
 use proptest::prelude::*;
+
+/// An eye of every kind.
+fn models() -> [AcuityModel; 4] {
+    let measured = MeasuredAcuity::parse("ecc_deg,mar_arcmin\n0,1\n5,1.2\n6,7\n50,60\n");
+    [
+        AcuityModel::LINEAR,
+        AcuityModel::Watson,
+        AcuityModel::WatsonPaper,
+        AcuityModel::Table(measured.unwrap()),
+    ]
+}
 
 fn degrees(yaw: f64, pitch: f64) -> Glance {
     let gaze = GazeSample::at(
@@ -231,11 +243,7 @@ fn flat_content_in_view_at_its_own_density_is_all_finest() {
 
 #[test]
 fn bounds_skip_no_cell_that_probing_would_refine() {
-    for acuity in [
-        AcuityModel::LINEAR,
-        AcuityModel::Watson,
-        AcuityModel::WatsonPaper,
-    ] {
+    for acuity in models() {
         let config = PolicyConfig {
             acuity,
             ..PolicyConfig::new(Policy::Acuity)
@@ -495,19 +503,14 @@ fn what_skips_probes_gives_the_level_that_all_probes_give() {
         TileGrid::new(Surface::cube(4096), Cut::Tile(256), 5, 2).unwrap(),
         TileGrid::new(flat, Cut::Tile(128), 5, 2).unwrap(),
     ];
-    let models = [
-        AcuityModel::LINEAR,
-        AcuityModel::Watson,
-        AcuityModel::WatsonPaper,
-    ];
     let mut random = Random::new(11);
     for (grid, acuity) in grids
         .into_iter()
-        .flat_map(|grid| models.map(|model| (grid, model)))
+        .flat_map(|grid| models().map(|model| (grid, model)))
     {
         for (disc, spread, headset) in [(0.0, 0.0, false), (2.5, 0.5, true), (0.0, 2.0, true)] {
             let config = PolicyConfig {
-                acuity,
+                acuity: acuity.clone(),
                 safety_disc: Radians::from_degrees(disc),
                 ..PolicyConfig::new(Policy::Acuity)
             };

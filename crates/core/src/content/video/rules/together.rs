@@ -19,7 +19,7 @@ impl Rules {
         asked: impl Fn(usize) -> bool,
     ) -> LevelMap {
         let eye = EyeBehind {
-            acuity: self.config.acuity,
+            acuity: self.config.acuity.clone(),
             gaze: glance.gaze.gaze_in_content,
             spread: glance.gaze.spread,
             ppd: glance.view.map_or(0.0, |view| view.most_ppd().0),
