@@ -21,7 +21,7 @@ pub(crate) enum Evaluate {
     /// table that levels are chosen by, and how it holds elsewhere.
     Targets(targets::TargetsArgs),
     /// All policies on one pack over one gaze: pixels, bytes and time of each, and its score.
-    Policies(policies::PoliciesArgs),
+    Policies(Box<policies::PoliciesArgs>),
 }
 
 pub(crate) fn run(command: &Evaluate) -> anyhow::Result<()> {
