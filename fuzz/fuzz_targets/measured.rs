@@ -2,5 +2,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    let _ = foveal_core::perception::measured_sensitivity::parse_anything(data);
+    let _ = foveal_core::perception::measured::sensitivity::parse_anything(data);
 });

@@ -149,9 +149,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     output::write_whole(&args.out.join(LOG), session.as_bytes())?;
     output::write_whole(&args.out.join(TABLE), csv(&reports, of_frames).as_bytes())?;
     let jods = scores.as_ref().map(|scores| scores.jods.as_slice());
-    if !player.knows_score() {
-        output::say(NO_EXPECTED_JOD);
-    }
+    tell_expectation(&player);
     let summary = RunSummary {
         intermediate_pixels: panels.as_deref().map(intermediate_pixels),
         panels: panels.map(|panels| PlayedPanel::all(&panels, jods)),
@@ -321,6 +319,13 @@ fn play(
     }
     bar.finish_and_clear();
     Ok(reports)
+}
+
+/// Says where no score is expected, and why.
+fn tell_expectation(player: &Player) {
+    if !player.knows_score() {
+        output::say(NO_EXPECTED_JOD);
+    }
 }
 
 fn sleep_until(due: Instant) {

@@ -3,8 +3,8 @@
 use crate::report::output::{WrongUsage, read_text};
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
-use foveal_core::perception::measured_acuity::MeasuredAcuity;
-use foveal_core::perception::measured_sensitivity::MeasuredSensitivity;
+use foveal_core::perception::measured::acuity::MeasuredAcuity;
+use foveal_core::perception::measured::sensitivity::MeasuredSensitivity;
 use foveal_core::perception::parameters::{Model, NAMED, Parameters};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -12,7 +12,7 @@ use foveal_core::content::policy::{
 };
 use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 use foveal_core::perception::acuity::AcuityModel;
-use foveal_core::perception::measured_acuity::MeasuredAcuity;
+use foveal_core::perception::measured::acuity::MeasuredAcuity;
 use foveal_core::units::{Radians, counted};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};

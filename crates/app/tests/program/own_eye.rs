@@ -8,6 +8,30 @@ const ACUITY: &str = "ecc_deg,mar_arcmin\n0,1\n5,6\n40,60\n";
 const SENSITIVITY: &str = "cpd,ecc_deg,sensitivity\n0.5,0,40\n4,0,60\n30,0,1\n0.5,20,10\n4,20,2\n\
                            30,20,0\n";
 
+const SELECT: [&str; 7] = [
+    "select",
+    "--projection",
+    "cube",
+    "--face-size",
+    "2048",
+    "--target",
+    "none",
+];
+const TABLE: [&str; 6] = [
+    "perception",
+    "table",
+    "--ecc",
+    "0,5,22.5",
+    "--cpd",
+    "0.5,4,31",
+];
+
+/// The first line of a log.
+fn head(log: &str) -> Value {
+    let text = std::fs::read_to_string(log).unwrap();
+    serde_json::from_str(text.lines().next().unwrap()).unwrap()
+}
+
 #[test]
 fn what_was_measured_chooses_and_a_replay_needs_no_file() {
     let folder = Folder::new();
@@ -58,10 +82,6 @@ fn what_was_measured_chooses_and_a_replay_needs_no_file() {
     let (_, plain) = run("plain", &link);
     let own = ["--acuity", &acuity, "--sensitivity", &sensitivity];
     let (_, by_both) = run("both", &[&link[..], &own].concat());
-    let head = |log: &str| -> Value {
-        let text = std::fs::read_to_string(log).unwrap();
-        serde_json::from_str(text.lines().next().unwrap()).unwrap()
-    };
     let measured = serde_json::json!([[0.0, 1.0 / 60.0], [5.0, 0.1], [40.0, 1.0]]);
     assert_eq!(head(&by_acuity)["policy"]["acuity"]["table"], measured);
     let perception = head(&by_both)["policy"]["perception"].clone();
@@ -84,31 +104,14 @@ fn what_was_measured_chooses_and_a_replay_needs_no_file() {
 }
 
 #[test]
-fn select_and_perception_take_it_and_name_what_is_wrong_with_it() {
+fn select_and_perception_take_it() {
     let folder = Folder::new();
     let acuity = folder.holding("acuity.csv", ACUITY.as_bytes());
     let sensitivity = folder.holding("csf.csv", SENSITIVITY.as_bytes());
-    let select = [
-        "select",
-        "--projection",
-        "cube",
-        "--face-size",
-        "2048",
-        "--target",
-        "none",
-    ];
-    let pixels = |options: &[&str]| json(&[&select[..], options].concat())["pixels"].as_u64();
+    let pixels = |options: &[&str]| json(&[&SELECT[..], options].concat())["pixels"].as_u64();
     assert!(pixels(&["--acuity", &acuity]) < pixels(&[]));
-    let table = [
-        "perception",
-        "table",
-        "--ecc",
-        "0,5,22.5",
-        "--cpd",
-        "0.5,4,31",
-    ];
     let own = ["--acuity", &acuity, "--sensitivity", &sensitivity];
-    let found = json(&[&table[..], &own].concat());
+    let found = json(&[&TABLE[..], &own].concat());
     let row = |k: usize| found["acuity"][k]["e_cpd"].as_f64().unwrap();
     assert!(
         (row(0) - 30.0).abs() < 1e-9 && (row(1) - 5.0).abs() < 1e-9,
@@ -117,6 +120,12 @@ fn select_and_perception_take_it_and_name_what_is_wrong_with_it() {
     assert_eq!(found["acuity"][0]["density_per_deg2"], Value::Null);
     let seen = |k: usize| found["csf"][k]["sensitivity"].as_f64().unwrap();
     assert_eq!([0, 1, 2].map(seen), [40.0, 60.0, 0.0]);
+}
+
+#[test]
+fn what_is_wrong_with_a_measured_eye_is_named() {
+    let folder = Folder::new();
+    let acuity = folder.holding("acuity.csv", ACUITY.as_bytes());
     for (option, text, words) in [
         ("--acuity", "ecc_deg,mar_arcmin\n0,2\n5,1\n", "falls from"),
         (
@@ -138,27 +147,27 @@ fn select_and_perception_take_it_and_name_what_is_wrong_with_it() {
         let bad = folder.holding("bad.csv", text.as_bytes());
         refused(
             1,
-            &[&select[..], &[option, &bad]].concat(),
+            &[&SELECT[..], &[option, &bad]].concat(),
             &["bad.csv", words],
         );
         refused(
             1,
-            &[&table[..], &[option, &bad]].concat(),
+            &[&TABLE[..], &[option, &bad]].concat(),
             &["bad.csv", words],
         );
     }
     refused(
         2,
-        &[&select[..], &["--acuity", "mine"]].concat(),
+        &[&SELECT[..], &["--acuity", "mine"]].concat(),
         &["--acuity", "watson-paper"],
     );
     refused(
         1,
-        &[&select[..], &["--acuity", "none.csv"]].concat(),
+        &[&SELECT[..], &["--acuity", "none.csv"]].concat(),
         &["none.csv"],
     );
     let slope = ["--acuity", &acuity, "--slope", "0.01"];
-    refused(2, &[&select[..], &slope].concat(), &["--slope"]);
+    refused(2, &[&SELECT[..], &slope].concat(), &["--slope"]);
 }
 
 #[test]

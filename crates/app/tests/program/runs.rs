@@ -166,6 +166,18 @@ fn a_still_is_shown_as_long_as_it_is_held_or_as_its_trace_lasts() {
     refused(2, &held, &["--hold", "a video of 3 frames"]);
 }
 
+/// Leaves what an older run on panels left, with a log that also names what is outside the folder;
+/// returns the name of that.
+fn leave_panels(folder: &Folder, out: &str) -> String {
+    std::fs::create_dir_all(format!("{out}/left")).unwrap();
+    std::fs::write(format!("{out}/left/frame_00000.png"), "old").unwrap();
+    let precious = folder.holding("frame_00007.png", b"precious");
+    let log = std::fs::read_to_string(format!("{out}/session.jsonl")).unwrap();
+    let panels = "{\"panels\":[{\"id\":\"left\"},{\"id\":\"..\"}],";
+    std::fs::write(format!("{out}/session.jsonl"), log.replacen('{', panels, 1)).unwrap();
+    precious
+}
+
 #[test]
 fn a_run_takes_the_place_of_an_older_one_says_so_first_and_spares_all_else() {
     let folder = Folder::new();
@@ -195,13 +207,7 @@ fn a_run_takes_the_place_of_an_older_one_says_so_first_and_spares_all_else() {
     for kept in ["notes.txt", "frame_1.png", "frame_00000.png.bak"] {
         std::fs::write(format!("{out}/{kept}"), "mine").unwrap();
     }
-    // What an older run on panels left, and what its log names outside the folder.
-    std::fs::create_dir_all(format!("{out}/left")).unwrap();
-    std::fs::write(format!("{out}/left/frame_00000.png"), "old").unwrap();
-    let precious = folder.holding("frame_00007.png", b"precious");
-    let log = std::fs::read_to_string(format!("{out}/session.jsonl")).unwrap();
-    let panels = "{\"panels\":[{\"id\":\"left\"},{\"id\":\"..\"}],";
-    std::fs::write(format!("{out}/session.jsonl"), log.replacen('{', panels, 1)).unwrap();
+    let precious = leave_panels(&folder, &out);
     let second = run(&["--every", "1"]);
     assert!(
         second.stderr.contains("run: holds an older run of 6 files"),

@@ -4,7 +4,7 @@
 //! (2014) follows the density of midget ganglion cells and asks for 2.5–4.6 times more pixels.
 //! Sources and tests: docs/papers.md, rows "acuity".
 
-use super::measured_acuity::MeasuredAcuity;
+use super::measured::acuity::MeasuredAcuity;
 use crate::units::{Cpd, Radians};
 use crate::view::axes::{Axes, angle_between, yaw_pitch_from_direction};
 use glam::DVec3;

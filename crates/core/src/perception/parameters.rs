@@ -1,7 +1,7 @@
 //! Which numbers does the model of the eye take, and where do they come from?
 
-use super::measured_acuity::MeasuredAcuity;
-use super::measured_sensitivity::MeasuredSensitivity;
+use super::measured::acuity::MeasuredAcuity;
+use super::measured::sensitivity::MeasuredSensitivity;
 use crate::gaze::sample::EyeEvent;
 use crate::units::{Cpd, Radians, Seconds};
 use serde::{Deserialize, Serialize};

@@ -136,7 +136,7 @@ fn eccentricity_of(row: usize) -> Radians {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::perception::measured_sensitivity::MeasuredSensitivity;
+    use crate::perception::measured::sensitivity::MeasuredSensitivity;
 
     #[test]
     fn a_measured_sensitivity_is_told_at_every_frequency_and_eccentricity() {

@@ -136,8 +136,7 @@ impl TileDrawer {
         let shape = mask_shape(config, view);
         let same = |(made, _): &(MaskShape, Sampling)| {
             (made.pitch / shape.pitch - 1.0).abs() < SAME_PITCH
-                && made.side == shape.side
-                && made.eye == shape.eye
+                && (made.side, &made.eye) == (shape.side, &shape.eye)
         };
         if self.sampling.as_ref().is_some_and(same) {
             return Ok(false);

@@ -300,7 +300,7 @@ mod tests {
     use super::*;
     use crate::content::scene::scripted::scripted_scene;
     use crate::gaze::sample::GazeSample;
-    use crate::perception::measured_acuity::MeasuredAcuity;
+    use crate::perception::measured::acuity::MeasuredAcuity;
     use crate::units::Seconds;
     use crate::view::axes::Axes;
     use crate::view::eye_view::{EyeView, Field};

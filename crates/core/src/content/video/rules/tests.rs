@@ -4,7 +4,7 @@ use super::*;
 use crate::content::video::grid::level_map::{histogram, pixels};
 use crate::content::video::grid::tile_grid::Cut;
 use crate::pack::unit::UnitId;
-use crate::perception::measured_acuity::MeasuredAcuity;
+use crate::perception::measured::acuity::MeasuredAcuity;
 use crate::perception::measures::contrast::Signature;
 use crate::perception::measures::cues::Cues;
 use crate::perception::parameters::EyeState;

@@ -1,6 +1,6 @@
 //! How fine a detail does an eye resolve whose smallest angles somebody measured?
 
-use super::measured_rows::{Column, MOST_ROWS, MeasuredError, rows};
+use super::rows::{Column, MOST_ROWS, MeasuredError, rows};
 use crate::units::{Cpd, Radians};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -39,12 +39,12 @@ impl MeasuredAcuity {
     /// eccentricity or fall with it.
     ///
     /// ```
-    /// use foveal_core::perception::measured_acuity::MeasuredAcuity;
+    /// use foveal_core::perception::measured::acuity::MeasuredAcuity;
     /// use foveal_core::units::Radians;
     /// let eye = MeasuredAcuity::parse("ecc_deg,mar_arcmin\n0,1\n20,11\n")?;
     /// assert_eq!(eye.acuity(Radians(0.0)).0, 30.0);
     /// assert!(MeasuredAcuity::parse("ecc_deg,mar_arcmin\n0,1\n20,0.5\n").is_err());
-    /// # Ok::<(), foveal_core::perception::measured_rows::MeasuredError>(())
+    /// # Ok::<(), foveal_core::perception::measured::rows::MeasuredError>(())
     /// ```
     pub fn parse(text: &str) -> Result<Self, MeasuredError> {
         Self::try_from(rows(text, COLUMNS, NAMES)?)

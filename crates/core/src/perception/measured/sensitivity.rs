@@ -1,6 +1,6 @@
 //! How little contrast does an eye need whose sensitivity somebody measured?
 
-use super::measured_rows::{Column, MOST_ROWS, MeasuredError, rows};
+use super::rows::{Column, MOST_ROWS, MeasuredError, rows};
 use crate::units::{Cpd, Radians};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -54,11 +54,11 @@ impl MeasuredSensitivity {
     /// It lacks a column or a combination, has one twice, or a cell out of range.
     ///
     /// ```
-    /// use foveal_core::perception::measured_sensitivity::MeasuredSensitivity;
+    /// use foveal_core::perception::measured::sensitivity::MeasuredSensitivity;
     /// use foveal_core::units::{Cpd, Radians};
     /// let eye = MeasuredSensitivity::parse("cpd,ecc_deg,sensitivity\n1,0,100\n4,0,25\n")?;
     /// assert!((eye.at(Cpd(2.0), Radians(0.3)) - 50.0).abs() < 1e-9);
-    /// # Ok::<(), foveal_core::perception::measured_rows::MeasuredError>(())
+    /// # Ok::<(), foveal_core::perception::measured::rows::MeasuredError>(())
     /// ```
     pub fn parse(text: &str) -> Result<Self, MeasuredError> {
         Self::try_from(rows(text, COLUMNS, NAMES)?)
@@ -185,7 +185,7 @@ impl From<MeasuredSensitivity> for Vec<[f64; 3]> {
 /// When what was read says something that no eye can.
 #[must_use]
 pub fn parse_anything(data: &[u8]) -> bool {
-    use super::measured_acuity::MeasuredAcuity;
+    use super::acuity::MeasuredAcuity;
     let Ok(text) = core::str::from_utf8(data) else {
         return false;
     };
