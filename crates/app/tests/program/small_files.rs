@@ -133,6 +133,16 @@ fn a_picture_takes_memory_for_some_of_its_rows_and_one_that_is_too_large_is_name
         assert_eq!(said["repairs"]["missing_images"], 1, "{said}");
         assert!(peak_mb(&said) < 150, "{name}: {said}");
     }
+    let wide = folder.holding("wide.png", &white([100_000, 1]));
+    let ran = foveal(&["prepare", "video", &wide, "--out", &folder.name("w.foveal")]);
+    assert_refused(
+        &ran,
+        1,
+        &[
+            "wide.png: the picture is 100000x1 pixels",
+            "make it smaller",
+        ],
+    );
 }
 
 #[test]
@@ -264,12 +274,15 @@ fn messages_are_bounded_whatever_they_quote() {
 fn where_memory_ends_a_message_says_so() {
     let folder = Folder::new();
     let places = (0..400_000).map(|it| format!("v {} {} {}\n", it % 631, it / 631, it % 7));
-    let faces = (1..399_000).map(|it| format!("f {it} {} {}\n", it + 1, it + 631));
+    let faces = (1..399_000).map(|it| {
+        let [right, below] = [it + 1, it + 631];
+        format!("f {it} {right} {below}\nf {right} {} {below}\n", below + 1)
+    });
     let text: String = places.chain(faces).collect();
     let input = folder.holding("large.obj", text.as_bytes());
     let pack = folder.name("a.foveal");
     let ran = limited(
-        300_000,
+        400_000,
         256,
         &["prepare", "scene", &input, "--out", &pack, "--json"],
     );

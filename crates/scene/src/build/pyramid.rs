@@ -182,7 +182,7 @@ impl Level {
             self.made_rows += 1;
             self.forget(end);
         }
-        if let (true, Some(first)) = (is_whole, self.waits.take()) {
+        if is_whole && let Some(first) = self.waits.take() {
             made.extend(self.made_of(maker, 0, &first, 0)?);
         }
         Ok(made)
