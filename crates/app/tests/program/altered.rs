@@ -10,7 +10,7 @@ use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::moment::Moment;
-use foveal_core::units::Seconds;
+use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_media::pack::scene_file::{SceneFile, write_scene};
@@ -171,7 +171,10 @@ fn played(file: &Arc<SceneFile>) -> Result<u64, foveal_play::PlayError> {
         size: [48, 48],
         eye: Default::default(),
     };
-    let moment = Moment::new(GazeSample::default(), vec![view]);
+    let moment = Moment::new(
+        GazeSample::at(Seconds(0.0), Radians(0.0), Radians(0.0)),
+        vec![view],
+    );
     for second in 0..2 {
         player.show(Seconds(f64::from(second)), &moment)?;
         player.picture(&view)?;
