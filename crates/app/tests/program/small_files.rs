@@ -209,7 +209,8 @@ fn meshes_of_the_same_accessors_are_one() {
             "nodes": (0..count).map(node).collect::<Vec<_>>(),
             "meshes": vec![&mesh; count],
             "accessors": [
-                {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": columns * columns},
+                {"bufferView": 0, "componentType": 5126, "type": "VEC3",
+                 "count": columns * columns},
                 {"bufferView": 1, "componentType": 5125, "type": "SCALAR",
                  "count": (binary.len() - begin) / 4}],
             "bufferViews": [

@@ -2,7 +2,8 @@
 //!
 //! Nothing outside the folder is reachable: a path is split into names, none of which may be
 //! special, and what the names lead to is opened beneath the folder, through whatever links stay in
-//! it. Packs that were named are sent or nothing: what takes the place of one must be a pack, and no link.
+//! it. Packs that were named are sent or nothing: what takes the place of one must be a pack, and
+//! no link.
 
 use crate::commands::serve::tags::{ContentTags, modified, tag_of};
 use crate::commands::site::{Site, SiteFile};

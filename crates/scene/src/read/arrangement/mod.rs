@@ -27,8 +27,6 @@ use outline::{Outline, PlaceText};
 const MOST_BYTES: usize = 1 << 24;
 /// Most bytes that tell of one place.
 const MOST_PLACE_BYTES: usize = 1 << 16;
-/// Most inputs: as many as objects fit into a pack.
-const MOST_INPUTS: usize = 4096;
 /// Largest number of a place, in metres, and of a scale.
 const LARGEST: f64 = 1e9;
 

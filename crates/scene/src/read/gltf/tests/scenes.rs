@@ -51,7 +51,10 @@ fn nodes_with_one_mesh_are_placements_of_one_object() {
     let mesh = made.json["meshes"][0]["primitives"].clone();
     made.push("meshes", json!({"primitives": mesh, "weights": [0.5]}));
     // What says the same is the same, whatever it is called.
-    made.push("meshes", json!({"primitives": mesh, "name": "another tree"}));
+    made.push(
+        "meshes",
+        json!({"primitives": mesh, "name": "another tree"}),
+    );
     let scene = scene(&made);
     let names: Vec<&str> = scene
         .objects
