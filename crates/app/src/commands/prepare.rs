@@ -11,6 +11,7 @@ use crate::run::pack_place::{if_taken, pack_at};
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::content::video::bytes::description::Loss;
+use foveal_core::content::video::grid::tile_grid::GridError;
 use foveal_core::units::counted;
 use foveal_media::VideoInput;
 use foveal_media::pack::name_claim::NameClaim;
@@ -198,6 +199,9 @@ impl PrepareVideoArgs {
         let settings = self.settings()?;
         let info = VideoInput::open(&self.input)?.info().clone();
         PreparationPlan::new(&self.input, &info, &settings).map_err(|error| match error {
+            PrepareError::Grid(GridError::Size(..)) => {
+                anyhow!("{}: {error}; make it smaller", self.input.display())
+            }
             PrepareError::Grid(_) | PrepareError::FaceSize(_) => {
                 WrongUsage(error.to_string()).into()
             }

@@ -110,14 +110,15 @@ fn square_with(picture: &[u8]) -> Vec<u8> {
 #[test]
 fn a_picture_takes_memory_for_some_of_its_rows_and_one_that_is_too_large_is_named() {
     let folder = Folder::new();
-    // Whole, it would take 4 bytes for each of its texels, and what halves it one more.
+    // Whole, it would take 101 MB: 4 bytes for each of its texels, one for what is decoded, and one
+    // for what is halved.
     let long = folder.holding("long.glb", &square_with(&white([2048, 8192])));
     let (said, _) = prepared(&folder, &long);
     assert_eq!(said["texels"], 2048 * 8192, "{said}");
     let small = folder.holding("small.glb", &square_with(&white([64, 64])));
     let (without, _) = prepared(&folder, &small);
     let more = peak_mb(&said) - peak_mb(&without).min(peak_mb(&said));
-    assert!(more < 40, "{more} MB more than a small one");
+    assert!(more < 95, "{more} MB more than a small one");
     // What packs 268 million texels into some kilobytes, and what is wider than textures are.
     for (name, size, words) in [
         ("huge.glb", [16_384, 16_384], "has 16384 x 16384 texels"),
@@ -133,6 +134,16 @@ fn a_picture_takes_memory_for_some_of_its_rows_and_one_that_is_too_large_is_name
         assert_eq!(said["repairs"]["missing_images"], 1, "{said}");
         assert!(peak_mb(&said) < 150, "{name}: {said}");
     }
+    let wide = folder.holding("wide.png", &white([100_000, 1]));
+    let ran = foveal(&["prepare", "video", &wide, "--out", &folder.name("w.foveal")]);
+    assert_refused(
+        &ran,
+        1,
+        &[
+            "wide.png: the picture is 100000x1 pixels",
+            "make it smaller",
+        ],
+    );
 }
 
 #[test]
@@ -166,7 +177,7 @@ fn places_of_a_scene_file_are_counted_while_they_are_read() {
     let more =
         honest["peak_memory_bytes"].as_u64().unwrap() - few["peak_memory_bytes"].as_u64().unwrap();
     // Reading takes at most ten times the file; a place in the scene and its pack is the rest.
-    assert!(more < 10 * text.len() as u64 + 8000 * 1500, "{more}");
+    assert!(more < 10 * text.len() as u64 + 8000 * 2500, "{more}");
 }
 
 #[test]
@@ -265,12 +276,15 @@ fn messages_are_bounded_whatever_they_quote() {
 fn where_memory_ends_a_message_says_so() {
     let folder = Folder::new();
     let places = (0..400_000).map(|it| format!("v {} {} {}\n", it % 631, it / 631, it % 7));
-    let faces = (1..399_000).map(|it| format!("f {it} {} {}\n", it + 1, it + 631));
+    let faces = (1..399_000).map(|it| {
+        let [right, below] = [it + 1, it + 631];
+        format!("f {it} {right} {below}\nf {right} {} {below}\n", below + 1)
+    });
     let text: String = places.chain(faces).collect();
     let input = folder.holding("large.obj", text.as_bytes());
     let pack = folder.name("a.foveal");
     let ran = limited(
-        300_000,
+        400_000,
         256,
         &["prepare", "scene", &input, "--out", &pack, "--json"],
     );

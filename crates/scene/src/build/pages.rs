@@ -2,7 +2,7 @@
 
 use super::built::{BuildError, BuiltUnit};
 use super::mesh::GridMesh;
-use super::pyramid::{BAND_ROWS, BandedPyramid, PageMaker};
+use super::pyramid::{BAND_ROWS, PageLevels, PageMaker};
 use super::regions::{ShownRegion, regions};
 use super::sphere::LocalSphere;
 use super::textures::{ShownImage, ShownImages};
@@ -280,7 +280,7 @@ impl Texture {
             shape,
             planned: &planned,
         };
-        let mut pyramid = BandedPyramid::new(&maker, shape, self.about.wrap);
+        let mut pyramid = PageLevels::new(&maker, shape, self.about.wrap);
         let mut pages: Vec<BuiltPage> = Vec::new();
         let mut bytes = 0;
         loop {

@@ -31,7 +31,7 @@ pub(super) trait PageMaker: Sync {
 }
 
 /// The levels of a picture whose rows come one after the other.
-pub(super) struct BandedPyramid<'a, M: PageMaker> {
+pub(super) struct PageLevels<'a, M: PageMaker> {
     maker: &'a M,
     halving: Halving,
     levels: Vec<Level>,
@@ -60,7 +60,7 @@ struct Level {
     half: Vec<Texel>,
 }
 
-impl<'a, M: PageMaker> BandedPyramid<'a, M> {
+impl<'a, M: PageMaker> PageLevels<'a, M> {
     /// Nothing of a picture of this shape.
     pub(super) fn new(maker: &'a M, shape: TextureShape, wrap: [Wrap; 2]) -> Self {
         let level = |number: u8| {
@@ -182,7 +182,7 @@ impl Level {
             self.made_rows += 1;
             self.forget(end);
         }
-        if let (true, Some(first)) = (is_whole, self.waits.take()) {
+        if is_whole && let Some(first) = self.waits.take() {
             made.extend(self.made_of(maker, 0, &first, 0)?);
         }
         Ok(made)
@@ -283,7 +283,7 @@ mod tests {
                 let (shape, wrap) = (TextureShape { size }, [Wrap::Clamp, wrap]);
                 let picture = noise(size);
                 let maker = All(shape);
-                let mut pyramid = BandedPyramid::new(&maker, shape, wrap);
+                let mut pyramid = PageLevels::new(&maker, shape, wrap);
                 for band in picture.texels.chunks((size[0] * BAND_ROWS) as usize) {
                     pyramid.push(band.to_vec()).unwrap();
                 }

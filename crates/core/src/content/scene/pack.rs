@@ -21,6 +21,11 @@ use std::collections::HashMap;
 /// each.
 const MOST_STANDS: u64 = 1 << 24;
 
+/// Most pages of textures, of which a reader keeps eight bytes each, and more for each that has a
+/// unit.
+const MOST_PAGES_FREE: u64 = 1 << 20;
+const MOST_PAGES_OF_UNIT: u64 = 16;
+
 /// Description, index and table of units of a scene pack: everything but the chunks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScenePack {
@@ -176,12 +181,14 @@ impl ScenePack {
             .iter()
             .filter(|it| it.kind == UnitKind::Image)
             .count() as u64;
-        match pages <= units {
+        // Those that no surface shows have none.
+        let most = MOST_PAGES_FREE + MOST_PAGES_OF_UNIT * units;
+        match pages <= most {
             true => Ok(()),
             false => Err(PackError::new(
                 "pages of textures",
                 pages,
-                format!("the {units} that have a unit"),
+                format!("at most {most}, for the {units} that have a unit"),
             )),
         }
     }

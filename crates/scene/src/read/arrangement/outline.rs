@@ -1,9 +1,8 @@
 //! Which parts of a scene file's text are places, and what is left of it without them?
 //!
 //! A parser of TOML keeps some fifty times the bytes of a text that says little. Places are many
-//! and
-//! short: so each is parsed by itself, and the rest of the text without them, comments and empty
-//! lines. Whatever is no TOML stays what it is in one of these parts.
+//! and short: so each is parsed by itself, and the rest of the text without them, comments and
+//! empty lines. Whatever is no TOML stays what it is in one of these parts.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -15,10 +14,8 @@ use super::super::error::Fault;
 use super::super::place::MOST_PLACES;
 use super::keys::{NEXT, line_of};
 
-/// Most words of a text beside places: a dozen for each input.
-const MOST_WORDS: usize = 16 * MOST_INPUTS;
-/// Most inputs: as many as objects fit into a pack.
-const MOST_INPUTS: usize = 4096;
+/// Most words of a text beside places: sixteen for each of as many inputs as fit into a pack.
+const MOST_WORDS: usize = 16 * 4096;
 /// Deeper than any scene file; the parser refuses what is deeper still.
 const MOST_DEPTH: usize = 64;
 
@@ -340,9 +337,10 @@ mod tests {
 
     #[test]
     fn places_are_told_from_the_rest_whatever_way_they_are_written() {
-        let text = "# trees\n\nlight = [0, 1, 0] # up\n[[input]]\nfile = \"a#.obj\"\n  \
-                    place = [ {}, # one\n{ scale = [1, 2, 3] },\n]\n[[ input ]]\nfile = 'b'\n[[input.\"place\"]]\n\
-                    scale = 2\n\n[[input.place]]\n[[input]]\n\"plac\\u0065\" = [{}]";
+        let text = "# trees\n\nlight = [0, 1, 0] # up\n[[input]]\nfile = \"a#.obj\"\n  place = \
+                    [ {}, # one\n{ scale = [1, 2, 3] },\n]\n[[ input ]]\nfile = 'b'\n\
+                    [[input.\"place\"]]\nscale = 2\n\n[[input.place]]\n[[input]]\n\
+                    \"plac\\u0065\" = [{}]";
         let outline = Outline::of(text).unwrap();
         let expected = [
             (1, "{}"),
@@ -390,7 +388,7 @@ mod tests {
     proptest! {
         #[test]
         fn no_text_panics_and_places_lie_in_order(
-            text in "([\\[\\]{}=,.#\n\" ]|place|input|a){0,60}"
+            text in "([\\[\\]{}=,.#\n\" ]|place|input|a){0,60}",
         ) {
             let outline = Outline::of(&text).unwrap();
             let mut at = 0;

@@ -10,11 +10,11 @@ const BINARY_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
 /// Magic, version and length.
 const HEADER_BYTES: usize = 12;
 
-/// An object that says anything has more bytes: `{"mesh":0}`. Those that say nothing take a
-/// hundred times their bytes of memory.
-const LEAST_OBJECT_BYTES: usize = 10;
+/// Objects that say what files of people do have more bytes on average. Those that say next to
+/// nothing take up to a hundred times their bytes of memory.
+const LEAST_OBJECT_BYTES: usize = 16;
 /// So few take little memory whatever they say.
-const MOST_BARE: usize = 1000;
+const MOST_BARE: usize = 100_000;
 
 /// What surfaces need of these is drawn, or they say nothing about surfaces.
 const KNOWN: [&str; 22] = [
