@@ -1,10 +1,12 @@
 // Which light does a pixel of a panel send, that all panels together show one source?
 //
 // One quad a panel in an atlas. A panel's matrix knows its place in the source and how the panel
-// is scanned out, so pixels here are those that are sent. See shared/filters.wgsl.
+// is scanned out, so pixels here are those that are sent. See shared/filters.wgsl, and
+// shared/fading.wgsl for panels that overlap.
 
-// Pixels from which on a residual says that nothing is lit.
-const UNLIT: f32 = 1e8;
+// Pixels from which on a residual says that nothing is lit: less than an unlit node adds to any
+// pixel of its cells.
+const UNLIT: f32 = 1e5;
 
 struct Panel {
     // Columns of the matrix that turns (column, row, 1) into a ray of the source: right, down,
@@ -44,25 +46,6 @@ struct Sight {
     source_from_world: mat3x3f,
 }
 
-// How a panel fades into its neighbours.
-struct Blend {
-    // Columns of the matrix that turns (column, row, 1) into a ray in the world.
-    right: vec3f,
-    // One over the width of the fade, a radian.
-    sharpness: f32,
-    down: vec3f,
-    // Where in `neighbours` this panel's begin, and how many there are.
-    first: u32,
-    corner: vec3f,
-    count: u32,
-    // Inward normals of the planes through the eye and the four edges.
-    edges: array<vec4f, 4>,
-    // The most panels that show one direction.
-    most: f32,
-    unused: f32,
-    unused_pair: vec2f,
-}
-
 struct Warp {
     atlas: vec2f,
     // What the eye makes of a point straight ahead, right and down, in radians: a line from here
@@ -88,8 +71,6 @@ override pipeline_blurs: bool = false;
 
 @group(0) @binding(0) var<uniform> warping: Warp;
 @group(0) @binding(4) var<storage, read> panels: array<Panel>;
-@group(0) @binding(5) var<storage, read> blends: array<Blend>;
-@group(0) @binding(6) var<storage, read> neighbours: array<u32>;
 // Numbers of f32 as their bits, or the maps of seed 002.
 @group(0) @binding(7) var<storage, read> grids: array<u32>;
 @group(0) @binding(8) var<storage, read> sights: array<Sight>;
@@ -222,16 +203,6 @@ fn filtered(taken: Taken) -> vec3f {
     return light;
 }
 
-// How far inside a blending panel a direction lies, 0 at its edge and outside, 1 beyond its fade.
-fn inside_of(blend: u32, direction: vec3f) -> f32 {
-    var share = 1.0;
-    for (var edge = 0u; edge < 4u; edge = edge + 1u) {
-        let angle = asin(clamp(dot(blends[blend].edges[edge].xyz, direction), -1.0, 1.0));
-        share = min(share, angle * blends[blend].sharpness);
-    }
-    return max(share, 0.0);
-}
-
 // A panel's share of the light of a pixel, and the black that it adds.
 fn share_of(index: u32, pixel: vec2f) -> vec2f {
     let black = panels[index].black;
@@ -240,17 +211,10 @@ fn share_of(index: u32, pixel: vec2f) -> vec2f {
     }
     let blend = panels[index].blend - 1u;
     let m = mat3x3f(blends[blend].right, blends[blend].down, blends[blend].corner);
-    let direction = normalize(m * vec3f(moved_by(index, pixel, 0u).pixel, 1.0));
-    let own = max(inside_of(blend, direction), 1e-6);
-    var sum = own;
-    var showing = 1.0;
-    let end = blends[blend].first + blends[blend].count;
-    for (var k = blends[blend].first; k < end; k = k + 1u) {
-        let other = inside_of(neighbours[k], direction);
-        sum += other;
-        showing += select(0.0, 1.0, other > 0.0);
-    }
-    return vec2f(own / sum, black * max(blends[blend].most - showing, 0.0));
+    let green = min(panels[index].channels - 1u, 1u);
+    let direction = normalize(m * vec3f(moved_by(index, pixel, green).pixel, 1.0));
+    let shared_light = light_shared(blend, direction);
+    return vec2f(shared_light.x, black * shared_light.y);
 }
 
 // The share of its light that a pixel keeps: two a word, row by row.

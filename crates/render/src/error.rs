@@ -22,7 +22,10 @@ pub enum RenderError {
         reason: String,
     },
     /// A texture would be larger than the device allows.
-    #[error("{what} would be {side} pixels on a side; this device draws at most {most}")]
+    #[error(
+        "{what} would be {side} pixels on a side; this device draws at most {most} \
+         (its max_texture_dimension_2d): ask for a smaller picture, or take another GPU"
+    )]
     TooLarge {
         /// Which texture.
         what: &'static str,
@@ -76,7 +79,10 @@ pub enum RenderError {
         runs: u32,
     },
     /// A buffer would be larger than the device allows.
-    #[error("{what} would take {bytes} bytes; this device binds at most {most}")]
+    #[error(
+        "{what} would take {bytes} bytes; this device binds at most {most} \
+         (its max_storage_buffer_binding_size): ask for less at once, or take another GPU"
+    )]
     TooMuch {
         /// What it holds.
         what: &'static str,
@@ -84,6 +90,32 @@ pub enum RenderError {
         bytes: u64,
         /// The device's limit in bytes.
         most: u64,
+    },
+    /// A pass needs more of something than the device has.
+    #[error(
+        "{what} takes {needs} of this device's {limit}, which are {has}: draw by --renderer cpu, \
+         or take another GPU"
+    )]
+    Lacks {
+        /// What is drawn.
+        what: &'static str,
+        /// The limit, as WebGPU names it.
+        limit: &'static str,
+        /// How many are needed.
+        needs: u32,
+        /// How many there are.
+        has: u32,
+    },
+    /// A texture or buffer that the device allows and its memory does not hold.
+    #[error(
+        "{what} would take {bytes} bytes, for which the GPU's memory has no room: close what else \
+         uses it, or ask for less"
+    )]
+    OutOfMemory {
+        /// What it holds.
+        what: &'static str,
+        /// Its size in bytes.
+        bytes: u64,
     },
     /// A unit of a mesh does not fit to those that are there.
     #[error("{0}; the pack is damaged, or the unit came before its prerequisites")]

@@ -40,6 +40,7 @@ const HALVE: &str = include_str!("../shaders/halve.wgsl");
 const CONTRAST: &str = include_str!("../shaders/contrast.wgsl");
 const SEEN: &str = include_str!("../shaders/seen.wgsl");
 const GAIN: &str = include_str!("../shaders/gain.wgsl");
+const FADING: &str = include_str!("../shaders/shared/fading.wgsl");
 const FILTERS: &str = include_str!("../shaders/shared/filters.wgsl");
 const PROJECTED: &str = include_str!("../shaders/shared/projected.wgsl");
 const WARP: &str = include_str!("../shaders/warp.wgsl");
@@ -139,7 +140,7 @@ pub fn warp() -> Shader {
     Shader {
         name: "warp",
         steps: &[["place_panel", "warp"]],
-        text: [FILTERS, PROJECTED, WARP].join("\n"),
+        text: [FADING, FILTERS, PROJECTED, WARP].join("\n"),
     }
 }
 

@@ -196,10 +196,14 @@ fn the_passes_that_fill_panels_are_valid_with_no_capability_that_a_browser_lacks
             first,
             corner,
             count,
-            edges,
+            chart_right,
             most,
-            unused,
-            unused_pair
+            chart_down,
+            field,
+            chart_axis,
+            per_step,
+            low,
+            nodes
         ]
     );
     same_layout!(

@@ -14,6 +14,7 @@ use foveal_core::view::panel::lens::{Bulge, RadialPolynomial};
 use foveal_core::view::panel::pixel_map::PixelMap;
 use foveal_core::view::panel::placement::{Placement, SourceProjection};
 use foveal_core::view::panel::rig::{Panel, Scanout};
+use foveal_core::view::panel::seed::SeedTexel;
 use foveal_render::twin::{self, TwinSource};
 use foveal_render::warp::{PanelOnSource, SourceTexture, WarpFilter, WarpPlan, WarpStyle, Warper};
 use foveal_render::{Gpu, RgbaImage};
@@ -100,6 +101,68 @@ fn panels_with_optics_that_fade_and_are_turned_are_filled_as_by_their_twin() {
             let what = format!("optics {:?}", placement.projection);
             assert_as_twin(&gpu, &picture, &plan, &style(filter), &what);
         }
+    }
+}
+
+/// A device that binds so many bytes at most, and gives a shader so many buffers.
+fn narrow(bytes: u64, buffers: u32) -> Gpu {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        flags: wgpu::InstanceFlags::empty(),
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let options = wgpu::RequestAdapterOptions::default();
+    let adapter = pollster::block_on(instance.request_adapter(&options)).unwrap();
+    let opened = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+        required_limits: wgpu::Limits {
+            max_storage_buffer_binding_size: bytes,
+            max_storage_buffers_per_shader_stage: buffers,
+            ..wgpu::Limits::default().or_worse_values_from(&adapter.limits())
+        },
+        ..wgpu::DeviceDescriptor::default()
+    }));
+    let (device, queue) = opened.unwrap();
+    Gpu::from_parts(device, queue)
+}
+
+#[test]
+fn panels_whose_maps_are_more_than_a_device_binds_are_drawn_in_turn() {
+    let picture = wavy([320, 240]);
+    let mut panels = three([80, 60]);
+    panels[1].scanout = Scanout::Rot90;
+    let fade = |k: u32| (k * 7919 % 65_536) as u16;
+    let shares = (0..80 * 60).map(fade).collect();
+    panels[2] = colour_lens(panels[2].clone());
+    panels[2].alpha = Some(AlphaMap::new([80, 60], shares).into());
+    let plan = plan_of(&panels, &seed_plane(), picture.size);
+    let map = |panel: &Panel| {
+        let pixels = panel.pixels() as usize;
+        let texel = |k: usize| SeedTexel {
+            whole: [(k % 300) as u16, (k % 200) as u16],
+            fraction: [(k * 77 % 65_536) as u16; 2],
+            change: [32, 0, 0, 32],
+        };
+        (0..pixels).map(texel).collect::<Vec<_>>()
+    };
+    let maps: Vec<Vec<SeedTexel>> = panels.iter().map(map).collect();
+    let maps: Vec<&[SeedTexel]> = maps.iter().map(Vec::as_slice).collect();
+    // A map has 57,600 bytes.
+    let gpu = narrow(1 << 16, 8);
+    for plan in [plan.clone(), plan.clone().by_seed_maps(&maps)] {
+        assert_as_twin(
+            &gpu,
+            &picture,
+            &plan,
+            &style(WarpFilter::Trilinear),
+            "in turn",
+        );
+    }
+    for (gpu, limit) in [
+        (narrow(1 << 15, 8), "max_storage_buffer_binding_size"),
+        (narrow(1 << 16, 5), "max_storage_buffers_per_shader_stage"),
+    ] {
+        let refused = Warper::new(&gpu).load(&plan.clone().by_seed_maps(&maps));
+        let told = refused.err().unwrap().to_string();
+        assert!(told.contains(limit), "{told}");
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::commands::panels::rig_args::PlacementName;
 use crate::options::showing::EyeName;
-use crate::report::output::WrongUsage;
+use crate::report::output::{WrongUsage, say};
 use anyhow::bail;
 use clap::Args;
 use foveal_core::view::axes::Axes;
@@ -10,6 +10,7 @@ use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::panel::fit::{FitError, PlacementRule, SourceSize, place};
 use foveal_core::view::panel::placement::Placement;
 use foveal_core::view::panel::rig::Panel;
+use foveal_core::view::panel::share::seen_part;
 use foveal_core::view::slant::Slant;
 use foveal_core::view::surface::{Eye, Screen};
 use foveal_scene::rig::read_rig;
@@ -123,8 +124,9 @@ impl PanelsOptions {
         };
         let panels: Vec<&Panel> = rig.panels.iter().collect();
         let placed = place(&panels, rule, SourceSize::Picture(shape));
-        let placed = placed.map_err(|error| no_place(rule, &error))?;
-        Ok(Some(screen_at(&placed.0)))
+        let (plane, _) = placed.map_err(|error| no_place(rule, &error))?;
+        tell_part(&panels, &plane, shape);
+        Ok(Some(screen_at(&plane)))
     }
 }
 
@@ -168,6 +170,40 @@ pub(crate) fn around_the_head(panels: &[Panel]) -> Vec<MountedPanel> {
     mounted.map(MountedPanel::centred).collect()
 }
 
+/// Says where panels see but a part of a picture, whose aspect is not theirs.
+pub(crate) fn tell_part(panels: &[&Panel], placement: &Placement, size: [u32; 2]) {
+    if let Some(part) = part_seen(seen_part(panels, placement), size) {
+        say(&format!("the panels show only {part}"));
+    }
+}
+
+/// In words the part of a picture that is seen, from edge to edge, where it is much less than all.
+fn part_seen([left, right, top, bottom]: [f64; 4], size: [u32; 2]) -> Option<String> {
+    /// Of the width or height.
+    const MUCH_LESS: f64 = 0.8;
+    /// How far from the middle what is seen is still there.
+    const MIDDLE: f64 = 0.05;
+    let [width, height] = [right - left, bottom - top];
+    let (share, side, middle, beside) = match width < height {
+        true => (width, "width", (left + right) / 2.0, ["left", "right"]),
+        false => (height, "height", (top + bottom) / 2.0, ["upper", "lower"]),
+    };
+    if share >= MUCH_LESS || share <= 0.0 {
+        return None;
+    }
+    let place = match middle - 0.5 {
+        off if off.abs() <= MIDDLE => "middle",
+        off if off < 0.0 => beside[0],
+        _ => beside[1],
+    };
+    let aspect = f64::from(size[0]) * width / (f64::from(size[1]) * height);
+    Some(format!(
+        "the {place} band of the picture, {:.0} % of its {side}; a picture of about {aspect:.2}:1 \
+         would fill them",
+        100.0 * share
+    ))
+}
+
 /// Why flat content has no place before panels.
 fn no_place(rule: PlacementRule, error: &FitError) -> WrongUsage {
     let text = match (rule, error) {
@@ -196,5 +232,23 @@ fn screen_at(plane: &Placement) -> Screen {
         distance_m: 1.0,
         slant: (!is_ahead).then(|| Slant::new(plane.axes, middle)),
         filled: Some(half),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_a_picture_is_told_where_it_is_much_less_than_all() {
+        let told = |part| part_seen(part, [1600, 900]).unwrap_or_default();
+        assert_eq!(told([0.0, 1.0, 0.05, 0.95]), "");
+        let band = told([0.0, 1.0, 0.4, 0.6]);
+        assert!(band.contains("middle band"), "{band}");
+        assert!(band.contains("20 % of its height"), "{band}");
+        assert!(band.contains("8.89:1"), "{band}");
+        assert!(told([0.0, 1.0, 0.0, 0.5]).contains("upper band"));
+        assert!(told([0.7, 1.0, 0.0, 1.0]).contains("right band"));
+        assert_eq!(told([1.0, 0.0, 1.0, 0.0]), "");
     }
 }

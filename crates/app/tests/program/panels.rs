@@ -108,7 +108,10 @@ fn pixels_land_where_the_seed_s_do_and_maps_of_them_are_files() {
         names,
         ["C.derivative.png", "C.fraction.png", "C.pfm", "C.whole.png"]
     );
-    agrees("panels map", &[&map, &pfm]);
+    let mpcdi = write("mpcdi");
+    let told = mpcdi["left_out"][0].as_str().unwrap();
+    assert_eq!(told, "the eye that looks at a panel: L, C, R");
+    agrees("panels map", &[&map, &pfm, &mpcdi]);
 }
 
 fn folder_names(folder: &str) -> Vec<String> {
@@ -132,6 +135,70 @@ fn the_schema_is_that_of_the_documents() {
     agrees("panels schema", &[&told]);
 }
 
+/// A flat wall, 6 wide and 4 high, 3 away.
+const WALL: &[u8] = b"v -3 -2 -3\nv 3 -2 -3\nv 3 2 -3\nv -3 2 -3\nf 1 2 3 4\n";
+
+#[test]
+fn projectors_before_a_wall_become_a_rig_whose_light_is_even() {
+    let folder = Folder::new();
+    let wall = folder.holding("wall.obj", WALL);
+    let rig = folder.name("wall.toml");
+    let import = [
+        "panels", "import", &wall, "--out", &rig, "--eye-at", "0,0,0.5",
+    ];
+    let lit = [
+        "--projector",
+        "west at=-0.7,0,0 pixels=120x68 throw=1.5 blend=6",
+        "--projector",
+        "east at=0.7,0,0 look=-2,0,0 pixels=120x68 fov=37 blend=6",
+    ];
+    let found = json(&[&import[..], &lit].concat());
+    agrees("panels import", &[&found]);
+    assert_eq!(
+        (&found["panels"], found["files"].as_array().unwrap().len()),
+        (&Value::from(2), 3)
+    );
+    let white = folder.name("white.png");
+    json(&[
+        "panels", "pattern", "white", "--size", "64x36", "--out", &white,
+    ]);
+    let out = folder.name("out");
+    json(&["panels", "warp", &rig, &white, "--out", &out]);
+    let west = Rgb::read(&format!("{out}/west.png"));
+    // Alone it is white; at its right edge all light is the other's.
+    assert_eq!(west.at([10, 34]), [255; 3]);
+    assert!(west.at([119, 34])[0] < 40, "{:?}", west.at([119, 34]));
+    let refuse = |more: &[&str], words: &[&str]| {
+        let out = folder.name("none.toml");
+        let all = [&["panels", "import", &wall, "--out", &out], more].concat();
+        refused(2, &all, words);
+    };
+    refuse(&[], &["--projector"]);
+    for (projector, words) in [
+        ("west", "throw=1.5"),
+        ("at=0,0,0 pixels=8x6 throw=1", "expected a name"),
+        ("w at=0,0,0 pixels=8x6 throw=0", "throw=0"),
+        ("w at=0,0,0 pixels=8x6 throw=1 fov=40", "leave one"),
+        (
+            "w at=0,0,0 at=1,0,0 pixels=8x6 throw=1",
+            "at is given twice",
+        ),
+        ("w at=0,0 pixels=8x6 throw=1", "at=0,0"),
+        ("w at=0,0,nan pixels=8x6 throw=1", "at=0,0,nan"),
+    ] {
+        refuse(&["--projector", projector], &[words]);
+    }
+    let away = [&import[..4], &["none.toml", "--projector"]].concat();
+    let away = [&away[..], &["w at=0,0,0 look=180,0,0 pixels=8x6 throw=1"]].concat();
+    refused(1, &away, &["wall.obj", "projector \"w\"", "lights nothing"]);
+    let mpcdi = ["panels", "import", &example("three"), "--out", "none.toml"];
+    refused(
+        2,
+        &[&mpcdi[..], &lit].concat(),
+        &["--projector lights a wall"],
+    );
+}
+
 /// A mesh of 2 x 2 nodes that shows the middle half of the picture, darker to the right.
 const MESH: &[u8] = b"2\n2 2\n-1 -1 0.25 0.25 1\n1 -1 0.75 0.25 0.5\n-1 1 0.25 0.75 1\n\
     1 1 0.75 0.75 0.5\n";
@@ -143,7 +210,7 @@ fn rigs_go_through_files_of_other_programs_and_come_back() {
     let out = folder.name("maps");
     let map = json(&["panels", "map", &three, "--out", &out, "--format", "mpcdi"]);
     let file = map["files"][0].as_str().unwrap();
-    assert!(file.ends_with("main.mpcdi"), "{file}");
+    assert!(file.ends_with("three.mpcdi"), "{file}");
     let fit = |rig: &str| json(&["panels", "fit", rig, "--placement", "plane"]);
     let ours = folder.name("rigs/back.toml");
     let import = json(&["panels", "import", file, "--out", &ours]);

@@ -21,7 +21,8 @@ pub(crate) fn written(
 /// A storage buffer of `bytes`, at least 8, filled with zeros; it can be copied from and to.
 ///
 /// # Errors
-/// [`RenderError::TooMuch`] when the device cannot bind that many bytes.
+/// [`RenderError::TooMuch`] when the device cannot bind that many bytes,
+/// [`RenderError::OutOfMemory`] when its memory has no room for them.
 pub fn storage(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<wgpu::Buffer, RenderError> {
     let limits = gpu.device.limits();
     let most = limits
@@ -31,7 +32,7 @@ pub fn storage(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<wgpu::Buffer
         return Err(RenderError::TooMuch { what, bytes, most });
     }
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-    Ok(written(gpu, what, bytes.max(8), usage))
+    gpu.roomed((what, bytes), |_| written(gpu, what, bytes.max(8), usage))
 }
 
 /// A buffer for `usage` that holds the bytes of `values`, no more; it can be written anew.

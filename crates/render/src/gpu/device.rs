@@ -18,8 +18,7 @@ pub struct Gpu {
 impl Gpu {
     /// Opens the best adapter, a software one when there is nothing better.
     ///
-    /// The device's limits are WebGPU's defaults, or less where the adapter has less: what runs
-    /// here runs in a browser.
+    /// The device has all that the adapter has: see [`Self::of_adapter`].
     ///
     /// ```
     /// # #[cfg(not(target_arch = "wasm32"))] {
@@ -34,25 +33,60 @@ impl Gpu {
             ..wgpu::InstanceDescriptor::new_without_display_handle()
         });
         let adapter = Self::request_adapter(&instance).await?;
+        Self::of_adapter(&adapter).await
+    }
+
+    /// Opens a device of an adapter, with the adapter's own limits: a device of a browser's default
+    /// ones binds 128 MiB, whatever the GPU has. Where a driver gives no such device, the default
+    /// limits are asked for, or less where the adapter has less.
+    ///
+    /// # Errors
+    /// [`RenderError::NoDevice`] when the adapter gives none.
+    pub async fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self, RenderError> {
+        let own = adapter.limits();
+        let usual = wgpu::Limits::default().or_worse_values_from(&own);
+        let mut opened = adapter.request_device(&described(adapter, own)).await;
+        if opened.is_err() {
+            opened = adapter.request_device(&described(adapter, usual)).await;
+        }
         let name = describe(&adapter.get_info());
-        let (device, queue) = adapter
-            .request_device(&wgpu::DeviceDescriptor {
-                label: Some("foveal"),
-                // Tells how long passes take; nothing else depends on it.
-                required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
-                required_limits: wgpu::Limits::default().or_worse_values_from(&adapter.limits()),
-                ..wgpu::DeviceDescriptor::default()
-            })
-            .await
-            .map_err(|reason| RenderError::NoDevice {
-                adapter: name.clone(),
+        match opened {
+            Ok((device, queue)) => Ok(Self {
+                device,
+                queue,
+                adapter: name.into(),
+            }),
+            Err(reason) => Err(RenderError::NoDevice {
+                adapter: name,
                 reason: reason.to_string(),
-            })?;
-        Ok(Self {
-            device,
-            queue,
-            adapter: name.into(),
-        })
+            }),
+        }
+    }
+
+    /// What `make` makes, where the GPU's memory has room for its `bytes`.
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfMemory`] when it has not; in a browser that is told later, by what is
+    /// drawn.
+    pub(crate) fn roomed<T>(
+        &self,
+        (what, bytes): (&'static str, u64),
+        make: impl FnOnce(&wgpu::Device) -> T,
+    ) -> Result<T, RenderError> {
+        #[cfg(target_arch = "wasm32")]
+        {
+            let _ = (what, bytes);
+            Ok(make(&self.device))
+        }
+        #[cfg(not(target_arch = "wasm32"))]
+        {
+            let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+            let made = make(&self.device);
+            match pollster::block_on(scope.pop()) {
+                None => Ok(made),
+                Some(_) => Err(RenderError::OutOfMemory { what, bytes }),
+            }
+        }
     }
 
     /// [`Self::open`], waited for.
@@ -142,6 +176,16 @@ impl Gpu {
     }
 }
 
+fn described(adapter: &wgpu::Adapter, limits: wgpu::Limits) -> wgpu::DeviceDescriptor<'static> {
+    wgpu::DeviceDescriptor {
+        label: Some("foveal"),
+        // Tells how long passes take; nothing else depends on it.
+        required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+        required_limits: limits,
+        ..wgpu::DeviceDescriptor::default()
+    }
+}
+
 fn describe(info: &wgpu::AdapterInfo) -> String {
     let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
     let mut parts = vec![driver.trim().to_owned(), info.backend.to_string()];
@@ -163,6 +207,23 @@ mod tests {
         info.name = name.to_owned();
         info.driver = driver.to_owned();
         describe(&info)
+    }
+
+    #[test]
+    fn a_device_has_the_limits_of_its_adapter() {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+            flags: wgpu::InstanceFlags::empty(),
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        });
+        let adapter = pollster::block_on(Gpu::request_adapter(&instance)).unwrap();
+        let gpu = pollster::block_on(Gpu::of_adapter(&adapter)).unwrap();
+        let (own, found) = (adapter.limits(), gpu.device.limits());
+        assert_eq!(found.max_texture_dimension_2d, own.max_texture_dimension_2d);
+        assert_eq!(found.max_buffer_size, own.max_buffer_size);
+        assert_eq!(
+            found.max_storage_buffer_binding_size,
+            own.max_storage_buffer_binding_size
+        );
     }
 
     #[test]

@@ -87,10 +87,12 @@ impl Pool {
     }
 }
 
-/// Bytes that the device binds at most.
+/// Bytes that the device binds at most, in whole places: drivers tell odd numbers.
 pub(crate) fn most_bound(gpu: &Gpu) -> u64 {
+    const PLACES: u64 = 256;
     let limits = gpu.device.limits();
-    limits
+    let most = limits
         .max_storage_buffer_binding_size
-        .min(limits.max_buffer_size)
+        .min(limits.max_buffer_size);
+    most - most % PLACES
 }

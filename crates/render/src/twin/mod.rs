@@ -7,6 +7,7 @@
 
 mod blur_halve;
 mod blur_radial;
+mod fading;
 mod filters;
 mod interpolate_sparse;
 mod overlay;

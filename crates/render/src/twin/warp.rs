@@ -1,5 +1,6 @@
 //! Which light does a pixel of a panel send? Twin of `shaders/warp.wgsl`.
 
+use super::fading::light_shared;
 use super::filters::{Taken, TwinSource, filtered, widened_by};
 use super::projected::{Projected, projected};
 use super::shared::wgsl::mix;
@@ -7,7 +8,7 @@ use crate::warp::WarpPlan;
 use crate::warp::params::WarpParams;
 use glam::{Mat3, UVec2, Vec2, Vec3, Vec4};
 
-const UNLIT: f32 = 1e8;
+const UNLIT: f32 = 1e5;
 
 pub(super) struct MovedPixel {
     pub(super) pixel: Vec2,
@@ -143,16 +144,6 @@ fn seen_light(
     filtered(source, params, &taken)
 }
 
-fn inside_of(plan: &WarpPlan, blend: usize, direction: Vec3) -> f32 {
-    let mut share = 1.0_f32;
-    for edge in plan.blends[blend].edges {
-        let normal = Vec3::new(edge[0], edge[1], edge[2]);
-        let angle = normal.dot(direction).clamp(-1.0, 1.0).asin();
-        share = share.min(angle * plan.blends[blend].sharpness);
-    }
-    share.max(0.0)
-}
-
 fn share_of(plan: &WarpPlan, index: usize, pixel: Vec2) -> Vec2 {
     let black = plan.panels[index].black;
     if plan.panels[index].blend == 0 {
@@ -165,16 +156,10 @@ fn share_of(plan: &WarpPlan, index: usize, pixel: Vec2) -> Vec2 {
         record.down.into(),
         record.corner.into(),
     );
-    let direction = (m * moved_by(plan, index, pixel, 0).pixel.extend(1.0)).normalize();
-    let own = inside_of(plan, blend, direction).max(1e-6);
-    let mut sum = own;
-    let mut showing = 1.0;
-    for k in record.first..record.first + record.count {
-        let other = inside_of(plan, plan.neighbours[k as usize] as usize, direction);
-        sum += other;
-        showing += if other > 0.0 { 1.0 } else { 0.0 };
-    }
-    Vec2::new(own / sum, black * (record.most - showing).max(0.0))
+    let green = (plan.panels[index].channels - 1).min(1);
+    let direction = (m * moved_by(plan, index, pixel, green).pixel.extend(1.0)).normalize();
+    let shared_light = light_shared(plan, blend, direction);
+    Vec2::new(shared_light.x, black * shared_light.y)
 }
 
 fn kept_by(plan: &WarpPlan, index: usize, pixel: Vec2) -> f32 {

@@ -4,6 +4,7 @@
 //! one pass into one atlas; [`crate::twin::warp`] draws the same on the CPU. [`PanelOptics`] does
 //! so panel by panel, of a picture that was drawn for each.
 
+mod batches;
 mod blends;
 mod optics;
 pub mod params;

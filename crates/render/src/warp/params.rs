@@ -76,14 +76,22 @@ pub struct BlendParams {
     pub corner: [f32; 3],
     /// How many neighbours there are.
     pub count: u32,
-    /// Inward unit normals of the planes through the eye and the edges.
-    pub edges: [[f32; 4]; 4],
+    /// Unit direction to the right of the chart of its field.
+    pub chart_right: [f32; 3],
     /// The most panels that show one direction.
     pub most: f32,
-    /// Padding.
-    pub unused: f32,
-    /// Padding.
-    pub unused_pair: [f32; 2],
+    /// Unit direction down the chart.
+    pub chart_down: [f32; 3],
+    /// Index of the field's first node.
+    pub field: u32,
+    /// Unit direction of the chart's middle.
+    pub chart_axis: [f32; 3],
+    /// One over the distance of nodes on the chart.
+    pub per_step: f32,
+    /// Place of the first node on the chart.
+    pub low: [f32; 2],
+    /// Columns and rows of nodes.
+    pub nodes: [u32; 2],
 }
 
 /// What all panels share.

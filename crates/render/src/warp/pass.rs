@@ -1,5 +1,6 @@
 //! How are all panels of a plan drawn at once?
 
+use super::batches::{batches, records};
 use super::params::{MOST_PROBES, WarpParams};
 use super::plan::WarpPlan;
 use super::source::{SOURCE_FORMAT, SourceTexture};
@@ -13,6 +14,7 @@ use crate::gpu::readback::{PictureCopy, ReadBack};
 use crate::gpu::timer::Timer;
 use crate::shaders::{Shader, reduce_source, warp};
 use std::cell::OnceCell;
+use std::ops::Range;
 
 /// Draws plans: one pass into one atlas, and before it one for each coarser level of a source.
 pub struct Warper {
@@ -34,9 +36,10 @@ pub struct Warper {
 pub struct LoadedPlan {
     atlas: wgpu::Texture,
     view: wgpu::TextureView,
-    /// Records, blends, neighbours, grids and sights.
+    /// Records, blends, neighbours, sights and fields.
     buffers: [wgpu::Buffer; 5],
-    panels: u32,
+    /// Panels that are drawn together, and their grids.
+    batches: Vec<(Range<u32>, wgpu::Buffer)>,
     spread: [f32; 2],
 }
 
@@ -82,44 +85,55 @@ impl Warper {
     /// Uploads a plan and makes its atlas.
     ///
     /// # Errors
-    /// The atlas is larger than the device draws, or the plan larger than it binds.
+    /// The atlas is larger than the device draws, or the grid of one panel larger than it binds, or
+    /// its memory has no room for them.
     pub fn load(&self, plan: &WarpPlan) -> Result<LoadedPlan, RenderError> {
         let gpu = &self.gpu;
+        check_buffers(gpu)?;
         let size = plan.atlas.map(|side| side.max(1));
         check_size(gpu, size)?;
-        let atlas = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("panels"),
-            size: wgpu::Extent3d {
-                width: size[0],
-                height: size[1],
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: self.format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                | wgpu::TextureUsages::COPY_SRC
-                | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
+        let bytes = 4 * u64::from(size[0]) * u64::from(size[1]);
+        let atlas = gpu.roomed(("the picture of all panels", bytes), |device| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("panels"),
+                size: wgpu::Extent3d {
+                    width: size[0],
+                    height: size[1],
+                    depth_or_array_layers: 1,
+                },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: self.format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                    | wgpu::TextureUsages::COPY_SRC
+                    | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
+        })?;
         let held = |what, bytes: &[u8]| {
             // A binding holds one record at least.
             let buffer = storage(gpu, what, (bytes.len() as u64).max(128))?;
             gpu.queue.write_buffer(&buffer, 0, bytes);
             Ok::<_, RenderError>(buffer)
         };
+        let batches = batches(plan, gpu.device.limits().max_storage_buffer_binding_size);
+        let records = records(plan, &batches);
+        let grids = batches.into_iter().map(|it| {
+            let words = bytemuck::cast_slice(&plan.grids[it.words]);
+            Ok((it.panels, held("the maps of a panel", words)?))
+        });
         Ok(LoadedPlan {
             view: atlas.create_view(&wgpu::TextureViewDescriptor::default()),
             atlas,
+            batches: grids.collect::<Result<_, RenderError>>()?,
             buffers: [
-                held("panels", bytemuck::cast_slice(&plan.panels))?,
+                held("records of panels", bytemuck::cast_slice(&records))?,
                 held("blends", bytemuck::cast_slice(&plan.blends))?,
                 held("neighbours", bytemuck::cast_slice(&plan.neighbours))?,
-                held("grids", bytemuck::cast_slice(&plan.grids))?,
                 held("sights", bytemuck::cast_slice(&plan.sights))?,
+                held("fades", bytemuck::cast_slice(&plan.fields))?,
             ],
-            panels: plan.panels.len() as u32,
             spread: plan.spread,
         })
     }
@@ -199,13 +213,28 @@ impl Warper {
         let whole = source
             .texture
             .create_view(&wgpu::TextureViewDescriptor::default());
-        let [panels, blends, neighbours, grids, sights] = &plan.buffers;
-        let group = self.bound(
+        let mut pass = begin(encoder, "panels", target, timer);
+        pass.set_pipeline(fill);
+        for (range, grids) in &plan.batches {
+            let group = self.bound_batch(fill, plan, (grids, &whole));
+            pass.set_bind_group(0, &group, &[]);
+            pass.draw(0..4, range.clone());
+        }
+    }
+
+    fn bound_batch(
+        &self,
+        fill: &wgpu::RenderPipeline,
+        plan: &LoadedPlan,
+        (grids, source): (&wgpu::Buffer, &wgpu::TextureView),
+    ) -> wgpu::BindGroup {
+        let [panels, blends, neighbours, sights, fields] = &plan.buffers;
+        self.bound(
             "panels",
             fill,
             &[
                 (0, self.params.as_entire_binding()),
-                (1, wgpu::BindingResource::TextureView(&whole)),
+                (1, wgpu::BindingResource::TextureView(source)),
                 (2, wgpu::BindingResource::Sampler(&self.between)),
                 (3, wgpu::BindingResource::Sampler(&self.along)),
                 (4, panels.as_entire_binding()),
@@ -213,12 +242,9 @@ impl Warper {
                 (6, neighbours.as_entire_binding()),
                 (7, grids.as_entire_binding()),
                 (8, sights.as_entire_binding()),
+                (9, fields.as_entire_binding()),
             ],
-        );
-        let mut pass = begin(encoder, "panels", target, timer);
-        pass.set_pipeline(fill);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..4, 0..plan.panels);
+        )
     }
 
     fn bound(
@@ -233,6 +259,21 @@ impl Warper {
             &pipeline.get_bind_group_layout(0),
             resources,
         )
+    }
+}
+
+/// Refuses a device that gives a shader fewer buffers than the pass reads.
+fn check_buffers(gpu: &Gpu) -> Result<(), RenderError> {
+    const BUFFERS: u32 = 6;
+    let has = gpu.device.limits().max_storage_buffers_per_shader_stage;
+    match has >= BUFFERS {
+        true => Ok(()),
+        false => Err(RenderError::Lacks {
+            what: "filling panels",
+            limit: "max_storage_buffers_per_shader_stage",
+            needs: BUFFERS,
+            has,
+        }),
     }
 }
 
@@ -320,6 +361,8 @@ impl LoadedPlan {
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
         let pixels = u64::from(self.atlas.width()) * u64::from(self.atlas.height());
-        4 * pixels + self.buffers.iter().map(wgpu::Buffer::size).sum::<u64>()
+        let grids = self.batches.iter().map(|it| &it.1);
+        let buffers = self.buffers.iter().chain(grids);
+        4 * pixels + buffers.map(wgpu::Buffer::size).sum::<u64>()
     }
 }

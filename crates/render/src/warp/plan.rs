@@ -36,9 +36,13 @@ pub struct WarpPlan {
     pub blends: Vec<BlendParams>,
     /// Of panels that fade, who shows the same directions.
     pub neighbours: Vec<u32>,
+    /// Of panels that fade, radians inside the edges that others cover, and inside all edges.
+    pub fields: Vec<[f32; 2]>,
     /// Of panels with optics, bits of residuals in pixels; of those whose pixels keep a share of
     /// their light, two shares a word; or the seed's maps.
     pub grids: Vec<u32>,
+    /// Of each panel, how many of these words there are up to its own last one.
+    pub grid_ends: Vec<usize>,
     /// Where an eye blurs, how the rays of each source stand in the world.
     pub sights: Vec<SightParams>,
     /// What the eye makes of a point straight ahead, right and down, in radians: one standard
@@ -50,37 +54,47 @@ impl WarpPlan {
     /// The plan of panels, in an atlas just large enough.
     #[must_use]
     pub fn new(panels: &[PanelOnSource<'_>]) -> Self {
-        let blends = Blends::new(&panels_of(panels));
+        let grids = grids_of(panels);
+        let blends = blends_of(panels, &grids);
         let mut plan = Self::default();
-        for (it, blend) in panels.iter().zip(&blends.of_panel) {
-            plan.add(it, *blend);
+        for ((it, grid), blend) in panels.iter().zip(&grids).zip(&blends.of_panel) {
+            plan.add(it, grid.as_ref(), *blend);
         }
         plan.blends = blends.records;
         plan.neighbours = blends.neighbours;
+        plan.fields = blends.fields;
         plan
     }
 
     /// A plan for each of several panels, which fade into each other all the same.
     #[must_use]
     pub fn one_by_one(panels: &[PanelOnSource<'_>]) -> Vec<Self> {
-        let blends = Blends::new(&panels_of(panels));
-        let one = |(it, blend): (&PanelOnSource<'_>, &u32)| {
+        let grids = grids_of(panels);
+        let blends = blends_of(panels, &grids);
+        let one = |((it, grid), blend): ((&PanelOnSource<'_>, &Option<DrawnGrid>), &u32)| {
             let mut plan = Self::default();
-            plan.add(it, *blend);
+            plan.add(it, grid.as_ref(), *blend);
             if *blend > 0 {
                 plan.blends.clone_from(&blends.records);
                 plan.neighbours.clone_from(&blends.neighbours);
+                plan.fields.clone_from(&blends.fields);
             }
             plan
         };
-        panels.iter().zip(&blends.of_panel).map(one).collect()
+        panels
+            .iter()
+            .zip(&grids)
+            .zip(&blends.of_panel)
+            .map(one)
+            .collect()
     }
 
-    /// Adds a panel that has the record `blend`, from 1 on, of those that fade.
-    fn add(&mut self, it: &PanelOnSource<'_>, blend: u32) {
+    /// Adds a panel that is drawn by a grid or none and has the record `blend`, from 1 on, of those
+    /// that fade.
+    fn add(&mut self, it: &PanelOnSource<'_>, grid: Option<&DrawnGrid>, blend: u32) {
         let mut record = straight(it);
         record.blend = blend;
-        if let Some(grid) = DrawnGrid::of(it.panel, it.placement) {
+        if let Some(grid) = grid {
             record.grid = self.grids.len() as u32;
             record.cell = grid.cell;
             record.channels = grid.channels.len() as u32;
@@ -95,6 +109,7 @@ impl WarpPlan {
             self.atlas[k] = self.atlas[k].max(record.origin[k] + record.size[k]);
         }
         self.panels.push(record);
+        self.grid_ends.push(self.grids.len());
     }
 
     /// The same, seen by an eye that blurs: what a pixel takes of the source grows by what the eye
@@ -128,9 +143,10 @@ impl WarpPlan {
     /// When there are not as many maps as panels, or a map has not as many texels as its panel has
     /// pixels.
     #[must_use]
-    pub fn by_seed_maps(mut self, maps: &[Vec<SeedTexel>]) -> Self {
+    pub fn by_seed_maps(mut self, maps: &[&[SeedTexel]]) -> Self {
         assert_eq!(maps.len(), self.panels.len(), "a map a panel");
         self.grids.clear();
+        self.grid_ends.clear();
         self.spread = [0.0; 2];
         for (record, map) in self.panels.iter_mut().zip(maps) {
             let pixels = record.size[0] as usize * record.size[1] as usize;
@@ -143,6 +159,7 @@ impl WarpPlan {
             record.channels = 1;
             record.grid = self.grids.len() as u32;
             self.grids.extend(map.iter().flat_map(bits_of));
+            self.grid_ends.push(self.grids.len());
         }
         self
     }
@@ -152,19 +169,28 @@ impl WarpPlan {
     pub fn bytes(&self) -> u64 {
         let records = size_of_val(self.panels.as_slice()) + size_of_val(self.blends.as_slice());
         let records = records + size_of_val(self.sights.as_slice());
+        let records = records + size_of_val(self.fields.as_slice());
         let words = self.neighbours.len() + self.grids.len();
         (records + words * size_of::<u32>()) as u64
     }
 }
 
-fn panels_of<'a>(panels: &[PanelOnSource<'a>]) -> Vec<&'a Panel> {
-    panels.iter().map(|it| it.panel).collect()
+fn grids_of(panels: &[PanelOnSource<'_>]) -> Vec<Option<DrawnGrid>> {
+    let all = panels.iter();
+    all.map(|it| DrawnGrid::of(it.panel, it.placement))
+        .collect()
+}
+
+fn blends_of(panels: &[PanelOnSource<'_>], grids: &[Option<DrawnGrid>]) -> Blends {
+    let all = panels.iter().zip(grids);
+    let all = all.map(|(it, grid)| (it.panel, grid.as_ref()));
+    Blends::new(&all.collect::<Vec<(&Panel, _)>>())
 }
 
 /// What the records of panels say that are drawn by the seed's maps.
 const BY_MAPS: u32 = 4;
 
-/// A residual where nothing is lit; the shader knows what is as far as a tenth of it.
+/// A residual where nothing is lit; the shader knows what is as far as a ten-thousandth of it.
 const UNLIT: f32 = 1e9;
 
 /// Bits of two numbers a node, row by row.

@@ -23,7 +23,8 @@ impl SourceTexture {
     /// An empty source of `size` texels, with coarser levels where some panel minifies it.
     ///
     /// # Errors
-    /// [`RenderError::TooLarge`] when the device holds no such texture.
+    /// [`RenderError::TooLarge`] when the device holds no such texture, or
+    /// [`RenderError::OutOfMemory`] when its memory has no room for it.
     pub fn new(gpu: &Gpu, size: [u32; 2], has_levels: bool) -> Result<Self, RenderError> {
         let most = gpu.device.limits().max_texture_dimension_2d;
         let side = size[0].max(size[1]);
@@ -32,23 +33,26 @@ impl SourceTexture {
             return Err(RenderError::TooLarge { what, side, most });
         }
         let count = if has_levels { levels_of(size) } else { 1 };
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("source"),
-            size: wgpu::Extent3d {
-                width: size[0].max(1),
-                height: size[1].max(1),
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: count,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: SOURCE_FORMAT,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::COPY_DST
-                | wgpu::TextureUsages::COPY_SRC
-                | wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        });
+        let bytes = 4 * u64::from(size[0]) * u64::from(size[1]) * 4 / 3;
+        let texture = gpu.roomed(("the source", bytes), |device| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("source"),
+                size: wgpu::Extent3d {
+                    width: size[0].max(1),
+                    height: size[1].max(1),
+                    depth_or_array_layers: 1,
+                },
+                mip_level_count: count,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: SOURCE_FORMAT,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::COPY_DST
+                    | wgpu::TextureUsages::COPY_SRC
+                    | wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            })
+        })?;
         let level = |base_mip_level| {
             texture.create_view(&wgpu::TextureViewDescriptor {
                 base_mip_level,

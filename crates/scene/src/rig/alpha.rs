@@ -60,6 +60,7 @@ pub(super) fn written(alpha: &AlphaMap, size: [u32; 2]) -> Result<Vec<u8>, png::
     let mut encoder = png::Encoder::new(&mut file, size[0], size[1]);
     encoder.set_color(ColorType::Grayscale);
     encoder.set_depth(BitDepth::Sixteen);
+    encoder.set_compression(png::Compression::Fast);
     let mut writer = encoder.write_header()?;
     let bytes = alpha.shares().iter().flat_map(|it| it.to_be_bytes());
     writer.write_image_data(&bytes.collect::<Vec<u8>>())?;

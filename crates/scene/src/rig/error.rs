@@ -6,7 +6,7 @@ use foveal_core::units::one_line;
 use thiserror::Error;
 
 /// What to do about a rig file that is wrong.
-pub(super) const NEXT: &str = "docs/formats/panels.md says what a rig file says";
+pub(super) const NEXT: &str = "see docs/formats/panels.md";
 
 /// Why a rig file is refused.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

@@ -14,14 +14,19 @@ mod places;
 mod tests;
 
 use crate::plain_bytes::{PlainBytesError, plain_bytes};
+use crate::read::{ReadError, ReadOptions, read};
+use crate::source::{SourceObject, SourceScene};
 use std::path::Path;
 
 use foveal_core::view::panel::rig::{Panel, Rig};
+use glam::DVec3;
 
 pub use error::RigError;
+pub use interchange::projectors::Projector;
+pub use interchange::written_mpcdi::WrittenMpcdi;
 
 use error::{NEXT, RigFault};
-use interchange::{mesh, mpcdi, written_mpcdi, written_toml};
+use interchange::{mesh, mpcdi, projectors, written_mpcdi, written_toml};
 use places::{RigSyntax, RigText};
 
 /// Most bytes of a rig file.
@@ -30,7 +35,7 @@ const MOST_BYTES: u64 = 1 << 24;
 /// 3 GB; one of the largest displays is 400 MB.
 const MOST_BESIDE: u64 = 1 << 29;
 
-/// How a file tells of a rig.
+/// How a file describes a rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum RigKind {
     Entries(RigSyntax),
@@ -77,7 +82,7 @@ pub struct NotedRig {
     pub notes: Vec<String>,
 }
 
-/// [`read_rig`], with what is left out. Where an MPCDI tells of points in space, the eye that sees
+/// [`read_rig`], with what is left out. Where an MPCDI has points in space, the eye that sees
 /// them is so many metres to the right of, above and behind their origin; without it only points
 /// about an eye are taken.
 pub fn read_rig_seen_from(path: &Path, eye: Option<[f64; 3]>) -> Result<NotedRig, RigError> {
@@ -114,15 +119,67 @@ pub fn read_rig_seen_from(path: &Path, eye: Option<[f64; 3]>) -> Result<NotedRig
     found.map_err(|fault| fault.in_file(path))
 }
 
+/// The rig of projectors that light a wall, which is a 3D file of triangles, for an eye at a place
+/// in the wall's own units: to the right, up and behind. A panel is what a projector lights, as the
+/// eye sees it.
+///
+/// # Errors
+/// The file cannot be read or has no triangle, or a projector lights nothing of it, or more than
+/// 85° from the middle of what it lights.
+pub fn rig_of_projectors(
+    wall: &Path,
+    projectors: &[Projector],
+    eye: [f64; 3],
+) -> Result<Rig, RigOfProjectorsError> {
+    let scene = read(&[wall], &ReadOptions::default())?;
+    let triangles = triangles_of(&scene).map_err(|fault| fault.in_file(wall))?;
+    let rig = projectors::rig(&triangles, projectors, eye.into());
+    Ok(rig.map_err(|fault| fault.in_file(wall))?)
+}
+
+/// All triangles of a scene where they stand.
+fn triangles_of(scene: &SourceScene) -> Result<Vec<[DVec3; 3]>, RigFault> {
+    /// 1.2 GB.
+    const MOST_TRIANGLES: usize = 1 << 24;
+    let of = |object: &SourceObject| {
+        let own = scene.meshes[object.mesh].triangles.len();
+        own.saturating_mul(object.placements.len())
+    };
+    let count = scene.objects.iter().map(of).fold(0, usize::saturating_add);
+    if count == 0 || count > MOST_TRIANGLES {
+        let what = format!("has {count} triangles, and a wall has 1 to {MOST_TRIANGLES}");
+        return Err(RigFault::new("", what, "export the wall alone, as a mesh"));
+    }
+    let mut triangles = Vec::with_capacity(count);
+    for object in &scene.objects {
+        let mesh = &scene.meshes[object.mesh];
+        for placement in &object.placements {
+            let corner = |it: u32| placement.transform_point3(mesh.positions[it as usize]);
+            triangles.extend(mesh.triangles.iter().map(|it| it.map(corner)));
+        }
+    }
+    Ok(triangles)
+}
+
+/// Why projectors and a wall make no rig.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub enum RigOfProjectorsError {
+    /// The wall cannot be read.
+    Wall(#[from] ReadError),
+    /// A projector does not fit to it.
+    Projector(#[from] RigError),
+}
+
 /// Whether a file is another program's: not our TOML or JSON.
 #[must_use]
 pub fn is_foreign(path: &Path) -> bool {
     matches!(RigKind::of(path), Some(RigKind::Mpcdi | RigKind::Mesh))
 }
 
-/// The MPCDI that tells of panels, all sent to one surface; or why none can. Where colours part,
-/// green counts; eyes, fades by angle, gain and black are not told.
-pub fn write_mpcdi(panels: &[&Panel]) -> Result<Vec<u8>, String> {
+/// The MPCDI of panels, with a buffer for each surface, and what it has no place for; or why there
+/// is none. Fades and black become pictures.
+pub fn write_mpcdi(panels: &[&Panel]) -> Result<WrittenMpcdi, String> {
     written_mpcdi::written(panels)
 }
 

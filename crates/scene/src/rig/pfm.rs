@@ -7,7 +7,7 @@ pub(super) type ReadBeside<'a> = &'a dyn Fn(&str) -> Result<Vec<u8>, String>;
 
 /// Steps by which the third float tells what the first two lose by rounding: 2^-34 each, from -512
 /// on, 11 bits of the second and above these 11 of the first, all times 2^-70. So it is as good as
-/// 0 to whoever does not know.
+/// 0 to programs that do not know.
 const LOST_STEP: f64 = 1.0 / (1_u64 << 34) as f64;
 const LOST_SCALE: f64 = (1_u128 << 70) as f64;
 const LOST_MIDDLE: f64 = 512.0;

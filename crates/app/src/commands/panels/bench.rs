@@ -121,12 +121,16 @@ pub(crate) fn run(args: &PanelsBenchArgs) -> anyhow::Result<()> {
         None => &[FilterName::Auto, FilterName::Trilinear, FilterName::Feline],
         Some(WarpModeName::Seed) => &[FilterName::Trilinear, FilterName::Feline],
     };
+    let maps = match args.mode {
+        None => Vec::new(),
+        Some(WarpModeName::Seed) => seed_maps(&panels, &fit.placement, size),
+    };
     let mut rows = Vec::new();
     for count in args.counts() {
         let many = Many::of(&stage.gpu, &panels, *count)?;
-        let plan = many.plan(&fit.placement, size, args.mode);
+        let plan = many.plan(&fit.placement, size, &maps);
         let loaded = match stage.warper.load(&plan) {
-            Err(error @ RenderError::TooMuch { .. }) => {
+            Err(error) if is_for_lack_of_room(&error) => {
                 output::say(&format!("{count} panels are not drawn: {error}"));
                 None
             }
@@ -201,6 +205,27 @@ impl PanelsBenchArgs {
     }
 }
 
+/// Whether fewer panels would be drawn.
+fn is_for_lack_of_room(error: &RenderError) -> bool {
+    matches!(
+        error,
+        RenderError::TooMuch { .. } | RenderError::OutOfMemory { .. }
+    )
+}
+
+/// The seed's maps of panels before all of a source.
+fn seed_maps(panels: &[&Panel], placement: &Placement, size: [u32; 2]) -> Vec<Vec<SeedTexel>> {
+    let on = |panel: &&Panel| {
+        seed_map(&PanelOnSource {
+            panel,
+            placement,
+            part: [0, 0, size[0], size[1]],
+            origin: [0; 2],
+        })
+    };
+    panels.iter().map(on).collect()
+}
+
 /// What is drawn with, and from.
 struct Stage {
     gpu: Gpu,
@@ -264,7 +289,8 @@ impl<'a> Many<'a> {
         let fits = cell.map(|side| most / side);
         if fits[0] * fits[1] < count {
             bail!(WrongUsage(format!(
-                "--panels {count}: {} panels of {}x{} pixels fit into an atlas of this device",
+                "--panels {count}: {} panels of {}x{} pixels fit into an atlas of this device, \
+                 which draws {most} pixels on a side (its max_texture_dimension_2d); give fewer",
                 fits[0] * fits[1],
                 cell[0],
                 cell[1]
@@ -281,7 +307,8 @@ impl<'a> Many<'a> {
         })
     }
 
-    fn plan(&self, placement: &Placement, size: [u32; 2], mode: Option<WarpModeName>) -> WarpPlan {
+    /// By maps of the panels of the rig, or by matrices where there are none.
+    fn plan(&self, placement: &Placement, size: [u32; 2], maps: &[Vec<SeedTexel>]) -> WarpPlan {
         let on = |(panel, origin): &(&'a Panel, [u32; 2])| PanelOnSource {
             panel,
             placement,
@@ -290,11 +317,11 @@ impl<'a> Many<'a> {
         };
         let all: Vec<PanelOnSource<'_>> = self.placed.iter().map(on).collect();
         let plan = WarpPlan::new(&all);
-        match mode {
-            None => plan,
-            Some(WarpModeName::Seed) => {
-                let maps: Vec<Vec<SeedTexel>> = all.iter().map(seed_map).collect();
-                plan.by_seed_maps(&maps)
+        match maps.is_empty() {
+            true => plan,
+            false => {
+                let maps = maps.iter().map(Vec::as_slice).cycle();
+                plan.by_seed_maps(&maps.take(all.len()).collect::<Vec<_>>())
             }
         }
     }

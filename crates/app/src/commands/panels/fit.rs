@@ -1,10 +1,11 @@
 //! Where does the source lie, and how many of its pixels are needed?
 
 use super::rig_args::{RigArgs, source_size};
+use crate::options::panels::tell_part;
 use crate::report::output;
 use clap::Args;
 use foveal_core::view::axes::Axes;
-use foveal_core::view::panel::fit::SourceFit;
+use foveal_core::view::panel::fit::{SourceFit, SourceSize};
 use foveal_core::view::panel::placement::SourceProjection;
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::surface::Eye;
@@ -23,7 +24,7 @@ pub(crate) struct FitArgs {
     json: bool,
 }
 
-/// What is told of a placed source.
+/// A placed source, as results describe it.
 #[derive(Debug, Serialize)]
 pub(super) struct FitReport {
     placement: &'static str,
@@ -125,13 +126,22 @@ impl FitReport {
             pitch_deg,
             roll_deg,
         } = self.axis;
-        // No -0.00.
-        let [yaw, pitch, roll] =
-            [yaw_deg, pitch_deg, roll_deg].map(|it| (it * 100.0).round() / 100.0 + 0.0);
+        // To the other side, rather than less than nothing to this one.
+        let turned = |degrees: f64, [to, from]: [&str; 2]| {
+            let shown = format!("{:.2}", degrees.abs());
+            let is_to = degrees >= 0.0 || shown == "0.00";
+            format!("{shown}° {}", if is_to { to } else { from })
+        };
+        let axis = [
+            turned(yaw_deg, ["to the right", "to the left"]),
+            turned(pitch_deg, ["up", "down"]),
+            turned(roll_deg, ["clockwise", "counter-clockwise"]),
+        ];
+        let axis = axis.join(", ");
         let ([nw, nh], [w, h]) = (self.need, self.source);
         let mut text = format!(
             "{}: {:.2} megapixels needed, {nw}x{nh}\n\
-             axis {yaw:.2}° right, {pitch:.2}° up, {roll:.2}° clockwise\n",
+             axis {axis}\n",
             self.placement, self.need_megapixels,
         );
         let [left, right, up, down] = self.window;
@@ -180,6 +190,9 @@ pub(crate) fn run(args: &FitArgs) -> anyhow::Result<()> {
     let rig = args.rig.read()?;
     let panels = args.rig.panels(&rig);
     let found = args.rig.fit(&rig, &panels, source)?;
+    if let SourceSize::Picture(size) = source {
+        tell_part(&panels, &found.placement, size);
+    }
     let report = FitReport::of(&panels, &found);
     output::result(args.json, &report, &report.text())
 }

@@ -1,24 +1,38 @@
 //! How does another program's file become a rig file?
 
 use super::rig_args::read_noting;
+use crate::options::policy::parse_size;
 use crate::report::output::{self, WrongUsage};
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
 use foveal_core::units::counted;
-use foveal_scene::rig::{is_foreign, write_rig};
+use foveal_core::view::panel::rig::Rig;
+use foveal_scene::read::is_scene_file;
+use foveal_scene::rig::{Projector, is_foreign, rig_of_projectors, write_rig};
 use serde::Serialize;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ImportArgs {
-    /// MPCDI, zipped or not, or warp mesh.
+    /// MPCDI, zipped or not, or warp mesh; or, with --projector, a wall as a mesh: .obj, .ply,
+    /// .stl, .gltf or .glb.
     file: PathBuf,
     /// Rig file to write; maps of what is bent lie beside it.
     #[arg(long, value_name = "RIG.toml")]
     out: PathBuf,
-    /// Where the eye is that sees the points in space of an MPCDI of profile a3 or sl: metres to
-    /// the right of, above and behind their origin (default: there, where that is the ideal eye
-    /// point).
+    /// A projector that lights the wall, as "left at=-1,2,4 look=10,-5,0 pixels=1920x1080
+    /// throw=1.5"; may be given several times. Its name first; then, in the wall's units and axes
+    /// (right, up, behind), at=X,Y,Z: its lens; look=YAW,PITCH,ROLL: degrees to the right, up and
+    /// clockwise (0,0,0 if not given); pixels=WxH; throw=N: distance over the picture's width, or
+    /// fov=DEGREES: its horizontal field of view; shift=H,V: lens shift to the right and up, in
+    /// widths and heights of the picture (0,0 if not given); blend=DEGREES over which it fades into
+    /// others (0 if not given).
+    #[arg(long, value_name = "PROJECTOR", value_parser = parse_projector)]
+    projector: Vec<Projector>,
+    /// Where the eye is that sees the wall, in its units, or the points in space of an MPCDI of
+    /// profile a3 or sl, in metres: to the right of, above and behind their origin (default: there;
+    /// of an MPCDI where that is the ideal eye point).
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_place, allow_hyphen_values = true)]
     eye_at: Option<[f64; 3]>,
     /// Print one JSON object.
@@ -29,10 +43,71 @@ pub(crate) struct ImportArgs {
 /// Reads `X,Y,Z`.
 fn parse_place(text: &str) -> anyhow::Result<[f64; 3]> {
     let expected = "expected metres to the right, up and behind, as 0,1.7,2.5";
+    numbers(text, 1e6).context(expected)
+}
+
+/// So many finite numbers, none larger than `most`.
+fn numbers<const N: usize>(text: &str, most: f64) -> Option<[f64; N]> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|it| it.trim().parse()).collect();
-    let found = numbers.ok().and_then(|all| <[f64; 3]>::try_from(all).ok());
-    let found = found.filter(|all| all.iter().all(|it| it.abs() <= 1e6));
-    found.context(expected)
+    let found = numbers.ok().and_then(|all| <[f64; N]>::try_from(all).ok());
+    found.filter(|all| all.iter().all(|it| it.abs() <= most))
+}
+
+/// Reads `ID key=value ..`.
+fn parse_projector(text: &str) -> anyhow::Result<Projector> {
+    const FORM: &str = "expected a name and at=X,Y,Z, pixels=WxH, and throw=N or fov=DEGREES, as \
+                        \"left at=-1,2,4 look=10,-5,0 pixels=1920x1080 throw=1.5\"";
+    let mut words = text.split_whitespace();
+    let id = words.next().filter(|it| !it.contains('=')).context(FORM)?;
+    let (mut at, mut pixels, mut half_width) = (None, None, None);
+    let (mut look, mut shift, mut blend) = ([0.0; 3], [0.0; 2], 0.0);
+    let mut known: Vec<&str> = Vec::new();
+    for word in words {
+        let (key, value) = word.split_once('=').context(FORM)?;
+        let wrong = || {
+            let short: String = word.chars().take(60).collect();
+            format!("{short:?} is not understood; {FORM}")
+        };
+        if known.contains(&key) {
+            bail!("{key} is given twice; leave one");
+        }
+        let one = |range: RangeInclusive<f64>| {
+            let found = numbers(value, 1e6).map(|[it]| it);
+            found.filter(|it| range.contains(it)).with_context(wrong)
+        };
+        match key {
+            "at" => at = Some(numbers(value, 1e6).with_context(wrong)?),
+            "look" => look = numbers(value, 3600.0).with_context(wrong)?,
+            "pixels" => pixels = Some(parse_size(value).with_context(wrong)?),
+            "throw" => half_width = Some(0.5 / one(0.05..=1000.0)?),
+            "fov" => half_width = Some((one(0.1..=170.0)?.to_radians() / 2.0).tan()),
+            "shift" => shift = numbers(value, 10.0).with_context(wrong)?,
+            "blend" => blend = one(0.0..=90.0)?,
+            _ => bail!(wrong()),
+        }
+        known.push(key);
+    }
+    if known.contains(&"throw") && known.contains(&"fov") {
+        bail!("throw and fov both tell the width of the picture; leave one");
+    }
+    let (Some(at), Some(pixels), Some(half_width)) = (at, pixels, half_width) else {
+        bail!(FORM);
+    };
+    let half_height = half_width * f64::from(pixels[1]) / f64::from(pixels[0]);
+    let [right, up] = [half_width * 2.0 * shift[0], half_height * 2.0 * shift[1]];
+    Ok(Projector {
+        id: id.to_owned(),
+        at,
+        yaw_pitch_roll: look,
+        pixels,
+        tangents: [
+            half_width - right,
+            half_width + right,
+            half_height + up,
+            half_height - up,
+        ],
+        blend,
+    })
 }
 
 #[derive(Debug, Serialize)]
@@ -42,15 +117,35 @@ struct ImportReport {
     files: Vec<String>,
 }
 
+impl ImportArgs {
+    fn read(&self) -> anyhow::Result<Rig> {
+        let name = self.file.display();
+        let is_wall = is_scene_file(&self.file);
+        match (is_wall, self.projector.is_empty()) {
+            (true, false) => {
+                let eye = self.eye_at.unwrap_or_default();
+                Ok(rig_of_projectors(&self.file, &self.projector, eye)?)
+            }
+            (true, true) => bail!(WrongUsage(format!(
+                "{name}: is a wall, and nothing tells what lights it; give --projector \"ID \
+                 at=X,Y,Z pixels=WxH throw=N\" for each projector"
+            ))),
+            (false, false) => bail!(WrongUsage(format!(
+                "--projector lights a wall, and {name} is none by its ending; give one that ends \
+                 in .obj, .ply, .stl, .gltf or .glb, or leave --projector out"
+            ))),
+            (false, true) if is_foreign(&self.file) => read_noting(&self.file, self.eye_at),
+            (false, true) => bail!(WrongUsage(format!(
+                "{name}: is no MPCDI, warp mesh or wall by its ending; give one that ends in \
+                 .mpcdi, .xml, .data, .mesh or .txt, or a wall in .obj, .ply, .stl, .gltf or .glb \
+                 with --projector"
+            ))),
+        }
+    }
+}
+
 pub(crate) fn run(args: &ImportArgs) -> anyhow::Result<()> {
     let wrong = |what: String| anyhow::Error::from(WrongUsage(what));
-    if !is_foreign(&args.file) {
-        let name = args.file.display();
-        let what = format!("{name}: is no MPCDI or warp mesh by its ending");
-        return Err(wrong(format!(
-            "{what}; give one that ends in .mpcdi, .xml, .data, .mesh or .txt"
-        )));
-    }
     let ending = args.out.extension().and_then(|it| it.to_str());
     let stem = args.out.file_stem().and_then(|it| it.to_str());
     let (Some(stem), Some("toml")) = (stem, ending) else {
@@ -65,7 +160,7 @@ pub(crate) fn run(args: &ImportArgs) -> anyhow::Result<()> {
             "--out {name}: something is there already; choose another name, or move it away"
         )));
     }
-    let rig = read_noting(&args.file, args.eye_at)?;
+    let rig = args.read()?;
     let files = write_rig(&rig, stem).map_err(anyhow::Error::msg)?;
     let folder = args.out.parent().unwrap_or(Path::new(""));
     if folder != Path::new("") {

@@ -10,7 +10,6 @@ use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::panel::seed::SeedTexel;
 use foveal_scene::rig::write_mpcdi;
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -22,7 +21,8 @@ enum MapFormat {
     /// Portable float maps: shares of the source to the right and down, not a number where nothing
     /// is shown.
     Pfm,
-    /// A file for each surface that other programs read: frusta, and maps within these.
+    /// A file that other programs read, with a buffer for each surface: frusta, maps within these,
+    /// and fades and black as pictures.
     Mpcdi,
 }
 
@@ -71,6 +71,8 @@ struct MapReport {
     points: Vec<PointReport>,
     /// That were written.
     files: Vec<String>,
+    /// What of the panels they have no place for.
+    left_out: Vec<String>,
 }
 
 /// A pixel's place in the source and its changes; nothing where it shows nothing.
@@ -153,7 +155,7 @@ pub(crate) fn run(args: &MapArgs) -> anyhow::Result<()> {
         .iter()
         .map(|(at, panel)| PointReport::of(at, &map_of(panel, &found)));
     let points: Vec<PointReport> = points.collect();
-    let mut files = Vec::new();
+    let (mut files, mut left_out) = (Vec::new(), Vec::new());
     if let (Some(out), Some(format)) = (&args.out, args.format) {
         if format == MapFormat::Seed && found.size.iter().any(|side| *side > 65_535) {
             let [w, h] = found.size;
@@ -163,7 +165,15 @@ pub(crate) fn run(args: &MapArgs) -> anyhow::Result<()> {
         std::fs::create_dir_all(out)
             .with_context(|| format!("{}: cannot be made a folder", out.display()))?;
         match format {
-            MapFormat::Mpcdi => files = write_surfaces(out, &panels)?,
+            MapFormat::Mpcdi => {
+                let name = args.rig.rig.file_stem().unwrap_or_default();
+                let path = out.join(name).with_added_extension("mpcdi");
+                left_out = write_whole_rig(&path, &panels)?;
+                if rig.screen.is_some() {
+                    left_out.push("the screen that the source fills".to_owned());
+                }
+                files.push(path.display().to_string());
+            }
             _ => {
                 for panel in &panels {
                     files.extend(write_map(out, format, &map_of(panel, &found))?);
@@ -178,7 +188,15 @@ pub(crate) fn run(args: &MapArgs) -> anyhow::Result<()> {
     for file in &files {
         let _ = writeln!(text, "{file}");
     }
-    output::result(args.json, &MapReport { points, files }, &text)
+    for what in &left_out {
+        let _ = writeln!(text, "left out: {what}");
+    }
+    let report = MapReport {
+        points,
+        files,
+        left_out,
+    };
+    output::result(args.json, &report, &text)
 }
 
 fn map_of<'a>(panel: &'a Panel, found: &'a SourceFit) -> PixelMap<'a> {
@@ -189,22 +207,12 @@ fn map_of<'a>(panel: &'a Panel, found: &'a SourceFit) -> PixelMap<'a> {
     }
 }
 
-/// Writes an MPCDI for each surface, and tells the files.
-fn write_surfaces(out: &Path, panels: &[&Panel]) -> anyhow::Result<Vec<String>> {
-    let mut surfaces = BTreeMap::<&str, Vec<&Panel>>::new();
-    for panel in panels {
-        let own = surfaces.entry(&panel.output.surface).or_default();
-        own.push(panel);
-    }
-    let mut files = Vec::new();
-    for (surface, panels) in surfaces {
-        let bytes = write_mpcdi(&panels)
-            .map_err(|what| WrongUsage(format!("--format mpcdi: {what}; write --format pfm")))?;
-        let path = out.join(format!("{surface}.mpcdi"));
-        output::write_whole(&path, &bytes)?;
-        files.push(path.display().to_string());
-    }
-    Ok(files)
+/// Writes an MPCDI, and tells what it does not.
+fn write_whole_rig(path: &Path, panels: &[&Panel]) -> anyhow::Result<Vec<String>> {
+    let written = write_mpcdi(panels)
+        .map_err(|what| WrongUsage(format!("--format mpcdi: {what}; write --format pfm")))?;
+    output::write_whole(path, &written.bytes)?;
+    Ok(written.left_out)
 }
 
 /// Writes a panel's map, and tells its files.

@@ -61,7 +61,7 @@ impl From<PlacementName> for PlacementRule {
     }
 }
 
-/// What every command of a rig is told.
+/// The options of every command that reads a rig.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RigArgs {
     /// File that describes the panels: TOML or JSON, an MPCDI, or a warp mesh;

@@ -1,6 +1,6 @@
 //! How does a picture come into a window, with words over it?
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use egui::{Color32, Rect, pos2, vec2};
 use egui_wgpu::{RendererOptions, ScreenDescriptor};
 use foveal_render::{Gpu, RenderError};
@@ -75,7 +75,8 @@ impl WindowSurface {
             .create_surface(Arc::clone(window))
             .map_err(|reason| RenderError::NoAdapter(reason.to_string()))?;
         let adapter = request_adapter(instance, &surface)?;
-        let (device, queue) = request_device(&adapter)?;
+        let gpu = pollster::block_on(Gpu::of_adapter(&adapter))?;
+        let device = &gpu.device;
         let health = Arc::new(Health::default());
         let lost = Arc::clone(&health);
         device.set_device_lost_callback(move |_, _| {
@@ -87,16 +88,16 @@ impl WindowSurface {
             errors.errors.fetch_add(1, Ordering::Relaxed);
         }));
         let config = configuration(&surface, &adapter, window)?;
-        surface.configure(&device, &config);
+        surface.configure(device, &config);
         let options = RendererOptions {
             dithering: false,
             ..RendererOptions::default()
         };
         Ok(Self {
-            painter: egui_wgpu::Renderer::new(&device, config.format, options),
+            painter: egui_wgpu::Renderer::new(device, config.format, options),
             surface,
             config,
-            gpu: Gpu::from_parts(device, queue),
+            gpu,
             health,
             egui: egui::Context::default(),
             pictures: Vec::new(),
@@ -308,19 +309,6 @@ pub(crate) fn request_adapter(
     options.force_fallback_adapter = true;
     let adapter = pollster::block_on(instance.request_adapter(&options));
     Ok(adapter.map_err(|reason| RenderError::NoAdapter(reason.to_string()))?)
-}
-
-/// A device with the limits of a browser's, as the renderer expects.
-pub(crate) fn request_device(
-    adapter: &wgpu::Adapter,
-) -> anyhow::Result<(wgpu::Device, wgpu::Queue)> {
-    let opened = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-        label: Some("foveal window"),
-        required_limits: wgpu::Limits::default().or_worse_values_from(&adapter.limits()),
-        ..wgpu::DeviceDescriptor::default()
-    }));
-    let name = adapter.get_info().name;
-    opened.with_context(|| format!("the adapter {name} gives no device"))
 }
 
 /// Waits for the display, and takes colours as they are.

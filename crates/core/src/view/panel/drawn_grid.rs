@@ -148,22 +148,26 @@ impl<'a> Bend<'a> {
                 .all(|it| self.misses(cell, *it) <= MOST_ERROR)
     }
 
-    /// Largest error in the middles of cells, in pixels.
+    /// Largest error in the middles of cells, in pixels; without bound where a cell is lit in part,
+    /// as all of it is then drawn unlit.
     fn misses(&self, cell: u32, channel: usize) -> f64 {
         let [columns, rows] = self.nodes(cell).map(|count| count - 1);
         let mut worst = 0.0_f64;
         for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |c| (row, c))) {
-            let at = |x: f64, y: f64| {
+            let at = |[x, y]: [f64; 2]| {
                 let place = [column as f64 + x, row as f64 + y];
                 self.residual(place.map(|k| k * f64::from(cell)), channel)
             };
-            let corners = [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)];
-            let Some(middle) = at(0.5, 0.5) else { continue };
-            let Some(corners) = corners.into_iter().collect::<Option<Vec<_>>>() else {
+            let places = [[0.5, 0.5], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+            let found = places.map(at);
+            if found.iter().all(Option::is_none) {
                 continue;
+            }
+            let [Some(middle), Some(a), Some(b), Some(c), Some(d)] = found else {
+                return f64::INFINITY;
             };
             for k in 0..2 {
-                let mean = corners.iter().map(|it| it[k]).sum::<f64>() / 4.0;
+                let mean = (a[k] + b[k] + c[k] + d[k]) / 4.0;
                 worst = worst.max((mean - middle[k]).abs());
             }
         }

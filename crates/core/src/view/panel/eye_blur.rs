@@ -15,7 +15,7 @@ pub const PUPIL_MM: f64 = 3.5;
 pub struct EyeBlur {
     /// Dioptres by which it is out of focus across the axis.
     cylinder: f64,
-    /// From the horizontal, counter-clockwise as somebody sees it who faces the eye.
+    /// From the horizontal, counter-clockwise as an observer facing the eye sees it.
     axis: Radians,
     /// Metres.
     pupil: f64,
@@ -23,7 +23,7 @@ pub struct EyeBlur {
 
 impl EyeBlur {
     /// The eye that a cylinder of so many dioptres corrects, its axis in degrees counter-clockwise
-    /// as the observer sees it who faces the eye, and its pupil in millimetres. Nothing
+    /// as an observer facing the eye sees it, and its pupil in millimetres. Nothing
     /// accommodates, so the sign of the cylinder does not count; axes are the same after 180.
     ///
     /// ```

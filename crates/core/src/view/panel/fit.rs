@@ -42,7 +42,7 @@ pub enum PlacementRule {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FitError {
-    /// Nobody looks.
+    /// There is no panel to place it before.
     #[error("no panel is before this eye; choose another --eye")]
     NoPanel,
     /// A place of it lies at 90° or more from where the source would lie, of the best plane at 85°.
@@ -144,7 +144,7 @@ impl From<Option<[u32; 2]>> for SourceSize {
 }
 
 impl SourceSize {
-    /// The size, where it is told.
+    /// The size, where one is given.
     #[must_use]
     pub fn told(self) -> Option<[u32; 2]> {
         match self {

@@ -7,6 +7,7 @@ pub mod alpha;
 pub mod distortion;
 pub mod drawn_grid;
 pub mod eye_blur;
+pub mod fading;
 pub mod fit;
 pub mod footprint;
 pub mod lens;

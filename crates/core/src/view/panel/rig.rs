@@ -149,6 +149,18 @@ impl Panel {
         self.distortion.is_none() && keeps_light && self.gain == [1.0; 3] && self.black <= 0.0
     }
 
+    /// The same display where nothing fades, tints or lifts its light.
+    #[must_use]
+    pub fn undimmed(&self) -> Self {
+        Self {
+            blend: 0.0,
+            alpha: None,
+            gain: [1.0; 3],
+            black: 0.0,
+            ..self.clone()
+        }
+    }
+
     /// The same display of other columns and rows, as the eye sees it.
     #[must_use]
     pub fn resized(&self, size: [u32; 2]) -> Self {

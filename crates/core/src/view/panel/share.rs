@@ -26,6 +26,23 @@ pub fn seen_share(panels: &[&Panel], placement: &Placement, size: [u32; 2]) -> f
     seen as f64 / (f64::from(tried[0]) * f64::from(tried[1]))
 }
 
+/// The part of a source that panels see, from edge to edge: left, right, top and bottom, as shares
+/// of it from its upper left.
+///
+/// Of a picture that keeps its aspect some may lie beside all panels.
+#[must_use]
+pub fn seen_part(panels: &[&Panel], placement: &Placement) -> [f64; 4] {
+    let (mut low, mut high) = ([1.0_f64; 2], [0.0_f64; 2]);
+    let rays = panels.iter().flat_map(|it| PanelSamples::of(it, 1).rim);
+    for place in rays.filter_map(|ray| placement.source_from_ray(ray, [1, 1])) {
+        for k in 0..2 {
+            low[k] = low[k].min(place[k].max(0.0));
+            high[k] = high[k].max(place[k].min(1.0));
+        }
+    }
+    [low[0], high[0], low[1], high[1]]
+}
+
 /// Share of all pixels of panels for which Feline takes more than one probe of a source of `size`
 /// pixels, at most `most` of each.
 #[must_use]

@@ -32,7 +32,8 @@ pub struct GpuJudge {
 }
 
 impl GpuJudge {
-    /// A judge that has seen nothing, on a device with WebGPU's default limits.
+    /// A judge that has seen nothing, on a device with at least WebGPU's default limits, or less
+    /// where its adapter has less.
     ///
     /// # Errors
     /// When the device cannot bind buffers of the pictures' size: 16 bytes a pixel.

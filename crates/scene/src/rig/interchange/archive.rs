@@ -29,7 +29,7 @@ impl<'a> Archive<'a> {
         }
         let zip = ZipArchive::new(Cursor::new(bytes));
         let zip = zip.map_err(|error| format!("is no whole zip: {error}"))?;
-        // A name that is no text is nobody's: nothing asks for it.
+        // Names that are not text are skipped: nothing asks for them.
         let names = zip
             .file_names()
             .map(|it| it.unwrap_or_default().into_owned());

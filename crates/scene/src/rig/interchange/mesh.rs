@@ -1,4 +1,4 @@
-//! Which display does a warp mesh tell of?
+//! Which display does a warp mesh describe?
 //!
 //! Bourke's text: the type of picture it is for, columns and rows of nodes, and for each node, row
 //! by row, x and y on the display (x in half heights), u and v in the picture, both up, and the

@@ -1,14 +1,22 @@
-//! How do other programs tell which displays there are, and how are they told?
+//! How are rigs exchanged with other programs?
 //!
-//! [`mpcdi`] reads VESA's MPCDI, [`mesh`] Bourke's warp meshes; [`written_mpcdi`] and
-//! [`written_toml`] write.
+//! [`mpcdi`] reads VESA's MPCDI, [`mesh`] Bourke's warp meshes, [`projectors`] what projectors
+//! light of a wall; [`written_mpcdi`] and [`written_toml`] write.
 
 mod archive;
 pub(super) mod mesh;
 pub(super) mod mpcdi;
 mod mpcdi_files;
+pub(super) mod projectors;
 mod space_map;
 mod warp_map;
 pub(super) mod written_mpcdi;
 pub(super) mod written_toml;
 mod xml;
+
+/// A number without what sums have rounded in its last digits: 14 digits, and none of what is
+/// nothing.
+fn neat(number: f64) -> f64 {
+    let short = format!("{number:.13e}").parse().unwrap_or(number);
+    if short.abs() < 1e-13 { 0.0 } else { short }
+}

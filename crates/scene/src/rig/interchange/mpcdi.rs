@@ -1,4 +1,4 @@
-//! Which displays does an MPCDI tell of?
+//! Which displays does an MPCDI describe?
 //!
 //! VESA, Multiple Projection Common Data Interchange 2.0 (2015). Writers disagree in the case of
 //! names, in where `fileset` stands, and in zipping at all: all of these are read.
@@ -23,7 +23,7 @@ const MOST_XML: u64 = 1 << 24;
 /// Largest angle from the axis, in degrees.
 const WIDEST: f64 = 89.9;
 
-/// What an MPCDI tells of.
+/// What an MPCDI describes.
 #[derive(Debug, PartialEq)]
 pub(in super::super) struct MpcdiRig {
     pub(in super::super) rig: Rig,
@@ -135,7 +135,7 @@ impl<'a> MpcdiDocument<'a> {
         let panels = self.regions.iter().zip(&spaces).map(|(region, space)| {
             let (pose, tangents) = match (screen, space) {
                 (Some(screen), _) => (PoseEntry::default(), region.on_screen(screen)),
-                (None, Some(space)) => around(space),
+                (None, Some(space)) => space.around(),
                 (None, None) => region.before_eye()?,
             };
             Ok(region.entry(pose, tangents))
@@ -233,26 +233,6 @@ impl<'a> MpcdiDocument<'a> {
             None => self.root.fault("", &*wrong.what),
         }
     }
-}
-
-/// The flat panel round what a map of points tells.
-fn around(space: &SpaceMap) -> (PoseEntry, TangentsEntry) {
-    let [yaw, pitch] = space.yaw_pitch.map(|it| Some(it.to_degrees()));
-    let pose = PoseEntry {
-        order: Some(PoseOrder::YawPitchRoll),
-        roll: Some(0.0),
-        pitch,
-        yaw,
-        quaternion: None,
-    };
-    let [left, right, up, down] = space.tangents;
-    let tangents = TangentsEntry {
-        left,
-        right,
-        up,
-        down,
-    };
-    (pose, tangents)
 }
 
 impl<'a> MpcdiRegion<'a> {

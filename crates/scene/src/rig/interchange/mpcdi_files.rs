@@ -9,8 +9,10 @@ use super::super::pfm::ReadBeside;
 use super::archive::Archive;
 use super::xml::XmlElement;
 
-/// Most pixels of all maps of a file: 32 displays of 1920 x 1080.
+/// Most pixels of all maps of a file: 32 displays of 1920 x 1080. Pictures of shares, which take a
+/// quarter of the memory, count a quarter.
 const MOST_MAPPED: u64 = 1 << 26;
+const PICTURES_A_MAP: u64 = 4;
 /// Bytes of a float map's header.
 const HEADER: u64 = 256;
 /// Bytes of a picture beside two for each of its pixels in four channels.
@@ -73,10 +75,10 @@ impl<'a> MpcdiFilling<'a> {
         }
     }
 
-    /// Counts a map of a region.
-    fn take(&mut self, (region, size): SizedRegion<'_>) -> Result<(), RigFault> {
+    /// Counts a map of a region, or one of so many pictures that are as large as a map.
+    fn take(&mut self, (region, size): SizedRegion<'_>, of: u64) -> Result<(), RigFault> {
         let [w, h] = size.map(u64::from);
-        let left = self.left.checked_sub(w.saturating_mul(h));
+        let left = self.left.checked_sub(w.saturating_mul(h).div_ceil(of));
         self.left = left.ok_or_else(|| {
             let what = format!("all maps have more than {MOST_MAPPED} pixels");
             region.fault("", what)
@@ -91,7 +93,7 @@ impl<'a> MpcdiFilling<'a> {
         map: XmlElement<'_>,
         read: &dyn Fn(&[u8]) -> Result<T, String>,
     ) -> Result<T, RigFault> {
-        self.take((region, size))?;
+        self.take((region, size), 1)?;
         let path = map.said("path").unwrap_or_default();
         let most = u64::from(size[0]) * u64::from(size[1]) * 12 + HEADER;
         let found = self.files.read(path, most).and_then(|bytes| read(&bytes));
@@ -108,7 +110,7 @@ impl<'a> MpcdiFilling<'a> {
         let Some(map) = named(set, name) else {
             return Ok(None);
         };
-        self.take((region, size))?;
+        self.take((region, size), PICTURES_A_MAP)?;
         let path = map.said("path").unwrap_or_default();
         let gamma = map.number("gammaEmbedded")?.unwrap_or(1.0);
         if !(0.01..=100.0).contains(&gamma) {

@@ -7,8 +7,9 @@ use foveal_core::units::Radians;
 use foveal_core::view::axes::{Axes, yaw_pitch_from_direction};
 use glam::DVec3;
 
+use super::super::entries::{PoseEntry, PoseOrder, TangentsEntry};
 use super::super::pfm::FloatMap;
-use super::warp_map::WarpMap;
+use super::warp_map::{PairAt, WarpMap};
 
 /// Least cosine of the angle from the middle to a pixel: 85°, all that a flat panel reaches.
 const LEAST_COSINE: f64 = 0.087_155_7;
@@ -27,13 +28,36 @@ pub(super) struct SpaceMap {
 
 impl SpaceMap {
     /// Reads the map of a region of `size`, for an eye at a place of the map's own units and axes.
+    /// Lines come from above, or from below where the picture would else be upside down.
     pub(super) fn read(bytes: &[u8], size: [u32; 2], eye: DVec3) -> Result<Self, String> {
-        let [w, h] = size.map(|side| side as usize);
         let map = FloatMap::of(bytes, size)?;
-        let ray = |line: usize, column: usize| {
+        let point = |line: usize, column: usize| {
             let point = DVec3::from(map.triple(line, column));
-            let is_one = point.is_finite() && point.abs().max_element() >= NO_POINT;
-            let ray = is_one.then(|| point - eye).and_then(DVec3::try_normalize);
+            let is_one = point.abs().max_element() >= NO_POINT;
+            if is_one { point } else { DVec3::NAN }
+        };
+        Self::of((size, eye), &point, WarpMap::by_lines)
+    }
+
+    /// The same of points by row and column, the first row uppermost; not a number where none is
+    /// lit.
+    pub(super) fn from_above(
+        size: [u32; 2],
+        eye: DVec3,
+        point: &dyn Fn(usize, usize) -> DVec3,
+    ) -> Result<Self, String> {
+        Self::of((size, eye), point, WarpMap::from_above)
+    }
+
+    fn of(
+        (size, eye): ([u32; 2], DVec3),
+        point: &dyn Fn(usize, usize) -> DVec3,
+        map_of: impl Fn([u32; 2], PairAt<'_>) -> Result<WarpMap, String>,
+    ) -> Result<Self, String> {
+        let [w, h] = size.map(|side| side as usize);
+        let ray = |line: usize, column: usize| {
+            let way = point(line, column) - eye;
+            let ray = way.is_finite().then(|| way.try_normalize()).flatten();
             ray.unwrap_or(DVec3::NAN)
         };
         let all = || (0..h).flat_map(|line| (0..w).map(move |column| (line, column)));
@@ -78,7 +102,27 @@ impl SpaceMap {
         Ok(Self {
             yaw_pitch: [yaw, pitch],
             tangents: [-low[0], high[0], high[1], -low[1]],
-            map: WarpMap::by_lines(size, &share)?,
+            map: map_of(size, &share)?,
         })
+    }
+
+    /// The flat panel round all that its pixels look at.
+    pub(super) fn around(&self) -> (PoseEntry, TangentsEntry) {
+        let [yaw, pitch] = self.yaw_pitch.map(|it| Some(it.to_degrees()));
+        let pose = PoseEntry {
+            order: Some(PoseOrder::YawPitchRoll),
+            roll: Some(0.0),
+            pitch,
+            yaw,
+            quaternion: None,
+        };
+        let [left, right, up, down] = self.tangents;
+        let tangents = TangentsEntry {
+            left,
+            right,
+            up,
+            down,
+        };
+        (pose, tangents)
     }
 }

@@ -26,6 +26,9 @@ pub(super) enum WarpMap {
     },
 }
 
+/// Two numbers by line and column.
+pub(super) type PairAt<'a> = &'a dyn Fn(usize, usize) -> [f64; 2];
+
 impl WarpMap {
     /// Reads the map of a panel: shares of the ideal panel to the right and up. Lines come from
     /// above; from below where the picture would else be upside down.
@@ -35,10 +38,7 @@ impl WarpMap {
     }
 
     /// The same of shares to the right and up by line and column.
-    pub(super) fn by_lines(
-        size: [u32; 2],
-        pair: &dyn Fn(usize, usize) -> [f64; 2],
-    ) -> Result<Self, String> {
+    pub(super) fn by_lines(size: [u32; 2], pair: PairAt<'_>) -> Result<Self, String> {
         let rows = size[1] as usize;
         let from_above = |row: usize, column: usize| {
             let [right, up] = pair(row, column);
@@ -57,6 +57,16 @@ impl WarpMap {
                 false => from_above(row, column),
             },
         )
+    }
+
+    /// The same of lines that come from above: what turns a picture over shows left for right.
+    pub(super) fn from_above(size: [u32; 2], pair: PairAt<'_>) -> Result<Self, String> {
+        let share = |row: usize, column: usize| {
+            let [right, up] = pair(row, column);
+            [right, 1.0 - up]
+        };
+        let [[a, b], [c, d]] = slopes(size, share);
+        Self::of(size, a * d - b * c < 0.0, &share)
     }
 
     /// The map of shares to the right and down of pixels as they are sent, by row and column.

@@ -1,14 +1,19 @@
-//! How is a rig told to other programs, as an MPCDI?
+//! How is a rig written as an MPCDI?
 //!
-//! Profile 3d, version 2.0, one buffer, maps that are linear between pixels.
+//! Profile 3d, version 2.0, a buffer a surface, maps that are linear between pixels; fades and
+//! black are pictures, alphaMap and betaMap.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
 
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::Field;
+use foveal_core::view::panel::alpha::AlphaMap;
 use foveal_core::view::panel::distortion::GREEN;
+use foveal_core::view::panel::drawn_grid::DrawnGrid;
+use foveal_core::view::panel::fading::Fades;
+use foveal_core::view::panel::placement::{Placement, SourceProjection};
 use foveal_core::view::panel::rig::{Panel, Scanout};
 use glam::DVec3;
 use zip::ZipWriter;
@@ -16,9 +21,19 @@ use zip::write::SimpleFileOptions;
 
 use super::super::alpha;
 use super::super::pfm;
+use super::neat;
 
 /// Least depth of a ray before the panel's axis: 89.9°.
 const LEAST_DEPTH: f64 = 0.001_745;
+
+/// An MPCDI, and what of the panels it has no place for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WrittenMpcdi {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// A line each, for people.
+    pub left_out: Vec<String>,
+}
 
 /// What a panel says to others: as its picture is sent.
 struct SentPanel<'a> {
@@ -30,66 +45,121 @@ struct SentPanel<'a> {
     tangents: Vec<Option<[f64; 2]>>,
 }
 
-/// The file that tells of panels that are sent to one surface.
-pub(in super::super) fn written(panels: &[&Panel]) -> Result<Vec<u8>, String> {
-    let mut extent = [0; 2];
-    for panel in panels {
-        let size = panel.sent_size();
-        let end = [panel.output.x + size[0], panel.output.y + size[1]];
-        extent = [0, 1].map(|k| extent[k].max(end[k]));
-    }
-    let surface = panels.first().map_or("", |it| &it.output.surface);
-    let [w, h] = extent;
-    let id = escaped(surface);
-    let mut xml = format!(
-        "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n\
-         <MPCDI profile=\"3d\" geometry=\"1\" color=\"0\" version=\"2.0\">\n  <display>\n    \
-         <buffer id=\"{id}\" xResolution=\"{w}\" yResolution=\"{h}\">\n"
-    );
-    let mut sets = String::new();
-    let mut files = BTreeMap::new();
-    for panel in panels {
-        let sent = SentPanel::of(panel)?;
-        xml.push_str(&sent.region(extent));
-        let map = sent.map_name();
-        let mut set = format!(
-            "      <geometryWarpFile>\n        <path>{}</path>\n        \
-             <interpolation>linear</interpolation>\n      </geometryWarpFile>\n",
-            escaped(&map)
-        );
-        files.entry(map).or_insert_with(|| sent.map());
-        if let Some(share) = panel.alpha_as_sent() {
-            let name = format!("{}.alpha.png", panel.id);
-            let _ = write!(
-                set,
-                "      <alphaMap>\n        <path>{}</path>\n        \
-                 <componentDepth>1</componentDepth>\n        <bitDepth>16</bitDepth>\n        \
-                 <gammaEmbedded>1</gammaEmbedded>\n      </alphaMap>\n",
-                escaped(&name)
-            );
-            let picture = alpha::written(&share, sent.size);
-            files.insert(name, picture.map_err(|error| error.to_string())?);
-        }
-        let id = escaped(&panel.id);
-        let _ = write!(sets, "    <fileset region=\"{id}\">\n{set}    </fileset>\n");
-    }
-    let _ = write!(
-        xml,
-        "    </buffer>\n  </display>\n  <files>\n{sets}  </files>\n</MPCDI>\n"
-    );
-    zipped(&xml, &files).map_err(|error| error.to_string())
+/// A zip while files are added.
+struct Zipping {
+    zip: ZipWriter<Cursor<Vec<u8>>>,
+    names: BTreeSet<String>,
 }
 
-fn zipped(xml: &str, files: &BTreeMap<String, Vec<u8>>) -> zip::result::ZipResult<Vec<u8>> {
-    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    let options = SimpleFileOptions::default();
-    zip.start_file("mpcdi.xml", options)?;
-    zip.write_all(xml.as_bytes())?;
-    for (name, bytes) in files {
-        zip.start_file(name, options)?;
-        zip.write_all(bytes)?;
+/// The file of panels, with a buffer for each surface that they are sent to.
+pub(in super::super) fn written(panels: &[&Panel]) -> Result<WrittenMpcdi, String> {
+    let fades = faded(panels);
+    let mut surfaces = BTreeMap::<&str, Vec<(usize, &Panel)>>::new();
+    for (index, panel) in panels.iter().enumerate() {
+        let own = surfaces.entry(&panel.output.surface).or_default();
+        own.push((index, panel));
     }
-    Ok(zip.finish()?.into_inner())
+    let mut files = Zipping::new();
+    let (mut buffers, mut sets) = (String::new(), String::new());
+    for (surface, panels) in surfaces {
+        let mut extent = [0; 2];
+        for (_, panel) in &panels {
+            let size = panel.sent_size();
+            let end = [panel.output.x + size[0], panel.output.y + size[1]];
+            extent = [0, 1].map(|k| extent[k].max(end[k]));
+        }
+        let ([w, h], id) = (extent, escaped(surface));
+        let _ = writeln!(
+            buffers,
+            "    <buffer id=\"{id}\" xResolution=\"{w}\" yResolution=\"{h}\">"
+        );
+        for (index, panel) in panels {
+            let sent = SentPanel::of(panel)?;
+            buffers.push_str(&sent.region(extent));
+            let fade = fades.of_panel[index].map(|fade| (&fades, fade));
+            sets.push_str(&sent.files(fade, &mut files)?);
+        }
+        buffers.push_str("    </buffer>\n");
+    }
+    let xml = format!(
+        "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n\
+         <MPCDI profile=\"3d\" geometry=\"1\" color=\"0\" version=\"2.0\">\n  <display>\n\
+         {buffers}  </display>\n  <files>\n{sets}  </files>\n</MPCDI>\n"
+    );
+    files.add("mpcdi.xml", || Ok(xml.into_bytes()))?;
+    Ok(WrittenMpcdi {
+        bytes: files.finish()?,
+        left_out: left_out(panels),
+    })
+}
+
+/// How panels fade into each other.
+fn faded(panels: &[&Panel]) -> Fades {
+    let anywhere = Placement::new(SourceProjection::Plane, Axes::FRONT, [1.0; 4]);
+    let fading = panels.iter().map(|it| match it.blend > 0.0 {
+        true => DrawnGrid::of(it, &anywhere),
+        false => None,
+    });
+    let grids: Vec<Option<DrawnGrid>> = fading.collect();
+    let both = panels.iter().zip(&grids);
+    let both = both.map(|(panel, grid)| (*panel, grid.as_ref()));
+    Fades::of(&both.collect::<Vec<(&Panel, _)>>())
+}
+
+/// What a file of this kind has no place for.
+fn left_out(panels: &[&Panel]) -> Vec<String> {
+    let kinds: [(&str, fn(&Panel) -> bool); 4] = [
+        ("the eye that looks at a panel", |it| !it.is_for_both),
+        ("gain", |it| it.gain != [1.0; 3]),
+        ("maps of red and blue (that of green counts)", |it| {
+            it.distortion.parts_colours()
+        }),
+        ("the monitor of a surface", |it| {
+            !it.output.monitor.is_empty()
+        }),
+    ];
+    let one = |(what, is_lost): (&str, fn(&Panel) -> bool)| {
+        let all = panels.iter().filter(|it| is_lost(it));
+        let ids: Vec<&str> = all.map(|it| it.id.as_str()).collect();
+        let shown = ids.iter().take(4).copied().collect::<Vec<_>>().join(", ");
+        match ids.len() {
+            0 => None,
+            1..=4 => Some(format!("{what}: {shown}")),
+            all => Some(format!("{what}: {shown} and {} more", all - 4)),
+        }
+    };
+    kinds.into_iter().filter_map(one).collect()
+}
+
+impl Zipping {
+    fn new() -> Self {
+        Self {
+            zip: ZipWriter::new(Cursor::new(Vec::new())),
+            names: BTreeSet::new(),
+        }
+    }
+
+    /// Adds a file, unless one of its name is there.
+    fn add(
+        &mut self,
+        name: &str,
+        bytes: impl FnOnce() -> Result<Vec<u8>, String>,
+    ) -> Result<(), String> {
+        if !self.names.insert(name.to_owned()) {
+            return Ok(());
+        }
+        let bytes = bytes()?;
+        let options = SimpleFileOptions::default();
+        let started = self.zip.start_file(name, options);
+        started.map_err(|error| error.to_string())?;
+        let written = self.zip.write_all(&bytes);
+        written.map_err(|error| error.to_string())
+    }
+
+    fn finish(self) -> Result<Vec<u8>, String> {
+        let whole = self.zip.finish();
+        Ok(whole.map_err(|error| error.to_string())?.into_inner())
+    }
 }
 
 fn escaped(text: &str) -> String {
@@ -183,14 +253,14 @@ impl<'a> SentPanel<'a> {
 
     fn region(&self, extent: [u32; 2]) -> String {
         let [w, h] = self.size;
-        let share = |k: usize, pixels: u32| f64::from(pixels) / f64::from(extent[k]);
+        let share = |k: usize, pixels: u32| neat(f64::from(pixels) / f64::from(extent[k]));
         let output = &self.panel.output;
         let (x, y) = (share(0, output.x), share(1, extent[1] - output.y - h));
         let (x_size, y_size) = (share(0, w), share(1, h));
-        let [yaw, pitch, roll] = self.axes.yaw_pitch_roll().map(|it| it.to_degrees());
+        let [yaw, pitch, roll] = self.axes.yaw_pitch_roll().map(|it| neat(it.to_degrees()));
         let f = self.field;
         let [left, right, up, down] =
-            [-f.left, f.right, f.up, -f.down].map(|it| it.atan().to_degrees());
+            [-f.left, f.right, f.up, -f.down].map(|it| neat(it.atan().to_degrees()));
         let id = escaped(&self.panel.id);
         format!(
             "      <region id=\"{id}\" xResolution=\"{w}\" yResolution=\"{h}\" x=\"{x}\" \
@@ -200,6 +270,79 @@ impl<'a> SentPanel<'a> {
              <leftAngle>{left}</leftAngle>\n          <upAngle>{up}</upAngle>\n          \
              <downAngle>{down}</downAngle>\n        </frustum>\n      </region>\n"
         )
+    }
+
+    /// Adds its files, and tells them.
+    fn files(&self, fade: Option<(&Fades, usize)>, files: &mut Zipping) -> Result<String, String> {
+        let id = escaped(&self.panel.id);
+        let map = self.map_name();
+        files.add(&map, || Ok(self.map()))?;
+        let mut set = format!(
+            "    <fileset region=\"{id}\">\n      <geometryWarpFile>\n        \
+             <path>{}</path>\n        <interpolation>linear</interpolation>\n      \
+             </geometryWarpFile>\n",
+            escaped(&map)
+        );
+        let [light, black] = self.shares(fade);
+        let pictures = [
+            (
+                "alphaMap",
+                "alpha",
+                light,
+                "\n        <gammaEmbedded>1</gammaEmbedded>",
+            ),
+            ("betaMap", "beta", black, ""),
+        ];
+        for (element, ending, shares, gamma) in pictures {
+            let Some(shares) = shares else { continue };
+            let name = format!("{}.{ending}.png", self.panel.id);
+            let _ = write!(
+                set,
+                "      <{element}>\n        <path>{}</path>\n        \
+                 <componentDepth>1</componentDepth>\n        \
+                 <bitDepth>16</bitDepth>{gamma}\n      </{element}>\n",
+                escaped(&name)
+            );
+            files.add(&name, || {
+                let picture = alpha::written(&shares, self.size);
+                picture.map_err(|error| error.to_string())
+            })?;
+        }
+        set.push_str("    </fileset>\n");
+        Ok(set)
+    }
+
+    /// The light that pixels keep, and the light that they have where the picture is black, both
+    /// linear; nothing where that is all and none.
+    fn shares(&self, fade: Option<(&Fades, usize)>) -> [Option<AlphaMap>; 2] {
+        let panel = self.panel;
+        if panel.alpha.is_none() && fade.is_none() && panel.black <= 0.0 {
+            return [None, None];
+        }
+        let kept = panel.alpha_as_sent();
+        let most = f64::from(u16::MAX);
+        let seen = panel.scanout.seen_from_sent(panel.view.size);
+        let (mut light, mut black) = (Vec::new(), Vec::new());
+        let [w, h] = self.size;
+        for at in (0..h).flat_map(|row| (0..w).map(move |column| [column, row])) {
+            let place = seen * DVec3::new(f64::from(at[0]) + 0.5, f64::from(at[1]) + 0.5, 1.0);
+            let ray = panel.ray_at([place.x, place.y], GREEN);
+            let (share, lifts) = match (ray, fade) {
+                (None, _) => (0.0, 0.0),
+                (Some(_), None) => (1.0, 1.0),
+                (Some(ray), Some((fades, fade))) => {
+                    let it = fades.share(fade, ray.ray.normalize());
+                    (it.light, it.lifts)
+                }
+            };
+            let kept = kept.as_ref().map_or(1.0, |it| f64::from(it.at(at)) / most);
+            light.push((share * kept * most).round() as u16);
+            black.push(((panel.black * lifts).min(1.0) * most).round() as u16);
+        }
+        let is_dimmed = light.iter().any(|it| *it < u16::MAX);
+        let is_lifted = black.iter().any(|it| *it > 0);
+        [(light, is_dimmed), (black, is_lifted)]
+            .map(|(shares, is_told)| is_told.then(|| AlphaMap::new(self.size, shares)))
     }
 
     fn is_mirrored(&self) -> bool {
@@ -212,7 +355,7 @@ impl<'a> SentPanel<'a> {
         match (self.tangents.is_empty(), self.is_mirrored()) {
             (true, false) => format!("even-{w}x{h}.pfm"),
             (true, true) => format!("mirrored-{w}x{h}.pfm"),
-            (false, _) => format!("{}.pfm", self.panel.id),
+            (false, _) => format!("{}.warp.pfm", self.panel.id),
         }
     }
 

@@ -1,4 +1,4 @@
-//! How is a rig that another program's file told written as our own?
+//! How is an imported rig written as TOML?
 
 use std::fmt::Write as _;
 
@@ -7,6 +7,7 @@ use foveal_core::view::panel::residual_grid::ResidualGrid;
 use foveal_core::view::panel::rig::{Panel, Rig, Scanout};
 
 use super::super::{alpha, pfm};
+use super::neat;
 
 /// The rig file, and the maps that it names, by name.
 pub(in super::super) fn written(rig: &Rig, stem: &str) -> Result<Vec<(String, Vec<u8>)>, String> {
@@ -43,9 +44,14 @@ fn quoted(text: &str) -> String {
 }
 
 fn lines_of(panel: &Panel) -> String {
-    let [yaw, pitch, roll] = panel.view.axes.yaw_pitch_roll().map(|it| it.to_degrees());
+    let [yaw, pitch, roll] = panel
+        .view
+        .axes
+        .yaw_pitch_roll()
+        .map(|it| neat(it.to_degrees()));
     let [w, h] = panel.view.size;
     let f = panel.view.field;
+    let [left, right, up, down] = [f.left, f.right, f.up, f.down].map(neat);
     let scanout = match panel.scanout {
         Scanout::Normal => "normal",
         Scanout::Rot90 => "rot90",
@@ -59,20 +65,16 @@ fn lines_of(panel: &Panel) -> String {
         "\n[[panel]]\nid = {}\npixels = [{w}, {h}]\n\
          pose = {{ order = \"yaw-pitch-roll\", yaw = {yaw:?}, pitch = {pitch:?}, \
          roll = {roll:?} }}\n\
-         tangents = {{ left = {:?}, right = {:?}, up = {:?}, down = {:?} }}\n\
+         tangents = {{ left = {left:?}, right = {right:?}, up = {up:?}, down = {down:?} }}\n\
          scanout = \"{scanout}\"\n\
          output = {{ surface = {}, x = {}, y = {} }}\n",
         quoted(&panel.id),
-        f.left,
-        f.right,
-        f.up,
-        f.down,
         quoted(&output.surface),
         output.x,
         output.y,
     );
     if panel.blend > 0.0 {
-        let _ = writeln!(text, "blend = {:?}", panel.blend.to_degrees());
+        let _ = writeln!(text, "blend = {:?}", neat(panel.blend.to_degrees()));
     }
     if panel.gain != [1.0; 3] {
         let _ = writeln!(text, "gain = {:?}", panel.gain);

@@ -70,10 +70,11 @@ fn apart(a: &Panel, b: &Panel, found: &SourceFit) -> f64 {
 }
 
 fn assert_comes_back(panels: &[&Panel], found: &SourceFit) {
-    let file = write_mpcdi(panels).unwrap();
+    let file = write_mpcdi(panels).unwrap().bytes;
     let back = read(&file).unwrap();
     assert_eq!(back.panels.len(), panels.len());
-    for (own, back) in panels.iter().zip(&back.panels) {
+    for own in panels {
+        let back = back.panels.iter().find(|it| it.id == own.id).unwrap();
         let place = |it: &Panel| {
             (
                 it.id.clone(),
@@ -82,7 +83,10 @@ fn assert_comes_back(panels: &[&Panel], found: &SourceFit) {
             )
         };
         assert_eq!(place(back), place(own));
-        assert_eq!(back.alpha_as_sent(), own.alpha_as_sent());
+        // What fades comes back as a picture.
+        if own.blend <= 0.0 {
+            assert_eq!(back.alpha_as_sent(), own.alpha_as_sent());
+        }
         let off = apart(own, back, found);
         assert!(off < SAME, "{}: {off} pixels", own.id);
     }
@@ -108,14 +112,7 @@ fn examples_written_and_read_are_the_same_maps_within_a_hundred_thousandth_of_a_
         let rig = example(name);
         let panels: Vec<&Panel> = rig.panels.iter().collect();
         let found = fit(&panels, PlacementRule::Auto, None).unwrap();
-        let mut surfaces: Vec<&str> = panels.iter().map(|it| &*it.output.surface).collect();
-        surfaces.sort_unstable();
-        surfaces.dedup();
-        for surface in surfaces {
-            let own = panels.iter().copied();
-            let own: Vec<&Panel> = own.filter(|it| it.output.surface == surface).collect();
-            assert_comes_back(&own, &found);
-        }
+        assert_comes_back(&panels, &found);
     }
 }
 

@@ -1,9 +1,11 @@
 //! Does a rig file give the panels that it describes, and is what is wrong refused by its place?
 
+mod fades;
 mod foreign;
 mod meshes;
 mod points;
 mod refused;
+mod walls;
 
 use std::path::{Path, PathBuf};
 

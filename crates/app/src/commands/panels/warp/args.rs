@@ -7,7 +7,6 @@ use crate::options::renderer::RendererName;
 use crate::report::output::{WrongUsage, out_of_range};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
-use foveal_core::view::panel::rig::Panel;
 use std::path::PathBuf;
 
 /// Most of Feline's samples of a pixel.
@@ -60,7 +59,7 @@ pub(crate) struct WarpArgs {
     #[arg(long, value_name = "WxH|FILE")]
     pub(super) source: Option<String>,
     /// Also draw each panel of a world directly, compare, and write both beside each other to
-    /// DIR/compare.
+    /// DIR/compare: there without fades, gain and black, which the pictures that are sent keep.
     #[arg(long)]
     pub(super) compare: bool,
     #[command(flatten)]
@@ -126,18 +125,5 @@ impl WarpArgs {
             Some(WarpModeName::Seed) => FilterName::Trilinear,
             None => FilterName::Auto,
         })
-    }
-
-    pub(super) fn judged(&self, panel: &Panel) -> Panel {
-        match self.compare {
-            false => panel.clone(),
-            true => Panel {
-                blend: 0.0,
-                alpha: None,
-                gain: [1.0; 3],
-                black: 0.0,
-                ..panel.clone()
-            },
-        }
     }
 }

@@ -14,7 +14,7 @@ const PUPILS_MM: [f64; 2] = [1.0, 9.0];
 #[derive(Clone, Debug, Args)]
 pub(super) struct EyeArgs {
     /// Show what an eye with astigmatism sees: the cylinder that corrects it, in dioptres, and its
-    /// axis, in degrees counter-clockwise as who faces the eye sees it; as -1.5@180. A point
+    /// axis, in degrees counter-clockwise as an observer facing the eye sees it; as -1.5@180. A point
     /// becomes a line across the axis. Drawn by --filter auto, anisotropic, feline and ewa.
     #[arg(long, value_name = "CYLINDER@AXIS", value_parser = parse_cylinder)]
     #[arg(allow_hyphen_values = true)]
@@ -32,7 +32,7 @@ struct Cylinder {
     axis_deg: f64,
 }
 
-/// What is told of the eye.
+/// The eye, as results describe it.
 #[derive(Debug, Serialize)]
 pub(super) struct EyeReport {
     cylinder_dioptres: f64,

@@ -4,6 +4,7 @@ use super::args::{MOST_PROBES, StereoName, WarpArgs, WarpModeName};
 use super::sent::SentLayout;
 use super::source::{EyePart, PanelSource};
 use crate::commands::panels::rig_args::{PlacementName, source_size};
+use crate::options::panels::tell_part;
 use crate::report::output::{WrongUsage, say};
 use anyhow::bail;
 use foveal_core::view::panel::fit::{SourceFit, SourceSize};
@@ -103,6 +104,7 @@ impl WarpArgs {
             );
         }
         let found = self.fit(rig, panels, SourceSize::Picture([parts[0][2], parts[0][3]]))?;
+        tell_part(panels, &found.placement, [parts[0][2], parts[0][3]]);
         let eyes = [Eye::Left, Eye::Right];
         let part = |(eye, part)| EyePart {
             eye,
@@ -198,7 +200,7 @@ impl WarpArgs {
             },
             Some(WarpModeName::Seed) => {
                 let maps: Vec<Vec<SeedTexel>> = placed.iter().map(seed_map).collect();
-                plan.by_seed_maps(&maps)
+                plan.by_seed_maps(&maps.iter().map(Vec::as_slice).collect::<Vec<_>>())
             }
         }
     }

@@ -24,7 +24,7 @@ use sent::{SentLayout, as_seen};
 use serde::Serialize;
 use source::{PanelSource, opaque};
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 #[derive(Serialize)]
 struct WarpResult {
@@ -65,10 +65,7 @@ pub(crate) fn run(args: &WarpArgs) -> anyhow::Result<()> {
     let rig = args.rig.read()?;
     let mut source = PanelSource::open(&args.source_name)?;
     args.check_source(&source)?;
-    let all = args.rig.panels(&rig);
-    // A comparison judges the warp alone: what dims or fades a panel is left out of both.
-    let plain: Vec<Panel> = all.iter().map(|panel| args.judged(panel)).collect();
-    let panels: Vec<&Panel> = plain.iter().collect();
+    let panels = args.rig.panels(&rig);
     let ran = match &args.out {
         Some(out) => to_files(args, &rig, &panels, (&mut source, out))?,
         None => {
@@ -96,6 +93,15 @@ pub(crate) fn run(args: &WarpArgs) -> anyhow::Result<()> {
     output::result(args.json, &result, &result.text(args.out.as_deref()))
 }
 
+/// What fills panels, from a source that lies somewhere.
+struct Filled {
+    laid: Laid,
+    device: WarpDevice,
+    /// Fills the same panels for a comparison, which judges the warp alone: without what dims or
+    /// fades them. Nothing where that is the same, or not asked for.
+    bare: Option<WarpDevice>,
+}
+
 /// Writes what each panel shows of each frame.
 fn to_files(
     args: &WarpArgs,
@@ -105,15 +111,22 @@ fn to_files(
 ) -> anyhow::Result<WarpRun> {
     let layout = SentLayout::of(panels);
     let drawer = opened(args.renderer, args.filter_name())?;
+    let bare: Vec<Panel> = panels.iter().map(|it| it.undimmed()).collect();
+    let bare: Vec<&Panel> = bare.iter().collect();
+    let differs = args.compare && bare[..] != *panels;
     let open = |source: &PanelSource| {
         let laid = args.lay(rig, panels, (source, most_side(&drawer)))?;
-        let style = (args.filter_name(), args.show_anisotropy);
-        let plan = args.plan(panels, &laid, &layout);
-        let device = WarpDevice::new(&drawer, plan, laid.size, style)?;
-        anyhow::Ok((laid, device))
+        let filled_by = |panels: &[&Panel]| {
+            let plan = args.plan(panels, &laid, &layout);
+            let style = (args.filter_name(), args.show_anisotropy);
+            WarpDevice::new(&drawer, plan, laid.size, style)
+        };
+        let device = filled_by(panels)?;
+        let bare = differs.then(|| filled_by(&bare)).transpose()?;
+        anyhow::Ok(Filled { laid, device, bare })
     };
-    let (mut laid, mut device) = open(source)?;
-    args.tell_shrunk(&laid);
+    let mut filled = open(source)?;
+    args.tell_shrunk(&filled.laid);
     std::fs::create_dir_all(out)
         .with_context(|| format!("--out {}: the folder cannot be made", out.display()))?;
     let is_endless = source.world().is_some() || source.live().is_some();
@@ -122,40 +135,53 @@ fn to_files(
     let mut judges = judges(args, panels, several && source.moves())?;
     let mut frames = 0;
     while frames < most {
-        let Some(frame) = source.frame(frames, &laid.parts)? else {
+        let Some(frame) = source.frame(frames, &filled.laid.parts)? else {
             break;
         };
         // A window that is captured may have another size now.
-        if frame.picture.size != laid.size {
-            (laid, device) = open(source)?;
+        if frame.picture.size != filled.laid.size {
+            filled = open(source)?;
         }
-        let atlas = device.fill(&frame.picture)?;
+        let atlas = filled.device.fill(&frame.picture)?;
         let file = |name: &str| match several {
             true => out.join(name).join(format!("frame_{frames:05}.png")),
             false => out.join(format!("{name}.png")),
         };
-        for (name, surface) in layout.surfaces(&atlas) {
-            write_picture(&file(&name), &surface)?;
-        }
+        write_surfaces(&layout, &atlas, &file)?;
+        let bare = filled.bare.as_ref().map(|it| it.fill(&frame.picture));
+        let bare = bare.transpose()?;
         for (k, panel) in panels.iter().enumerate() {
             let seen = as_seen(panel, &atlas, layout.origins[k]);
             write_picture(&file(&panel.id), &seen)?;
-            if let (Some(judge), Some(world)) = (judges.get_mut(k), source.world()) {
-                let placement = &laid.of(panel).placement;
-                let direct = opaque(&world.on_panel(u64::from(frames), panel, placement));
-                judge.frame(&direct, &seen)?;
-                let sheet = file(&format!("compare/{}", panel.id));
-                write_picture(&sheet, &seen.beside(&direct))?;
-            }
+            let Some((judge, world)) = judges.get_mut(k).zip(source.world()) else {
+                continue;
+            };
+            let seen = as_seen(panel, bare.as_ref().unwrap_or(&atlas), layout.origins[k]);
+            let placement = &filled.laid.of(panel).placement;
+            let direct = opaque(&world.on_panel(u64::from(frames), panel, placement));
+            judge.frame(&direct, &seen)?;
+            let sheet = file(&format!("compare/{}", panel.id));
+            write_picture(&sheet, &seen.beside(&direct))?;
         }
         frames += 1;
     }
     Ok(WarpRun {
         frames,
-        laid,
-        adapter: device.name().to_owned(),
+        adapter: filled.device.name().to_owned(),
+        laid: filled.laid,
         judges,
     })
+}
+
+fn write_surfaces(
+    layout: &SentLayout,
+    atlas: &RgbaImage,
+    file: &dyn Fn(&str) -> PathBuf,
+) -> anyhow::Result<()> {
+    for (name, surface) in layout.surfaces(atlas) {
+        write_picture(&file(&name), &surface)?;
+    }
+    Ok(())
 }
 
 fn judges(args: &WarpArgs, panels: &[&Panel], moves: bool) -> anyhow::Result<Vec<PanelJudge>> {
@@ -196,13 +222,19 @@ impl WarpResult {
     fn text(&self, out: Option<&Path>) -> String {
         let [w, h] = self.source;
         let mut text = format!(
-            "{}, {} of {w}x{h}, {} ({}); Feline takes several samples of {:.1} % of pixels\n",
+            "{}, {} of {w}x{h}, filter {}, drawn by {}\n",
             counted(u64::from(self.frames), "frame"),
             self.placement,
             self.filter,
             self.adapter,
-            100.0 * self.multi_probe_share
         );
+        if self.multi_probe_share > 0.0 {
+            let percent = 100.0 * self.multi_probe_share;
+            let _ = writeln!(
+                text,
+                "Feline takes several samples of {percent:.1} % of pixels"
+            );
+        }
         text.extend(self.eye_blur.iter().map(EyeReport::text));
         for panel in &self.panels {
             let Some(score) = &panel.score else { continue };

@@ -180,7 +180,7 @@ impl LivePictures {
         self.capture.ended().is_none().then_some(pause)
     }
 
-    /// The newest picture, once there is one; `None` where none will come, which is told.
+    /// The newest picture, once there is one; `None`, with a message, where none will come.
     fn wait(&mut self) -> Option<RgbaImage> {
         loop {
             if let Some(picture) = self.newest(WAIT) {

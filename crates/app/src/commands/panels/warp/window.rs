@@ -7,7 +7,7 @@ use super::device::most_side_of;
 use super::laid::Laid;
 use super::sent::SentLayout;
 use super::source::{PanelSource, SourceFrame};
-use crate::commands::view::screen::{instance, request_adapter, request_device};
+use crate::commands::view::screen::{instance, request_adapter};
 use crate::report::output::{WrongUsage, say};
 use anyhow::{Context, anyhow, bail};
 use foveal_core::view::panel::rig::{Panel, Rig};
@@ -204,8 +204,8 @@ impl App<'_> {
             let surface = self.instance.create_surface(Arc::clone(&window))?;
             if shared.is_none() {
                 let adapter = request_adapter(&self.instance, &surface)?;
-                let (device, queue) = request_device(&adapter)?;
-                shared = Some((adapter, Gpu::from_parts(device, queue)));
+                let gpu = pollster::block_on(Gpu::of_adapter(&adapter))?;
+                shared = Some((adapter, gpu));
             }
             if let Some((adapter, gpu)) = &shared {
                 let config = configuration(&surface, adapter, &window)?;
@@ -308,7 +308,7 @@ impl Windows {
 }
 
 impl PanelWindow {
-    /// What is drawn into next; `None` while nobody sees the window.
+    /// What is drawn into next; `None` while the window is hidden.
     fn target(&mut self, gpu: &Gpu) -> Option<wgpu::SurfaceTexture> {
         let size = self.window.inner_size();
         let size = [size.width, size.height];
@@ -392,11 +392,14 @@ fn monitor_called(
     let found = all.iter().find(|it| it.name().as_deref() == Some(monitor));
     found.cloned().with_context(|| {
         let names: Vec<String> = all.iter().filter_map(MonitorHandle::name).collect();
-        let there = match names.is_empty() {
-            true => "none is told of".to_owned(),
-            false => format!("there are {}", names.join(", ")),
+        let found = match names.is_empty() {
+            true => "none has a name".to_owned(),
+            false => {
+                let names = names.iter().map(|it| format!("{it:?}"));
+                format!("found: {}", names.collect::<Vec<_>>().join(", "))
+            }
         };
-        format!("monitor {monitor:?}, which the rig names for surface {surface:?}: {there}")
+        format!("surface {surface:?}: no monitor {monitor:?}; {found}")
     })
 }
 
