@@ -167,7 +167,7 @@ fn projectors_before_a_wall_become_a_rig_whose_light_is_even() {
     let west = Rgb::read(&format!("{out}/west.png"));
     // Alone it is white; at its right edge all light is the other's.
     assert_eq!(west.at([10, 34]), [255; 3]);
-    assert!(west.at([119, 34])[0] < 40, "{:?}", west.at([119, 34]));
+    assert!(west.at([119, 34])[0] < 60, "{:?}", west.at([119, 34]));
     let refuse = |more: &[&str], words: &[&str]| {
         let out = folder.name("none.toml");
         let all = [&["panels", "import", &wall, "--out", &out], more].concat();

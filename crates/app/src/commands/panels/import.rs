@@ -118,14 +118,11 @@ struct ImportReport {
 }
 
 impl ImportArgs {
-    fn read(&self) -> anyhow::Result<Rig> {
+    /// Refuses files that are no rig of another program, and walls without what lights them.
+    fn check(&self) -> anyhow::Result<()> {
         let name = self.file.display();
-        let is_wall = is_scene_file(&self.file);
-        match (is_wall, self.projector.is_empty()) {
-            (true, false) => {
-                let eye = self.eye_at.unwrap_or_default();
-                Ok(rig_of_projectors(&self.file, &self.projector, eye)?)
-            }
+        match (is_scene_file(&self.file), self.projector.is_empty()) {
+            (true, false) => Ok(()),
             (true, true) => bail!(WrongUsage(format!(
                 "{name}: is a wall, and nothing tells what lights it; give --projector \"ID \
                  at=X,Y,Z pixels=WxH throw=N\" for each projector"
@@ -134,7 +131,7 @@ impl ImportArgs {
                 "--projector lights a wall, and {name} is none by its ending; give one that ends \
                  in .obj, .ply, .stl, .gltf or .glb, or leave --projector out"
             ))),
-            (false, true) if is_foreign(&self.file) => read_noting(&self.file, self.eye_at),
+            (false, true) if is_foreign(&self.file) => Ok(()),
             (false, true) => bail!(WrongUsage(format!(
                 "{name}: is no MPCDI, warp mesh or wall by its ending; give one that ends in \
                  .mpcdi, .xml, .data, .mesh or .txt, or a wall in .obj, .ply, .stl, .gltf or .glb \
@@ -142,9 +139,20 @@ impl ImportArgs {
             ))),
         }
     }
+
+    fn read(&self) -> anyhow::Result<Rig> {
+        match is_scene_file(&self.file) {
+            true => {
+                let eye = self.eye_at.unwrap_or_default();
+                Ok(rig_of_projectors(&self.file, &self.projector, eye)?)
+            }
+            false => read_noting(&self.file, self.eye_at),
+        }
+    }
 }
 
 pub(crate) fn run(args: &ImportArgs) -> anyhow::Result<()> {
+    args.check()?;
     let wrong = |what: String| anyhow::Error::from(WrongUsage(what));
     let ending = args.out.extension().and_then(|it| it.to_str());
     let stem = args.out.file_stem().and_then(|it| it.to_str());

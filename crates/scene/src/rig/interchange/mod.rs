@@ -14,9 +14,9 @@ pub(super) mod written_mpcdi;
 pub(super) mod written_toml;
 mod xml;
 
-/// A number without what sums have rounded in its last digits: 14 digits, and none of what is
+/// A number without what sums have rounded in its last digits: 13 digits, and none of what is
 /// nothing.
 fn neat(number: f64) -> f64 {
-    let short = format!("{number:.13e}").parse().unwrap_or(number);
+    let short = format!("{number:.12e}").parse().unwrap_or(number);
     if short.abs() < 1e-13 { 0.0 } else { short }
 }

@@ -14,8 +14,8 @@ const PUPILS_MM: [f64; 2] = [1.0, 9.0];
 #[derive(Clone, Debug, Args)]
 pub(super) struct EyeArgs {
     /// Show what an eye with astigmatism sees: the cylinder that corrects it, in dioptres, and its
-    /// axis, in degrees counter-clockwise as an observer facing the eye sees it; as -1.5@180. A point
-    /// becomes a line across the axis. Drawn by --filter auto, anisotropic, feline and ewa.
+    /// axis, in degrees counter-clockwise as an observer facing the eye sees it; as -1.5@180. A
+    /// point becomes a line across the axis. Drawn by --filter auto, anisotropic, feline and ewa.
     #[arg(long, value_name = "CYLINDER@AXIS", value_parser = parse_cylinder)]
     #[arg(allow_hyphen_values = true)]
     eye_blur: Option<Cylinder>,

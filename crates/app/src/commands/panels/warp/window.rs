@@ -36,7 +36,9 @@ pub(super) fn run(
 ) -> anyhow::Result<(u32, Laid, String)> {
     let laid = args.lay(rig, panels, (source, u32::MAX))?;
     let event_loop = EventLoop::new().map_err(|reason| {
-        anyhow!("--window: no window can be opened: {reason}; is there a display?")
+        anyhow!(
+            "--window: no display ({reason}); set DISPLAY or WAYLAND_DISPLAY, or give --out DIR"
+        )
     })?;
     let mut app = App {
         instance: instance(event_loop.owned_display_handle()),

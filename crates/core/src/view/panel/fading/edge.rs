@@ -27,6 +27,8 @@ pub(super) struct LitPanel<'a> {
 /// A piece of the edge: an arc of a great circle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EdgePiece {
+    /// Its number among those of its panel.
+    pub(super) number: usize,
     /// Unit directions of its ends.
     pub(super) ends: [DVec3; 2],
     /// Unit normal, to the lit side, of the plane through the eye and its ends.
@@ -158,6 +160,7 @@ impl<'a> LitPanel<'a> {
             };
             let middle = (ends[0] + ends[1]).normalize_or_zero();
             pieces.push(EdgePiece {
+                number: pieces.len(),
                 ends,
                 inward: normal * normal.dot(inner).signum(),
                 half_pixel: middle.distance(inner) * 0.5 / inward,

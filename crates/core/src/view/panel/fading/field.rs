@@ -17,6 +17,8 @@ const MOST_ACROSS: f64 = 512.0;
 /// Nodes beyond the lit part, and how many steps off an edge still counts.
 const MARGIN: f64 = 2.0;
 const NEAR: f64 = 4.0;
+/// How many steps beside the lit part a node is at most that what is linear there reads.
+const NEXT: f64 = 1.5;
 /// A part of a chart of so many nodes on a side is not divided further.
 const SMALLEST_PART: usize = 8;
 /// Kinds of edges: those that other panels cover, and all.
@@ -41,6 +43,18 @@ pub struct FadeField {
     pub nodes: Vec<[f32; 2]>,
     /// The largest number of each kind.
     most: [f64; 2],
+    /// Nodes beside the lit part, until it is known which edges are covered.
+    beside: Vec<NodeBeside>,
+}
+
+/// A node just outside of the lit part.
+#[derive(Clone, Debug, PartialEq)]
+struct NodeBeside {
+    index: usize,
+    /// The nearest piece of the edge.
+    piece: usize,
+    /// The unit direction as far inside.
+    mirrored: DVec3,
 }
 
 /// Nodes from a column and row up to others.
@@ -72,6 +86,7 @@ impl FadeField {
             size: [2; 2],
             nodes: Vec::new(),
             most: [0.0; 2],
+            beside: Vec::new(),
         };
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for at in edge
@@ -105,6 +120,16 @@ impl FadeField {
     /// Takes in which pieces of the edge other panels cover.
     pub(super) fn cover(&mut self, pieces: &[EdgePiece]) {
         self.fill(COVERED, pieces);
+        // Across an edge that no panel covers, distances from the others go on as in a mirror:
+        // what is linear between nodes is then right up to the edge.
+        for node in core::mem::take(&mut self.beside) {
+            let is_covered = pieces.binary_search_by_key(&node.piece, |it| it.number).is_ok();
+            if !is_covered && !pieces.is_empty() {
+                let angle = signed_angle(pieces, node.mirrored);
+                let most = self.most[COVERED];
+                self.nodes[node.index][COVERED] = angle.clamp(-most, most) as f32;
+            }
+        }
     }
 
     /// Radians inside the edges that other panels cover, and inside all of them, of a unit
@@ -179,13 +204,11 @@ impl FadeField {
         if part.is_small() {
             for node in part.nodes() {
                 let direction = self.direction(node);
-                // Beside the lit part an edge goes on straight: what is linear between nodes is
-                // then right up to where the edge ends.
-                let angle = match kind == COVERED && self.is_unlit(node) {
-                    true => libm::asin(nearest(&near, direction)[1].clamp(-1.0, 1.0)),
-                    false => signed_angle(&near, direction),
-                };
+                let angle = signed_angle(&near, direction);
                 self.set(ChartPart::of(node), kind, angle);
+                if kind == ALL && angle < 0.0 && -angle < NEXT * self.step {
+                    self.add_beside(node, &near);
+                }
             }
             return;
         }
@@ -194,8 +217,16 @@ impl FadeField {
         }
     }
 
-    fn is_unlit(&self, [column, row]: [usize; 2]) -> bool {
-        self.nodes[row * self.size[0] + column][ALL] < 0.0
+    fn add_beside(&mut self, node: [usize; 2], pieces: &[EdgePiece]) {
+        let direction = self.direction(node);
+        let Some((piece, _)) = nearest(pieces, direction) else {
+            return;
+        };
+        self.beside.push(NodeBeside {
+            index: node[1] * self.size[0] + node[0],
+            piece: piece.number,
+            mirrored: direction - piece.inward * (2.0 * piece.inward.dot(direction)),
+        });
     }
 
     fn set(&mut self, part: ChartPart, kind: usize, angle: f64) {
@@ -244,22 +275,26 @@ impl ChartPart {
 
 /// Radians to the nearest of pieces, positive on the lit side.
 fn signed_angle(pieces: &[EdgePiece], from: DVec3) -> f64 {
-    let [chord, sine] = nearest(pieces, from);
+    let Some((_, [chord, sine])) = nearest(pieces, from) else {
+        return f64::INFINITY;
+    };
     let angle = 2.0 * libm::asin((chord.sqrt() / 2.0).min(1.0));
     if sine < 0.0 { -angle } else { angle }
 }
 
-/// What [`EdgePiece::reached`] says of the nearest of pieces. Where two are equally near, at the
-/// corner between them, that one tells the side whose plane is farther off.
-fn nearest(pieces: &[EdgePiece], from: DVec3) -> [f64; 2] {
-    let mut best = [f64::INFINITY, 0.0];
-    for [chord, sine] in pieces.iter().map(|it| it.reached(from)) {
-        let is_same = (chord - best[0]).abs() <= SAME_CHORD;
-        if (is_same && sine.abs() > best[1].abs()) || (!is_same && chord < best[0]) {
-            best = [chord, sine];
+/// The nearest of pieces, with what [`EdgePiece::reached`] says of it. Where two are equally near,
+/// at the corner between them, that one tells the side whose plane is farther off.
+fn nearest(pieces: &[EdgePiece], from: DVec3) -> Option<(&EdgePiece, [f64; 2])> {
+    let all = pieces.iter().map(|it| (it, it.reached(from)));
+    all.reduce(|best, it| {
+        let ([least, known], [chord, sine]) = (best.1, it.1);
+        let is_same = (chord - least).abs() <= SAME_CHORD;
+        match is_same {
+            true if sine.abs() > known.abs() => it,
+            false if chord < least => it,
+            _ => best,
         }
-    }
-    best
+    })
 }
 
 /// The square of the chord of an angle.

@@ -187,6 +187,23 @@ fn fades_of_bent_panels_end_where_light_ends_and_add_up() {
 }
 
 #[test]
+fn fades_stay_even_along_edges_that_lie_on_each_other_or_nearly_so() {
+    // The lower edges lie on the horizon, or a fraction of a pixel above and below it.
+    for lift in [0.0_f64, 0.0006, -0.002] {
+        let mut panels = turned(0.0);
+        panels[0].view.field = Field::of([0.45, 0.45, 0.6, lift]);
+        panels[1].view.field = Field::of([0.45, 0.45, 0.6, 0.0]);
+        let shown = Shown::of(panels);
+        let pixel = 0.9 / f64::from(SIZE[0]);
+        let step = shown.step(&crossings(&shown)[..1], 105.0 * pixel);
+        // Where they are apart by a pixel, one row is alone.
+        let most = if lift.abs() < 0.5 * pixel { 0.01 } else { 1.0 };
+        assert!(step <= most, "{lift}: {step}");
+        assert!(shown.off() <= 0.01, "{lift}: {}", shown.off());
+    }
+}
+
+#[test]
 fn a_fade_ends_at_the_border_of_what_a_map_leaves_unlit() {
     let mut panels = wall(2, 1);
     // The right one shows nothing in its first 80 columns.
