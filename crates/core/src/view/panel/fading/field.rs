@@ -123,7 +123,9 @@ impl FadeField {
         // Across an edge that no panel covers, distances from the others go on as in a mirror:
         // what is linear between nodes is then right up to the edge.
         for node in core::mem::take(&mut self.beside) {
-            let is_covered = pieces.binary_search_by_key(&node.piece, |it| it.number).is_ok();
+            let is_covered = pieces
+                .binary_search_by_key(&node.piece, |it| it.number)
+                .is_ok();
             if !is_covered && !pieces.is_empty() {
                 let angle = signed_angle(pieces, node.mirrored);
                 let most = self.most[COVERED];
