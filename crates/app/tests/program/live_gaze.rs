@@ -524,7 +524,8 @@ fn a_head_alone_is_a_gaze() {
     // From a sender that knows no more than the head.
     let live = ["simulate", &pack, "--gaze", "udp:0", "--out", &out];
     let line = r#"{"t_s":NOW,"head_yaw_deg":-40,"head_pitch_deg":1}"#;
-    let ran = run_looking_at(&[&live[..], &["--renderer", "none"]].concat(), line);
+    let how = ["--renderer", "none", "--frames", "8"];
+    let ran = run_looking_at(&[&live[..], &how].concat(), line);
     assert_eq!(ran.code, Some(0), "{ran:?}");
     // The eyes of a head that hardly moves are near its middle.
     let near = |yaw: &f64| (yaw + 40.0).abs() < 6.0;

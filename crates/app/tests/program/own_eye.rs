@@ -5,6 +5,8 @@ use crate::support::{Folder, done, json, refused};
 use serde_json::Value;
 
 const ACUITY: &str = "ecc_deg,mar_arcmin\n0,1\n5,6\n40,60\n";
+/// An eye that resolves far less than the usual one.
+const COARSE: &str = "ecc_deg,mar_arcmin\n0,6\n5,60\n40,300\n";
 const SENSITIVITY: &str = "cpd,ecc_deg,sensitivity\n0.5,0,40\n4,0,60\n30,0,1\n0.5,20,10\n4,20,2\n\
                            30,20,0\n";
 
@@ -46,6 +48,7 @@ fn what_was_measured_chooses_and_a_replay_needs_no_file() {
         .concat(),
     );
     let acuity = folder.holding("acuity.csv", ACUITY.as_bytes());
+    let coarse = folder.holding("coarse.csv", COARSE.as_bytes());
     let sensitivity = folder.holding("csf.csv", SENSITIVITY.as_bytes());
     let run = |name: &str, options: &[&str]| {
         let out = folder.name(name);
@@ -66,7 +69,7 @@ fn what_was_measured_chooses_and_a_replay_needs_no_file() {
         )
     };
     let (usual, _) = run("usual", &["--policy", "acuity", "--target", "none"]);
-    let (coarser, by_acuity) = run("acuity", &["--policy", "acuity", "--acuity", &acuity]);
+    let (coarser, by_acuity) = run("acuity", &["--policy", "acuity", "--acuity", &coarse]);
     assert!(
         coarser < usual,
         "an eye that resolves less takes less: {coarser} {usual}"
@@ -83,7 +86,8 @@ fn what_was_measured_chooses_and_a_replay_needs_no_file() {
     let own = ["--acuity", &acuity, "--sensitivity", &sensitivity];
     let (_, by_both) = run("both", &[&link[..], &own].concat());
     let measured = serde_json::json!([[0.0, 1.0 / 60.0], [5.0, 0.1], [40.0, 1.0]]);
-    assert_eq!(head(&by_acuity)["policy"]["acuity"]["table"], measured);
+    let table = serde_json::json!([[0.0, 0.1], [5.0, 1.0], [40.0, 5.0]]);
+    assert_eq!(head(&by_acuity)["policy"]["acuity"]["table"], table);
     let perception = head(&by_both)["policy"]["perception"].clone();
     assert_eq!(perception["acuity"], measured);
     assert_eq!(
@@ -93,6 +97,7 @@ fn what_was_measured_chooses_and_a_replay_needs_no_file() {
     assert_eq!(perception["sensitivity"].as_array().unwrap().len(), 6);
     assert!(head(&plain)["policy"]["perception"]["acuity"].is_null());
     std::fs::remove_file(&acuity).unwrap();
+    std::fs::remove_file(&coarse).unwrap();
     std::fs::remove_file(&sensitivity).unwrap();
     for log in [by_acuity, by_both, plain] {
         assert_eq!(
@@ -109,7 +114,8 @@ fn select_and_perception_take_it() {
     let acuity = folder.holding("acuity.csv", ACUITY.as_bytes());
     let sensitivity = folder.holding("csf.csv", SENSITIVITY.as_bytes());
     let pixels = |options: &[&str]| json(&[&SELECT[..], options].concat())["pixels"].as_u64();
-    assert!(pixels(&["--acuity", &acuity]) < pixels(&[]));
+    let coarse = folder.holding("coarse.csv", COARSE.as_bytes());
+    assert!(pixels(&["--acuity", &coarse]) < pixels(&[]));
     let own = ["--acuity", &acuity, "--sensitivity", &sensitivity];
     let found = json(&[&TABLE[..], &own].concat());
     let row = |k: usize| found["acuity"][k]["e_cpd"].as_f64().unwrap();
