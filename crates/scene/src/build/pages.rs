@@ -2,7 +2,7 @@
 
 use super::built::{BuildError, BuiltUnit};
 use super::mesh::GridMesh;
-use super::pyramid::{BAND_ROWS, PageMaker, PageLevels};
+use super::pyramid::{BAND_ROWS, PageLevels, PageMaker};
 use super::regions::{ShownRegion, regions};
 use super::sphere::LocalSphere;
 use super::textures::{ShownImage, ShownImages};

@@ -11,8 +11,8 @@ use toml_parser::Source;
 use toml_parser::lexer::{Token, TokenKind};
 
 use super::super::error::Fault;
-use super::keys::{NEXT, line_of};
 use super::super::place::MOST_PLACES;
+use super::keys::{NEXT, line_of};
 
 /// Most words of a text beside places: sixteen for each of as many inputs as fit into a pack.
 const MOST_WORDS: usize = 16 * 4096;
