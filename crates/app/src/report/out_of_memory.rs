@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn a_line_holds_what_is_told_of_the_most_bytes() {
         let mut line = Line::default();
-        write!(line, "{}: {NEXT}{NEXT}{NEXT}", usize::MAX).unwrap_err();
+        write!(line, "{}: {NEXT}{NEXT}{NEXT}{NEXT}", usize::MAX).unwrap_err();
         assert_eq!(line.length, MOST_BYTES);
         let mut object = Line::default();
         let wraps = "{\"error\":{\"what\":\"there is no memory left:  bytes more cannot be had\",\
