@@ -54,7 +54,7 @@ fn assert_same_in_the_fovea(
         let gaze_direction = direction_from_yaw_pitch(yaw, pitch);
         let view = match surface.projection {
             Projection::Flat => *view,
-            Projection::Cube => turned(view, head[0], head[1]),
+            Projection::Cube | Projection::Equirect => turned(view, head[0], head[1]),
         };
         let pictures = [&full, &foveated].map(|out| frame_picture(out, frame));
         let (locate, mut inside, mut outside) = (seen(surface, &view), 0, 0);

@@ -42,7 +42,7 @@ fn read_all(out: &str, surface: &Surface, view: &EyeView) -> usize {
     for frame in 0..yaw.len() {
         let view = match surface.projection {
             Projection::Flat => *view,
-            Projection::Cube => turned(view, yaw[frame], pitch[frame]),
+            Projection::Cube | Projection::Equirect => turned(view, yaw[frame], pitch[frame]),
         };
         let numbers = read_numbers(&frame_picture(out, frame), surface, &view);
         for (cell, number) in &numbers {
