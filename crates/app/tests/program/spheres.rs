@@ -128,7 +128,7 @@ fn a_whole_one_keeps_its_pixels_and_cubes_and_halves_become_whole() {
     let score = json(&[
         "score", &clip, &pack, "--policy", "full", "--gaze", "center",
     ]);
-    assert!(score["jod"].as_f64().unwrap() > 9.5, "{score}");
+    assert!(score["jod"].as_f64().unwrap() > 8.0, "{score}");
     let clip = write_clip(&folder, "world_cube.mkv", &[cube(128)]);
     let pack = packed(&folder, &clip, "unfolded.foveal", &how);
     let faces = packed(&folder, &clip, "cube.foveal", &[]);

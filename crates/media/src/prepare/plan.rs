@@ -68,10 +68,7 @@ impl PreparationPlan {
         let mut remarks = Remarks::default();
         let found = surround_of(input, info, settings, &mut remarks)?;
         let surround = found.surround;
-        let surface = match settings.pack_projection {
-            SpherePack::Cube => cube_as_asked(surface(&found), surround, settings)?,
-            SpherePack::Equirect => equirect_as_asked(&found, settings)?,
-        };
+        let surface = surface_as_asked(&found, settings)?;
         let levels = settings
             .levels
             .unwrap_or_else(|| default_levels(surface, settings.ratio));
@@ -281,6 +278,17 @@ fn cube_as_asked(
         return wrong(format!("--face-size {size}: {kind}; leave it out"));
     }
     Ok(surface)
+}
+
+/// What the pack shows lies on.
+fn surface_as_asked(
+    found: &SurroundOfEyes,
+    settings: &PrepareSettings,
+) -> Result<Surface, PrepareError> {
+    match settings.pack_projection {
+        SpherePack::Cube => cube_as_asked(surface(found), found.surround, settings),
+        SpherePack::Equirect => equirect_as_asked(found, settings),
+    }
 }
 
 /// Whether chroma comes to lie between its luma samples, wherever it lay.

@@ -1,9 +1,11 @@
 //! What surrounds the one picture of the whole sphere? Twin of `shaders/shared/equirect.wgsl`.
 
-use super::lattice::{Axis, Bracket, Tap, axis_of, bracket, samples_in, tap_at, tap_of, weight_of};
-use super::mapping::arc_tangent;
-use super::screen::{SeenPlace, View};
-use super::tiles::{Plane, TwinTiles, cell_at, fetch, scale_of, shown_in};
+use crate::twin::shared::lattice::{
+    Axis, Bracket, Tap, axis_of, bracket, samples_in, tap_at, tap_of, weight_of,
+};
+use crate::twin::shared::mapping::arc_tangent;
+use crate::twin::shared::screen::{SeenPlace, View};
+use crate::twin::shared::tiles::{Plane, TwinTiles, cell_at, fetch, scale_of, shown_in};
 use glam::{UVec2, Vec2, Vec2Swizzles, Vec3Swizzles};
 use std::f32::consts::PI;
 

@@ -1,8 +1,8 @@
 //! What surrounds the one face of flat content? Twin of `shaders/shared/plane.wgsl`.
 
-use super::lattice::{Axis, Bracket, tap_of, weight_of};
-use super::screen::{SeenPlace, View, display_footprint};
-use super::tiles::{Plane, TwinTiles, fetch};
+use crate::twin::shared::lattice::{Axis, Bracket, tap_of, weight_of};
+use crate::twin::shared::screen::{SeenPlace, View, display_footprint};
+use crate::twin::shared::tiles::{Plane, TwinTiles, fetch};
 use glam::{Vec2, Vec3Swizzles};
 
 pub(crate) fn seen_by(tiles: &TwinTiles, view: &View, pixel: Vec2) -> SeenPlace {

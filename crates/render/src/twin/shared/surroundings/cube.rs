@@ -1,10 +1,12 @@
 //! What surrounds a face of the cube? Twin of `shaders/shared/cube.wgsl`.
 
-use super::lattice::{Axis, Bracket, axis_of, bracket, samples_in, tap_at, tap_of, weight_of};
-use super::mapping::{place_on_face, tangent_on_face};
-use super::screen::{SeenPlace, View, display_footprint};
-use super::tiles::{Plane, TwinTiles, fetch};
-use super::widened::widened;
+use crate::twin::shared::lattice::{
+    Axis, Bracket, axis_of, bracket, samples_in, tap_at, tap_of, weight_of,
+};
+use crate::twin::shared::mapping::{place_on_face, tangent_on_face};
+use crate::twin::shared::screen::{SeenPlace, View, display_footprint};
+use crate::twin::shared::tiles::{Plane, TwinTiles, fetch};
+use crate::twin::shared::widened::widened;
 use foveal_core::view::surface::CUBE_FACES;
 use glam::{Vec2, Vec3};
 
