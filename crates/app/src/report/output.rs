@@ -184,7 +184,7 @@ fn told_apart<T>(
     read.or_else(|error| match error.kind() {
         ErrorKind::IsADirectory => bail!("{name}: is a folder; give the file of {what}"),
         ErrorKind::Other => bail!(
-            "{name}: is no plain file; give {what} as one, and write what comes through a pipe \
+            "{name}: is no plain file; give {what} as a file, and write what comes through a pipe \
              into it first"
         ),
         ErrorKind::FileTooLarge => {

@@ -255,3 +255,16 @@ fn a_log_that_is_written_otherwise_replays_the_same_selection() {
     let ran = within([20, 2_000_000], &["replay", &spaced]);
     assert_refused(&ran, 1, &["the same selection, written otherwise"]);
 }
+
+#[test]
+fn a_line_of_two_gigabytes_is_refused_by_its_line() {
+    let folder = Folder::new();
+    let path = folder.holding("long.csv", b"t_s,yaw_deg,pitch_deg\n0,1,2\n");
+    let file = std::fs::File::options().write(true).open(&path).unwrap();
+    file.set_len(1 << 31).unwrap();
+    let gaze = format!("trace:{path}");
+    let select = ["select", "--projection", "cube", "--face-size", "256"];
+    let arguments = [&select[..], &["--gaze", &gaze]].concat();
+    let words = ["long.csv", "line 3", "longer than 65536 bytes"];
+    assert_refused(&within([20, 1_500_000], &arguments), 1, &words);
+}

@@ -9,7 +9,6 @@ use rosc::{OscMessage, OscPacket, OscType};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, UdpSocket};
-use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -539,31 +538,6 @@ fn a_head_alone_is_a_gaze() {
         &["simulate", &pack, "--gaze", &bare, "--out", &out],
         &words,
     );
-}
-
-#[test]
-fn a_line_of_two_gigabytes_is_refused_by_its_line() {
-    let folder = Folder::new();
-    let path = folder.holding("long.csv", b"t_s,yaw_deg,pitch_deg\n0,1,2\n");
-    let file = std::fs::File::options().write(true).open(&path).unwrap();
-    file.set_len(1 << 31).unwrap();
-    let gaze = format!("trace:{path}");
-    let select = ["select", "--projection", "cube", "--face-size", "256"];
-    let arguments = [&select[..], &["--gaze", &gaze]].concat();
-    refused(
-        1,
-        &arguments,
-        &["long.csv", "line 3", "longer than 65536 bytes"],
-    );
-    if Path::new("/bin/sh").exists() && cfg!(target_os = "linux") {
-        let mut limited = Command::new("/bin/sh");
-        let script = r#"ulimit -v 1500000 && exec "$@""#;
-        let program = env!("CARGO_BIN_EXE_foveal");
-        limited.args(["-c", script, "sh", program]).args(&arguments);
-        let ran = limited.output().unwrap();
-        let said = String::from_utf8(ran.stderr).unwrap();
-        assert!(said.contains("line 3"), "{said}");
-    }
 }
 
 #[test]

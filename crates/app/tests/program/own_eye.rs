@@ -63,10 +63,8 @@ fn what_was_measured_chooses_and_a_replay_needs_no_file() {
             "none",
         ];
         let found = json(&[&common[..], &["--gaze", "20,0"], options].concat());
-        (
-            found["pixels_share_mean"].as_f64().unwrap(),
-            format!("{out}/session.jsonl"),
-        )
+        let share = found["pixels_share_mean"].as_f64().unwrap();
+        (share, format!("{out}/session.jsonl"))
     };
     let (usual, _) = run("usual", &["--policy", "acuity", "--target", "none"]);
     let (coarser, by_acuity) = run("acuity", &["--policy", "acuity", "--acuity", &coarse]);

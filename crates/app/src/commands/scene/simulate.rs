@@ -115,10 +115,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let route = (route, player.scene().bounds());
     let viewer = args.watching.viewer()?;
     let mover = Mover::new(route, &args.gaze, args.seed, length, &viewer)?;
-    let frames = match known {
-        Some(frames) => frames,
-        None => frames_over(mover.gaze_lasts(), interval)?,
-    };
+    let frames = known.map_or_else(|| frames_over(mover.gaze_lasts(), interval), Ok)?;
     let fps = (frames > 1).then_some(1.0 / interval);
     let mut judge = args.judge(&file, (&view, &mounted), &drawing, fps)?;
     let mut mover = mover.through(view).on_panels(mounted);
