@@ -389,12 +389,12 @@ fn textures_are_drawn_as_by_their_twin() {
 #[test]
 fn a_level_larger_than_a_texture_is_refused_by_name() {
     let gpu = Gpu::open_blocking().unwrap();
-    let grid = TileGrid::new(flat([15_360, 8640]), Cut::Grid([8, 8]), 3, 4).unwrap();
+    let grid = TileGrid::new(flat([40_960, 8640]), Cut::Grid([8, 8]), 3, 4).unwrap();
     let said = TextureRenderer::new(&gpu, &grid, FULL)
         .err()
         .unwrap()
         .to_string();
-    assert!(said.contains("15360") && said.contains("atlas"), "{said}");
+    assert!(said.contains("40960") && said.contains("atlas"), "{said}");
 }
 
 /// Compares with a golden picture, or writes it.

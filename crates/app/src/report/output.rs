@@ -95,9 +95,11 @@ pub(crate) fn fail(error: &anyhow::Error) -> ExitCode {
 
 /// Says why the command line cannot be read, or gives the help that it asks for.
 pub(crate) fn fail_usage(error: &clap::Error) -> ! {
-    if error.use_stderr() {
-        print_fault(&Fault::of_usage(error, called()));
+    // Help that was asked for is no failure, and may be of any length.
+    if !error.use_stderr() {
+        error.exit();
     }
+    print_fault(&Fault::of_usage(error, called()));
     let text = error.render().to_string();
     let is_plain = matches!(
         (visible(&text), bounded(&text)),

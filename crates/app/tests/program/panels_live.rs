@@ -14,8 +14,8 @@ use foveal_scene::rig::read_rig;
 use glam::DVec3;
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Child, Stdio};
-use std::time::Duration;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConfigureWindowAux, ConnectionExt};
 
@@ -233,6 +233,8 @@ fn what_cannot_be_captured_is_refused_with_what_to_do() {
         "warp",
         &rig,
         "lavfi:testsrc2=size=65x49",
+        "--frames",
+        "1",
         "--out",
         &out,
     ]);
@@ -293,4 +295,32 @@ fn a_graph_neither_writes_nor_fetches_and_is_not_mistaken_for_a_file() {
     let warp = ["panels", "warp", &rig, &source, "--out", &folder.name(".")];
     refused(2, &warp, &["A.png", "is what is read"]);
     assert_eq!(std::fs::read(&source).unwrap(), before);
+}
+
+#[test]
+fn what_is_live_is_warped_until_it_is_stopped() {
+    let folder = Folder::new();
+    let rig = folder.holding("two.toml", TWO.as_bytes());
+    let out = folder.name("out");
+    let graph = "lavfi:testsrc2=size=64x48";
+    let mut warp = command(&["panels", "warp", &rig, graph, "--out", &out, "--json"]);
+    let warp = warp.stdout(Stdio::piped()).spawn().unwrap();
+    // A picture stands under its name only when it is whole.
+    let third = Path::new(&out).join("A").join("frame_00002.png");
+    let begun = Instant::now();
+    while !third.exists() && begun.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let id = warp.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let ended = warp.wait_with_output().unwrap();
+    assert_eq!(ended.status.code(), Some(0), "{ended:?}");
+    let told: Value = serde_json::from_slice(&ended.stdout).unwrap();
+    assert!(told["frames"].as_u64().unwrap() >= 3, "{told}");
 }

@@ -278,7 +278,7 @@ mod tests {
         let mut read = 0;
         for n in 0..4000 {
             let mut bad = [TABLE, acuity][n % 2].as_bytes().to_vec();
-            for _ in 0..2 {
+            for _ in 0..n % 3 {
                 let mut below = |count: usize| (random.unit() * count as f64) as usize;
                 let place = below(bad.len());
                 let damage = b"0123456789.,-+eNaninf#\n\xff";

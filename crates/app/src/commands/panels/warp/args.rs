@@ -45,8 +45,8 @@ pub(crate) struct WarpArgs {
     /// otherwise.
     #[arg(long, value_enum)]
     pub(super) mode: Option<WarpModeName>,
-    /// Stop after this many frames (default: all of a video, 1 of a world or of
-    /// what is live; in a window all).
+    /// Stop after this many frames (default: all of a video, 1 of a world, and what is live until
+    /// Ctrl-C; in a window all).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) frames: Option<u32>,
     /// How the two eyes' pictures lie in the source.

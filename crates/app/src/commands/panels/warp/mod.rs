@@ -9,6 +9,7 @@ pub(crate) mod source;
 mod window;
 
 use crate::commands::panels::comparing::{PanelJudge, PanelScore};
+use crate::gaze_source::interrupted;
 use crate::report::output;
 use crate::report::picture_file::write_png;
 use anyhow::Context;
@@ -25,6 +26,8 @@ use serde::Serialize;
 use source::{PanelSource, opaque};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 #[derive(Serialize)]
 struct WarpResult {
@@ -130,12 +133,17 @@ fn to_files(
     args.tell_shrunk(&filled.laid);
     std::fs::create_dir_all(out)
         .with_context(|| format!("--out {}: the folder cannot be made", out.display()))?;
-    let is_endless = source.world().is_some() || source.live().is_some();
-    let several = args.frames.is_some() || (source.moves() && !is_endless);
-    let most = args.frames.unwrap_or(if is_endless { 1 } else { u32::MAX });
+    let is_world = source.world().is_some();
+    let several = args.frames.is_some() || (source.moves() && !is_world);
+    let most = args.frames.unwrap_or(if is_world { 1 } else { u32::MAX });
+    // What is live has no end of its own.
+    let stopped = match source.live() {
+        Some(_) => interrupted()?,
+        None => Arc::default(),
+    };
     let mut judges = judges(args, panels, several && source.moves())?;
     let mut frames = 0;
-    while frames < most {
+    while frames < most && !stopped.load(Ordering::Relaxed) {
         let Some(frame) = source.frame(frames, &filled.laid.parts)? else {
             break;
         };
