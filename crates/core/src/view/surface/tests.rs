@@ -49,7 +49,7 @@ fn the_density_of_a_pixel_is_what_its_neighbours_are_apart() {
         for place in [[256.0, 256.0], [20.0, 300.0], [3.0, 5.0], [500.0, 256.0]] {
             let from = cube.direction(1, place);
             let widest = (0..64).map(|step| {
-                let turn = f64::from(step) / 64.0 * core::f64::consts::PI;
+                let turn = f64::from(step) / 64.0 * PI;
                 let to = [place[0] + 0.01 * turn.cos(), place[1] + 0.01 * turn.sin()];
                 (cube.direction(1, to) - from).length() / 0.01
             });
