@@ -27,7 +27,7 @@ use source::{PanelSource, opaque};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 #[derive(Serialize)]
 struct WarpResult {
@@ -136,11 +136,7 @@ fn to_files(
     let is_world = source.world().is_some();
     let several = args.frames.is_some() || (source.moves() && !is_world);
     let most = args.frames.unwrap_or(if is_world { 1 } else { u32::MAX });
-    // What is live has no end of its own.
-    let stopped = match source.live() {
-        Some(_) => interrupted()?,
-        None => Arc::default(),
-    };
+    let stopped = stopped(source)?;
     let mut judges = judges(args, panels, several && source.moves())?;
     let mut frames = 0;
     while frames < most && !stopped.load(Ordering::Relaxed) {
@@ -180,6 +176,14 @@ fn to_files(
         laid: filled.laid,
         judges,
     })
+}
+
+/// Whether the user ended what is live, which has no end of its own.
+fn stopped(source: &PanelSource) -> anyhow::Result<Arc<AtomicBool>> {
+    match source.live() {
+        Some(_) => interrupted(),
+        None => Ok(Arc::default()),
+    }
 }
 
 fn write_surfaces(
