@@ -1,6 +1,6 @@
 //! Does a scene go from its file to the picture that an eye gets?
 
-use crate::support::{Folder, Ran, Rgb, command, finish, frame_picture, json};
+use crate::support::{Folder, Ran, Rgb, column, command, finish, frame_picture, json};
 use serde_json::Value;
 use std::fmt::Write as _;
 
@@ -171,12 +171,7 @@ fn a_link_brings_the_whole_step_by_step_and_the_run_repeats() {
             (budget / 4..=budget + 5_000).contains(&units),
             "{policy}: {units}"
         );
-        let table = std::fs::read_to_string(folder.name("out/frames.csv")).unwrap();
-        let errors = table
-            .lines()
-            .skip(1)
-            .map(|line| line.rsplit(',').next().unwrap());
-        let errors: Vec<f64> = errors.map(|it| it.parse().unwrap()).collect();
+        let errors = column(&folder.name("out"), "error_all");
         assert!(errors[11] < errors[0] / 4.0, "{policy}: {errors:?}");
     }
 }

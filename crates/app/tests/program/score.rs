@@ -133,7 +133,7 @@ fn a_result_says_under_which_conditions_it_was_found() {
     assert_ne!(strict["jod"], found["jod"]);
     let text = done(&arguments).stdout;
     assert!(
-        text.contains("JOD") && text.contains("gaze 160,120"),
+        text.contains("JOD") && text.contains("gaze: 160,120"),
         "{text}"
     );
 }
