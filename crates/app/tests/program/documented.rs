@@ -64,15 +64,20 @@ pub(crate) fn of_line(place: &str, line: &str, is_whole: bool) -> Vec<Shown> {
         .collect()
 }
 
-/// The words of a command. What may be left out stands in brackets and is kept; `..` says that more
-/// may follow; of `a|b` the first is taken.
+/// The words of a command; what stands in quotes is one. What may be left out stands in brackets
+/// and is kept; `..` says that more may follow; of `a|b` the first is taken.
 fn words(command: &str) -> Vec<String> {
     let plain = command
         .replace(['[', ']'], " ")
         .replace("$(seq -s, 0 20 500)", "0,20");
-    let words = plain
-        .split_whitespace()
-        .filter(|word| !["&", ".."].contains(word));
     let first = |word: &str| word.split('|').next().unwrap_or_default().to_owned();
-    words.map(|word| first(word.trim_matches('"'))).collect()
+    let mut words = Vec::new();
+    for (number, part) in plain.split('"').enumerate() {
+        match number % 2 {
+            0 => words.extend(part.split_whitespace().map(first)),
+            _ => words.push(part.to_owned()),
+        }
+    }
+    words.retain(|word| !["&", ".."].contains(&word.as_str()));
+    words
 }
