@@ -6,6 +6,7 @@ mod commands;
 mod documented_tests;
 mod examples;
 mod gaze_source;
+mod inputs;
 mod options;
 mod report;
 mod run;
@@ -82,6 +83,8 @@ enum Prepare {
     Video(commands::prepare::PrepareVideoArgs),
     /// 3D files of one scene: meshes (glTF, OBJ, PLY, STL) and laser scans (LAS, LAZ, PLY).
     Scene(commands::scene::prepare::PrepareSceneArgs),
+    /// Which formats are read, and what comes of what their files hold.
+    Formats,
 }
 
 fn main() -> ExitCode {
@@ -100,6 +103,9 @@ fn main() -> ExitCode {
     let result = match cli.command {
         Command::Prepare(Prepare::Video(args)) => commands::prepare::run(&args),
         Command::Prepare(Prepare::Scene(args)) => commands::scene::prepare::run(&args),
+        Command::Prepare(Prepare::Formats) => {
+            report::output::result(false, &(), &inputs::markdown())
+        }
         Command::Info(args) => commands::info::run(&args),
         Command::Verify(args) => commands::verify::run(&args),
         Command::Select(args) => commands::select::run(&args),

@@ -14,6 +14,7 @@ mod documented;
 mod documented_runs;
 mod endurance;
 mod experiments;
+mod files;
 mod fovea;
 mod full;
 mod gaze_events;

@@ -1,0 +1,16 @@
+//! Is a file as people have it shown, and is what was mended in it told?
+//!
+//! Inputs are made here, after what users of other players, viewers and converters reported.
+
+use crate::support::done;
+
+#[test]
+fn the_page_on_inputs_is_what_the_program_prints() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/formats/inputs.md");
+    let page = std::fs::read_to_string(path).unwrap();
+    let told = done(&["prepare", "formats"]).stdout;
+    assert!(
+        page == told,
+        "docs/formats/inputs.md: write it again by `foveal prepare formats > {path}`"
+    );
+}
