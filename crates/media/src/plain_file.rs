@@ -76,6 +76,14 @@ pub fn open_sink(path: &Path) -> Result<File> {
     options.open(path)
 }
 
+/// Opens a folder, so that it can be locked.
+///
+/// # Errors
+/// It cannot be opened, as on systems that open no folders.
+pub fn open_folder(path: &Path) -> Result<File> {
+    File::open(path)
+}
+
 /// Gives a file another name once its bytes are on disk, in the place of what had that, and makes
 /// the name durable, which is in its folder.
 ///

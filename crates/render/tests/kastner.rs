@@ -132,7 +132,7 @@ fn the_middle_of_the_mask_is_the_whole_picture_and_beyond_it_the_coarsest_level_
     let coarsest = twin::reconstruct(&scene.in_memory(&[]), &view);
     let none = BTreeMap::new();
     let whole = Gather::new(&scene.grid, &none, 1.0, false);
-    assert_eq!(whole.codes(&view, [0; 2], &[[3, 3]], |_| 1.0), [0]);
+    assert_eq!(whole.codes(&view, [0; 2], &[[3, 3]], |_| 1.0), [0x80_8000]);
     for interpolation in BOTH {
         let shown = sampled_twin(&scene, &view, &mask, [60, 10], interpolation);
         let mut inside = 0;

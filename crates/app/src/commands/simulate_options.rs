@@ -12,7 +12,7 @@ use crate::options::renderer::RendererName;
 use crate::options::showing::{EyeName, ShowingOptions};
 use crate::options::watching::Watching;
 use crate::report::output::{WrongUsage, out_of_range};
-use crate::run::run_folder::make_room;
+use crate::run::run_folder::{hold, make_room};
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::units::Seconds;
@@ -160,15 +160,20 @@ impl SimulateArgs {
             .flat_map(|it| it.iter())
             .map(|it| it.id.as_str())
             .collect();
+        make_folder(&self.out)?;
+        hold(&self.out)?;
         make_room(&self.out, &ids, &self.inputs())?;
         let writes = self.pictures != WrittenPictures::None;
-        for folder in std::iter::once(&self.out).chain(folders.iter().filter(|_| writes)) {
-            std::fs::create_dir_all(folder).with_context(|| {
-                format!("--out {}: the folder cannot be made", folder.display())
-            })?;
+        for folder in folders.iter().filter(|_| writes) {
+            make_folder(folder)?;
         }
         Ok(folders)
     }
+}
+
+fn make_folder(path: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(path)
+        .with_context(|| format!("--out {}: the folder cannot be made", path.display()))
 }
 
 /// Reads an interval, as 200ms.

@@ -11,15 +11,20 @@ use foveal_media::pack::scene_file::is_scene_pack;
 use serde::Serialize;
 use std::path::PathBuf;
 
+/// Most cuts and orders: minutes to hours of them.
+const MOST_TRIES: i64 = 10_000;
+
 #[derive(Clone, Debug, Args)]
 pub(crate) struct VerifyArgs {
     /// The pack.
     pack: PathBuf,
     /// Scenes: cut so many times as an eye would somewhere, and count cracks.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0,
+        value_parser = clap::value_parser!(u32).range(..=MOST_TRIES))]
     cuts: u32,
     /// Scenes: let units arrive in so many random orders, and count cracks on the way.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0,
+        value_parser = clap::value_parser!(u32).range(..=MOST_TRIES))]
     orders: u32,
     /// Scenes: show units whose prerequisites are missing; that there are cracks then shows that
     /// they would be found.

@@ -234,8 +234,24 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_as(path, bytes, rename_durably)
 }
 
-/// The same for one of many, such as the pictures of a run, which the system may write when it
-/// likes.
+/// The same for the one file that a command was asked for; says what it replaces.
+pub(crate) fn write_out(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    say_replaced(path);
+    write_whole(path, bytes)
+}
+
+/// Says that an older file is written over, where there is one.
+pub(crate) fn say_replaced(path: &Path) {
+    if path.metadata().is_ok_and(|there| there.is_file()) {
+        say(&format!(
+            "{}: an older file is written over",
+            path.display()
+        ));
+    }
+}
+
+/// [`write_whole`] for one of many, such as the pictures of a run, which the system may write when
+/// it likes.
 pub(crate) fn write_soon(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_as(path, bytes, |from, to| std::fs::rename(from, to))
 }

@@ -3,7 +3,9 @@
 use crate::report::output::{self, spare_inputs};
 use anyhow::Context;
 use foveal_core::units::counted;
+use foveal_media::plain_file::{open_folder, open_plain};
 use std::collections::BTreeSet;
+use std::fs::TryLockError;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 
@@ -19,6 +21,25 @@ const MOST_HEAD: u64 = 1 << 22;
 /// Name of a picture of a run.
 pub(crate) fn picture_name(number: u32) -> String {
     format!("frame_{number:05}.png")
+}
+
+/// Keeps a folder for this process until it ends, so that no other run writes there meanwhile.
+/// Where a system locks no folders, nothing is kept.
+pub(crate) fn hold(out: &Path) -> anyhow::Result<()> {
+    let Ok(folder) = open_folder(out) else {
+        return Ok(());
+    };
+    match folder.try_lock() {
+        Err(TryLockError::WouldBlock) => anyhow::bail!(
+            "--out {}: another run writes there now; wait until it is done, or give another folder",
+            out.display()
+        ),
+        Ok(()) | Err(TryLockError::Error(_)) => {
+            // The system lets go of the lock with the process.
+            std::mem::forget(folder);
+            Ok(())
+        }
+    }
 }
 
 /// Removes what an older run left in `out` and in its folders of panels, or of these, and says so
@@ -86,7 +107,7 @@ fn panels_of(log: &Path) -> Vec<String> {
         id: String,
     }
     let mut head = Vec::new();
-    let plain = foveal_media::plain_file::open_plain(log).ok();
+    let plain = open_plain(log).ok();
     let read = plain.map(|(file, _)| {
         let mut start = BufReader::new(file).take(MOST_HEAD);
         start.read_until(b'\n', &mut head)

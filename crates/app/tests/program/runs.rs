@@ -313,3 +313,22 @@ fn no_score_is_expected_under_a_link_and_a_line_says_why() {
     assert!(found["expected_jod"].as_f64().unwrap() > 5.0, "{found}");
     assert!(!free.stderr.contains("expected_jod"), "{}", free.stderr);
 }
+
+#[cfg(unix)]
+#[test]
+fn two_runs_never_write_into_one_folder_at_once() {
+    let folder = Folder::new();
+    let pack = still(&folder);
+    let out = folder.name("out");
+    let run = [&["simulate", &pack, "--out", &out], &QUIET[..]].concat();
+    done(&run);
+    let before = std::fs::read(folder.name("out/session.jsonl")).unwrap();
+    // As another run that is still at work holds it.
+    let held = std::fs::File::open(&out).unwrap();
+    held.lock().unwrap();
+    refused(1, &run, &["another run writes there now"]);
+    let after = std::fs::read(folder.name("out/session.jsonl")).unwrap();
+    assert_eq!(before, after);
+    drop(held);
+    done(&run);
+}

@@ -189,7 +189,7 @@ impl TileDrawer {
     pub(crate) fn begin_frame(&mut self, frame: u32) {
         self.engine.begin_frame(frame);
         if let Some((_, sampling)) = &mut self.sampling {
-            sampling.begin_frame();
+            sampling.begin_frame(self.video.grid().coarsest());
         }
         self.gathered = None;
     }

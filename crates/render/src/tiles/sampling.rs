@@ -55,9 +55,10 @@ impl Sampling {
         }
     }
 
-    /// Forgets the tiles of the frame before.
-    pub(crate) fn begin_frame(&mut self) {
-        self.tiles.clear();
+    /// Forgets the tiles of the frame before, but for the coarsest level: as in the atlas, it is
+    /// shown until that of this frame has come.
+    pub(crate) fn begin_frame(&mut self, coarsest: u8) {
+        self.tiles.retain(|tile, _| tile.level == coarsest);
     }
 
     /// Keeps a decoded tile of the frame.
@@ -97,5 +98,39 @@ impl Sampling {
                 }
             }),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use foveal_core::content::policy::Policy;
+    use foveal_core::content::video::grid::tile_grid::Cut;
+    use foveal_core::units::{Radians, Seconds};
+    use foveal_core::view::surface::{Screen, Surface};
+
+    #[test]
+    fn until_a_frame_has_come_the_coarsest_level_of_the_one_before_is_sampled() {
+        let surface = Surface::flat([256, 128], Screen::default());
+        let grid = TileGrid::new(surface, Cut::Tile(64), 3, 2).unwrap();
+        let view = EyeView::filling(&grid.surface, [256, 128]);
+        let config = PolicyConfig::new(Policy::Sampled);
+        let mut sampling = Sampling::new(&config, &view, true);
+        for (level, luma) in [(2, 90), (0, 200)] {
+            for tile in grid.tiles_of(level) {
+                let [width, height] = grid.tile_size(tile);
+                sampling.keep(tile, Picture::filled(width, height, [luma, 110, 140]));
+            }
+        }
+        let gaze = GazeSample::at(Seconds(0.0), Radians(0.0), Radians(0.0));
+        let shown = |sampling: &Sampling| {
+            let mut codes = sampling.gather(&grid, &view, &gaze).codes;
+            codes.dedup();
+            codes
+        };
+        let code = |luma: u32| luma | 110 << 8 | 140 << 16;
+        assert_eq!(shown(&sampling), [code(200)]);
+        sampling.begin_frame(grid.coarsest());
+        assert_eq!(shown(&sampling), [code(90)]);
     }
 }

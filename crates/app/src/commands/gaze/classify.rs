@@ -74,7 +74,7 @@ pub(crate) fn run(args: &ClassifyArgs) -> anyhow::Result<()> {
         }
     }
     if let Some(out) = &args.out {
-        output::write_whole(out, table.as_bytes())?;
+        output::write_out(out, table.as_bytes())?;
     }
     output::result(args.json, &counts, &text(&counts))
 }

@@ -1,7 +1,7 @@
 //! What is the best expectation of a gaze that was last seen some time ago?
 
 use crate::commands::gaze::recordings::{PresetOptions, Recordings};
-use crate::report::output::{self, out_of_range, write_whole};
+use crate::report::output::{self, out_of_range, write_out};
 use crate::report::plot::{self, PlotLine, PlottedRun};
 use anyhow::Context;
 use clap::Args;
@@ -97,7 +97,7 @@ pub(crate) fn run(args: &EvalDelayArgs) -> anyhow::Result<()> {
         delays: delays.collect::<anyhow::Result<_>>()?,
     };
     if let Some(path) = &args.plot {
-        write_whole(path, evaluation.plot().as_bytes())?;
+        write_out(path, evaluation.plot().as_bytes())?;
     }
     output::result(args.json, &evaluation, &evaluation.text())
 }

@@ -1,7 +1,7 @@
 //! Which preset follows a viewer's own recordings?
 
 use crate::commands::gaze::recordings::Recordings;
-use crate::report::output::{self, write_whole};
+use crate::report::output::{self, write_out};
 use anyhow::bail;
 use clap::Args;
 use foveal_core::gaze::head_prediction::saturating::{AxisCurve, HeadGazePreset};
@@ -72,7 +72,7 @@ pub(crate) fn run(args: &FitHeadArgs) -> anyhow::Result<()> {
     }
     let fit = fit_head(&recordings.iter().collect::<Vec<_>>());
     let errors = evaluate_head(&recordings, &vec![fit.clone(); recordings.len()]).pooled;
-    write_whole(&args.out, toml::to_string(&fit.preset)?.as_bytes())?;
+    write_out(&args.out, toml::to_string(&fit.preset)?.as_bytes())?;
     let fitted = HeadFitted {
         file: args.out.display().to_string(),
         samples,

@@ -211,7 +211,7 @@ fn map_of<'a>(panel: &'a Panel, found: &'a SourceFit) -> PixelMap<'a> {
 fn write_whole_rig(path: &Path, panels: &[&Panel]) -> anyhow::Result<Vec<String>> {
     let written = write_mpcdi(panels)
         .map_err(|what| WrongUsage(format!("--format mpcdi: {what}; write --format pfm")))?;
-    output::write_whole(path, &written.bytes)?;
+    output::write_out(path, &written.bytes)?;
     Ok(written.left_out)
 }
 
@@ -221,7 +221,7 @@ fn write_map(out: &Path, format: MapFormat, map: &PixelMap<'_>) -> anyhow::Resul
     let mut files = Vec::new();
     let mut write = |ending: &str, bytes: &[u8]| {
         let path = out.join(format!("{id}{ending}"));
-        output::write_whole(&path, bytes)?;
+        output::write_out(&path, bytes)?;
         files.push(path.display().to_string());
         anyhow::Ok(())
     };

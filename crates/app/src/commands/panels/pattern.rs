@@ -2,6 +2,7 @@
 
 use crate::options::policy::parse_size;
 use crate::report::output;
+use crate::report::output::say_replaced;
 use crate::report::picture_file::write_png;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
@@ -68,6 +69,7 @@ pub(crate) fn run(args: &PatternArgs) -> anyhow::Result<()> {
         PatternName::White => ("white", painted(args.size, |_| [255; 3])),
         PatternName::Numbers => ("numbers", numbers(args.size)),
     };
+    say_replaced(&args.out);
     write_png(&args.out, &image).with_context(|| format!("--out {}", args.out.display()))?;
     let result = PatternResult {
         pattern: name,

@@ -104,7 +104,10 @@ impl Arms {
         };
         let turn = frames.div_ceil(TURNS);
         let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
-        for _ in 0..TURNS {
+        for done in 0..TURNS {
+            if bar.is_hidden() {
+                output::say(&format!("{} of {frames} frames are played", done * turn));
+            }
             arms.foveated.turn(turn)?;
             arms.before.turn(turn.div_ceil(SHARE_OF_BEFORE))?;
             arms.whole.turn(turn)?;

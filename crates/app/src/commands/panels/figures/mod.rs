@@ -60,7 +60,7 @@ pub(crate) fn run(args: &FiguresArgs) -> anyhow::Result<()> {
         ("source.svg", drawings::source(&drawn)),
         ("lines.svg", drawings::lines(&drawn)),
     ] {
-        output::write_whole(&told(name), svg.as_bytes())?;
+        output::write_out(&told(name), svg.as_bytes())?;
     }
     for (name, picture) in [
         ("grid.png", maps::grid(&drawn)),

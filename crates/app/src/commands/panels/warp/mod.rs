@@ -11,6 +11,7 @@ mod window;
 use crate::commands::panels::comparing::{PanelJudge, PanelScore};
 use crate::gaze_source::interrupted;
 use crate::report::output;
+use crate::report::output::say_replaced;
 use crate::report::picture_file::write_png;
 use anyhow::Context;
 use args::WarpArgs;
@@ -228,6 +229,7 @@ fn write_picture(path: &Path, image: &RgbaImage) -> anyhow::Result<()> {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
     }
+    say_replaced(path);
     write_png(path, image)
 }
 

@@ -11,6 +11,9 @@ use crate::view::picture::Picture;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
+/// The code of a sample that nothing is known of: Y 0, no colour.
+const BLACK: u32 = 128 << 8 | 128 << 16;
+
 /// Decoded tiles, the finest over every cell.
 #[derive(Clone, Debug)]
 pub struct Gather<'a> {
@@ -66,17 +69,20 @@ impl<'a> Gather<'a> {
                 .grid
                 .surface
                 .locate(ray_from_pixel * DVec3::new(x, y, 1.0));
-            found.map_or(0, |(face, at)| self.code_at(face, at, across(*place)))
+            found.map_or(BLACK, |(face, at)| self.code_at(face, at, across(*place)))
         };
         places.iter().map(code).collect()
     }
 
     /// Y, U and V in the low three bytes, lowest first, at a place of a face in level-0 pixels: the
     /// mean of a square of `across` pixels of the view;
-    /// places beyond the border take the nearest tile's border. 0 where no tile is.
+    /// places beyond the border take the nearest tile's border. Black where no tile is.
     #[must_use]
     pub fn code_at(&self, face: u32, place: [f64; 2], across: f64) -> u32 {
         let side = across * self.footprint;
+        if self.tile_at(face, place).is_none() {
+            return BLACK;
+        }
         let [y, u, v] = [0, 1, 2].map(|plane| self.sample(face, place, plane, side));
         y | u << 8 | v << 16
     }
@@ -245,12 +251,12 @@ mod tests {
     }
 
     #[test]
-    fn no_tile_is_no_colour_and_no_place_is_out_of_bounds() {
+    fn no_tile_is_black_and_no_place_is_out_of_bounds() {
         let grid = grid();
         let none = BTreeMap::new();
         assert_eq!(
             Gather::new(&grid, &none, 1.0, true).code_at(0, [3.0, 3.0], 1.0),
-            0
+            BLACK
         );
         let tiles = ramps(&grid);
         let gather = Gather::new(&grid, &tiles, 40.0, true);

@@ -93,10 +93,10 @@ impl Rules {
         }
     }
 
-    /// The same rule where a head that turns by up to `head_room` under a steady eye must find the
-    /// levels that `acuity` would choose there.
-    pub(crate) fn with_head_room(self, head_room: Radians) -> Self {
-        Self { head_room, ..self }
+    /// From now on a head that turns by up to `head_room` under a steady eye finds levels there, a
+    /// level coarser than `acuity` would choose.
+    pub(crate) fn set_head_room(&mut self, head_room: Radians) {
+        self.head_room = head_room;
     }
 
     /// From now on chooses for another eye, as far as `acuity` does.

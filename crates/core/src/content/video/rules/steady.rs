@@ -6,7 +6,7 @@
 //! angle of where it is (a Schmitt trigger in space).
 //!
 //! A head turns while the eye stays. So under `acuity` cells are chosen through the view in which
-//! the gaze was first found there, with room for what the head may turn to.
+//! the gaze was first found there, with room for what the head is about to turn to.
 
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::video::grid::level_map::LevelMap;
@@ -35,6 +35,8 @@ pub struct SteadySelector {
 struct Shown {
     levels: LevelMap,
     anchor: Glance,
+    /// Room beside that view for a head that turns; it never shrinks while the gaze stays.
+    room: Radians,
     /// The glance that it was chosen for, where nothing else counts.
     chosen_for: Option<Glance>,
 }
@@ -45,10 +47,7 @@ impl SteadySelector {
     pub fn new(grid: TileGrid, config: PolicyConfig) -> Self {
         let slack = config.steadiness;
         let keeps_view = config.policy == Policy::Acuity && slack.0 > 0.0;
-        let exact = match keeps_view {
-            true => Rules::new(grid, config).with_head_room(head_room()),
-            false => Rules::new(grid, config),
-        };
+        let exact = Rules::new(grid, config);
         Self {
             loose: exact.loosened(slack),
             exact,
@@ -110,15 +109,14 @@ impl SteadySelector {
             return self.exact.levels_of(occasion, known, |_| true);
         }
         let grid = *self.exact.grid();
-        let anchor = self.anchor(occasion.glance);
+        let (anchor, room) = self.anchor(occasion.glance);
         let glance = Glance {
             view: anchor.view,
             ..*occasion.glance
         };
         let same = |before: &&Shown| {
-            before
-                .chosen_for
-                .is_some_and(|it| looks_alike(&it, &glance))
+            let chosen_for = before.chosen_for.as_ref();
+            before.room == room && chosen_for.is_some_and(|it| looks_alike(it, &glance))
         };
         if let Some(before) = self.before.as_ref().filter(same) {
             return before.levels.clone();
@@ -127,6 +125,8 @@ impl SteadySelector {
             glance: &glance,
             ..*occasion
         };
+        self.exact.set_head_room(room);
+        self.loose.set_head_room(room);
         let mut levels = self.exact.levels_of(&occasion, known, |_| true);
         if let Some(Shown { levels: before, .. }) = &self.before {
             let mut stray = glance;
@@ -147,17 +147,25 @@ impl SteadySelector {
         self.before = Some(Shown {
             levels: levels.clone(),
             anchor,
+            room,
             chosen_for: self.keeps_view.then_some(glance),
         });
         levels
     }
 
-    /// The glance whose view levels are chosen through: that of before while the gaze stays.
-    fn anchor(&self, glance: &Glance) -> Glance {
-        let before = self.before.as_ref().filter(|_| self.keeps_view);
-        let before = before.map(|before| before.anchor);
-        let kept = before.filter(|was| stays(self.exact.grid(), was, glance, self.slack));
-        kept.unwrap_or(*glance)
+    /// The glance whose view levels are chosen through, that of before while the gaze stays, and
+    /// the room beside it.
+    fn anchor(&self, glance: &Glance) -> (Glance, Radians) {
+        if !self.keeps_view {
+            return (*glance, Radians(0.0));
+        }
+        let grid = self.exact.grid();
+        let room = |anchor| head_room(grid, anchor, glance).0;
+        let stays = |was: &&Shown| stays(grid, &was.anchor, glance, self.slack);
+        match self.before.as_ref().filter(stays) {
+            Some(was) => (was.anchor, Radians(room(&was.anchor).max(was.room.0))),
+            None => (*glance, Radians(room(glance))),
+        }
     }
 }
 
@@ -176,6 +184,7 @@ mod tests {
     use crate::perception::parameters::EyeState;
     use crate::units::Seconds;
     use crate::view::eye_view::{EyeView, Field};
+    use crate::view::frustum::Frustum;
     use crate::view::random::Random;
     use crate::view::surface::{Eye, Surface};
 
@@ -259,11 +268,45 @@ mod tests {
                 };
                 let first = at(0.0);
                 for step in 0..60 {
-                    let pitch = 25.0 * libm::sin(f64::from(step) * 0.4);
+                    let pitch = 9.0 * libm::sin(f64::from(step) * 0.4);
                     assert_eq!(at(pitch), first, "{policy:?} at {pitch}");
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_head_that_nods_far_changes_no_level_in_view_and_after_the_first_nod_none_at_all() {
+        // An eye that resolves much beside where it looks, so that what comes into view is not as
+        // coarse as what does not.
+        let config = PolicyConfig {
+            acuity: AcuityModel::linear(0.004),
+            ..PolicyConfig::new(Policy::Acuity)
+        };
+        let mut steady = SteadySelector::new(sphere(), config);
+        let mut before: Option<(Frustum, LevelMap)> = None;
+        let mut changes_beyond = 0;
+        for step in 0..60 {
+            let pitch = 28.0 * libm::sin(f64::from(step) * 0.3);
+            let glance = glance([12.0, -7.0], [0.1 * pitch, pitch]);
+            let levels = steady.select(None, 0, &glance).levels;
+            let view = glance.view.unwrap();
+            let sight = Frustum::new(&view, Radians(0.0));
+            if let Some((sight, before)) = before {
+                let changed = levels.levels().iter().zip(before.levels());
+                let changed = changed.map(|(is, was)| is != was);
+                for (bounds, changed) in steady.exact.cells.iter().zip(changed) {
+                    assert!(!changed || bounds.is_beyond(&sight), "step {step}");
+                    assert!(!changed || step < 20, "step {step}");
+                    changes_beyond += u32::from(changed);
+                }
+            }
+            before = Some((sight, levels));
+        }
+        assert!(
+            changes_beyond > 0,
+            "nothing was kept coarse beside the view"
+        );
     }
 
     #[test]

@@ -1,22 +1,36 @@
 //! Does the eye stay where it looked, whatever the head does?
 //!
 //! An eye that stays on one place of the world while the head nods sees the same detail there. What
-//! was chosen for it stays then, and is chosen beforehand for what the head may turn to.
+//! was chosen for it stays then, and is chosen beforehand for what the head is about to turn to.
 
 use crate::content::video::grid::tile_grid::TileGrid;
 use crate::perception::glance::Glance;
 use crate::units::Radians;
 use crate::view::axes::angle_between;
 use crate::view::eye_view::EyeView;
-use glam::DVec3;
 
 /// How far the head may turn under a steady eye before levels are chosen for where it points, in
 /// degrees: the eye turns about as far in the head before the head follows it.
-const HEAD_ROOM_DEG: f64 = 30.0;
+const MOST_TURNED_DEG: f64 = 30.0;
+/// Room that is kept beside the view for a head that turns grows in steps of so many degrees, as
+/// far as the head turns. The first is the margin of `viewport`.
+const ROOM_STEP_DEG: f64 = 10.0;
+/// Room beyond where the head is, in degrees: what a head that turns by 60° a second reaches before
+/// the next frame but one.
+const LEAD_DEG: f64 = 2.0;
 
-/// The same as an angle.
-pub(super) fn head_room() -> Radians {
-    Radians::from_degrees(HEAD_ROOM_DEG)
+/// How much room beside the view from which levels were chosen serves a head that has turned to
+/// another; none where the picture does not turn with the head.
+pub(super) fn head_room(grid: &TileGrid, was: &Glance, is: &Glance) -> Radians {
+    if !turns_with_head(grid, was) {
+        return Radians(0.0);
+    }
+    let turned = match (&was.view, &is.view) {
+        (Some(was), Some(is)) => turn_between(was, is).to_degrees(),
+        _ => 0.0,
+    };
+    let steps = libm::ceil(turned / ROOM_STEP_DEG).max(1.0);
+    Radians::from_degrees(steps * ROOM_STEP_DEG + LEAD_DEG)
 }
 
 /// Whether the picture turns with a head inside the content.
@@ -31,7 +45,7 @@ pub(super) fn stays(grid: &TileGrid, was: &Glance, is: &Glance, slack: Radians) 
     let spreads = (was.gaze.spread.0 - is.gaze.spread.0).abs();
     let may_turn = slack.0 > 0.0 && turns_with_head(grid, was);
     let views_agree = match may_turn {
-        true => is_turned_view(was, is, head_room()),
+        true => is_turned_view(was, is, Radians::from_degrees(MOST_TURNED_DEG)),
         false => was.view == is.view,
     };
     views_agree && spreads <= slack.0 && angle_between(from, to) <= slack
@@ -39,17 +53,21 @@ pub(super) fn stays(grid: &TileGrid, was: &Glance, is: &Glance, slack: Radians) 
 
 /// Whether both are through the same view, turned by at most an angle.
 pub(super) fn is_turned_view(was: &Glance, is: &Glance, most: Radians) -> bool {
-    let within = |a: DVec3, b: DVec3| angle_between(a, b) <= most;
     match (&was.view, &is.view) {
         (Some(was), Some(is)) => {
             let turned = EyeView {
                 axes: is.axes,
                 ..*was
             };
-            turned == *is
-                && within(was.axes.forward, is.axes.forward)
-                && within(was.axes.right, is.axes.right)
+            turned == *is && turn_between(was, is) <= most
         }
         (was, is) => was == is,
     }
+}
+
+/// By how much the axes of two views differ: the more of ahead and to the right.
+fn turn_between(was: &EyeView, is: &EyeView) -> Radians {
+    let ahead = angle_between(was.axes.forward, is.axes.forward);
+    let right = angle_between(was.axes.right, is.axes.right);
+    Radians(ahead.0.max(right.0))
 }

@@ -11,7 +11,7 @@ use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::losses::{LossMeter, Losses};
 use crate::content::video::rules::known_acuity::KnownAcuity;
 use crate::content::video::rules::steady::SteadySelector;
-use crate::content::video::rules::still::{head_room, is_turned_view, stays, turns_with_head};
+use crate::content::video::rules::still::{head_room, is_turned_view, stays};
 use crate::content::video::rules::{Occasion, Selection};
 use crate::content::video::units::VideoUnits;
 use crate::pack::unit::UnitId;
@@ -60,6 +60,8 @@ pub struct TargetSelector {
 #[derive(Clone, Debug)]
 struct Chosen {
     glance: Glance,
+    /// Room beside its view for a head that turns.
+    room: Radians,
     /// A unit of the group that it was chosen for.
     group: UnitId,
     step: u32,
@@ -129,22 +131,24 @@ impl TargetSelector {
         let of_group = self.before.as_ref().filter(|before| before.group == group);
         let still = self.before.as_ref();
         let still = still.filter(|before| self.is_still(&before.glance, glance));
+        // An eye that trembles is taken to look where it did before.
+        let looked = still.map_or(*glance, |before| before.glance);
+        let room = match self.config.steadiness.0 > 0.0 {
+            true => head_room(&self.grid, &looked, glance),
+            false => Radians(0.0),
+        };
+        let room = Radians(still.map_or(room.0, |before| room.0.max(before.room.0)));
         if let Some(before) = of_group {
             match &mut self.rule {
                 Some(rule) if still.is_some() || keeps_slope(&before.glance, glance) => {
                     return rule.needed(&occasion, known);
                 }
-                None if still.is_some() => return before.needed.clone(),
+                None if still.is_some() && before.room == room => return before.needed.clone(),
                 _ => {}
             }
         }
-        // An eye that trembles is taken to look where it did before.
-        let looked = still.map_or(*glance, |before| before.glance);
-        let meter = &self.meter;
-        let losses = match self.keeps_view(&looked) {
-            true => meter.losses_around(&self.grid, content, frame, (&looked, head_room())),
-            false => meter.losses(&self.grid, content, frame, &looked),
-        };
+        let around = (&looked, room);
+        let losses = self.meter.losses_around(&self.grid, content, frame, around);
         let (step, needed) = match self.rule.take() {
             Some(mut rule) => {
                 let step = self.slope(&rule, &losses, &looked, known);
@@ -157,6 +161,7 @@ impl TargetSelector {
         };
         self.before = Some(Chosen {
             glance: looked,
+            room,
             group,
             step,
             needed: needed.clone(),
@@ -167,11 +172,6 @@ impl TargetSelector {
     /// Whether what was chosen still serves.
     fn is_still(&self, before: &Glance, glance: &Glance) -> bool {
         stays(&self.grid, before, glance, self.config.steadiness)
-    }
-
-    /// Whether levels must serve a head that turns while the eye stays.
-    fn keeps_view(&self, glance: &Glance) -> bool {
-        self.config.steadiness.0 > 0.0 && turns_with_head(&self.grid, glance)
     }
 
     /// The slope by which acuity falls off.

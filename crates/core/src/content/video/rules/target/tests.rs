@@ -10,6 +10,7 @@ use crate::perception::parameters::EyeState;
 use crate::units::Seconds;
 use crate::view::axes::Axes;
 use crate::view::eye_view::{EyeView, Field};
+use crate::view::frustum::Frustum;
 use crate::view::surface::{Screen, Surface};
 
 /// Content whose steps add what a function says, the same everywhere.
@@ -336,7 +337,7 @@ fn a_nodding_head_under_a_steady_eye_changes_no_level_from_group_to_group() {
         let (mut nodding, mut still) = (chooser(), chooser());
         let mut settled = None;
         for frame in 0..80 {
-            let nod = 25.0 * libm::sin(f64::from(frame) * 0.4);
+            let nod = 9.0 * libm::sin(f64::from(frame) * 0.4);
             let [nodded, ahead] = [nod, 0.0].map(|nod| turned(&grid, 0.3 * nod, nod));
             let shown = nodding.select(&content, frame, &nodded).levels;
             let expected = still.select(&content, frame, &ahead).levels;
@@ -345,6 +346,34 @@ fn a_nodding_head_under_a_steady_eye_changes_no_level_from_group_to_group() {
                 let settled = settled.get_or_insert(shown.clone());
                 assert_eq!(shown, *settled, "{policy:?} frame {frame}");
             }
+        }
+    }
+}
+
+#[test]
+fn what_a_far_nod_brings_into_view_is_there_before_and_stays() {
+    let content = Texture(|_: u8, place: u32| 0.02 + 0.02 * f64::from(place & 7));
+    let grid = sphere();
+    for policy in [Policy::Perceptual, Policy::Acuity] {
+        let mut chooser = TargetSelector::new(&grid, &config(policy, 9.5)).unwrap();
+        let rules = Rules::new(grid, config(policy, 9.5));
+        let mut before: Option<(EyeView, LevelMap)> = None;
+        for frame in 0..80 {
+            let nod = 27.0 * libm::sin(f64::from(frame) * 0.3);
+            let glance = turned(&grid, 0.1 * nod, nod);
+            let levels = chooser.select(&content, frame, &glance).levels;
+            if let Some((view, before)) = &before {
+                let sight = Frustum::new(view, Radians(0.0));
+                let in_view = rules.cells.iter().map(|cell| !cell.is_beyond(&sight));
+                let changed = levels.levels().iter().zip(before.levels());
+                for (changed, in_view) in changed.map(|(is, was)| is != was).zip(in_view) {
+                    assert!(
+                        !changed || !in_view && frame < 24,
+                        "{policy:?} frame {frame}"
+                    );
+                }
+            }
+            before = glance.view.map(|view| (view, levels));
         }
     }
 }
