@@ -173,7 +173,9 @@ impl Report {
             .for_each(|(name, rates)| text += &rates.line(name));
         text += &match (self.original_fps, self.ratio_original) {
             (Some(fps), Some(ratio)) => {
-                format!("original file: {fps:.1} frames/s, foveated is {ratio:.1} times that\n")
+                format!(
+                    "original file: {fps:.1} frames/s; foveated plays {ratio:.1} times as many\n"
+                )
             }
             _ => "original file: not compared; give it with --original FILE\n".to_owned(),
         };
@@ -195,7 +197,7 @@ impl Report {
         text + &format!(
             "foveated is {:.1} times full and {:.1} times viewport; {:.2} % of the pixels\n\
              {}, {}, fovea sharp {} after a saccade \
-             (95th percentile), {:.2} MB on the GPU ({:.2} % of the whole)",
+             (95th percentile), {:.2} MB on the GPU ({:.2} % of a whole 4:2:0 frame)",
             self.ratio,
             self.ratio_viewport,
             self.pixels_share_mean * 100.0,
@@ -212,7 +214,7 @@ impl PublishedReport {
     fn text(&self) -> String {
         let mut text = format!(
             "{}: {} on {}, {}; {:.1} times full there, {:.2} % of the pixels, {:.2} MB on the GPU \
-             ({:.2} % of the whole), {}, {}; foveated is {:.1} times that\n",
+             ({:.2} % of a whole 4:2:0 frame), {}, {}; foveated plays {:.1} times as many frames\n",
             self.name,
             self.policy,
             self.pack,
