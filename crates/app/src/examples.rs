@@ -1,7 +1,7 @@
 //! Which examples does the help of a command end with?
 
 /// A command, and lines that show it at work.
-pub(crate) const ALL: [(&str, &str); 11] = [
+pub(crate) const ALL: [(&str, &str); 18] = [
     (
         "prepare video",
         "foveal prepare video my.mp4 --out my.foveal",
@@ -29,6 +29,19 @@ pub(crate) const ALL: [(&str, &str); 11] = [
     (
         "perception importance",
         "foveal perception importance a.png b.png --gaze 480,270 --fov 48 --out heat.png",
+    ),
+    ("view", "foveal view my.foveal --demo"),
+    ("serve", "foveal serve my.foveal"),
+    (
+        "evaluate policies",
+        "foveal evaluate policies my.foveal --source my.mp4 --out compared",
+    ),
+    ("evaluate codecs", "foveal evaluate codecs my.mp4"),
+    ("bench video", "foveal bench video my.foveal"),
+    ("bench scene", "foveal bench scene my.glb"),
+    (
+        "panels fit",
+        "foveal panels fit examples/panels/twelve.toml",
     ),
     (
         "panels warp",
