@@ -6,6 +6,7 @@ mod commands;
 mod documented_tests;
 mod examples;
 mod gaze_source;
+mod help;
 mod inputs;
 mod options;
 mod report;
@@ -20,7 +21,7 @@ use std::process::ExitCode;
 #[global_allocator]
 static ALLOCATOR: Allocator = Allocator::new();
 
-/// Streams and renders only the detail that an eye can see.
+/// Streams and renders only the detail an eye can see.
 #[derive(Debug, Parser)]
 #[command(version, propagate_version = true)]
 struct Cli {
@@ -30,18 +31,18 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Turn content into a pack.
+    /// Turn a video, a picture or a 3D scene into a pack.
     #[command(subcommand)]
     Prepare(Prepare),
-    /// What is in a pack.
+    /// Show what is in a pack.
     Info(commands::info::InfoArgs),
-    /// Is every byte of a pack as it was written.
+    /// Check every byte of a pack.
     Verify(commands::verify::VerifyArgs),
-    /// What would be chosen, without content: levels, pixels, shares.
+    /// Show which levels a policy would choose, without content.
     Select(commands::select::SelectArgs),
-    /// Play a pack headless: pictures of what the eye gets, figures, and a log.
+    /// Play a pack without a window: pictures, figures and a log.
     Simulate(commands::simulate_options::SimulateArgs),
-    /// Watch a pack in a window: video, or a scene to fly through.
+    /// Show a video or a scene in a window.
     #[command(mut_arg("policy", |policy| {
         policy.help(
             "How levels are chosen: by viewport, or with --demo by perceptual, of scenes by \
@@ -49,30 +50,30 @@ enum Command {
         )
     }))]
     View(commands::view::ViewArgs),
-    /// Prepare and play clips under several policies, and show in a page what was saved.
+    /// Prepare and play clips under several policies, and report.
     Demo(commands::demo::DemoArgs),
-    /// One source for many displays: a tiled headset, a wall, projectors.
+    /// Fill tiled headsets, walls and domes from one source.
     #[command(subcommand)]
     Panels(commands::panels::Panels),
-    /// What the eye sees, and what a finer picture is worth to it.
+    /// Show what the eye resolves and what detail is worth to it.
     #[command(subcommand)]
     Perception(commands::perception::Perception),
-    /// What a part of Foveal costs on this machine.
+    /// Measure speed and cost on this machine.
     #[command(subcommand)]
     Bench(commands::bench::Bench),
-    /// How good a picture or video looks to an eye that looks at a place in it.
+    /// Score a picture or video for an eye and where it looks.
     Score(Box<commands::score::ScoreArgs>),
-    /// Compare ways to prepare and to play a video.
+    /// Compare policies and codecs on your own video.
     #[command(subcommand)]
     Evaluate(commands::evaluate::Evaluate),
-    /// Make the selection of a logged session again and compare.
+    /// Repeat the selection of a logged session and compare.
     Replay(commands::replay::ReplayArgs),
-    /// Put packs into a folder of pages that any web host can serve.
+    /// Write packs and pages into a folder for any web host.
     #[command(subcommand)]
     Export(commands::site::export::Export),
-    /// Serve a site, or packs as one, to browsers.
+    /// Serve a site, or packs, to browsers.
     Serve(commands::serve::ServeArgs),
-    /// Judge, fit, classify and record gaze.
+    /// Record, classify, fit and evaluate gaze.
     #[command(subcommand)]
     Gaze(commands::gaze::GazeCommand),
 }
@@ -91,7 +92,7 @@ fn main() -> ExitCode {
     settle_environment();
     #[cfg(target_os = "linux")]
     keep_freed_memory();
-    let program = examples::attached(with_negative_numbers(Cli::command()));
+    let program = help::by_task(examples::attached(with_negative_numbers(Cli::command())));
     report::called::read_command_line(&program);
     let matches = program.try_get_matches();
     let matches = matches.unwrap_or_else(|error| report::output::fail_usage(&error));

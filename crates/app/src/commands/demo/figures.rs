@@ -34,7 +34,6 @@ pub(super) enum Cost {
     Pixels,
     DecodeTime,
     Bytes,
-    GpuMemory,
 }
 
 fn cost(summary: &RunSummary, of: Cost) -> f64 {
@@ -42,7 +41,6 @@ fn cost(summary: &RunSummary, of: Cost) -> f64 {
         Cost::Pixels => summary.pixels_share_mean,
         Cost::DecodeTime => summary.decode_ms_mean,
         Cost::Bytes => summary.bytes as f64,
-        Cost::GpuMemory => summary.gpu_bytes as f64,
     }
 }
 

@@ -10,8 +10,11 @@ use crate::commands::demo::{colours, facts, plots};
 use crate::report::html::escape;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use foveal_core::view::surface::Projection;
 
 const STYLE: &str = include_str!("report.css");
+/// A larger share of what `viewport` takes is little gained.
+const LITTLE: f64 = 0.8;
 /// Pictures narrower than this are shown with their pixels visible.
 const SMALL: u32 = 400;
 
@@ -36,17 +39,18 @@ pub(super) fn page(all: &[Played], machine: &Machine, seed: u64) -> String {
 
 fn section(played: &Played) -> String {
     format!(
-        "<section>\n<h2>{}</h2>\n{}{}{}{}{}</section>\n",
+        "<section>\n<h2>{}</h2>\n{}{}{}{}{}{}</section>\n",
         escape(&played.content.name),
         facts::paragraphs(played),
         stats(played),
+        little_gained(played),
         pictures(played),
         plots::all(played),
         table(played),
     )
 }
 
-/// What the foveated policy costs, in four figures.
+/// What the foveated policy costs and how it scores, in four figures.
 fn stats(played: &Played) -> String {
     let figure = |name: &str, cost: Cost| {
         let of = |baseline| ratio(&played.runs, cost, FOVEATED, baseline) * 100.0;
@@ -60,10 +64,48 @@ fn stats(played: &Played) -> String {
     format!(
         "<dl class=\"stats\">\n{}{}{}{}</dl>\n",
         figure("Pixels a frame", Cost::Pixels),
-        figure("Decoding time", Cost::DecodeTime),
         figure("Bytes fetched", Cost::Bytes),
-        figure("GPU memory", Cost::GpuMemory),
+        figure("Decoding time", Cost::DecodeTime),
+        score(played),
     )
+}
+
+/// How good the foveated picture looks, next to what it saves.
+fn score(played: &Played) -> String {
+    let score = played.runs[FOVEATED].summary.score.as_ref();
+    let (jod, of) = score.map_or_else(
+        || ("&ndash;".to_owned(), "nothing was drawn to be scored"),
+        |score| {
+            (
+                format!("{:.2}", score.jod),
+                "JOD against full; 10 is no difference",
+            )
+        },
+    );
+    format!("<div><dt>Score</dt><dd><b>{jod}</b><span>{of}</span></dd></div>\n")
+}
+
+/// Says so where less than a fifth of pixels or bytes is saved against `viewport`, and why.
+fn little_gained(played: &Played) -> String {
+    let of_viewport = |cost| ratio(&played.runs, cost, FOVEATED, VIEWPORT);
+    let [pixels, bytes] = [Cost::Pixels, Cost::Bytes].map(of_viewport);
+    if pixels.max(bytes) <= LITTLE {
+        return String::new();
+    }
+    let what = match (pixels > LITTLE, bytes > LITTLE) {
+        (true, true) => "pixels and bytes",
+        (true, false) => "pixels",
+        _ => "bytes",
+    };
+    let why = match played.content.file.pack().description().projection {
+        Projection::Flat => {
+            "the picture is hardly larger than what the eye resolves at once at this distance"
+        }
+        Projection::Cube | Projection::Equirect => {
+            "at this density even the finest tiles in view are hardly finer than the eye resolves"
+        }
+    };
+    format!("<p>Little is gained here in {what}, because {why}.</p>\n")
 }
 
 fn pictures(played: &Played) -> String {
@@ -208,4 +250,53 @@ fn how_to_read(seed: u64) -> String {
          them with a gaze of your own.</p>\n</section>\n",
         scored = crate::commands::demo::run::SCORED,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::commands::demo::run::POLICIES;
+
+    #[test]
+    fn each_policy_has_a_visible_line_and_label_in_light_and_in_dark() {
+        let paper = colours_of("paper");
+        assert_eq!(paper.len(), 2);
+        for policy in POLICIES {
+            let name = policy.name();
+            for rule in [
+                format!(".line.{name} {{ stroke: var(--{name})"),
+                format!(".label.{name} {{ fill: var(--{name})"),
+                format!("th.{name} {{ color: var(--{name})"),
+            ] {
+                assert!(STYLE.contains(&rule), "{rule}");
+            }
+            let colours = colours_of(name);
+            assert_eq!(colours.len(), 2, "{name}");
+            for (colour, paper) in colours.iter().zip(&paper) {
+                assert!(contrast(*colour, *paper) > 3.0, "{name}");
+            }
+        }
+    }
+
+    /// Red, green and blue of a variable, first light, then dark.
+    fn colours_of(name: &str) -> Vec<[f64; 3]> {
+        let variable = format!("--{name}: #");
+        let all = STYLE.split(&variable).skip(1);
+        let channel = |hex: &str| f64::from(u8::from_str_radix(hex, 16).unwrap()) / 255.0;
+        all.map(|rest| [&rest[..2], &rest[2..4], &rest[4..6]].map(channel))
+            .collect()
+    }
+
+    /// Contrast of two colours (WCAG 2.2): 1 to 21; graphics need 3.
+    fn contrast(a: [f64; 3], b: [f64; 3]) -> f64 {
+        let luminance = |colour: [f64; 3]| {
+            let [r, g, b] = colour.map(|c| match c <= 0.04045 {
+                true => c / 12.92,
+                false => ((c + 0.055) / 1.055).powf(2.4),
+            });
+            0.2126 * r + 0.7152 * g + 0.0722 * b
+        };
+        let [a, b] = [a, b].map(luminance);
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
 }
