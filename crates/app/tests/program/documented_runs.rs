@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// What makes commands short: how each begins, and the options that it is given besides.
-const SHORTER: [(&str, &[&str]); 9] = [
+const SHORTER: [(&str, &[&str]); 10] = [
     ("prepare video", &["--fast"]),
     ("simulate statue", &["--frames", "1", "--view", "96x54"]),
     ("simulate", &["--frames", "2", "--view", "96x54"]),
@@ -22,6 +22,7 @@ const SHORTER: [(&str, &[&str]); 9] = [
     ("score my", &["--frames", "2", "--view", "96x54"]),
     ("bench video", &["--frames", "10", "--renderer", "none"]),
     ("bench scene", &["--only", "bytes", "--renderer", "none"]),
+    ("panels warp examples/panels/three", &["--frames", "1"]),
     ("serve", &["--listen", "127.0.0.1:0"]),
 ];
 /// They need another program's window or a tracker that sends; tests of their own run them.
@@ -108,7 +109,18 @@ fn every_command_that_readme_and_the_help_show_comes_out_on_small_inputs() {
     let folder = Folder::new();
     inputs(&folder);
     let display = Display::start();
-    let help = ["prepare video", "simulate", "score", "panels warp"];
+    let help = [
+        "prepare video",
+        "simulate",
+        "replay",
+        "score",
+        "perception importance",
+        "evaluate policies",
+        "evaluate codecs",
+        "bench video",
+        "bench scene",
+        "panels warp",
+    ];
     let help = help.map(|path| {
         let words: Vec<&str> = path.split(' ').chain(["--help"]).collect();
         let ran = finish(command(&words));
