@@ -7,6 +7,9 @@ use glam::{DAffine2, DAffine3, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// Most missing pictures that are named.
+const MOST_MISSING_NAMED: u64 = 8;
+
 /// A scene as its files tell it: nothing is simplified or put on a grid yet.
 #[derive(Clone, Debug, Default)]
 pub struct SourceScene {
@@ -84,6 +87,18 @@ impl SourceScene {
         let remark = one_line(&remark.into());
         if !self.remarks.contains(&remark) {
             self.remarks.push(remark);
+        }
+    }
+
+    /// Counts a picture that is not there, and says which of the first ones and why.
+    pub(crate) fn missing_picture(&mut self, name: &str, reason: &str) {
+        let missing = self.repairs.entry("missing_images".to_owned()).or_default();
+        *missing += 1;
+        if *missing <= MOST_MISSING_NAMED {
+            let name = name.chars().take(80).collect::<String>();
+            self.remark(format!(
+                "the picture {name:?} is missing: {reason}; surfaces have their colour alone"
+            ));
         }
     }
 

@@ -54,6 +54,8 @@ pub struct Built {
     pub levels: u8,
     /// What was repaired or left out: that of the source and that of the build.
     pub repairs: Repairs,
+    /// What a person should know of it beside the remarks of the source.
+    pub remarks: Vec<String>,
 }
 
 /// Why a scene cannot be built.

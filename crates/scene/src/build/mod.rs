@@ -136,6 +136,7 @@ fn build_here(
         units,
         levels,
         repairs,
+        remarks: pages.remarks,
     })
 }
 

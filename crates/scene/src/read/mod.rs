@@ -13,6 +13,7 @@ mod obj;
 mod pictures;
 mod place;
 mod ply;
+mod search;
 mod single;
 mod sound;
 mod stl;
@@ -35,6 +36,8 @@ pub struct ReadOptions {
     /// Which axis points up in all of them; if not given, the one that is usual for the format: z
     /// in STL, LAS and LAZ, y in all others.
     pub up: Option<Up>,
+    /// Whether files are opened that lie outside the folder of the file that names them.
+    pub allow_outside: bool,
 }
 
 /// Whether a file's name ends as one that [`read`] reads: .glb, .gltf, .obj, .ply, .stl, .las
@@ -47,8 +50,8 @@ pub fn is_scene_file(file: &Path) -> bool {
 /// Reads files into one scene with the objects of all, in their order. A scene file (.toml) stands
 /// for those that it names.
 ///
-/// Refused are files that break their format, that name files outside their folder, or that have
-/// neither triangle nor point. Memory is a small multiple of the files' bytes, whatever they claim.
+/// Refused are files that break their format, or that have neither triangle nor point. A file that
+/// one names elsewhere is looked for in its folder; without pictures, surfaces have their colour. Memory is a small multiple of the files' bytes, whatever they claim.
 ///
 /// ```
 /// use foveal_scene::read::{ReadOptions, read};
@@ -67,8 +70,8 @@ pub fn read(inputs: &[&Path], options: &ReadOptions) -> Result<SourceScene, Read
     let mut scene = SourceScene::default();
     for path in inputs {
         scene.append(match is_arrangement(path) {
-            true => arrangement::read(path, options.up)?,
-            false => read_file(path, None, options.up)?,
+            true => arrangement::read(path, options)?,
+            false => read_file(path, options)?,
         });
     }
     pictures::leave_out_pictures(&mut scene);

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use super::ReadOptions;
 use super::error::{Fault, ReadError};
-use super::files::{Folder, NamedFile, OnDisk};
+use super::files::{NamedFile, OnDisk};
 use super::place::{self, Up};
+use super::search::Folder;
 use super::{gltf, las, obj, ply, sound, stl};
 use crate::source::SourceScene;
 
@@ -46,25 +48,21 @@ impl SceneFormat {
     }
 }
 
-/// Reads a 3D file, whose objects without a name are called `name`, else as the file is.
-pub(super) fn read_file(
-    path: &Path,
-    name: Option<&str>,
-    up: Option<Up>,
-) -> Result<SourceScene, ReadError> {
+/// Reads a 3D file, whose objects without a name are called as the file is.
+pub(super) fn read_file(path: &Path, options: &ReadOptions) -> Result<SourceScene, ReadError> {
     if SceneFormat::of(path).is_none() {
         return Err(unknown_ending(path));
     }
-    let mut folder = OnDisk::of(path);
+    let mut folder = OnDisk::of(path, options.allow_outside);
     let named = NamedFile {
         path: path.to_owned(),
         bytes: folder.read_scene()?,
         folder,
     };
-    read_named(named, name, up)
+    read_named(named, None, options.up)
 }
 
-/// The same of a 3D file that another named.
+/// The same of a 3D file that another named, which may say what objects without a name are called.
 pub(super) fn read_named(
     named: NamedFile,
     name: Option<&str>,
@@ -89,6 +87,10 @@ pub(super) fn read_named(
         .map_err(|fault| fault.in_file(&path))?;
     one.bytes = folder.bytes;
     one.hashes = folder.hashes;
+    for (name, times) in folder.repairs {
+        sound::count(&mut one.repairs, &name, times as usize);
+    }
+    folder.remarks.into_iter().for_each(|it| one.remark(it));
     Ok(one)
 }
 

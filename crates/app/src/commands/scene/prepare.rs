@@ -46,6 +46,10 @@ pub(crate) struct PrepareSceneArgs {
     /// Keep every texel of textures as it is, in PNG in place of JPEG.
     #[arg(long)]
     exact: bool,
+    /// Open files that lie outside the folder of the file that names them, such as
+    /// ../textures/wood.png.
+    #[arg(long)]
+    allow_outside: bool,
     /// Threads (default: all cores); the pack is the same for any number.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
@@ -109,6 +113,7 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
     };
     source.remarks.iter().for_each(|remark| output::say(remark));
     let built = args.build(&source, jobs)?;
+    built.remarks.iter().for_each(|remark| output::say(remark));
     let description = args.description(&source, &built, identity);
     refuse_too_long(&description)?;
     drop(source);
@@ -148,6 +153,7 @@ impl PrepareSceneArgs {
                 UpName::Y => Up::Y,
                 UpName::Z => Up::Z,
             }),
+            allow_outside: self.allow_outside,
         };
         Ok(read(&inputs, &options)?)
     }
@@ -196,7 +202,7 @@ impl PrepareSceneArgs {
             page: PAGE,
             look: source.look(),
             identity,
-            remarks: source.remarks.clone(),
+            remarks: [&source.remarks[..], &built.remarks].concat(),
             repairs: built.repairs.clone(),
             tables: Vec::new(),
         }

@@ -2,6 +2,12 @@
 //!
 //! Inputs are made here, after what users of other players, viewers and converters reported.
 
+mod colours;
+mod gltf;
+mod outliers;
+mod paths;
+mod row;
+
 use crate::support::done;
 
 #[test]

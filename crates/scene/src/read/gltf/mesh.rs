@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use super::super::colour::Depth;
 use super::super::error::Fault;
 use super::super::sound::count;
 use super::accessor::Accessors;
@@ -29,6 +30,8 @@ pub(super) struct MeshReader<'a> {
     /// The number of the material of parts that have none.
     pub(super) without_material: u32,
     pub(super) repairs: Repairs,
+    /// What a person should know of meshes.
+    pub(super) remarks: Vec<String>,
     /// The colour of each material.
     pub(super) factors: Vec<[f32; 4]>,
     /// The points of the mesh that was read last.
@@ -307,19 +310,43 @@ impl MeshReader<'_> {
         checked.collect()
     }
 
-    fn colours(&self, number: u32, opaque: bool) -> Result<Vec<[f32; 4]>, Fault> {
-        let colours = self.accessors.rows::<4>(number, &[3, 4])?;
-        let checked = colours.into_iter().enumerate().map(|(index, mut colour)| {
+    fn colours(&mut self, number: u32, opaque: bool) -> Result<Vec<[f32; 4]>, Fault> {
+        let mut colours = self.accessors.rows::<4>(number, &[3, 4])?;
+        let usual = self.accessors.full_light(number)?;
+        let mut depth = Depth::default();
+        for (index, colour) in colours.iter_mut().enumerate() {
             if colour.iter().any(|part| part.is_nan()) {
                 let what = format!("element {index} is a colour that is no number");
                 return Err(Fault::at(format!("accessor {number}"), what));
             }
-            if opaque {
-                colour[3] = 1.0;
-            }
-            Ok(colour.map(|part| part.clamp(0.0, 1.0) as f32))
-        });
-        checked.collect()
+            depth.add([colour[0], colour[1], colour[2]]);
+        }
+        let full = depth.full(usual);
+        let has_alpha = self.accessors.get(number)?.shape == "VEC4";
+        let strays = colours
+            .iter()
+            .filter(|it| full.is_stray([it[0], it[1], it[2]]));
+        let strays = strays.count();
+        count(&mut self.repairs, "colours_of_another_depth", strays);
+        if usual > 1.0 {
+            count(&mut self.repairs, "colours_not_normalised", colours.len());
+            let remark = "colours of vertices are whole numbers that are not said to be parts of 1";
+            self.remarks.push(format!(
+                "{remark}: {} is taken for all light",
+                full.largest()
+            ));
+        } else if let Some(remark) = full.remark("vertices", strays) {
+            self.remarks.push(remark);
+        }
+        let light = |[red, green, blue, alpha]: [f64; 4]| {
+            let [red, green, blue] = full.shares([red, green, blue]);
+            let alpha = match opaque || !has_alpha {
+                true => 1.0,
+                false => alpha / if usual > 1.0 { full.largest() } else { 1.0 },
+            };
+            [red, green, blue, alpha].map(|part| part.clamp(0.0, 1.0) as f32)
+        };
+        Ok(colours.into_iter().map(light).collect())
     }
 
     /// The vertices of the mesh that a part names, in its order.

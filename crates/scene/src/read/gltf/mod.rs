@@ -5,6 +5,7 @@ mod buffers;
 mod container;
 mod draco;
 mod json;
+mod mended;
 mod mesh;
 mod meshopt;
 mod nodes;
@@ -14,11 +15,13 @@ mod textures;
 use std::collections::HashMap;
 
 use super::error::Fault;
-use super::files::Folder;
+use super::search::Folder;
+use super::sound::count;
 use super::text::shortened;
 use crate::source::{Material, Repairs, SourceCloud, SourceObject, SourceScene};
 use accessor::Accessors;
 use buffers::Buffers;
+use container::Parsed;
 use json::{Document, GltfMaterial};
 use mesh::{MeshReader, Points};
 use textures::{TextureReader, uv_set};
@@ -29,7 +32,11 @@ pub(super) fn read(
     name: &str,
     folder: &mut dyn Folder,
 ) -> Result<SourceScene, Fault> {
-    let (mut document, binary) = container::parse(bytes)?;
+    let Parsed {
+        mut document,
+        binary,
+        mended,
+    } = container::parse(bytes)?;
     sharing::share_meshes(&mut document);
     let mut buffers = Buffers::read(&document, binary, folder)?;
     meshopt::unpack(&mut document, &mut buffers)?;
@@ -39,13 +46,18 @@ pub(super) fn read(
         buffers,
     };
     let mut scene = SourceScene::default();
-    let mut materials = materials(&accessors, folder, &mut scene)?;
+    count(&mut scene.repairs, "json_mended", mended);
+    if mended > 0 {
+        scene.remark("the JSON of the file breaks its rules in places, which were mended");
+    }
+    let mut materials = materials(&accessors, folder, &mut scene);
     let mut meshes = MeshReader {
         accessors: &accessors,
         opaque: opaque(&document),
         uv_sets: document.materials.iter().map(uv_set).collect(),
         without_material: materials.len() as u32,
         repairs: Repairs::new(),
+        remarks: Vec::new(),
         factors: materials.iter().map(|it| it.colour).collect(),
         points: Points::default(),
         spent: 0,
@@ -88,6 +100,7 @@ pub(super) fn read(
     let is_used = used.any(|it| *it == default);
     materials.extend(is_used.then(Material::default));
     scene.repairs.extend(meshes.repairs);
+    meshes.remarks.into_iter().for_each(|it| scene.remark(it));
     scene.materials = materials;
     add_remarks(&mut scene, &document, object_of.keys());
     Ok(scene)
@@ -117,25 +130,22 @@ fn materials(
     accessors: &Accessors<'_>,
     folder: &mut dyn Folder,
     scene: &mut SourceScene,
-) -> Result<Vec<Material>, Fault> {
+) -> Vec<Material> {
     let mut textures = TextureReader {
         accessors,
         folder,
         images: HashMap::new(),
     };
     let all = accessors.document.materials.iter();
-    let read = all.map(|said| {
-        Ok(Material {
-            texture: textures.read(said, scene)?,
-            ..material(said)
-        })
+    let read = all.map(|said| Material {
+        texture: textures.read(said, scene),
+        ..material(said)
     });
     read.collect()
 }
 
 fn material(said: &GltfMaterial) -> Material {
-    let factor = said.pbr_metallic_roughness.factor.unwrap_or([1.0; 4]);
-    let mut colour = factor.map(|part| part.clamp(0.0, 1.0) as f32);
+    let mut colour = said.factor().map(|part| part.clamp(0.0, 1.0) as f32);
     if is_opaque(said) {
         colour[3] = 1.0;
     }
@@ -143,7 +153,7 @@ fn material(said: &GltfMaterial) -> Material {
         name: said.name.clone().unwrap_or_default(),
         colour,
         two_sided: said.double_sided,
-        unlit: said.extensions.contains_key("KHR_materials_unlit"),
+        unlit: said.extensions.unlit.is_some(),
         texture: None,
     }
 }
@@ -187,6 +197,10 @@ fn add_remarks_of_materials(scene: &mut SourceScene, document: &Document) {
             "normal maps are not drawn",
         ),
         (any(metal), "metal and roughness are not drawn"),
+        (
+            any(|it| it.extensions.glossiness.is_some()),
+            "gloss is not drawn",
+        ),
         (
             any(|it| it.occlusion_texture.is_some()),
             "shade in occlusion maps is not drawn",

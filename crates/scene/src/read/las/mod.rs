@@ -9,7 +9,9 @@ mod packed;
 #[cfg(test)]
 mod tests;
 
+use super::colour::mend_codes;
 use super::error::Fault;
+use super::sound::count;
 use crate::source::{SourceCloud, SourceScene};
 use glam::DAffine3;
 use header::{LasHeader, Layout};
@@ -30,6 +32,9 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     if records.has_waves {
         scene.remark("waveforms of laser echoes are not drawn");
     }
+    let (remark, strays) = mend_codes(&mut records.cloud.colours);
+    count(&mut scene.repairs, "colours_of_another_depth", strays);
+    remark.into_iter().for_each(|it| scene.remark(it));
     scene.clouds = vec![SourceCloud {
         name: name.to_owned(),
         placements: vec![DAffine3::IDENTITY],

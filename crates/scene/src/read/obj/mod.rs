@@ -11,9 +11,9 @@ use std::rc::Rc;
 use foveal_core::content::images::wrap::Wrap;
 use glam::{DAffine2, DAffine3, DVec2, DVec3};
 
-use super::colour::linear_from_rgba;
+use super::colour::{Depth, lighten};
 use super::error::Fault;
-use super::files::Folder;
+use super::search::{self, Folder};
 use super::sound::count;
 use super::text::{Words, lines, shortened};
 use crate::source::{
@@ -32,6 +32,7 @@ pub(super) fn read(
         mesh: SourceMesh::default(),
         places: Vec::new(),
         place_colours: Vec::new(),
+        colour_depth: Depth::default(),
         normals: Vec::new(),
         uvs: Vec::new(),
         images: HashMap::new(),
@@ -54,8 +55,9 @@ struct Reader<'a> {
     mesh: SourceMesh,
     /// What `v` lines say.
     places: Vec<DVec3>,
-    /// Empty, or as long as `places`.
+    /// As the file has them; empty, or as long as `places`.
     place_colours: Vec<[f32; 4]>,
+    colour_depth: Depth,
     /// What `vn` lines say.
     normals: Vec<[f32; 3]>,
     /// What `vt` lines say.
@@ -82,7 +84,8 @@ struct Corner {
 
 /// Each costs a search on the disk; exporters write one.
 const MOST_LIBRARIES: usize = 256;
-const WHITE: [f32; 4] = [1.0; 4];
+/// Stands for no colour until all are read.
+const UNSAID: [f32; 4] = [f32::NAN; 4];
 
 impl Reader<'_> {
     fn read_line(&mut self, words: &mut Words<'_>) -> Result<(), Fault> {
@@ -135,13 +138,14 @@ impl Reader<'_> {
         }
         let colour = match more.as_slice() {
             [red, green, blue] | [red, green, blue, _] => {
-                Some(linear_from_rgba([*red, *green, *blue, 1.0]))
+                self.colour_depth.add([*red, *green, *blue]);
+                Some([*red as f32, *green as f32, *blue as f32, 1.0])
             }
             _ => None,
         };
         if colour.is_some() || !self.place_colours.is_empty() {
-            self.place_colours.resize(self.places.len(), WHITE);
-            self.place_colours.push(colour.unwrap_or(WHITE));
+            self.place_colours.resize(self.places.len(), UNSAID);
+            self.place_colours.push(colour.unwrap_or(UNSAID));
         }
         self.places.push(place);
         Ok(())
@@ -217,8 +221,8 @@ impl Reader<'_> {
         }
         let colour = self.place_colours.get(place as usize);
         if colour.is_some() || !self.mesh.colours.is_empty() {
-            self.mesh.colours.resize(vertices, WHITE);
-            self.mesh.colours.push(colour.copied().unwrap_or(WHITE));
+            self.mesh.colours.resize(vertices, UNSAID);
+            self.mesh.colours.push(colour.copied().unwrap_or(UNSAID));
         }
     }
 
@@ -235,7 +239,7 @@ impl Reader<'_> {
                     two_sided: true,
                     ..Material::default()
                 });
-                material.texture = self.texture(name)?;
+                material.texture = self.texture(name);
                 self.scene.materials.push(material);
                 self.material_numbers.insert(name.to_owned(), number);
                 number
@@ -246,14 +250,12 @@ impl Reader<'_> {
     }
 
     /// How a material shows a picture.
-    fn texture(&mut self, material: &str) -> Result<Option<MaterialTexture>, Fault> {
-        let Some(map) = self.library.pictures.get(material).cloned() else {
-            return Ok(None);
-        };
+    fn texture(&mut self, material: &str) -> Option<MaterialTexture> {
+        let map = self.library.pictures.get(material).cloned()?;
         let image = match self.images.get(&map.file) {
             Some(known) => *known,
             None => {
-                let image = match self.folder.read(&map.file) {
+                let image = match search::read(self.folder, &map.names()) {
                     Ok(bytes) => {
                         self.scene.images.push(SourceImage {
                             name: map.file.clone(),
@@ -261,11 +263,11 @@ impl Reader<'_> {
                         });
                         Some(self.scene.images.len() - 1)
                     }
-                    Err(Fault::Missing { .. }) => None,
-                    Err(fault) => return Err(fault),
+                    Err(fault) => {
+                        self.scene.missing_picture(&map.file, &fault.what());
+                        None
+                    }
                 };
-                let missing = usize::from(image.is_none());
-                count(&mut self.scene.repairs, "missing_images", missing);
                 *self.images.entry(map.file).or_insert(image)
             }
         };
@@ -277,12 +279,12 @@ impl Reader<'_> {
         // The picture's rows count from its top, the file's from the bottom.
         let [u, v] = map.scale;
         let offset = DVec2::new(map.offset[0], 1.0 - v - map.offset[1]);
-        Ok(image.map(|image| MaterialTexture {
+        image.map(|image| MaterialTexture {
             image,
             wrap: [wrap; 2],
             picture_from_uv: DAffine2::from_scale_angle_translation(DVec2::new(u, v), 0.0, offset),
             cutoff: None,
-        }))
+        })
     }
 
     /// The files of one line: their names have no blanks, unless it is one name.
@@ -295,17 +297,17 @@ impl Reader<'_> {
             let what = format!("more than {MOST_LIBRARIES} files of materials are named");
             return Err(Fault::line(words.line, what));
         }
-        let file = match self.folder.read(&whole) {
-            Err(Fault::Missing { .. }) if whole.contains(' ') => {
+        // Blanks may be of one name, or between several; quotes tell.
+        match search::read(self.folder, &[&whole]) {
+            Err(Fault::Missing { .. }) if whole.contains(' ') && !whole.starts_with('"') => {
                 for name in whole.split(' ').take(MOST_LIBRARIES) {
-                    let file = self.folder.read(name);
+                    let file = search::read(self.folder, &[name]);
                     self.add_library(name, file, words.line)?;
                 }
-                return Ok(());
+                Ok(())
             }
-            file => file,
-        };
-        self.add_library(&whole, file, words.line)
+            file => self.add_library(&whole, file, words.line),
+        }
     }
 
     fn add_library(
@@ -317,7 +319,7 @@ impl Reader<'_> {
         match file {
             Ok(bytes) => {
                 self.library
-                    .read(&bytes)
+                    .read(&bytes, name)
                     .map_err(|fault| in_library(name, fault))?;
             }
             Err(Fault::Missing { reason, .. }) => {
@@ -336,7 +338,28 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// Colours are codes of whatever depth all of them tell.
+    fn light_colours(&mut self) {
+        if self.mesh.colours.is_empty() {
+            return;
+        }
+        let full = self.colour_depth.full(1.0);
+        let largest = full.largest() as f32;
+        for colour in self.mesh.colours.iter_mut().filter(|it| it[0].is_nan()) {
+            *colour = [largest, largest, largest, 1.0];
+        }
+        let strays = lighten(&mut self.mesh.colours, &full, 1.0);
+        count(&mut self.scene.repairs, "colours_of_another_depth", strays);
+        if let Some(remark) = full.remark("vertices", strays) {
+            self.scene.remark(remark);
+        }
+    }
+
     fn finish(mut self, name: &str) -> SourceScene {
+        self.light_colours();
+        for (repair, times) in std::mem::take(&mut self.library.repairs) {
+            count(&mut self.scene.repairs, &repair, times as usize);
+        }
         self.scene.objects.push(SourceObject {
             name: name.to_owned(),
             mesh: 0,

@@ -41,8 +41,11 @@ fn groups_become_one_mesh_with_the_materials_of_the_library() {
     assert!((red.colour[0] - 0.214).abs() < 1e-3);
     assert_eq!(grey.colour, [1.0; 4]);
     assert!(grey.two_sided);
-    assert!(scene.remarks.is_empty(), "{:?}", scene.remarks);
-    assert_eq!(scene.repairs["missing_images"], 1);
+    assert!(scene.remarks[0].contains("a.png"), "{:?}", scene.remarks);
+    assert_eq!(
+        (scene.remarks.len(), scene.repairs["missing_images"]),
+        (1, 1)
+    );
     assert_eq!(scene.repairs["points_left_out"], 1);
     assert_eq!(scene.repairs["lines_left_out"], 2);
     assert_eq!(scene.repairs["unused_vertices"], 1);
@@ -55,6 +58,31 @@ fn a_library_that_is_missing_leaves_surfaces_white() {
     assert_eq!(scene.materials[0].colour, [1.0; 4]);
     assert_eq!(scene.repairs["materials_not_found"], 2);
     assert_eq!(scene.repairs["material_files_missing"], 1);
+}
+
+#[test]
+fn a_library_elsewhere_is_the_one_of_that_name_here_or_none() {
+    for name in ["../a.mtl", "/etc/a.mtl", "C:\\x\\A.MTL", "\"a.mtl\""] {
+        let scene = scene(&SQUARE.replace("a.mtl", name));
+        assert_eq!(scene.materials[0].colour[3], 0.25, "{name}");
+    }
+    for name in ["../b.mtl", "/etc/passwd"] {
+        let scene = scene(&SQUARE.replace("a.mtl", name));
+        let told = &scene.remarks[0];
+        assert!(
+            told.contains(name) && told.contains("does not lie in"),
+            "{told}"
+        );
+    }
+}
+
+#[test]
+fn black_beneath_a_picture_is_white_and_large_colours_are_codes() {
+    let mtl = "newmtl dull red\nKd 255 0 0\nnewmtl grey\nKd 0 0 0\nmap_Kd a.png\n";
+    let scene = read(SQUARE.as_bytes(), "a", &mut files(mtl)).unwrap();
+    assert_eq!(scene.materials[0].colour, [1.0, 0.0, 0.0, 1.0]);
+    assert_eq!(scene.materials[1].colour, [1.0; 4]);
+    assert_eq!(scene.repairs["black_under_textures"], 1);
 }
 
 #[test]
@@ -92,8 +120,6 @@ fn what_cannot_be_is_refused_with_its_line() {
             "v 0 0 0\nf a 1 1\n",
             "line 2: \"a\" is no number of a vertex",
         ),
-        ("mtllib ../a.mtl\n", "does not lie in the folder"),
-        ("mtllib /etc/passwd\n", "does not lie in the folder"),
     ] {
         let refused = refusal(text);
         assert!(refused.contains(what), "{text:?}: {refused}");

@@ -4,16 +4,17 @@
 //! hold: vertices with colours and normals, faces, and strips of triangles. Vertices without faces
 //! are a cloud of points.
 
+mod colours;
 mod header;
 mod numbers;
 
 use glam::{DAffine3, DVec3};
 
-use super::colour::linear_from_rgba;
 use super::error::Fault;
 use super::sound::count;
 use crate::source::{Material, Repairs, SourceCloud, SourceMesh, SourceObject, SourceScene};
-use header::{Element, PlyHeader, Property, Scalar};
+use colours::{ColourColumns, PlyColours, Told, colour_triangles};
+use header::{Element, PlyHeader, Property};
 use numbers::Numbers;
 
 /// Reads a PLY file into one object called `name`.
@@ -34,11 +35,15 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         }
     }
     reader.check_corners()?;
+    let colours = reader.take_colours();
     if reader.is_cloud {
-        return Ok(SourceScene {
+        let mut scene = SourceScene {
             clouds: vec![reader.cloud(name)],
+            repairs: reader.repairs,
             ..SourceScene::default()
-        });
+        };
+        colours.into_iter().for_each(|it| scene.remark(it));
+        return Ok(scene);
     }
     if reader.mesh.triangles.is_empty() {
         let points = reader.mesh.positions.len();
@@ -59,6 +64,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         repairs: reader.repairs,
         ..SourceScene::default()
     };
+    colours.into_iter().for_each(|it| scene.remark(it));
     if header.has_textures {
         scene.remark("textures of PLY files are not drawn: export the mesh as glTF");
     }
@@ -84,6 +90,10 @@ struct Reader {
     /// Whether there are no faces.
     is_cloud: bool,
     mesh: SourceMesh,
+    /// Colours of vertices, or of points.
+    colours: Option<PlyColours>,
+    /// Those of triangles.
+    face_colours: Option<PlyColours>,
     /// Colours of the points of a cloud, as codes of sixteen bits.
     codes: Vec<[u16; 3]>,
     repairs: Repairs,
@@ -98,17 +108,12 @@ fn slot(name: &str) -> Option<usize> {
         "nx" => 3,
         "ny" => 4,
         "nz" => 5,
-        "red" | "r" | "diffuse_red" => 6,
-        "green" | "g" | "diffuse_green" => 7,
-        "blue" | "b" | "diffuse_blue" => 8,
-        "alpha" | "a" | "diffuse_alpha" => 9,
         _ => return None,
     };
     Some(slot)
 }
 
-const SLOTS: usize = 10;
-const ALPHA: usize = 9;
+const SLOTS: usize = 6;
 
 impl Reader {
     fn read_vertices(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
@@ -119,21 +124,25 @@ impl Reader {
         let has = |wanted: core::ops::Range<usize>| {
             wanted.into_iter().all(|slot| slots.contains(&Some(slot)))
         };
-        let (has_normals, has_colours) = (has(3..6), has(6..9));
+        let has_normals = has(3..6);
+        let columns = ColourColumns::of(element);
+        let mut colours = columns.as_ref().map(PlyColours::new);
         let mut row = [0.0; SLOTS];
-        row[ALPHA] = 1.0;
+        let mut colour = [-1.0; 4];
         for index in 0..element.count {
-            for (property, slot) in element.properties.iter().zip(&slots) {
+            for (at, (property, slot)) in element.properties.iter().zip(&slots).enumerate() {
+                let part = columns.as_ref().and_then(|it| it.part(at));
                 match (slot, property) {
                     (Some(slot), Property::One { scalar, .. }) => {
-                        let value = numbers.number(*scalar, element, index)?;
-                        let most = if *slot >= 6 { scalar.full() } else { 1.0 };
-                        row[*slot] = value / most;
+                        row[*slot] = numbers.number(*scalar, element, index)?;
+                    }
+                    (None, Property::One { scalar, .. }) if part.is_some() => {
+                        colour[part.unwrap_or(0)] = numbers.number(*scalar, element, index)?;
                     }
                     _ => numbers.skip(property, element, index)?,
                 }
             }
-            let [x, y, z, nx, ny, nz, red, green, blue, alpha] = row;
+            let [x, y, z, nx, ny, nz] = row;
             let position = DVec3::new(x, y, z);
             if !position.is_finite() {
                 return Err(numbers.fault(element, index, format!("stands at {position}")));
@@ -142,39 +151,60 @@ impl Reader {
             if has_normals && !self.is_cloud {
                 self.mesh.normals.push([nx as f32, ny as f32, nz as f32]);
             }
-            if has_colours {
-                if ![red, green, blue, alpha]
-                    .iter()
-                    .all(|part| part.is_finite())
-                {
-                    return Err(numbers.fault(element, index, "has a colour that is no number"));
-                }
-                if self.is_cloud {
-                    // A code of eight bits becomes 257 times as much.
-                    let code = |it: f64| (it.clamp(0.0, 1.0) * 65_535.0).round() as u16;
-                    self.codes.push([red, green, blue].map(code));
-                } else {
-                    let colour = linear_from_rgba([red, green, blue, alpha]);
-                    self.mesh.colours.push(colour);
-                }
+            if let Some(colours) = &mut colours {
+                colours.fill(colour, self.mesh.positions.len());
             }
         }
+        self.colours = colours;
         Ok(())
     }
 
-    fn cloud(self, name: &str) -> SourceCloud {
+    /// Colours what was read, and gives what a person should know of it.
+    fn take_colours(&mut self) -> Vec<String> {
+        let mut told = Told::of(if self.is_cloud { "points" } else { "vertices" });
+        match self.colours.take() {
+            Some(colours) if self.is_cloud => self.codes = colours.codes(&mut told),
+            Some(colours) => self.mesh.colours = colours.lights(&mut told),
+            None => {}
+        }
+        if let Some(faces) = self.face_colours.take().filter(|it| !it.is_empty()) {
+            told.what = "faces";
+            match self.mesh.colours.is_empty() {
+                true => colour_triangles(&mut self.mesh, &faces.lights(&mut told)),
+                false => {
+                    let remark = "colours of faces are left out, as vertices have colours too";
+                    told.remarks.push(remark.to_owned());
+                }
+            }
+        }
+        for (name, times) in told.repairs {
+            count(&mut self.repairs, &name, times as usize);
+        }
+        told.remarks
+    }
+
+    fn cloud(&mut self, name: &str) -> SourceCloud {
         SourceCloud {
-            colours: self.codes,
+            colours: std::mem::take(&mut self.codes),
             ..SourceCloud::on_grid(name, &self.mesh.positions)
         }
     }
 
     fn read_faces(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
         let is_strip = element.name == "tristrips";
+        let columns = ColourColumns::of(element);
+        if self.face_colours.is_none() {
+            self.face_colours = columns.as_ref().map(PlyColours::new);
+        }
+        let mut colour = [-1.0; 4];
         let mut corners = Vec::new();
         for index in 0..element.count {
-            for property in &element.properties {
+            for (at, property) in element.properties.iter().enumerate() {
+                let part = columns.as_ref().and_then(|it| it.part(at));
                 match property {
+                    Property::One { scalar, .. } if part.is_some() => {
+                        colour[part.unwrap_or(0)] = numbers.number(*scalar, element, index)?;
+                    }
                     Property::List {
                         name,
                         length,
@@ -193,6 +223,9 @@ impl Reader {
                     }
                     _ => numbers.skip(property, element, index)?,
                 }
+            }
+            if let Some(colours) = &mut self.face_colours {
+                colours.fill(colour, self.mesh.triangles.len());
             }
         }
         Ok(())
@@ -265,7 +298,9 @@ fn slots_of(element: &Element) -> Result<Vec<Option<usize>>, Fault> {
     let mut taken = [false; SLOTS];
     for property in &element.properties {
         let slot = match property {
-            Property::One { name, .. } => slot(name).filter(|slot| !taken[*slot]),
+            Property::One { name, .. } => {
+                slot(&name.to_ascii_lowercase()).filter(|slot| !taken[*slot])
+            }
             Property::List { .. } => None,
         };
         if let Some(slot) = slot {
@@ -276,22 +311,15 @@ fn slots_of(element: &Element) -> Result<Vec<Option<usize>>, Fault> {
     if taken[..3] == [true; 3] {
         return Ok(slots);
     }
-    Err(Fault::at("header", "a vertex has no x, y and z"))
-}
-
-impl Scalar {
-    /// The value that stands for all light.
-    fn full(self) -> f64 {
-        match self {
-            Self::I8 => f64::from(i8::MAX),
-            Self::U8 => f64::from(u8::MAX),
-            Self::I16 => f64::from(i16::MAX),
-            Self::U16 => f64::from(u16::MAX),
-            Self::I32 => f64::from(i32::MAX),
-            Self::U32 => f64::from(u32::MAX),
-            Self::F32 | Self::F64 => 1.0,
-        }
+    let is_packed =
+        |it: &Property| matches!(it, Property::One { name, .. } if name == "packed_position");
+    if element.properties.iter().any(is_packed) {
+        return Err(Fault::unsupported(
+            "its splats are compressed",
+            "export them as a plain PLY file",
+        ));
     }
+    Err(Fault::at("header", "a vertex has no x, y and z"))
 }
 
 #[cfg(test)]

@@ -244,3 +244,58 @@ fn points_that_stand_nowhere_are_refused_with_their_line() {
     let none = text(&format!("element vertex 0\n{properties}"), "");
     assert!(!read_anything(SceneFormat::Ply, &none));
 }
+
+#[test]
+fn colours_of_faces_part_vertices_and_stay_behind_those_of_vertices() {
+    let elements = |of_vertex: &str| {
+        format!(
+            "element vertex 4\n{XYZ}{of_vertex}\nelement face 2\n{FACE}\nproperty uchar red\n\
+             property uchar green\nproperty uchar blue"
+        )
+    };
+    let faces = "3 0 1 2 255 0 0\n3 0 2 3 0 0 255\n";
+    let rows = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+    let mesh = &scene(&text(&elements(""), &format!("{rows}{faces}"))).meshes[0];
+    assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5]]);
+    assert_eq!(mesh.positions[3], mesh.positions[0]);
+    let [red, blue] = [[1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]];
+    assert_eq!(mesh.colours, [red, red, red, blue, blue, blue]);
+    let of_vertex = "\nproperty uchar red\nproperty uchar green\nproperty uchar blue";
+    let rows = "0 0 0 0 255 0\n1 0 0 0 255 0\n1 1 0 0 255 0\n0 1 0 0 255 0\n";
+    let both = scene(&text(&elements(of_vertex), &format!("{rows}{faces}")));
+    assert_eq!(both.meshes[0].colours, [[0.0, 1.0, 0.0, 1.0]; 4]);
+    assert!(
+        both.remarks[0].contains("faces are left out"),
+        "{:?}",
+        both.remarks
+    );
+}
+
+#[test]
+fn colours_that_are_no_numbers_are_white_and_compressed_splats_are_refused() {
+    let mut bytes = b"ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty float x\n\
+        property float y\nproperty float z\nproperty float red\nproperty float green\n\
+        property float blue\nend_header\n"
+        .to_vec();
+    for number in [
+        0.0,
+        0.0,
+        0.0,
+        128.0,
+        0.0,
+        f32::NAN,
+        1.0,
+        0.0,
+        0.0,
+        255.0,
+        0.0,
+        51.0,
+    ] {
+        bytes.extend(number.to_le_bytes());
+    }
+    let made = scene(&bytes);
+    assert_eq!(made.clouds[0].colours, [[65_535; 3], [65_535, 0, 13_107]]);
+    assert_eq!(made.repairs["colours_made"], 1);
+    let packed = text("element vertex 1\nproperty uint packed_position", "7\n");
+    assert!(refusal(&packed).contains("splats are compressed"));
+}
