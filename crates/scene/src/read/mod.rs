@@ -10,6 +10,7 @@ mod las;
 #[cfg(test)]
 mod mangle;
 mod obj;
+mod outliers;
 mod pictures;
 mod place;
 mod ply;

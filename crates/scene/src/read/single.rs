@@ -7,7 +7,7 @@ use super::error::{Fault, ReadError};
 use super::files::{NamedFile, OnDisk};
 use super::place::{self, Up};
 use super::search::Folder;
-use super::{gltf, las, obj, ply, sound, stl};
+use super::{gltf, las, obj, outliers, ply, sound, stl};
 use crate::source::SourceScene;
 
 /// How a scene is written in a file.
@@ -127,6 +127,7 @@ impl SceneFile<'_> {
             sound::make_sound(mesh, &mut scene.repairs);
         }
         scene.leave_out_empty();
+        outliers::part_meshes(&mut scene);
         place::turn_up(&mut scene, self.up);
         place::check_count(&scene)?;
         place::check(&scene)?;

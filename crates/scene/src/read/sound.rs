@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 
-use crate::source::{Repairs, SourceCloud, SourceMesh};
+use crate::source::{Repairs, SourceCloud, SourceMesh, keep};
 
 /// Counts what was repaired under a name.
 pub(super) fn count(repairs: &mut Repairs, name: &str, times: usize) {
@@ -20,7 +20,7 @@ pub(super) fn count(repairs: &mut Repairs, name: &str, times: usize) {
 /// All lists of the mesh are as long as [`SourceMesh`] says and all numbers are in range.
 pub(super) fn make_sound(mesh: &mut SourceMesh, repairs: &mut Repairs) {
     leave_out_triangles(mesh, repairs);
-    let unused = leave_out_unused_vertices(mesh);
+    let unused = mesh.leave_out_unused_vertices();
     count(repairs, "unused_vertices", unused);
     count(repairs, "normals_made", make_normals(mesh));
     count(repairs, "duplicate_vertices", duplicate_vertices(mesh));
@@ -113,41 +113,6 @@ fn leave_out_triangles(mesh: &mut SourceMesh, repairs: &mut Repairs) {
     }
     count(repairs, "zero_area_triangles", flat);
     count(repairs, "duplicate_triangles", copies);
-}
-
-/// Keeps what is marked; of an empty list, nothing is to be kept.
-fn keep<T>(list: &mut Vec<T>, stays: &[bool]) {
-    let mut marks = stays.iter();
-    list.retain(|_| marks.next().copied().unwrap_or(false));
-}
-
-/// Gives how many were left out.
-fn leave_out_unused_vertices(mesh: &mut SourceMesh) -> usize {
-    let mut used = vec![false; mesh.positions.len()];
-    for vertex in mesh.triangles.iter().flatten() {
-        used[*vertex as usize] = true;
-    }
-    let unused = used.iter().filter(|used| !**used).count();
-    if unused == 0 {
-        return 0;
-    }
-    let mut next = 0;
-    let number: Vec<u32> = used
-        .iter()
-        .map(|used| {
-            let number = next;
-            next += u32::from(*used);
-            number
-        })
-        .collect();
-    for vertex in mesh.triangles.iter_mut().flatten() {
-        *vertex = number[*vertex as usize];
-    }
-    keep(&mut mesh.positions, &used);
-    keep(&mut mesh.normals, &used);
-    keep(&mut mesh.colours, &used);
-    keep(&mut mesh.uvs, &used);
-    unused
 }
 
 /// Makes normals unit vectors; gives how many had no direction and were made of triangles.

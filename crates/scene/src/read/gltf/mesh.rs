@@ -6,11 +6,12 @@ use glam::DVec3;
 
 use super::super::colour::Depth;
 use super::super::error::Fault;
+use super::super::outliers;
 use super::super::sound::count;
 use super::accessor::Accessors;
 use super::json::{GltfAttributes, Primitive};
 use crate::build::codes_from_linear;
-use crate::source::{Repairs, SourceCloud, SourceMesh};
+use crate::source::{Repairs, SourceCloud, SourceMesh, SourceScene};
 
 /// How many vertices and corners may be made of each byte of the buffers. Eight-bit strips give
 /// one, and files of people a tenth; so meshes may show the same bytes some ten times.
@@ -48,21 +49,21 @@ pub(super) struct Points {
 }
 
 impl Points {
-    /// As a cloud; none where there are no points.
-    pub(super) fn cloud(&self, name: &str) -> Option<SourceCloud> {
+    /// As clouds; none where there are no points.
+    pub(super) fn clouds(&self, name: &str, scene: &mut SourceScene) -> Vec<SourceCloud> {
+        if self.positions.is_empty() {
+            return Vec::new();
+        }
         let has_colours = self.colours.iter().any(|it| *it != WHITE);
         let code = |it: &[f32; 4]| {
             let [red, green, blue, _] = codes_from_linear(*it);
             [red, green, blue].map(|it| u16::from(it) * 257)
         };
-        let cloud = SourceCloud {
-            colours: match has_colours {
-                true => self.colours.iter().map(code).collect(),
-                false => Vec::new(),
-            },
-            ..SourceCloud::on_grid(name, &self.positions)
+        let colours: Vec<[u16; 3]> = match has_colours {
+            true => self.colours.iter().map(code).collect(),
+            false => Vec::new(),
         };
-        (!self.positions.is_empty()).then_some(cloud)
+        outliers::clouds(name, &self.positions, &colours, scene)
     }
 }
 

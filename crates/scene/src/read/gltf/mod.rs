@@ -13,6 +13,7 @@ mod sharing;
 mod textures;
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use super::error::Fault;
 use super::search::Folder;
@@ -63,7 +64,7 @@ pub(super) fn read(
         spent: 0,
     };
     let mut object_of: HashMap<u32, usize> = HashMap::new();
-    let mut cloud_of: HashMap<u32, usize> = HashMap::new();
+    let mut clouds_of: HashMap<u32, Range<usize>> = HashMap::new();
     for shown in nodes::shown(&accessors)? {
         if let Some(object) = object_of.get(&shown.mesh) {
             let object: &mut SourceObject = &mut scene.objects[*object];
@@ -71,8 +72,8 @@ pub(super) fn read(
                 object.name = object_name(&document, shown.mesh, None, name);
             }
             object.placements.push(shown.world_from_mesh);
-            if let Some(cloud) = cloud_of.get(&shown.mesh) {
-                let cloud = &mut scene.clouds[*cloud];
+            let clouds = clouds_of.get(&shown.mesh).cloned().unwrap_or_default();
+            for cloud in &mut scene.clouds[clouds] {
                 (cloud.name).clone_from(&object.name);
                 cloud.placements.push(shown.world_from_mesh);
             }
@@ -82,13 +83,15 @@ pub(super) fn read(
         object_of.insert(shown.mesh, scene.objects.len());
         let of_node = document.nodes[shown.node].name.as_deref();
         let name = object_name(&document, shown.mesh, of_node, name);
-        if let Some(cloud) = meshes.points.cloud(&name) {
-            cloud_of.insert(shown.mesh, scene.clouds.len());
-            scene.clouds.push(SourceCloud {
+        let clouds = meshes.points.clouds(&name, &mut scene);
+        let first = scene.clouds.len();
+        clouds_of.insert(shown.mesh, first..first + clouds.len());
+        scene
+            .clouds
+            .extend(clouds.into_iter().map(|cloud| SourceCloud {
                 placements: vec![shown.world_from_mesh],
                 ..cloud
-            });
-        }
+            }));
         scene.objects.push(SourceObject {
             name,
             mesh: scene.meshes.len() - 1,

@@ -11,6 +11,7 @@ mod tests;
 
 use super::colour::mend_codes;
 use super::error::Fault;
+use super::outliers;
 use super::sound::count;
 use crate::source::{SourceCloud, SourceScene};
 use glam::DAffine3;
@@ -35,13 +36,14 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     let (remark, strays) = mend_codes(&mut records.cloud.colours);
     count(&mut scene.repairs, "colours_of_another_depth", strays);
     remark.into_iter().for_each(|it| scene.remark(it));
-    scene.clouds = vec![SourceCloud {
+    let cloud = SourceCloud {
         name: name.to_owned(),
         placements: vec![DAffine3::IDENTITY],
         scale: header.scale,
         offset: header.offset,
         ..records.cloud
-    }];
+    };
+    scene.clouds = outliers::clouds_on_grid(cloud, &mut scene);
     Ok(scene)
 }
 

@@ -11,8 +11,9 @@ mod numbers;
 use glam::{DAffine3, DVec3};
 
 use super::error::Fault;
+use super::outliers;
 use super::sound::count;
-use crate::source::{Material, Repairs, SourceCloud, SourceMesh, SourceObject, SourceScene};
+use crate::source::{Material, Repairs, SourceMesh, SourceObject, SourceScene};
 use colours::{ColourColumns, PlyColours, Told, colour_triangles};
 use header::{Element, PlyHeader, Property};
 use numbers::Numbers;
@@ -38,11 +39,12 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     let colours = reader.take_colours();
     if reader.is_cloud {
         let mut scene = SourceScene {
-            clouds: vec![reader.cloud(name)],
             repairs: reader.repairs,
             ..SourceScene::default()
         };
         colours.into_iter().for_each(|it| scene.remark(it));
+        let positions = &reader.mesh.positions;
+        scene.clouds = outliers::clouds(name, positions, &reader.codes, &mut scene);
         return Ok(scene);
     }
     if reader.mesh.triangles.is_empty() {
@@ -181,13 +183,6 @@ impl Reader {
             count(&mut self.repairs, &name, times as usize);
         }
         told.remarks
-    }
-
-    fn cloud(&mut self, name: &str) -> SourceCloud {
-        SourceCloud {
-            colours: std::mem::take(&mut self.codes),
-            ..SourceCloud::on_grid(name, &self.mesh.positions)
-        }
     }
 
     fn read_faces(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
