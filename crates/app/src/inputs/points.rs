@@ -1,16 +1,67 @@
 //! Clouds of points: LAS, LAZ, and PLY or OBJ without faces.
 
-use super::format::Format;
+use super::format::Outcome::{Mended, Refused, Remarked};
+use super::format::{Finding, Format};
 
 pub(super) const FORMATS: &[Format] = &[
     Format {
         name: "LAS and LAZ",
         read: "LAS 1.0 to 1.4 (`.las`, `.laz`).",
-        rows: &[],
+        rows: &[
+            Finding {
+                found: "colours of 8 bits, some of which have 16",
+                outcome: Mended,
+                told: "each as it is meant, `repairs.colours_of_another_depth`, with a remark",
+            },
+            Finding {
+                found: "colours of 10 or 12 bits",
+                outcome: Remarked,
+                told: "the largest code is taken for all light",
+            },
+            Finding {
+                found: "points far away that stand for no echo (-9999, 1e10)",
+                outcome: Mended,
+                told: "left out, `repairs.outlier_points_left_out`; the remark says how many and \
+                       where",
+            },
+        ],
     },
     Format {
         name: "PLY and OBJ clouds",
         read: "Files of vertices without faces.",
-        rows: &[],
+        rows: &[
+            Finding {
+                found: "colours from 0 to 255 as `int`, `uint`, `ushort`, `float` or `double`, \
+                        from 0 to 1 as `uchar`, of 10 or 12 bits",
+                outcome: Remarked,
+                told: "the largest code is taken for all light",
+            },
+            Finding {
+                found: "splats (`f_dc_0` ..)",
+                outcome: Remarked,
+                told: "drawn as points, in their own colour",
+            },
+            Finding {
+                found: "compressed splats (`packed_position`)",
+                outcome: Refused,
+                told: "export them as a plain PLY file",
+            },
+            Finding {
+                found: "colours that are no numbers",
+                outcome: Mended,
+                told: "white, `repairs.colours_made`",
+            },
+            Finding {
+                found: "points far away that stand for no echo (-9999, 1e10)",
+                outcome: Mended,
+                told: "left out, `repairs.outlier_points_left_out`; the remark says how many and \
+                       where",
+            },
+            Finding {
+                found: "several scans far from each other",
+                outcome: Mended,
+                told: "a cloud each, `repairs.outlier_points`",
+            },
+        ],
     },
 ];

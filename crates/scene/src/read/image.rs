@@ -426,4 +426,105 @@ mod tests {
         };
         !bytes.iter().fold(!0, step)
     }
+
+    fn bmp_of(bits: u16, from_top: bool, texels: &[u8]) -> Vec<u8> {
+        let mut file = b"BM".to_vec();
+        let rows = if from_top { -2_i32 } else { 2 };
+        file.extend(
+            [54 + texels.len() as u32, 0, 54, 40, 2]
+                .map(u32::to_le_bytes)
+                .concat(),
+        );
+        file.extend(rows.to_le_bytes());
+        file.extend([1, bits].map(u16::to_le_bytes).concat());
+        file.extend([0; 24]);
+        file.extend(texels);
+        file
+    }
+
+    const RED: [u8; 4] = [255, 0, 0, 255];
+    const BLUE: [u8; 4] = [0, 0, 255, 255];
+
+    #[test]
+    fn a_bmp_of_any_kind_becomes_its_texels() {
+        let [red, blue] = [[0, 0, 255], [255, 0, 0]];
+        let row = |texels: [[u8; 3]; 2]| [&texels.concat()[..], &[0; 2]].concat();
+        let rows = [row([red, red]), row([blue, red])];
+        let from_bottom = [&rows[1][..], &rows[0]].concat();
+        let wide = |[b, g, r]: [u8; 3]| [b, g, r, 0];
+        let clear = [blue, red, red, red].map(wide).concat();
+        for (what, file) in [
+            ("from the bottom", bmp_of(24, false, &from_bottom)),
+            ("from the top", bmp_of(24, true, &rows.concat())),
+            ("without any alpha", bmp_of(32, false, &clear)),
+        ] {
+            let texels = decode(&file);
+            assert_eq!(
+                texels.as_deref(),
+                Some(&[RED, RED, BLUE, RED][..]),
+                "{what}"
+            );
+            assert_eq!(decode(&file[..file.len() - 9]), None, "{what}, cut");
+        }
+    }
+
+    fn webp_of(size: [u32; 2], texels: &[u8]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let encoder = image_webp::WebPEncoder::new(&mut bytes);
+        let [columns, rows] = size;
+        encoder
+            .encode(texels, columns, rows, image_webp::ColorType::Rgb8)
+            .unwrap();
+        bytes
+    }
+
+    #[test]
+    fn a_webp_becomes_its_texels_and_one_that_claims_more_than_it_is_does_not() {
+        let good = webp_of([2, 1], &[255, 0, 0, 0, 0, 255]);
+        assert_eq!(decode(&good), Some(vec![RED, BLUE]));
+        assert_eq!(decode(&good[..good.len() - 6]), None);
+        // Of one colour it is small all the same.
+        let large = webp_of([1500, 1500], &[7; 1500 * 1500 * 3]);
+        assert_eq!(size_of(&large), Some([1500; 2]), "{} bytes", large.len());
+        let mut bomb = good.clone();
+        bomb[21..25].copy_from_slice(&0x0fff_ffff_u32.to_le_bytes());
+        assert_eq!(
+            measured(&bomb),
+            Err(PictureFault::Claims([16_384; 2], bomb.len() as u64))
+        );
+        // A head that tells of less than what follows.
+        let mut hidden = b"RIFF\x2c\0\0\0WEBPVP8X\x0a\0\0\0\0\0\0\0\x01\0\0\0\0\0".to_vec();
+        hidden.extend(&bomb[12..]);
+        assert!(matches!(measured(&hidden), Err(PictureFault::Claims(..))));
+    }
+
+    #[test]
+    fn no_damaged_picture_panics_or_has_other_texels_than_it_told() {
+        let rows = [0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 0, 0];
+        let mut tga = vec![0; 18];
+        (tga[2], tga[12], tga[14], tga[16]) = (10, 2, 2, 24);
+        tga.extend([0x83, 0, 0, 255]);
+        let grey: Vec<u8> = (0..=255).collect();
+        let files = [
+            bmp_of(24, false, &rows),
+            bmp_of(32, true, &rows),
+            tga,
+            webp_of([2, 1], &[255, 0, 0, 0, 0, 255]),
+            webp_of([16, 16], &grey.repeat(3)),
+            png_of([16, 16], ColorType::Grayscale, &grey),
+        ];
+        for file in files {
+            assert!(crate::read::read_any_picture(&file));
+            for end in 0..file.len() {
+                crate::read::read_any_picture(&file[..end]);
+            }
+            for at in 0..file.len() {
+                for flip in [0x01, 0x10, 0x80, 0xff] {
+                    let mut changed = file.clone();
+                    changed[at] ^= flip;
+                    crate::read::read_any_picture(&changed);
+                }
+            }
+        }
+    }
 }

@@ -103,6 +103,26 @@ pub fn read_any_arrangement(bytes: &[u8]) -> bool {
     arrangement::Arrangement::parse(bytes).is_ok()
 }
 
+/// Reads any bytes as the picture of a texture; `true` if they are one. Panics if it has another
+/// number of texels than it told: for fuzzing and tests.
+pub fn read_any_picture(bytes: &[u8]) -> bool {
+    let Some([columns, rows]) = image::size_of(bytes) else {
+        return false;
+    };
+    let Some(mut picture) = image::PictureRows::open(bytes) else {
+        return false;
+    };
+    let mut texels = 0;
+    while texels < columns as usize * rows as usize {
+        match picture.next(64) {
+            Some(some) => texels += some.len(),
+            None => return false,
+        }
+    }
+    assert_eq!(texels, columns as usize * rows as usize);
+    true
+}
+
 /// Reads any bytes as a format, with no files beside them; `true` if they are a scene. Panics if
 /// that scene breaks what [`SourceScene`] promises: for fuzzing and tests.
 pub fn read_anything(format: SceneFormat, bytes: &[u8]) -> bool {

@@ -25,6 +25,8 @@ pub(super) struct Buffers<'a> {
     pub(super) total: usize,
     /// How many bytes were unpacked.
     pub(super) unpacked: u64,
+    /// How many have fewer bytes than the file says; what names those that are not there is refused.
+    pub(super) short: usize,
 }
 
 enum Bytes<'a> {
@@ -50,6 +52,7 @@ impl<'a> Buffers<'a> {
     ) -> Result<Self, Fault> {
         let mut met = HashSet::new();
         let mut buffers = Vec::with_capacity(document.buffers.len());
+        let mut short = 0;
         let mut total = binary.map_or(0, <[u8]>::len);
         for (number, buffer) in document.buffers.iter().enumerate() {
             let bytes = match (&buffer.uri, binary) {
@@ -64,15 +67,15 @@ impl<'a> Buffers<'a> {
                 (None, Some(binary)) if number == 0 => Some(Bytes::OfFile(binary)),
                 (None, _) => None,
             };
-            if let Some(bytes) = &bytes {
-                check_length(buffer, number, bytes.get().len())?;
-            }
+            let found = bytes.as_ref().map(|it| it.get().len() as u64);
+            short += usize::from(found.is_some_and(|found| found < buffer.byte_length));
             buffers.push(bytes);
         }
         Ok(Self {
             buffers,
             total,
             unpacked: 0,
+            short,
         })
     }
 
@@ -139,14 +142,6 @@ impl<'a> Buffers<'a> {
 fn range(bytes: &[u8], begin: u64, length: u64) -> Option<&[u8]> {
     let end = usize::try_from(begin.checked_add(length)?).ok()?;
     bytes.get(usize::try_from(begin).ok()?..end)
-}
-
-fn check_length(buffer: &Buffer, number: usize, found: usize) -> Result<(), Fault> {
-    if buffer.byte_length <= found as u64 {
-        return Ok(());
-    }
-    let what = format!("has {found} bytes, but should have {}", buffer.byte_length);
-    Err(Fault::at(format!("buffer {number}"), what))
 }
 
 /// The bytes that a URI of something names.

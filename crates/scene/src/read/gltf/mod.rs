@@ -51,6 +51,11 @@ pub(super) fn read(
     if mended > 0 {
         scene.remark("the JSON of the file breaks its rules in places, which were mended");
     }
+    let short = accessors.buffers.short;
+    count(&mut scene.repairs, "short_buffers", short);
+    if short > 0 {
+        scene.remark("buffers have fewer bytes than the file says: what is there is shown");
+    }
     let mut materials = materials(&accessors, folder, &mut scene);
     let mut meshes = MeshReader {
         accessors: &accessors,

@@ -213,3 +213,12 @@ fn no_cut_and_no_flip_of_a_byte_panics() {
     let inline = format!("data:;base64,{}", STANDARD.encode(&made.binary));
     cut_and_flip(SceneFormat::Gltf, &made.gltf(&inline));
 }
+
+#[test]
+fn a_buffer_shorter_than_said_shows_what_is_there() {
+    let mut made = Made::square();
+    made.json["buffers"][0]["byteLength"] = json!(1000);
+    let scene = scene(&made);
+    assert_eq!(scene.meshes[0].triangles.len(), 2);
+    assert_eq!(scene.repairs["short_buffers"], 1);
+}
