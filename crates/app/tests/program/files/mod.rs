@@ -2,6 +2,10 @@
 //!
 //! Inputs are made here, after what users of other players, viewers and converters reported.
 
+mod assemblies;
+mod las;
+mod layouts;
+
 use crate::support::done;
 
 #[test]
