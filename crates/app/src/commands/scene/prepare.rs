@@ -21,6 +21,8 @@ use std::time::Instant;
 const PAGE: u32 = 64;
 /// What a description takes at most for where its tables lie, in bytes.
 const BYTES_OF_TABLES: u64 = 1024;
+/// Bytes of all remarks that a pack keeps.
+const MOST_REMARKED: usize = 1 << 16;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum UpName {
@@ -129,20 +131,34 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
 
 /// A pack whose description is too long could not be opened.
 fn refuse_too_long(description: &SceneDescription) -> anyhow::Result<()> {
-    let bytes = serde_json::to_vec(description)?.len() as u64 + BYTES_OF_TABLES;
+    let (description, _) = description.clone().parted();
+    let bytes = serde_json::to_vec(&description)?.len() as u64 + BYTES_OF_TABLES;
     let most = u64::from(MAX_DESCRIPTION_BYTES);
     if bytes > most {
-        let placements = description.objects.iter().map(|it| it.placements.len());
         bail!(
-            "{} in {} places take {}, and a pack's description holds {}: give fewer places, or \
-             several packs; nothing was written",
-            counted(description.objects.len(), "object"),
-            placements.sum::<usize>(),
+            "the names of {} take {}, and a pack's description holds {}: give fewer, or shorter \
+             ones; nothing was written",
+            counted(description.source.names.len(), "file"),
             output::size(bytes),
             output::size(most),
         );
     }
     Ok(())
+}
+
+/// Remarks as a pack keeps them: no more than its description has room for.
+fn kept_remarks(remarks: &[String]) -> Vec<String> {
+    let mut left = MOST_REMARKED;
+    let fits = |remark: &&String| {
+        left = left.saturating_sub(remark.len());
+        left > 0
+    };
+    let mut kept: Vec<String> = remarks.iter().take_while(fits).cloned().collect();
+    let more = remarks.len() - kept.len();
+    if more > 0 {
+        kept.push(format!("{} more", counted(more, "remark")));
+    }
+    kept
 }
 
 impl PrepareSceneArgs {
@@ -198,11 +214,13 @@ impl PrepareSceneArgs {
             },
             objects: built.objects.clone(),
             textures: built.textures.clone(),
+            parts: built.parts.clone(),
+            joined: built.joined,
             units,
             page: PAGE,
             look: source.look(),
             identity,
-            remarks: [&source.remarks[..], &built.remarks].concat(),
+            remarks: kept_remarks(&[&source.remarks[..], &built.remarks].concat()),
             repairs: built.repairs.clone(),
             tables: Vec::new(),
         }

@@ -2,8 +2,11 @@
 //!
 //! Inputs are made here, after what users of other players, viewers and converters reported.
 
+mod assemblies;
 mod colours;
 mod gltf;
+mod las;
+mod layouts;
 mod outliers;
 mod paths;
 mod row;

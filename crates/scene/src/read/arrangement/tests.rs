@@ -237,7 +237,7 @@ fn a_small_file_cannot_put_objects_into_places_without_end() {
     let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     std::fs::write(site.0.join("a.bin"), corners.map(f32::to_le_bytes).concat()).unwrap();
     let error = site.read().unwrap_err();
-    assert!(error.contains("more than 32768 places"), "{error}");
+    assert!(error.contains("more than 262144 places"), "{error}");
 }
 
 #[test]
