@@ -3,6 +3,7 @@
 //! Row by row where its format has rows. What can only be decoded whole, all but a PNG whose rows
 //! are not interlaced, takes memory for all of it and may be no larger than that allows.
 
+mod bmp;
 mod tga;
 mod webp;
 
@@ -12,7 +13,6 @@ use png::{ColorType, Decoder, Limits, Reader, Transformations};
 use std::fmt;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use zune_bmp::BmpDecoder;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
@@ -31,10 +31,11 @@ const MOST_WHOLE_A_BYTE: u64 = 8;
 const MOST_PNG_BYTES: usize = 64 << 20;
 /// Columns and rows that are read of any head.
 const MOST_TOLD: usize = 65_535;
-/// Bytes of memory a texel, of what is decoded whole: four of TGA, raw and told; of BMP; of WebP
-/// with the planes or transforms of its codec, and what an animation is drawn on.
+/// Bytes of memory a texel, of what is decoded whole: of a TGA as it is told and as it is shown; of
+/// a BMP as its runs tell it, and as it is shown; of a WebP also the planes or transforms of its
+/// codec, and what an animation is drawn on.
 const BYTES_OF_TGA: u64 = 8;
-const BYTES_OF_BMP: u64 = 4;
+const BYTES_OF_BMP: u64 = 5;
 const BYTES_OF_WEBP: u64 = 12;
 
 /// The first bytes of every PNG.
@@ -178,15 +179,8 @@ fn told(bytes: &[u8]) -> Option<Told> {
     if bytes.starts_with(b"\xff\xd8") {
         return jpeg(bytes);
     }
-    if bytes.starts_with(b"BM") {
-        let mut decoder = BmpDecoder::new_with_options(Cursor::new(bytes), bmp_options());
-        decoder.decode_headers().ok()?;
-        let (columns, rows) = decoder.dimensions()?;
-        return Some(whole(
-            Format::Bmp,
-            [columns as u32, rows as u32],
-            BYTES_OF_BMP,
-        ));
+    if let Some(size) = bmp::size(bytes) {
+        return Some(whole(Format::Bmp, size, BYTES_OF_BMP));
     }
     if let Some(size) = webp::size(bytes) {
         return Some(whole(Format::WebP, size, BYTES_OF_WEBP));
@@ -210,32 +204,6 @@ fn jpeg(bytes: &[u8]) -> Option<Told> {
         size: [about.width, about.height].map(u32::from),
         whole_bytes_a_texel: 3 + coefficients,
     })
-}
-
-fn bmp_options() -> DecoderOptions {
-    DecoderOptions::new_safe()
-        .set_max_width(MOST_TOLD)
-        .set_max_height(MOST_TOLD)
-}
-
-/// All samples of a BMP.
-fn bmp(bytes: &[u8]) -> Option<Samples> {
-    let mut decoder = BmpDecoder::new_with_options(Cursor::new(bytes), bmp_options());
-    decoder.decode_headers().ok()?;
-    let mut raw = decoder.decode().ok()?;
-    match decoder.colorspace()? {
-        ColorSpace::Luma => Some((raw, ColorType::Grayscale)),
-        ColorSpace::RGB => Some((raw, ColorType::Rgb)),
-        ColorSpace::RGBA => {
-            // An alpha that is nowhere is none.
-            let texels = raw.as_chunks_mut::<4>().0;
-            if texels.iter().all(|it| it[3] == 0) {
-                texels.iter_mut().for_each(|it| it[3] = 255);
-            }
-            Some((raw, ColorType::Rgba))
-        }
-        _ => None,
-    }
 }
 
 fn png_decoder(bytes: &[u8]) -> Decoder<Cursor<&[u8]>> {
@@ -294,7 +262,7 @@ impl<'a> PictureRows<'a> {
                 let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), jpeg_options());
                 RowSource::Whole(decoder.decode().ok()?, ColorType::Rgb)
             }
-            Format::Bmp => whole(bmp)?,
+            Format::Bmp => whole(|bytes| Some((bmp::decode(bytes)?, ColorType::Rgba)))?,
             Format::WebP => whole(webp::decode)?,
             Format::Tga => whole(|bytes| Some((tga::decode(bytes)?, ColorType::Rgba)))?,
         };

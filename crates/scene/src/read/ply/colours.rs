@@ -205,12 +205,15 @@ pub(super) fn colour_triangles(mesh: &mut SourceMesh, colours: &[[f32; 4]]) {
     for (triangle, colour) in mesh.triangles.iter_mut().zip(colours) {
         for corner in triangle {
             let at = *corner as usize;
+            let Some(position) = mesh.positions.get(at) else {
+                continue;
+            };
             let next = coloured.positions.len() as u32;
             let number = *of
                 .entry((*corner, colour.map(f32::to_bits)))
                 .or_insert(next);
             if number == next {
-                coloured.positions.push(mesh.positions[at]);
+                coloured.positions.push(*position);
                 coloured.normals.extend(mesh.normals.get(at));
                 coloured.uvs.extend(mesh.uvs.get(at));
                 coloured.colours.push(*colour);
