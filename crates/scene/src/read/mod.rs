@@ -9,10 +9,12 @@ pub(crate) mod image;
 mod las;
 #[cfg(test)]
 mod mangle;
+mod mends;
 mod obj;
 mod pictures;
 mod place;
 mod ply;
+mod polygon;
 mod single;
 mod sound;
 mod stl;

@@ -15,6 +15,8 @@ use std::collections::HashMap;
 
 use super::error::Fault;
 use super::files::Folder;
+use super::mends::Mends;
+use super::polygon::Filler;
 use super::text::shortened;
 use crate::source::{Material, Repairs, SourceCloud, SourceObject, SourceScene};
 use accessor::Accessors;
@@ -46,6 +48,8 @@ pub(super) fn read(
         uv_sets: document.materials.iter().map(uv_set).collect(),
         without_material: materials.len() as u32,
         repairs: Repairs::new(),
+        mends: Mends::default(),
+        filler: Filler::default(),
         factors: materials.iter().map(|it| it.colour).collect(),
         points: Points::default(),
         spent: 0,
@@ -88,6 +92,7 @@ pub(super) fn read(
     let is_used = used.any(|it| *it == default);
     materials.extend(is_used.then(Material::default));
     scene.repairs.extend(meshes.repairs);
+    meshes.mends.tell(name, &mut scene);
     scene.materials = materials;
     add_remarks(&mut scene, &document, object_of.keys());
     Ok(scene)

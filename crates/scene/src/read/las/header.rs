@@ -212,11 +212,11 @@ impl LasHeader {
         Fault::broken("byte 107", what, REPAIR)
     }
 
-    /// The records of a file that is not packed.
+    /// The records of a file that is not packed: maybe fewer than it says, if it was cut short.
     pub(super) fn plain_records<'a>(&self, bytes: &'a [u8]) -> Result<&'a [u8], Fault> {
         let room = self.points_end.saturating_sub(self.points_at);
         let fitting = (room / self.record_bytes) as u64;
-        if fitting != self.count {
+        if fitting > self.count {
             let length = self.record_bytes;
             let what = format!("{fitting} of {length} bytes fit into the {room} bytes there are");
             return Err(self.wrong_count(&what));

@@ -10,6 +10,7 @@ mod packed;
 mod tests;
 
 use super::error::Fault;
+use super::mends::{Mends, ROW_MISSING};
 use crate::source::{SourceCloud, SourceScene};
 use glam::DAffine3;
 use header::{LasHeader, Layout};
@@ -27,6 +28,11 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
             .for_each(|record| records.add(record));
     }
     let mut scene = SourceScene::default();
+    let mut mends = Mends::default();
+    let there = records.cloud.places.len();
+    let missing = (header.count as usize).saturating_sub(there);
+    mends.add(ROW_MISSING, missing, || format!("is point {there}"));
+    mends.tell(name, &mut scene);
     if records.has_waves {
         scene.remark("waveforms of laser echoes are not drawn");
     }

@@ -122,17 +122,22 @@ fn wrong_counts_are_refused_with_place_and_what_to_do() {
         for count in [0_u32, 5, 700_000, u32::MAX] {
             let mut bytes = file(&points(700), 2, (1, 2), packs);
             bytes[107..111].copy_from_slice(&count.to_le_bytes());
-            let said = refusal(&bytes);
             let expected = match count {
                 0 => "the file has no points",
+                // Unless it was cut off.
+                700_000.. if !packs => continue,
                 _ => "a.las: byte 107: the header counts",
             };
+            let said = refusal(&bytes);
             assert!(said.contains(expected), "{said}");
             assert!(count == 0 || said.contains("lasinfo -repair"), "{said}");
         }
     }
     let cut = file(&points(700), 2, (1, 2), false);
-    assert!(refusal(&cut[..cut.len() - 26]).contains("699 of 26 bytes fit"));
+    let cut = read(&cut[..cut.len() - 25], "a").unwrap();
+    assert_eq!(cut.clouds[0].places.len(), 699);
+    assert_eq!(cut.repairs["rows_missing"], 1);
+    assert!(cut.remarks[0].contains("is point 699"), "{:?}", cut.remarks);
     let cut = file(&points(700), 2, (1, 2), true);
     assert!(refusal(&cut[..cut.len() - 26]).contains("table of chunks"));
 }
