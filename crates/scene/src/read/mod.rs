@@ -9,11 +9,13 @@ pub(crate) mod image;
 mod las;
 #[cfg(test)]
 mod mangle;
+mod mends;
 mod obj;
 mod outliers;
 mod pictures;
 mod place;
 mod ply;
+mod polygon;
 mod search;
 mod single;
 mod sound;

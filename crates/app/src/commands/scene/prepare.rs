@@ -12,7 +12,7 @@ use foveal_media::pack::name_claim::NameClaim;
 use foveal_media::pack::scene_file::{SceneFile, write_scene};
 use foveal_scene::build::{BuildOptions, Built, build};
 use foveal_scene::read::{ReadOptions, Up, read, texels};
-use foveal_scene::source::SourceScene;
+use foveal_scene::source::{Repairs, SourceScene};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -55,6 +55,10 @@ pub(crate) struct PrepareSceneArgs {
     /// Threads (default: all cores); the pack is the same for any number.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
+    /// Refuse files of which anything would be mended or left out, and name it: whatever `repairs`
+    /// would count.
+    #[arg(long)]
+    strict: bool,
     /// Replace another pack at --out, which stays until the new one is whole.
     #[arg(long)]
     force: bool,
@@ -95,7 +99,9 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
     let jobs = output::jobs(args.jobs)?;
     let begun = Instant::now();
     if args.dry_run {
-        return args.estimate(&args.read()?, begun, jobs);
+        let source = args.read()?;
+        args.refuse_mends(&source.repairs, &source.remarks)?;
+        return args.estimate(&source, begun, jobs);
     }
     let out = args
         .out
@@ -109,6 +115,7 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
         false => None,
     };
     let source = args.read()?;
+    args.refuse_mends(&source.repairs, &source.remarks)?;
     let identity = args.identity(&source);
     let Some(claim) = claim else {
         return args.say_what_is_there(out, &identity);
@@ -116,6 +123,7 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
     source.remarks.iter().for_each(|remark| output::say(remark));
     let built = args.build(&source, jobs)?;
     built.remarks.iter().for_each(|remark| output::say(remark));
+    args.refuse_mends(&built.repairs, &source.remarks)?;
     let description = args.description(&source, &built, identity);
     refuse_too_long(&description)?;
     drop(source);
@@ -187,10 +195,27 @@ impl PrepareSceneArgs {
             bar.set_position(done);
         });
         bar.finish_and_clear();
-        built.with_context(|| {
-            let names = self.inputs.iter().map(|input| input.display().to_string());
-            names.collect::<Vec<_>>().join(", ")
-        })
+        built.with_context(|| self.names())
+    }
+
+    fn names(&self) -> String {
+        let names = self.inputs.iter().map(|input| input.display().to_string());
+        names.collect::<Vec<_>>().join(", ")
+    }
+
+    /// With `--strict`, refuses what was mended or left out.
+    fn refuse_mends(&self, repairs: &Repairs, remarks: &[String]) -> anyhow::Result<()> {
+        if !self.strict || repairs.is_empty() {
+            return Ok(());
+        }
+        let told = |(name, times): (&String, &u64)| format!("{}: {times}", name.replace('_', " "));
+        let counts = repairs.iter().map(told).collect::<Vec<_>>().join(", ");
+        let remarks: String = remarks.iter().map(|it| format!("\n{it}")).collect();
+        bail!(
+            "{}: --strict refuses what would be mended, {counts}; mend it where it was made, or \
+             prepare without --strict{remarks}",
+            self.names(),
+        )
     }
 
     fn description(
@@ -253,6 +278,8 @@ impl PrepareSceneArgs {
                 out.display()
             )));
         };
+        let about = file.pack().description();
+        self.refuse_mends(&about.repairs, &about.remarks)?;
         let text = format!(
             "{}: is there already, made in the same way; nothing was written",
             out.display()

@@ -7,6 +7,8 @@ mod colours;
 mod gltf;
 mod las;
 mod layouts;
+mod meshes;
+mod numbers;
 mod outliers;
 mod paths;
 mod row;

@@ -16,6 +16,8 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::error::Fault;
+use super::mends::Mends;
+use super::polygon::Filler;
 use super::search::Folder;
 use super::sound::count;
 use super::text::shortened;
@@ -64,6 +66,8 @@ pub(super) fn read(
         without_material: materials.len() as u32,
         repairs: Repairs::new(),
         remarks: Vec::new(),
+        mends: Mends::default(),
+        filler: Filler::default(),
         factors: materials.iter().map(|it| it.colour).collect(),
         points: Points::default(),
         spent: 0,
@@ -109,6 +113,7 @@ pub(super) fn read(
     materials.extend(is_used.then(Material::default));
     scene.repairs.extend(meshes.repairs);
     meshes.remarks.into_iter().for_each(|it| scene.remark(it));
+    meshes.mends.tell(name, &mut scene);
     scene.materials = materials;
     add_remarks(&mut scene, &document, object_of.keys());
     Ok(scene)

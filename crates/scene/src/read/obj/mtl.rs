@@ -104,12 +104,14 @@ impl MapOptions {
 }
 
 impl Library {
-    /// Adds the materials of a file of this name.
-    pub(super) fn read(&mut self, bytes: &[u8], name: &str) -> Result<(), Fault> {
+    /// Adds the materials of a file of this name, and returns the numbers of lines that say nothing
+    /// that a colour can be; these are left out.
+    pub(super) fn read(&mut self, bytes: &[u8], name: &str) -> Vec<usize> {
+        let mut broken = Vec::new();
         let mut current: Option<Material> = None;
         for line in lines(bytes) {
             let mut words = Words::of(&line);
-            let keyword = words.next().unwrap_or("");
+            let keyword = words.next().unwrap_or("").to_ascii_lowercase();
             if keyword == "newmtl" {
                 let begun = current.replace(Material {
                     name: words.rest(),
@@ -118,16 +120,18 @@ impl Library {
                 });
                 self.add(begun);
             } else if let Some(material) = &mut current {
-                if keyword == "map_Kd" {
+                if keyword == "map_kd" {
                     let mut options = MapOptions::read(&mut words);
                     options.lies_beside(name);
                     self.pictures.insert(material.name.clone(), options);
                 }
-                read_property(material, keyword, &mut words)?;
+                if read_property(material, &keyword, &mut words).is_err() {
+                    broken.push(line.number);
+                }
             }
         }
         self.add(current);
-        Ok(())
+        broken
     }
 
     fn add(&mut self, material: Option<Material>) {
@@ -148,8 +152,9 @@ fn read_property(
     keyword: &str,
     words: &mut Words<'_>,
 ) -> Result<(), Fault> {
+    words.leave_out_comment();
     match keyword {
-        "Kd" if !["spectral", "xyz"]
+        "kd" if !["spectral", "xyz"]
             .iter()
             .any(|way| words.rest().starts_with(way)) =>
         {
@@ -164,7 +169,7 @@ fn read_property(
         "d" if !words.rest().starts_with('-') => {
             material.colour[3] = words.number("`d`")?.clamp(0.0, 1.0) as f32;
         }
-        "Tr" => {
+        "tr" => {
             material.colour[3] = 1.0 - words.number("`Tr`")?.clamp(0.0, 1.0) as f32;
         }
         _ => {}

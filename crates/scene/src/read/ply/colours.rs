@@ -82,9 +82,7 @@ pub(super) struct PlyColours {
     depth: Depth,
     usual: f64,
     most_alpha: f32,
-    /// Number of colours that were no numbers.
-    made: usize,
-    pub(super) is_splats: bool,
+    is_splats: bool,
 }
 
 impl PlyColours {
@@ -96,25 +94,25 @@ impl PlyColours {
         }
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.raw.is_empty()
+    pub(super) fn len(&self) -> usize {
+        self.raw.len()
     }
 
-    /// Adds a colour, so often that so many are there: a face has as many as it has triangles. An
-    /// alpha below 0 is none.
-    pub(super) fn fill(&mut self, mut colour: [f64; 4], length: usize) {
+    /// Adds a colour; `false` if it is none, and will be white. An alpha below 0 is not said.
+    pub(super) fn add(&mut self, mut colour: [f64; 4]) -> bool {
         if self.is_splats {
             colour = colour.map(|it| (0.5 + OF_SPLAT * it).clamp(0.0, 1.0));
             colour[3] = -1.0;
         }
-        if !colour.iter().all(|it| it.is_finite()) {
-            self.made += 1;
+        let is_one = colour.iter().all(|it| it.is_finite());
+        if !is_one {
             colour = [f64::NAN; 4];
         }
         let [red, green, blue, alpha] = colour;
         self.depth.add([red, green, blue]);
         self.most_alpha = self.most_alpha.max(alpha as f32);
-        self.raw.resize(length, colour.map(|it| it as f32));
+        self.raw.push(colour.map(|it| it as f32));
+        is_one
     }
 
     fn full(&self) -> Full {
@@ -128,7 +126,6 @@ impl PlyColours {
         if self.is_splats {
             told.remark("splats are drawn as points, each in its own colour from all sides");
         }
-        count(&mut told.repairs, "colours_made", self.made);
         count(&mut told.repairs, "colours_of_another_depth", strays);
         if let Some(remark) = full.remark(told.what, strays) {
             told.remark(remark);
@@ -197,15 +194,18 @@ impl Told {
     }
 }
 
-/// Gives each triangle a colour of its own: vertices between triangles of several colours stand
+/// Gives each triangle the colour of its face, by the number of that: vertices between triangles of several colours stand
 /// there once for each.
-pub(super) fn colour_triangles(mesh: &mut SourceMesh, colours: &[[f32; 4]]) {
+pub(super) fn colour_triangles(mesh: &mut SourceMesh, faces: &[u32], colours: &[[f32; 4]]) {
     let mut of: HashMap<(u32, [u32; 4]), u32> = HashMap::with_capacity(mesh.positions.len());
     let mut coloured = SourceMesh::default();
-    for (triangle, colour) in mesh.triangles.iter_mut().zip(colours) {
+    for (triangle, face) in mesh.triangles.iter_mut().zip(faces) {
+        let colour = colours.get(*face as usize).copied().unwrap_or([1.0; 4]);
         for corner in triangle {
             let at = *corner as usize;
             let Some(position) = mesh.positions.get(at) else {
+                // What is none is left out with its triangle.
+                *corner = u32::MAX;
                 continue;
             };
             let next = coloured.positions.len() as u32;
@@ -216,7 +216,7 @@ pub(super) fn colour_triangles(mesh: &mut SourceMesh, colours: &[[f32; 4]]) {
                 coloured.positions.push(*position);
                 coloured.normals.extend(mesh.normals.get(at));
                 coloured.uvs.extend(mesh.uvs.get(at));
-                coloured.colours.push(*colour);
+                coloured.colours.push(colour);
             }
             *corner = number;
         }
@@ -237,6 +237,8 @@ impl Scalar {
             Self::U16 => f64::from(u16::MAX),
             Self::I32 => f64::from(i32::MAX),
             Self::U32 => f64::from(u32::MAX),
+            Self::I64 => i64::MAX as f64,
+            Self::U64 => u64::MAX as f64,
             Self::F32 | Self::F64 => 1.0,
         }
     }

@@ -11,9 +11,11 @@ mod numbers;
 use glam::{DAffine3, DVec3};
 
 use super::error::Fault;
+use super::mends::{self, Mends};
 use super::outliers;
+use super::polygon::Polygons;
 use super::sound::count;
-use crate::source::{Material, Repairs, SourceMesh, SourceObject, SourceScene};
+use crate::source::{Material, Repairs, SourceMesh, SourceObject, SourceScene, keep};
 use colours::{ColourColumns, PlyColours, Told, colour_triangles};
 use header::{Element, PlyHeader, Property};
 use numbers::Numbers;
@@ -28,45 +30,44 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         ..Reader::default()
     };
     for element in &header.elements {
-        numbers.check_count(element)?;
+        numbers.begin(element);
         match element.name.as_str() {
             "vertex" => reader.read_vertices(element, &mut numbers)?,
-            _ if is_face(element) => reader.read_faces(element, &mut numbers)?,
-            _ => skip(element, &mut numbers)?,
+            _ if is_face(element) => reader.read_faces(element, &mut numbers),
+            _ => reader.skip(element, &mut numbers),
         }
+        numbers.end();
     }
-    reader.check_corners()?;
-    let colours = reader.take_colours();
-    if reader.is_cloud {
-        let mut scene = SourceScene {
-            repairs: reader.repairs,
-            ..SourceScene::default()
-        };
-        colours.into_iter().for_each(|it| scene.remark(it));
-        let positions = &reader.mesh.positions;
-        scene.clouds = outliers::clouds(name, positions, &reader.codes, &mut scene);
-        return Ok(scene);
-    }
-    if reader.mesh.triangles.is_empty() {
-        let points = reader.mesh.positions.len();
-        count(&mut reader.repairs, "points_left_out", points);
-        reader.mesh = SourceMesh::default();
-    }
-    let mut scene = SourceScene {
-        objects: vec![SourceObject {
+    reader.add_mends(&numbers);
+    let polygons = std::mem::take(&mut reader.polygons);
+    polygons.fill(&mut reader.mesh, &mut reader.mends);
+    let mut scene = SourceScene::default();
+    let are_points = reader.is_cloud || reader.has_only_vertices();
+    reader.take_colours(are_points, &mut scene);
+    if are_points {
+        let (positions, colours) = reader.points();
+        scene.clouds = outliers::clouds(name, &positions, &colours, &mut scene);
+    } else {
+        if reader.mesh.triangles.is_empty() {
+            let points = reader.mesh.positions.len();
+            count(&mut reader.repairs, "points_left_out", points);
+            reader.mesh = SourceMesh::default();
+        }
+        scene.objects = vec![SourceObject {
             name: name.to_owned(),
             mesh: 0,
             placements: vec![DAffine3::IDENTITY],
-        }],
-        meshes: vec![reader.mesh],
-        materials: vec![Material {
+        }];
+        scene.meshes = vec![reader.mesh];
+        scene.materials = vec![Material {
             two_sided: true,
             ..Material::default()
-        }],
-        repairs: reader.repairs,
-        ..SourceScene::default()
-    };
-    colours.into_iter().for_each(|it| scene.remark(it));
+        }];
+    }
+    for (name, times) in reader.repairs {
+        count(&mut scene.repairs, &name, times as usize);
+    }
+    reader.mends.tell(name, &mut scene);
     if header.has_textures {
         scene.remark("textures of PLY files are not drawn: export the mesh as glTF");
     }
@@ -78,15 +79,6 @@ fn is_face(element: &Element) -> bool {
     matches!(element.name.as_str(), "face" | "tristrips")
 }
 
-fn skip(element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
-    for index in 0..element.count {
-        for property in &element.properties {
-            numbers.skip(property, element, index)?;
-        }
-    }
-    Ok(())
-}
-
 #[derive(Default)]
 struct Reader {
     /// Whether there are no faces.
@@ -96,9 +88,13 @@ struct Reader {
     colours: Option<PlyColours>,
     /// Those of triangles.
     face_colours: Option<PlyColours>,
+    polygons: Polygons,
+    /// The corners of the face that is being read.
+    outline: Vec<u32>,
     /// Colours of the points of a cloud, as codes of sixteen bits.
     codes: Vec<[u16; 3]>,
     repairs: Repairs,
+    mends: Mends,
 }
 
 /// What a property of a vertex is for: the place in a row of numbers.
@@ -118,6 +114,40 @@ fn slot(name: &str) -> Option<usize> {
 const SLOTS: usize = 6;
 
 impl Reader {
+    /// Counts the rows of an element from this one on as missing.
+    fn lose(&mut self, element: &Element, index: u64, numbers: &Numbers<'_>) {
+        let times = usize::try_from(element.count - index).unwrap_or(usize::MAX);
+        self.mends.add(mends::ROW_MISSING, times, || {
+            let place = numbers.place();
+            format!("is {} {index} of {}, {place}", element.name, element.count)
+        });
+    }
+
+    fn add_mends(&mut self, numbers: &Numbers<'_>) {
+        let place = || "in its text".to_owned();
+        self.mends.add(mends::WORDS_BEYOND, numbers.too_long, place);
+        self.mends.add(mends::COMMA, numbers.commas, place);
+    }
+
+    /// Whether the file was cut off before its faces.
+    fn has_only_vertices(&self) -> bool {
+        let is_cut = self.mends.times(mends::ROW_MISSING) > 0;
+        is_cut && self.mesh.triangles.is_empty() && self.repairs.is_empty()
+    }
+
+    fn skip(&mut self, element: &Element, numbers: &mut Numbers<'_>) {
+        if element.properties.is_empty() {
+            return;
+        }
+        for index in 0..element.count {
+            numbers.begin_row();
+            let mut all = element.properties.iter();
+            if all.any(|property| numbers.skip(property).is_none()) {
+                return self.lose(element, index, numbers);
+            }
+        }
+    }
+
     fn read_vertices(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
         if !self.mesh.positions.is_empty() {
             return Err(Fault::at("header", "there are two elements called vertex"));
@@ -132,47 +162,65 @@ impl Reader {
         let mut row = [0.0; SLOTS];
         let mut colour = [-1.0; 4];
         for index in 0..element.count {
+            numbers.begin_row();
             for (at, (property, slot)) in element.properties.iter().zip(&slots).enumerate() {
-                let part = columns.as_ref().and_then(|it| it.part(at));
-                match (slot, property) {
+                let read = match (slot, property) {
                     (Some(slot), Property::One { scalar, .. }) => {
-                        row[*slot] = numbers.number(*scalar, element, index)?;
+                        let value = numbers.number(*scalar);
+                        value.map(|value| row[*slot] = value)
                     }
-                    (None, Property::One { scalar, .. }) if part.is_some() => {
-                        colour[part.unwrap_or(0)] = numbers.number(*scalar, element, index)?;
+                    (None, Property::One { scalar, .. }) => {
+                        let value = numbers.number(*scalar);
+                        let part = columns.as_ref().and_then(|it| it.part(at));
+                        value.map(|value| {
+                            if let Some(part) = part {
+                                colour[part] = value;
+                            }
+                        })
                     }
-                    _ => numbers.skip(property, element, index)?,
+                    _ => numbers.skip(property),
+                };
+                if read.is_none() {
+                    self.lose(element, index, numbers);
+                    self.colours = colours;
+                    return Ok(());
                 }
             }
             let [x, y, z, nx, ny, nz] = row;
             let position = DVec3::new(x, y, z);
-            if !position.is_finite() {
-                return Err(numbers.fault(element, index, format!("stands at {position}")));
+            if self.is_cloud && !position.is_finite() {
+                let place = || format!("is vertex {index}");
+                self.mends.add(mends::POINT_WITHOUT_PLACE, 1, place);
+                continue;
             }
             self.mesh.positions.push(position);
             if has_normals && !self.is_cloud {
                 self.mesh.normals.push([nx as f32, ny as f32, nz as f32]);
             }
             if let Some(colours) = &mut colours {
-                colours.fill(colour, self.mesh.positions.len());
+                if !colours.add(colour) {
+                    let place = || format!("of vertex {index}");
+                    self.mends.add(mends::COLOUR_MADE, 1, place);
+                }
             }
         }
         self.colours = colours;
         Ok(())
     }
 
-    /// Colours what was read, and gives what a person should know of it.
-    fn take_colours(&mut self) -> Vec<String> {
-        let mut told = Told::of(if self.is_cloud { "points" } else { "vertices" });
+    /// Colours what was read, and tells what a person should know of it.
+    fn take_colours(&mut self, are_points: bool, scene: &mut SourceScene) {
+        let mut told = Told::of(if are_points { "points" } else { "vertices" });
         match self.colours.take() {
-            Some(colours) if self.is_cloud => self.codes = colours.codes(&mut told),
+            Some(colours) if are_points => self.codes = colours.codes(&mut told),
             Some(colours) => self.mesh.colours = colours.lights(&mut told),
             None => {}
         }
-        if let Some(faces) = self.face_colours.take().filter(|it| !it.is_empty()) {
+        let faces = std::mem::take(&mut self.mesh.materials);
+        if let Some(colours) = self.face_colours.take().filter(|_| !are_points) {
             told.what = "faces";
             match self.mesh.colours.is_empty() {
-                true => colour_triangles(&mut self.mesh, &faces.lights(&mut told)),
+                true => colour_triangles(&mut self.mesh, &faces, &colours.lights(&mut told)),
                 false => {
                     let remark = "colours of faces are left out, as vertices have colours too";
                     told.remarks.push(remark.to_owned());
@@ -182,108 +230,123 @@ impl Reader {
         for (name, times) in told.repairs {
             count(&mut self.repairs, &name, times as usize);
         }
-        told.remarks
+        told.remarks.into_iter().for_each(|it| scene.remark(it));
     }
 
-    fn read_faces(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
+    /// The places and colours of points, also of a mesh that has lost its faces.
+    fn points(&mut self) -> (Vec<DVec3>, Vec<[u16; 3]>) {
+        let positions = std::mem::take(&mut self.mesh.positions);
+        let is_finite: Vec<bool> = positions.iter().map(|it| it.is_finite()).collect();
+        let lost = is_finite.iter().filter(|it| !**it).count();
+        let first = is_finite.iter().position(|it| !*it).unwrap_or(0);
+        let place = || format!("is vertex {first}");
+        self.mends.add(mends::POINT_WITHOUT_PLACE, lost, place);
+        let mut colours = std::mem::take(&mut self.codes);
+        let mut positions = positions;
+        keep(&mut positions, &is_finite);
+        keep(&mut colours, &is_finite);
+        (positions, colours)
+    }
+
+    fn read_faces(&mut self, element: &Element, numbers: &mut Numbers<'_>) {
         let is_strip = element.name == "tristrips";
         let columns = ColourColumns::of(element);
-        if self.face_colours.is_none() {
-            self.face_colours = columns.as_ref().map(PlyColours::new);
-        }
+        let before = self.face_colours.take();
+        let mut colours = before.or_else(|| columns.as_ref().map(PlyColours::new));
         let mut colour = [-1.0; 4];
+        let corners_at = element.properties.iter().position(is_corners);
+        if element.properties.is_empty() {
+            return;
+        }
         let mut corners = Vec::new();
-        for index in 0..element.count {
+        'rows: for index in 0..element.count {
+            numbers.begin_row();
+            corners.clear();
             for (at, property) in element.properties.iter().enumerate() {
-                let part = columns.as_ref().and_then(|it| it.part(at));
-                match property {
-                    Property::One { scalar, .. } if part.is_some() => {
-                        colour[part.unwrap_or(0)] = numbers.number(*scalar, element, index)?;
+                let read = match property {
+                    Property::One { scalar, .. } => {
+                        let value = numbers.number(*scalar);
+                        let part = columns.as_ref().and_then(|it| it.part(at));
+                        value.map(|value| {
+                            if let Some(part) = part {
+                                colour[part] = value;
+                            }
+                        })
                     }
-                    Property::List {
-                        name,
-                        length,
-                        scalar,
-                    } if name == "vertex_indices" || name == "vertex_index" => {
-                        let length = numbers.length(*length, *scalar, element, index)?;
-                        corners.clear();
-                        for _ in 0..length {
-                            corners.push(numbers.number(*scalar, element, index)?);
-                        }
-                        if is_strip {
-                            self.add_strips(&corners, |what| numbers.fault(element, index, what))?;
-                        } else {
-                            self.add_face(&corners, |what| numbers.fault(element, index, what))?;
-                        }
+                    Property::List { length, scalar, .. } if Some(at) == corners_at => {
+                        let length = numbers.length(*length, *scalar);
+                        length.and_then(|length| {
+                            let mut all = (0..length).map(|_| numbers.number(*scalar));
+                            all.try_for_each(|corner| corner.map(|it| corners.push(it)))
+                        })
                     }
-                    _ => numbers.skip(property, element, index)?,
+                    _ => numbers.skip(property),
+                };
+                if read.is_none() {
+                    self.lose(element, index, numbers);
+                    break 'rows;
                 }
             }
-            if let Some(colours) = &mut self.face_colours {
-                colours.fill(colour, self.mesh.triangles.len());
+            match (corners_at.is_some(), is_strip) {
+                (false, _) => {}
+                (_, true) => self.add_strips(&corners),
+                (_, false) => self.add_face(&corners),
+            }
+            if let Some(colours) = &mut colours {
+                if !colours.add(colour) {
+                    let place = || format!("of face {index}");
+                    self.mends.add(mends::COLOUR_MADE, 1, place);
+                }
+                // Triangles know their face by their material until all are cut.
+                let face = colours.len() as u32 - 1;
+                let triangles = self.mesh.triangles.len();
+                self.mesh.materials.resize(triangles, face);
             }
         }
-        Ok(())
+        self.face_colours = colours;
     }
 
-    fn add_face(&mut self, corners: &[f64], fault: impl Fn(String) -> Fault) -> Result<(), Fault> {
+    fn add_face(&mut self, corners: &[f64]) {
         if corners.len() < 3 {
             count(&mut self.repairs, "faces_under_three_corners", 1);
-            return Ok(());
+            return;
         }
-        let first = vertex(corners[0]).map_err(&fault)?;
-        let mut before = vertex(corners[1]).map_err(&fault)?;
-        for corner in &corners[2..] {
-            let next = vertex(*corner).map_err(&fault)?;
-            self.mesh.triangles.push([first, before, next]);
-            before = next;
-        }
-        Ok(())
+        self.outline.clear();
+        self.outline.extend(corners.iter().copied().map(vertex));
+        self.polygons.add(&mut self.mesh.triangles, &self.outline);
     }
 
     /// Strips of triangles with -1 between them; every second triangle is turned.
-    fn add_strips(
-        &mut self,
-        corners: &[f64],
-        fault: impl Fn(String) -> Fault,
-    ) -> Result<(), Fault> {
+    fn add_strips(&mut self, corners: &[f64]) {
         for strip in corners.split(|corner| *corner == -1.0) {
             for (index, triangle) in strip.windows(3).enumerate() {
-                let mut three = [0; 3];
-                for (corner, said) in three.iter_mut().zip(triangle) {
-                    *corner = vertex(*said).map_err(&fault)?;
-                }
+                let mut three = [0, 1, 2].map(|k| vertex(triangle[k]));
                 if index % 2 == 1 {
                     three.swap(1, 2);
                 }
                 self.mesh.triangles.push(three);
             }
         }
-        Ok(())
-    }
-
-    /// Faces may come before vertices, so that their corners are checked at the end.
-    fn check_corners(&self) -> Result<(), Fault> {
-        let vertices = self.mesh.positions.len();
-        let out = |triangle: &[u32; 3]| triangle.iter().any(|corner| *corner as usize >= vertices);
-        match self.mesh.triangles.iter().find(|triangle| out(triangle)) {
-            None => Ok(()),
-            Some(triangle) => Err(Fault::at(
-                "element face",
-                format!(
-                    "a triangle has the corners {triangle:?}, but there are {vertices} vertices"
-                ),
-            )),
-        }
     }
 }
 
-fn vertex(said: f64) -> Result<u32, String> {
+/// Whether a property names the corners of a face; also one that only other programs call so.
+fn is_corners(property: &Property) -> bool {
+    let Property::List { name, .. } = property else {
+        return false;
+    };
+    matches!(
+        name.as_str(),
+        "vertex_indices" | "vertex_index" | "vertex_indexes" | "vertices"
+    )
+}
+
+/// The number of a vertex, or one that none has.
+fn vertex(said: f64) -> u32 {
     let number = said as u32;
-    if f64::from(number) == said {
-        Ok(number)
-    } else {
-        Err(format!("names the vertex {said}"))
+    match f64::from(number) == said {
+        true => number,
+        false => u32::MAX,
     }
 }
 
