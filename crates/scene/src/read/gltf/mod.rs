@@ -21,7 +21,7 @@ use super::polygon::Filler;
 use super::search::Folder;
 use super::sound::count;
 use super::text::shortened;
-use crate::source::{Material, Repairs, SourceCloud, SourceObject, SourceScene};
+use crate::source::{Material, Repairs, SourceObject, SourceScene};
 use accessor::Accessors;
 use buffers::Buffers;
 use container::Parsed;
@@ -49,15 +49,7 @@ pub(super) fn read(
         buffers,
     };
     let mut scene = SourceScene::default();
-    count(&mut scene.repairs, "json_mended", mended);
-    if mended > 0 {
-        scene.remark("the JSON of the file breaks its rules in places, which were mended");
-    }
-    let short = accessors.buffers.short;
-    count(&mut scene.repairs, "short_buffers", short);
-    if short > 0 {
-        scene.remark("buffers have fewer bytes than the file says: what is there is shown");
-    }
+    tell_mends(mended, accessors.buffers.short, &mut scene);
     let mut materials = materials(&accessors, folder, &mut scene);
     let mut meshes = MeshReader {
         accessors: &accessors,
@@ -92,15 +84,13 @@ pub(super) fn read(
         object_of.insert(shown.mesh, scene.objects.len());
         let of_node = document.nodes[shown.node].name.as_deref();
         let name = object_name(&document, shown.mesh, of_node, name);
-        let clouds = meshes.points.clouds(&name, &mut scene);
         let first = scene.clouds.len();
-        clouds_of.insert(shown.mesh, first..first + clouds.len());
-        scene
-            .clouds
-            .extend(clouds.into_iter().map(|cloud| SourceCloud {
-                placements: vec![shown.world_from_mesh],
-                ..cloud
-            }));
+        let clouds = meshes.points.clouds(&name, &mut scene);
+        scene.clouds.extend(clouds);
+        clouds_of.insert(shown.mesh, first..scene.clouds.len());
+        for cloud in &mut scene.clouds[first..] {
+            cloud.placements = vec![shown.world_from_mesh];
+        }
         scene.objects.push(SourceObject {
             name,
             mesh: scene.meshes.len() - 1,
@@ -117,6 +107,18 @@ pub(super) fn read(
     scene.materials = materials;
     add_remarks(&mut scene, &document, object_of.keys());
     Ok(scene)
+}
+
+/// Tells how much of the JSON was mended, and how many buffers were shorter than said.
+fn tell_mends(mended: usize, short: usize, scene: &mut SourceScene) {
+    count(&mut scene.repairs, "json_mended", mended);
+    if mended > 0 {
+        scene.remark("the JSON of the file breaks its rules in places, which were mended");
+    }
+    count(&mut scene.repairs, "short_buffers", short);
+    if short > 0 {
+        scene.remark("buffers have fewer bytes than the file says: what is there is shown");
+    }
 }
 
 /// Whether each material is opaque, and what has none.

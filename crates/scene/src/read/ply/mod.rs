@@ -197,11 +197,11 @@ impl Reader {
             if has_normals && !self.is_cloud {
                 self.mesh.normals.push([nx as f32, ny as f32, nz as f32]);
             }
-            if let Some(colours) = &mut colours {
-                if !colours.add(colour) {
-                    let place = || format!("of vertex {index}");
-                    self.mends.add(mends::COLOUR_MADE, 1, place);
-                }
+            if let Some(colours) = &mut colours
+                && !colours.add(colour)
+            {
+                let place = || format!("of vertex {index}");
+                self.mends.add(mends::COLOUR_MADE, 1, place);
             }
         }
         self.colours = colours;
