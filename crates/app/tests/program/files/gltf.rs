@@ -81,78 +81,73 @@ fn glb(json: &str, fill: u8) -> Vec<u8> {
     file
 }
 
+/// Files that break rules in the buffer that they name.
+fn with_odd_buffers(plain: &str) -> Vec<(&'static str, Vec<u8>)> {
+    let inline = inline();
+    let lines: Vec<&str> = (0..inline.len().div_ceil(76))
+        .map(|at| &inline[76 * at..inline.len().min(76 * at + 76)])
+        .collect();
+    let of = |uri: &str| document(uri, "").into_bytes();
+    let after = |from: &str, to: &str| plain.replacen(from, to, 1).into_bytes();
+    let for_addresses = format!("data:;base64,{}", URL_SAFE_NO_PAD.encode(binary()));
+    vec![
+        ("escaped lines", of(&lines.join("\\r\\n"))),
+        ("raw lines", of(&lines.join("\n"))),
+        ("blanks", of(&lines.join(" "))),
+        (
+            "capitals",
+            after("data:application/octet-stream;base64", "DATA:;BASE64"),
+        ),
+        ("for addresses", of(&for_addresses)),
+        ("named with %20", of("a%20b.bin")),
+        ("named with a blank", of("c d.bin")),
+        ("with %20 for a blank", of("c%20d.bin")),
+        ("asked for", of("file:///C:/x/a%20b.bin?v=2")),
+        ("by its path", of("C:\\\\models\\\\a%20b.bin")),
+        (
+            "stride",
+            after("\"byteLength\":972", "\"byteLength\":972,\"byteStride\":0"),
+        ),
+        (
+            "short",
+            after(
+                "\"buffers\":[{\"byteLength\":2388",
+                "\"buffers\":[{\"byteLength\":2400",
+            ),
+        ),
+        ("zeros", glb(&document("", ""), 0)),
+        ("glb", glb(&document("", ""), b' ')),
+    ]
+}
+
+/// And in what their JSON says.
+fn with_odd_json(plain: &str) -> Vec<(&'static str, Vec<u8>)> {
+    let after = |from: &str, to: &str| plain.replacen(from, to, 1).into_bytes();
+    let node = |more: &str| after("\"mesh\":0", &format!("\"mesh\":0,{more}"));
+    let numbers = plain.replace(":0,", ":0.0,").replace("5126", "5.126e3");
+    vec![
+        ("plain", plain.into()),
+        ("count", plain.replace(":81,", ":81.0,").into()),
+        ("numbers", numbers.into()),
+        ("nulls", node("\"children\":null,\"skin\":-1")),
+        ("comma", after("{\"mesh\":0}", "{\"mesh\":0,},")),
+        ("comment", format!("// by hand\n{plain}").into()),
+        ("not a number", node("\"extras\":{\"x\":NaN}")),
+        ("mark", format!("\u{feff}{plain}").into()),
+        ("version", after("\"2.0\"", "2.0")),
+        ("metadata", required(plain, "KHR_xmp_json_ld")),
+        ("looks", required(plain, "KHR_materials_clearcoat")),
+        ("unheard of looks", required(plain, "EXT_materials_fur")),
+    ]
+}
+
 #[test]
 fn a_file_that_breaks_rules_without_harm_is_read() {
     let folder = Folder::new();
-    let lines: Vec<String> = inline()
-        .as_bytes()
-        .chunks(76)
-        .map(|it| String::from_utf8_lossy(it).into_owned())
-        .collect();
     let plain = document(&inline(), "");
-    let after = |from: &str, to: &str| plain.replacen(from, to, 1);
     folder.holding("a%20b.bin", &binary());
     folder.holding("c d.bin", &binary());
-    let files: Vec<(&str, Vec<u8>)> = vec![
-        ("plain", plain.clone().into()),
-        ("escaped lines", document(&lines.join("\\r\\n"), "").into()),
-        ("raw lines", document(&lines.join("\n"), "").into()),
-        ("blanks", document(&lines.join(" "), "").into()),
-        (
-            "capitals",
-            after("data:application/octet-stream;base64", "DATA:;BASE64").into(),
-        ),
-        (
-            "for addresses",
-            document(
-                &format!("data:;base64,{}", URL_SAFE_NO_PAD.encode(binary())),
-                "",
-            )
-            .into(),
-        ),
-        ("named with %20", document("a%20b.bin", "").into()),
-        ("named with a blank", document("c d.bin", "").into()),
-        ("with %20 for a blank", document("c%20d.bin", "").into()),
-        (
-            "asked for",
-            document("a%20b.bin?v=2", "")
-                .replace("a%20b", "file:///C:/x/a%20b")
-                .into(),
-        ),
-        (
-            "by its path",
-            document("C:\\\\models\\\\a%20b.bin", "").into(),
-        ),
-        (
-            "stride",
-            after("\"byteLength\":972", "\"byteLength\":972,\"byteStride\":0").into(),
-        ),
-        ("count", plain.replace(":81,", ":81.0,").into()),
-        (
-            "numbers",
-            plain
-                .replace(":0,", ":0.0,")
-                .replace("5126", "5.126e3")
-                .into(),
-        ),
-        (
-            "nulls",
-            after("\"mesh\":0", "\"mesh\":0,\"children\":null,\"skin\":-1").into(),
-        ),
-        ("comma", after("{\"mesh\":0}", "{\"mesh\":0,},").into()),
-        ("comment", format!("// by hand\n{plain}").into()),
-        (
-            "not a number",
-            after("\"mesh\":0", "\"mesh\":0,\"extras\":{\"x\":NaN}").into(),
-        ),
-        ("mark", format!("\u{feff}{plain}").into()),
-        ("version", after("\"2.0\"", "2.0").into()),
-        ("metadata", required(&plain, "KHR_xmp_json_ld")),
-        ("looks", required(&plain, "KHR_materials_clearcoat")),
-        ("unheard of looks", required(&plain, "EXT_materials_fur")),
-        ("zeros", glb(&document("", ""), 0)),
-        ("glb", glb(&document("", ""), b' ')),
-    ];
+    let files = [with_odd_buffers(&plain), with_odd_json(&plain)].concat();
     for (what, bytes) in &files {
         let name = folder.holding(&format!("{what}.gltf"), bytes);
         let told = json(&["prepare", "scene", &name, "--dry-run"]);

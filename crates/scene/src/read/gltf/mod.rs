@@ -35,15 +35,7 @@ pub(super) fn read(
     name: &str,
     folder: &mut dyn Folder,
 ) -> Result<SourceScene, Fault> {
-    let Parsed {
-        mut document,
-        binary,
-        mended,
-    } = container::parse(bytes)?;
-    sharing::share_meshes(&mut document);
-    let mut buffers = Buffers::read(&document, binary, folder)?;
-    meshopt::unpack(&mut document, &mut buffers)?;
-    draco::unpack(&mut document, &mut buffers)?;
+    let (document, buffers, mended) = opened(bytes, folder)?;
     let accessors = Accessors {
         document: &document,
         buffers,
@@ -107,6 +99,23 @@ pub(super) fn read(
     scene.materials = materials;
     add_remarks(&mut scene, &document, object_of.keys());
     Ok(scene)
+}
+
+/// A document and its buffers, unpacked, and how much of its JSON was mended.
+fn opened<'a>(
+    bytes: &'a [u8],
+    folder: &mut dyn Folder,
+) -> Result<(Document, Buffers<'a>, usize), Fault> {
+    let Parsed {
+        mut document,
+        binary,
+        mended,
+    } = container::parse(bytes)?;
+    sharing::share_meshes(&mut document);
+    let mut buffers = Buffers::read(&document, binary, folder)?;
+    meshopt::unpack(&mut document, &mut buffers)?;
+    draco::unpack(&mut document, &mut buffers)?;
+    Ok((document, buffers, mended))
 }
 
 /// Tells how much of the JSON was mended, and how many buffers were shorter than said.
