@@ -277,7 +277,11 @@ impl SourceCloud {
 
     /// Where a point lies.
     pub(crate) fn at(&self, number: usize) -> DVec3 {
-        let place = self.places[number];
+        self.of_place(self.places[number])
+    }
+
+    /// Where a place of its grid lies.
+    pub(crate) fn of_place(&self, place: [i32; 3]) -> DVec3 {
         let along = |k: usize| f64::from(place[k]) * self.scale[k] + self.offset[k];
         DVec3::from_array([0, 1, 2].map(along))
     }

@@ -28,6 +28,7 @@ pub(super) struct Depth {
     /// before; the last are beyond. Black says nothing.
     counts: [u64; LARGEST.len() + 1],
     most: f64,
+    /// Whether a colour of parts up to 1 has such that are no whole numbers.
     has_fractions: bool,
     is_negative: bool,
 }
@@ -43,8 +44,25 @@ impl Depth {
             let place = LARGEST.iter().position(is_within);
             self.counts[place.unwrap_or(LARGEST.len())] += 1;
             self.most = self.most.max(most);
-            self.has_fractions |= parts.iter().any(|it| it.fract() != 0.0);
+            self.has_fractions |= most <= 1.0 && parts.iter().any(|it| it.fract() != 0.0);
         }
+    }
+
+    /// That of codes of a cloud.
+    fn of_codes(codes: &[[u16; 3]]) -> Self {
+        let mut depth = Self::default();
+        let (mut most, mut black) = (0, 0);
+        for [red, green, blue] in codes {
+            let code = *red.max(green).max(blue);
+            black += u64::from(code == 0);
+            let above = [code > 1, code > 255, code > 1023, code > 4095];
+            let place: usize = above.iter().map(|it| usize::from(*it)).sum();
+            depth.counts[place] += 1;
+            most = most.max(code);
+        }
+        depth.counts[0] -= black;
+        depth.most = f64::from(most);
+        depth
     }
 
     /// Which value stands for all light, where it would be `usual` by the kind of number: 1 of real
@@ -181,10 +199,8 @@ pub(super) fn lighten(colours: &mut [[f32; 4]], full: &Full, alpha: f64) -> usiz
 /// Turns codes of a cloud that are neither of 8 nor of 16 bits, or of both, into such of one kind;
 /// says what a person should know, and how many of another kind there were.
 pub(super) fn mend_codes(codes: &mut [[u16; 3]]) -> (Option<String>, usize) {
-    let mut depth = Depth::default();
     let real = |it: &[u16; 3]| it.map(f64::from);
-    codes.iter().for_each(|it| depth.add(real(it)));
-    let full = depth.full(TWO_BYTES);
+    let full = Depth::of_codes(codes).full(TWO_BYTES);
     let strays = match full.largest < TWO_BYTES {
         true => codes.iter().filter(|it| full.is_stray(real(it))).count(),
         false => 0,

@@ -38,17 +38,20 @@ struct Bulk {
 }
 
 impl Bulk {
-    /// Of so many places; none where all of them lie together.
-    fn of(places: usize, at: &dyn Fn(usize) -> DVec3) -> Option<Self> {
+    /// Of so many places in a box; none where all of them lie together.
+    fn of(places: usize, [least, most]: [DVec3; 2], at: &dyn Fn(usize) -> DVec3) -> Option<Self> {
         let every = places.div_ceil(MOST_SAMPLES).max(1);
         let sample = (0..places).step_by(every).map(at).collect();
-        let [low, high] = most(sample)?;
+        let [low, high] = middle(sample)?;
         let bulk = Self {
             low,
             high,
             reach: 0.0,
         };
         let length = (high - low).max_element();
+        if bulk.beyond(least).max(bulk.beyond(most)) <= length {
+            return None;
+        }
         let mut beyond: Vec<f64> = (0..places)
             .map(|number| bulk.beyond(at(number)))
             .filter(|it| *it > length)
@@ -78,7 +81,7 @@ impl Bulk {
 }
 
 /// The box in which most of a sample lies; none of a sample at one place.
-fn most(mut sample: Vec<DVec3>) -> Option<[DVec3; 2]> {
+fn middle(mut sample: Vec<DVec3>) -> Option<[DVec3; 2]> {
     // Where a gap is longer than what lies on either side of it, one side counts alone.
     while let Some(side) = larger_side(&sample) {
         sample = side;
@@ -180,7 +183,8 @@ pub(super) fn part_meshes(scene: &mut SourceScene) {
 /// Takes out of a mesh what lies far; it is that of objects which show mesh `shown`, or a part.
 fn part_mesh(scene: &mut SourceScene, number: usize, shown: usize) -> Option<SourceMesh> {
     let mesh = &scene.meshes[number];
-    let bulk = Bulk::of(mesh.positions.len(), &|at| mesh.positions[at])?;
+    let all = bounds(mesh.positions.iter().copied());
+    let bulk = Bulk::of(mesh.positions.len(), all, &|at| mesh.positions[at])?;
     let is_far: Vec<bool> = mesh.positions.iter().map(|it| !bulk.holds(*it)).collect();
     let corners = |triangle: &[u32; 3]| triangle.map(|it| is_far[it as usize]);
     let all = mesh.triangles.len();
@@ -256,7 +260,9 @@ pub(super) fn clouds(
     colours: &[[u16; 3]],
     scene: &mut SourceScene,
 ) -> Vec<SourceCloud> {
-    let Some(parts) = part_points(name, positions.len(), &|at| positions[at], scene) else {
+    let all = bounds(positions.iter().copied());
+    let at = |number: usize| positions[number];
+    let Some(parts) = part_points(name, (positions.len(), all), &at, scene) else {
         let cloud = SourceCloud {
             colours: colours.to_vec(),
             ..SourceCloud::on_grid(name, positions)
@@ -277,7 +283,17 @@ pub(super) fn clouds(
 /// The same of a cloud that is on a grid.
 pub(super) fn clouds_on_grid(cloud: SourceCloud, scene: &mut SourceScene) -> Vec<SourceCloud> {
     let at = |number: usize| cloud.at(number);
-    let Some(parts) = part_points(&cloud.name, cloud.places.len(), &at, scene) else {
+    let mut ends = [[i32::MAX; 3], [i32::MIN; 3]];
+    for place in &cloud.places {
+        ends = [0, 1].map(|end| {
+            [0, 1, 2].map(|k| match end {
+                0 => ends[0][k].min(place[k]),
+                _ => ends[1][k].max(place[k]),
+            })
+        });
+    }
+    let all = ends.map(|it| cloud.of_place(it));
+    let Some(parts) = part_points(&cloud.name, (cloud.places.len(), all), &at, scene) else {
         return vec![cloud];
     };
     let some = |(part, number): (Vec<u32>, usize)| SourceCloud {
@@ -310,11 +326,11 @@ fn part_name(name: &str, number: usize) -> String {
 /// The numbers of the points of each part, the largest first; none where all lie together.
 fn part_points(
     name: &str,
-    points: usize,
+    (points, all): (usize, [DVec3; 2]),
     at: &dyn Fn(usize) -> DVec3,
     scene: &mut SourceScene,
 ) -> Option<Vec<Vec<u32>>> {
-    let bulk = Bulk::of(points, at)?;
+    let bulk = Bulk::of(points, all, at)?;
     let (mut near, mut far): (Vec<u32>, Vec<u32>) =
         (0..points as u32).partition(|it| bulk.holds(at(*it as usize)));
     let mut parts = Vec::new();
@@ -325,7 +341,7 @@ fn part_points(
             bounds(far.iter().map(place)),
         ];
         let times = ratio(others[0], others[1]);
-        let next = Bulk::of(far.len(), &|number| place(&far[number]));
+        let next = Bulk::of(far.len(), others[1], &|number| place(&far[number]));
         let next = next.filter(|_| parts.len() + 2 < MOST_PARTS);
         let (mut some, rest) = match next {
             Some(next) => far.iter().partition(|it| next.holds(place(it))),
