@@ -11,7 +11,7 @@ use percent_encoding::percent_decode_str;
 
 use super::super::error::Fault;
 use super::super::search::{self, Folder};
-use super::json::{Buffer, Document, View};
+use super::json::{Document, View};
 
 /// Bytes that may be unpacked for each byte of the buffers: meshoptimizer's codecs come near that
 /// where all elements are the same.

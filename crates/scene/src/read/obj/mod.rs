@@ -425,7 +425,8 @@ impl Reader<'_> {
         for (repair, times) in std::mem::take(&mut self.library.repairs) {
             count(&mut self.scene.repairs, &repair, times as usize);
         }
-        self.polygons.fill(&mut self.mesh, &mut self.mends);
+        let polygons = std::mem::take(&mut self.polygons);
+        polygons.fill(&mut self.mesh, &mut self.mends);
         if !self.place_colours.is_empty() {
             self.light_colours();
         }
