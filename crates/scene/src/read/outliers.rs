@@ -19,9 +19,9 @@ const MOST_PARTS: usize = 8;
 /// A person is told of what lies more than so many times as far as the others reach.
 const TOLD: f64 = 16.0;
 /// A surface is cut between what lies far and all else only where its grid would have a few dozen
-/// steps for that, and where little is far.
+/// steps for that, and where no more than half is far.
 const CUT: f64 = 256.0;
-const MOST_CUT: f64 = 0.1;
+const MOST_CUT: f64 = 0.5;
 /// Few points so many times as far away are no part of what was scanned.
 const NO_ECHO: f64 = 100.0;
 const FEW_POINTS: f64 = 0.01;
@@ -207,7 +207,9 @@ fn part_mesh(scene: &mut SourceScene, number: usize, shown: usize) -> Option<Sou
     let name = objects.find(|it| it.mesh == shown);
     let name = name.map_or(String::new(), |it| shortened(&it.name));
     let place = told((far[0] + far[1]) / 2.0);
-    if is_cut && (times < CUT || far_triangles as f64 > MOST_CUT * all as f64) {
+    let is_beyond = far[0].abs().max(far[1].abs()).max_element() > FARTHEST;
+    let is_little = far_triangles as f64 <= MOST_CUT * all as f64;
+    if is_cut && !is_beyond && (times < CUT || !is_little) {
         if times >= TOLD && number == shown {
             let share = times.round();
             scene.remark(format!(
@@ -226,14 +228,8 @@ fn part_mesh(scene: &mut SourceScene, number: usize, shown: usize) -> Option<Sou
         .map(|it| !corners(it).contains(&true))
         .collect();
     let mut out = mesh.clone();
-    let is_beyond = far[0].abs().max(far[1].abs()).max_element() > FARTHEST;
     out.keep_triangles(&is_near.iter().map(|it| !it).collect::<Vec<_>>());
     scene.meshes[number].keep_triangles(&is_near);
-    let counted = if is_beyond {
-        "outlier_triangles_left_out"
-    } else {
-        "outlier_triangles"
-    };
     if times >= TOLD {
         let what = match (is_beyond, is_cut) {
             (true, _) => "left out",
@@ -247,8 +243,12 @@ fn part_mesh(scene: &mut SourceScene, number: usize, shown: usize) -> Option<Sou
             "{far_triangles} triangles of {name:?} lie far from its others, about {place}: they \
              are {what}"
         ));
+        let counted = match is_beyond {
+            true => "outlier_triangles_left_out",
+            false => "outlier_triangles",
+        };
+        count(&mut scene.repairs, counted, far_triangles);
     }
-    count(&mut scene.repairs, counted, far_triangles);
     (!is_beyond).then_some(out)
 }
 
@@ -368,8 +368,8 @@ fn part_points(
                     shortened(name),
                     told((about[0] + about[1]) / 2.0)
                 ));
+                count(&mut scene.repairs, "outlier_points", some.len());
             }
-            count(&mut scene.repairs, "outlier_points", some.len());
             parts.push(std::mem::take(&mut some));
         }
         if rest.is_empty() {
