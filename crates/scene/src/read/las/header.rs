@@ -270,6 +270,8 @@ fn check_later_records(bytes: &[u8], minor: u8) -> Result<(), Fault> {
     let said = if minor >= 4 { word_at(bytes, 243) } else { 0 };
     let mut rest = match said {
         0 => return Ok(()),
+        // The file was cut off before.
+        _ if long_at(bytes, 235) >= bytes.len() as u64 => return Ok(()),
         _ => usize::try_from(long_at(bytes, 235)).map_or(None, |at| bytes.get(at..)),
     };
     for found in 0..said {

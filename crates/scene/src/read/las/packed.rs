@@ -46,6 +46,8 @@ struct Chunk<'a> {
     at: usize,
     bytes: &'a [u8],
     points: u64,
+    /// Whether its end is not known: then it may have fewer points.
+    is_open: bool,
 }
 
 /// Unpacks all points and hands them on, record by record.
@@ -62,9 +64,11 @@ pub(super) fn read(
         )
     })?;
     let (packing, vlr) = packing_of(said, header)?;
+    if packing != Packing::One && is_cut(bytes, header) {
+        return read_cut(bytes, header, (said, packing, &vlr), each);
+    }
     let room = header.points_end.saturating_sub(header.points_at) as u64;
-    let unpacked = header.count.saturating_mul(header.record_bytes as u64);
-    if unpacked > MOST_FREE.saturating_add(room.saturating_mul(MOST_UNPACKED)) {
+    if header.count > most_points(header) {
         let what = format!(
             "only {room} bytes follow, of which a point takes {}",
             header.record_bytes
@@ -76,6 +80,7 @@ pub(super) fn read(
             at: header.points_at,
             bytes: &bytes[header.points_at..header.points_end.max(header.points_at)],
             points: header.count,
+            is_open: false,
         }],
         _ => chunks(bytes, header, &vlr)?,
     };
@@ -99,6 +104,90 @@ pub(super) fn read(
         }
     }
     Ok(())
+}
+
+/// Most points that the bytes there are may unpack to.
+fn most_points(header: &LasHeader) -> u64 {
+    let room = header.points_end.saturating_sub(header.points_at) as u64;
+    MOST_FREE.saturating_add(room.saturating_mul(MOST_UNPACKED)) / header.record_bytes as u64
+}
+
+/// Whether a file ends before its table of chunks, or was never finished so that none is told of.
+fn is_cut(bytes: &[u8], header: &LasHeader) -> bool {
+    let Some(told) = bytes.get(header.points_at..header.points_at + POINTER_BYTES) else {
+        return true;
+    };
+    let table = told.try_into().map_or(0, i64::from_le_bytes);
+    let is_there = |at: i64| {
+        let at = usize::try_from(at).ok();
+        at.is_some_and(|at| at >= header.points_at && at.saturating_add(8) <= bytes.len())
+    };
+    let at_end = bytes.last_chunk().map_or(0, |it| i64::from_le_bytes(*it));
+    !is_there(table) && (table > 0 || !is_there(at_end))
+}
+
+/// Unpacks what is there of a file that was cut off before its table of chunks: chunk after chunk,
+/// until one fails.
+fn read_cut(
+    bytes: &[u8],
+    header: &LasHeader,
+    (said, packing, vlr): (&[u8], Packing, &LazVlr),
+    each: &mut dyn FnMut(&[u8]),
+) -> Result<(), Fault> {
+    if packing == Packing::Chunks && vlr.chunk_size() == ANY_SIZE {
+        return table_of_chunks(bytes, header).map(drop);
+    }
+    let layers = layers_of(vlr);
+    let mut left = header.count.min(most_points(header));
+    let mut rest = bytes.get(header.points_at + POINTER_BYTES..);
+    while let Some(there) = rest.filter(|it| left > 0 && it.len() > header.record_bytes) {
+        let (length, points) = if packing == Packing::Layers {
+            let Some(found) = layered_chunk(there, header.record_bytes, layers) else {
+                break;
+            };
+            found
+        } else {
+            let points = u64::from(vlr.chunk_size()).min(left);
+            // Packed, points take no more than twice as much.
+            let most = 2 * points.saturating_mul(header.record_bytes as u64) + 1024;
+            let most = usize::try_from(most).unwrap_or(usize::MAX);
+            (there.len().min(most), points)
+        };
+        if points == 0 || points > left || points > MOST_OF_CHUNK {
+            break;
+        }
+        let chunk = Chunk {
+            at: 0,
+            bytes: &there[..length],
+            points,
+            is_open: packing != Packing::Layers,
+        };
+        let mut unpacked = 0;
+        let mut count = |record: &[u8]| {
+            unpacked += 1;
+            each(record);
+        };
+        let behind = unpack(&chunk, (said, header.record_bytes), packing, &mut count);
+        let (Ok(behind), true) = (behind, unpacked == points) else {
+            break;
+        };
+        left -= points;
+        let begin = length - usize::try_from(behind).unwrap_or(0).min(length);
+        let begin = if chunk.is_open { begin } else { length };
+        rest = there.get(begin..);
+    }
+    Ok(())
+}
+
+/// How long the chunk of layers is that begins here, and how many points it has; `None` if it does
+/// not end here.
+fn layered_chunk(there: &[u8], record_bytes: usize, layers: usize) -> Option<(usize, u64)> {
+    check_layers(there, record_bytes, layers).ok()?;
+    let sizes_at = record_bytes + 4;
+    let sizes = (0..layers).map(|layer| word_at(there, sizes_at + 4 * layer) as usize);
+    let length = sizes_at + 4 * layers + sizes.sum::<usize>();
+    let points = u64::from(word_at(there, record_bytes));
+    there.get(..length).map(|chunk| (chunk.len(), points))
 }
 
 /// How a record says that points are packed.
@@ -227,6 +316,7 @@ fn chunks<'a>(bytes: &'a [u8], header: &LasHeader, vlr: &LazVlr) -> Result<Vec<C
             at,
             bytes: chunk,
             points,
+            is_open: false,
         });
         (left, at) = (left - points, at + chunk.len());
     }
@@ -282,13 +372,21 @@ fn unpack(
     let unpacked = || {
         let mut unpacking = LasZipDecompressor::selective(Cursor::new(file), vlr, kept)
             .map_err(|error| error.to_string())?;
-        let at_once = (PART_BYTES / record_bytes).max(1) as u64;
+        let at_once = match chunk.is_open {
+            true => 1,
+            false => (PART_BYTES / record_bytes).max(1) as u64,
+        };
         let mut records = vec![0; at_once.min(chunk.points) as usize * record_bytes];
         let mut left = chunk.points;
         while left > 0 {
             let part = &mut records[..at_once.min(left) as usize * record_bytes];
-            unpacking
-                .decompress_many(part)
+            let unpacked = unpacking.decompress_many(part);
+            // What reads beyond the end is made up.
+            let is_there = unpacked.is_ok() && unpacking.get_mut().position() <= end;
+            if chunk.is_open && !is_there {
+                break;
+            }
+            unpacked
                 .map_err(|error| format!("its {} points end too early: {error}", chunk.points))?;
             part.chunks_exact(record_bytes).for_each(&mut *each);
             left -= at_once.min(left);

@@ -138,8 +138,31 @@ fn wrong_counts_are_refused_with_place_and_what_to_do() {
     assert_eq!(cut.clouds[0].places.len(), 699);
     assert_eq!(cut.repairs["rows_missing"], 1);
     assert!(cut.remarks[0].contains("is point 699"), "{:?}", cut.remarks);
-    let cut = file(&points(700), 2, (1, 2), true);
-    assert!(refusal(&cut[..cut.len() - 26]).contains("table of chunks"));
+}
+
+#[test]
+fn packed_files_that_were_cut_off_show_the_points_that_are_there() {
+    let points = points(120_000);
+    for (format, version) in [(2, (1, 2)), (7, (1, 4))] {
+        let whole = file(&points, format, version, true);
+        for part in [50, 70, 95] {
+            let cut = &whole[..whole.len() * part / 100];
+            let scene = read(cut, "a").unwrap();
+            let places = &scene.clouds[0].places;
+            let expected = |k: usize| {
+                let number = k as i32;
+                [number, number * 7 % 1000, 100_000 + number % 13]
+            };
+            let right = (0..places.len()).all(|k| places[k] == expected(k));
+            assert!(
+                right && places.len() >= 100 * part,
+                "{} of {part} %",
+                places.len()
+            );
+            let missing = 120_000 - places.len() as u64;
+            assert_eq!(scene.repairs["rows_missing"], missing, "{format}, {part} %");
+        }
+    }
 }
 
 #[test]
