@@ -28,6 +28,7 @@ pub use error::ReadError;
 pub use place::Up;
 
 pub use single::SceneFormat;
+pub use sound::KEPT;
 
 use crate::source::SourceScene;
 use files::Nowhere;

@@ -338,25 +338,32 @@ mod tests {
 
     #[test]
     fn a_star_is_filled_from_each_side_and_from_each_corner() {
+        let tilt = |it: DVec3| DVec3::new(it.y, 1e6 + it.x + it.y, it.x);
         for turn in 0..10 {
             let mut outline = star();
             outline.rotate_left(turn);
-            let (filling, triangles) = Filler::default().fill(&outline);
-            assert_eq!((filling, triangles.len()), (Filling::Cut, 8), "{turn}");
-            assert!((area(&outline, &triangles) - 4.7023).abs() < 1e-3);
-            let up = |it: &[u32; 3]| {
-                let [a, b, c] = it.map(|at| outline[at as usize]);
-                (b - a).cross(c - a).z
-            };
-            assert!(triangles.iter().all(|it| up(it) > 0.0));
-            outline.reverse();
-            let tilted = outline
-                .iter()
-                .map(|it| DVec3::new(it.y, 1e6 + it.x + it.y, it.x));
-            let tilted: Vec<DVec3> = tilted.collect();
-            let (filling, triangles) = Filler::default().fill(&tilted);
-            assert_eq!((filling, triangles.len()), (Filling::Cut, 8), "{turn}");
+            let reversed: Vec<DVec3> = outline.iter().rev().copied().collect();
+            let tilted: Vec<DVec3> = outline.iter().copied().map(tilt).collect();
+            for outline in [&outline, &reversed, &tilted] {
+                let (filling, mut triangles) = Filler::default().fill(outline);
+                if filling == Filling::Fan {
+                    // An inner corner sees all others.
+                    triangles = (2..10).map(|at| [0, at - 1, at]).collect();
+                }
+                let normal = |it: &[u32; 3]| {
+                    let [a, b, c] = it.map(|at| outline[at as usize]);
+                    (b - a).cross(c - a)
+                };
+                let all: DVec3 = triangles.iter().map(normal).sum();
+                assert_eq!(triangles.len(), 8, "{turn} {filling:?}");
+                assert!(
+                    triangles.iter().all(|it| normal(it).dot(all) > 0.0),
+                    "{turn}"
+                );
+                assert!((area(outline, &triangles) * 2.0 - all.length()).abs() < 1e-3);
+            }
         }
+        assert_eq!(Filler::default().fill(&star()).0, Filling::Cut);
     }
 
     #[test]

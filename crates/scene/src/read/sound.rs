@@ -7,6 +7,13 @@ use glam::DVec3;
 use super::mends::{COLOUR_MADE, Mends, NO_PLACE, OUT_OF_RANGE, UV_MADE};
 use crate::source::{Repairs, SourceCloud, SourceMesh, keep};
 
+/// Names in `repairs` of what is counted because it may be a mistake, and stays as it is.
+pub const KEPT: [&str; 3] = [
+    "duplicate_vertices",
+    "mixed_winding_edges",
+    "non_manifold_edges",
+];
+
 /// Counts what was repaired under a name.
 pub(super) fn count(repairs: &mut Repairs, name: &str, times: usize) {
     if times > 0 {

@@ -11,7 +11,7 @@ use foveal_core::units::counted;
 use foveal_media::pack::name_claim::NameClaim;
 use foveal_media::pack::scene_file::{SceneFile, write_scene};
 use foveal_scene::build::{BuildOptions, Built, build};
-use foveal_scene::read::{ReadOptions, Up, read, texels};
+use foveal_scene::read::{KEPT, ReadOptions, Up, read, texels};
 use foveal_scene::source::{Repairs, SourceScene};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -55,8 +55,7 @@ pub(crate) struct PrepareSceneArgs {
     /// Threads (default: all cores); the pack is the same for any number.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
-    /// Refuse files of which anything would be mended or left out, and name it: whatever `repairs`
-    /// would count.
+    /// Refuse files of which anything would be mended or left out, and name it.
     #[arg(long)]
     strict: bool,
     /// Replace another pack at --out, which stays until the new one is whole.
@@ -205,16 +204,18 @@ impl PrepareSceneArgs {
 
     /// With `--strict`, refuses what was mended or left out.
     fn refuse_mends(&self, repairs: &Repairs, remarks: &[String]) -> anyhow::Result<()> {
-        if !self.strict || repairs.is_empty() {
+        let mends = repairs.iter().filter(|it| !KEPT.contains(&it.0.as_str()));
+        let told = |(name, times): (&String, &u64)| format!("{}: {times}", name.replace('_', " "));
+        let counts: Vec<String> = mends.map(told).collect();
+        if !self.strict || counts.is_empty() {
             return Ok(());
         }
-        let told = |(name, times): (&String, &u64)| format!("{}: {times}", name.replace('_', " "));
-        let counts = repairs.iter().map(told).collect::<Vec<_>>().join(", ");
         let remarks: String = remarks.iter().map(|it| format!("\n{it}")).collect();
         bail!(
-            "{}: --strict refuses what would be mended, {counts}; mend it where it was made, or \
-             prepare without --strict{remarks}",
+            "{}: --strict refuses what would be mended, {}; mend it where it was made, or prepare \
+             without --strict{remarks}",
             self.names(),
+            counts.join(", "),
         )
     }
 

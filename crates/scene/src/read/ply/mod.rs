@@ -124,8 +124,15 @@ impl Reader {
     }
 
     fn add_mends(&mut self, numbers: &Numbers<'_>) {
+        let all = [
+            (mends::WORDS_BEYOND, numbers.too_long),
+            (mends::LINE_BROKEN, numbers.broken),
+        ];
+        for (mend, lines) in all {
+            let place = || format!("in line {}", lines.first);
+            self.mends.add(mend, lines.times, place);
+        }
         let place = || "in its text".to_owned();
-        self.mends.add(mends::WORDS_BEYOND, numbers.too_long, place);
         self.mends.add(mends::COMMA, numbers.commas, place);
     }
 

@@ -20,10 +20,27 @@ pub(super) struct Numbers<'a> {
     line: usize,
     /// How many elements were begun.
     begun: usize,
-    /// Rows that had more words than they should.
-    pub(super) too_long: usize,
+    /// Rows that had more words than they should, and that had a list of no length.
+    pub(super) too_long: Lines,
+    pub(super) broken: Lines,
     /// Numbers with a decimal comma.
     pub(super) commas: usize,
+}
+
+/// How many lines were mended, and the first.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Lines {
+    pub(super) times: usize,
+    pub(super) first: usize,
+}
+
+impl Lines {
+    fn add(&mut self, line: usize) {
+        self.times += 1;
+        if self.times == 1 {
+            self.first = line;
+        }
+    }
 }
 
 impl<'a> Numbers<'a> {
@@ -35,7 +52,8 @@ impl<'a> Numbers<'a> {
             row_end: None,
             line: header.lines + 1,
             begun: 0,
-            too_long: 0,
+            too_long: Lines::default(),
+            broken: Lines::default(),
             commas: 0,
         }
     }
@@ -100,8 +118,7 @@ impl<'a> Numbers<'a> {
     /// Begins a row of the element.
     pub(super) fn begin_row(&mut self) {
         if let Some(end) = self.row_end {
-            self.too_long += usize::from(self.at < end && self.words(self.at).next().is_some());
-            self.at = self.at.max(end);
+            self.leave_row(end);
             self.skip_blank();
             let is_sign = |sign: &u8| matches!(sign, b'#' | b'/' | b'c');
             while self.bytes.get(self.at).is_some_and(is_sign)
@@ -117,9 +134,16 @@ impl<'a> Numbers<'a> {
     /// Ends the rows of an element.
     pub(super) fn end(&mut self) {
         if let Some(end) = self.row_end.take() {
-            self.too_long += usize::from(self.at < end && self.words(self.at).next().is_some());
-            self.at = self.at.max(end);
+            self.leave_row(end);
         }
+    }
+
+    /// Leaves out what is left of a row.
+    fn leave_row(&mut self, end: usize) {
+        if self.at < end && self.words(self.at).next().is_some() {
+            self.too_long.add(self.line);
+        }
+        self.at = self.at.max(end);
     }
 
     fn left(&self) -> usize {
@@ -162,11 +186,17 @@ impl<'a> Numbers<'a> {
         if said >= 0.0 && said <= most as f64 && said.fract() == 0.0 {
             return Some(said as usize);
         }
-        if self.row_end.is_some() {
-            return Some(0);
+        match self.row_end {
+            Some(end) if end < self.bytes.len() => {
+                self.broken.add(self.line);
+                self.at = end;
+                Some(0)
+            }
+            _ => {
+                self.at = self.bytes.len();
+                None
+            }
         }
-        self.at = self.bytes.len();
-        None
     }
 
     pub(super) fn skip(&mut self, property: &Property) -> Option<()> {

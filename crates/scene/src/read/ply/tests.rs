@@ -187,8 +187,9 @@ fn what_is_no_number_or_no_vertex_costs_its_triangle() {
         ("1 0\n3 0 1 2\n3 0 1 3\n", "triangles_without_place"),
         ("1 1 0\n3 0 1 2\n3 0 1 4\n", "triangles_out_of_range"),
         ("1 1 0\n3 0 1 2\n3 0 1 -2\n", "triangles_out_of_range"),
-        ("1 1 0\n3 0 1 2\n3 0 1\n", "faces_under_three_corners"),
+        ("1 1 0\n3 0 1 2\n3 0 1\n", "triangles_out_of_range"),
         ("1 1 0\n3 0 1 2\n4 0 1 3 4.5\n", "triangles_out_of_range"),
+        ("1 1 0\n3 0 1 2\n99 0 1 3\n", "lines_broken"),
     ] {
         let bytes = text(&elements, &format!("0 0 0\n0 1 0\n1 0 0\n{rows}"));
         let file = SceneFile {
