@@ -83,8 +83,8 @@ pub(super) const FORMATS: &[Format] = &[
             },
             Finding {
                 found: "colours of vertices from 0 to 255",
-                outcome: Remarked,
-                told: "the largest code is taken for all light",
+                outcome: Mended,
+                told: "the largest code is taken for all light, `colours_rescaled`",
             },
             Finding {
                 found: "triangles so far from all others that the grid of the mesh would have no \
@@ -123,6 +123,22 @@ pub(super) const FORMATS: &[Format] = &[
 ];
 
 const PLY: &[Finding] = &[
+    Finding {
+        found: "colours of vertices from 0 to 255 as `int`, `float` or `double`, or of another depth \
+                than their numbers",
+        outcome: Mended,
+        told: "the largest code is taken for all light, `colours_rescaled`",
+    },
+    Finding {
+        found: "colours of faces",
+        outcome: Read,
+        told: "drawn; left out with a remark where vertices have colours too",
+    },
+    Finding {
+        found: "triangles so far from all others that the grid of the mesh would have no detail",
+        outcome: Mended,
+        told: "an object with a grid of its own, `outlier_triangles`, with a remark",
+    },
     Finding {
         found: "concave faces, strips of triangles, other lists and elements",
         outcome: Read,

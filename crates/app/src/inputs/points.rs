@@ -15,8 +15,8 @@ pub(super) const FORMATS: &[Format] = &[
             },
             Finding {
                 found: "colours of 10 or 12 bits",
-                outcome: Remarked,
-                told: "the largest code is taken for all light",
+                outcome: Mended,
+                told: "the largest code is taken for all light, `repairs.colours_rescaled`",
             },
             Finding {
                 found: "points far away that stand for no echo (-9999, 1e10)",
@@ -75,8 +75,8 @@ pub(super) const FORMATS: &[Format] = &[
             Finding {
                 found: "colours from 0 to 255 as `int`, `uint`, `ushort`, `float` or `double`, \
                         from 0 to 1 as `uchar`, of 10 or 12 bits",
-                outcome: Remarked,
-                told: "the largest code is taken for all light",
+                outcome: Mended,
+                told: "the largest code is taken for all light, `repairs.colours_rescaled`",
             },
             Finding {
                 found: "splats (`f_dc_0` ..)",

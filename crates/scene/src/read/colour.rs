@@ -1,5 +1,8 @@
 //! How much light does a code value of a file give, and which one stands for all light?
 
+use super::sound::count;
+use crate::source::Repairs;
+
 /// Linear light of an sRGB-encoded value from 0 to 1; what is beyond is cut. IEC 61966-2-1.
 pub(super) fn linear_from_encoded(value: f64) -> f32 {
     let value = value.clamp(0.0, 1.0);
@@ -146,8 +149,22 @@ impl Full {
         self.largest > 1.0 && self.largest < TWO_BYTES && most > 2.0 * self.largest
     }
 
-    /// What a person should know of the colours of something, of which so many are strays.
-    pub(super) fn remark(&self, what: &str, strays: usize) -> Option<String> {
+    /// Counts what of the colours of something was mended, of so many and of so many strays, and
+    /// gives what a person should know.
+    pub(super) fn tell(
+        &self,
+        what: &str,
+        (colours, strays): (usize, usize),
+        repairs: &mut Repairs,
+    ) -> Option<String> {
+        count(repairs, "colours_of_another_depth", strays);
+        if self.largest != self.usual && strays == 0 {
+            count(repairs, "colours_rescaled", colours);
+        }
+        self.remark(what, strays)
+    }
+
+    fn remark(&self, what: &str, strays: usize) -> Option<String> {
         let Self { usual, largest, .. } = *self;
         if strays > 0 {
             return Some(format!(
@@ -197,8 +214,12 @@ pub(super) fn lighten(colours: &mut [[f32; 4]], full: &Full, alpha: f64) -> usiz
 }
 
 /// Turns codes of a cloud that are neither of 8 nor of 16 bits, or of both, into such of one kind;
-/// says what a person should know, and how many of another kind there were.
-pub(super) fn mend_codes(codes: &mut [[u16; 3]]) -> (Option<String>, usize) {
+/// counts that, and says what a person should know.
+pub(super) fn mend_codes(
+    what: &str,
+    codes: &mut [[u16; 3]],
+    repairs: &mut Repairs,
+) -> Option<String> {
     let real = |it: &[u16; 3]| it.map(f64::from);
     let full = Depth::of_codes(codes).full(TWO_BYTES);
     let strays = match full.largest < TWO_BYTES {
@@ -210,7 +231,7 @@ pub(super) fn mend_codes(codes: &mut [[u16; 3]]) -> (Option<String>, usize) {
         for code in codes.iter_mut().flatten() {
             *code = (*code).min(255);
         }
-        return (None, 0);
+        return None;
     }
     if full.largest < TWO_BYTES {
         let most = if full.largest == BYTE {
@@ -222,7 +243,7 @@ pub(super) fn mend_codes(codes: &mut [[u16; 3]]) -> (Option<String>, usize) {
             *code = full.shares(real(code)).map(|it| (it * most).round() as u16);
         }
     }
-    (full.remark("points", strays), strays)
+    full.tell(what, (codes.len(), strays), repairs)
 }
 
 #[cfg(test)]
@@ -269,19 +290,25 @@ mod tests {
     fn one_code_of_sixteen_bits_leaves_those_of_eight_as_they_are() {
         let mut codes = vec![[200, 100, 0]; 60];
         codes.push([51_400, 25_700, 0]);
-        let (remark, strays) = mend_codes(&mut codes);
+        let mut repairs = Repairs::new();
+        let mut mend = |codes: &mut [[u16; 3]]| mend_codes("points", codes, &mut repairs);
+        let remark = mend(&mut codes);
         assert_eq!((codes[0], codes[60]), ([200, 100, 0], [200, 100, 0]));
         assert!(remark.unwrap().contains("1 of them"));
-        assert_eq!(strays, 1);
         let mut codes = [[4095, 0, 2048], [100, 3000, 4000]];
-        let (remark, _) = mend_codes(&mut codes);
+        let remark = mend(&mut codes);
         assert_eq!(codes[0], [65_535, 0, 32_776]);
         assert!(remark.unwrap().contains("4095"));
         let mut codes = [[65_535, 0, 300], [200, 300, 9000], [40, 20, 0]];
         let before = codes;
-        assert!(mend_codes(&mut codes).0.is_some(), "dark beside bright");
+        assert!(mend(&mut codes).is_some(), "dark beside bright");
         assert_eq!(codes, before);
         let mut codes = [[65_535, 0, 300], [400, 300, 9000]];
-        assert_eq!(mend_codes(&mut codes), (None, 0));
+        assert_eq!(mend(&mut codes), None);
+        let counts = [
+            ("colours_of_another_depth".to_owned(), 1),
+            ("colours_rescaled".to_owned(), 2),
+        ];
+        assert_eq!(repairs, Repairs::from(counts));
     }
 }

@@ -343,16 +343,17 @@ impl MeshReader<'_> {
             .iter()
             .filter(|it| full.is_stray([it[0], it[1], it[2]]));
         let strays = strays.count();
-        count(&mut self.repairs, "colours_of_another_depth", strays);
+        let what = format!("vertices (accessor {number})");
         if usual > 1.0 {
             count(&mut self.repairs, "colours_not_normalised", colours.len());
-            let remark = "colours of vertices are whole numbers that are not said to be parts of 1";
             self.remarks.push(format!(
-                "{remark}: {} is taken for all light",
+                "colours of {what} are whole numbers that are not said to be parts of 1: {} is \
+                 taken for all light",
                 full.largest()
             ));
-        } else if let Some(remark) = full.remark("vertices", strays) {
-            self.remarks.push(remark);
+        } else {
+            let remark = full.tell(&what, (colours.len(), strays), &mut self.repairs);
+            self.remarks.extend(remark);
         }
         let light = |[red, green, blue, alpha]: [f64; 4]| {
             let [red, green, blue] = full.shares([red, green, blue]);

@@ -12,7 +12,7 @@ mod tests;
 use super::colour::mend_codes;
 use super::error::Fault;
 use super::outliers;
-use super::sound::count;
+use super::text::shortened;
 use crate::source::{Repairs, SourceCloud, SourceScene};
 use foveal_core::units::counted;
 use glam::DAffine3;
@@ -39,8 +39,8 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         scene.remark(format!("{name}: {remark}"));
     }
     scene.repairs = mends.repairs;
-    let (remark, strays) = mend_codes(&mut records.cloud.colours);
-    count(&mut scene.repairs, "colours_of_another_depth", strays);
+    let what = format!("points of {:?}", shortened(name));
+    let remark = mend_codes(&what, &mut records.cloud.colours, &mut scene.repairs);
     remark.into_iter().for_each(|it| scene.remark(it));
     let cloud = SourceCloud {
         name: name.to_owned(),

@@ -399,7 +399,7 @@ impl Reader<'_> {
     }
 
     /// Colours are codes of whatever depth all of them tell.
-    fn light_colours(&mut self) {
+    fn light_colours(&mut self, name: &str) {
         let full = self.colour_depth.full(1.0);
         let largest = full.largest() as f32;
         let mut strays = 0;
@@ -409,8 +409,9 @@ impl Reader<'_> {
             }
             strays = strays.max(lighten(colours, &full, 1.0));
         }
-        count(&mut self.scene.repairs, "colours_of_another_depth", strays);
-        if let Some(remark) = full.remark("vertices", strays) {
+        let what = format!("vertices of {:?}", shortened(name));
+        let counts = (self.place_colours.len(), strays);
+        if let Some(remark) = full.tell(&what, counts, &mut self.scene.repairs) {
             self.scene.remark(remark);
         }
     }
@@ -428,7 +429,7 @@ impl Reader<'_> {
         let polygons = std::mem::take(&mut self.polygons);
         polygons.fill(&mut self.mesh, &mut self.mends);
         if !self.place_colours.is_empty() {
-            self.light_colours();
+            self.light_colours(name);
         }
         self.add_points(name);
         self.scene.objects.push(SourceObject {

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 
 use super::super::colour::{Depth, Full, lighten};
-use super::super::sound::count;
 use super::header::{Element, Property, Scalar};
 use crate::source::{Repairs, SourceMesh};
 
@@ -126,8 +125,8 @@ impl PlyColours {
         if self.is_splats {
             told.remark("splats are drawn as points, each in its own colour from all sides");
         }
-        count(&mut told.repairs, "colours_of_another_depth", strays);
-        if let Some(remark) = full.remark(told.what, strays) {
+        let counts = (self.raw.len(), strays);
+        if let Some(remark) = full.tell(&told.what, counts, &mut told.repairs) {
             told.remark(remark);
         }
     }
@@ -174,14 +173,14 @@ impl PlyColours {
 
 /// What is said and counted while colours are read.
 pub(super) struct Told {
-    /// What the colours are of: `vertices`, `points` or `faces`.
-    pub(super) what: &'static str,
+    /// What the colours are of: vertices, points or faces of a file.
+    pub(super) what: String,
     pub(super) repairs: Repairs,
     pub(super) remarks: Vec<String>,
 }
 
 impl Told {
-    pub(super) fn of(what: &'static str) -> Self {
+    pub(super) fn of(what: String) -> Self {
         Self {
             what,
             repairs: Repairs::new(),

@@ -15,6 +15,7 @@ use super::mends::{self, Mends};
 use super::outliers;
 use super::polygon::Polygons;
 use super::sound::count;
+use super::text::shortened;
 use crate::source::{Material, Repairs, SourceMesh, SourceObject, SourceScene, keep};
 use colours::{ColourColumns, PlyColours, Told, colour_triangles};
 use header::{Element, PlyHeader, Property};
@@ -43,7 +44,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     polygons.fill(&mut reader.mesh, &mut reader.mends);
     let mut scene = SourceScene::default();
     let are_points = reader.is_cloud || reader.has_only_vertices();
-    reader.take_colours(are_points, &mut scene);
+    reader.take_colours(are_points, name, &mut scene);
     if are_points {
         let (positions, colours) = reader.points();
         scene.clouds = outliers::clouds(name, &positions, &colours, &mut scene);
@@ -216,8 +217,10 @@ impl Reader {
     }
 
     /// Colours what was read, and tells what a person should know of it.
-    fn take_colours(&mut self, are_points: bool, scene: &mut SourceScene) {
-        let mut told = Told::of(if are_points { "points" } else { "vertices" });
+    fn take_colours(&mut self, are_points: bool, name: &str, scene: &mut SourceScene) {
+        let name = shortened(name);
+        let what = if are_points { "points" } else { "vertices" };
+        let mut told = Told::of(format!("{what} of {name:?}"));
         match self.colours.take() {
             Some(colours) if are_points => self.codes = colours.codes(&mut told),
             Some(colours) => self.mesh.colours = colours.lights(&mut told),
@@ -225,7 +228,7 @@ impl Reader {
         }
         let faces = std::mem::take(&mut self.mesh.materials);
         if let Some(colours) = self.face_colours.take().filter(|_| !are_points) {
-            told.what = "faces";
+            told.what = format!("faces of {name:?}");
             match self.mesh.colours.is_empty() {
                 true => colour_triangles(&mut self.mesh, &faces, &colours.lights(&mut told)),
                 false => {
