@@ -56,6 +56,22 @@ fn damaged(good: &[u8], random: &mut Random) -> Vec<u8> {
 }
 
 #[test]
+fn a_scene_of_a_long_description_has_its_objects_in_a_table_and_no_byte_of_it_panics() {
+    let pack = pack_of(|about| about.objects[0].name = "part ".repeat(10_000));
+    let head = String::from_utf8_lossy(&pack[64..4096]).into_owned();
+    assert!(head.contains(r#""needs":["scene","objects"]"#), "{head}");
+    assert!(parse_anything(&pack));
+    let index = u64::from_le_bytes(pack[24..32].try_into().unwrap()) as usize;
+    // Beyond the long name, which is for people.
+    let tables = index..index + 100;
+    for place in tables.chain(pack.len() - 400..pack.len()) {
+        let mut bad = pack.clone();
+        bad[place] ^= 0x10;
+        let _ = parse_anything(&bad);
+    }
+}
+
+#[test]
 fn a_table_of_units_is_that_of_the_test_vector() {
     let vector = bytes_of_hex(TABLE);
     let numbers = UnitNumbers::in_pages_of(64, &[1, 1]).unwrap();

@@ -95,6 +95,8 @@ fn scene() -> Arc<Scene> {
             texturing: None,
         }],
         textures: Vec::new(),
+        parts: Vec::new(),
+        joined: Default::default(),
         units: (0..LEVELS).rev().map(|level| 1 << level).collect(),
         page: 16,
         look: Default::default(),

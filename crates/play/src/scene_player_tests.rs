@@ -98,6 +98,8 @@ fn about() -> SceneDescription {
         generator: "test".to_owned(),
         source: Default::default(),
         textures: Vec::new(),
+        parts: Vec::new(),
+        joined: Default::default(),
         objects: vec![object],
         units: vec![1, 1],
         page: 16,

@@ -104,6 +104,29 @@ fn scattered(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
+/// So many triangles round one edge, like the pages of a book that stands open.
+#[must_use]
+pub fn book(pages: u32) -> SourceMesh {
+    let page = |page: u32| {
+        let turn = TAU * f64::from(page) / f64::from(pages);
+        DVec3::new(turn.cos(), 0.0, turn.sin())
+    };
+    SourceMesh {
+        positions: [DVec3::NEG_Y, DVec3::Y]
+            .into_iter()
+            .chain((0..pages).map(page))
+            .collect(),
+        triangles: (0..pages).map(|page| [0, 1, page + 2]).collect(),
+        ..Default::default()
+    }
+}
+
+/// A cloud of so many points that all lie at one place.
+#[must_use]
+pub fn one_place(points: u32) -> SourceCloud {
+    SourceCloud::on_grid("one place", &vec![DVec3::ZERO; points as usize])
+}
+
 /// A cloud of so many points on a torus with coloured rings, in millimetres.
 #[must_use]
 pub fn cloud_of_torus(points: u32) -> SourceCloud {

@@ -7,6 +7,9 @@ use glam::{DAffine2, DAffine3, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// Most missing pictures that are named.
+const MOST_MISSING_NAMED: u64 = 8;
+
 /// A scene as its files tell it: nothing is simplified or put on a grid yet.
 #[derive(Clone, Debug, Default)]
 pub struct SourceScene {
@@ -87,6 +90,18 @@ impl SourceScene {
         }
     }
 
+    /// Counts a picture that is not there, and says which of the first ones and why.
+    pub(crate) fn missing_picture(&mut self, name: &str, reason: &str) {
+        let missing = self.repairs.entry("missing_images".to_owned()).or_default();
+        *missing += 1;
+        if *missing <= MOST_MISSING_NAMED {
+            let name = name.chars().take(80).collect::<String>();
+            self.remark(format!(
+                "the picture {name:?} is missing: {reason}; surfaces have their colour alone"
+            ));
+        }
+    }
+
     /// Leaves out meshes without triangles, the objects that show them, and clouds without points.
     pub(crate) fn leave_out_empty(&mut self) {
         self.clouds.retain(|cloud| !cloud.places.is_empty());
@@ -146,6 +161,42 @@ pub struct SourceMesh {
 }
 
 impl SourceMesh {
+    /// Keeps the triangles that are marked, and the vertices of them.
+    pub(crate) fn keep_triangles(&mut self, stays: &[bool]) {
+        keep(&mut self.triangles, stays);
+        keep(&mut self.materials, stays);
+        self.leave_out_unused_vertices();
+    }
+
+    /// Leaves out vertices that no triangle names; gives how many.
+    pub(crate) fn leave_out_unused_vertices(&mut self) -> usize {
+        let mut used = vec![false; self.positions.len()];
+        for vertex in self.triangles.iter().flatten() {
+            used[*vertex as usize] = true;
+        }
+        let unused = used.iter().filter(|used| !**used).count();
+        if unused == 0 {
+            return 0;
+        }
+        let mut next = 0;
+        let number: Vec<u32> = used
+            .iter()
+            .map(|used| {
+                let number = next;
+                next += u32::from(*used);
+                number
+            })
+            .collect();
+        for vertex in self.triangles.iter_mut().flatten() {
+            *vertex = number[*vertex as usize];
+        }
+        keep(&mut self.positions, &used);
+        keep(&mut self.normals, &used);
+        keep(&mut self.colours, &used);
+        keep(&mut self.uvs, &used);
+        unused
+    }
+
     /// Makes room for other materials before those of this mesh.
     fn shift_materials(&mut self, by: u32) {
         if by == 0 {
@@ -156,6 +207,12 @@ impl SourceMesh {
             *material += by;
         }
     }
+}
+
+/// Keeps what is marked; of an empty list, nothing is to be kept.
+pub(crate) fn keep<T>(list: &mut Vec<T>, stays: &[bool]) {
+    let mut marks = stays.iter();
+    list.retain(|_| marks.next().copied().unwrap_or(false));
 }
 
 /// A cloud of points on a grid, and the places where it stands. A point lies, along each axis, at
@@ -216,6 +273,17 @@ impl SourceCloud {
             places: positions.iter().map(place).collect(),
             ..Self::default()
         }
+    }
+
+    /// Where a point lies.
+    pub(crate) fn at(&self, number: usize) -> DVec3 {
+        self.of_place(self.places[number])
+    }
+
+    /// Where a place of its grid lies.
+    pub(crate) fn of_place(&self, place: [i32; 3]) -> DVec3 {
+        let along = |k: usize| f64::from(place[k]) * self.scale[k] + self.offset[k];
+        DVec3::from_array([0, 1, 2].map(along))
     }
 
     /// How far from the origin of its space a point is along each axis, at most.

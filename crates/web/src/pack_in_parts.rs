@@ -76,19 +76,23 @@ impl<'a> Head<'a> {
     }
 
     /// The stretches of the file that are needed beside the head before a pack can be opened: of a
-    /// scene the index and the table of units.
+    /// scene the index, the table of units, and the table of objects where it has one.
     pub(crate) fn stretches(&self, header: &Header) -> Result<Vec<Range<u64>>, PackError> {
         let Self::Scene(about) = self else {
             return Ok(Vec::new());
         };
-        let table = about.units_table()?;
-        let table = table.offset..table.offset.saturating_add(table.bytes);
-        if table.end > header.file_bytes {
-            let within = format!("within {}", counted(header.file_bytes, "byte"));
-            return Err(wrong("tables.units", format!("bytes {table:?}"), within));
+        let tables = [Some(about.units_table()?), about.objects_table()?];
+        let mut stretches = vec![header.index_offset..header.index_offset + header.index_bytes];
+        for table in tables.into_iter().flatten() {
+            let place = table.offset..table.offset.saturating_add(table.bytes);
+            if place.end > header.file_bytes {
+                let within = format!("within {}", counted(header.file_bytes, "byte"));
+                let field = format!("tables.{}", table.name);
+                return Err(wrong(&field, format!("bytes {place:?}"), within));
+            }
+            stretches.push(place);
         }
-        let index = header.index_offset..header.index_offset + header.index_bytes;
-        Ok(vec![index, table])
+        Ok(stretches)
     }
 }
 
@@ -109,8 +113,11 @@ impl PackInParts {
             }
             Head::Scene(about) => {
                 let index = rest.len().min(header.index_bytes as usize);
-                let (index, table) = rest.split_at(index);
-                let pack = Arc::new(ScenePack::new(&header, *about, index, table)?);
+                let (index, tables) = rest.split_at(index);
+                let units = tables.len().min(about.units_table()?.bytes as usize);
+                let (table, objects) = tables.split_at(units);
+                let about = about.with_objects(objects)?;
+                let pack = Arc::new(ScenePack::new(&header, about, index, table)?);
                 ContentInParts::Scene(Arc::new(Scene::new(name, pack)))
             }
         };

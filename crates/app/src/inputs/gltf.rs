@@ -1,11 +1,12 @@
 //! glTF 2.0 and GLB.
 
-use super::format::Outcome::{Read, Refused, Remarked};
+use super::format::Outcome::{Mended, Read, Refused, Remarked};
 use super::format::{Finding, Format};
 
 pub(super) const FORMATS: &[Format] = &[Format {
     name: "glTF",
-    read: "glTF 2.0 as `.gltf` with its files, or `.glb`.",
+    read: "glTF 2.0 as `.gltf` with its files, or `.glb`: meshes, points, base colours and their \
+           textures, unlit materials, instances, quantised numbers.",
     rows: &[
         Finding {
             found: "buffers packed by Draco or meshopt",
@@ -13,12 +14,72 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "unpacked",
         },
         Finding {
+            found: "data URIs in several lines, with blanks, in capitals, with the base64 of \
+                    addresses or without its `=`",
+            outcome: Read,
+            told: "as meant",
+        },
+        Finding {
+            found: "a file that is really called `a%20b.bin`; `byteStride` 0; JSON of a `.glb` \
+                    filled up with zeros; a version that is a number, or none",
+            outcome: Read,
+            told: "as meant",
+        },
+        Finding {
+            found: "JSON that breaks its rules: `81.0` for a count, line breaks in texts, `null`, \
+                    -1 for nothing, commas too many, comments, `NaN`",
+            outcome: Mended,
+            told: "`repairs.json_mended`, with a remark",
+        },
+        Finding {
+            found: "a buffer or picture named as on another machine (`C:\\..`, `../`, other \
+                    capitals)",
+            outcome: Mended,
+            told: "the file of that name beside the model is taken: \
+                   `repairs.files_found_elsewhere`, `repairs.files_found_by_case`, with a remark",
+        },
+        Finding {
+            found: "colours of vertices in whole numbers that are not said to be normalised, or \
+                    real ones up to 255",
+            outcome: Mended,
+            told: "the largest code is taken for all light, `repairs.colours_not_normalised`",
+        },
+        Finding {
+            found: "`KHR_materials_pbrSpecularGlossiness`",
+            outcome: Remarked,
+            told: "diffuse factor and texture are drawn, gloss is not",
+        },
+        Finding {
+            found: "extensions that must be understood but change no shape: metadata, lights, \
+                    looks of materials, sound, physics",
+            outcome: Remarked,
+            told: "drawn without them",
+        },
+        Finding {
             found: "animations and skins",
             outcome: Remarked,
             told: "shown at rest",
         },
         Finding {
-            found: "no triangle at all",
+            found: "a picture that is missing, damaged or outside the folder",
+            outcome: Remarked,
+            told: "the surface has its colour alone, `repairs.missing_images`; files outside are \
+                   opened with `--allow-outside`",
+        },
+        Finding {
+            found: "triangles so far from all others that the grid of the mesh would have no \
+                    detail",
+            outcome: Mended,
+            told: "an object with a grid of its own, `repairs.outlier_triangles`, with a remark",
+        },
+        Finding {
+            found: "a buffer that is missing; extensions that must be understood and may change \
+                    shapes",
+            outcome: Refused,
+            told: "nobody can know what is right",
+        },
+        Finding {
+            found: "no triangle and no point",
             outcome: Refused,
             told: "there is nothing to show",
         },

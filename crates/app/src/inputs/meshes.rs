@@ -1,26 +1,223 @@
 //! Meshes as text and triangles: OBJ, PLY, STL.
 
-use super::format::Outcome::Mended;
+use super::format::Outcome::{Mended, Read, Refused, Remarked};
 use super::format::{Finding, Format};
 
 pub(super) const FORMATS: &[Format] = &[
     Format {
         name: "OBJ, with MTL",
-        read: "Vertices, normals, texture coordinates, faces and materials (`.obj`, `.mtl`).",
-        rows: &[],
+        read: "Vertices, normals, texture coordinates, faces, points and materials (`.obj`, \
+               `.mtl`).",
+        rows: &[
+            Finding {
+                found: "concave faces, holes behind a bridge, faces that are not quite flat",
+                outcome: Read,
+                told: "cut into triangles; convex faces are fans",
+            },
+            Finding {
+                found: "UTF-16; a byte order mark; lines that end in CR, LF or both",
+                outcome: Read,
+                told: "as UTF-8; what is neither is Latin-1",
+            },
+            Finding {
+                found: "keywords in capitals, comments at the end of a line, `1/1/0`, faces before \
+                        vertices, `usemtl` before its `mtllib`",
+                outcome: Read,
+                told: "as it is meant",
+            },
+            Finding {
+                found: "points (`p`), or vertices alone, with colours or without",
+                outcome: Read,
+                told: "a cloud",
+            },
+            Finding {
+                found: "a face that names a vertex that does not exist",
+                outcome: Mended,
+                told: "left out, `triangles_out_of_range`",
+            },
+            Finding {
+                found: "faces that count vertices from 0",
+                outcome: Mended,
+                told: "read so, `faces_from_zero`",
+            },
+            Finding {
+                found: "a vertex that is NaN, infinite or no number",
+                outcome: Mended,
+                told: "its triangles or its point are left out, `triangles_without_place`, \
+                       `points_without_place`; one in no face is an `unused_vertices`",
+            },
+            Finding {
+                found: "a normal that is NaN, or that does not exist",
+                outcome: Mended,
+                told: "made from the faces, `normals_made`, `normals_not_found`",
+            },
+            Finding {
+                found: "texture coordinates that are NaN, or that do not exist",
+                outcome: Mended,
+                told: "those of neighbours, `uvs_made`; none, `uvs_not_found`",
+            },
+            Finding {
+                found: "colours that are NaN",
+                outcome: Mended,
+                told: "white, `colours_made`",
+            },
+            Finding {
+                found: "`0,5`; a vertex of two coordinates",
+                outcome: Mended,
+                told: "0.5, `decimal_commas`; the third is 0, `coordinates_made`",
+            },
+            Finding {
+                found: "a face whose outline crosses itself",
+                outcome: Mended,
+                told: "filled as well as can be, `faces_crossing_themselves`",
+            },
+            Finding {
+                found: "concave faces of some ten thousand corners",
+                outcome: Mended,
+                told: "fans, `faces_too_large`",
+            },
+            Finding {
+                found: "a line of a material that says no colour",
+                outcome: Mended,
+                told: "left out, `lines_broken`",
+            },
+            Finding {
+                found: "colours of vertices from 0 to 255",
+                outcome: Mended,
+                told: "the largest code is taken for all light, `colours_rescaled`",
+            },
+            Finding {
+                found: "triangles so far from all others that the grid of the mesh would have no \
+                        detail",
+                outcome: Mended,
+                told: "an object with a grid of its own, `outlier_triangles`, with a remark",
+            },
+            Finding {
+                found: "`mtllib` and `map_Kd` with the folders of another machine",
+                outcome: Mended,
+                told: "the file of that name beside the model, as of [textures](#textures); \
+                       without one the shape comes in its colour",
+            },
+            Finding {
+                found: "lines, curves, free-form surfaces",
+                outcome: Remarked,
+                told: "left out, `lines_left_out`",
+            },
+            Finding {
+                found: "lines alone",
+                outcome: Refused,
+                told: "there is nothing to show",
+            },
+        ],
     },
     Format {
         name: "PLY meshes",
         read: "Text and both binary orders (`.ply`). A file without faces is a cloud, below.",
-        rows: &[],
+        rows: PLY,
     },
     Format {
         name: "STL",
         read: "Text and binary (`.stl`).",
-        rows: &[Finding {
-            found: "triangles without area",
-            outcome: Mended,
-            told: "left out, `repairs.degenerate_triangles`",
-        }],
+        rows: STL,
+    },
+];
+
+const PLY: &[Finding] = &[
+    Finding {
+        found: "colours of vertices from 0 to 255 as `int`, `float` or `double`, or of another depth \
+                than their numbers",
+        outcome: Mended,
+        told: "the largest code is taken for all light, `colours_rescaled`",
+    },
+    Finding {
+        found: "colours of faces",
+        outcome: Read,
+        told: "drawn; left out with a remark where vertices have colours too",
+    },
+    Finding {
+        found: "triangles so far from all others that the grid of the mesh would have no detail",
+        outcome: Mended,
+        told: "an object with a grid of its own, `outlier_triangles`, with a remark",
+    },
+    Finding {
+        found: "concave faces, strips of triangles, other lists and elements",
+        outcome: Read,
+        told: "faces as those of OBJ; the rest is passed over",
+    },
+    Finding {
+        found: "text in UTF-16, lines that end in CR, types in capitals, 64-bit integers, comments \
+                between rows",
+        outcome: Read,
+        told: "as it is meant",
+    },
+    Finding {
+        found: "rows that are missing at the end",
+        outcome: Mended,
+        told: "the others are shown, `rows_missing`; without any face, vertices are points",
+    },
+    Finding {
+        found: "a face that names a vertex that does not exist",
+        outcome: Mended,
+        told: "left out, `triangles_out_of_range`",
+    },
+    Finding {
+        found: "vertices that are NaN or infinite, as depth cameras write them",
+        outcome: Mended,
+        told: "points are left out, `points_without_place`; so are triangles, \
+               `triangles_without_place`",
+    },
+    Finding {
+        found: "normals or colours that are NaN",
+        outcome: Mended,
+        told: "made from the faces, `normals_made`; white, `colours_made`",
+    },
+    Finding {
+        found: "rows of text with more or fewer values than announced",
+        outcome: Mended,
+        told: "the rest is left out, `rows_too_long`; what is missing is NaN",
+    },
+    Finding {
+        found: "no x, y and z; no end of the header",
+        outcome: Refused,
+        told: "there is nothing to show",
+    },
+];
+
+const STL: &[Finding] = &[
+    Finding {
+        found: "loops of more than three corners",
+        outcome: Read,
+        told: "as faces of OBJ",
+    },
+    Finding {
+        found: "`solid` at the start of a binary file, UTF-16, all words in one line, zeros at the \
+                end, bytes behind triangles that these count",
+        outcome: Read,
+        told: "as it is meant",
+    },
+    Finding {
+        found: "triangles without area, or twice",
+        outcome: Mended,
+        told: "left out, `zero_area_triangles`, `duplicate_triangles`",
+    },
+    Finding {
+        found: "triangles that are NaN or infinite",
+        outcome: Mended,
+        told: "left out, `triangles_without_place`",
+    },
+    Finding {
+        found: "fewer triangles than announced, or no `endsolid`",
+        outcome: Mended,
+        told: "those that are whole are shown, `rows_missing`",
+    },
+    Finding {
+        found: "more triangles than announced",
+        outcome: Mended,
+        told: "shown, `rows_beyond_count`",
+    },
+    Finding {
+        found: "words that STL does not have",
+        outcome: Mended,
+        told: "their lines are left out, `lines_broken`",
     },
 ];

@@ -1,16 +1,109 @@
 //! Clouds of points: LAS, LAZ, and PLY or OBJ without faces.
 
-use super::format::Format;
+use super::format::Outcome::{Mended, Read, Refused, Remarked};
+use super::format::{Finding, Format};
 
 pub(super) const FORMATS: &[Format] = &[
     Format {
         name: "LAS and LAZ",
         read: "LAS 1.0 to 1.4 (`.las`, `.laz`).",
-        rows: &[],
+        rows: &[
+            Finding {
+                found: "colours of 8 bits, some of which have 16",
+                outcome: Mended,
+                told: "each as it is meant, `repairs.colours_of_another_depth`, with a remark",
+            },
+            Finding {
+                found: "colours of 10 or 12 bits",
+                outcome: Mended,
+                told: "the largest code is taken for all light, `repairs.colours_rescaled`",
+            },
+            Finding {
+                found: "points far away that stand for no echo (-9999, 1e10)",
+                outcome: Mended,
+                told: "left out, `repairs.outlier_points_left_out`; the remark says how many and \
+                       where",
+            },
+            Finding {
+                found: "bytes behind the points that the header counts",
+                outcome: Mended,
+                told: "left out, `repairs.bytes_behind_points`",
+            },
+            Finding {
+                found: "fewer points than the header counts, as where a file was cut short; damaged \
+                        chunks of LAZ",
+                outcome: Mended,
+                told: "those that are there, `repairs.missing_points`",
+            },
+            Finding {
+                found: "wrong numbers of echoes, of records, of points of LAS 1.4, or no number of \
+                        points",
+                outcome: Mended,
+                told: "what the file holds, `repairs.stale_counts`",
+            },
+            Finding {
+                found: "hundreds of thousands of points at one place, as echoes that never came",
+                outcome: Mended,
+                told: "32,768 of them, `repairs.points_of_one_place`",
+            },
+            Finding {
+                found: "a later minor version with known points",
+                outcome: Remarked,
+                told: "read as LAS 1.4",
+            },
+            Finding {
+                found: "waveforms",
+                outcome: Remarked,
+                told: "points alone",
+            },
+            Finding {
+                found: "fewer or no numbers of echoes",
+                outcome: Read,
+                told: "they are not looked at",
+            },
+            Finding {
+                found: "LAZ whose last chunk has an unknown number of points",
+                outcome: Refused,
+                told: "some would be made up",
+            },
+        ],
     },
     Format {
         name: "PLY and OBJ clouds",
         read: "Files of vertices without faces.",
-        rows: &[],
+        rows: &[
+            Finding {
+                found: "colours from 0 to 255 as `int`, `uint`, `ushort`, `float` or `double`, \
+                        from 0 to 1 as `uchar`, of 10 or 12 bits",
+                outcome: Mended,
+                told: "the largest code is taken for all light, `repairs.colours_rescaled`",
+            },
+            Finding {
+                found: "splats (`f_dc_0` ..)",
+                outcome: Remarked,
+                told: "drawn as points, in their own colour",
+            },
+            Finding {
+                found: "compressed splats (`packed_position`)",
+                outcome: Refused,
+                told: "export them as a plain PLY file",
+            },
+            Finding {
+                found: "colours that are no numbers",
+                outcome: Mended,
+                told: "white, `repairs.colours_made`",
+            },
+            Finding {
+                found: "points far away that stand for no echo (-9999, 1e10)",
+                outcome: Mended,
+                told: "left out, `repairs.outlier_points_left_out`; the remark says how many and \
+                       where",
+            },
+            Finding {
+                found: "several scans far from each other",
+                outcome: Mended,
+                told: "a cloud each, `repairs.outlier_points`",
+            },
+        ],
     },
 ];

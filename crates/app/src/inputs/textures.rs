@@ -1,9 +1,52 @@
 //! Pictures on meshes.
 
-use super::format::Format;
+use super::format::Outcome::{Mended, Read, Refused, Remarked};
+use super::format::{Finding, Format};
 
 pub(super) const FORMATS: &[Format] = &[Format {
     name: "Textures",
-    read: "PNG and JPEG.",
-    rows: &[],
+    read: "PNG, JPEG, WebP, BMP and TGA, known by what is in them, whatever they are called.",
+    rows: &[
+        Finding {
+            found: "packed runs, palettes, 15 and 16 bits, any corner first (TGA, BMP)",
+            outcome: Read,
+            told: "as meant",
+        },
+        Finding {
+            found: "an alpha that is 0 everywhere (TGA, BMP)",
+            outcome: Read,
+            told: "opaque, as other programs show it",
+        },
+        Finding {
+            found: "a WebP that moves",
+            outcome: Remarked,
+            told: "its first picture, `repairs.animated_images`",
+        },
+        Finding {
+            found: "`Kd 0 0 0` beneath a picture",
+            outcome: Mended,
+            told: "the picture is shown, `repairs.black_under_textures`",
+        },
+        Finding {
+            found: "quotes, `%20`, other capitals, and the folders of another machine in names",
+            outcome: Mended,
+            told: "the file of that name beside the model, or in `textures` or the like there: \
+                   `repairs.files_found_elsewhere`, `repairs.files_found_by_case`",
+        },
+        Finding {
+            found: "a file outside the folder of the model",
+            outcome: Remarked,
+            told: "not opened without `--allow-outside`: the surface has its colour alone",
+        },
+        Finding {
+            found: "GIF, TIFF, DDS, KTX2, AVIF, HEIC, PSD, a pointer of Git LFS",
+            outcome: Remarked,
+            told: "left out by its name: the surface has its colour alone",
+        },
+        Finding {
+            found: "a picture that is cut short, damaged, or claims more than its bytes can hold",
+            outcome: Refused,
+            told: "left out by its name, `repairs.missing_images`: the surface has its colour alone",
+        },
+    ],
 }];

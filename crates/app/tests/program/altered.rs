@@ -53,6 +53,8 @@ impl Parts {
             source: SceneSource::default(),
             objects: built.objects,
             textures: built.textures,
+            parts: Vec::new(),
+            joined: Default::default(),
             units,
             page: 64,
             look: Default::default(),

@@ -101,6 +101,8 @@ fn description() -> SceneDescription {
         source: SceneSource::default(),
         objects: vec![object],
         textures: Vec::new(),
+        parts: Vec::new(),
+        joined: Default::default(),
         units: vec![1, 1],
         page: 64,
         look: Default::default(),

@@ -8,6 +8,7 @@ use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::description::SceneDescription;
+use foveal_core::content::scene::object_table::{NAMES, NAMES_VERSION, read_names};
 use foveal_core::content::scene::pack::{
     ScenePack, begin_scene, chunk_name, finish_scene, is_scene,
 };
@@ -62,7 +63,11 @@ impl SceneFile {
     pub fn open(path: &Path) -> Result<Self, PackFileError> {
         let (open, description) = OpenPack::open(path)?;
         let format = |source| open.format(source);
-        let about = ScenePack::describe(open.header(), &description).map_err(format)?;
+        let mut about = ScenePack::describe(open.header(), &description).map_err(format)?;
+        if let Some(table) = about.objects_table().map_err(format)? {
+            let table = open.read_table(table)?;
+            about = about.with_objects(&table).map_err(format)?;
+        }
         let index = ScenePack::index_of(open.header(), &about).map_err(format)?;
         open.read_index(&index)?;
         let table = open.read_table(about.units_table().map_err(format)?)?;
@@ -103,6 +108,22 @@ impl SceneFile {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.open.header().file_bytes
+    }
+
+    /// The names of objects, of each its own or those of the parts that it was joined of: from the
+    /// table that nothing else needs, or the description.
+    ///
+    /// # Errors
+    /// The table cannot be read, or is damaged.
+    pub fn names(&self) -> Result<Vec<Vec<String>>, PackFileError> {
+        let about = self.pack().description();
+        let table = about.tables.iter().find(|table| table.name == NAMES);
+        let Some(table) = table.filter(|table| table.version == NAMES_VERSION) else {
+            let own = about.objects.iter().map(|object| vec![object.name.clone()]);
+            return Ok(own.collect());
+        };
+        let read = read_names(&self.open.read_table(table)?);
+        read.map_err(|source| self.open.format(source))
     }
 
     /// The chunk of a unit, its checksum checked.
@@ -151,6 +172,7 @@ impl SceneFile {
             return Damage::tangled(self.open.format(source));
         }
         let mut damage = Damage::default();
+        damage.add(self.names().map(|_| ()));
         let mut done = 0;
         let mut check = SceneCheck::new(self.pack());
         for unit in self.pack().units() {

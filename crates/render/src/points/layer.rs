@@ -179,7 +179,7 @@ impl PointLayer {
                 continue;
             }
             let count = self.units.unit(cube.unit);
-            let mut left = count.map_or(0, |(_, placed)| placed.points.len());
+            let mut left = count.map_or(0, |(_, placed)| placed.drawn().len());
             for block in self.memory.blocks(cube.unit) {
                 let count = left.min(BLOCK);
                 left -= count;

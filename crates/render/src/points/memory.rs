@@ -32,7 +32,7 @@ pub(crate) struct PointMemory {
 
 /// Bytes of the blocks of a unit.
 pub(crate) fn placed_bytes(placed: &PlacedPoints) -> u64 {
-    placed.points.len().div_ceil(BLOCK) as u64 * BLOCK_BYTES
+    placed.drawn().len().div_ceil(BLOCK) as u64 * BLOCK_BYTES
 }
 
 impl PointMemory {
@@ -77,7 +77,7 @@ impl PointMemory {
         (placed, cloud): (&PlacedPoints, &Cloud),
         most_bytes: u64,
     ) -> bool {
-        let count = placed.points.len().div_ceil(BLOCK) as u32;
+        let count = placed.drawn().len().div_ceil(BLOCK) as u32;
         let mut taken = Vec::with_capacity(count as usize);
         match self.pool.take(&self.gpu, count, most_bytes) {
             Some(first) => taken.extend(first..first + count),
@@ -97,9 +97,9 @@ impl PointMemory {
 
     /// Writes the points of a unit that is there.
     pub(crate) fn write(&self, unit: UnitId, placed: &PlacedPoints, cloud: &Cloud) {
-        for (block, points) in self.blocks(unit).iter().zip(placed.points.chunks(BLOCK)) {
-            let words: Vec<u32> = points.iter().flat_map(|it| words_of(it, cloud)).collect();
-            self.pool.write(&self.gpu, *block, &words);
+        let words: Vec<u32> = placed.drawn().flat_map(|it| words_of(it, cloud)).collect();
+        for (block, words) in self.blocks(unit).iter().zip(words.chunks(BLOCK * WORDS)) {
+            self.pool.write(&self.gpu, *block, words);
         }
     }
 

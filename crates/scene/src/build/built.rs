@@ -1,7 +1,7 @@
 //! What is asked of a build, and what comes of it?
 
 use crate::source::Repairs;
-use foveal_core::content::scene::description::{SceneObject, SceneTexture};
+use foveal_core::content::scene::description::{JoinedParts, SceneObject, SceneTexture};
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::pack::PackError;
 
@@ -45,6 +45,11 @@ pub struct BuiltUnit {
 pub struct Built {
     /// What stands in the scene.
     pub objects: Vec<SceneObject>,
+    /// For each object the names of the parts that it was joined of; none where it is one by
+    /// itself.
+    pub parts: Vec<Vec<String>>,
+    /// How many objects were joined.
+    pub joined: JoinedParts,
     /// What its surfaces have.
     pub textures: Vec<SceneTexture>,
     /// All units; the place of one is its number. Coarsest level first, within a level meshes by
@@ -54,6 +59,8 @@ pub struct Built {
     pub levels: u8,
     /// What was repaired or left out: that of the source and that of the build.
     pub repairs: Repairs,
+    /// What a person should know of the build.
+    pub remarks: Vec<String>,
 }
 
 /// Why a scene cannot be built.
@@ -66,7 +73,7 @@ pub enum BuildError {
     #[error("scene: no triangle with an area, and no point; choose files with meshes or points")]
     Empty,
     /// More than a pack can tell of.
-    #[error("scene: {0} objects; at most 4096 fit")]
+    #[error("scene: {0} objects; at most 65535 fit: join some, or make several packs")]
     Objects(usize),
     /// A source that contradicts itself.
     #[error("object {object}, {what}; mend the file")]

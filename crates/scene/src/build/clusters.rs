@@ -19,6 +19,11 @@ const SPLIT: f32 = 2.0;
 const ORDER_LEVEL: u8 = 3;
 /// Triangles of a part of a mesh that is cut into clusters on its own.
 const PART: usize = 1 << 14;
+/// How often such a part may look at a triangle before it is halved: of a regular mesh some 18
+/// times; where very many meet at a corner it would be as often as there are triangles.
+const MOST_LOOKS: u64 = 256;
+/// Triangles of a part that is not halved for that.
+const FEW: usize = 1 << 9;
 
 /// Triangles that are shown or hidden together.
 #[derive(Clone, Debug, Default)]
@@ -67,6 +72,16 @@ impl Part {
         }
     }
 
+    /// How often cutting it into clusters looks at a triangle, about: for each one at all that
+    /// share a corner with it.
+    fn looks(&self) -> u64 {
+        let mut round = vec![0_u64; self.vertices.len()];
+        for corner in &self.corners {
+            round[*corner as usize] += 1;
+        }
+        round.iter().map(|it| it * it).sum()
+    }
+
     /// The clusters that some of its triangles, named by corners, fall into.
     pub(super) fn clusters(&self, corners: &[u32]) -> Vec<GraphCluster> {
         let positions = adapter(&self.positions);
@@ -111,12 +126,14 @@ pub(super) fn of_source(mesh: &GridMesh) -> Vec<GraphCluster> {
 }
 
 /// The clusters of triangles, with their middles: halved along the longest axis until they are
-/// few, so that many threads can work on them.
+/// few, so that many threads can work on them, and none looks at a triangle too often.
 fn of_triangles(mesh: &GridMesh, triangles: &mut [([u32; 3], [u32; 3])]) -> Vec<GraphCluster> {
     if triangles.len() <= PART {
         let corners = triangles.iter().flat_map(|(_, corners)| *corners);
         let part = Part::new(mesh, corners, triangles.len());
-        return part.clusters(&part.corners);
+        if triangles.len() <= FEW || part.looks() <= MOST_LOOKS * triangles.len() as u64 {
+            return part.clusters(&part.corners);
+        }
     }
     let extent = |axis: usize| {
         let along = triangles.iter().map(|(middle, _)| middle[axis]);

@@ -16,6 +16,8 @@ use glam::{DVec2, DVec3};
 pub(super) struct GridMesh {
     /// The object that shows it.
     pub object: SceneObject,
+    /// The names of the parts that it was joined of; none where it is one by itself.
+    pub parts: Vec<String>,
     /// Its vertices, each value once.
     pub vertices: Vec<MeshVertex>,
     /// For each vertex the first that has the same place.
@@ -76,6 +78,7 @@ pub(super) fn grid_mesh(
     Ok(GridMesh {
         places_of_uv: places_of_uv(&object, &welder.vertices, &triangles),
         object,
+        parts: Vec::new(),
         same_place: same_place(&welder.vertices),
         vertices: welder.vertices,
         triangles,
@@ -108,7 +111,8 @@ fn places_of_uv(object: &SceneObject, vertices: &[MeshVertex], triangles: &[[u32
     (places * step).to_array().map(|it| it as f32)
 }
 
-fn check(source: &SourceScene, mesh: &SourceMesh) -> Result<(), &'static str> {
+/// What is wrong with a mesh.
+pub(super) fn check(source: &SourceScene, mesh: &SourceMesh) -> Result<(), &'static str> {
     let count = mesh.positions.len();
     let fits = |length: usize, all: usize| length == 0 || length == all;
     if u32::try_from(count).is_err() || u32::try_from(3 * mesh.triangles.len()).is_err() {

@@ -6,6 +6,7 @@
 //! points become octrees, each of whose nodes is one.
 
 mod built;
+mod bundles;
 mod cloud;
 mod clusters;
 mod graph;
@@ -26,16 +27,14 @@ pub(crate) mod tests;
 
 use crate::source::{Repairs, SourceScene};
 pub use built::{BuildError, BuildOptions, Built, BuiltUnit};
-use foveal_core::content::scene::description::GRID_BITS;
+use foveal_core::content::scene::description::{GRID_BITS, JoinedParts, MOST_OBJECTS};
 use glam::DVec3;
 use joined::{Graphed, joined};
 pub(crate) use mesh::codes_from_linear;
+use mesh::{GridMesh, grid_mesh};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use textures::ShownImages;
-
-/// Most objects of a scene.
-const MOST_OBJECTS: usize = 4096;
 
 /// Turns a scene into units; `progress` hears how many triangles and points are done, of about
 /// how many.
@@ -72,10 +71,6 @@ pub fn build(
     if !GRID_BITS.contains(&options.bits) {
         return Err(BuildError::Bits(options.bits));
     }
-    let objects = source.objects.len() + source.clouds.len();
-    if objects > MOST_OBJECTS {
-        return Err(BuildError::Objects(objects));
-    }
     let threads = rayon::ThreadPoolBuilder::new().num_threads(options.jobs.max(1));
     threads
         .build()?
@@ -88,9 +83,7 @@ fn build_here(
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Built, BuildError> {
     let shown = ShownImages::new(source);
-    let objects = source.objects.par_iter();
-    let meshes = objects.map(|object| mesh::grid_mesh(source, object, options.bits, &shown));
-    let mut meshes = meshes.collect::<Result<Vec<_>, _>>()?;
+    let (mut meshes, joined_parts) = on_grids(source, options, &shown)?;
     let mut repairs = source.repairs.clone();
     let zero_area = meshes.iter().map(|mesh| mesh.zero_area).sum();
     count(&mut repairs, "zero_area_triangles", zero_area);
@@ -120,23 +113,68 @@ fn build_here(
     let pages = pages::write(source, &shown, &mut meshes, options.exact)?;
     count(&mut repairs, "missing_images", shown.missing + pages.broken);
     let (units, levels) = units::write(&meshes, &graphs, &pages.all, light)?;
-    let mut objects: Vec<_> = meshes.into_iter().map(|mesh| mesh.object).collect();
+    let objects = meshes.into_iter().map(|mesh| (mesh.object, mesh.parts));
+    let (mut objects, mut parts): (Vec<_>, Vec<_>) = objects.unzip();
     drop(graphs);
-    let mut graphed = vec![Graphed { units, levels }];
+    let (mut graphed, mut remarks) = (vec![Graphed { units, levels }], pages.remarks);
     for source in &source.clouds {
         let built = cloud::build(source, objects.len() as u16, &step)?;
         objects.push(built.object);
+        parts.push(Vec::new());
         graphed.push(built.units);
+        count(&mut repairs, "points_of_one_place", built.left_out);
+        if built.left_out > 0 {
+            remarks.push(format!(
+                "{}: {} of {} points are left out, where very many lie at one place",
+                source.name,
+                built.left_out,
+                source.places.len()
+            ));
+        }
     }
     progress(all, all);
     let (units, levels) = joined(graphed);
     Ok(Built {
         objects,
+        parts,
+        joined: joined_parts,
         textures: pages.textures,
         units,
         levels,
         repairs,
+        remarks,
     })
+}
+
+/// The meshes of all objects on their grids, those of very many small parts joined.
+fn on_grids(
+    source: &SourceScene,
+    options: &BuildOptions,
+    shown: &ShownImages,
+) -> Result<(Vec<GridMesh>, JoinedParts), BuildError> {
+    let bundles = bundles::bundles(source, options.bits);
+    let objects = source.objects.iter().zip(&bundles.is_joined);
+    let apart = objects.filter(|(_, is_joined)| !**is_joined);
+    let apart: Vec<_> = apart.map(|(object, _)| object).collect();
+    let objects = apart.len() + bundles.scene.objects.len() + source.clouds.len();
+    if objects > MOST_OBJECTS {
+        return Err(BuildError::Objects(objects));
+    }
+    let apart = apart.into_par_iter();
+    let meshes = apart.map(|object| grid_mesh(source, object, options.bits, shown));
+    let mut meshes = meshes.collect::<Result<Vec<_>, _>>()?;
+    let told = JoinedParts {
+        bundles: bundles.scene.objects.len() as u64,
+        objects: bundles.is_joined.iter().filter(|it| **it).count() as u64,
+        places: bundles.names.iter().map(|it| it.len() as u64).sum(),
+    };
+    let of_bundles = bundles.scene.objects.par_iter().zip(bundles.names);
+    let of_bundles = of_bundles.map(|(object, parts)| {
+        let mesh = grid_mesh(&bundles.scene, object, bundles::BITS, shown)?;
+        Ok(GridMesh { parts, ..mesh })
+    });
+    meshes.extend(of_bundles.collect::<Result<Vec<_>, BuildError>>()?);
+    Ok((meshes, told))
 }
 
 fn count(repairs: &mut Repairs, name: &str, times: u64) {

@@ -20,6 +20,7 @@ use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::luminance::grey_from_rgb;
 use foveal_core::perception::measures::contrast::Signature;
 use foveal_core::perception::measures::signature::signature_of;
+use foveal_core::units::one_line;
 use foveal_core::view::picture::{Colour, Matrix, Picture};
 use glam::DVec3;
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
@@ -81,8 +82,12 @@ pub(super) struct WrittenTextures {
     /// Number of pictures that are broken: their texture is white, so that colours stand as they
     /// are.
     pub broken: u64,
+    /// Which of them, the first ones.
+    pub remarks: Vec<String>,
 }
 
+/// Most broken pictures that are named.
+const MOST_NAMED: usize = 8;
 /// Bytes that pages may take beside eight for each byte of their pictures.
 const MOST_PAGE_BYTES: u64 = 64 << 20;
 const MOST_PAGE_BYTES_A_BYTE: u64 = 8;
@@ -116,6 +121,12 @@ pub(super) fn write(
         let mut made = texture.write(PictureRows::open(&image.bytes), left)?;
         if made.is_none() {
             written.broken += 1;
+            if written.remarks.len() < MOST_NAMED {
+                let name: String = image.name.chars().take(80).collect();
+                written.remarks.push(one_line(&format!(
+                    "the picture {name:?} is damaged or cut short: surfaces have their colour alone"
+                )));
+            }
             made = texture.white()?;
         }
         let Some((mut told, pages)) = made else {

@@ -129,6 +129,16 @@ impl Fault {
         }
     }
 
+    /// What is wrong, in a few words.
+    pub(super) fn what(self) -> String {
+        match self {
+            Self::Broken { place, what, .. } => format!("{place}: {what}"),
+            Self::Unsupported { what, .. } => what,
+            Self::Missing { reason, .. } => reason,
+            Self::Empty { found } => found,
+        }
+    }
+
     pub(super) fn in_file(self, path: &Path) -> ReadError {
         let path = path.to_owned();
         match self {

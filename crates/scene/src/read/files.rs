@@ -5,18 +5,17 @@ use crate::plain_bytes::{PlainBytesError, bytes_of, plain_bytes};
 use foveal_core::pack::sha256_hex;
 use std::collections::HashMap;
 use std::fs::File;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::error::{Fault, ReadError};
+use super::search::{Folder, Names, NotOpened, Taken, inside, key};
+use super::sound::count;
 use super::text::shortened;
+use crate::source::Repairs;
 
-/// Where the files lie that a scene file names.
-pub(super) trait Folder {
-    /// The bytes of the file `name`, the same for all names of one file; refused if it lies
-    /// elsewhere.
-    fn read(&mut self, name: &str) -> Result<Rc<Vec<u8>>, Fault>;
-}
+/// Most names of a folder that are looked at.
+const MOST_NAMES: usize = 1 << 16;
 
 /// The folder of a scene file.
 pub(super) struct OnDisk {
@@ -29,6 +28,13 @@ pub(super) struct OnDisk {
     pub(super) bytes: u64,
     /// SHA-256 of each file that was read, in order.
     pub(super) hashes: Vec<String>,
+    /// Whether files outside of it are opened.
+    allow_outside: bool,
+    /// The names in folders of it that were looked at.
+    names: HashMap<PathBuf, Rc<Names>>,
+    /// What was taken for files of other names.
+    pub(super) remarks: Vec<String>,
+    pub(super) repairs: Repairs,
 }
 
 /// A file that a scene file names, and what it names in turn.
@@ -40,9 +46,13 @@ pub(super) struct NamedFile {
 }
 
 impl OnDisk {
-    /// The folder that `file` lies in.
-    pub(super) fn of(file: &Path) -> Self {
+    /// The folder that `file` lies in; may files elsewhere be opened that it names?
+    pub(super) fn of(file: &Path, allow_outside: bool) -> Self {
         Self {
+            allow_outside,
+            names: HashMap::new(),
+            remarks: Vec::new(),
+            repairs: Repairs::new(),
             file: file.to_owned(),
             folder: None,
             read: HashMap::new(),
@@ -61,16 +71,20 @@ impl OnDisk {
         Ok(bytes)
     }
 
-    /// A 3D file that it names by this relative path, which [`inside`] made.
+    /// A 3D file that it names.
     pub(super) fn read_named(&mut self, name: &str) -> Result<NamedFile, Fault> {
-        let relative = inside(name)?;
+        let relative = match inside(name) {
+            Some(relative) => relative,
+            None if self.allow_outside => return self.read_outside(name),
+            None => return Err(leads_out(name)),
+        };
         let file = self.open(name, &relative)?;
         let told = |error| not_opened(name, &error);
         let beneath = self.beneath().map_err(told)?;
         let inner = relative.parent().unwrap_or(Path::new(""));
         let mut folder = Self {
             folder: Some(beneath.inner(inner).map_err(told)?),
-            ..Self::of(&beneath.path_of(&relative))
+            ..Self::of(&beneath.path_of(&relative), self.allow_outside)
         };
         let bytes = bytes_of(file, u64::MAX).map_err(|error| missing(name, reason(error)))?;
         folder.count(&bytes);
@@ -79,6 +93,24 @@ impl OnDisk {
             bytes,
             folder,
         })
+    }
+
+    /// A 3D file that lies elsewhere.
+    fn read_outside(&self, name: &str) -> Result<NamedFile, Fault> {
+        let path = self.path_of(Path::new(name));
+        let mut folder = Self::of(&path, true);
+        let bytes = plain_bytes(&path, u64::MAX).map_err(|error| missing(name, reason(error)))?;
+        folder.count(&bytes);
+        Ok(NamedFile {
+            path,
+            bytes,
+            folder,
+        })
+    }
+
+    /// Where a name leads to from here.
+    fn path_of(&self, name: &Path) -> PathBuf {
+        self.file.parent().unwrap_or(Path::new("")).join(name)
     }
 
     fn beneath(&mut self) -> std::io::Result<&Beneath> {
@@ -101,20 +133,68 @@ impl OnDisk {
 }
 
 impl Folder for OnDisk {
-    fn read(&mut self, name: &str) -> Result<Rc<Vec<u8>>, Fault> {
-        let relative = inside(name)?;
-        let file = self.open(name, &relative)?;
-        let identity = FileIdentity::of(&file, &relative);
-        let identity = identity.map_err(|error| not_opened(name, &error))?;
+    fn open(&mut self, relative: &Path) -> Result<Rc<Vec<u8>>, NotOpened> {
+        let opened = self.beneath().and_then(|it| it.open(relative));
+        let file = opened.map_err(|error| not_found(&error))?;
+        let identity = FileIdentity::of(&file, relative).map_err(|error| not_found(&error))?;
         if let Some(bytes) = self.read.get(&identity) {
             return Ok(Rc::clone(bytes));
         }
-        let bytes = bytes_of(file, u64::MAX).map_err(|error| missing(name, reason(error)))?;
-        let bytes = Rc::new(bytes);
+        let bytes = bytes_of(file, u64::MAX);
+        let bytes = Rc::new(bytes.map_err(|error| NotOpened::Because(reason(error)))?);
         self.count(&bytes);
         self.read.insert(identity, Rc::clone(&bytes));
         Ok(bytes)
     }
+
+    fn open_outside(&mut self, name: &Path) -> Option<Rc<Vec<u8>>> {
+        if !self.allow_outside {
+            return None;
+        }
+        let slashes = name.to_string_lossy().replace('\\', "/");
+        let paths = [self.path_of(name), self.path_of(Path::new(&slashes))];
+        let mut there = paths.iter().filter_map(|it| plain_bytes(it, u64::MAX).ok());
+        let bytes = Rc::new(there.next()?);
+        self.count(&bytes);
+        Some(bytes)
+    }
+
+    fn names(&mut self, relative: &Path) -> Rc<Names> {
+        if let Some(known) = self.names.get(relative) {
+            return Rc::clone(known);
+        }
+        // What is listed may be another folder by then; what is opened is not.
+        let listed = self.beneath().and_then(|it| {
+            let inner = it.inner(relative)?;
+            std::fs::read_dir(inner.path_of(Path::new("")))
+        });
+        let entries = listed.into_iter().flatten().take(MOST_NAMES).flatten();
+        let names = entries.filter_map(|it| it.file_name().into_string().ok());
+        let names = Rc::new(names_of(names.collect()));
+        self.names.insert(relative.to_owned(), Rc::clone(&names));
+        names
+    }
+
+    fn tell(&mut self, taken: Taken) {
+        let before = self.repairs.values().sum();
+        count(&mut self.repairs, taken.repair(), 1);
+        if Taken::is_told(before) {
+            self.remarks.push(taken.remark);
+        }
+    }
+}
+
+/// Names by themselves and by what makes them alike.
+fn names_of(mut all: Vec<String>) -> Names {
+    all.sort();
+    let mut names = Names::with_capacity(2 * all.len());
+    for name in &all {
+        names.insert(name.clone(), name.clone());
+    }
+    for name in all {
+        names.entry(key(&name)).or_insert(name);
+    }
+    names
 }
 
 /// What tells a file from others, whatever it is called.
@@ -149,13 +229,15 @@ impl FileIdentity {
 pub(super) struct Nowhere;
 
 impl Folder for Nowhere {
-    fn read(&mut self, name: &str) -> Result<Rc<Vec<u8>>, Fault> {
-        inside(name)?;
-        Err(Fault::Missing {
-            name: shortened(name),
-            reason: "there are no files here".to_owned(),
-        })
+    fn open(&mut self, _relative: &Path) -> Result<Rc<Vec<u8>>, NotOpened> {
+        Err(NotOpened::Because("there are no files here".to_owned()))
     }
+
+    fn names(&mut self, _relative: &Path) -> Rc<Names> {
+        Rc::default()
+    }
+
+    fn tell(&mut self, _taken: Taken) {}
 }
 
 /// Files in memory.
@@ -164,34 +246,23 @@ pub(super) struct Files(pub(super) std::collections::BTreeMap<&'static str, Vec<
 
 #[cfg(test)]
 impl Folder for Files {
-    fn read(&mut self, name: &str) -> Result<Rc<Vec<u8>>, Fault> {
-        match self.0.get(name) {
+    fn open(&mut self, relative: &Path) -> Result<Rc<Vec<u8>>, NotOpened> {
+        let bytes = relative.to_str().and_then(|name| self.0.get(name));
+        match bytes {
             Some(bytes) => Ok(Rc::new(bytes.clone())),
-            None => Nowhere.read(name),
+            None => Nowhere.open(relative),
         }
     }
-}
 
-/// The relative path that `name` is, with either kind of slash; refused if it leads out.
-fn inside(name: &str) -> Result<PathBuf, Fault> {
-    let name_with_slashes = name.replace('\\', "/");
-    let mut path = PathBuf::new();
-    // A colon: `C:`, or a scheme such as `http:`.
-    let foreign = name.contains(':') || name.contains('\0');
-    for part in Path::new(&name_with_slashes).components() {
-        match part {
-            Component::Normal(part) => path.push(part),
-            Component::CurDir => {}
-            Component::ParentDir if path.pop() => {}
-            Component::ParentDir | Component::RootDir | Component::Prefix(_) => {
-                return Err(leads_out(name));
-            }
-        }
+    fn names(&mut self, relative: &Path) -> Rc<Names> {
+        let within = self.0.keys().filter_map(|it| {
+            let rest = Path::new(it).strip_prefix(relative).ok()?;
+            Some(rest.iter().next()?.to_str()?.to_owned())
+        });
+        Rc::new(names_of(within.collect()))
     }
-    if foreign || path.as_os_str().is_empty() {
-        return Err(leads_out(name));
-    }
-    Ok(path)
+
+    fn tell(&mut self, _taken: Taken) {}
 }
 
 fn missing(name: &str, reason: String) -> Fault {
@@ -216,43 +287,16 @@ fn not_opened(name: &str, error: &std::io::Error) -> Fault {
     }
 }
 
+fn not_found(error: &std::io::Error) -> NotOpened {
+    match beneath::leads_out(error) {
+        true => NotOpened::Outside,
+        false => NotOpened::Because(error.to_string()),
+    }
+}
+
 fn reason(error: PlainBytesError) -> String {
     match error {
         PlainBytesError::System(error) => error.to_string(),
         PlainBytesError::Other => "it is no regular file".to_owned(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_that_lead_out_are_refused() {
-        for name in [
-            "../a.bin",
-            "a/../../b.bin",
-            "/etc/passwd",
-            "C:\\a.bin",
-            "..\\a.bin",
-            "http://example.com/a.bin",
-            "",
-            ".",
-            "a\0",
-        ] {
-            assert!(inside(name).is_err(), "{name:?}");
-        }
-    }
-
-    #[test]
-    fn names_that_stay_inside_are_found() {
-        for (name, path) in [
-            ("a.bin", "a.bin"),
-            ("./b/a.bin", "b/a.bin"),
-            ("b\\a.bin", "b/a.bin"),
-            ("b/../a.bin", "a.bin"),
-        ] {
-            assert_eq!(inside(name).ok(), Some(PathBuf::from(path)), "{name:?}");
-        }
     }
 }

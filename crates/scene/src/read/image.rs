@@ -1,13 +1,18 @@
 //! How is the picture of a texture read, and which are too large to be?
 //!
-//! Row by row where its format has rows. What can only be decoded whole, a JPEG and a PNG whose
-//! rows are interlaced, takes memory for all of it and may be no larger than that allows.
+//! Row by row where its format has rows. What can only be decoded whole, all but a PNG whose rows
+//! are not interlaced, takes memory for all of it and may be no larger than that allows.
+
+mod bmp;
+mod tga;
+mod webp;
 
 use foveal_core::content::images::shape::MOST_SIDE;
 use foveal_core::units::counted;
 use png::{ColorType, Decoder, Limits, Reader, Transformations};
 use std::fmt;
 use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
@@ -17,13 +22,21 @@ const MOST_TEXELS: u64 = 1 << 28;
 /// Most texels that a byte of a file can hold: of a PNG's deflate, which packs 1032 to 1, at eight
 /// texels a byte, and of a progressive JPEG of one colour.
 const MOST_TEXELS_A_BYTE: u64 = 1 << 14;
+/// So many may always be: a WebP of one colour has some dozens of bytes.
+const MOST_FREE_TEXELS: u64 = 1 << 22;
 /// Bytes that a picture may take that is decoded whole, beside eight for each of its file.
 const MOST_WHOLE: u64 = 220 << 20;
 const MOST_WHOLE_A_BYTE: u64 = 8;
 /// What a PNG's decoder may allocate beside the picture.
 const MOST_PNG_BYTES: usize = 64 << 20;
-/// Columns and rows that a JPEG can tell of.
-const MOST_OF_JPEG: usize = 65_535;
+/// Columns and rows that are read of any head.
+const MOST_TOLD: usize = 65_535;
+/// Bytes of memory a texel, of what is decoded whole: of a TGA as it is told and as it is shown; of
+/// a BMP as its runs tell it, and as it is shown; of a WebP also the planes or transforms of its
+/// codec, and what an animation is drawn on.
+const BYTES_OF_TGA: u64 = 8;
+const BYTES_OF_BMP: u64 = 5;
+const BYTES_OF_WEBP: u64 = 12;
 
 /// The first bytes of every PNG.
 const PNG: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
@@ -31,8 +44,9 @@ const PNG: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 /// Why bytes are no picture that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PictureFault {
-    /// They are no JPEG and no PNG, or end in their head.
-    NotOne,
+    /// They are none that is read, or end in their head; of which other format, where that is
+    /// known.
+    NotOne(Option<&'static str>),
     /// It has another number of columns and rows than a texture can have.
     Size([u32; 2]),
     /// So many texels do not fit into so many bytes.
@@ -44,7 +58,10 @@ pub(crate) enum PictureFault {
 impl fmt::Display for PictureFault {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotOne => write!(out, "is no whole JPEG or PNG"),
+            Self::NotOne(None) => write!(out, "is no whole PNG, JPEG, WebP, BMP or TGA"),
+            Self::NotOne(Some(other)) => {
+                write!(out, "is {other}, which is not read: save it as PNG or JPEG")
+            }
             Self::Size([columns, rows]) => write!(
                 out,
                 "has {columns} x {rows} texels, and at most {MOST_SIDE} fit along a side: make it \
@@ -65,22 +82,22 @@ impl fmt::Display for PictureFault {
     }
 }
 
-/// Columns and rows of a JPEG or PNG; `None` where the bytes are neither, or of too large a
-/// picture. Allocates nothing for the picture.
+/// Columns and rows of a picture; `None` where the bytes are none, or of too large a one.
+/// Allocates nothing for the picture.
 pub(crate) fn size_of(bytes: &[u8]) -> Option<[u32; 2]> {
     measured(bytes).ok()
 }
 
 /// The same, with what is wrong.
 pub(crate) fn measured(bytes: &[u8]) -> Result<[u32; 2], PictureFault> {
-    let told = told(bytes).ok_or(PictureFault::NotOne)?;
+    let told = told(bytes).ok_or_else(|| PictureFault::NotOne(other_format(bytes)))?;
     let size = told.size;
     let texels = u64::from(size[0]) * u64::from(size[1]);
     if !size.iter().all(|side| (1..=MOST_SIDE).contains(side)) || texels > MOST_TEXELS {
         return Err(PictureFault::Size(size));
     }
     let file_bytes = bytes.len() as u64;
-    if texels > file_bytes * MOST_TEXELS_A_BYTE {
+    if texels > MOST_FREE_TEXELS.max(file_bytes * MOST_TEXELS_A_BYTE) {
         return Err(PictureFault::Claims(size, file_bytes));
     }
     let most = MOST_WHOLE + MOST_WHOLE_A_BYTE * file_bytes;
@@ -90,8 +107,55 @@ pub(crate) fn measured(bytes: &[u8]) -> Result<[u32; 2], PictureFault> {
     }
 }
 
+/// The format of a picture that is not read, by its first bytes.
+fn other_format(bytes: &[u8]) -> Option<&'static str> {
+    let begins: [(&[u8], &str); 12] = [
+        (b"GIF8", "a GIF"),
+        (b"DDS ", "a DDS"),
+        (b"\xabKTX 20", "a KTX2"),
+        (b"\xabKTX 11", "a KTX"),
+        (b"II*\0", "a TIFF"),
+        (b"MM\0*", "a TIFF"),
+        (b"v/1\x01", "an OpenEXR"),
+        (b"#?RADIANCE", "a Radiance HDR"),
+        (b"8BPS", "a PSD"),
+        (b"\0\0\0\x0cjP  ", "a JPEG 2000"),
+        (b"sB", "a Basis Universal file"),
+        (
+            b"version https://git-lfs",
+            "a pointer of Git LFS, whose file was not fetched",
+        ),
+    ];
+    let begun = begins.iter().find(|(first, _)| bytes.starts_with(first));
+    match (begun, bytes.get(4..12)) {
+        (Some((_, name)), _) => Some(name),
+        (None, Some(b"ftypavif" | b"ftypavis")) => Some("an AVIF"),
+        (None, Some(b"ftypheic" | b"ftypheix" | b"ftypmif1")) => Some("a HEIC"),
+        _ => None,
+    }
+}
+
+/// All samples of a picture, and how many a texel has.
+type Samples = (Vec<u8>, ColorType);
+
+/// Whether a picture moves, so that only its first one is shown.
+pub(crate) fn is_animated(bytes: &[u8]) -> bool {
+    webp::is_animated(bytes)
+}
+
+/// How a picture is coded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Png,
+    Jpeg,
+    Bmp,
+    WebP,
+    Tga,
+}
+
 /// What the head of a picture tells.
 struct Told {
+    format: Format,
     size: [u32; 2],
     /// Bytes of a texel where all of them are in memory at once; 0 where they need not be.
     whole_bytes_a_texel: u64,
@@ -102,10 +166,31 @@ fn told(bytes: &[u8]) -> Option<Told> {
         let reader = png_decoder(bytes).read_info().ok()?;
         let about = reader.info();
         return Some(Told {
+            format: Format::Png,
             size: [about.width, about.height],
             whole_bytes_a_texel: if about.interlaced { 4 } else { 0 },
         });
     }
+    let whole = |format, size, whole_bytes_a_texel| Told {
+        format,
+        size,
+        whole_bytes_a_texel,
+    };
+    if bytes.starts_with(b"\xff\xd8") {
+        return jpeg(bytes);
+    }
+    if let Some(size) = bmp::size(bytes) {
+        return Some(whole(Format::Bmp, size, BYTES_OF_BMP));
+    }
+    if let Some(size) = webp::size(bytes) {
+        return Some(whole(Format::WebP, size, BYTES_OF_WEBP));
+    }
+    let known = other_format(bytes).is_none();
+    let size = known.then(|| tga::size(bytes)).flatten()?;
+    Some(whole(Format::Tga, size, BYTES_OF_TGA))
+}
+
+fn jpeg(bytes: &[u8]) -> Option<Told> {
     let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), jpeg_options());
     decoder.decode_headers().ok()?;
     let about = decoder.info()?;
@@ -115,6 +200,7 @@ fn told(bytes: &[u8]) -> Option<Told> {
         false => 2 * u64::from(about.components),
     };
     Some(Told {
+        format: Format::Jpeg,
         size: [about.width, about.height].map(u32::from),
         whole_bytes_a_texel: 3 + coefficients,
     })
@@ -131,8 +217,8 @@ fn png_decoder(bytes: &[u8]) -> Decoder<Cursor<&[u8]>> {
 
 fn jpeg_options() -> DecoderOptions {
     DecoderOptions::new_safe()
-        .set_max_width(MOST_OF_JPEG)
-        .set_max_height(MOST_OF_JPEG)
+        .set_max_width(MOST_TOLD)
+        .set_max_height(MOST_TOLD)
         .jpeg_set_out_colorspace(ColorSpace::RGB)
 }
 
@@ -150,23 +236,35 @@ enum RowSource<'a> {
 }
 
 impl<'a> PictureRows<'a> {
-    /// Begins to read a JPEG or PNG; `None` where it is broken, or [`size_of`] tells no size.
+    /// Begins to read a picture; `None` where it is broken, or [`size_of`] tells no size.
     pub(crate) fn open(bytes: &'a [u8]) -> Option<Self> {
         let size = size_of(bytes)?;
-        let source = if bytes.starts_with(&PNG) {
-            let mut reader = Box::new(png_decoder(bytes).read_info().ok()?);
-            match reader.info().interlaced {
-                false => RowSource::Png(reader),
-                true => {
-                    let mut raw = vec![0; reader.output_buffer_size()?];
-                    let frame = reader.next_frame(&mut raw).ok()?;
-                    raw.truncate(frame.buffer_size());
-                    RowSource::Whole(raw, frame.color_type)
+        let whole = |decode: fn(&[u8]) -> Option<Samples>| {
+            // A fault of a decoder is one of the picture; what it had made is dropped.
+            let decoded = catch_unwind(AssertUnwindSafe(|| decode(bytes)));
+            let (raw, kind) = decoded.ok().flatten()?;
+            Some(RowSource::Whole(raw, kind))
+        };
+        let source = match told(bytes)?.format {
+            Format::Png => {
+                let mut reader = Box::new(png_decoder(bytes).read_info().ok()?);
+                match reader.info().interlaced {
+                    false => RowSource::Png(reader),
+                    true => {
+                        let mut raw = vec![0; reader.output_buffer_size()?];
+                        let frame = reader.next_frame(&mut raw).ok()?;
+                        raw.truncate(frame.buffer_size());
+                        RowSource::Whole(raw, frame.color_type)
+                    }
                 }
             }
-        } else {
-            let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), jpeg_options());
-            RowSource::Whole(decoder.decode().ok()?, ColorType::Rgb)
+            Format::Jpeg => {
+                let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), jpeg_options());
+                RowSource::Whole(decoder.decode().ok()?, ColorType::Rgb)
+            }
+            Format::Bmp => whole(|bytes| Some((bmp::decode(bytes)?, ColorType::Rgba)))?,
+            Format::WebP => whole(webp::decode)?,
+            Format::Tga => whole(|bytes| Some((tga::decode(bytes)?, ColorType::Rgba)))?,
         };
         Some(Self {
             size,
@@ -295,5 +393,106 @@ mod tests {
             })
         };
         !bytes.iter().fold(!0, step)
+    }
+
+    fn bmp_of(bits: u16, from_top: bool, texels: &[u8]) -> Vec<u8> {
+        let mut file = b"BM".to_vec();
+        let rows = if from_top { -2_i32 } else { 2 };
+        file.extend(
+            [54 + texels.len() as u32, 0, 54, 40, 2]
+                .map(u32::to_le_bytes)
+                .concat(),
+        );
+        file.extend(rows.to_le_bytes());
+        file.extend([1, bits].map(u16::to_le_bytes).concat());
+        file.extend([0; 24]);
+        file.extend(texels);
+        file
+    }
+
+    const RED: [u8; 4] = [255, 0, 0, 255];
+    const BLUE: [u8; 4] = [0, 0, 255, 255];
+
+    #[test]
+    fn a_bmp_of_any_kind_becomes_its_texels() {
+        let [red, blue] = [[0, 0, 255], [255, 0, 0]];
+        let row = |texels: [[u8; 3]; 2]| [&texels.concat()[..], &[0; 2]].concat();
+        let rows = [row([red, red]), row([blue, red])];
+        let from_bottom = [&rows[1][..], &rows[0]].concat();
+        let wide = |[b, g, r]: [u8; 3]| [b, g, r, 0];
+        let clear = [blue, red, red, red].map(wide).concat();
+        for (what, file) in [
+            ("from the bottom", bmp_of(24, false, &from_bottom)),
+            ("from the top", bmp_of(24, true, &rows.concat())),
+            ("without any alpha", bmp_of(32, false, &clear)),
+        ] {
+            let texels = decode(&file);
+            assert_eq!(
+                texels.as_deref(),
+                Some(&[RED, RED, BLUE, RED][..]),
+                "{what}"
+            );
+            assert_eq!(decode(&file[..file.len() - 9]), None, "{what}, cut");
+        }
+    }
+
+    fn webp_of(size: [u32; 2], texels: &[u8]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let encoder = image_webp::WebPEncoder::new(&mut bytes);
+        let [columns, rows] = size;
+        encoder
+            .encode(texels, columns, rows, image_webp::ColorType::Rgb8)
+            .unwrap();
+        bytes
+    }
+
+    #[test]
+    fn a_webp_becomes_its_texels_and_one_that_claims_more_than_it_is_does_not() {
+        let good = webp_of([2, 1], &[255, 0, 0, 0, 0, 255]);
+        assert_eq!(decode(&good), Some(vec![RED, BLUE]));
+        assert_eq!(decode(&good[..good.len() - 6]), None);
+        // Of one colour it is small all the same.
+        let large = webp_of([1500, 1500], &[7; 1500 * 1500 * 3]);
+        assert_eq!(size_of(&large), Some([1500; 2]), "{} bytes", large.len());
+        let mut bomb = good.clone();
+        bomb[21..25].copy_from_slice(&0x0fff_ffff_u32.to_le_bytes());
+        assert_eq!(
+            measured(&bomb),
+            Err(PictureFault::Claims([16_384; 2], bomb.len() as u64))
+        );
+        // A head that tells of less than what follows.
+        let mut hidden = b"RIFF\x2c\0\0\0WEBPVP8X\x0a\0\0\0\0\0\0\0\x01\0\0\0\0\0".to_vec();
+        hidden.extend(&bomb[12..]);
+        assert!(matches!(measured(&hidden), Err(PictureFault::Claims(..))));
+    }
+
+    #[test]
+    fn no_damaged_picture_panics_or_has_other_texels_than_it_told() {
+        let rows = [0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 0, 0];
+        let mut tga = vec![0; 18];
+        (tga[2], tga[12], tga[14], tga[16]) = (10, 2, 2, 24);
+        tga.extend([0x83, 0, 0, 255]);
+        let grey: Vec<u8> = (0..=255).collect();
+        let files = [
+            bmp_of(24, false, &rows),
+            bmp_of(32, true, &rows),
+            tga,
+            webp_of([2, 1], &[255, 0, 0, 0, 0, 255]),
+            webp_of([16, 16], &grey.repeat(3)),
+            png_of([16, 16], ColorType::Grayscale, &grey),
+        ];
+        for file in files {
+            assert!(crate::read::read_any_picture(&file));
+            for end in 0..file.len() {
+                crate::read::read_any_picture(&file[..end]);
+            }
+            for at in 0..file.len() {
+                for flip in [0x01, 0x10, 0x80, 0xff] {
+                    let mut changed = file.clone();
+                    changed[at] ^= flip;
+                    crate::read::read_any_picture(&changed);
+                }
+            }
+        }
     }
 }

@@ -9,10 +9,14 @@ pub(crate) mod image;
 mod las;
 #[cfg(test)]
 mod mangle;
+mod mends;
 mod obj;
+mod outliers;
 mod pictures;
 mod place;
 mod ply;
+mod polygon;
+mod search;
 mod single;
 mod sound;
 mod stl;
@@ -24,6 +28,7 @@ pub use error::ReadError;
 pub use place::Up;
 
 pub use single::SceneFormat;
+pub use sound::KEPT;
 
 use crate::source::SourceScene;
 use files::Nowhere;
@@ -35,6 +40,8 @@ pub struct ReadOptions {
     /// Which axis points up in all of them; if not given, the one that is usual for the format: z
     /// in STL, LAS and LAZ, y in all others.
     pub up: Option<Up>,
+    /// Whether files are opened that lie outside the folder of the file that names them.
+    pub allow_outside: bool,
 }
 
 /// Whether a file's name ends as one that [`read`] reads: .glb, .gltf, .obj, .ply, .stl, .las
@@ -47,8 +54,8 @@ pub fn is_scene_file(file: &Path) -> bool {
 /// Reads files into one scene with the objects of all, in their order. A scene file (.toml) stands
 /// for those that it names.
 ///
-/// Refused are files that break their format, that name files outside their folder, or that have
-/// neither triangle nor point. Memory is a small multiple of the files' bytes, whatever they claim.
+/// Refused are files that break their format, or that have neither triangle nor point. A file that
+/// one names elsewhere is looked for in its folder; without pictures, surfaces have their colour. Memory is a small multiple of the files' bytes, whatever they claim.
 ///
 /// ```
 /// use foveal_scene::read::{ReadOptions, read};
@@ -67,8 +74,8 @@ pub fn read(inputs: &[&Path], options: &ReadOptions) -> Result<SourceScene, Read
     let mut scene = SourceScene::default();
     for path in inputs {
         scene.append(match is_arrangement(path) {
-            true => arrangement::read(path, options.up)?,
-            false => read_file(path, None, options.up)?,
+            true => arrangement::read(path, options)?,
+            false => read_file(path, options)?,
         });
     }
     pictures::leave_out_pictures(&mut scene);
@@ -97,6 +104,26 @@ fn is_arrangement(file: &Path) -> bool {
 /// tests.
 pub fn read_any_arrangement(bytes: &[u8]) -> bool {
     arrangement::Arrangement::parse(bytes).is_ok()
+}
+
+/// Reads any bytes as the picture of a texture; `true` if they are one. Panics if it has another
+/// number of texels than it told: for fuzzing and tests.
+pub fn read_any_picture(bytes: &[u8]) -> bool {
+    let Some([columns, rows]) = image::size_of(bytes) else {
+        return false;
+    };
+    let Some(mut picture) = image::PictureRows::open(bytes) else {
+        return false;
+    };
+    let mut texels = 0;
+    while texels < columns as usize * rows as usize {
+        match picture.next(64) {
+            Some(some) => texels += some.len(),
+            None => return false,
+        }
+    }
+    assert_eq!(texels, columns as usize * rows as usize);
+    true
 }
 
 /// Reads any bytes as a format, with no files beside them; `true` if they are a scene. Panics if

@@ -1,8 +1,8 @@
 //! Which pictures of a scene are shown, and which are larger than their files can mean?
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use super::image::measured;
+use super::image::{is_animated, measured};
 use super::sound::count;
 use super::text::shortened;
 use crate::source::{MaterialTexture, SourceScene};
@@ -21,6 +21,7 @@ pub(super) fn leave_out_pictures(scene: &mut SourceScene) {
     let mut sizes = HashMap::new();
     let mut shown = HashMap::new();
     let mut out: Vec<(usize, String)> = Vec::new();
+    let mut moving = Vec::new();
     for texture in scene.materials.iter().filter_map(|it| it.texture) {
         let size = sizes.entry(texture.image).or_insert_with(|| {
             let bytes = scene.images.get(texture.image).map(|it| &it.bytes);
@@ -51,6 +52,23 @@ pub(super) fn leave_out_pictures(scene: &mut SourceScene) {
         material.texture = material.texture.filter(is_shown);
     }
     count(&mut scene.repairs, "missing_images", out.len());
+    let shown: HashSet<usize> = scene
+        .materials
+        .iter()
+        .filter_map(|it| it.texture)
+        .map(|it| it.image)
+        .collect();
+    for (number, image) in scene.images.iter().enumerate() {
+        if shown.contains(&number) && is_animated(&image.bytes) {
+            moving.push(shortened(&image.name));
+        }
+    }
+    count(&mut scene.repairs, "animated_images", moving.len());
+    for name in moving.iter().take(MOST_NAMED) {
+        scene.remark(format!(
+            "the picture {name:?} moves: the first of its pictures is shown"
+        ));
+    }
     for (image, what) in out.iter().take(MOST_NAMED) {
         let name = scene.images.get(*image).map_or("", |it| it.name.as_str());
         let name = shortened(name);

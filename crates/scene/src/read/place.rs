@@ -5,8 +5,9 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::error::Fault;
 use crate::source::SourceScene;
 
-/// Most places where all objects of a scene stand together: more than a pack tells of.
-pub(super) const MOST_PLACES: usize = 1 << 15;
+/// Most places where all objects of a file stand together: a few lines of a scene file can name as
+/// many as take 25 MB.
+pub(super) const MOST_PLACES: usize = 1 << 18;
 
 /// Which axis of a file points up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,10 +2,14 @@
 
 use std::path::Path;
 
+use super::ReadOptions;
 use super::error::{Fault, ReadError};
-use super::files::{Folder, NamedFile, OnDisk};
+use super::files::{NamedFile, OnDisk};
+use super::mends::Mends;
 use super::place::{self, Up};
-use super::{gltf, las, obj, ply, sound, stl};
+use super::search::Folder;
+use super::text::utf8_of;
+use super::{gltf, las, obj, outliers, ply, sound, stl};
 use crate::source::SourceScene;
 
 /// How a scene is written in a file.
@@ -46,25 +50,21 @@ impl SceneFormat {
     }
 }
 
-/// Reads a 3D file, whose objects without a name are called `name`, else as the file is.
-pub(super) fn read_file(
-    path: &Path,
-    name: Option<&str>,
-    up: Option<Up>,
-) -> Result<SourceScene, ReadError> {
+/// Reads a 3D file, whose objects without a name are called as the file is.
+pub(super) fn read_file(path: &Path, options: &ReadOptions) -> Result<SourceScene, ReadError> {
     if SceneFormat::of(path).is_none() {
         return Err(unknown_ending(path));
     }
-    let mut folder = OnDisk::of(path);
+    let mut folder = OnDisk::of(path, options.allow_outside);
     let named = NamedFile {
         path: path.to_owned(),
         bytes: folder.read_scene()?,
         folder,
     };
-    read_named(named, name, up)
+    read_named(named, None, options.up)
 }
 
-/// The same of a 3D file that another named.
+/// The same of a 3D file that another named, which may say what objects without a name are called.
 pub(super) fn read_named(
     named: NamedFile,
     name: Option<&str>,
@@ -89,6 +89,10 @@ pub(super) fn read_named(
         .map_err(|fault| fault.in_file(&path))?;
     one.bytes = folder.bytes;
     one.hashes = folder.hashes;
+    for (name, times) in folder.repairs {
+        sound::count(&mut one.repairs, &name, times as usize);
+    }
+    folder.remarks.into_iter().for_each(|it| one.remark(it));
     Ok(one)
 }
 
@@ -114,17 +118,25 @@ impl SceneFile<'_> {
                 found: "the file has no bytes".to_owned(),
             });
         }
+        let text = utf8_of(self.bytes);
         let mut scene = match self.format {
-            SceneFormat::Gltf => gltf::read(self.bytes, self.name, folder),
-            SceneFormat::Obj => obj::read(self.bytes, self.name, folder),
-            SceneFormat::Ply => ply::read(self.bytes, self.name),
+            SceneFormat::Gltf => gltf::read(&text, self.name, folder),
+            SceneFormat::Obj => obj::read(&text, self.name, folder),
+            SceneFormat::Ply => ply::read(&text, self.name),
             SceneFormat::Stl => stl::read(self.bytes, self.name),
             SceneFormat::Las => las::read(self.bytes, self.name),
         }?;
+        let mut mends = Mends::default();
+        for object in &scene.objects {
+            // A mesh that stands in several places is finite after the first.
+            sound::make_finite(&mut scene.meshes[object.mesh], &object.name, &mut mends);
+        }
         for mesh in &mut scene.meshes {
             sound::make_sound(mesh, &mut scene.repairs);
         }
+        mends.tell(self.name, &mut scene);
         scene.leave_out_empty();
+        outliers::part_meshes(&mut scene);
         place::turn_up(&mut scene, self.up);
         place::check_count(&scene)?;
         place::check(&scene)?;
@@ -137,6 +149,9 @@ impl SceneFile<'_> {
     }
 }
 
+/// Most remarks in the message that refuses a scene.
+const MOST_TOLD: usize = 3;
+
 /// What a scene without triangles has, for the message that refuses it.
 fn found_instead(scene: &SourceScene) -> String {
     let count = |name: &str| scene.repairs.get(name).copied().unwrap_or(0);
@@ -145,15 +160,27 @@ fn found_instead(scene: &SourceScene) -> String {
         ("lines_left_out", "lines"),
         ("unused_vertices", "vertices in no face"),
         ("zero_area_triangles", "triangles without area"),
+        (
+            "triangles_out_of_range",
+            "faces of vertices that do not exist",
+        ),
+        (
+            "triangles_without_place",
+            "triangles that are NaN or infinite",
+        ),
+        ("points_without_place", "points that are NaN or infinite"),
+        ("lines_broken", "lines that are none of its format"),
     ];
     let found: Vec<String> = what
         .iter()
         .filter(|(name, _)| count(name) > 0)
         .map(|(name, what)| format!("{what} ({})", count(name)))
         .collect();
-    if found.is_empty() {
-        "no surface stands in the scene".to_owned()
-    } else {
-        format!("the file has only {}", found.join(" and "))
-    }
+    let found = match found.is_empty() {
+        true => "no surface stands in the scene".to_owned(),
+        false => format!("the file has only {}", found.join(" and ")),
+    };
+    // What was mended names places.
+    let remarks = scene.remarks.iter().take(MOST_TOLD);
+    remarks.fold(found, |all, remark| format!("{all}; {remark}"))
 }

@@ -4,7 +4,15 @@ use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 
-use crate::source::{Repairs, SourceCloud, SourceMesh};
+use super::mends::{COLOUR_MADE, Mends, NO_PLACE, OUT_OF_RANGE, UV_MADE};
+use crate::source::{Repairs, SourceCloud, SourceMesh, keep};
+
+/// Names in `repairs` of what is counted because it may be a mistake, and stays as it is.
+pub const KEPT: [&str; 3] = [
+    "duplicate_vertices",
+    "mixed_winding_edges",
+    "non_manifold_edges",
+];
 
 /// Counts what was repaired under a name.
 pub(super) fn count(repairs: &mut Repairs, name: &str, times: usize) {
@@ -13,14 +21,80 @@ pub(super) fn count(repairs: &mut Repairs, name: &str, times: usize) {
     }
 }
 
+/// Leaves out triangles that name vertices that are not there or are nowhere, and colours and places
+/// on textures that are no numbers. Mends are told of as those of the object `name`.
+///
+/// All lists of the mesh are as long as [`SourceMesh`] says, but any number may be anything.
+pub(super) fn make_finite(mesh: &mut SourceMesh, name: &str, mends: &mut Mends) {
+    let count = mesh.positions.len();
+    let is_finite = mesh.positions.iter().all(|it| it.is_finite());
+    let lost = |triangle: &[u32; 3]| {
+        let at = triangle.map(|it| it as usize);
+        if at.iter().any(|it| *it >= count) {
+            return Some(OUT_OF_RANGE);
+        }
+        let is_there = is_finite || at.iter().all(|it| mesh.positions[*it].is_finite());
+        (!is_there).then_some(NO_PLACE)
+    };
+    if !mesh.triangles.iter().all(|it| lost(it).is_none()) {
+        let all = mesh.triangles.iter().map(lost).collect::<Vec<_>>();
+        for (number, mend) in all.iter().enumerate() {
+            let place = || format!("is triangle {number} of {name:?}");
+            mend.iter().for_each(|mend| mends.add(*mend, 1, place));
+        }
+        let stays: Vec<bool> = all.iter().map(Option::is_none).collect();
+        keep(&mut mesh.triangles, &stays);
+        keep(&mut mesh.materials, &stays);
+    }
+    let place = |vertex: usize| format!("at vertex {vertex} of {name:?}");
+    for (vertex, colour) in mesh.colours.iter_mut().enumerate() {
+        if colour.iter().any(|part| part.is_nan()) {
+            *colour = [1.0; 4];
+            mends.add(COLOUR_MADE, 1, || place(vertex));
+        }
+    }
+    let is_finite = |uv: &[f32; 2]| uv.iter().all(|along| along.is_finite());
+    if let Some(first) = mesh.uvs.iter().position(|uv| !is_finite(uv)) {
+        let made = make_uvs(mesh);
+        mends.add(UV_MADE, made, || place(first));
+    }
+}
+
+/// Gives vertices whose places on textures are no numbers the mean of those that triangles join
+/// them to; returns how many there are in triangles.
+fn make_uvs(mesh: &mut SourceMesh) -> usize {
+    let is_finite = |uv: &[f32; 2]| uv.iter().all(|along| along.is_finite());
+    let mut sums: HashMap<u32, ([f64; 2], f64)> = HashMap::new();
+    for triangle in &mesh.triangles {
+        for lost in triangle
+            .iter()
+            .filter(|it| !is_finite(&mesh.uvs[**it as usize]))
+        {
+            let (sum, weight) = sums.entry(*lost).or_default();
+            let others = triangle.iter().map(|it| &mesh.uvs[*it as usize]);
+            for uv in others.filter(|it| is_finite(it)) {
+                *sum = [0, 1].map(|k| sum[k] + f64::from(uv[k]));
+                *weight += 1.0;
+            }
+        }
+    }
+    for uv in mesh.uvs.iter_mut().filter(|uv| !is_finite(uv)) {
+        *uv = [0.0; 2];
+    }
+    for (vertex, (sum, weight)) in &sums {
+        mesh.uvs[*vertex as usize] = sum.map(|along| (along / weight.max(1.0)) as f32);
+    }
+    sums.len()
+}
+
 /// Leaves out triangles without area, later copies of triangles, and vertices that no triangle
 /// names; makes normals unit vectors, those that are none from the triangles around them. Counts
 /// what stays but may be a mistake: equal vertices, edges of many triangles, mixed winding.
 ///
-/// All lists of the mesh are as long as [`SourceMesh`] says and all numbers are in range.
+/// The mesh is as [`make_finite`] leaves it.
 pub(super) fn make_sound(mesh: &mut SourceMesh, repairs: &mut Repairs) {
     leave_out_triangles(mesh, repairs);
-    let unused = leave_out_unused_vertices(mesh);
+    let unused = mesh.leave_out_unused_vertices();
     count(repairs, "unused_vertices", unused);
     count(repairs, "normals_made", make_normals(mesh));
     count(repairs, "duplicate_vertices", duplicate_vertices(mesh));
@@ -115,41 +189,6 @@ fn leave_out_triangles(mesh: &mut SourceMesh, repairs: &mut Repairs) {
     count(repairs, "duplicate_triangles", copies);
 }
 
-/// Keeps what is marked; of an empty list, nothing is to be kept.
-fn keep<T>(list: &mut Vec<T>, stays: &[bool]) {
-    let mut marks = stays.iter();
-    list.retain(|_| marks.next().copied().unwrap_or(false));
-}
-
-/// Gives how many were left out.
-fn leave_out_unused_vertices(mesh: &mut SourceMesh) -> usize {
-    let mut used = vec![false; mesh.positions.len()];
-    for vertex in mesh.triangles.iter().flatten() {
-        used[*vertex as usize] = true;
-    }
-    let unused = used.iter().filter(|used| !**used).count();
-    if unused == 0 {
-        return 0;
-    }
-    let mut next = 0;
-    let number: Vec<u32> = used
-        .iter()
-        .map(|used| {
-            let number = next;
-            next += u32::from(*used);
-            number
-        })
-        .collect();
-    for vertex in mesh.triangles.iter_mut().flatten() {
-        *vertex = number[*vertex as usize];
-    }
-    keep(&mut mesh.positions, &used);
-    keep(&mut mesh.normals, &used);
-    keep(&mut mesh.colours, &used);
-    keep(&mut mesh.uvs, &used);
-    unused
-}
-
 /// Makes normals unit vectors; gives how many had no direction and were made of triangles.
 fn make_normals(mesh: &mut SourceMesh) -> usize {
     let mut without = vec![false; mesh.normals.len()];
@@ -229,6 +268,28 @@ mod tests {
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             ..SourceMesh::default()
         }
+    }
+
+    #[test]
+    fn triangles_that_are_nowhere_go_and_lost_places_on_textures_come_from_neighbours() {
+        let mut mesh = square();
+        mesh.positions.push(DVec3::new(f64::NAN, 0.0, 0.0));
+        mesh.triangles.extend([[0, 1, 4], [0, 1, u32::MAX]]);
+        mesh.uvs = vec![
+            [0.0; 2],
+            [1.0, 0.0],
+            [f32::NAN, 1.0],
+            [0.0, 1.0],
+            [f32::NAN; 2],
+        ];
+        mesh.colours = vec![[0.5; 4]; 5];
+        mesh.colours[3] = [f32::NAN; 4];
+        let mut mends = Mends::default();
+        make_finite(&mut mesh, "square", &mut mends);
+        assert_eq!(mesh.triangles, square().triangles);
+        assert_eq!((mesh.uvs[2], mesh.colours[3]), ([0.25, 0.25], [1.0; 4]));
+        let kinds = [NO_PLACE, OUT_OF_RANGE, UV_MADE, COLOUR_MADE];
+        assert_eq!(kinds.map(|kind| mends.times(kind)), [1; 4]);
     }
 
     #[test]

@@ -8,8 +8,10 @@ use std::collections::HashMap;
 use glam::{DAffine3, DVec3};
 
 use super::error::Fault;
+use super::mends::{self, Mends};
+use super::polygon::Polygons;
 use super::sound::{count, place_bits};
-use super::text::{Words, lines, shortened};
+use super::text::{Words, single_lines, utf8_of};
 use crate::source::{Material, Repairs, SourceMesh, SourceObject, SourceScene};
 
 const HEADER_BYTES: usize = 80;
@@ -21,12 +23,14 @@ const NORMAL_BYTES: usize = 12;
 /// Reads an STL file into one object called `name`.
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     let mut solid = Solid::default();
-    if is_text(bytes) {
-        solid.read_text(bytes)?;
+    let text = utf8_of(bytes);
+    if !is_whole(bytes) && is_text(&text) {
+        solid.read_text(&text)?;
     } else {
         solid.read_binary(bytes)?;
     }
-    Ok(SourceScene {
+    solid.polygons.fill(&mut solid.mesh, &mut solid.mends);
+    let mut scene = SourceScene {
         objects: vec![SourceObject {
             name: name.to_owned(),
             mesh: 0,
@@ -39,22 +43,34 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         }],
         repairs: solid.repairs,
         ..SourceScene::default()
+    };
+    solid.mends.tell(name, &mut scene);
+    Ok(scene)
+}
+
+/// Whether a file is as long as a binary one of its number of triangles: these may begin with
+/// `solid` too.
+fn is_whole(bytes: &[u8]) -> bool {
+    let count = bytes.get(HEADER_BYTES..FIRST_TRIANGLE);
+    count.is_some_and(|count| {
+        let triangles = word(count) as usize;
+        bytes.len() - FIRST_TRIANGLE == triangles.saturating_mul(TRIANGLE_BYTES)
     })
 }
 
-/// Binary files may begin with `solid` too, but their length fits their count.
+/// Whether a file is text, maybe filled up with zeros at its end.
 fn is_text(bytes: &[u8]) -> bool {
-    let fits = bytes
-        .get(HEADER_BYTES..FIRST_TRIANGLE)
-        .is_some_and(|count| {
-            let triangles = word(count) as usize;
-            bytes.len() - FIRST_TRIANGLE == triangles.saturating_mul(TRIANGLE_BYTES)
-        });
     let start = bytes.trim_ascii_start();
     let said = start
         .get(..5)
         .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
-    !fits && said && !bytes.contains(&0)
+    said && !text_in(bytes).contains(&0)
+}
+
+/// A file without the zeros at its end.
+fn text_in(bytes: &[u8]) -> &[u8] {
+    let end = bytes.iter().rposition(|byte| *byte != 0);
+    &bytes[..end.map_or(0, |end| end + 1)]
 }
 
 fn word(bytes: &[u8]) -> u32 {
@@ -66,16 +82,15 @@ fn word(bytes: &[u8]) -> u32 {
 #[derive(Default)]
 struct Solid {
     mesh: SourceMesh,
+    polygons: Polygons,
     vertex_at: HashMap<[u64; 3], u32>,
     repairs: Repairs,
+    mends: Mends,
 }
 
 impl Solid {
-    /// The number of the vertex at a place.
+    /// The number of the vertex at a place, which may be NaN.
     fn vertex(&mut self, place: DVec3) -> Result<u32, String> {
-        if !place.is_finite() {
-            return Err(format!("a corner is at {place}, which is no place"));
-        }
         let next = u32::try_from(self.mesh.positions.len())
             .map_err(|_| "there are more vertices than 4294967295".to_owned())?;
         let vertex = *self.vertex_at.entry(place_bits(place)).or_insert(next);
@@ -94,71 +109,126 @@ impl Solid {
             return Err(Fault::at("start of the file", what));
         };
         let claimed = word(claimed) as usize;
-        let there = (bytes.len() - FIRST_TRIANGLE) / TRIANGLE_BYTES;
-        if claimed > there {
-            let what = format!("{claimed} triangles are said to follow, {there} do");
-            return Err(Fault::at("byte 80", what));
+        let rows = &bytes[FIRST_TRIANGLE..];
+        let there = rows.len() / TRIANGLE_BYTES;
+        if let Some(starts) = starts_with_more(rows, claimed) {
+            return starts
+                .iter()
+                .try_for_each(|at| self.add_binary(&rows[*at..], *at));
         }
-        let triangles = bytes[FIRST_TRIANGLE..].chunks_exact(TRIANGLE_BYTES);
-        for (index, triangle) in triangles.take(claimed).enumerate() {
-            let numbers = triangle[NORMAL_BYTES..].chunks_exact(4);
-            let numbers: Vec<f64> = numbers
-                .map(|number| f64::from(f32::from_bits(word(number))))
-                .collect();
-            let mut corners = [0; 3];
-            for (corner, place) in corners.iter_mut().zip(numbers.chunks_exact(3)) {
-                *corner = self.vertex(DVec3::from_slice(place)).map_err(|what| {
-                    let at = FIRST_TRIANGLE + index * TRIANGLE_BYTES;
-                    Fault::at(format!("triangle {index}, byte {at}"), what)
-                })?;
-            }
-            self.mesh.triangles.push(corners);
+        let place = |number: usize| move || format!("is triangle {number}");
+        let missing = claimed.saturating_sub(there);
+        self.mends.add(mends::ROW_MISSING, missing, place(there));
+        // Some programs never write the number, or that of one part.
+        let is_all = claimed == 0 || rows.len().is_multiple_of(TRIANGLE_BYTES);
+        let read = if is_all { there } else { claimed.min(there) };
+        let beyond = read.saturating_sub(claimed);
+        self.mends.add(mends::ROW_BEYOND, beyond, place(claimed));
+        (0..read).try_for_each(|index| {
+            let at = index * TRIANGLE_BYTES;
+            self.add_binary(&rows[at..], at)
+        })
+    }
+
+    /// Adds the triangle at the start of `row`, which stands so many bytes behind the first.
+    fn add_binary(&mut self, row: &[u8], at: usize) -> Result<(), Fault> {
+        let mut corners = [0; 3];
+        for (number, corner) in corners.iter_mut().enumerate() {
+            let place = DVec3::from_array([0, 1, 2].map(|k| {
+                let at = NORMAL_BYTES + 4 * (3 * number + k);
+                f64::from(f32::from_bits(word(&row[at..at + 4])))
+            }));
+            *corner = self
+                .vertex(place)
+                .map_err(|what| Fault::at(format!("byte {}", FIRST_TRIANGLE + at), what))?;
         }
+        self.mesh.triangles.push(corners);
         Ok(())
     }
 
+    /// Reads words in whatever lines they stand; a loop ends where the next begins, too.
     fn read_text(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let mut corners = Vec::new();
-        let mut open = false;
-        let mut last = 1;
-        for line in lines(bytes) {
+        let (mut last, mut has_end) = (1, false);
+        for line in single_lines(text_in(bytes)) {
             last = line.number;
             let mut words = Words::of(&line);
-            let Some(keyword) = words.next() else {
-                continue;
-            };
-            match keyword.to_ascii_lowercase().as_str() {
-                "solid" => open = true,
-                "facet" | "outer" | "endfacet" => {}
-                "vertex" => {
-                    let place = DVec3::from_array(words.three("a coordinate")?);
-                    let vertex = self.vertex(place);
-                    corners.push(vertex.map_err(|what| Fault::line(last, what))?);
-                }
-                "endloop" => self.close_loop(&mut corners),
-                "endsolid" => open = false,
-                _ => {
-                    let what = format!("{:?} is no word of STL", shortened(keyword));
-                    return Err(Fault::line(last, what));
+            let mut is_name = false;
+            while let Some(keyword) = words.next() {
+                let before = |wanted: &str| words.peek().eq_ignore_ascii_case(wanted);
+                let (is_facet, is_end) = (before("normal"), before("solid"));
+                match keyword.to_ascii_lowercase().as_str() {
+                    keyword if is_name && !(keyword == "facet" && is_facet) => {}
+                    "vertex" => {
+                        let mut next = || words.any_number().unwrap_or(f64::NAN);
+                        let place = DVec3::new(next(), next(), next());
+                        let vertex = self.vertex(place);
+                        corners.push(vertex.map_err(|what| Fault::line(last, what))?);
+                    }
+                    "facet" => {
+                        is_name = false;
+                        self.close_loop(&mut corners, last);
+                    }
+                    "endfacet" | "endloop" => self.close_loop(&mut corners, last),
+                    "solid" => (is_name, has_end) = (true, false),
+                    "endsolid" => (is_name, has_end) = (true, true),
+                    "end" if is_end => (is_name, has_end) = (true, true),
+                    "outer" | "loop" => {}
+                    "normal" => {
+                        words.next();
+                        words.next();
+                        words.next();
+                    }
+                    "color" => break,
+                    sign if sign.starts_with(['#', '/', ';']) => break,
+                    _ => {
+                        let place = || format!("in line {last}");
+                        self.mends.add(mends::LINE_BROKEN, 1, place);
+                        break;
+                    }
                 }
             }
+            let place = || format!("in line {last}");
+            self.mends.add(mends::COMMA, words.commas, place);
         }
-        if open || !corners.is_empty() {
-            return Err(Fault::line(last, "the file ends without `endsolid`"));
-        }
+        // Of a loop that was cut off the last corner may be cut too.
+        let is_cut = !has_end || !corners.is_empty();
+        let place = || format!("in line {last}");
+        self.mends
+            .add(mends::ROW_MISSING, usize::from(is_cut), place);
         Ok(())
     }
 
     /// Makes triangles of the corners of a loop, and empties it.
-    fn close_loop(&mut self, corners: &mut Vec<u32>) {
-        if let [first, rest @ ..] = corners.as_slice() {
-            let fan = rest.windows(2).map(|edge| [*first, edge[0], edge[1]]);
-            self.mesh.triangles.extend(fan);
+    fn close_loop(&mut self, corners: &mut Vec<u32>, line: usize) {
+        match corners.len() {
+            0 => {}
+            1 | 2 => {
+                count(&mut self.repairs, "faces_under_three_corners", 1);
+                let place = || format!("in line {line}");
+                self.mends.add(mends::LINE_BROKEN, 1, place);
+            }
+            _ => self.polygons.add(&mut self.mesh.triangles, corners),
         }
-        let few = usize::from(corners.len() < 3);
-        count(&mut self.repairs, "faces_under_three_corners", few);
         corners.clear();
     }
+}
+
+/// Where triangles begin behind which the bytes stand that their last two count: only if the rows
+/// of so many triangles end just there.
+fn starts_with_more(rows: &[u8], claimed: usize) -> Option<Vec<usize>> {
+    let least = claimed.checked_mul(TRIANGLE_BYTES)?;
+    if claimed == 0 || rows.len() <= least {
+        return None;
+    }
+    let mut at = 0;
+    let mut starts = Vec::with_capacity(claimed);
+    for _ in 0..claimed {
+        let more = rows.get(at + TRIANGLE_BYTES - 2..at + TRIANGLE_BYTES)?;
+        starts.push(at);
+        at += TRIANGLE_BYTES + usize::from(u16::from_le_bytes([more[0], more[1]]));
+    }
+    (at == rows.len()).then_some(starts)
 }
 
 #[cfg(test)]
@@ -208,24 +278,67 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_file_is_refused_with_the_place() {
+    fn a_cut_file_shows_its_whole_triangles_and_says_that_others_are_missing() {
         let square = square();
-        let cut = refusal(&square[..square.len() - 1]);
+        let cut = read(&square[..square.len() - 1], "a").unwrap();
+        assert_eq!(cut.meshes[0].triangles, [[0, 1, 2]]);
+        assert_eq!(cut.repairs["rows_missing"], 1);
         assert!(
-            cut.contains("byte 80: 2 triangles are said to follow, 1 do"),
-            "{cut}"
+            cut.remarks[0].contains("is triangle 1"),
+            "{:?}",
+            cut.remarks
         );
-        let cut = refusal(&TEXT.as_bytes()[..TEXT.len() - 20]);
-        assert!(cut.contains("line "), "{cut}");
+        for end in [60, 90, 104] {
+            let cut = read(&TEXT.as_bytes()[..TEXT.len() - end], "a").unwrap();
+            assert_eq!(cut.meshes[0].triangles, [[0, 1, 2]], "{end}");
+            assert_eq!(cut.repairs["rows_missing"], 1, "{end}");
+        }
         assert!(refusal(b"").contains("at least 84 bytes"));
     }
 
     #[test]
-    fn corners_that_are_no_place_are_refused() {
-        let bytes = binary(&[[[f32::NAN; 3]; 3]]);
-        assert!(refusal(&bytes).contains("triangle 0, byte 84"));
+    fn a_wrong_number_of_triangles_costs_none() {
+        for claimed in [0_u32, 1, 3, u32::MAX] {
+            let mut bytes = square();
+            bytes[80..84].copy_from_slice(&claimed.to_le_bytes());
+            let scene = read(&bytes, "a").unwrap();
+            assert_eq!(scene.meshes[0].triangles.len(), 2, "{claimed}");
+            assert_eq!(scene.remarks.len(), 1, "{claimed}");
+        }
+    }
+
+    #[test]
+    fn bytes_behind_triangles_that_these_count_are_passed_over() {
+        let mut bytes = square();
+        bytes.splice(134..134, *b"six456");
+        bytes[132..134].copy_from_slice(&6_u16.to_le_bytes());
+        let scene = read(&bytes, "a").unwrap();
+        assert_eq!(scene.meshes[0].triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert!(scene.remarks.is_empty());
+    }
+
+    #[test]
+    fn corners_that_are_no_place_are_kept_for_the_triangles_to_be_left_out() {
+        assert!(!read_anything(
+            SceneFormat::Stl,
+            &binary(&[[[f32::NAN; 3]; 3]])
+        ));
         let text = TEXT.replacen("vertex 1 0 0", "vertex 1 0 inf", 1);
-        assert!(refusal(text.as_bytes()).contains("line 5: a coordinate is inf"));
+        let scene = read(text.as_bytes(), "a").unwrap();
+        assert_eq!(scene.meshes[0].triangles.len(), 2);
+        assert!(read_anything(SceneFormat::Stl, text.as_bytes()));
+    }
+
+    #[test]
+    fn text_is_read_in_one_line_and_with_words_of_other_programs() {
+        let one = TEXT.replace('\n', " ");
+        let odd = TEXT.replace("endfacet", "color 1 0 0\n; made\nendfacet");
+        let odd = odd.replace("endsolid", "end solid");
+        for text in [one, odd] {
+            let scene = read(text.as_bytes(), "a").unwrap();
+            assert_eq!(scene.meshes[0].triangles, [[0, 1, 2], [0, 2, 3]], "{text}");
+            assert!(scene.remarks.is_empty(), "{:?}", scene.remarks);
+        }
     }
 
     #[test]

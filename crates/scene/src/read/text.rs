@@ -1,7 +1,6 @@
 //! What stands in a line of a text file?
 
 use std::borrow::Cow;
-use std::str::SplitAsciiWhitespace;
 
 use super::error::Fault;
 use foveal_core::units::one_line;
@@ -12,54 +11,128 @@ pub(super) struct Line<'a> {
     pub(super) text: Cow<'a, str>,
 }
 
-/// The lines of a file; a backslash at the end of one goes on in the next.
-pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
-    let mut rest = bytes.split(|byte| *byte == b'\n').enumerate();
+/// The lines of a file, which end in LF, CR or both.
+pub(super) fn single_lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
+    let mut rest = Some(bytes);
+    let mut number = 0;
     std::iter::from_fn(move || {
-        let (index, first) = rest.next()?;
-        let mut text = String::from_utf8_lossy(first);
-        while text.trim_end().ends_with('\\') {
-            let Some((_, next)) = rest.next() else { break };
-            let mut joined = text.into_owned();
+        let left = rest?;
+        number += 1;
+        let end = left.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+        let Some(end) = end else {
+            rest = None;
+            let text = text_of(left);
+            return Some(Line { number, text });
+        };
+        let behind = match left[end..] {
+            [b'\r', b'\n', ..] => end + 2,
+            _ => end + 1,
+        };
+        rest = Some(&left[behind..]);
+        let text = text_of(&left[..end]);
+        Some(Line { number, text })
+    })
+}
+
+/// The same; a backslash at the end of one goes on in the next, unless it is a comment or a name.
+pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
+    let mut rest = single_lines(bytes);
+    std::iter::from_fn(move || {
+        let mut line = rest.next()?;
+        while line.text.trim_end().ends_with('\\') && !has_text(&line.text) {
+            let Some(next) = rest.next() else { break };
+            let mut joined = line.text.into_owned();
             joined.truncate(joined.trim_end().len() - 1);
             joined.push(' ');
-            joined.push_str(&String::from_utf8_lossy(next));
-            text = Cow::Owned(joined);
+            joined.push_str(&next.text);
+            line.text = Cow::Owned(joined);
         }
-        Some(Line {
-            number: index + 1,
-            text,
-        })
+        Some(line)
     })
+}
+
+/// Whether a line is a comment or a name, in which a backslash stands for itself: a folder's.
+fn has_text(line: &str) -> bool {
+    let word = line.split_ascii_whitespace().next().unwrap_or("");
+    word.starts_with('#') || ["o", "g", "newmtl", "usemtl", "mtllib"].contains(&word)
+}
+
+/// What bytes say: UTF-8, or else each byte a letter of Latin-1, so that names stay different.
+fn text_of(bytes: &[u8]) -> Cow<'_, str> {
+    match core::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()),
+    }
+}
+
+/// The bytes of a text in UTF-8 without a mark at its start, whether they were so or UTF-16.
+pub(super) fn utf8_of(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let is_sign = |byte: u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
+    let of_pair: fn([u8; 2]) -> u16 = match bytes {
+        [0xef, 0xbb, 0xbf, text @ ..] => return Cow::Borrowed(text),
+        [0xff, 0xfe, ..] => u16::from_le_bytes,
+        [0xfe, 0xff, ..] => u16::from_be_bytes,
+        [a, 0, b, 0, ..] if is_sign(*a) && is_sign(*b) => u16::from_le_bytes,
+        [0, a, 0, b, ..] if is_sign(*a) && is_sign(*b) => u16::from_be_bytes,
+        _ => return Cow::Borrowed(bytes),
+    };
+    let words = bytes.as_chunks().0.iter().map(|pair| of_pair(*pair));
+    let signs = char::decode_utf16(words).map(|it| it.unwrap_or(char::REPLACEMENT_CHARACTER));
+    let text: String = signs.skip_while(|sign| *sign == '\u{feff}').collect();
+    Cow::Owned(text.into_bytes())
 }
 
 /// The words of a line, read as what they should be.
 pub(super) struct Words<'a> {
     pub(super) line: usize,
-    words: SplitAsciiWhitespace<'a>,
+    rest: &'a str,
+    /// How many numbers had a decimal comma.
+    pub(super) commas: usize,
 }
 
 impl<'a> Words<'a> {
     pub(super) fn of(line: &'a Line<'_>) -> Self {
         Self {
             line: line.number,
-            words: line.text.split_ascii_whitespace(),
+            rest: &line.text,
+            commas: 0,
         }
     }
 
     /// The next word.
     pub(super) fn next(&mut self) -> Option<&'a str> {
-        self.words.next()
+        let word = self.peek();
+        let begin = self.rest.len() - self.rest.trim_ascii_start().len();
+        self.rest = &self.rest[begin + word.len()..];
+        (!word.is_empty()).then_some(word)
+    }
+
+    /// The next word, or none, without taking it.
+    pub(super) fn peek(&self) -> &'a str {
+        let rest = self.rest.trim_ascii_start();
+        let end = rest.bytes().position(|byte| byte.is_ascii_whitespace());
+        &rest[..end.unwrap_or(rest.len())]
     }
 
     /// All that is left of the line, without blanks at both ends.
     pub(super) fn rest(&self) -> String {
-        self.words.clone().collect::<Vec<_>>().join(" ")
+        let words: Vec<&str> = self.rest.split_ascii_whitespace().collect();
+        words.join(" ")
     }
 
-    /// How many words are left.
-    pub(super) fn left(&self) -> usize {
-        self.words.clone().count()
+    /// Leaves out a comment at the end of the line: from a `#` on that is not within a number, such
+    /// as `1.#QNAN`.
+    pub(super) fn leave_out_comment(&mut self) {
+        let is_begin = |(at, _): &(usize, &str)| !self.rest[..*at].ends_with('.');
+        if let Some((at, _)) = self.rest.match_indices('#').find(is_begin) {
+            self.rest = &self.rest[..at];
+        }
+    }
+
+    /// The next word as a number; NaN where it is none.
+    pub(super) fn any_number(&mut self) -> Option<f64> {
+        let word = self.next()?;
+        Some(number_of(word, &mut self.commas).unwrap_or(f64::NAN))
     }
 
     /// The next word as a finite number, if there is one; `what` names it in the error.
@@ -67,9 +140,14 @@ impl<'a> Words<'a> {
         let Some(word) = self.next() else {
             return Ok(None);
         };
-        finite(word)
-            .map(Some)
-            .map_err(|found| Fault::line(self.line, format!("{what} is {found}")))
+        match number_of(word, &mut self.commas).filter(|it| it.is_finite()) {
+            Some(number) => Ok(Some(number)),
+            None => {
+                let word = shortened(word);
+                let what = format!("{what} is {word:?}, which is no finite number");
+                Err(Fault::line(self.line, what))
+            }
+        }
     }
 
     /// The next word as a finite number.
@@ -77,20 +155,37 @@ impl<'a> Words<'a> {
         self.number_if_any(what)?
             .ok_or_else(|| Fault::line(self.line, format!("{what} is missing")))
     }
-
-    /// The next three words as finite numbers.
-    pub(super) fn three(&mut self, what: &str) -> Result<[f64; 3], Fault> {
-        Ok([self.number(what)?, self.number(what)?, self.number(what)?])
-    }
 }
 
-/// The finite number that a word is, or the end of a sentence that says what it is instead.
-pub(super) fn finite(word: &str) -> Result<f64, String> {
-    match word.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) => Err(format!("{}, which is no finite number", shortened(word))),
-        Err(_) => Err(format!("{:?}, which is no number", shortened(word))),
+/// The number that a word is, maybe NaN or infinity, as any program writes it: also as C does on
+/// Windows, as Fortran, and with a decimal comma, which is counted. `None` if it is none.
+pub(super) fn number_of(word: &str, commas: &mut usize) -> Option<f64> {
+    if let Ok(number) = word.parse() {
+        return Some(number);
     }
+    let small = word.to_ascii_lowercase();
+    let bare = small.trim_start_matches(['+', '-']);
+    let [is_nan, is_infinite] = [
+        &["nan", "1.#qnan", "1.#snan", "1.#ind"][..],
+        &["inf", "1.#inf", "1.#j"],
+    ]
+    .map(|names| names.iter().any(|name| bare.starts_with(name)));
+    if is_nan {
+        return Some(f64::NAN);
+    }
+    if is_infinite {
+        return Some(f64::INFINITY);
+    }
+    if let Some((whole, part)) = small.split_once(',') {
+        // A comma behind a number parts it from the next.
+        let number = match part {
+            "" => return whole.parse().ok(),
+            _ => format!("{whole}.{part}").parse().ok(),
+        };
+        *commas += usize::from(number.is_some());
+        return number;
+    }
+    small.replace('d', "e").parse().ok()
 }
 
 /// The start of a word, for a message.
@@ -102,19 +197,83 @@ pub(super) fn shortened(word: &str) -> String {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_backslash_joins_lines_and_numbers_go_on() {
-        let found: Vec<_> = lines(b"a \\\nb\r\nc")
-            .map(|line| (line.number, line.text.trim().to_owned()))
-            .collect();
-        assert_eq!(found, [(1, "a  b".to_owned()), (3, "c".to_owned())]);
+    fn said(bytes: &[u8]) -> Vec<(usize, String)> {
+        let all = lines(bytes).map(|line| (line.number, line.text.trim().to_owned()));
+        all.collect()
     }
 
     #[test]
-    fn only_finite_numbers_are_numbers() {
-        assert_eq!(finite("-1.5e3"), Ok(-1500.0));
-        for word in ["nan", "inf", "1e999", "x", "1,5"] {
-            assert!(finite(word).is_err(), "{word}");
+    fn a_backslash_joins_lines_and_numbers_go_on() {
+        let found = said(b"a \\\nb\r\nc");
+        assert_eq!(found, [(1, "a  b".to_owned()), (3, "c".to_owned())]);
+        assert_eq!(said(b"# C:\\\nv 1")[1], (2, "v 1".to_owned()));
+    }
+
+    #[test]
+    fn lines_end_in_lf_cr_or_both() {
+        let found = said(b"a\rb\r\n\nc\r");
+        let texts = ["a", "b", "", "c", ""];
+        let expected: Vec<_> = (1..).zip(texts.map(str::to_owned)).collect();
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn utf_16_is_read_with_and_without_its_mark() {
+        let text = "v 1 ä";
+        let of = |to: fn(u16) -> [u8; 2], mark: &str| -> Vec<u8> {
+            let all = format!("{mark}{text}");
+            all.encode_utf16().flat_map(to).collect()
+        };
+        for mark in ["", "\u{feff}"] {
+            for to in [u16::to_le_bytes as fn(u16) -> [u8; 2], u16::to_be_bytes] {
+                assert_eq!(*utf8_of(&of(to, mark)), *text.as_bytes());
+            }
+        }
+        assert_eq!(*utf8_of(b"\xef\xbb\xbfply"), *b"ply");
+        assert_eq!(*utf8_of(b"ply"), *b"ply");
+    }
+
+    #[test]
+    fn names_that_are_no_utf_8_stay_different() {
+        let [one, other] = [&b"usemtl St\xfchle"[..], b"usemtl St\xe4hle"].map(said);
+        assert_ne!(one, other);
+    }
+
+    #[test]
+    fn a_comment_ends_numbers_and_what_c_says_of_none_is_no_comment() {
+        let line = Line {
+            number: 1,
+            text: Cow::Borrowed("-1.#QNAN 2 # 3"),
+        };
+        let mut words = Words::of(&line);
+        words.leave_out_comment();
+        assert!(words.any_number().is_some_and(f64::is_nan));
+        assert_eq!((words.any_number(), words.any_number()), (Some(2.0), None));
+    }
+
+    #[test]
+    fn numbers_are_read_however_they_are_written() {
+        let mut commas = 0;
+        for (word, number) in [
+            ("-1.5e3", -1500.0),
+            ("+.5", 0.5),
+            ("5.", 5.0),
+            ("1.0e+003", 1000.0),
+            ("1.5D+02", 150.0),
+            ("2,", 2.0),
+            ("-0,25", -0.25),
+        ] {
+            assert_eq!(number_of(word, &mut commas), Some(number), "{word}");
+        }
+        assert_eq!(commas, 1);
+        for word in ["nan", "-nan(ind)", "1.#QNAN", "-1.#IND00", "NaN"] {
+            assert!(number_of(word, &mut commas).is_some_and(f64::is_nan));
+        }
+        for word in ["inf", "-Infinity", "1e999", "1.#INF", "-1.#J"] {
+            assert!(number_of(word, &mut commas).is_some_and(f64::is_infinite));
+        }
+        for word in ["x", "", "1,2,3", "--", "d"] {
+            assert_eq!(number_of(word, &mut commas), None, "{word}");
         }
     }
 }

@@ -31,8 +31,20 @@ const MOST_DEGREES: f64 = 3600.0;
 /// What stands after the id of a twin.
 const TWIN: &str = ".right";
 
-/// The rig that entries describe.
+/// The rig that entries describe, none of whose panels lies over another in its output.
 pub(super) fn rig(said: &RigEntries, read: ReadBeside<'_>) -> Result<Rig, WrongKey> {
+    let rig = placed(said, read)?;
+    match overlaps(&rig.panels).first() {
+        None => Ok(rig),
+        Some((number, other)) => {
+            let what = format!("it lies over that of {:?}", rig.panels[*other].id);
+            Err(WrongKey::new(format!("panel[{}].output", number + 1), what))
+        }
+    }
+}
+
+/// The same, wherever panels lie in their outputs.
+pub(super) fn placed(said: &RigEntries, read: ReadBeside<'_>) -> Result<Rig, WrongKey> {
     let RigFormat::TiledView1 = said.format;
     if said.panel.is_empty() {
         return Err(WrongKey::new(
@@ -65,7 +77,7 @@ pub(super) fn rig(said: &RigEntries, read: ReadBeside<'_>) -> Result<Rig, WrongK
         add_twins(&said.panel, &mut panels)?;
     }
     check_ids(&panels)?;
-    check_outputs(&panels)?;
+    check_monitors(&panels)?;
     Ok(Rig {
         panels,
         ipd,
@@ -327,26 +339,32 @@ fn check_ids(panels: &[Panel]) -> Result<(), WrongKey> {
     Ok(())
 }
 
-fn check_outputs(panels: &[Panel]) -> Result<(), WrongKey> {
+fn check_monitors(panels: &[Panel]) -> Result<(), WrongKey> {
     for (number, panel) in (1..).zip(panels) {
-        for other in &panels[..number - 1] {
-            let (a, b) = (&panel.output, &other.output);
-            if a.surface != b.surface {
-                continue;
-            }
-            let key = || format!("panel[{number}].output");
-            if a.monitor != b.monitor {
-                let what = format!("surface {:?} is on two monitors", a.surface);
-                return Err(WrongKey::new(key(), what));
-            }
-            let ([aw, ah], [bw, bh]) = (panel.sent_size(), other.sent_size());
-            let is_over =
-                |a: u32, a_side: u32, b: u32, b_side: u32| a < b + b_side && b < a + a_side;
-            if is_over(a.x, aw, b.x, bw) && is_over(a.y, ah, b.y, bh) {
-                let what = format!("it lies over that of {:?}", other.id);
-                return Err(WrongKey::new(key(), what));
-            }
+        let (surface, monitor) = (&panel.output.surface, &panel.output.monitor);
+        let is_other = |it: &Panel| it.output.surface == *surface && it.output.monitor != *monitor;
+        if panels[..number - 1].iter().any(is_other) {
+            let what = format!("surface {surface:?} is on two monitors");
+            return Err(WrongKey::new(format!("panel[{number}].output"), what));
         }
     }
     Ok(())
+}
+
+/// The panels, by their places in the list, that lie over an earlier one in their surface, with
+/// that one.
+pub(super) fn overlaps(panels: &[Panel]) -> Vec<(usize, usize)> {
+    let lies_over = |panel: &Panel, other: &Panel| {
+        let (a, b) = (&panel.output, &other.output);
+        let ([aw, ah], [bw, bh]) = (panel.sent_size(), other.sent_size());
+        let is_over = |a: u32, a_side: u32, b: u32, b_side: u32| a < b + b_side && b < a + a_side;
+        a.surface == b.surface && is_over(a.x, aw, b.x, bw) && is_over(a.y, ah, b.y, bh)
+    };
+    let first_below = |(number, panel): (usize, &Panel)| {
+        let other = panels[..number]
+            .iter()
+            .position(|other| lies_over(panel, other));
+        other.map(|other| (number, other))
+    };
+    panels.iter().enumerate().filter_map(first_below).collect()
 }

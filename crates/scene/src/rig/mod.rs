@@ -114,7 +114,7 @@ pub fn read_rig_seen_from(path: &Path, eye: Option<[f64; 3]>) -> Result<NotedRig
             rig: found.rig,
             notes: found.notes,
         }),
-        RigKind::Mesh => mesh::read(&bytes).map(plain),
+        RigKind::Mesh => mesh::read(&bytes).map(|(rig, notes)| NotedRig { rig, notes }),
     };
     found.map_err(|fault| fault.in_file(path))
 }
@@ -246,7 +246,7 @@ pub fn read_any_mpcdi(bytes: &[u8]) -> bool {
 /// Reads any bytes as a warp mesh; `true` if they are one. Panics if its rig breaks what it
 /// promises: for fuzzing and tests.
 pub fn read_any_mesh(bytes: &[u8]) -> bool {
-    is_sound(mesh::read(bytes))
+    is_sound(mesh::read(bytes).map(|(rig, _)| rig))
 }
 
 fn is_sound(found: Result<Rig, RigFault>) -> bool {

@@ -3,6 +3,7 @@
 use super::*;
 use crate::facts::{about, head_bytes, opening};
 use foveal_core::content::policy::Policy;
+use foveal_core::content::scene::pack::{begin_scene, chunk_name, finish_scene};
 use foveal_core::content::scene::scripted::{scripted_scene, scripted_scene_file};
 use foveal_core::session::log_of_parts::SessionLog;
 
@@ -51,6 +52,46 @@ fn play(file: &[u8], player: &mut PagePlayer, from: f64) -> usize {
         units += answer(file, player);
     }
     panic!("it does not settle");
+}
+
+/// The same scene with so long a name that its objects lie in a table.
+fn with_object_table(file: &[u8]) -> Vec<u8> {
+    let scene = scripted_scene().unwrap();
+    let pack = scene.pack();
+    let mut about = pack.description().clone();
+    about.tables.clear();
+    about.objects[0].name = "part ".repeat(10_000);
+    let mut builder = begin_scene(&about);
+    let mut chunks = Vec::new();
+    for unit in pack.units() {
+        let entry = pack.entry(unit);
+        let chunk = &file[entry.offset as usize..][..entry.bytes as usize];
+        builder.push(chunk_name(unit), chunk);
+        chunks.extend(chunk);
+    }
+    let parts = finish_scene(builder, about, pack.rows()).unwrap();
+    [parts.head, chunks, parts.tail].concat()
+}
+
+#[test]
+fn a_page_shows_a_scene_whose_objects_lie_in_a_table() {
+    let file = scripted_scene_file().unwrap();
+    let tabled = with_object_table(&file);
+    let text = String::from_utf8_lossy(&tabled[..4096]).into_owned();
+    assert!(text.contains(r#""needs":["scene","objects"]"#), "{text}");
+    let mut players = [&file, &tabled].map(|file| open(file, "viewport").unwrap());
+    let [plain, of_table] = &mut players;
+    assert_eq!(play(&file, plain, 0.0), play(&tabled, of_table, 0.0));
+    assert_eq!(
+        plain.session.figures.histogram,
+        of_table.session.figures.histogram
+    );
+    let (head, mut rest) = beginning(&tabled);
+    let last = rest.len() - 1;
+    rest[last] ^= 1;
+    let options = Options::parse(r#"{"name":"a","policy":"viewport","size":[64,40]}"#).unwrap();
+    let refused = PagePlayer::new(&head, &rest, &options, None).map(|_| ());
+    assert!(refused.unwrap_err().contains("objects"));
 }
 
 #[test]

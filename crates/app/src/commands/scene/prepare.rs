@@ -11,8 +11,8 @@ use foveal_core::units::counted;
 use foveal_media::pack::name_claim::NameClaim;
 use foveal_media::pack::scene_file::{SceneFile, write_scene};
 use foveal_scene::build::{BuildOptions, Built, build};
-use foveal_scene::read::{ReadOptions, Up, read, texels};
-use foveal_scene::source::SourceScene;
+use foveal_scene::read::{KEPT, ReadOptions, Up, read, texels};
+use foveal_scene::source::{Repairs, SourceScene};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -21,6 +21,8 @@ use std::time::Instant;
 const PAGE: u32 = 64;
 /// What a description takes at most for where its tables lie, in bytes.
 const BYTES_OF_TABLES: u64 = 1024;
+/// Bytes of all remarks that a pack keeps.
+const MOST_REMARKED: usize = 1 << 16;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum UpName {
@@ -46,9 +48,16 @@ pub(crate) struct PrepareSceneArgs {
     /// Keep every texel of textures as it is, in PNG in place of JPEG.
     #[arg(long)]
     exact: bool,
+    /// Open files that lie outside the folder of the file that names them, such as
+    /// ../textures/wood.png.
+    #[arg(long)]
+    allow_outside: bool,
     /// Threads (default: all cores); the pack is the same for any number.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
+    /// Refuse files of which anything would be mended or left out, and name it.
+    #[arg(long)]
+    strict: bool,
     /// Replace another pack at --out, which stays until the new one is whole.
     #[arg(long)]
     force: bool,
@@ -89,7 +98,9 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
     let jobs = output::jobs(args.jobs)?;
     let begun = Instant::now();
     if args.dry_run {
-        return args.estimate(&args.read()?, begun, jobs);
+        let source = args.read()?;
+        args.refuse_mends(&source.repairs, &source.remarks)?;
+        return args.estimate(&source, begun, jobs);
     }
     let out = args
         .out
@@ -103,12 +114,15 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
         false => None,
     };
     let source = args.read()?;
+    args.refuse_mends(&source.repairs, &source.remarks)?;
     let identity = args.identity(&source);
     let Some(claim) = claim else {
         return args.say_what_is_there(out, &identity);
     };
     source.remarks.iter().for_each(|remark| output::say(remark));
     let built = args.build(&source, jobs)?;
+    built.remarks.iter().for_each(|remark| output::say(remark));
+    args.refuse_mends(&built.repairs, &source.remarks)?;
     let description = args.description(&source, &built, identity);
     refuse_too_long(&description)?;
     drop(source);
@@ -124,20 +138,34 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
 
 /// A pack whose description is too long could not be opened.
 fn refuse_too_long(description: &SceneDescription) -> anyhow::Result<()> {
-    let bytes = serde_json::to_vec(description)?.len() as u64 + BYTES_OF_TABLES;
+    let (description, _) = description.clone().parted();
+    let bytes = serde_json::to_vec(&description)?.len() as u64 + BYTES_OF_TABLES;
     let most = u64::from(MAX_DESCRIPTION_BYTES);
     if bytes > most {
-        let placements = description.objects.iter().map(|it| it.placements.len());
         bail!(
-            "{} in {} places take {}, and a pack's description holds {}: give fewer places, or \
-             several packs; nothing was written",
-            counted(description.objects.len(), "object"),
-            placements.sum::<usize>(),
+            "the names of {} take {}, and a pack's description holds {}: give fewer, or shorter \
+             ones; nothing was written",
+            counted(description.source.names.len(), "file"),
             output::size(bytes),
             output::size(most),
         );
     }
     Ok(())
+}
+
+/// Remarks as a pack keeps them: no more than its description has room for.
+fn kept_remarks(remarks: &[String]) -> Vec<String> {
+    let mut left = MOST_REMARKED;
+    let fits = |remark: &&String| {
+        left = left.saturating_sub(remark.len());
+        left > 0
+    };
+    let mut kept: Vec<String> = remarks.iter().take_while(fits).cloned().collect();
+    let more = remarks.len() - kept.len();
+    if more > 0 {
+        kept.push(format!("{} more", counted(more, "remark")));
+    }
+    kept
 }
 
 impl PrepareSceneArgs {
@@ -148,6 +176,7 @@ impl PrepareSceneArgs {
                 UpName::Y => Up::Y,
                 UpName::Z => Up::Z,
             }),
+            allow_outside: self.allow_outside,
         };
         Ok(read(&inputs, &options)?)
     }
@@ -165,10 +194,29 @@ impl PrepareSceneArgs {
             bar.set_position(done);
         });
         bar.finish_and_clear();
-        built.with_context(|| {
-            let names = self.inputs.iter().map(|input| input.display().to_string());
-            names.collect::<Vec<_>>().join(", ")
-        })
+        built.with_context(|| self.names())
+    }
+
+    fn names(&self) -> String {
+        let names = self.inputs.iter().map(|input| input.display().to_string());
+        names.collect::<Vec<_>>().join(", ")
+    }
+
+    /// With `--strict`, refuses what was mended or left out.
+    fn refuse_mends(&self, repairs: &Repairs, remarks: &[String]) -> anyhow::Result<()> {
+        let mends = repairs.iter().filter(|it| !KEPT.contains(&it.0.as_str()));
+        let told = |(name, times): (&String, &u64)| format!("{}: {times}", name.replace('_', " "));
+        let counts: Vec<String> = mends.map(told).collect();
+        if !self.strict || counts.is_empty() {
+            return Ok(());
+        }
+        let remarks: String = remarks.iter().map(|it| format!("\n{it}")).collect();
+        bail!(
+            "{}: --strict refuses what would be mended, {}; mend it where it was made, or prepare \
+             without --strict{remarks}",
+            self.names(),
+            counts.join(", "),
+        )
     }
 
     fn description(
@@ -192,11 +240,13 @@ impl PrepareSceneArgs {
             },
             objects: built.objects.clone(),
             textures: built.textures.clone(),
+            parts: built.parts.clone(),
+            joined: built.joined,
             units,
             page: PAGE,
             look: source.look(),
             identity,
-            remarks: source.remarks.clone(),
+            remarks: kept_remarks(&[&source.remarks[..], &built.remarks].concat()),
             repairs: built.repairs.clone(),
             tables: Vec::new(),
         }
@@ -229,6 +279,8 @@ impl PrepareSceneArgs {
                 out.display()
             )));
         };
+        let about = file.pack().description();
+        self.refuse_mends(&about.repairs, &about.remarks)?;
         let text = format!(
             "{}: is there already, made in the same way; nothing was written",
             out.display()

@@ -1,6 +1,7 @@
 //! What is in the pack of a scene?
 
 use crate::report::output;
+use foveal_core::content::scene::description::JoinedParts;
 use foveal_core::content::scene::unit_table::UnitKind;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::units::{counted, one_line};
@@ -13,8 +14,12 @@ use std::fmt::Write as _;
 #[derive(Debug, Serialize)]
 pub(crate) struct SceneInfo {
     kind: &'static str,
+    /// Things of the source, and their places; those too that were joined.
     objects: usize,
     placements: usize,
+    /// Objects that small ones were joined to, and how many these are.
+    bundles: u64,
+    joined_objects: u64,
     units: usize,
     levels: u8,
     pub(crate) bytes: u64,
@@ -75,6 +80,13 @@ impl SceneInfo {
     pub(crate) fn new(file: &SceneFile) -> Self {
         let (pack, scene) = (file.pack(), file.scene());
         let about = pack.description();
+        let JoinedParts {
+            bundles,
+            objects,
+            places,
+        } = about.joined;
+        let more = |joined: u64| joined.saturating_sub(bundles) as usize;
+        let placements: usize = about.objects.iter().map(|it| it.placements.len()).sum();
         let bytes_per_level = pack.index().bytes_per_level();
         let bytes_by_kind = BytesByKind::of(file, pack.units());
         let tables: u64 = about.tables.iter().map(|it| it.bytes).sum();
@@ -86,8 +98,10 @@ impl SceneInfo {
         let per_leaf = |bytes: u64| bytes as f64 / leaves.max(1) as f64;
         Self {
             kind: "scene",
-            objects: about.objects.len(),
-            placements: about.objects.iter().map(|it| it.placements.len()).sum(),
+            objects: about.objects.len() + more(objects),
+            placements: placements + more(places),
+            bundles,
+            joined_objects: objects,
             units: pack.len(),
             levels: pack.coarsest() + 1,
             bytes: file.bytes(),
@@ -136,6 +150,10 @@ impl SceneInfo {
             },
             self.bytes_per_leaf_with_tables,
         );
+        if self.bundles > 0 {
+            let joined = counted(self.joined_objects, "small object");
+            let _ = writeln!(text, "{joined} joined to {}", self.bundles);
+        }
         if self.texels > 0 {
             let size = output::size(self.bytes_by_kind.texture);
             let _ = writeln!(

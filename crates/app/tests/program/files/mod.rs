@@ -2,6 +2,17 @@
 //!
 //! Inputs are made here, after what users of other players, viewers and converters reported.
 
+mod assemblies;
+mod colours;
+mod gltf;
+mod las;
+mod layouts;
+mod meshes;
+mod numbers;
+mod outliers;
+mod paths;
+mod row;
+
 use crate::support::done;
 
 #[test]

@@ -53,8 +53,8 @@ fn what_a_scene_costs_is_told_of_beside_its_baselines_as_documented() {
     assert_eq!(json(&only)["rows"].as_array().unwrap().len(), 3);
     refused(
         2,
-        &["bench", "scene", &source, "--only", "13"],
-        &["--only 13", "first-picture"],
+        &["bench", "scene", &source, "--only", "14"],
+        &["--only 14", "first-picture"],
     );
 }
 

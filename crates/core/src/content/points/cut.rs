@@ -8,12 +8,15 @@ use super::payload::{CloudPoint, Correction, PointUnit, octant_of};
 use crate::content::scene::description::Cloud;
 use crate::pack::PackError;
 use crate::pack::unit::UnitId;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// Bits of a place in a cube that is shown.
 pub const SHOWN_BITS: u8 = 16;
 /// Number of octants of a cube.
 pub const OCTANTS: usize = 8;
+
+/// Points that may lie where others do before it is looked which.
+const MOST_REPEATS: usize = 16;
 
 /// A point as it is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,9 +53,20 @@ pub struct PlacedPoints {
     /// The unit that it refines, and which octant of it.
     refines: Option<(UnitId, u8)>,
     corrections: Vec<Correction>,
+    /// The first of all points at each place, in order; where these are about all, nothing.
+    firsts: Option<Vec<u32>>,
 }
 
 impl PlacedPoints {
+    /// The points to draw: where many lie at one place the first of them, which hides the others.
+    pub fn drawn(&self) -> impl ExactSizeIterator<Item = &ShownPoint> {
+        let count = self.firsts.as_ref().map_or(self.points.len(), Vec::len);
+        (0..count).map(|number| match &self.firsts {
+            Some(firsts) => &self.points[firsts[number] as usize],
+            None => &self.points[number],
+        })
+    }
+
     /// The unit that it refines; of a root none.
     #[must_use]
     pub fn parent(&self) -> Option<UnitId> {
@@ -98,11 +112,13 @@ impl PointCut {
                 ));
             }
         }
+        let points = shown(says, cloud);
         let placed = PlacedPoints {
             corner: says.corner,
             bits: says.bits,
             cell_steps: says.cell_steps(),
-            points: shown(says, cloud),
+            firsts: firsts(&points),
+            points,
             refined_by: [None; OCTANTS],
             refines,
             corrections: says.corrections.clone(),
@@ -224,6 +240,30 @@ fn shown(says: &PointUnit, cloud: &Cloud) -> Vec<ShownPoint> {
     says.points.iter().map(point).collect()
 }
 
+/// The first of all points at each place; nothing where few share one, which costs less to draw
+/// than to find.
+fn firsts(points: &[ShownPoint]) -> Option<Vec<u32>> {
+    const MARKS: usize = 1 << 16;
+    let mut marks = vec![0_u64; MARKS / 64];
+    let may_repeat = |point: &&ShownPoint| {
+        // The fraction of the golden ratio (Knuth, TAOCP 3, 6.4).
+        let [x, y, z] = point.place.map(u64::from);
+        let hash = (x | y << 16 | z << 32).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let mark = (hash >> 48) as usize;
+        let was = marks[mark / 64] >> (mark % 64) & 1;
+        marks[mark / 64] |= 1 << (mark % 64);
+        was > 0
+    };
+    let repeats = points.iter().filter(may_repeat).count();
+    if repeats < MOST_REPEATS.max(points.len() / 4) {
+        return None;
+    }
+    let mut known = HashSet::new();
+    let numbered = (0..).zip(points);
+    let firsts = numbered.filter(|(_, point)| known.insert(point.place));
+    Some(firsts.map(|(number, _)| number).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -274,6 +314,22 @@ mod tests {
         assert_eq!(root.refined_by[5], Some(UnitId(3)));
         assert_eq!(cut.remove(UnitId(3)), Some(UnitId(0)));
         assert_eq!(cut, before);
+    }
+
+    #[test]
+    fn of_many_points_at_one_place_the_first_is_drawn() {
+        let place = |k: u32| [[1, 2, 3], [4, 5, 6]][(k % 2) as usize];
+        let many = PointUnit {
+            bits: 4,
+            points: (0..1000).map(|k| point(place(k), k as u16)).collect(),
+            ..PointUnit::default()
+        };
+        let mut cut = PointCut::default();
+        let placed = cut.insert(UnitId(0), None, &many, &cloud()).unwrap();
+        let reds: Vec<u16> = placed.drawn().map(|it| it.colour[0]).collect();
+        assert_eq!((reds, placed.points.len()), (vec![0, 1], 1000));
+        let placed = cut.insert(UnitId(1), None, &root(), &cloud()).unwrap();
+        assert_eq!(placed.drawn().len(), 2);
     }
 
     #[test]

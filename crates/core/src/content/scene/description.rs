@@ -5,14 +5,20 @@ use crate::content::images::wrap::Wrap;
 use crate::content::mesh::payload::Attributes;
 use crate::content::points::payload::PointAttributes;
 use crate::content::scene::lighting::LAMP_DIRECTION;
-use crate::pack::{Identity, PackError, TableEntry};
+use crate::content::scene::object_table::{
+    NAMES, NAMES_VERSION, OBJECTS, OBJECTS_VERSION, read_objects, write_names, write_objects,
+};
+use crate::pack::{Identity, PackError, SideTable, TableEntry, check_crc};
 use glam::{DAffine3, DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// What the description of every scene has as its kind, and needs of its reader.
 pub const KIND: &str = "scene";
-/// Most objects of a scene.
-const MOST_OBJECTS: usize = 4096;
+/// Most objects of a scene: a row of the table of units tells one in 16 bits, of which the last
+/// stands for all.
+pub const MOST_OBJECTS: usize = 65_535;
+/// Bytes of a description beyond which its objects go into a side table.
+const LONG: usize = 1 << 15;
 /// Most levels of a scene.
 const MOST_LEVELS: usize = 40;
 /// Most textures of a scene.
@@ -33,11 +39,20 @@ pub struct SceneDescription {
     pub generator: String,
     /// What it was made of.
     pub source: SceneSource,
-    /// What stands in it.
+    /// What stands in it; of a description that needs [`OBJECTS`] nothing, until
+    /// [`Self::with_objects`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub objects: Vec<SceneObject>,
-    /// What its surfaces have.
+    /// What its surfaces have; the same.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub textures: Vec<SceneTexture>,
+    /// For each object the names of the parts that it was joined of, where that is not one: what is
+    /// written into a side table, and not read with the rest.
+    #[serde(skip)]
+    pub parts: Vec<Vec<String>>,
+    /// What was joined.
+    #[serde(default, skip_serializing_if = "JoinedParts::are_none")]
+    pub joined: JoinedParts,
     /// Number of units of each level, finest first; the roots of all objects are the coarsest.
     pub units: Vec<u32>,
     /// Entries of a full page of the index, and rows of a full page of tables.
@@ -56,6 +71,23 @@ pub struct SceneDescription {
     pub repairs: std::collections::BTreeMap<String, u64>,
     /// Where side tables lie.
     pub tables: Vec<TableEntry>,
+}
+
+/// How many small objects of the source were joined to few.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct JoinedParts {
+    /// The objects that they became.
+    pub bundles: u64,
+    /// Those of the source.
+    pub objects: u64,
+    /// Places where these stand.
+    pub places: u64,
+}
+
+impl JoinedParts {
+    fn are_none(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// What is seen where nothing stands, and where light comes from.
@@ -325,12 +357,13 @@ impl Needs {
         if kind != KIND {
             return Err(PackError::new("description.kind", shown(kind), KIND));
         }
-        match self.needs.iter().find(|name| *name != KIND) {
+        let is_known = |name: &&String| [KIND, OBJECTS].contains(&name.as_str());
+        match self.needs.iter().find(|name| !is_known(name)) {
             None => Ok(()),
             Some(name) => Err(PackError::new(
                 "description.needs",
                 shown(name),
-                "nothing but scene; a newer foveal wrote this pack: update foveal",
+                "nothing but scene and objects; a newer foveal wrote this pack: update foveal",
             )),
         }
     }
@@ -353,8 +386,84 @@ impl SceneDescription {
         let needs: Needs = serde_json::from_slice(json).map_err(wrong)?;
         needs.check()?;
         let about: Self = serde_json::from_slice(json).map_err(wrong)?;
+        if about.has_object_table() {
+            let told = about.objects.len() + about.textures.len();
+            if told > 0 {
+                return Err(PackError::new(
+                    "objects, textures",
+                    told,
+                    "none beside their table",
+                ));
+            }
+            about.objects_table()?;
+            return about.check_rest().map(|()| about);
+        }
         about.check()?;
         Ok(about)
+    }
+
+    /// Whether its objects and textures lie in a side table.
+    fn has_object_table(&self) -> bool {
+        self.needs.iter().any(|need| need == OBJECTS)
+    }
+
+    /// Where the side table of its objects lies, if it has one.
+    ///
+    /// # Errors
+    /// It needs one and there is none, or one of another version.
+    pub fn objects_table(&self) -> Result<Option<&TableEntry>, PackError> {
+        if !self.has_object_table() {
+            return Ok(None);
+        }
+        let table = self.tables.iter().find(|table| table.name == OBJECTS);
+        match table.filter(|table| table.version == OBJECTS_VERSION) {
+            Some(table) => Ok(Some(table)),
+            None => {
+                let found = table.map_or("none".to_owned(), |it| format!("version {}", it.version));
+                let expected = format!("version {OBJECTS_VERSION}");
+                Err(PackError::new("tables.objects", found, expected))
+            }
+        }
+    }
+
+    /// The same with the objects and textures of its side table; `table` is nothing where it has
+    /// none.
+    ///
+    /// # Errors
+    /// The table is damaged, or a number in it is out of range.
+    pub fn with_objects(mut self, table: &[u8]) -> Result<Self, PackError> {
+        let Some(entry) = self.objects_table()? else {
+            return Ok(self);
+        };
+        check_crc(&format!("side table {OBJECTS}"), table, entry.crc32c)?;
+        (self.objects, self.textures) = read_objects(table)?;
+        self.check()?;
+        Ok(self)
+    }
+
+    /// The description as it is written, and side tables: of its objects where it would be long,
+    /// and of names that have no place in it.
+    #[must_use]
+    pub fn parted(mut self) -> (Self, Vec<SideTable>) {
+        let length = serde_json::to_vec(&self).map_or(0, |json| json.len());
+        let table = |name: &str, version, bytes| SideTable {
+            name: name.to_owned(),
+            version,
+            bytes,
+        };
+        let mut tables = Vec::new();
+        if length > LONG || !self.parts.iter().all(Vec::is_empty) {
+            let names = write_names(&self.objects, &self.parts);
+            tables.push(table(NAMES, NAMES_VERSION, names));
+        }
+        if length > LONG {
+            let objects = write_objects(&self.objects, &self.textures);
+            tables.push(table(OBJECTS, OBJECTS_VERSION, objects));
+            (self.objects, self.textures) = (Vec::new(), Vec::new());
+            self.needs.push(OBJECTS.to_owned());
+        }
+        self.parts = Vec::new();
+        (self, tables)
     }
 
     /// Triangles, points and texels at the finest level, each once.
@@ -392,21 +501,29 @@ impl SceneDescription {
     }
 
     fn check(&self) -> Result<(), PackError> {
-        let within = |field: &str, found: usize, most: usize| match (1..=most).contains(&found) {
-            true => Ok(()),
-            false => Err(PackError::new(field, found, format!("1 to {most}"))),
-        };
         within("objects", self.objects.len(), MOST_OBJECTS)?;
+        within("textures", self.textures.len() + 1, MOST_TEXTURES + 1)?;
+        self.textures.iter().try_for_each(SceneTexture::check)?;
+        let textures = self.textures.len();
+        self.objects.iter().try_for_each(|it| it.check(textures))?;
+        self.check_rest()
+    }
+
+    /// All but objects and textures.
+    fn check_rest(&self) -> Result<(), PackError> {
         within("units", self.units.len(), MOST_LEVELS)?;
         if self.units.last() == Some(&0) {
             return Err(PackError::new("units", "no roots", "at least one"));
         }
         within("page", self.page as usize, 1 << 12)?;
-        self.look.check()?;
-        within("textures", self.textures.len() + 1, MOST_TEXTURES + 1)?;
-        self.textures.iter().try_for_each(SceneTexture::check)?;
-        let textures = self.textures.len();
-        self.objects.iter().try_for_each(|it| it.check(textures))
+        self.look.check()
+    }
+}
+
+fn within(field: &str, found: usize, most: usize) -> Result<(), PackError> {
+    match (1..=most).contains(&found) {
+        true => Ok(()),
+        false => Err(PackError::new(field, found, format!("1 to {most}"))),
     }
 }
 

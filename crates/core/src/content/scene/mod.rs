@@ -4,6 +4,7 @@ mod content;
 pub mod demand;
 pub mod description;
 pub mod lighting;
+pub mod object_table;
 pub mod pack;
 mod rough_look;
 #[allow(

@@ -56,7 +56,8 @@ fn numbers_of(description: &SceneDescription) -> Result<UnitNumbers, PackError> 
 
 impl ScenePack {
     /// Reads the description of a pack whose header is `header`: with it the index can be read, and
-    /// the table of units.
+    /// the table of units; where it has a table of objects, that is to be read first, for
+    /// [`SceneDescription::with_objects`].
     ///
     /// # Errors
     /// It is damaged, of another kind, or needs more than this program understands.
@@ -355,11 +356,13 @@ impl ScenePack {
         ]
     }
 
-    /// Bytes that come before any page: header, description and the directory of the table.
+    /// Bytes that come before any page: header, description, the directory of the table of units,
+    /// and the table of objects where there is one.
     #[must_use]
     pub fn head_bytes(&self, header: &Header) -> u64 {
         let first = self.directory.place(0);
-        header.data_offset() + first.start
+        let objects = self.description.objects_table().ok().flatten();
+        header.data_offset() + first.start + objects.map_or(0, |table| table.bytes)
     }
 
     /// Whether chunks and side tables fill the file without gap or overlap.
@@ -421,7 +424,8 @@ pub fn chunk_name(unit: UnitId) -> ChunkName {
 /// Begins the pack of a scene of about this description.
 #[must_use]
 pub fn begin_scene(draft: &SceneDescription) -> PackBuilder {
-    PackBuilder::new(&serde_json::to_vec(draft).unwrap_or_default())
+    let (draft, _) = draft.clone().parted();
+    PackBuilder::new(&serde_json::to_vec(&draft).unwrap_or_default())
 }
 
 /// The bytes before and after the chunks of a scene, whose units have all been pushed by
@@ -431,17 +435,19 @@ pub fn begin_scene(draft: &SceneDescription) -> PackBuilder {
 /// A unit is missing, or the description does not fit.
 pub fn finish_scene(
     builder: PackBuilder,
-    mut description: SceneDescription,
+    description: SceneDescription,
     rows: &[UnitRow],
 ) -> Result<PackHead, PackError> {
     let numbers = numbers_of(&description)?;
+    let (mut description, mut tables) = description.parted();
     let table = SideTable {
         name: UNITS.to_owned(),
         version: UNITS_VERSION,
         bytes: write_units(rows, description.page, &numbers),
     };
     let unit = |ChunkName(name): ChunkName| UnitId(crate::pack::u32_at(&name, 0));
-    builder.finish(&numbers, unit, &[table], |tables| {
+    tables.push(table);
+    builder.finish(&numbers, unit, &tables, |tables| {
         description.tables = tables;
         let json = serde_json::to_vec(&description);
         let json = json.map_err(|e| PackError::new("description", e, "valid JSON"))?;
@@ -463,7 +469,10 @@ pub fn parse_anything(data: &[u8]) -> bool {
     };
     let description = part(HEADER_BYTES as u64, u64::from(header.description_bytes));
     let read = || {
-        let about = ScenePack::describe(&header, description?).ok()?;
+        let mut about = ScenePack::describe(&header, description?).ok()?;
+        if let Some(table) = about.objects_table().ok()?.cloned() {
+            about = about.with_objects(part(table.offset, table.bytes)?).ok()?;
+        }
         let table = about.units_table().ok()?;
         let table = part(table.offset, table.bytes)?;
         let index = part(header.index_offset, header.index_bytes)?;

@@ -67,13 +67,13 @@ impl Scene {
             }
             first.push(stands.len() as u32);
         }
-        let spheres: Vec<Sphere> = objects
+        let spheres: Vec<(Sphere, f64)> = objects
             .iter()
             .zip(&placed)
             .flat_map(placed_bounds)
             .collect();
         Self {
-            bounds: bounds(&spheres),
+            bounds: bounds(&without_strays(spheres)),
             name: name.to_owned(),
             stands,
             first,
@@ -87,7 +87,8 @@ impl Scene {
         &self.pack
     }
 
-    /// A sphere round all of it.
+    /// A sphere round all of it, but for objects with next to none of its triangles and points that
+    /// stand many times as far away as all others.
     #[must_use]
     pub fn bounds(&self) -> Sphere {
         self.bounds
@@ -106,6 +107,9 @@ impl Scene {
             let centre = DVec3::from_array(object.bounds.centre);
             for (world_from_object, _) in placements(object) {
                 let centre = world_from_object.transform_point3(centre);
+                if centre.distance(self.bounds.centre) > self.bounds.radius {
+                    continue;
+                }
                 let matrix = world_from_object.matrix3;
                 let sides = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::abs);
                 let reach = sides[0] * half.x + sides[1] * half.y + sides[2] * half.z;
@@ -157,14 +161,56 @@ fn placements(object: &SceneObject) -> Vec<(DAffine3, f64)> {
     object.placements().map(scaled).collect()
 }
 
-/// The sphere round an object, wherever it stands.
-fn placed_bounds((object, placed): (&SceneObject, &Vec<(DAffine3, f64)>)) -> Vec<Sphere> {
+/// The sphere round an object, wherever it stands, and how many triangles and points it has.
+fn placed_bounds((object, placed): (&SceneObject, &Vec<(DAffine3, f64)>)) -> Vec<(Sphere, f64)> {
     let centre = DVec3::from_array(object.bounds.centre);
-    let at = |(world_from_object, scale): &(DAffine3, f64)| Sphere {
-        centre: world_from_object.transform_point3(centre),
-        radius: object.bounds.radius * scale,
+    let points = object.points.map_or(0, |it| it.count);
+    let samples = (object.leaf_triangles + points) as f64;
+    let at = |(world_from_object, scale): &(DAffine3, f64)| {
+        let sphere = Sphere {
+            centre: world_from_object.transform_point3(centre),
+            radius: object.bounds.radius * scale,
+        };
+        (sphere, samples)
     };
     placed.iter().map(at).collect()
+}
+
+/// Leaves out spheres with next to none of all samples that reach many times as far as all others
+/// together.
+fn without_strays(spheres: Vec<(Sphere, f64)>) -> Vec<Sphere> {
+    /// What may be left out, of all samples.
+    const FEW: f64 = 0.02;
+    /// How many times as far.
+    const FAR: f64 = 16.0;
+    let all: f64 = spheres.iter().map(|it| it.1).sum();
+    let middle = DVec3::from_array([0, 1, 2].map(|axis| {
+        let mut along: Vec<(f64, f64)> = spheres
+            .iter()
+            .map(|(sphere, samples)| (sphere.centre[axis], *samples))
+            .collect();
+        along.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut sum = 0.0;
+        let half = along.iter().find(|(_, samples)| {
+            sum += samples;
+            2.0 * sum >= all
+        });
+        half.map_or(0.0, |it| it.0)
+    }));
+    let reach = |sphere: &Sphere| sphere.centre.distance(middle) + sphere.radius;
+    let mut outwards: Vec<(f64, f64)> = spheres
+        .iter()
+        .map(|(sphere, samples)| (reach(sphere), *samples))
+        .collect();
+    outwards.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut sum = 0.0;
+    let most = outwards.iter().find(|(_, samples)| {
+        sum += samples;
+        sum >= (1.0 - FEW) * all
+    });
+    let most = FAR * most.map_or(f64::INFINITY, |it| it.0);
+    let kept = spheres.into_iter().map(|it| it.0);
+    kept.filter(|it| reach(it) <= most).collect()
 }
 
 /// A sphere round spheres: round the middle of the box that they fill.
@@ -181,5 +227,29 @@ fn bounds(spheres: &[Sphere]) -> Sphere {
     Sphere {
         centre,
         radius: reach.fold(0.0, f64::max),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sphere(x: f64, radius: f64) -> Sphere {
+        let centre = DVec3::new(x, 0.0, 0.0);
+        Sphere { centre, radius }
+    }
+
+    #[test]
+    fn what_is_far_and_little_is_not_framed() {
+        let near = [(sphere(0.0, 50.0), 9000.0), (sphere(200.0, 50.0), 1000.0)];
+        let all = |more: &[(Sphere, f64)]| without_strays([&near[..], more].concat());
+        let radius = bounds(&all(&[])).radius;
+        let sky = (sphere(0.0, 1e5), 80.0);
+        let stray = (sphere(3e4, 1.0), 1.0);
+        assert_eq!(bounds(&all(&[sky, stray])).radius, radius);
+        // Neither what is not so far nor what has much of it is left out.
+        assert_eq!(all(&[(sphere(2e3, 50.0), 1.0)]).len(), 3);
+        assert_eq!(all(&[(sphere(3e4, 50.0), 1000.0)]).len(), 3);
+        assert_eq!(without_strays(vec![(sphere(5.0, 0.0), 0.0)]).len(), 1);
     }
 }

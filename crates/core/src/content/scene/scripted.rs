@@ -87,6 +87,8 @@ fn description() -> SceneDescription {
         source: SceneSource::default(),
         objects: vec![object],
         textures: Vec::new(),
+        parts: Vec::new(),
+        joined: Default::default(),
         units: UNITS.to_vec(),
         page: 16,
         look: Default::default(),

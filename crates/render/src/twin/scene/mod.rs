@@ -324,7 +324,7 @@ impl TwinScene {
             let (Some((_, placed)), Some(of)) = (there, of) else {
                 continue;
             };
-            for point in &placed.points {
+            for point in placed.drawn() {
                 let splat = place_splat(scene, &cloud, number, (point, of));
                 for triangle in [[0, 1, 2], [3, 2, 1]] {
                     let triangle = triangle.map(|corner: usize| splat.corners[corner]);

@@ -21,7 +21,7 @@ use foveal_core::content::scene::description::{Cloud, Grid, ObjectBounds, SceneO
 use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
 use foveal_core::pack::unit::UnitId;
 use glam::{DAffine3, DVec3};
-use octree::{CloudNode, Octree};
+use octree::{CloudNode, Octree, OctreeError};
 use rayon::prelude::*;
 use signature::Light;
 
@@ -29,7 +29,12 @@ use signature::Light;
 pub(super) struct BuiltCloud {
     pub(super) object: SceneObject,
     pub(super) units: Graphed,
+    /// Points that were left out where too many lie at one place.
+    pub(super) left_out: u64,
 }
+
+/// Most points of one place where some have more than a tree can tell apart: a few units of them.
+const MOST_OF_PLACE: usize = 1 << 15;
 
 /// Turns a cloud into units; `step` hears how many points are done.
 pub(super) fn build(
@@ -53,8 +58,8 @@ pub(super) fn build(
         intensities: has(|it| it.intensity != 0),
         classes: has(|it| it.class != 0),
     };
-    let cloud = Cloud {
-        count: points.len() as u64,
+    let mut cloud = Cloud {
+        count: 0,
         scale: source.scale,
         offset: source.offset,
         least: least.map(i64::from),
@@ -69,20 +74,41 @@ pub(super) fn build(
         scale: source.scale,
         step,
     };
-    let nodes = octree.build(&mut points).map_err(|error| match error {
-        octree::OctreeError::Deep => BuildError::Source {
+    let (nodes, left_out) = match octree.build(&mut points) {
+        Err(OctreeError::Deep) => {
+            let left_out = leave_out_repeats(&mut points);
+            (octree.build(&mut points), left_out)
+        }
+        nodes => (nodes, 0),
+    };
+    let nodes = nodes.map_err(|error| match error {
+        OctreeError::Deep => BuildError::Source {
             object: source.name.clone(),
-            what: "more than 200 thousand points at one place",
+            what: "more points at few places than can be told apart",
         },
-        octree::OctreeError::Unit(error) => BuildError::Unit(error),
+        OctreeError::Unit(error) => BuildError::Unit(error),
     })?;
+    cloud.count = points.len() as u64;
     let bounds = bounds(&cloud, &points);
     drop(points);
     let object_of = object_of(source, cloud, bounds);
     Ok(BuiltCloud {
         object: object_of,
         units: numbered(nodes, object),
+        left_out,
     })
+}
+
+/// Leaves out points beyond so many that follow each other at one place; returns how many.
+fn leave_out_repeats(points: &mut Vec<CloudPoint>) -> u64 {
+    let (before, mut place, mut met) = (points.len(), None, 0);
+    points.retain(|point| {
+        let is_same = place == Some(point.place);
+        met = if is_same { met + 1 } else { 1 };
+        place = Some(point.place);
+        met <= MOST_OF_PLACE
+    });
+    (before - points.len()) as u64
 }
 
 fn check(source: &SourceCloud) -> Result<(), &'static str> {

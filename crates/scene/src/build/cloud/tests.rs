@@ -191,14 +191,25 @@ fn clouds_that_contradict_themselves_are_refused() {
         let refused = build(&scene(vec![cloud]), &BuildOptions::default(), &|_, _| ());
         assert!(refused.unwrap_err().to_string().contains("mend the file"));
     }
+}
+
+#[test]
+fn of_very_many_points_at_one_place_some_are_left_out_and_that_is_told() {
+    let mut places = vec![[1, 2, 3]; 400_000];
+    places.extend((0..1000).map(|k| [k, i32::MAX - k, i32::MIN + k * k]));
     let many = SourceCloud {
-        places: vec![[1, 2, 3]; 400_000],
+        places,
         placements: vec![DAffine3::IDENTITY],
-        scale: [1.0; 3],
+        scale: [1e-6; 3],
         ..SourceCloud::default()
     };
-    let refused = build(&scene(vec![many]), &BuildOptions::default(), &|_, _| ());
-    assert!(refused.unwrap_err().to_string().contains("at one place"));
+    let built = build(&scene(vec![many]), &BuildOptions::default(), &|_, _| ()).unwrap();
+    let left = 400_000 - (1 << 15);
+    assert_eq!(built.repairs["points_of_one_place"], left);
+    let told = format!("{left} of 401000 points are left out");
+    assert!(built.remarks[0].contains(&told), "{:?}", built.remarks);
+    let kept: u64 = built.units.iter().map(|it| u64::from(it.row.samples)).sum();
+    assert_eq!(kept, 1000 + (1 << 15));
 }
 
 #[test]

@@ -13,6 +13,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
+use super::ReadOptions;
 use super::colour::linear_from_encoded;
 use super::error::{Fault, ReadError};
 use super::files::OnDisk;
@@ -259,9 +260,11 @@ impl From<ReadError> for Wrong {
     }
 }
 
-/// Reads a scene file and all files that it names; `up` is of those of which it does not say it.
-pub(super) fn read(path: &Path, up: Option<Up>) -> Result<SourceScene, ReadError> {
-    let mut folder = OnDisk::of(path);
+/// Reads a scene file and all files that it names; `options` are of those of which it does not say
+/// it.
+pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<SourceScene, ReadError> {
+    let up = options.up;
+    let mut folder = OnDisk::of(path, options.allow_outside);
     let bytes = folder.read_scene()?;
     let said = Arrangement::parse(&bytes).map_err(|fault| fault.in_file(path))?;
     let mut scene = said.read(&mut folder, up).map_err(|wrong| match wrong {

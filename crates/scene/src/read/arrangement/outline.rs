@@ -376,10 +376,10 @@ mod tests {
         let outline = Outline::of(&blank).unwrap();
         assert!(outline.text.is_empty() && outline.left_out.len() == 1);
         for (many, said) in [
-            ("place = [", "32768 places"),
+            ("place = [", "262144 places"),
             ("a = [", "words beside places"),
         ] {
-            let text = format!("[[input]]\n{many}{}", "{},".repeat(200_000));
+            let text = format!("[[input]]\n{many}{}", "{},".repeat(300_000));
             let fault = format!("{:?}", Outline::of(&text).unwrap_err());
             assert!(fault.contains(said), "{fault}");
         }

@@ -215,7 +215,10 @@ fn what_is_wrong_in_a_file_is_said_of_that_file() {
     let site = Site::new("there", "[[input]]\nfile = \"a.obj\"");
     std::fs::write(site.0.join("a.obj"), "v 0 0 nan\nf 1 1 1").unwrap();
     let error = site.read().unwrap_err();
-    assert!(error.contains("a.obj: line 1"), "{error}");
+    assert!(
+        error.contains("a.obj: there is nothing to draw") && error.contains("NaN"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -237,7 +240,7 @@ fn a_small_file_cannot_put_objects_into_places_without_end() {
     let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     std::fs::write(site.0.join("a.bin"), corners.map(f32::to_le_bytes).concat()).unwrap();
     let error = site.read().unwrap_err();
-    assert!(error.contains("more than 32768 places"), "{error}");
+    assert!(error.contains("more than 262144 places"), "{error}");
 }
 
 #[test]

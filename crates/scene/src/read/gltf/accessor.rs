@@ -191,6 +191,20 @@ impl Accessors<'_> {
         Ok(rows.map(|rows| rows.row(0, 16)))
     }
 
+    /// Which value stands for all light where an accessor shows colours: 1 of what is real or
+    /// normalised, else the largest of its kind.
+    pub(super) fn full_light(&self, number: u32) -> Result<f64, Fault> {
+        let accessor = self.get(number)?;
+        let full = match Component::of(accessor.component_type) {
+            _ if accessor.normalized => 1.0,
+            Some(Component::I8 | Component::U8) => f64::from(u8::MAX),
+            Some(Component::I16 | Component::U16) => f64::from(u16::MAX),
+            Some(Component::U32) => f64::from(u32::MAX),
+            Some(Component::F32) | None => 1.0,
+        };
+        Ok(full)
+    }
+
     /// The elements of an accessor of whole numbers.
     pub(super) fn indices(&self, number: u32) -> Result<Vec<u32>, Fault> {
         let accessor = self.get(number)?;
@@ -224,8 +238,9 @@ impl Accessors<'_> {
         let size = width * component.bytes();
         let said = self.document.buffer_views[view as usize].byte_stride;
         let stride = match said {
+            // Some write 0 where elements follow each other without a gap.
+            None | Some(0) => size,
             Some(stride) => usize::try_from(stride).unwrap_or(usize::MAX),
-            None => size,
         };
         if stride < size {
             let what = format!("its elements have {size} bytes, but its stride is {stride}");

@@ -5,12 +5,13 @@ use std::collections::HashSet;
 use std::rc::Rc;
 
 use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use base64::alphabet;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
 
 use super::super::error::Fault;
-use super::super::files::Folder;
-use super::json::{Buffer, Document, View};
+use super::super::search::{self, Folder};
+use super::json::{Document, View};
 
 /// Bytes that may be unpacked for each byte of the buffers: meshoptimizer's codecs come near that
 /// where all elements are the same.
@@ -24,6 +25,8 @@ pub(super) struct Buffers<'a> {
     pub(super) total: usize,
     /// How many bytes were unpacked.
     pub(super) unpacked: u64,
+    /// How many have fewer bytes than the file says; what names those that are not there is refused.
+    pub(super) short: usize,
 }
 
 enum Bytes<'a> {
@@ -49,6 +52,7 @@ impl<'a> Buffers<'a> {
     ) -> Result<Self, Fault> {
         let mut met = HashSet::new();
         let mut buffers = Vec::with_capacity(document.buffers.len());
+        let mut short = 0;
         let mut total = binary.map_or(0, <[u8]>::len);
         for (number, buffer) in document.buffers.iter().enumerate() {
             let bytes = match (&buffer.uri, binary) {
@@ -63,15 +67,15 @@ impl<'a> Buffers<'a> {
                 (None, Some(binary)) if number == 0 => Some(Bytes::OfFile(binary)),
                 (None, _) => None,
             };
-            if let Some(bytes) = &bytes {
-                check_length(buffer, number, bytes.get().len())?;
-            }
+            let found = bytes.as_ref().map(|it| it.get().len() as u64);
+            short += usize::from(found.is_some_and(|found| found < buffer.byte_length));
             buffers.push(bytes);
         }
         Ok(Self {
             buffers,
             total,
             unpacked: 0,
+            short,
         })
     }
 
@@ -140,39 +144,61 @@ fn range(bytes: &[u8], begin: u64, length: u64) -> Option<&[u8]> {
     bytes.get(usize::try_from(begin).ok()?..end)
 }
 
-fn check_length(buffer: &Buffer, number: usize, found: usize) -> Result<(), Fault> {
-    if buffer.byte_length <= found as u64 {
-        return Ok(());
-    }
-    let what = format!("has {found} bytes, but should have {}", buffer.byte_length);
-    Err(Fault::at(format!("buffer {number}"), what))
-}
-
 /// The bytes that a URI of something names.
 pub(super) fn bytes_of(
     uri: &str,
     what: &str,
     folder: &mut dyn Folder,
 ) -> Result<Rc<Vec<u8>>, Fault> {
-    if let Some(inline) = uri.strip_prefix("data:") {
+    if let Some(inline) = after_scheme(uri, "data:") {
         return bytes_of_inline(inline)
             .map(Rc::new)
             .map_err(|wrong| Fault::at(what, wrong));
     }
+    // Some name a file as it is called, whatever stands for a blank in addresses.
     let name = percent_decode_str(uri).decode_utf8_lossy();
-    folder.read(&name)
+    search::read(folder, &[&name, uri])
 }
+
+/// Whether a URI holds its bytes itself.
+pub(super) fn is_inline(uri: &str) -> bool {
+    after_scheme(uri, "data:").is_some()
+}
+
+/// What follows a scheme, in capitals or not.
+fn after_scheme<'a>(uri: &'a str, scheme: &str) -> Option<&'a str> {
+    let uri = uri.trim_start();
+    let (begin, rest) = uri.split_at_checked(scheme.len())?;
+    begin.eq_ignore_ascii_case(scheme).then_some(rest)
+}
+
+/// Base64 as people write it: with or without what fills up the end.
+const LENIENT: GeneralPurpose = GeneralPurpose::new(
+    &alphabet::STANDARD,
+    GeneralPurposeConfig::new()
+        .with_decode_allow_trailing_bits(true)
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
 
 /// What follows `data:`: a type, maybe `;base64`, a comma, and the bytes.
 fn bytes_of_inline(inline: &str) -> Result<Vec<u8>, String> {
+    const BASE64: &str = "base64";
     let Some((kind, text)) = inline.split_once(',') else {
         return Err("its data URI has no comma".to_owned());
     };
     let bytes: Cow<'_, [u8]> = percent_decode_str(text).into();
-    if !kind.ends_with(";base64") {
+    let last = kind.rsplit(';').next().unwrap_or_default().trim();
+    if !last.eq_ignore_ascii_case(BASE64) {
         return Ok(bytes.into_owned());
     }
-    STANDARD
-        .decode(bytes)
+    let standard = |byte: &u8| match byte {
+        b'-' => Some(b'+'),
+        b'_' => Some(b'/'),
+        blank if blank.is_ascii_whitespace() => None,
+        other => Some(*other),
+    };
+    let plain: Vec<u8> = bytes.iter().filter_map(standard).collect();
+    LENIENT
+        .decode(plain)
         .map_err(|error| format!("its data URI is no base64: {error}"))
 }

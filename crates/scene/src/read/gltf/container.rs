@@ -3,6 +3,7 @@
 use super::super::error::Fault;
 use super::super::text::shortened;
 use super::json::Document;
+use super::mended::mended;
 
 const MAGIC: &[u8] = b"glTF";
 const JSON_CHUNK: u32 = u32::from_le_bytes(*b"JSON");
@@ -16,15 +17,22 @@ const LEAST_OBJECT_BYTES: usize = 16;
 /// So few take little memory whatever they say.
 const MOST_BARE: usize = 100_000;
 
-/// What surfaces need of these is drawn, or they say nothing about surfaces.
-const KNOWN: [&str; 22] = [
+/// What surfaces need of these is drawn.
+const DRAWN: [&str; 10] = [
     "KHR_mesh_quantization",
     "KHR_draco_mesh_compression",
     "EXT_meshopt_compression",
     "KHR_meshopt_compression",
     "EXT_mesh_gpu_instancing",
     "KHR_materials_unlit",
-    // Of materials, only what the core of glTF says is drawn.
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_texture_transform",
+    "EXT_texture_webp",
+    "KHR_materials_variants",
+];
+/// These say nothing about surfaces, or of light only what is not drawn of any material. Without
+/// pictures that are not read, a material has its colour; motion is not drawn.
+const HARMLESS: [&str; 26] = [
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_dispersion",
@@ -34,49 +42,114 @@ const KNOWN: [&str; 22] = [
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
-    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_lights_punctual",
-    "KHR_texture_transform",
-    // Without these, a material has its colour; motion is not drawn.
     "KHR_texture_basisu",
-    "EXT_texture_webp",
     "KHR_animation_pointer",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "KHR_node_selectability",
+    "KHR_node_hoverability",
+    "KHR_interactivity",
+    "EXT_structural_metadata",
+    "EXT_mesh_features",
+    "EXT_instance_features",
+    "FB_geometry_metadata",
+    "GODOT_single_root",
+    "MSFT_lod",
+    "CESIUM_primitive_outline",
+    "VRM",
 ];
+/// The same of all extensions whose names begin so.
+const HARMLESS_KINDS: [&str; 18] = [
+    "KHR_materials_",
+    "EXT_materials_",
+    "ADOBE_materials_",
+    "NV_materials_",
+    "KHR_lights_",
+    "EXT_lights_",
+    "EXT_texture_avif",
+    "KHR_audio",
+    "KHR_physics",
+    "KHR_collision_shapes",
+    "KHR_implicit_shapes",
+    "MSFT_audio",
+    "MSFT_physics",
+    "MSFT_packing_",
+    "MSFT_texture_dds",
+    "AGI_",
+    "OMI_",
+    "VRMC_",
+];
+
 /// Whether nothing is lost that would be drawn if an extension were followed.
 pub(super) fn is_known(extension: &str) -> bool {
-    KNOWN.contains(&extension)
+    DRAWN.contains(&extension) || HARMLESS.contains(&extension)
 }
 
-/// The JSON of a file, and the binary part of a `.glb`.
-pub(super) fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), Fault> {
-    let (json, binary) = if bytes.starts_with(MAGIC) {
-        chunks(bytes)?
-    } else {
-        (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None)
+/// Whether shapes and places are what the rest of the file says, whatever an extension adds.
+fn is_harmless(extension: &str) -> bool {
+    let begins = |kind: &&str| extension.starts_with(*kind);
+    is_known(extension) || HARMLESS_KINDS.iter().any(begins)
+}
+
+/// What stands in a file.
+pub(super) struct Parsed<'a> {
+    pub(super) document: Document,
+    /// The binary part of a `.glb`.
+    pub(super) binary: Option<&'a [u8]>,
+    /// How much of its JSON was mended.
+    pub(super) mended: usize,
+}
+
+/// Reads the JSON of a file, and finds the binary part of a `.glb`.
+pub(super) fn parse(bytes: &[u8]) -> Result<Parsed<'_>, Fault> {
+    let (json, binary) = match bytes.starts_with(MAGIC) {
+        true => chunks(bytes)?,
+        false => (bytes, None),
     };
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    // Some fill up the JSON of a .glb with zeros.
+    let end = json.iter().rposition(|byte| *byte != 0);
+    let json = &json[..end.map_or(0, |end| end + 1)];
     let objects = json.iter().filter(|byte| **byte == b'{').count();
     if objects > MOST_BARE && objects * LEAST_OBJECT_BYTES > json.len() {
         let what = format!("{objects} objects in {} bytes say nothing", json.len());
         return Err(Fault::at("JSON", what));
     }
-    let document: Document = serde_json::from_slice(json).map_err(|error| {
-        let place = format!("JSON, line {} column {}", error.line(), error.column());
-        Fault::at(place, format!("is no glTF: {error}"))
-    })?;
-    if !document.asset.version.starts_with("2.") {
-        let version = shortened(&document.asset.version);
+    let (document, mended) = document_of(json)?;
+    let version = document.asset.version();
+    if !(version.starts_with("2.") || version == "2" || version.is_empty()) {
+        let version = shortened(&version);
         let what = format!("its version of glTF is {version:?}");
         return Err(Fault::unsupported(what, "export it as glTF 2.0"));
     }
     match document
         .extensions_required
         .iter()
-        .find(|name| !is_known(name))
+        .find(|name| !is_harmless(name))
     {
         Some(name) => Err(needs(name)),
-        None => Ok((document, binary)),
+        None => Ok(Parsed {
+            document,
+            binary,
+            mended,
+        }),
     }
+}
+
+/// The document, and how much of it had to be mended.
+fn document_of(json: &[u8]) -> Result<(Document, usize), Fault> {
+    let error = match serde_json::from_slice(json) {
+        Ok(document) => return Ok((document, 0)),
+        Err(error) => error,
+    };
+    let (text, count) = mended(json);
+    if let (Ok(document), true) = (serde_json::from_slice(&text), count > 0) {
+        return Ok((document, count));
+    }
+    let place = format!("JSON, line {} column {}", error.line(), error.column());
+    Err(Fault::at(place, format!("is no glTF: {error}")))
 }
 
 /// Refuses a file that cannot be read without an extension.
@@ -116,7 +189,13 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
             "the first chunk is not JSON",
         )
     })?;
-    let binary = chunk(bytes, &mut at, BINARY_CHUNK)?;
+    // Some begin the next chunk where it should, but do not count what lies before it.
+    let aligned = at.next_multiple_of(4);
+    let mut binary = chunk(bytes, &mut at, BINARY_CHUNK)?;
+    if binary.is_none() && aligned != at {
+        at = aligned;
+        binary = chunk(bytes, &mut at, BINARY_CHUNK)?;
+    }
     Ok((json, binary))
 }
 

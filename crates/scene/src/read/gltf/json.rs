@@ -3,13 +3,8 @@
 //! Only this is read, so that a file is never refused for what is not drawn anyway. Source:
 //! Khronos, "glTF 2.0 Specification", section 5.
 
-use std::collections::BTreeMap;
-
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-
-/// Extensions by name; what they say matters for none that is read.
-type Extensions = BTreeMap<String, IgnoredAny>;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
@@ -35,7 +30,31 @@ pub(super) struct Document {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Asset {
-    pub(super) version: String,
+    version: Version,
+}
+
+/// A version as it should be written, or as a number.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Version {
+    Text(String),
+    Number(f64),
+}
+
+impl Default for Version {
+    fn default() -> Self {
+        Self::Text(String::new())
+    }
+}
+
+impl Asset {
+    /// The version of glTF; empty where the file does not say it.
+    pub(super) fn version(&self) -> String {
+        match &self.version {
+            Version::Text(text) => text.clone(),
+            Version::Number(number) => number.to_string(),
+        }
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -157,8 +176,44 @@ impl GltfAttributes {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct GltfTexture {
-    pub(super) source: Option<u32>,
+    source: Option<u32>,
     pub(super) sampler: Option<u32>,
+    extensions: OtherSources,
+}
+
+impl GltfTexture {
+    /// Its picture: one that all programs read before one in a format of an extension.
+    pub(super) fn image(&self) -> Option<u32> {
+        let OtherSources {
+            webp,
+            avif,
+            dds,
+            basis,
+        } = &self.extensions;
+        let others = [webp, avif, dds, basis].into_iter().flatten();
+        self.source
+            .or_else(|| others.filter_map(|it| it.source).next())
+    }
+}
+
+/// Pictures in formats of extensions.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct OtherSources {
+    #[serde(rename = "EXT_texture_webp")]
+    webp: Option<OtherSource>,
+    #[serde(rename = "EXT_texture_avif")]
+    avif: Option<OtherSource>,
+    #[serde(rename = "MSFT_texture_dds")]
+    dds: Option<OtherSource>,
+    #[serde(rename = "KHR_texture_basisu")]
+    basis: Option<OtherSource>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct OtherSource {
+    source: Option<u32>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -195,16 +250,60 @@ pub(super) struct GltfMaterial {
     pub(super) occlusion_texture: Option<IgnoredAny>,
     pub(super) emissive_texture: Option<IgnoredAny>,
     pub(super) double_sided: bool,
-    pub(super) extensions: Extensions,
+    pub(super) extensions: MaterialExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct MaterialExtensions {
+    #[serde(rename = "KHR_materials_unlit")]
+    pub(super) unlit: Option<IgnoredAny>,
+    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
+    pub(super) glossiness: Option<Box<Glossiness>>,
+}
+
+/// The colours of a material in the way that came before metal and roughness.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Glossiness {
+    #[serde(rename = "diffuseFactor")]
+    factor: Option<[f64; 4]>,
+    #[serde(rename = "diffuseTexture")]
+    texture: Option<TextureNamed>,
+}
+
+impl GltfMaterial {
+    /// The older way to tell of colours, where it tells any: it stands before the newer one.
+    fn glossiness(&self) -> Option<&Glossiness> {
+        let said = self.extensions.glossiness.as_deref();
+        said.filter(|it| it.factor.is_some() || it.texture.is_some())
+    }
+
+    /// What its colour is multiplied with.
+    pub(super) fn factor(&self) -> [f64; 4] {
+        let factor = match self.glossiness() {
+            Some(said) => said.factor,
+            None => self.pbr_metallic_roughness.factor,
+        };
+        factor.unwrap_or([1.0; 4])
+    }
+
+    /// The texture of its colour.
+    pub(super) fn texture(&self) -> Option<&TextureNamed> {
+        match self.glossiness() {
+            Some(said) => said.texture.as_ref(),
+            None => self.pbr_metallic_roughness.texture.as_ref(),
+        }
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct BaseColour {
     #[serde(rename = "baseColorFactor")]
-    pub(super) factor: Option<[f64; 4]>,
+    factor: Option<[f64; 4]>,
     #[serde(rename = "baseColorTexture")]
-    pub(super) texture: Option<TextureNamed>,
+    texture: Option<TextureNamed>,
     #[serde(rename = "metallicRoughnessTexture")]
     pub(super) metal: Option<IgnoredAny>,
 }

@@ -4,12 +4,16 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use super::super::colour::Depth;
 use super::super::error::Fault;
+use super::super::mends::{COLOUR_MADE, FAN_FILLED, Mends, POINT_WITHOUT_PLACE};
+use super::super::outliers;
+use super::super::polygon::{Filler, Filling, tell};
 use super::super::sound::count;
 use super::accessor::Accessors;
 use super::json::{GltfAttributes, Primitive};
 use crate::build::codes_from_linear;
-use crate::source::{Repairs, SourceCloud, SourceMesh};
+use crate::source::{Repairs, SourceCloud, SourceMesh, SourceScene};
 
 /// How many vertices and corners may be made of each byte of the buffers. Eight-bit strips give
 /// one, and files of people a tenth; so meshes may show the same bytes some ten times.
@@ -29,6 +33,11 @@ pub(super) struct MeshReader<'a> {
     /// The number of the material of parts that have none.
     pub(super) without_material: u32,
     pub(super) repairs: Repairs,
+    /// What a person should know of meshes.
+    pub(super) remarks: Vec<String>,
+    pub(super) mends: Mends,
+    /// Fills outlines that other programs wrote as fans.
+    pub(super) filler: Filler,
     /// The colour of each material.
     pub(super) factors: Vec<[f32; 4]>,
     /// The points of the mesh that was read last.
@@ -45,21 +54,21 @@ pub(super) struct Points {
 }
 
 impl Points {
-    /// As a cloud; none where there are no points.
-    pub(super) fn cloud(&self, name: &str) -> Option<SourceCloud> {
+    /// As clouds; none where there are no points.
+    pub(super) fn clouds(&self, name: &str, scene: &mut SourceScene) -> Vec<SourceCloud> {
+        if self.positions.is_empty() {
+            return Vec::new();
+        }
         let has_colours = self.colours.iter().any(|it| *it != WHITE);
         let code = |it: &[f32; 4]| {
             let [red, green, blue, _] = codes_from_linear(*it);
             [red, green, blue].map(|it| u16::from(it) * 257)
         };
-        let cloud = SourceCloud {
-            colours: match has_colours {
-                true => self.colours.iter().map(code).collect(),
-                false => Vec::new(),
-            },
-            ..SourceCloud::on_grid(name, &self.positions)
+        let colours: Vec<[u16; 3]> = match has_colours {
+            true => self.colours.iter().map(code).collect(),
+            false => Vec::new(),
         };
-        (!self.positions.is_empty()).then_some(cloud)
+        outliers::clouds(name, &self.positions, &colours, scene)
     }
 }
 
@@ -141,8 +150,11 @@ impl MeshReader<'_> {
         }
         let corners = self.corners(primitive, vertices, place)?;
         let before = mesh.triangles.len();
-        self.add_triangles(mesh, &corners, primitive.mode.unwrap_or(4))
-            .map_err(|what| Fault::at(place, what))?;
+        let mode = primitive.mode.unwrap_or(4);
+        if mode != FAN || !self.add_outline(mesh, &corners, place) {
+            self.add_triangles(mesh, &corners, mode)
+                .map_err(|what| Fault::at(place, what))?;
+        }
         let added = mesh.triangles.len() - before;
         mesh.materials.extend(std::iter::repeat_n(material, added));
         Ok(())
@@ -166,12 +178,41 @@ impl MeshReader<'_> {
         let factor = factor.unwrap_or(WHITE);
         for corner in corners {
             let corner = corner as usize;
-            let colour = vertices.colours.get(corner).copied().unwrap_or(WHITE);
+            let position = vertices.positions.get(corner).copied();
+            let Some(position) = position.filter(|it| it.is_finite()) else {
+                self.mends
+                    .add(POINT_WITHOUT_PLACE, 1, || format!("in {place}"));
+                continue;
+            };
+            let mut colour = vertices.colours.get(corner).copied().unwrap_or(WHITE);
+            if colour.iter().any(|part| part.is_nan()) {
+                self.mends.add(COLOUR_MADE, 1, || format!("in {place}"));
+                colour = WHITE;
+            }
             let colour = [0, 1, 2, 3].map(|k| factor[k] * colour[k]);
-            self.points.positions.push(vertices.positions[corner]);
+            self.points.positions.push(position);
             self.points.colours.push(colour);
         }
         Ok(())
+    }
+
+    /// Adds the triangles of an outline that a fan does not fill; `false` if it does. The fan of a
+    /// convex outline, or round a corner in its middle, is what glTF says it is; but other programs
+    /// write concave faces so, too, of which some triangles would turn back over others.
+    fn add_outline(&mut self, mesh: &mut SourceMesh, corners: &[u32], place: &str) -> bool {
+        let positions = corners.iter().map(|it| mesh.positions.get(*it as usize));
+        let positions: Option<Vec<DVec3>> = positions.map(Option::<&DVec3>::copied).collect();
+        let finite = |all: &Vec<DVec3>| all.len() > 3 && all.iter().all(|it| it.is_finite());
+        let Some(outline) = positions.filter(finite) else {
+            return false;
+        };
+        let (filling, triangles) = self.filler.fill(&outline);
+        tell(filling, &mut self.mends, || format!("in {place}"));
+        let named = triangles.iter().map(|it| it.map(|at| corners[at as usize]));
+        mesh.triangles.extend(named);
+        let is_cut = usize::from(filling == Filling::Cut);
+        self.mends.add(FAN_FILLED, is_cut, || format!("in {place}"));
+        !triangles.is_empty()
     }
 
     /// Counts what is to be read, so that a small file cannot become a large scene.
@@ -210,13 +251,8 @@ impl MeshReader<'_> {
             ));
         }
         self.check_lengths(streams, count)?;
-        for (index, position) in positions.into_iter().map(DVec3::from_array).enumerate() {
-            if !position.is_finite() {
-                let what = format!("element {index} is {position}, which is no place");
-                return Err(Fault::at(format!("accessor {}", streams.positions), what));
-            }
-            mesh.positions.push(position);
-        }
+        mesh.positions
+            .extend(positions.into_iter().map(DVec3::from_array));
         if let Some(number) = streams.normals {
             let normals = self.accessors.rows::<3>(number, &[3])?.into_iter();
             // Those without one are made of the triangles around them.
@@ -260,10 +296,6 @@ impl MeshReader<'_> {
                 let steps = self.accessors.rows::<3>(number, &[3])?;
                 for (position, step) in mesh.positions[first..].iter_mut().zip(steps) {
                     *position += DVec3::from_array(step) * *weight;
-                    if !position.is_finite() {
-                        let what = "moves a vertex to where no place is";
-                        return Err(Fault::at(format!("accessor {number}"), what));
-                    }
                 }
             }
             if let (Some(number), false) = (shape.normal, mesh.normals.is_empty()) {
@@ -294,32 +326,44 @@ impl MeshReader<'_> {
 
     fn uvs(&self, number: u32) -> Result<Vec<[f32; 2]>, Fault> {
         let uvs = self.accessors.rows::<2>(number, &[2])?;
-        let checked = uvs.into_iter().enumerate().map(|(index, uv)| {
-            let uv = uv.map(|along| along as f32);
-            match uv.iter().all(|along| along.is_finite()) {
-                true => Ok(uv),
-                false => {
-                    let what = format!("element {index} is {uv:?}, which is no place");
-                    Err(Fault::at(format!("accessor {number}"), what))
-                }
-            }
-        });
-        checked.collect()
+        let of_file = uvs.into_iter().map(|uv| uv.map(|along| along as f32));
+        Ok(of_file.collect())
     }
 
-    fn colours(&self, number: u32, opaque: bool) -> Result<Vec<[f32; 4]>, Fault> {
+    fn colours(&mut self, number: u32, opaque: bool) -> Result<Vec<[f32; 4]>, Fault> {
         let colours = self.accessors.rows::<4>(number, &[3, 4])?;
-        let checked = colours.into_iter().enumerate().map(|(index, mut colour)| {
-            if colour.iter().any(|part| part.is_nan()) {
-                let what = format!("element {index} is a colour that is no number");
-                return Err(Fault::at(format!("accessor {number}"), what));
-            }
-            if opaque {
-                colour[3] = 1.0;
-            }
-            Ok(colour.map(|part| part.clamp(0.0, 1.0) as f32))
-        });
-        checked.collect()
+        let usual = self.accessors.full_light(number)?;
+        let mut depth = Depth::default();
+        for colour in &colours {
+            depth.add([colour[0], colour[1], colour[2]]);
+        }
+        let full = depth.full(usual);
+        let has_alpha = self.accessors.get(number)?.shape == "VEC4";
+        let strays = colours
+            .iter()
+            .filter(|it| full.is_stray([it[0], it[1], it[2]]));
+        let strays = strays.count();
+        let what = format!("vertices (accessor {number})");
+        if usual > 1.0 {
+            count(&mut self.repairs, "colours_not_normalised", colours.len());
+            self.remarks.push(format!(
+                "colours of {what} are whole numbers that are not said to be parts of 1: {} is \
+                 taken for all light",
+                full.largest()
+            ));
+        } else {
+            let remark = full.tell(&what, (colours.len(), strays), &mut self.repairs);
+            self.remarks.extend(remark);
+        }
+        let light = |[red, green, blue, alpha]: [f64; 4]| {
+            let [red, green, blue] = full.shares([red, green, blue]);
+            let alpha = match opaque || !has_alpha {
+                true => 1.0,
+                false => alpha / if usual > 1.0 { full.largest() } else { 1.0 },
+            };
+            [red, green, blue, alpha].map(|part| part.clamp(0.0, 1.0) as f32)
+        };
+        Ok(colours.into_iter().map(light).collect())
     }
 
     /// The vertices of the mesh that a part names, in its order.
@@ -336,15 +380,12 @@ impl MeshReader<'_> {
         };
         self.spend(self.accessors.count(number)?, place)?;
         let mut corners = self.accessors.indices(number)?;
-        for (index, corner) in corners.iter_mut().enumerate() {
-            if *corner as usize >= vertices.count {
-                let what = format!(
-                    "element {index} is vertex {corner}, but {place} has {}",
-                    vertices.count
-                );
-                return Err(Fault::at(format!("accessor {number}"), what));
-            }
-            *corner += first;
+        for corner in &mut corners {
+            *corner = match (*corner as usize) < vertices.count {
+                true => *corner + first,
+                // What is none is left out with its triangle.
+                false => u32::MAX,
+            };
         }
         Ok(corners)
     }
@@ -373,7 +414,7 @@ impl MeshReader<'_> {
                     _ => [at[0], at[2], at[1]],
                 }));
             }
-            6 => {
+            FAN => {
                 if let [middle, rim @ ..] = corners {
                     let all = rim.windows(2);
                     triangles.extend(all.map(|edge| [edge[0], edge[1], *middle]));
@@ -391,8 +432,9 @@ fn moves<'a>(primitive: &'a Primitive, weights: &[f64]) -> Vec<(&'a GltfAttribut
     all.filter(|(_, weight)| *weight != 0.0).collect()
 }
 
-/// The mode of a part that is points.
+/// The mode of a part that is points, and of one that is a fan.
 const POINTS: u32 = 0;
+const FAN: u32 = 6;
 const WHITE: [f32; 4] = [1.0; 4];
 
 /// Fills up a list that is not empty.

@@ -5,6 +5,7 @@ mod buffers;
 mod container;
 mod draco;
 mod json;
+mod mended;
 mod mesh;
 mod meshopt;
 mod nodes;
@@ -12,13 +13,18 @@ mod sharing;
 mod textures;
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use super::error::Fault;
-use super::files::Folder;
+use super::mends::Mends;
+use super::polygon::Filler;
+use super::search::Folder;
+use super::sound::count;
 use super::text::shortened;
-use crate::source::{Material, Repairs, SourceCloud, SourceObject, SourceScene};
+use crate::source::{Material, Repairs, SourceObject, SourceScene};
 use accessor::Accessors;
 use buffers::Buffers;
+use container::Parsed;
 use json::{Document, GltfMaterial};
 use mesh::{MeshReader, Points};
 use textures::{TextureReader, uv_set};
@@ -29,29 +35,29 @@ pub(super) fn read(
     name: &str,
     folder: &mut dyn Folder,
 ) -> Result<SourceScene, Fault> {
-    let (mut document, binary) = container::parse(bytes)?;
-    sharing::share_meshes(&mut document);
-    let mut buffers = Buffers::read(&document, binary, folder)?;
-    meshopt::unpack(&mut document, &mut buffers)?;
-    draco::unpack(&mut document, &mut buffers)?;
+    let (document, buffers, mended) = opened(bytes, folder)?;
     let accessors = Accessors {
         document: &document,
         buffers,
     };
     let mut scene = SourceScene::default();
-    let mut materials = materials(&accessors, folder, &mut scene)?;
+    tell_mends(mended, accessors.buffers.short, &mut scene);
+    let mut materials = materials(&accessors, folder, &mut scene);
     let mut meshes = MeshReader {
         accessors: &accessors,
         opaque: opaque(&document),
         uv_sets: document.materials.iter().map(uv_set).collect(),
         without_material: materials.len() as u32,
         repairs: Repairs::new(),
+        remarks: Vec::new(),
+        mends: Mends::default(),
+        filler: Filler::default(),
         factors: materials.iter().map(|it| it.colour).collect(),
         points: Points::default(),
         spent: 0,
     };
     let mut object_of: HashMap<u32, usize> = HashMap::new();
-    let mut cloud_of: HashMap<u32, usize> = HashMap::new();
+    let mut clouds_of: HashMap<u32, Range<usize>> = HashMap::new();
     for shown in nodes::shown(&accessors)? {
         if let Some(object) = object_of.get(&shown.mesh) {
             let object: &mut SourceObject = &mut scene.objects[*object];
@@ -59,8 +65,8 @@ pub(super) fn read(
                 object.name = object_name(&document, shown.mesh, None, name);
             }
             object.placements.push(shown.world_from_mesh);
-            if let Some(cloud) = cloud_of.get(&shown.mesh) {
-                let cloud = &mut scene.clouds[*cloud];
+            let clouds = clouds_of.get(&shown.mesh).cloned().unwrap_or_default();
+            for cloud in &mut scene.clouds[clouds] {
                 (cloud.name).clone_from(&object.name);
                 cloud.placements.push(shown.world_from_mesh);
             }
@@ -70,12 +76,12 @@ pub(super) fn read(
         object_of.insert(shown.mesh, scene.objects.len());
         let of_node = document.nodes[shown.node].name.as_deref();
         let name = object_name(&document, shown.mesh, of_node, name);
-        if let Some(cloud) = meshes.points.cloud(&name) {
-            cloud_of.insert(shown.mesh, scene.clouds.len());
-            scene.clouds.push(SourceCloud {
-                placements: vec![shown.world_from_mesh],
-                ..cloud
-            });
+        let first = scene.clouds.len();
+        let clouds = meshes.points.clouds(&name, &mut scene);
+        scene.clouds.extend(clouds);
+        clouds_of.insert(shown.mesh, first..scene.clouds.len());
+        for cloud in &mut scene.clouds[first..] {
+            cloud.placements = vec![shown.world_from_mesh];
         }
         scene.objects.push(SourceObject {
             name,
@@ -88,9 +94,40 @@ pub(super) fn read(
     let is_used = used.any(|it| *it == default);
     materials.extend(is_used.then(Material::default));
     scene.repairs.extend(meshes.repairs);
+    meshes.remarks.into_iter().for_each(|it| scene.remark(it));
+    meshes.mends.tell(name, &mut scene);
     scene.materials = materials;
     add_remarks(&mut scene, &document, object_of.keys());
     Ok(scene)
+}
+
+/// A document and its buffers, unpacked, and how much of its JSON was mended.
+fn opened<'a>(
+    bytes: &'a [u8],
+    folder: &mut dyn Folder,
+) -> Result<(Document, Buffers<'a>, usize), Fault> {
+    let Parsed {
+        mut document,
+        binary,
+        mended,
+    } = container::parse(bytes)?;
+    sharing::share_meshes(&mut document);
+    let mut buffers = Buffers::read(&document, binary, folder)?;
+    meshopt::unpack(&mut document, &mut buffers)?;
+    draco::unpack(&mut document, &mut buffers)?;
+    Ok((document, buffers, mended))
+}
+
+/// Tells how much of the JSON was mended, and how many buffers were shorter than said.
+fn tell_mends(mended: usize, short: usize, scene: &mut SourceScene) {
+    count(&mut scene.repairs, "json_mended", mended);
+    if mended > 0 {
+        scene.remark("the JSON of the file breaks its rules in places, which were mended");
+    }
+    count(&mut scene.repairs, "short_buffers", short);
+    if short > 0 {
+        scene.remark("buffers have fewer bytes than the file says: what is there is shown");
+    }
 }
 
 /// Whether each material is opaque, and what has none.
@@ -117,25 +154,22 @@ fn materials(
     accessors: &Accessors<'_>,
     folder: &mut dyn Folder,
     scene: &mut SourceScene,
-) -> Result<Vec<Material>, Fault> {
+) -> Vec<Material> {
     let mut textures = TextureReader {
         accessors,
         folder,
         images: HashMap::new(),
     };
     let all = accessors.document.materials.iter();
-    let read = all.map(|said| {
-        Ok(Material {
-            texture: textures.read(said, scene)?,
-            ..material(said)
-        })
+    let read = all.map(|said| Material {
+        texture: textures.read(said, scene),
+        ..material(said)
     });
     read.collect()
 }
 
 fn material(said: &GltfMaterial) -> Material {
-    let factor = said.pbr_metallic_roughness.factor.unwrap_or([1.0; 4]);
-    let mut colour = factor.map(|part| part.clamp(0.0, 1.0) as f32);
+    let mut colour = said.factor().map(|part| part.clamp(0.0, 1.0) as f32);
     if is_opaque(said) {
         colour[3] = 1.0;
     }
@@ -143,7 +177,7 @@ fn material(said: &GltfMaterial) -> Material {
         name: said.name.clone().unwrap_or_default(),
         colour,
         two_sided: said.double_sided,
-        unlit: said.extensions.contains_key("KHR_materials_unlit"),
+        unlit: said.extensions.unlit.is_some(),
         texture: None,
     }
 }
@@ -187,6 +221,10 @@ fn add_remarks_of_materials(scene: &mut SourceScene, document: &Document) {
             "normal maps are not drawn",
         ),
         (any(metal), "metal and roughness are not drawn"),
+        (
+            any(|it| it.extensions.glossiness.is_some()),
+            "gloss is not drawn",
+        ),
         (
             any(|it| it.occlusion_texture.is_some()),
             "shade in occlusion maps is not drawn",

@@ -6,11 +6,10 @@ use foveal_core::content::images::wrap::Wrap;
 use glam::{DAffine2, DMat2, DVec2};
 
 use super::super::error::Fault;
-use super::super::files::Folder;
-use super::super::sound::count;
+use super::super::search::Folder;
 use super::accessor::Accessors;
-use super::buffers::bytes_of;
-use super::json::{GltfMaterial, Image, TextureNamed};
+use super::buffers::{bytes_of, is_inline};
+use super::json::{GltfMaterial, GltfTexture, Image, TextureNamed};
 use crate::source::{MaterialTexture, SourceImage, SourceScene};
 
 /// What is discarded below where a material does not say.
@@ -32,26 +31,15 @@ impl TextureReader<'_> {
         &mut self,
         material: &GltfMaterial,
         scene: &mut SourceScene,
-    ) -> Result<Option<MaterialTexture>, Fault> {
-        let Some(named) = &material.pbr_metallic_roughness.texture else {
-            return Ok(None);
-        };
+    ) -> Option<MaterialTexture> {
+        let named = material.texture()?;
         let document = self.accessors.document;
         let texture = document.textures.get(named.index as usize);
-        let source = texture.and_then(|it| it.source);
-        if texture.is_some() && source.is_none() {
-            scene.remark("textures in KTX2 or WebP are not drawn: convert them to PNG or JPEG");
-        }
-        let Some(image) = self.image(source, scene)? else {
-            return Ok(None);
-        };
+        let image = self.image(texture.and_then(GltfTexture::image), scene)?;
         let sampler = texture.and_then(|it| it.sampler);
         let sampler = sampler.and_then(|it| document.samplers.get(it as usize));
         let wraps = sampler.map_or([None; 2], |it| [it.wrap_s, it.wrap_t]);
-        let alpha = material
-            .pbr_metallic_roughness
-            .factor
-            .map_or(1.0, |it| it[3]);
+        let alpha = material.factor()[3];
         let is_masked = material.alpha_mode.as_deref() == Some("MASK");
         let cutoff = is_masked.then(|| {
             let cutoff = material.alpha_cutoff.unwrap_or(CUTOFF) / alpha;
@@ -61,47 +49,46 @@ impl TextureReader<'_> {
                 MOST_CUTOFF as f32
             }
         });
-        Ok(Some(MaterialTexture {
+        Some(MaterialTexture {
             image,
             wrap: wraps.map(wrap),
             picture_from_uv: picture_from_uv(named),
             cutoff,
-        }))
+        })
     }
 
-    fn image(
-        &mut self,
-        number: Option<u32>,
-        scene: &mut SourceScene,
-    ) -> Result<Option<usize>, Fault> {
+    fn image(&mut self, number: Option<u32>, scene: &mut SourceScene) -> Option<usize> {
         if let Some(known) = number.and_then(|it| self.images.get(&it)) {
-            return Ok(*known);
+            return *known;
         }
         let images = &self.accessors.document.images;
         let said = number.and_then(|it| images.get(it as usize));
-        let bytes = said.map(|it| self.bytes(it)).transpose()?.flatten();
-        let image = bytes.map(|bytes| {
-            let names = said.map(|it| [&it.name, &it.uri]).into_iter().flatten();
-            let mut names = names.flatten().filter(|it| !it.starts_with("data:"));
-            scene.images.push(SourceImage {
-                name: names.next().cloned().unwrap_or_default(),
-                bytes: bytes.into(),
-            });
-            scene.images.len() - 1
-        });
-        count(
-            &mut scene.repairs,
-            "missing_images",
-            usize::from(image.is_none()),
-        );
+        let read = match said {
+            Some(said) => self.bytes(said),
+            None => Err("the file does not say which it is".to_owned()),
+        };
+        let names = said.map(|it| [&it.name, &it.uri]).into_iter().flatten();
+        let mut names = names.flatten().filter(|it| !is_inline(it));
+        let name = names.next().cloned().unwrap_or_default();
+        let image = match read {
+            Ok(bytes) => {
+                let bytes = bytes.into();
+                scene.images.push(SourceImage { name, bytes });
+                Some(scene.images.len() - 1)
+            }
+            Err(reason) => {
+                scene.missing_picture(&name, &reason);
+                None
+            }
+        };
         if let Some(number) = number {
             self.images.insert(number, image);
         }
-        Ok(image)
+        image
     }
 
-    /// The bytes of an image; `None` where they are not there.
-    fn bytes(&mut self, said: &Image) -> Result<Option<Vec<u8>>, Fault> {
+    /// The bytes of an image, or why there are none.
+    fn bytes(&mut self, said: &Image) -> Result<Vec<u8>, String> {
         let read = match (&said.uri, said.buffer_view) {
             (Some(uri), _) => bytes_of(uri, "image", self.folder).map(|it| it.to_vec()),
             (None, Some(view)) => {
@@ -111,19 +98,15 @@ impl TextureReader<'_> {
                     .view(document, view)
                     .map(<[u8]>::to_vec)
             }
-            (None, None) => return Ok(None),
+            (None, None) => return Err("it has no uri and no bytes".to_owned()),
         };
-        match read {
-            Ok(bytes) => Ok(Some(bytes)),
-            Err(Fault::Missing { .. }) => Ok(None),
-            Err(fault) => Err(fault),
-        }
+        read.map_err(Fault::what)
     }
 }
 
 /// Which set of places on textures a material takes.
 pub(super) fn uv_set(material: &GltfMaterial) -> Option<u32> {
-    let named = material.pbr_metallic_roughness.texture.as_ref()?;
+    let named = material.texture()?;
     let transform = named.extensions.transform.as_ref();
     Some(transform.and_then(|it| it.set).unwrap_or(named.set))
 }

@@ -1,6 +1,8 @@
 //! What does the header of a LAS file say, and does it fit to the file?
 
 use super::super::error::Fault;
+use super::LasMends;
+use foveal_core::units::counted;
 
 /// What mends counts.
 const REPAIR: &str = "copy the file again if it was cut short, or repair it, for instance with \
@@ -95,30 +97,19 @@ pub(super) struct LasHeader {
 }
 
 impl LasHeader {
-    pub(super) fn parse(bytes: &[u8]) -> Result<Self, Fault> {
+    /// Reads the header; what it says that does not fit the file, and that nothing shown depends
+    /// on, is noted in `mends`.
+    pub(super) fn parse(bytes: &[u8], mends: &mut LasMends) -> Result<Self, Fault> {
         if !bytes.starts_with(b"LASF") {
-            return Err(Fault::at("byte 0", "a LAS file begins with `LASF`"));
+            let what = "the file does not begin with LASF, as LAS and LAZ files do";
+            return Err(Fault::at("byte 0", what));
         }
-        let short = |least: usize| {
-            let what = format!(
-                "the file ends after {} of {least} bytes of its header",
-                bytes.len()
-            );
-            Err(Fault::at(format!("byte {}", bytes.len()), what))
-        };
         if bytes.len() < HEADER_BYTES[0] {
-            return short(HEADER_BYTES[0]);
-        }
-        let [major, minor] = [bytes[24], bytes[25]];
-        if major != 1 || minor > 4 {
-            return Err(Fault::unsupported(
-                format!("LAS {major}.{minor}"),
-                "write it as LAS 1.4, or 1.2",
-            ));
-        }
-        let least = HEADER_BYTES[usize::from(minor).saturating_sub(2)];
-        if bytes.len() < least {
-            return short(least);
+            let what = format!(
+                "the file ends within its header of at least {} bytes",
+                HEADER_BYTES[0]
+            );
+            return Err(Fault::at(format!("byte {}", bytes.len()), what));
         }
         let [is_packed, format] = [bytes[104] & PACKED, bytes[104] & !PACKED];
         let layout = Layout::of(format).ok_or_else(|| {
@@ -126,38 +117,74 @@ impl LasHeader {
             Fault::unsupported(what, "write it with a point format from 0 to 10")
         })?;
         let number = |at: usize| f64::from_bits(long_at(bytes, at));
-        let header = Self {
+        let minor = version(bytes, mends)?;
+        let mut header = Self {
             layout,
             is_packed: is_packed != 0,
             record_bytes: usize::from(half_at(bytes, 105)),
-            count: count(bytes, minor)?,
+            count: 0,
             points_at: word_at(bytes, 96) as usize,
-            points_end: end_of_points(bytes, minor),
+            points_end: end_of_points(bytes, minor, layout.has_waves),
             scale: [131, 139, 147].map(number),
             offset: [155, 163, 171].map(number),
             header_bytes: usize::from(half_at(bytes, 94)),
             records: word_at(bytes, 100),
         };
-        header.check(least, bytes.len())?;
-        header.check_records(bytes)?;
-        check_later_records(bytes, minor)?;
-        check_returns(bytes, minor, header.count)?;
+        header.check(bytes.len())?;
+        header.count = header.count_of(bytes, minor, mends)?;
+        header.note_records(bytes, mends);
+        note_later_records(bytes, minor, mends);
+        note_returns(bytes, minor, header.count, mends);
         Ok(header)
     }
 
-    /// The records that the header counts must lie between it and the points.
-    fn check_records(&self, bytes: &[u8]) -> Result<(), Fault> {
-        let found = self.each_record(bytes).count() as u64;
-        if found == u64::from(self.records) {
-            return Ok(());
+    /// The number of points: of several that the header tells the one that the file holds.
+    fn count_of(&self, bytes: &[u8], minor: u8, mends: &mut LasMends) -> Result<u64, Fault> {
+        let old = u64::from(word_at(bytes, 107));
+        let new = if minor >= 4 { long_at(bytes, 247) } else { old };
+        let held = (self.points_end.saturating_sub(self.points_at) / self.record_bytes) as u64;
+        let count = match [old, new] {
+            [0, 0] if !self.is_packed && held > 0 => {
+                mends.stale_count(format!(
+                    "the header counts no points; the {held} that the file holds are shown"
+                ));
+                held
+            }
+            [0, 0] => {
+                let found = "the file has no points".to_owned();
+                return Err(Fault::Empty { found });
+            }
+            [old, 0] => old,
+            [0, new] => new,
+            [old, new] if old == new => new,
+            [old, new] => {
+                let count = if !self.is_packed && old == held {
+                    old
+                } else {
+                    new
+                };
+                mends.stale_count(format!(
+                    "the header counts {old} points, and at byte 247 {new}: {count} are read"
+                ));
+                count
+            }
+        };
+        if u32::try_from(count.min(held.max(1))).is_err() {
+            let next = "cut the file into tiles of less than 4 thousand million points";
+            return Err(Fault::unsupported(format!("{count} points"), next));
         }
-        let said = self.records;
-        let room = self.points_at - self.header_bytes;
-        let what = format!(
-            "the header counts {said} records before the points, but {found} fit into the {room} \
-             bytes there are"
-        );
-        Err(Fault::broken("byte 100", what, REPAIR))
+        Ok(count)
+    }
+
+    /// The records that the header counts should lie between it and the points.
+    fn note_records(&self, bytes: &[u8], mends: &mut LasMends) {
+        let found = self.each_record(bytes).count();
+        if found as u64 != u64::from(self.records) {
+            mends.stale_count(format!(
+                "the header counts {} before the points, of which {found} fit",
+                counted(self.records, "record")
+            ));
+        }
     }
 
     /// The records before the points, each with its head.
@@ -171,11 +198,11 @@ impl LasHeader {
         })
     }
 
-    fn check(&self, least: usize, length: usize) -> Result<(), Fault> {
+    fn check(&self, length: usize) -> Result<(), Fault> {
         let wrong = |at: u32, what: String| Err(Fault::at(format!("byte {at}"), what));
-        if self.header_bytes < least || self.header_bytes > self.points_at {
-            let what = format!("the header has {} bytes, of {least}", self.header_bytes);
-            return wrong(94, what);
+        if self.header_bytes < HEADER_BYTES[0] || self.header_bytes > self.points_at {
+            let [found, least] = [self.header_bytes, HEADER_BYTES[0]];
+            return wrong(94, format!("the header has {found} bytes, of {least}"));
         }
         if self.points_at > length {
             let what = format!("points begin at byte {}, behind the end", self.points_at);
@@ -195,14 +222,6 @@ impl LasHeader {
         if !self.offset.iter().all(|it| it.abs() <= 1e15) {
             return wrong(155, format!("the offset {:?} is none", self.offset));
         }
-        if self.count == 0 {
-            let found = "the file has no points".to_owned();
-            return Err(Fault::Empty { found });
-        }
-        if u32::try_from(self.count).is_err() {
-            let next = "cut the file into tiles of less than 4 thousand million points";
-            return Err(Fault::unsupported(format!("{} points", self.count), next));
-        }
         Ok(())
     }
 
@@ -212,16 +231,34 @@ impl LasHeader {
         Fault::broken("byte 107", what, REPAIR)
     }
 
-    /// The records of a file that is not packed.
-    pub(super) fn plain_records<'a>(&self, bytes: &'a [u8]) -> Result<&'a [u8], Fault> {
-        let room = self.points_end.saturating_sub(self.points_at);
-        let fitting = (room / self.record_bytes) as u64;
-        if fitting != self.count {
-            let length = self.record_bytes;
-            let what = format!("{fitting} of {length} bytes fit into the {room} bytes there are");
+    /// The records of a file that is not packed: as many as the header counts, or as there are.
+    pub(super) fn plain_records<'a>(
+        &self,
+        bytes: &'a [u8],
+        mends: &mut LasMends,
+    ) -> Result<&'a [u8], Fault> {
+        let length = self.record_bytes;
+        let room_to = |end: usize| end.saturating_sub(self.points_at);
+        let held = |end: usize| (room_to(end) / length) as u64;
+        let mut end = self.points_end;
+        if held(end) < self.count && held(bytes.len()) >= self.count {
+            mends.stale_count(format!(
+                "what comes after the points would begin at byte {end}, within them"
+            ));
+            end = bytes.len();
+        }
+        let count = self.count.min(held(end));
+        if count == 0 {
+            let room = room_to(end);
+            let what = format!("no record of {length} bytes fits into the {room} bytes there are");
             return Err(self.wrong_count(&what));
         }
-        Ok(&bytes[self.points_at..self.points_at + fitting as usize * self.record_bytes])
+        mends.miss(self.count - count, self.count, "the file ends early");
+        let used = count as usize * length;
+        if count == self.count {
+            mends.leave_behind(room_to(end) - used, self.count);
+        }
+        Ok(&bytes[self.points_at..self.points_at + used])
     }
 
     /// What the record before the points says that `user` wrote with this number.
@@ -235,26 +272,35 @@ impl LasHeader {
     }
 }
 
-/// The number of points; of both that LAS 1.4 tells the one that is told.
-fn count(bytes: &[u8], minor: u8) -> Result<u64, Fault> {
-    let old = u64::from(word_at(bytes, 107));
-    let new = if minor >= 4 { long_at(bytes, 247) } else { old };
-    match [old, new] {
-        [old, 0] => Ok(old),
-        [0, new] => Ok(new),
-        [old, new] if old == new => Ok(new),
-        [old, new] => {
-            let what = format!("the header counts {old} points, and at byte 247 {new}");
-            Err(Fault::broken("byte 107", what, REPAIR))
-        }
+/// The minor version, as far as the header reaches.
+fn version(bytes: &[u8], mends: &mut LasMends) -> Result<u8, Fault> {
+    let [major, minor] = [bytes[24], bytes[25]];
+    if major != 1 {
+        return Err(Fault::unsupported(
+            format!("LAS {major}.{minor}"),
+            "write it as LAS 1.4, or 1.2",
+        ));
     }
+    let header_bytes = usize::from(half_at(bytes, 94)).min(bytes.len());
+    let reaches = |minor: &u8| HEADER_BYTES[usize::from(*minor - 2)] <= header_bytes;
+    let reached = (2..=minor.clamp(2, 4)).rev().find(reaches).unwrap_or(2);
+    if minor > 4 {
+        mends.remark(format!("LAS 1.{minor} is read as LAS 1.{reached}"));
+    } else if minor > reached {
+        mends.stale_count(format!(
+            "the header of {header_bytes} bytes is no whole one of LAS 1.{minor}, and is read as \
+             one of LAS 1.{reached}"
+        ));
+    }
+    Ok(reached)
 }
 
 /// Where waveforms and records after the points begin, or else the file ends.
-fn end_of_points(bytes: &[u8], minor: u8) -> usize {
+fn end_of_points(bytes: &[u8], minor: u8, has_waves: bool) -> usize {
     let mut end = bytes.len();
-    for (version, at) in [(3, 227), (4, 235)] {
-        if minor >= version {
+    let has_later = minor >= 4 && word_at(bytes, 243) > 0;
+    for (counts, at) in [(minor >= 3 && has_waves, 227), (has_later, 235)] {
+        if counts {
             let begin = usize::try_from(long_at(bytes, at)).unwrap_or(usize::MAX);
             let points_at = word_at(bytes, 96) as usize;
             if begin > points_at {
@@ -265,11 +311,11 @@ fn end_of_points(bytes: &[u8], minor: u8) -> usize {
     end
 }
 
-/// The records behind the points that LAS 1.4 counts must lie in the file.
-fn check_later_records(bytes: &[u8], minor: u8) -> Result<(), Fault> {
+/// The records behind the points that LAS 1.4 counts should lie in the file.
+fn note_later_records(bytes: &[u8], minor: u8, mends: &mut LasMends) {
     let said = if minor >= 4 { word_at(bytes, 243) } else { 0 };
     let mut rest = match said {
-        0 => return Ok(()),
+        0 => return,
         _ => usize::try_from(long_at(bytes, 235)).map_or(None, |at| bytes.get(at..)),
     };
     for found in 0..said {
@@ -278,30 +324,27 @@ fn check_later_records(bytes: &[u8], minor: u8) -> Result<(), Fault> {
             it[LATER_RECORD_HEAD..].get(length..)
         });
         if behind.is_none() {
-            let what = format!(
-                "the header counts {said} records behind the points, but {found} fit from byte {} \
-                 on",
-                long_at(bytes, 235)
-            );
-            return Err(Fault::broken("byte 243", what, REPAIR));
+            return mends.stale_count(format!(
+                "the header counts {} behind the points, of which {found} fit",
+                counted(said, "record")
+            ));
         }
         rest = behind;
     }
-    Ok(())
 }
 
 /// No more echoes can be the first, second .. of a pulse than there are points. (Many files count
 /// fewer, or none.)
-fn check_returns(bytes: &[u8], minor: u8, count: u64) -> Result<(), Fault> {
+fn note_returns(bytes: &[u8], minor: u8, count: u64, mends: &mut LasMends) {
     let old = (0..5).map(|k| u64::from(word_at(bytes, 111 + 4 * k)));
-    let (at, told) = match minor {
-        4 => (255, (0..15).map(|k| long_at(bytes, 255 + 8 * k)).collect()),
-        _ => (111, old.collect::<Vec<_>>()),
+    let told = match minor {
+        4 => (0..15).map(|k| long_at(bytes, 255 + 8 * k)).collect(),
+        _ => old.collect::<Vec<_>>(),
     };
     let all = told.iter().fold(0, |all: u64, it| all.saturating_add(*it));
-    if all <= count {
-        return Ok(());
+    if all > count {
+        mends.stale_count(format!(
+            "the header counts {all} echoes of pulses, but {count} points"
+        ));
     }
-    let what = format!("the header counts {all} echoes of pulses, but {count} points");
-    Err(Fault::broken(format!("byte {at}"), what, REPAIR))
 }

@@ -5,8 +5,11 @@
 
 use super::super::error::Fault;
 use super::header::{LasHeader, half_at, word_at};
+use super::{LasMends, Records};
+use foveal_core::units::counted;
 use laz::laszip::ChunkTable;
 use laz::{DecompressionSelection, LasZipDecompressor, LazItemType, LazVlr};
+use std::cmp::Ordering;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -48,11 +51,22 @@ struct Chunk<'a> {
     points: u64,
 }
 
-/// Unpacks all points and hands them on, record by record.
+/// How the points of a file are packed.
+struct Packed<'a> {
+    packing: Packing,
+    vlr: LazVlr,
+    /// What the file says of it.
+    said: &'a [u8],
+    record_bytes: usize,
+}
+
+/// Unpacks all points, record by record; a chunk that is damaged, or that is not there, costs its
+/// points.
 pub(super) fn read(
     bytes: &[u8],
     header: &LasHeader,
-    each: &mut dyn FnMut(&[u8]),
+    records: &mut Records,
+    mends: &mut LasMends,
 ) -> Result<(), Fault> {
     let said = header.record(bytes, LASZIP, LASZIP_NUMBER);
     let said = said.ok_or_else(|| {
@@ -62,43 +76,182 @@ pub(super) fn read(
         )
     })?;
     let (packing, vlr) = packing_of(said, header)?;
-    let room = header.points_end.saturating_sub(header.points_at) as u64;
-    let unpacked = header.count.saturating_mul(header.record_bytes as u64);
-    if unpacked > MOST_FREE.saturating_add(room.saturating_mul(MOST_UNPACKED)) {
-        let what = format!(
-            "only {room} bytes follow, of which a point takes {}",
-            header.record_bytes
-        );
-        return Err(header.wrong_count(&what));
-    }
-    let chunks = match packing {
-        Packing::One => vec![Chunk {
-            at: header.points_at,
-            bytes: &bytes[header.points_at..header.points_end.max(header.points_at)],
-            points: header.count,
-        }],
-        _ => chunks(bytes, header, &vlr)?,
+    let packed = Packed {
+        packing,
+        vlr,
+        said,
+        record_bytes: header.record_bytes,
     };
-    let layers = layers_of(&vlr);
-    for (number, chunk) in chunks.iter().enumerate() {
-        let fault = |what: String| {
-            let place = format!("byte {}, chunk {number} of {}", chunk.at, chunks.len());
-            Fault::at(place, what)
+    let end = header.points_end.max(header.points_at).min(bytes.len());
+    let (bytes_of_points, in_one) = (&bytes[..end], packing == Packing::One);
+    if !in_one {
+        let table = table_of_chunks(bytes, header);
+        let chunks = table.and_then(|table| packed.chunks(bytes, header, table));
+        let fault = match chunks {
+            Ok(chunks) => return packed.all_of(&chunks, header, records, mends),
+            Err(fault) => fault,
         };
+        if packing == Packing::Chunks && packed.vlr.chunk_size() == ANY_SIZE {
+            return Err(fault);
+        }
+        mends.stale_count("the table of chunks is missing, or damaged".to_owned());
         if packing == Packing::Layers {
-            check_layers(chunk.bytes, header.record_bytes, layers).map_err(fault)?;
-            let told = u64::from(word_at(chunk.bytes, header.record_bytes));
-            if told != chunk.points {
-                return Err(header.wrong_count(&format!("chunk {number} has {told}")));
+            let chunks = packed.layered_chunks(bytes_of_points, header);
+            let found = packed.all_of(&chunks, header, records, mends);
+            return found.map_err(|_| fault);
+        }
+    }
+    let found = packed.in_turn(bytes_of_points, header, records)?;
+    let why = "the file ends early, or is damaged";
+    mends.miss(header.count - found, header.count, why);
+    Ok(())
+}
+
+impl Packed<'_> {
+    /// Most points that so many bytes can be.
+    fn most_points(&self, bytes: usize) -> u64 {
+        let most = MOST_FREE.saturating_add((bytes as u64).saturating_mul(MOST_UNPACKED));
+        most / self.record_bytes as u64
+    }
+
+    /// Unpacks chunks that a table tells of.
+    fn all_of(
+        &self,
+        chunks: &[Chunk<'_>],
+        header: &LasHeader,
+        records: &mut Records,
+        mends: &mut LasMends,
+    ) -> Result<(), Fault> {
+        let all: u64 = chunks.iter().map(|chunk| chunk.points).sum();
+        let is_open = self.vlr.chunk_size() == ANY_SIZE;
+        if all < header.count && self.packing == Packing::Chunks && !is_open {
+            // How many the last chunk has is not known then.
+            return Err(header.wrong_count("the table of chunks counts fewer"));
+        }
+        let mut first_fault = None;
+        let (mut lost, mut broken) = (0, 0);
+        for (number, chunk) in chunks.iter().enumerate() {
+            let before = records.len();
+            match self.one(chunk, records) {
+                Ok(left) if left > MOST_LEFT && self.packing != Packing::Layers => {
+                    mends.leave_behind(left as usize, header.count);
+                }
+                Ok(_) => {}
+                Err(what) => {
+                    records.truncate(before);
+                    (lost, broken) = (lost + chunk.points, broken + 1);
+                    let place = format!("byte {}, chunk {number} of {}", chunk.at, chunks.len());
+                    first_fault.get_or_insert((place, what));
+                }
             }
         }
-        let left = unpack(chunk, (said, header.record_bytes), packing, each).map_err(fault)?;
-        if left > MOST_LEFT && packing != Packing::Layers {
-            let what = format!("{left} bytes of chunk {number} are left behind them");
-            return Err(header.wrong_count(&what));
+        match first_fault {
+            Some((place, what)) if records.len() == 0 => return Err(Fault::at(place, what)),
+            Some((place, what)) => {
+                let why = format!(
+                    "{} damaged, first {place}: {what}",
+                    counted(broken, "chunk")
+                );
+                mends.miss(lost, header.count, &why);
+            }
+            None if records.len() == 0 => {
+                return Err(header.wrong_count("there is no whole chunk of them"));
+            }
+            None => {}
+        }
+        match all.cmp(&header.count) {
+            Ordering::Less => {
+                let why = "the file ends early, or its chunks hold fewer";
+                mends.miss(header.count - all, header.count, why);
+            }
+            Ordering::Greater => mends.stale_count(format!(
+                "the header counts {} points, and its chunks {all}, which are shown",
+                header.count
+            )),
+            Ordering::Equal => {}
+        }
+        Ok(())
+    }
+
+    /// Unpacks a chunk, and returns how many bytes of it are left.
+    fn one(&self, chunk: &Chunk<'_>, records: &mut Records) -> Result<u64, String> {
+        if self.packing == Packing::Layers {
+            check_layers(chunk.bytes, self.record_bytes, layers_of(&self.vlr))?;
+        }
+        if chunk.points > self.most_points(chunk.bytes.len()) {
+            let [points, bytes] = [chunk.points, chunk.bytes.len() as u64];
+            return Err(format!("{points} points cannot be in {bytes} bytes"));
+        }
+        let said = (self.said, self.record_bytes);
+        unpack(chunk, said, self.packing, &mut |record| records.add(record))
+    }
+
+    /// The chunks of layers that follow each other, of which no table tells: each says itself how
+    /// long it is.
+    fn layered_chunks<'b>(&self, bytes: &'b [u8], header: &LasHeader) -> Vec<Chunk<'b>> {
+        let sizes_at = self.record_bytes + 4;
+        let layers = layers_of(&self.vlr);
+        let (mut chunks, mut at) = (Vec::new(), header.points_at + POINTER_BYTES);
+        let mut left = header.count;
+        while left > 0 {
+            let Some(head) = bytes.get(at..at + sizes_at + 4 * layers) else {
+                break;
+            };
+            let sizes = (0..layers).map(|layer| word_at(head, sizes_at + 4 * layer) as usize);
+            let Some(chunk) = bytes.get(at..at + head.len() + sizes.sum::<usize>()) else {
+                break;
+            };
+            let points = u64::from(word_at(head, self.record_bytes));
+            if points == 0 || points > left.min(MOST_OF_CHUNK) {
+                break;
+            }
+            chunks.push(Chunk {
+                at,
+                bytes: chunk,
+                points,
+            });
+            (left, at) = (left - points, at + chunk.len());
+        }
+        chunks
+    }
+
+    /// Unpacks points one after the other until there are no more bytes, where no table tells of
+    /// chunks. Returns how many these are; none is an error.
+    fn in_turn(
+        &self,
+        bytes: &[u8],
+        header: &LasHeader,
+        records: &mut Records,
+    ) -> Result<u64, Fault> {
+        let of_chunk = match self.packing {
+            Packing::One => u64::MAX,
+            _ => u64::from(self.vlr.chunk_size()).clamp(1, MOST_OF_CHUNK),
+        };
+        let mut said = self.said.to_vec();
+        // One chunk to the end.
+        said[..2].copy_from_slice(&1_u16.to_le_bytes());
+        let mut at = header.points_at
+            + match self.packing {
+                Packing::One => 0,
+                _ => POINTER_BYTES,
+            };
+        let most = self.most_points(bytes.len().saturating_sub(at));
+        let mut left = header.count.min(most);
+        let mut what = "there are no bytes of them".to_owned();
+        while let Some(rest) = bytes.get(at..).filter(|rest| left > 0 && !rest.is_empty()) {
+            let (points, taken, ended) = unpack_until_end(rest, &said, left.min(of_chunk), records);
+            (left, at) = (left - points, at + taken);
+            if let Some(why) = ended {
+                what = why;
+                break;
+            }
+        }
+        let found = header.count.min(most) - left;
+        match found {
+            0 => Err(header.wrong_count(&what)),
+            _ => Ok(found),
         }
     }
-    Ok(())
 }
 
 /// How a record says that points are packed.
@@ -183,56 +336,60 @@ fn check_layers(chunk: &[u8], record_bytes: usize, layers: usize) -> Result<(), 
     }
 }
 
-/// Where chunks lie, of which there is a table.
-fn chunks<'a>(bytes: &'a [u8], header: &LasHeader, vlr: &LazVlr) -> Result<Vec<Chunk<'a>>, Fault> {
-    let (table_at, table) = table_of_chunks(bytes, header)?;
-    let first = header.points_at + POINTER_BYTES;
-    let count = u64::from(word_at(table, 4));
-    let fault = |what: String| Fault::at(format!("byte {table_at}, table of chunks"), what);
-    if count == 0 || count > header.count || count > (table_at - first) as u64 {
-        let what = format!("{count} chunks of {} bytes cannot be", table_at - first);
-        return Err(fault(what));
-    }
-    let is_open = vlr.chunk_size() == ANY_SIZE;
-    let entries = ChunkTable::read(&mut Cursor::new(table), is_open);
-    let entries = entries.map_err(|error| fault(error.to_string()))?;
-    let mut left = header.count;
-    let mut at = first;
-    let mut chunks = Vec::with_capacity(count as usize);
-    for entry in &entries {
-        let size = if is_open {
-            entry.point_count
-        } else {
-            u64::from(vlr.chunk_size())
-        };
-        let points = size.min(left);
-        let end = at.checked_add(usize::try_from(entry.byte_count).unwrap_or(usize::MAX));
-        let chunk = end
-            .filter(|end| *end <= table_at)
-            .and_then(|end| bytes.get(at..end));
-        let Some(chunk) = chunk else {
-            return Err(fault(format!(
-                "a chunk of {} bytes does not fit",
-                entry.byte_count
-            )));
-        };
-        if size > left && is_open || points == 0 {
-            return Err(header.wrong_count("the table of chunks counts others"));
-        }
-        if points > MOST_OF_CHUNK {
-            let what = format!("a chunk of {} bytes has {points} points", chunk.len());
+impl Packed<'_> {
+    /// Where chunks lie, of which there is a table.
+    fn chunks<'b>(
+        &self,
+        bytes: &'b [u8],
+        header: &LasHeader,
+        (table_at, table): (usize, &[u8]),
+    ) -> Result<Vec<Chunk<'b>>, Fault> {
+        let first = header.points_at + POINTER_BYTES;
+        let count = u64::from(word_at(table, 4));
+        let fault = |what: String| Fault::at(format!("byte {table_at}, table of chunks"), what);
+        if count == 0 || count > (table_at - first) as u64 {
+            let what = format!("{count} chunks of {} bytes cannot be", table_at - first);
             return Err(fault(what));
         }
-        chunks.push(Chunk {
-            at,
-            bytes: chunk,
-            points,
-        });
-        (left, at) = (left - points, at + chunk.len());
-    }
-    match left {
-        0 => Ok(chunks),
-        _ => Err(header.wrong_count("the table of chunks counts fewer")),
+        let is_open = self.vlr.chunk_size() == ANY_SIZE;
+        let entries = ChunkTable::read(&mut Cursor::new(table), is_open);
+        let entries = entries.map_err(|error| fault(error.to_string()))?;
+        let mut left = header.count;
+        let mut at = first;
+        let mut chunks = Vec::new();
+        for entry in &entries {
+            let end = at.checked_add(usize::try_from(entry.byte_count).unwrap_or(usize::MAX));
+            let chunk = end
+                .filter(|end| *end <= table_at)
+                .and_then(|end| bytes.get(at..end));
+            let Some(chunk) = chunk else {
+                return Err(fault(format!(
+                    "a chunk of {} bytes does not fit",
+                    entry.byte_count
+                )));
+            };
+            // Chunks of layers, and such of several sizes, say themselves how many points these
+            // are; of others all but the last are of one size.
+            let told = chunk.get(self.record_bytes..self.record_bytes + 4);
+            let points = match (self.packing, told) {
+                (Packing::Layers, Some(told)) => u64::from(word_at(told, 0)),
+                _ if is_open => entry.point_count,
+                _ => u64::from(self.vlr.chunk_size()).min(left),
+            };
+            if points > MOST_OF_CHUNK {
+                let what = format!("a chunk of {} bytes has {points} points", chunk.len());
+                return Err(fault(what));
+            }
+            if points > 0 {
+                chunks.push(Chunk {
+                    at,
+                    bytes: chunk,
+                    points,
+                });
+            }
+            (left, at) = (left.saturating_sub(points), at + chunk.len());
+        }
+        Ok(chunks)
     }
 }
 
@@ -255,6 +412,45 @@ fn table_of_chunks<'a>(bytes: &'a [u8], header: &LasHeader) -> Result<(usize, &'
     })
 }
 
+/// What of a point is unpacked.
+fn kept() -> DecompressionSelection {
+    DecompressionSelection::xy_returns_channel()
+        .decompress_z()
+        .decompress_intensity()
+        .decompress_classification()
+        .decompress_rgb()
+}
+
+/// Unpacks at most so many points from the start of bytes that may end early. Returns how many
+/// there are, how many bytes they took, and why no more came.
+fn unpack_until_end(
+    bytes: &[u8],
+    said: &[u8],
+    most: u64,
+    records: &mut Records,
+) -> (u64, usize, Option<String>) {
+    let mut points = 0;
+    let mut unpacked = || -> Result<usize, String> {
+        let vlr = LazVlr::from_buffer(said).map_err(|error| error.to_string())?;
+        let mut record = vec![0; vlr.items_size() as usize];
+        let mut unpacking = LasZipDecompressor::selective(Cursor::new(bytes), vlr, kept())
+            .map_err(|error| error.to_string())?;
+        while points < most {
+            let one = unpacking.decompress_one(&mut record);
+            one.map_err(|error| format!("they end after {points} points: {error}"))?;
+            records.add(&record);
+            points += 1;
+        }
+        Ok(unpacking.into_inner().position() as usize)
+    };
+    let unwound = |_| Err("it is damaged".to_owned());
+    let taken = catch_unwind(AssertUnwindSafe(&mut unpacked)).unwrap_or_else(unwound);
+    match taken {
+        Ok(taken) => (points, taken, None),
+        Err(why) => (points, 0, Some(why)),
+    }
+}
+
 /// Unpacks the records of a chunk, some at a time, and returns how many bytes of it are left.
 fn unpack(
     chunk: &Chunk<'_>,
@@ -274,13 +470,8 @@ fn unpack(
     let size = (chunk.points as u32).to_le_bytes();
     said[CHUNK_SIZE_AT..CHUNK_SIZE_AT + 4].copy_from_slice(&size);
     let vlr = LazVlr::from_buffer(said).map_err(|error| error.to_string())?;
-    let kept = DecompressionSelection::xy_returns_channel()
-        .decompress_z()
-        .decompress_intensity()
-        .decompress_classification()
-        .decompress_rgb();
     let unpacked = || {
-        let mut unpacking = LasZipDecompressor::selective(Cursor::new(file), vlr, kept)
+        let mut unpacking = LasZipDecompressor::selective(Cursor::new(file), vlr, kept())
             .map_err(|error| error.to_string())?;
         let at_once = (PART_BYTES / record_bytes).max(1) as u64;
         let mut records = vec![0; at_once.min(chunk.points) as usize * record_bytes];

@@ -116,62 +116,159 @@ fn refusal(bytes: &[u8]) -> String {
     fault.in_file(std::path::Path::new("a.las")).to_string()
 }
 
-#[test]
-fn wrong_counts_are_refused_with_place_and_what_to_do() {
-    for packs in [false, true] {
-        for count in [0_u32, 5, 700_000, u32::MAX] {
-            let mut bytes = file(&points(700), 2, (1, 2), packs);
-            bytes[107..111].copy_from_slice(&count.to_le_bytes());
-            let said = refusal(&bytes);
-            let expected = match count {
-                0 => "the file has no points",
-                _ => "a.las: byte 107: the header counts",
-            };
-            assert!(said.contains(expected), "{said}");
-            assert!(count == 0 || said.contains("lasinfo -repair"), "{said}");
-        }
-    }
-    let cut = file(&points(700), 2, (1, 2), false);
-    assert!(refusal(&cut[..cut.len() - 26]).contains("699 of 26 bytes fit"));
-    let cut = file(&points(700), 2, (1, 2), true);
-    assert!(refusal(&cut[..cut.len() - 26]).contains("table of chunks"));
+/// What is left of a file that was changed: points, remarks, and repairs by name.
+fn mended(bytes: &[u8]) -> (usize, String, Vec<(String, u64)>) {
+    let scene = read(bytes, "a").unwrap();
+    let told = scene.remarks.join("\n");
+    (
+        scene.clouds[0].places.len(),
+        told,
+        scene.repairs.into_iter().collect(),
+    )
+}
+
+fn counts(told: &[(&str, u64)]) -> Vec<(String, u64)> {
+    let told = told.iter();
+    told.map(|(name, times)| ((*name).to_owned(), *times))
+        .collect()
+}
+
+/// The file with a number of 32 bits changed.
+fn with_word(mut bytes: Vec<u8>, at: usize, word: u32) -> Vec<u8> {
+    bytes[at..at + 4].copy_from_slice(&word.to_le_bytes());
+    bytes
 }
 
 #[test]
-fn wrong_counts_of_records_and_echoes_are_refused() {
-    let refused = |at: usize, count: u32, version: (u8, u8), expected: &str| {
-        let mut bytes = file(&points(700), 2, version, false);
-        bytes[at..at + 4].copy_from_slice(&count.to_le_bytes());
-        let said = refusal(&bytes);
-        assert!(
-            said.contains(expected) && said.contains("lasinfo -repair"),
-            "{said}"
+fn a_wrong_count_of_points_costs_only_what_is_not_there() {
+    let plain = || file(&points(700), 2, (1, 2), false);
+    let (found, told, repairs) = mended(&with_word(plain(), 107, 5));
+    assert_eq!(
+        (found, repairs),
+        (5, counts(&[("bytes_behind_points", 695 * 26)]))
+    );
+    assert!(told.contains("18070 bytes behind the 5 points"), "{told}");
+    for count in [700_000, u32::MAX] {
+        let (found, told, repairs) = mended(&with_word(plain(), 107, count));
+        let missing = u64::from(count) - 700;
+        // The counts of echoes are no wrong ones.
+        assert_eq!(
+            (found, repairs),
+            (700, counts(&[("missing_points", missing)]))
         );
+        assert!(
+            told.contains(&format!("{missing} of {count} points")),
+            "{told}"
+        );
+    }
+    let (found, told, _) = mended(&with_word(plain(), 107, 0));
+    assert_eq!(found, 700);
+    assert!(told.contains("counts no points; the 700"), "{told}");
+    let whole = plain();
+    let (found, _, repairs) = mended(&whole[..whole.len() - 27]);
+    assert_eq!((found, repairs), (698, counts(&[("missing_points", 2)])));
+    let longer = [whole, vec![7; 1000]].concat();
+    let (found, _, repairs) = mended(&longer);
+    assert_eq!(
+        (found, repairs),
+        (700, counts(&[("bytes_behind_points", 1000)]))
+    );
+}
+
+#[test]
+fn packed_points_that_are_there_come_whatever_is_counted() {
+    let chunked = || file(&points(700), 2, (1, 2), true);
+    let (found, told, repairs) = mended(&with_word(chunked(), 107, 5));
+    assert_eq!((found, repairs.len()), (5, 2), "{told}");
+    for count in [0, 700_000, u32::MAX] {
+        let said = refusal(&with_word(chunked(), 107, count));
+        let expected = match count {
+            0 => "the file has no points",
+            _ => "a.las: byte 107: the header counts",
+        };
+        assert!(said.contains(expected), "{said}");
+        assert!(count == 0 || said.contains("lasinfo -repair"), "{said}");
+    }
+    // Chunks of layers say themselves how many points they have.
+    let mut layered = file(&points(700), 7, (1, 4), true);
+    layered[247..255].copy_from_slice(&9_u64.to_le_bytes());
+    let (found, told, _) = mended(&layered);
+    assert!(found == 700 && told.contains("counts 9 points"), "{told}");
+}
+
+#[test]
+fn a_packed_file_that_was_cut_short_keeps_the_points_before() {
+    let points = points(120_000);
+    for (format, version) in [(2, (1, 2)), (7, (1, 4))] {
+        let whole = file(&points, format, version, true);
+        for cut in [1, 30, whole.len() / 3] {
+            let scene = read(&whole[..whole.len() - cut], "a").unwrap();
+            let places = &scene.clouds[0].places;
+            let least = if cut < 100 { 100_000 } else { 50_000 };
+            assert!(places.len() >= least, "{format}: {cut}: {}", places.len());
+            for (k, place) in places.iter().enumerate() {
+                assert_eq!(place[0], k as i32, "{format}: {cut}");
+            }
+            let missing = scene.repairs.get("missing_points").copied().unwrap_or(0);
+            assert_eq!(missing as usize + places.len(), points.len());
+            assert!(scene.remarks[0].contains("table of chunks is missing"));
+        }
+        // A damaged chunk costs its own points.
+        let mut damaged = whole.clone();
+        let middle = whole.len() / 2;
+        damaged[middle..middle + 40].fill(0xff);
+        let _ = read(&damaged, "a");
+    }
+}
+
+#[test]
+fn stale_counts_of_records_and_echoes_are_told() {
+    let told = |at: usize, count: u32, version: (u8, u8), expected: &str| {
+        let bytes = file(
+            &points(700),
+            if version.1 == 4 { 6 } else { 2 },
+            version,
+            false,
+        );
+        let (found, told, repairs) = mended(&with_word(bytes, at, count));
+        assert_eq!((found, repairs), (700, counts(&[("stale_counts", 1)])));
+        assert!(told.contains(expected), "{told}");
     };
-    refused(
+    told(
         100,
         7,
         (1, 2),
-        "byte 100: the header counts 7 records before the points, but 0 fit",
+        "counts 7 records before the points, of which 0 fit",
     );
-    refused(
+    told(
         111,
         701,
         (1, 2),
-        "byte 111: the header counts 701 echoes of pulses, but 700 points",
+        "counts 701 echoes of pulses, but 700 points",
     );
-    refused(
+    told(
         255,
         701,
         (1, 4),
-        "byte 255: the header counts 701 echoes of pulses, but 700 points",
+        "counts 701 echoes of pulses, but 700 points",
     );
-    refused(
+    told(
         243,
         2,
         (1, 4),
-        "byte 243: the header counts 2 records behind the points, but 0 fit",
+        "counts 2 records behind the points, of which 0 fit",
     );
+    told(
+        107,
+        40,
+        (1, 4),
+        "counts 40 points, and at byte 247 700: 700 are read",
+    );
+    // A header that is shorter than that of its version.
+    let mut short = file(&points(9), 2, (1, 2), false);
+    short[25] = 4;
+    let (found, text, _) = mended(&short);
+    assert!(found == 9 && text.contains("as one of LAS 1.2"), "{text}");
 }
 
 #[test]

@@ -1,9 +1,12 @@
 //! How is an OBJ file read?
 //!
-//! Its objects and groups become one mesh, so that surfaces stay closed between them. Faces are
-//! fans of triangles. Source: Wavefront, "Object Files (.obj)", version 3.0.
+//! Its objects and groups become one mesh, so that surfaces stay closed between them; its points, or
+//! the vertices of a file without faces, become a cloud. Source: Wavefront, "Object Files (.obj)",
+//! version 3.0.
 
+mod corners;
 mod mtl;
+mod points;
 
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -11,15 +14,20 @@ use std::rc::Rc;
 use foveal_core::content::images::wrap::Wrap;
 use glam::{DAffine2, DAffine3, DVec2, DVec3};
 
-use super::colour::linear_from_rgba;
+use super::colour::{Depth, lighten};
 use super::error::Fault;
-use super::files::Folder;
+use super::mends::{self, Mends};
+use super::outliers;
+use super::polygon::Polygons;
+use super::search::{self, Folder};
 use super::sound::count;
-use super::text::{Words, lines, shortened};
+use super::text::{Words, lines, shortened, utf8_of};
 use crate::source::{
     Material, MaterialTexture, SourceImage, SourceMesh, SourceObject, SourceScene,
 };
+use corners::{Corner, FaceCorner, Late};
 use mtl::Library;
+use points::Points;
 
 /// Reads an OBJ file into one object called `name`.
 pub(super) fn read(
@@ -27,26 +35,21 @@ pub(super) fn read(
     name: &str,
     folder: &mut dyn Folder,
 ) -> Result<SourceScene, Fault> {
-    let mut reader = Reader {
-        scene: SourceScene::default(),
-        mesh: SourceMesh::default(),
-        places: Vec::new(),
-        place_colours: Vec::new(),
-        normals: Vec::new(),
-        uvs: Vec::new(),
-        images: HashMap::new(),
-        vertices: HashMap::new(),
-        library: Library::default(),
-        libraries: HashSet::new(),
-        material_numbers: HashMap::new(),
-        material: None,
-        folder,
+    let read_from = |first: u32, folder: &mut dyn Folder| {
+        let mut reader = Reader::new(first, folder);
+        for line in lines(bytes) {
+            reader.read_line(&mut Words::of(&line))?;
+        }
+        match reader.late.counts_from_zero(reader.places.len()) {
+            true => Ok(None),
+            false => reader.finish(name).map(Some),
+        }
     };
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    for line in lines(bytes) {
-        reader.read_line(&mut Words::of(&line))?;
-    }
-    Ok(reader.finish(name))
+    let scene = match read_from(1, folder)? {
+        Some(scene) => Some(scene),
+        None => read_from(0, folder)?,
+    };
+    Ok(scene.unwrap_or_default())
 }
 
 struct Reader<'a> {
@@ -54,70 +57,94 @@ struct Reader<'a> {
     mesh: SourceMesh,
     /// What `v` lines say.
     places: Vec<DVec3>,
-    /// Empty, or as long as `places`.
+    /// As the file has them; empty, or as long as `places`.
     place_colours: Vec<[f32; 4]>,
+    colour_depth: Depth,
     /// What `vn` lines say.
     normals: Vec<[f32; 3]>,
     /// What `vt` lines say.
     uvs: Vec<[f32; 2]>,
     /// The vertex of the mesh for each place, texture place and normal.
     vertices: HashMap<Corner, u32>,
+    polygons: Polygons,
+    /// The corners of the face that is being read, and the vertices of the mesh that they are.
+    face: Vec<FaceCorner>,
+    outline: Vec<u32>,
+    /// Faces that name what did not stand before them.
+    late: Late,
+    points: Points,
+    mends: Mends,
     /// The pictures that were read, by name; `None` for one that is missing.
     images: HashMap<String, Option<usize>>,
     library: Library,
     /// What `mtllib` lines name: each is read once.
     libraries: HashSet<String>,
     material_numbers: HashMap<String, u32>,
+    /// Materials that no file had yet, and their numbers.
+    lost_materials: Vec<(String, u32)>,
     material: Option<u32>,
     folder: &'a mut dyn Folder,
 }
 
-/// What a corner of a face names, by numbers of lines.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Corner {
-    place: u32,
-    uv: Option<u32>,
-    normal: Option<u32>,
-}
-
 /// Each costs a search on the disk; exporters write one.
 const MOST_LIBRARIES: usize = 256;
-const WHITE: [f32; 4] = [1.0; 4];
+/// Stands for no colour until all are read.
+const UNSAID: [f32; 4] = [-1.0; 4];
 
 impl Reader<'_> {
+    fn new(first: u32, folder: &'_ mut dyn Folder) -> Reader<'_> {
+        Reader {
+            scene: SourceScene::default(),
+            mesh: SourceMesh::default(),
+            places: Vec::new(),
+            place_colours: Vec::new(),
+            colour_depth: Depth::default(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            images: HashMap::new(),
+            vertices: HashMap::new(),
+            polygons: Polygons::default(),
+            face: Vec::new(),
+            outline: Vec::new(),
+            late: Late::of(first),
+            points: Points::default(),
+            mends: Mends::default(),
+            library: Library::default(),
+            libraries: HashSet::new(),
+            material_numbers: HashMap::new(),
+            lost_materials: Vec::new(),
+            material: None,
+            folder,
+        }
+    }
+
     fn read_line(&mut self, words: &mut Words<'_>) -> Result<(), Fault> {
-        match words.next() {
-            Some("v") => self.read_place(words),
-            Some("vn") => {
-                let normal = words.three("a part of a normal")?;
-                self.normals.push(normal.map(|along| along as f32));
-                Ok(())
+        let Some(keyword) = words.next() else {
+            return Ok(());
+        };
+        let small;
+        let keyword = match keyword.bytes().any(|sign| sign.is_ascii_uppercase()) {
+            true => {
+                small = keyword.to_ascii_lowercase();
+                small.as_str()
             }
-            Some("vt") => {
-                let u = words.number("a place on a texture")?;
-                let v = words.number_if_any("a place on a texture")?.unwrap_or(0.0);
-                // Here 0 is at the bottom of pictures.
-                self.uvs
-                    .push([u, 1.0 - v].map(|along| along.clamp(-1e6, 1e6) as f32));
-                Ok(())
-            }
-            Some("f" | "fo") => self.read_face(words),
-            Some("usemtl") => {
+            false => keyword,
+        };
+        if matches!(keyword, "v" | "vn" | "vt" | "f" | "fo" | "p" | "l") {
+            words.leave_out_comment();
+            self.read_numbers(keyword, words)?;
+            let at = words.line;
+            let place = || format!("in line {at}");
+            self.mends.add(mends::COMMA, words.commas, place);
+            return Ok(());
+        }
+        match keyword {
+            "usemtl" => {
                 self.use_material(&words.rest())?;
                 Ok(())
             }
-            Some("mtllib") => self.read_library(words),
-            Some("p") => {
-                let points = words.left();
-                count(&mut self.scene.repairs, "points_left_out", points);
-                Ok(())
-            }
-            Some("l") => {
-                let lines = words.left().saturating_sub(1);
-                count(&mut self.scene.repairs, "lines_left_out", lines);
-                Ok(())
-            }
-            Some("curv" | "curv2" | "surf") => {
+            "mtllib" => self.read_library(words),
+            "curv" | "curv2" | "surf" => {
                 let remark = "curves and free-form surfaces of OBJ are not drawn";
                 self.scene.remark(remark);
                 Ok(())
@@ -126,79 +153,114 @@ impl Reader<'_> {
         }
     }
 
+    /// Reads a line of numbers. What is no number is NaN, so that later lines keep their numbers.
+    fn read_numbers(&mut self, keyword: &str, words: &mut Words<'_>) -> Result<(), Fault> {
+        let next = |words: &mut Words<'_>| words.any_number().unwrap_or(f64::NAN);
+        match keyword {
+            "v" => self.read_place(words),
+            "vn" => {
+                let normal = [next(words), next(words), next(words)];
+                self.normals.push(normal.map(|along| along as f32));
+            }
+            "vt" => {
+                let (u, v) = (next(words), words.any_number().unwrap_or(0.0));
+                // Here 0 is at the bottom of pictures.
+                self.uvs
+                    .push([u, 1.0 - v].map(|along| along.clamp(-1e6, 1e6) as f32));
+            }
+            "p" => self.points.read(words, self.places.len()),
+            "l" => {
+                let lines = self.points.read_line(words, self.places.len());
+                count(&mut self.scene.repairs, "lines_left_out", lines);
+            }
+            _ => self.read_face(words)?,
+        }
+        Ok(())
+    }
+
     /// x, y and z, maybe followed by a weight, which has no meaning here, or by a colour.
-    fn read_place(&mut self, words: &mut Words<'_>) -> Result<(), Fault> {
-        let place = DVec3::from_array(words.three("a coordinate")?);
+    fn read_place(&mut self, words: &mut Words<'_>) {
+        let mut place = [f64::NAN; 3];
+        for (at, along) in place.iter_mut().enumerate() {
+            match words.any_number() {
+                Some(number) => *along = number,
+                // Drawings have two coordinates.
+                None if at == 2 => {
+                    *along = 0.0;
+                    let line = words.line;
+                    self.mends.add(mends::FLAT, 1, || format!("in line {line}"));
+                }
+                None => {}
+            }
+        }
+        let place = DVec3::from_array(place);
         let mut more = Vec::new();
-        while let Some(number) = words.number_if_any("what follows coordinates")? {
+        while let Some(number) = words.any_number() {
             more.push(number);
         }
         let colour = match more.as_slice() {
             [red, green, blue] | [red, green, blue, _] => {
-                Some(linear_from_rgba([*red, *green, *blue, 1.0]))
+                self.colour_depth.add([*red, *green, *blue]);
+                Some([*red as f32, *green as f32, *blue as f32, 1.0])
             }
             _ => None,
         };
         if colour.is_some() || !self.place_colours.is_empty() {
-            self.place_colours.resize(self.places.len(), WHITE);
-            self.place_colours.push(colour.unwrap_or(WHITE));
+            self.place_colours.resize(self.places.len(), UNSAID);
+            self.place_colours.push(colour.unwrap_or(UNSAID));
         }
         self.places.push(place);
-        Ok(())
     }
 
     fn read_face(&mut self, words: &mut Words<'_>) -> Result<(), Fault> {
-        let mut first = None;
-        let mut before = None;
-        let mut corners = 0;
+        self.face.clear();
+        let counts = [self.places.len(), self.uvs.len(), self.normals.len()];
         while let Some(word) = words.next() {
-            let next = self
-                .corner(word)
-                .map_err(|what| Fault::line(words.line, what))?;
-            corners += 1;
-            if let (Some(first), Some(before)) = (first, before) {
-                self.add_triangle([first, before, next])?;
-            }
-            before = first.is_some().then_some(next);
-            first = first.or(Some(next));
+            self.face.push(self.late.corner(word, counts));
         }
-        let few = usize::from(corners < 3);
-        count(&mut self.scene.repairs, "faces_under_three_corners", few);
-        Ok(())
-    }
-
-    fn add_triangle(&mut self, triangle: [u32; 3]) -> Result<(), Fault> {
+        if self.face.len() < 3 {
+            count(&mut self.scene.repairs, "faces_under_three_corners", 1);
+            return Ok(());
+        }
         let material = match self.material {
             Some(material) => material,
             None => self.use_material("")?,
         };
-        self.mesh.triangles.push(triangle);
-        self.mesh.materials.push(material);
-        Ok(())
+        match self.face.iter().all(|corner| corner.is_there(counts)) {
+            true => self.add_face(material, words.line),
+            false => {
+                self.late.push(&self.face, material, words.line);
+                Ok(())
+            }
+        }
     }
 
-    /// The vertex of the mesh that `place`, `place/texture`, `place//normal` or
-    /// `place/texture/normal` is.
-    fn corner(&mut self, word: &str) -> Result<u32, String> {
-        let mut parts = word.split('/');
-        let place = index(parts.next().unwrap_or(""), self.places.len(), "vertex")?;
-        let uv = match parts.next() {
-            None | Some("") => None,
-            // Some programs name what they do not write.
-            Some(uv) => index(uv, self.uvs.len(), "place on a texture").ok(),
-        };
-        let normal = match parts.next() {
-            None | Some("") => None,
-            Some(normal) => Some(index(normal, self.normals.len(), "normal")?),
-        };
-        let corner = Corner { place, uv, normal };
-        let next = u32::try_from(self.mesh.positions.len())
-            .map_err(|_| "there are more vertices than 4294967295".to_owned())?;
-        let vertex = *self.vertices.entry(corner).or_insert(next);
-        if vertex == next {
-            self.add_vertex(corner);
+    /// Adds the face whose corners stand in `face`; left out if a vertex of it does not exist.
+    fn add_face(&mut self, material: u32, line: usize) -> Result<(), Fault> {
+        let place = || format!("in line {line}");
+        let counts = [self.places.len(), self.uvs.len(), self.normals.len()];
+        let mut lost = [0; 2];
+        self.outline.clear();
+        for at in 0..self.face.len() {
+            let corner = self.face[at].of(counts, &mut lost);
+            let Some(corner) = corner else {
+                self.mends.add(mends::OUT_OF_RANGE, 1, place);
+                return Ok(());
+            };
+            let next = u32::try_from(self.mesh.positions.len())
+                .map_err(|_| Fault::line(line, "there are more vertices than 4294967295"))?;
+            let vertex = *self.vertices.entry(corner).or_insert(next);
+            if vertex == next {
+                self.add_vertex(corner);
+            }
+            self.outline.push(vertex);
         }
-        Ok(vertex)
+        self.mends.add(mends::UV_NOT_FOUND, lost[0], place);
+        self.mends.add(mends::NORMAL_NOT_FOUND, lost[1], place);
+        self.polygons.add(&mut self.mesh.triangles, &self.outline);
+        let triangles = self.mesh.triangles.len();
+        self.mesh.materials.resize(triangles, material);
+        Ok(())
     }
 
     fn add_vertex(&mut self, Corner { place, uv, normal }: Corner) {
@@ -217,8 +279,8 @@ impl Reader<'_> {
         }
         let colour = self.place_colours.get(place as usize);
         if colour.is_some() || !self.mesh.colours.is_empty() {
-            self.mesh.colours.resize(vertices, WHITE);
-            self.mesh.colours.push(colour.copied().unwrap_or(WHITE));
+            self.mesh.colours.resize(vertices, UNSAID);
+            self.mesh.colours.push(colour.copied().unwrap_or(UNSAID));
         }
     }
 
@@ -228,14 +290,15 @@ impl Reader<'_> {
             None => {
                 let number = self.scene.materials.len() as u32;
                 let known = self.library.materials.get(name).cloned();
-                let lost = usize::from(known.is_none() && !name.is_empty());
-                count(&mut self.scene.repairs, "materials_not_found", lost);
+                if known.is_none() && !name.is_empty() {
+                    self.lost_materials.push((name.to_owned(), number));
+                }
                 let mut material = known.unwrap_or_else(|| Material {
                     name: name.to_owned(),
                     two_sided: true,
                     ..Material::default()
                 });
-                material.texture = self.texture(name)?;
+                material.texture = self.texture(name);
                 self.scene.materials.push(material);
                 self.material_numbers.insert(name.to_owned(), number);
                 number
@@ -246,14 +309,12 @@ impl Reader<'_> {
     }
 
     /// How a material shows a picture.
-    fn texture(&mut self, material: &str) -> Result<Option<MaterialTexture>, Fault> {
-        let Some(map) = self.library.pictures.get(material).cloned() else {
-            return Ok(None);
-        };
+    fn texture(&mut self, material: &str) -> Option<MaterialTexture> {
+        let map = self.library.pictures.get(material).cloned()?;
         let image = match self.images.get(&map.file) {
             Some(known) => *known,
             None => {
-                let image = match self.folder.read(&map.file) {
+                let image = match search::read(self.folder, &map.names()) {
                     Ok(bytes) => {
                         self.scene.images.push(SourceImage {
                             name: map.file.clone(),
@@ -261,11 +322,11 @@ impl Reader<'_> {
                         });
                         Some(self.scene.images.len() - 1)
                     }
-                    Err(Fault::Missing { .. }) => None,
-                    Err(fault) => return Err(fault),
+                    Err(fault) => {
+                        self.scene.missing_picture(&map.file, &fault.what());
+                        None
+                    }
                 };
-                let missing = usize::from(image.is_none());
-                count(&mut self.scene.repairs, "missing_images", missing);
                 *self.images.entry(map.file).or_insert(image)
             }
         };
@@ -277,12 +338,12 @@ impl Reader<'_> {
         // The picture's rows count from its top, the file's from the bottom.
         let [u, v] = map.scale;
         let offset = DVec2::new(map.offset[0], 1.0 - v - map.offset[1]);
-        Ok(image.map(|image| MaterialTexture {
+        image.map(|image| MaterialTexture {
             image,
             wrap: [wrap; 2],
             picture_from_uv: DAffine2::from_scale_angle_translation(DVec2::new(u, v), 0.0, offset),
             cutoff: None,
-        }))
+        })
     }
 
     /// The files of one line: their names have no blanks, unless it is one name.
@@ -295,17 +356,17 @@ impl Reader<'_> {
             let what = format!("more than {MOST_LIBRARIES} files of materials are named");
             return Err(Fault::line(words.line, what));
         }
-        let file = match self.folder.read(&whole) {
-            Err(Fault::Missing { .. }) if whole.contains(' ') => {
+        // Blanks may be of one name, or between several; quotes tell.
+        match search::read(self.folder, &[&whole]) {
+            Err(Fault::Missing { .. }) if whole.contains(' ') && !whole.starts_with('"') => {
                 for name in whole.split(' ').take(MOST_LIBRARIES) {
-                    let file = self.folder.read(name);
+                    let file = search::read(self.folder, &[name]);
                     self.add_library(name, file, words.line)?;
                 }
-                return Ok(());
+                Ok(())
             }
-            file => file,
-        };
-        self.add_library(&whole, file, words.line)
+            file => self.add_library(&whole, file, words.line),
+        }
     }
 
     fn add_library(
@@ -316,9 +377,10 @@ impl Reader<'_> {
     ) -> Result<(), Fault> {
         match file {
             Ok(bytes) => {
-                self.library
-                    .read(&bytes)
-                    .map_err(|fault| in_library(name, fault))?;
+                for line in self.library.read(&utf8_of(&bytes), name) {
+                    let place = || format!("in line {line} of {:?}", shortened(name));
+                    self.mends.add(mends::LINE_BROKEN, 1, place);
+                }
             }
             Err(Fault::Missing { reason, .. }) => {
                 let missing = "material_files_missing";
@@ -336,51 +398,88 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn finish(mut self, name: &str) -> SourceScene {
+    /// Colours are codes of whatever depth all of them tell.
+    fn light_colours(&mut self, name: &str) {
+        let full = self.colour_depth.full(1.0);
+        let largest = full.largest() as f32;
+        let mut strays = 0;
+        for colours in [&mut self.place_colours, &mut self.mesh.colours] {
+            for colour in colours.iter_mut().filter(|it| it[3] < 0.0) {
+                *colour = [largest, largest, largest, 1.0];
+            }
+            strays = strays.max(lighten(colours, &full, 1.0));
+        }
+        let what = format!("vertices of {:?}", shortened(name));
+        let counts = (self.place_colours.len(), strays);
+        if let Some(remark) = full.tell(&what, counts, &mut self.scene.repairs) {
+            self.scene.remark(remark);
+        }
+    }
+
+    fn finish(mut self, name: &str) -> Result<SourceScene, Fault> {
+        let mut late = std::mem::take(&mut self.late);
+        while let Some((material, line)) = late.pop(&mut self.face) {
+            self.add_face(material, line)?;
+        }
+        late.tell(&mut self.mends);
+        self.find_materials();
+        for (repair, times) in std::mem::take(&mut self.library.repairs) {
+            count(&mut self.scene.repairs, &repair, times as usize);
+        }
+        let polygons = std::mem::take(&mut self.polygons);
+        polygons.fill(&mut self.mesh, &mut self.mends);
+        if !self.place_colours.is_empty() {
+            self.light_colours(name);
+        }
+        self.add_points(name);
         self.scene.objects.push(SourceObject {
             name: name.to_owned(),
             mesh: 0,
             placements: vec![DAffine3::IDENTITY],
         });
-        let unused = self.vertices_in_no_face();
-        count(&mut self.scene.repairs, "unused_vertices", unused);
         self.scene.meshes.push(self.mesh);
-        self.scene
+        self.mends.tell(name, &mut self.scene);
+        Ok(self.scene)
     }
 
-    fn vertices_in_no_face(&self) -> usize {
+    /// Adds the points that are shown, and counts the vertices that nothing shows.
+    fn add_points(&mut self, name: &str) {
+        let has_faces = self.mends.times(mends::OUT_OF_RANGE) > 0 || !self.vertices.is_empty();
+        let points = std::mem::take(&mut self.points);
+        let shown = points.shown(&self.places, has_faces, &mut self.mends);
         let mut used = vec![false; self.places.len()];
-        for Corner { place, .. } in self.vertices.keys() {
-            used[*place as usize] = true;
+        let named = self.vertices.keys().map(|corner| corner.place);
+        for place in named.chain(shown.iter().copied()) {
+            used[place as usize] = true;
         }
-        used.iter().filter(|used| !**used).count()
+        let unused = used.iter().filter(|used| !**used).count();
+        count(&mut self.scene.repairs, "unused_vertices", unused);
+        if !shown.is_empty() {
+            let colours = points::colours(&shown, &self.place_colours, &mut self.mends);
+            let place = |it: &u32| self.places[*it as usize];
+            let positions: Vec<DVec3> = shown.iter().map(place).collect();
+            let clouds = outliers::clouds(name, &positions, &colours, &mut self.scene);
+            self.scene.clouds.extend(clouds);
+        }
     }
-}
 
-/// The number, counted from 0, that a word names in a list: 1 is the first, -1 the last.
-fn index(word: &str, length: usize, what: &str) -> Result<u32, String> {
-    let Ok(number) = word.parse::<i64>() else {
-        return Err(format!("{:?} is no number of a {what}", shortened(word)));
-    };
-    let from_zero = if number < 0 {
-        (length as i64).checked_add(number)
-    } else {
-        number.checked_sub(1)
-    };
-    from_zero
-        .filter(|index| *index < length as i64)
-        .and_then(|index| u32::try_from(index).ok())
-        .ok_or_else(|| format!("names {what} {number}, but {length} stand before it"))
-}
-
-fn in_library(name: &str, fault: Fault) -> Fault {
-    match fault {
-        Fault::Broken { place, what, next } => Fault::Broken {
-            place: format!("its {:?}, {place}", shortened(name)),
-            what,
-            next,
-        },
-        other => other,
+    /// Looks up materials again that were named before the file that has them, or with a comment.
+    fn find_materials(&mut self) {
+        for (name, number) in std::mem::take(&mut self.lost_materials) {
+            let bare = name.split_once('#').map_or("", |(bare, _)| bare.trim_end());
+            let known = |name: &str| Some((name.to_owned(), self.library.materials.get(name)?));
+            match known(&name).or_else(|| known(bare)) {
+                Some((name, material)) => {
+                    let material = material.clone();
+                    let texture = self.texture(&name);
+                    self.scene.materials[number as usize] = Material {
+                        texture,
+                        ..material
+                    };
+                }
+                None => count(&mut self.scene.repairs, "materials_not_found", 1),
+            }
+        }
     }
 }
 

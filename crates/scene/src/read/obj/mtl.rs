@@ -6,8 +6,15 @@ use std::collections::HashMap;
 
 use super::super::colour::linear_from_encoded;
 use super::super::error::Fault;
+use super::super::sound::count;
 use super::super::text::{Words, lines};
-use crate::source::Material;
+use crate::source::{Material, Repairs};
+use percent_encoding::percent_decode_str;
+
+/// Light of what is black.
+const DARKEST: f32 = 1e-3;
+/// A `Kd` is brighter than white by mistake up to here; what is beyond is written from 0 to 255.
+const MOST_LIGHT: f64 = 16.0;
 
 /// The materials that files define.
 #[derive(Debug, Default)]
@@ -15,6 +22,7 @@ pub(super) struct Library {
     pub(super) materials: HashMap<String, Material>,
     /// The pictures of materials, by name, and how they lie.
     pub(super) pictures: HashMap<String, MapOptions>,
+    pub(super) repairs: Repairs,
 }
 
 /// What `map_Kd` says.
@@ -22,6 +30,8 @@ pub(super) struct Library {
 pub(super) struct MapOptions {
     /// Name of the file.
     pub(super) file: String,
+    /// The same from the folder of the library, and without what stands for blanks in addresses.
+    others: Vec<String>,
     pub(super) scale: [f64; 2],
     pub(super) offset: [f64; 2],
     pub(super) clamps: bool,
@@ -32,6 +42,7 @@ impl MapOptions {
     fn read(words: &mut Words<'_>) -> Self {
         let mut options = Self {
             file: String::new(),
+            others: Vec::new(),
             scale: [1.0; 2],
             offset: [0.0; 2],
             clamps: false,
@@ -73,15 +84,34 @@ impl MapOptions {
         options.file = rest;
         options
     }
+
+    /// The names that the file may have, the likeliest first.
+    pub(super) fn names(&self) -> Vec<&str> {
+        let others = self.others.iter().map(String::as_str);
+        others.chain([&*self.file]).collect()
+    }
+
+    /// Remembers that a library of this name tells of it.
+    fn lies_beside(&mut self, library: &str) {
+        if let Some((folder, _)) = library.rsplit_once(['/', '\\']) {
+            self.others.push(format!("{folder}/{}", self.file));
+        }
+        if self.file.contains('%') {
+            let plain = percent_decode_str(&self.file).decode_utf8_lossy();
+            self.others.push(plain.into_owned());
+        }
+    }
 }
 
 impl Library {
-    /// Adds the materials of a file.
-    pub(super) fn read(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+    /// Adds the materials of a file of this name, and returns the numbers of lines that say nothing
+    /// that a colour can be; these are left out.
+    pub(super) fn read(&mut self, bytes: &[u8], name: &str) -> Vec<usize> {
+        let mut broken = Vec::new();
         let mut current: Option<Material> = None;
         for line in lines(bytes) {
             let mut words = Words::of(&line);
-            let keyword = words.next().unwrap_or("");
+            let keyword = words.next().unwrap_or("").to_ascii_lowercase();
             if keyword == "newmtl" {
                 let begun = current.replace(Material {
                     name: words.rest(),
@@ -90,19 +120,28 @@ impl Library {
                 });
                 self.add(begun);
             } else if let Some(material) = &mut current {
-                if keyword == "map_Kd" {
-                    let options = MapOptions::read(&mut words);
+                if keyword == "map_kd" {
+                    let mut options = MapOptions::read(&mut words);
+                    options.lies_beside(name);
                     self.pictures.insert(material.name.clone(), options);
                 }
-                read_property(material, keyword, &mut words)?;
+                if read_property(material, &keyword, &mut words).is_err() {
+                    broken.push(line.number);
+                }
             }
         }
         self.add(current);
-        Ok(())
+        broken
     }
 
     fn add(&mut self, material: Option<Material>) {
-        if let Some(material) = material {
+        if let Some(mut material) = material {
+            // Exporters write no light where a picture has it all.
+            let is_black = material.colour[..3].iter().all(|it| *it < DARKEST);
+            if is_black && self.pictures.contains_key(&material.name) {
+                material.colour[..3].fill(1.0);
+                count(&mut self.repairs, "black_under_textures", 1);
+            }
             self.materials.insert(material.name.clone(), material);
         }
     }
@@ -113,21 +152,24 @@ fn read_property(
     keyword: &str,
     words: &mut Words<'_>,
 ) -> Result<(), Fault> {
+    words.leave_out_comment();
     match keyword {
-        "Kd" if !["spectral", "xyz"]
+        "kd" if !["spectral", "xyz"]
             .iter()
             .any(|way| words.rest().starts_with(way)) =>
         {
             let red = words.number("a colour")?;
             let green = words.number_if_any("a colour")?.unwrap_or(red);
             let blue = words.number_if_any("a colour")?.unwrap_or(red);
-            let light = [red, green, blue].map(linear_from_encoded);
+            let most = red.max(green).max(blue);
+            let full = if most > MOST_LIGHT { 255.0 } else { 1.0 };
+            let light = [red, green, blue].map(|it| linear_from_encoded(it / full));
             material.colour[..3].copy_from_slice(&light);
         }
         "d" if !words.rest().starts_with('-') => {
             material.colour[3] = words.number("`d`")?.clamp(0.0, 1.0) as f32;
         }
-        "Tr" => {
+        "tr" => {
             material.colour[3] = 1.0 - words.number("`Tr`")?.clamp(0.0, 1.0) as f32;
         }
         _ => {}

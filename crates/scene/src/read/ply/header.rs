@@ -12,19 +12,23 @@ pub(super) enum Scalar {
     U16,
     I32,
     U32,
+    I64,
+    U64,
     F32,
     F64,
 }
 
 impl Scalar {
     fn of(word: &str) -> Option<Self> {
-        let scalar = match word {
+        let scalar = match word.to_ascii_lowercase().as_str() {
             "char" | "int8" => Self::I8,
             "uchar" | "uint8" => Self::U8,
             "short" | "int16" => Self::I16,
             "ushort" | "uint16" => Self::U16,
             "int" | "int32" => Self::I32,
             "uint" | "uint32" => Self::U32,
+            "int64" | "long" => Self::I64,
+            "uint64" | "ulong" => Self::U64,
             "float" | "float32" => Self::F32,
             "double" | "float64" => Self::F64,
             _ => return None,
@@ -37,7 +41,7 @@ impl Scalar {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
+            Self::I64 | Self::U64 | Self::F64 => 8,
         }
     }
 }
@@ -87,9 +91,17 @@ pub(super) struct PlyHeader {
 
 impl PlyHeader {
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, Fault> {
-        if !bytes.starts_with(b"ply") {
+        if !bytes
+            .get(..3)
+            .is_some_and(|it| it.eq_ignore_ascii_case(b"ply"))
+        {
             return Err(Fault::at("byte 0", "a PLY file begins with `ply`"));
         }
+        let end_of_line = match bytes.get(3..5) {
+            Some([b'\r', b'\n']) => b'\n',
+            Some([b'\r', _]) => b'\r',
+            _ => b'\n',
+        };
         let mut header = Self {
             encoding: Encoding::Text,
             elements: Vec::new(),
@@ -98,13 +110,13 @@ impl PlyHeader {
             has_textures: false,
         };
         let mut encoding = None;
-        for line in bytes.split_inclusive(|byte| *byte == b'\n') {
+        for line in bytes.split_inclusive(|byte| *byte == end_of_line) {
             header.end += line.len();
             header.lines += 1;
             let text = String::from_utf8_lossy(line);
             let words: Vec<&str> = text.split_ascii_whitespace().collect();
             match words.as_slice() {
-                ["end_header"] if line.ends_with(b"\n") => {
+                ["end_header"] if line.ends_with(&[end_of_line]) => {
                     header.encoding = encoding
                         .ok_or_else(|| Fault::at("header", "the line `format` is missing"))?;
                     return Ok(header);
@@ -113,7 +125,7 @@ impl PlyHeader {
                 ["comment", rest @ ..] => {
                     header.has_textures |= rest.first() == Some(&"TextureFile");
                 }
-                ["ply"] if header.lines == 1 => {}
+                [_] if header.lines == 1 => {}
                 [] | ["obj_info", ..] => {}
                 other => header.add(other)?,
             }

@@ -4,16 +4,21 @@
 //! hold: vertices with colours and normals, faces, and strips of triangles. Vertices without faces
 //! are a cloud of points.
 
+mod colours;
 mod header;
 mod numbers;
 
 use glam::{DAffine3, DVec3};
 
-use super::colour::linear_from_rgba;
 use super::error::Fault;
+use super::mends::{self, Mends};
+use super::outliers;
+use super::polygon::Polygons;
 use super::sound::count;
-use crate::source::{Material, Repairs, SourceCloud, SourceMesh, SourceObject, SourceScene};
-use header::{Element, PlyHeader, Property, Scalar};
+use super::text::shortened;
+use crate::source::{Material, Repairs, SourceMesh, SourceObject, SourceScene, keep};
+use colours::{ColourColumns, PlyColours, Told, colour_triangles};
+use header::{Element, PlyHeader, Property};
 use numbers::Numbers;
 
 /// Reads a PLY file into one object called `name`.
@@ -26,39 +31,44 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         ..Reader::default()
     };
     for element in &header.elements {
-        numbers.check_count(element)?;
+        numbers.begin(element);
         match element.name.as_str() {
             "vertex" => reader.read_vertices(element, &mut numbers)?,
-            _ if is_face(element) => reader.read_faces(element, &mut numbers)?,
-            _ => skip(element, &mut numbers)?,
+            _ if is_face(element) => reader.read_faces(element, &mut numbers),
+            _ => reader.skip(element, &mut numbers),
         }
+        numbers.end();
     }
-    reader.check_corners()?;
-    if reader.is_cloud {
-        return Ok(SourceScene {
-            clouds: vec![reader.cloud(name)],
-            ..SourceScene::default()
-        });
-    }
-    if reader.mesh.triangles.is_empty() {
-        let points = reader.mesh.positions.len();
-        count(&mut reader.repairs, "points_left_out", points);
-        reader.mesh = SourceMesh::default();
-    }
-    let mut scene = SourceScene {
-        objects: vec![SourceObject {
+    reader.add_mends(&numbers);
+    let polygons = std::mem::take(&mut reader.polygons);
+    polygons.fill(&mut reader.mesh, &mut reader.mends);
+    let mut scene = SourceScene::default();
+    let are_points = reader.is_cloud || reader.has_only_vertices();
+    reader.take_colours(are_points, name, &mut scene);
+    if are_points {
+        let (positions, colours) = reader.points();
+        scene.clouds = outliers::clouds(name, &positions, &colours, &mut scene);
+    } else {
+        if reader.mesh.triangles.is_empty() {
+            let points = reader.mesh.positions.len();
+            count(&mut reader.repairs, "points_left_out", points);
+            reader.mesh = SourceMesh::default();
+        }
+        scene.objects = vec![SourceObject {
             name: name.to_owned(),
             mesh: 0,
             placements: vec![DAffine3::IDENTITY],
-        }],
-        meshes: vec![reader.mesh],
-        materials: vec![Material {
+        }];
+        scene.meshes = vec![reader.mesh];
+        scene.materials = vec![Material {
             two_sided: true,
             ..Material::default()
-        }],
-        repairs: reader.repairs,
-        ..SourceScene::default()
-    };
+        }];
+    }
+    for (name, times) in reader.repairs {
+        count(&mut scene.repairs, &name, times as usize);
+    }
+    reader.mends.tell(name, &mut scene);
     if header.has_textures {
         scene.remark("textures of PLY files are not drawn: export the mesh as glTF");
     }
@@ -70,23 +80,22 @@ fn is_face(element: &Element) -> bool {
     matches!(element.name.as_str(), "face" | "tristrips")
 }
 
-fn skip(element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
-    for index in 0..element.count {
-        for property in &element.properties {
-            numbers.skip(property, element, index)?;
-        }
-    }
-    Ok(())
-}
-
 #[derive(Default)]
 struct Reader {
     /// Whether there are no faces.
     is_cloud: bool,
     mesh: SourceMesh,
+    /// Colours of vertices, or of points.
+    colours: Option<PlyColours>,
+    /// Those of triangles.
+    face_colours: Option<PlyColours>,
+    polygons: Polygons,
+    /// The corners of the face that is being read.
+    outline: Vec<u32>,
     /// Colours of the points of a cloud, as codes of sixteen bits.
     codes: Vec<[u16; 3]>,
     repairs: Repairs,
+    mends: Mends,
 }
 
 /// What a property of a vertex is for: the place in a row of numbers.
@@ -98,19 +107,55 @@ fn slot(name: &str) -> Option<usize> {
         "nx" => 3,
         "ny" => 4,
         "nz" => 5,
-        "red" | "r" | "diffuse_red" => 6,
-        "green" | "g" | "diffuse_green" => 7,
-        "blue" | "b" | "diffuse_blue" => 8,
-        "alpha" | "a" | "diffuse_alpha" => 9,
         _ => return None,
     };
     Some(slot)
 }
 
-const SLOTS: usize = 10;
-const ALPHA: usize = 9;
+const SLOTS: usize = 6;
 
 impl Reader {
+    /// Counts the rows of an element from this one on as missing.
+    fn lose(&mut self, element: &Element, index: u64, numbers: &Numbers<'_>) {
+        let times = usize::try_from(element.count - index).unwrap_or(usize::MAX);
+        self.mends.add(mends::ROW_MISSING, times, || {
+            let place = numbers.place();
+            format!("is {} {index} of {}, {place}", element.name, element.count)
+        });
+    }
+
+    fn add_mends(&mut self, numbers: &Numbers<'_>) {
+        let all = [
+            (mends::WORDS_BEYOND, numbers.too_long),
+            (mends::LINE_BROKEN, numbers.broken),
+        ];
+        for (mend, lines) in all {
+            let place = || format!("in line {}", lines.first);
+            self.mends.add(mend, lines.times, place);
+        }
+        let place = || "in its text".to_owned();
+        self.mends.add(mends::COMMA, numbers.commas, place);
+    }
+
+    /// Whether the file was cut off before its faces.
+    fn has_only_vertices(&self) -> bool {
+        let is_cut = self.mends.times(mends::ROW_MISSING) > 0;
+        is_cut && self.mesh.triangles.is_empty() && self.repairs.is_empty()
+    }
+
+    fn skip(&mut self, element: &Element, numbers: &mut Numbers<'_>) {
+        if element.properties.is_empty() {
+            return;
+        }
+        for index in 0..element.count {
+            numbers.begin_row();
+            let mut all = element.properties.iter();
+            if all.any(|property| numbers.skip(property).is_none()) {
+                return self.lose(element, index, numbers);
+            }
+        }
+    }
+
     fn read_vertices(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
         if !self.mesh.positions.is_empty() {
             return Err(Fault::at("header", "there are two elements called vertex"));
@@ -119,143 +164,199 @@ impl Reader {
         let has = |wanted: core::ops::Range<usize>| {
             wanted.into_iter().all(|slot| slots.contains(&Some(slot)))
         };
-        let (has_normals, has_colours) = (has(3..6), has(6..9));
+        let has_normals = has(3..6);
+        let columns = ColourColumns::of(element);
+        let mut colours = columns.as_ref().map(PlyColours::new);
         let mut row = [0.0; SLOTS];
-        row[ALPHA] = 1.0;
+        let mut colour = [-1.0; 4];
         for index in 0..element.count {
-            for (property, slot) in element.properties.iter().zip(&slots) {
-                match (slot, property) {
+            numbers.begin_row();
+            for (at, (property, slot)) in element.properties.iter().zip(&slots).enumerate() {
+                let read = match (slot, property) {
                     (Some(slot), Property::One { scalar, .. }) => {
-                        let value = numbers.number(*scalar, element, index)?;
-                        let most = if *slot >= 6 { scalar.full() } else { 1.0 };
-                        row[*slot] = value / most;
+                        let value = numbers.number(*scalar);
+                        value.map(|value| row[*slot] = value)
                     }
-                    _ => numbers.skip(property, element, index)?,
+                    (None, Property::One { scalar, .. }) => {
+                        let value = numbers.number(*scalar);
+                        let part = columns.as_ref().and_then(|it| it.part(at));
+                        value.map(|value| {
+                            if let Some(part) = part {
+                                colour[part] = value;
+                            }
+                        })
+                    }
+                    _ => numbers.skip(property),
+                };
+                if read.is_none() {
+                    self.lose(element, index, numbers);
+                    self.colours = colours;
+                    return Ok(());
                 }
             }
-            let [x, y, z, nx, ny, nz, red, green, blue, alpha] = row;
+            let [x, y, z, nx, ny, nz] = row;
             let position = DVec3::new(x, y, z);
-            if !position.is_finite() {
-                return Err(numbers.fault(element, index, format!("stands at {position}")));
+            if self.is_cloud && !position.is_finite() {
+                let place = || format!("is vertex {index}");
+                self.mends.add(mends::POINT_WITHOUT_PLACE, 1, place);
+                continue;
             }
             self.mesh.positions.push(position);
             if has_normals && !self.is_cloud {
                 self.mesh.normals.push([nx as f32, ny as f32, nz as f32]);
             }
-            if has_colours {
-                if ![red, green, blue, alpha]
-                    .iter()
-                    .all(|part| part.is_finite())
-                {
-                    return Err(numbers.fault(element, index, "has a colour that is no number"));
-                }
-                if self.is_cloud {
-                    // A code of eight bits becomes 257 times as much.
-                    let code = |it: f64| (it.clamp(0.0, 1.0) * 65_535.0).round() as u16;
-                    self.codes.push([red, green, blue].map(code));
-                } else {
-                    let colour = linear_from_rgba([red, green, blue, alpha]);
-                    self.mesh.colours.push(colour);
-                }
+            if let Some(colours) = &mut colours
+                && !colours.add(colour)
+            {
+                let place = || format!("of vertex {index}");
+                self.mends.add(mends::COLOUR_MADE, 1, place);
             }
         }
+        self.colours = colours;
         Ok(())
     }
 
-    fn cloud(self, name: &str) -> SourceCloud {
-        SourceCloud {
-            colours: self.codes,
-            ..SourceCloud::on_grid(name, &self.mesh.positions)
+    /// Colours what was read, and tells what a person should know of it.
+    fn take_colours(&mut self, are_points: bool, name: &str, scene: &mut SourceScene) {
+        let name = shortened(name);
+        let what = if are_points { "points" } else { "vertices" };
+        let mut told = Told::of(format!("{what} of {name:?}"));
+        match self.colours.take() {
+            Some(colours) if are_points => self.codes = colours.codes(&mut told),
+            Some(colours) => self.mesh.colours = colours.lights(&mut told),
+            None => {}
         }
+        let faces = std::mem::take(&mut self.mesh.materials);
+        if let Some(colours) = self.face_colours.take().filter(|_| !are_points) {
+            told.what = format!("faces of {name:?}");
+            match self.mesh.colours.is_empty() {
+                true => colour_triangles(&mut self.mesh, &faces, &colours.lights(&mut told)),
+                false => {
+                    let remark = "colours of faces are left out, as vertices have colours too";
+                    told.remarks.push(remark.to_owned());
+                }
+            }
+        }
+        for (name, times) in told.repairs {
+            count(&mut self.repairs, &name, times as usize);
+        }
+        told.remarks.into_iter().for_each(|it| scene.remark(it));
     }
 
-    fn read_faces(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
+    /// The places and colours of points, also of a mesh that has lost its faces.
+    fn points(&mut self) -> (Vec<DVec3>, Vec<[u16; 3]>) {
+        let positions = std::mem::take(&mut self.mesh.positions);
+        let is_finite: Vec<bool> = positions.iter().map(|it| it.is_finite()).collect();
+        let lost = is_finite.iter().filter(|it| !**it).count();
+        let first = is_finite.iter().position(|it| !*it).unwrap_or(0);
+        let place = || format!("is vertex {first}");
+        self.mends.add(mends::POINT_WITHOUT_PLACE, lost, place);
+        let mut colours = std::mem::take(&mut self.codes);
+        let mut positions = positions;
+        keep(&mut positions, &is_finite);
+        keep(&mut colours, &is_finite);
+        (positions, colours)
+    }
+
+    fn read_faces(&mut self, element: &Element, numbers: &mut Numbers<'_>) {
         let is_strip = element.name == "tristrips";
+        let columns = ColourColumns::of(element);
+        let before = self.face_colours.take();
+        let mut colours = before.or_else(|| columns.as_ref().map(PlyColours::new));
+        let mut colour = [-1.0; 4];
+        let corners_at = element.properties.iter().position(is_corners);
+        if element.properties.is_empty() {
+            return;
+        }
         let mut corners = Vec::new();
-        for index in 0..element.count {
-            for property in &element.properties {
-                match property {
-                    Property::List {
-                        name,
-                        length,
-                        scalar,
-                    } if name == "vertex_indices" || name == "vertex_index" => {
-                        let length = numbers.length(*length, *scalar, element, index)?;
-                        corners.clear();
-                        for _ in 0..length {
-                            corners.push(numbers.number(*scalar, element, index)?);
-                        }
-                        if is_strip {
-                            self.add_strips(&corners, |what| numbers.fault(element, index, what))?;
-                        } else {
-                            self.add_face(&corners, |what| numbers.fault(element, index, what))?;
-                        }
+        'rows: for index in 0..element.count {
+            numbers.begin_row();
+            corners.clear();
+            for (at, property) in element.properties.iter().enumerate() {
+                let read = match property {
+                    Property::One { scalar, .. } => {
+                        let value = numbers.number(*scalar);
+                        let part = columns.as_ref().and_then(|it| it.part(at));
+                        value.map(|value| {
+                            if let Some(part) = part {
+                                colour[part] = value;
+                            }
+                        })
                     }
-                    _ => numbers.skip(property, element, index)?,
+                    Property::List { length, scalar, .. } if Some(at) == corners_at => {
+                        let length = numbers.length(*length, *scalar);
+                        length.and_then(|length| {
+                            let mut all = (0..length).map(|_| numbers.number(*scalar));
+                            all.try_for_each(|corner| corner.map(|it| corners.push(it)))
+                        })
+                    }
+                    _ => numbers.skip(property),
+                };
+                if read.is_none() {
+                    self.lose(element, index, numbers);
+                    break 'rows;
                 }
             }
+            match (corners_at.is_some(), is_strip) {
+                (false, _) => {}
+                (_, true) => self.add_strips(&corners),
+                (_, false) => self.add_face(&corners),
+            }
+            if let Some(colours) = &mut colours {
+                if !colours.add(colour) {
+                    let place = || format!("of face {index}");
+                    self.mends.add(mends::COLOUR_MADE, 1, place);
+                }
+                // Triangles know their face by their material until all are cut.
+                let face = colours.len() as u32 - 1;
+                let triangles = self.mesh.triangles.len();
+                self.mesh.materials.resize(triangles, face);
+            }
         }
-        Ok(())
+        self.face_colours = colours;
     }
 
-    fn add_face(&mut self, corners: &[f64], fault: impl Fn(String) -> Fault) -> Result<(), Fault> {
+    fn add_face(&mut self, corners: &[f64]) {
         if corners.len() < 3 {
             count(&mut self.repairs, "faces_under_three_corners", 1);
-            return Ok(());
+            return;
         }
-        let first = vertex(corners[0]).map_err(&fault)?;
-        let mut before = vertex(corners[1]).map_err(&fault)?;
-        for corner in &corners[2..] {
-            let next = vertex(*corner).map_err(&fault)?;
-            self.mesh.triangles.push([first, before, next]);
-            before = next;
-        }
-        Ok(())
+        self.outline.clear();
+        self.outline.extend(corners.iter().copied().map(vertex));
+        self.polygons.add(&mut self.mesh.triangles, &self.outline);
     }
 
     /// Strips of triangles with -1 between them; every second triangle is turned.
-    fn add_strips(
-        &mut self,
-        corners: &[f64],
-        fault: impl Fn(String) -> Fault,
-    ) -> Result<(), Fault> {
+    fn add_strips(&mut self, corners: &[f64]) {
         for strip in corners.split(|corner| *corner == -1.0) {
             for (index, triangle) in strip.windows(3).enumerate() {
-                let mut three = [0; 3];
-                for (corner, said) in three.iter_mut().zip(triangle) {
-                    *corner = vertex(*said).map_err(&fault)?;
-                }
+                let mut three = [0, 1, 2].map(|k| vertex(triangle[k]));
                 if index % 2 == 1 {
                     three.swap(1, 2);
                 }
                 self.mesh.triangles.push(three);
             }
         }
-        Ok(())
-    }
-
-    /// Faces may come before vertices, so that their corners are checked at the end.
-    fn check_corners(&self) -> Result<(), Fault> {
-        let vertices = self.mesh.positions.len();
-        let out = |triangle: &[u32; 3]| triangle.iter().any(|corner| *corner as usize >= vertices);
-        match self.mesh.triangles.iter().find(|triangle| out(triangle)) {
-            None => Ok(()),
-            Some(triangle) => Err(Fault::at(
-                "element face",
-                format!(
-                    "a triangle has the corners {triangle:?}, but there are {vertices} vertices"
-                ),
-            )),
-        }
     }
 }
 
-fn vertex(said: f64) -> Result<u32, String> {
+/// Whether a property names the corners of a face; also one that only other programs call so.
+fn is_corners(property: &Property) -> bool {
+    let Property::List { name, .. } = property else {
+        return false;
+    };
+    matches!(
+        name.as_str(),
+        "vertex_indices" | "vertex_index" | "vertex_indexes" | "vertices"
+    )
+}
+
+/// The number of a vertex, or one that none has.
+fn vertex(said: f64) -> u32 {
     let number = said as u32;
-    if f64::from(number) == said {
-        Ok(number)
-    } else {
-        Err(format!("names the vertex {said}"))
+    match f64::from(number) == said {
+        true => number,
+        false => u32::MAX,
     }
 }
 
@@ -265,7 +366,9 @@ fn slots_of(element: &Element) -> Result<Vec<Option<usize>>, Fault> {
     let mut taken = [false; SLOTS];
     for property in &element.properties {
         let slot = match property {
-            Property::One { name, .. } => slot(name).filter(|slot| !taken[*slot]),
+            Property::One { name, .. } => {
+                slot(&name.to_ascii_lowercase()).filter(|slot| !taken[*slot])
+            }
             Property::List { .. } => None,
         };
         if let Some(slot) = slot {
@@ -276,22 +379,15 @@ fn slots_of(element: &Element) -> Result<Vec<Option<usize>>, Fault> {
     if taken[..3] == [true; 3] {
         return Ok(slots);
     }
-    Err(Fault::at("header", "a vertex has no x, y and z"))
-}
-
-impl Scalar {
-    /// The value that stands for all light.
-    fn full(self) -> f64 {
-        match self {
-            Self::I8 => f64::from(i8::MAX),
-            Self::U8 => f64::from(u8::MAX),
-            Self::I16 => f64::from(i16::MAX),
-            Self::U16 => f64::from(u16::MAX),
-            Self::I32 => f64::from(i32::MAX),
-            Self::U32 => f64::from(u32::MAX),
-            Self::F32 | Self::F64 => 1.0,
-        }
+    let is_packed =
+        |it: &Property| matches!(it, Property::One { name, .. } if name == "packed_position");
+    if element.properties.iter().any(is_packed) {
+        return Err(Fault::unsupported(
+            "its splats are compressed",
+            "export them as a plain PLY file",
+        ));
     }
+    Err(Fault::at("header", "a vertex has no x, y and z"))
 }
 
 #[cfg(test)]

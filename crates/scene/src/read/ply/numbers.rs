@@ -1,16 +1,46 @@
 //! What is the next number of a PLY file?
+//!
+//! In text a row has a line of its own, where the first row of its element has; else numbers may
+//! stand in any lines.
 
-use super::super::error::Fault;
-use super::super::text::finite;
+use super::super::text::number_of;
 use super::header::{Element, Encoding, PlyHeader, Property, Scalar};
+
+/// Of so many elements it is found out whether rows are lines, for which the file is looked through.
+const MOST_LOOKED_AT: usize = 16;
 
 /// The rows of a file, read number by number.
 pub(super) struct Numbers<'a> {
     encoding: Encoding,
     bytes: &'a [u8],
     at: usize,
+    /// Where the row ends that is a line of its own.
+    row_end: Option<usize>,
     /// Of the number before, counted from 1; text only.
     line: usize,
+    /// How many elements were begun.
+    begun: usize,
+    /// Rows that had more words than they should, and that had a list of no length.
+    pub(super) too_long: Lines,
+    pub(super) broken: Lines,
+    /// Numbers with a decimal comma.
+    pub(super) commas: usize,
+}
+
+/// How many lines were mended, and the first.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Lines {
+    pub(super) times: usize,
+    pub(super) first: usize,
+}
+
+impl Lines {
+    fn add(&mut self, line: usize) {
+        self.times += 1;
+        if self.times == 1 {
+            self.first = line;
+        }
+    }
 }
 
 impl<'a> Numbers<'a> {
@@ -19,132 +49,202 @@ impl<'a> Numbers<'a> {
             encoding: header.encoding,
             bytes,
             at: header.end,
+            row_end: None,
             line: header.lines + 1,
+            begun: 0,
+            too_long: Lines::default(),
+            broken: Lines::default(),
+            commas: 0,
         }
     }
 
-    /// Refuses an element whose rows do not fit into what is left of the file.
-    pub(super) fn check_count(&self, element: &Element) -> Result<(), Fault> {
-        let least: usize = match self.encoding {
-            // A digit and what parts it from the next.
-            Encoding::Text => 2 * element.properties.len(),
-            _ => element.properties.iter().map(least_bytes).sum(),
-        };
-        if least == 0 && element.count > 0 {
-            let what = format!("the element {} has rows without properties", element.name);
-            return Err(Fault::at("header", what));
+    /// Where the next number stands, for people.
+    pub(super) fn place(&self) -> String {
+        match self.encoding {
+            Encoding::Text => format!("in line {}", self.line),
+            _ => format!("at byte {}", self.at),
         }
-        // The last number needs nothing behind it.
-        let left = self.left() as u64 + u64::from(self.encoding == Encoding::Text);
-        if element.count.saturating_mul(least as u64) <= left {
-            return Ok(());
+    }
+
+    /// Begins the rows of an element.
+    pub(super) fn begin(&mut self, element: &Element) {
+        self.row_end = None;
+        self.begun += 1;
+        if self.encoding != Encoding::Text || self.begun > MOST_LOOKED_AT {
+            return;
         }
-        let place = format!("element {}, byte {}", element.name, self.at);
-        let what = format!(
-            "{} rows of {least} bytes or more are said to follow, but {} bytes are left",
-            element.count,
-            self.left()
-        );
-        Err(Fault::at(place, what))
+        self.skip_blank();
+        let said = self.words(self.at);
+        let mut first = said.clone();
+        let mut needed = 0_usize;
+        for property in &element.properties {
+            let length = match property {
+                Property::One { .. } => {
+                    first.next();
+                    1
+                }
+                Property::List { .. } => {
+                    let length = first.next().and_then(|it| it.parse::<usize>().ok());
+                    let length = length.unwrap_or(0).min(self.left());
+                    first.by_ref().take(length).for_each(drop);
+                    length + 1
+                }
+            };
+            needed = needed.saturating_add(length);
+        }
+        let found = said.count();
+        // More words are more of the row, unless several rows share a line.
+        let is_row = found == needed || found > needed && self.has_lines(element.count);
+        self.row_end = is_row.then_some(self.at);
+    }
+
+    fn words(&self, at: usize) -> impl Iterator<Item = &'a str> + Clone + use<'a> {
+        let rest = &self.bytes[at..];
+        let line = &rest[..end_of_line(rest)];
+        core::str::from_utf8(line)
+            .unwrap_or("")
+            .split_ascii_whitespace()
+    }
+
+    /// Whether there are so many lines with words.
+    fn has_lines(&self, count: u64) -> bool {
+        let lines = self.bytes[self.at..].split(|byte| matches!(byte, b'\n' | b'\r'));
+        let full = lines.filter(|line| !line.trim_ascii().is_empty());
+        full.take(usize::try_from(count).unwrap_or(usize::MAX))
+            .count() as u64
+            == count
+    }
+
+    /// Begins a row of the element.
+    pub(super) fn begin_row(&mut self) {
+        if let Some(end) = self.row_end {
+            self.leave_row(end);
+            self.skip_blank();
+            let is_sign = |sign: &u8| matches!(sign, b'#' | b'/' | b'c');
+            while self.bytes.get(self.at).is_some_and(is_sign)
+                && self.words(self.at).next().is_some_and(is_comment)
+            {
+                self.at += end_of_line(&self.bytes[self.at..]);
+                self.skip_blank();
+            }
+            self.row_end = Some(self.at + end_of_line(&self.bytes[self.at..]));
+        }
+    }
+
+    /// Ends the rows of an element.
+    pub(super) fn end(&mut self) {
+        if let Some(end) = self.row_end.take() {
+            self.leave_row(end);
+        }
+    }
+
+    /// Leaves out what is left of a row.
+    fn leave_row(&mut self, end: usize) {
+        if self.at < end && self.words(self.at).next().is_some() {
+            self.too_long.add(self.line);
+        }
+        self.at = self.at.max(end);
     }
 
     fn left(&self) -> usize {
         self.bytes.len() - self.at
     }
 
-    /// What is wrong with a row.
-    pub(super) fn fault(&self, element: &Element, index: u64, what: impl ToString) -> Fault {
-        let place = match self.encoding {
-            Encoding::Text => format!("line {}", self.line),
-            _ => format!("byte {}", self.at),
-        };
-        Fault::at(
-            format!("{place}, {} {index} of {}", element.name, element.count),
-            what,
-        )
-    }
-
-    /// The next number; finite if it is text.
-    pub(super) fn number(
-        &mut self,
-        scalar: Scalar,
-        element: &Element,
-        index: u64,
-    ) -> Result<f64, Fault> {
-        let number = match self.encoding {
-            Encoding::Text => self.next_word().map(finite),
-            Encoding::LittleEndian => self
-                .next_bytes(scalar)
-                .map(|bytes| Ok(value(scalar, bytes))),
+    /// The next number, NaN where a word is none or the line of a row ends before; `None` at the end
+    /// of the file.
+    pub(super) fn number(&mut self, scalar: Scalar) -> Option<f64> {
+        match self.encoding {
+            Encoding::Text => {
+                let Some(word) = self.next_word() else {
+                    let is_short = self.row_end.is_some() && self.left() > 0;
+                    return is_short.then_some(f64::NAN);
+                };
+                Some(number_of(word, &mut self.commas).unwrap_or(f64::NAN))
+            }
+            Encoding::LittleEndian => self.next_bytes(scalar).map(|bytes| value(scalar, bytes)),
             Encoding::BigEndian => self.next_bytes(scalar).map(|mut bytes| {
                 bytes[..scalar.bytes()].reverse();
-                Ok(value(scalar, bytes))
+                value(scalar, bytes)
             }),
-        };
-        match number {
-            Some(Ok(number)) => Ok(number),
-            Some(Err(found)) => Err(self.fault(element, index, format!("has {found}"))),
-            None => Err(self.fault(element, index, "the file ends here")),
         }
     }
 
-    /// The length of a list, if so many numbers can follow.
-    pub(super) fn length(
-        &mut self,
-        length: Scalar,
-        scalar: Scalar,
-        element: &Element,
-        index: u64,
-    ) -> Result<usize, Fault> {
-        let said = self.number(length, element, index)?;
+    /// The length of a list; 0 where a line of its own says none. `None` where so many numbers
+    /// cannot follow: then nothing that follows can be found.
+    pub(super) fn length(&mut self, length: Scalar, scalar: Scalar) -> Option<usize> {
+        let said = self.number(length)?;
         let least = match self.encoding {
             Encoding::Text => 1,
             _ => scalar.bytes(),
         };
-        let most = self.left() / least;
+        // A row of a line of its own has no more than stands there.
+        let room = self
+            .row_end
+            .unwrap_or(self.bytes.len())
+            .saturating_sub(self.at);
+        let most = room / least;
         if said >= 0.0 && said <= most as f64 && said.fract() == 0.0 {
-            return Ok(said as usize);
+            return Some(said as usize);
         }
-        let what = format!("has a list of {said} numbers, but at most {most} can follow");
-        Err(self.fault(element, index, what))
+        match self.row_end {
+            Some(end) if end < self.bytes.len() => {
+                self.broken.add(self.line);
+                self.at = end;
+                Some(0)
+            }
+            _ => {
+                self.at = self.bytes.len();
+                None
+            }
+        }
     }
 
-    pub(super) fn skip(
-        &mut self,
-        property: &Property,
-        element: &Element,
-        index: u64,
-    ) -> Result<(), Fault> {
+    pub(super) fn skip(&mut self, property: &Property) -> Option<()> {
         match property {
             Property::One { scalar, .. } => {
-                self.number(*scalar, element, index)?;
+                self.number(*scalar)?;
             }
             Property::List { length, scalar, .. } => {
-                for _ in 0..self.length(*length, *scalar, element, index)? {
-                    self.number(*scalar, element, index)?;
+                for _ in 0..self.length(*length, *scalar)? {
+                    self.number(*scalar)?;
                 }
             }
         }
-        Ok(())
+        Some(())
     }
 
-    fn next_word(&mut self) -> Option<&'a str> {
+    fn skip_blank(&mut self) {
         let rest = &self.bytes[self.at..];
         let blank = rest.iter().take_while(|byte| byte.is_ascii_whitespace());
         let mut blanks = 0;
         for byte in blank {
-            blanks += 1;
             self.line += usize::from(*byte == b'\n');
+            blanks += 1;
         }
-        let rest = &rest[blanks..];
-        let end = rest.iter().position(u8::is_ascii_whitespace);
-        let word = &rest[..end.unwrap_or(rest.len())];
-        self.at += blanks + word.len();
+        self.at += blanks;
+    }
+
+    fn next_word(&mut self) -> Option<&'a str> {
+        match self.row_end {
+            Some(end) => {
+                let row = self.bytes.get(self.at..end)?;
+                self.at += row.iter().take_while(|it| it.is_ascii_whitespace()).count();
+            }
+            None => self.skip_blank(),
+        }
+        let end = self.row_end.unwrap_or(self.bytes.len());
+        let rest = &self.bytes[self.at..end];
+        let length = rest.iter().position(u8::is_ascii_whitespace);
+        let word = &rest[..length.unwrap_or(rest.len())];
+        self.at += word.len();
         (!word.is_empty()).then(|| core::str::from_utf8(word).unwrap_or("\u{fffd}"))
     }
 
     fn next_bytes(&mut self, scalar: Scalar) -> Option<[u8; 8]> {
-        let found = self.bytes[self.at..].get(..scalar.bytes())?;
+        let Some(found) = self.bytes[self.at..].get(..scalar.bytes()) else {
+            self.at = self.bytes.len();
+            return None;
+        };
         let mut bytes = [0; 8];
         bytes[..found.len()].copy_from_slice(found);
         self.at += found.len();
@@ -152,12 +252,15 @@ impl<'a> Numbers<'a> {
     }
 }
 
-/// What a row has at least of a property: a list may be empty.
-fn least_bytes(property: &Property) -> usize {
-    match property {
-        Property::One { scalar, .. } => scalar.bytes(),
-        Property::List { length, .. } => length.bytes(),
-    }
+/// Whether a line that begins with a word is no row.
+fn is_comment(word: &str) -> bool {
+    word.starts_with('#') || word.starts_with("//") || word == "comment"
+}
+
+/// Bytes of a line without its end.
+fn end_of_line(rest: &[u8]) -> usize {
+    let end = rest.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+    end.unwrap_or(rest.len())
 }
 
 /// The number that the first bytes are, little end first.
@@ -170,6 +273,8 @@ fn value(scalar: Scalar, bytes: [u8; 8]) -> f64 {
         Scalar::U16 => f64::from(u16::from_le_bytes([a, b])),
         Scalar::I32 => f64::from(i32::from_le_bytes([a, b, c, d])),
         Scalar::U32 => f64::from(u32::from_le_bytes([a, b, c, d])),
+        Scalar::I64 => i64::from_le_bytes(bytes) as f64,
+        Scalar::U64 => u64::from_le_bytes(bytes) as f64,
         Scalar::F32 => f64::from(f32::from_le_bytes([a, b, c, d])),
         Scalar::F64 => f64::from_le_bytes(bytes),
     }

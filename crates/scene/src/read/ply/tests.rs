@@ -1,7 +1,9 @@
 //! Is a PLY file read alike in all its encodings, and refused where it breaks?
 
+use super::super::files::Nowhere;
 use super::super::mangle::cut_and_flip;
-use super::super::{SceneFormat, read_anything};
+use super::super::single::SceneFile;
+use super::super::{SceneFormat, Up, read_anything};
 use super::read;
 use crate::source::SourceScene;
 
@@ -122,33 +124,45 @@ fn strips_of_triangles_turn_every_second_one() {
 }
 
 #[test]
-fn a_cut_file_is_refused_with_the_place() {
+fn a_cut_file_shows_its_whole_rows_and_says_that_others_are_missing() {
+    for encoding in [Write::Text, Write::Little, Write::Big] {
+        let whole = ply(encoding);
+        let cut = scene(&whole[..whole.len() - 8]);
+        assert_eq!(cut.meshes[0].triangles.len(), 2);
+        assert_eq!(cut.repairs["rows_missing"], 1);
+        assert!(
+            cut.remarks[0].contains("is face 1 of 2"),
+            "{:?}",
+            cut.remarks
+        );
+    }
+    // Without faces the vertices are points.
     let whole = ply(Write::Little);
-    let cut = refusal(&whole[..whole.len() - 2]);
-    assert!(cut.contains("face 1 of 2: "), "{cut}");
-    let elements = format!("element vertex 2\n{XYZ}");
-    let cut = refusal(&text(&elements, "0 0 0\n1 0"));
-    assert!(cut.contains("element vertex, byte"), "{cut}");
-    let cut = refusal(&text(&elements, "0.5 0.5 0.5\n1 0"));
-    assert!(
-        cut.contains("line 9, vertex 1 of 2: the file ends here"),
-        "{cut}"
-    );
+    let cut = scene(&whole[..whole.len() - 40]);
+    assert_eq!(cut.clouds[0].places.len(), 4);
+    assert_eq!(cut.clouds[0].colours[0][2], 0);
+    assert_eq!(cut.repairs["rows_missing"], 3);
+    let elements = format!("element vertex 3\n{XYZ}");
+    let cut = scene(&text(&elements, "0 0 0\n1 0 0\n1 0"));
+    assert_eq!(cut.clouds[0].places.len(), 2);
     assert!(refusal(b"ply\nformat ascii 1.0\n").contains("before `end_header`"));
 }
 
 #[test]
-fn counts_beyond_the_file_are_refused() {
+fn counts_beyond_the_file_take_no_time() {
     for count in ["3", "18446744073709551615"] {
         let elements = format!("element vertex {count}\n{XYZ}");
-        let refused = refusal(&text(&elements, "0 0 0\n"));
-        assert!(refused.contains("are said to follow"), "{refused}");
+        assert_eq!(scene(&text(&elements, "0 0 0\n")).clouds[0].places.len(), 1);
     }
     let rowless = text("element vertex 18446744073709551615\nelement face 9", "");
-    assert!(refusal(&rowless).contains("rows without properties"));
+    assert!(refusal(&rowless).contains("no x, y and z"));
+    let rowless = format!("element vertex 1\n{XYZ}\nelement face 18446744073709551615");
+    assert!(!read_anything(SceneFormat::Ply, &text(&rowless, "0 0 0\n")));
     let elements = format!("element vertex 1\n{XYZ}\nelement face 1\n{FACE}");
-    let long = refusal(&text(&elements, "0 0 0\n200 0 0 0\n"));
-    assert!(long.contains("has a list of 200 numbers"), "{long}");
+    assert!(!read_anything(
+        SceneFormat::Ply,
+        &text(&elements, "0 0 0\n200 0 0 0\n")
+    ));
 }
 
 #[test]
@@ -162,28 +176,71 @@ fn the_wrong_end_first_is_refused() {
 }
 
 #[test]
-fn what_is_no_number_or_no_vertex_is_refused() {
-    let elements = format!("element vertex 3\n{XYZ}\nelement face 1\n{FACE}");
-    for (rows, place) in [
+fn what_is_no_number_or_no_vertex_costs_its_triangle() {
+    let elements = format!("element vertex 4\n{XYZ}\nelement face 2\n{FACE}");
+    for (rows, name) in [
+        ("0 nan 0\n3 0 1 2\n3 0 1 3\n", "triangles_without_place"),
         (
-            "0 0 0\n0 nan 0\n1 0 0\n3 0 1 2\n",
-            "line 11, vertex 1 of 3: has nan",
+            "1 0 -nan(ind)\n3 0 1 2\n3 0 1 3\n",
+            "triangles_without_place",
         ),
-        (
-            "0 0 0\n0 1 0\n1 0 x\n3 0 1 2\n",
-            "line 12, vertex 2 of 3: has \"x\"",
-        ),
-        (
-            "0 0 0\n0 1 0\n1 0 0\n3 0 1 3\n",
-            "element face: a triangle has the corners [0, 1, 3]",
-        ),
-        (
-            "0 0 0\n0 1 0\n1 0 0\n3 0 1 -2\n",
-            "line 13, face 0 of 1: names the vertex -2",
-        ),
+        ("1 0\n3 0 1 2\n3 0 1 3\n", "triangles_without_place"),
+        ("1 1 0\n3 0 1 2\n3 0 1 4\n", "triangles_out_of_range"),
+        ("1 1 0\n3 0 1 2\n3 0 1 -2\n", "triangles_out_of_range"),
+        ("1 1 0\n3 0 1 2\n3 0 1\n", "triangles_out_of_range"),
+        ("1 1 0\n3 0 1 2\n4 0 1 3 4.5\n", "triangles_out_of_range"),
+        ("1 1 0\n3 0 1 2\n99 0 1 3\n", "lines_broken"),
     ] {
-        let refused = refusal(&text(&elements, rows));
-        assert!(refused.contains(place), "{refused}");
+        let bytes = text(&elements, &format!("0 0 0\n0 1 0\n1 0 0\n{rows}"));
+        let file = SceneFile {
+            name: "a",
+            format: SceneFormat::Ply,
+            up: Up::Y,
+            bytes: &bytes,
+        };
+        let scene = file.read(&mut Nowhere).unwrap();
+        assert_eq!(scene.meshes[0].triangles, [[0, 1, 2]], "{rows}");
+        assert!(
+            scene.repairs.contains_key(name),
+            "{rows}: {:?}",
+            scene.repairs
+        );
+    }
+}
+
+#[test]
+fn rows_are_lines_where_the_first_is_one() {
+    let elements = format!("element vertex 3\n{XYZ}\nelement face 1\n{FACE}");
+    for rows in [
+        "0 0 0\n0 1 0\n1 0 0\n3 0 1 2\n",
+        "0 0 0 7\n0 1 0 8 8\n1 0 0\n3 0 1 2 99\n",
+        "0 0 0 0 1 0 1 0 0 3 0 1 2",
+        "0 0\n0 0 1 0\n1 0 0 3\n0 1 2",
+        "# a comment\n0 0 0\n\ncomment more\n0 1 0\n1 0 0\n3 0 1 2\n",
+        "0 0 0\r0 1 0\r1 0 0\r3 0 1 2\r",
+    ] {
+        let scene = scene(&text(&elements, rows));
+        assert_eq!(scene.meshes[0].positions[1], glam::DVec3::Y, "{rows}");
+        assert_eq!(scene.meshes[0].triangles, [[0, 1, 2]], "{rows}");
+        let is_long = rows.contains('8');
+        assert_eq!(scene.repairs.contains_key("rows_too_long"), is_long);
+    }
+}
+
+#[test]
+fn headers_of_other_programs_are_read() {
+    let plain = format!("element vertex 3\n{XYZ}\nelement face 1\n{FACE}");
+    let rows = "0 0 0\n0 1 0\n1 0 0\n3 0 1 2\n";
+    let whole = String::from_utf8(text(&plain, rows)).unwrap();
+    for changed in [
+        whole.replace('\n', "\r\n"),
+        whole.replace('\n', "\r"),
+        whole.replace("uchar int vertex_index", "UCHAR int64 vertices"),
+        whole.replace("ply\n", "PLY\nobj_info made\n"),
+    ] {
+        let scene = scene(changed.as_bytes());
+        assert_eq!(scene.meshes[0].triangles, [[0, 1, 2]], "{changed}");
+        assert!(scene.repairs.is_empty());
     }
 }
 
@@ -230,17 +287,77 @@ fn points_without_faces_are_a_cloud_half_a_step_off_at_most() {
 }
 
 #[test]
-fn points_that_stand_nowhere_are_refused_with_their_line() {
-    let properties = "property double x\nproperty double y\nproperty double z\n";
+fn points_that_stand_nowhere_are_left_out_with_their_colours() {
+    let properties =
+        format!("{XYZ}\nproperty uchar red\nproperty uchar green\nproperty uchar blue");
     let bytes = text(
-        &format!("element vertex 2\n{properties}"),
-        "1 2 3\nnan 0 0\n",
+        &format!("element vertex 3\n{properties}"),
+        "1 2 3 1 1 1\nnan 0 0 2 2 2\n4 5 6 3 3 3\n",
     );
-    let refused = refusal(&bytes);
+    let scene = scene(&bytes);
+    assert_eq!(scene.clouds[0].colours, [[257; 3], [771; 3]]);
+    assert_eq!(scene.clouds[0].places.len(), 2);
+    assert_eq!(scene.repairs["points_without_place"], 1);
     assert!(
-        refused.contains("line 10") && refused.contains("vertex 1 of 2"),
-        "{refused}"
+        scene.remarks[0].contains("is vertex 1"),
+        "{:?}",
+        scene.remarks
     );
     let none = text(&format!("element vertex 0\n{properties}"), "");
     assert!(!read_anything(SceneFormat::Ply, &none));
+}
+
+#[test]
+fn colours_of_faces_part_vertices_and_stay_behind_those_of_vertices() {
+    let elements = |of_vertex: &str| {
+        format!(
+            "element vertex 4\n{XYZ}{of_vertex}\nelement face 2\n{FACE}\nproperty uchar red\n\
+             property uchar green\nproperty uchar blue"
+        )
+    };
+    let faces = "3 0 1 2 255 0 0\n3 0 2 3 0 0 255\n";
+    let rows = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+    let mesh = &scene(&text(&elements(""), &format!("{rows}{faces}"))).meshes[0];
+    assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5]]);
+    assert_eq!(mesh.positions[3], mesh.positions[0]);
+    let [red, blue] = [[1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]];
+    assert_eq!(mesh.colours, [red, red, red, blue, blue, blue]);
+    let of_vertex = "\nproperty uchar red\nproperty uchar green\nproperty uchar blue";
+    let rows = "0 0 0 0 255 0\n1 0 0 0 255 0\n1 1 0 0 255 0\n0 1 0 0 255 0\n";
+    let both = scene(&text(&elements(of_vertex), &format!("{rows}{faces}")));
+    assert_eq!(both.meshes[0].colours, [[0.0, 1.0, 0.0, 1.0]; 4]);
+    assert!(
+        both.remarks[0].contains("faces are left out"),
+        "{:?}",
+        both.remarks
+    );
+}
+
+#[test]
+fn colours_that_are_no_numbers_are_white_and_compressed_splats_are_refused() {
+    let mut bytes = b"ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty float x\n\
+        property float y\nproperty float z\nproperty float red\nproperty float green\n\
+        property float blue\nend_header\n"
+        .to_vec();
+    for number in [
+        0.0,
+        0.0,
+        0.0,
+        128.0,
+        0.0,
+        f32::NAN,
+        1.0,
+        0.0,
+        0.0,
+        255.0,
+        0.0,
+        51.0,
+    ] {
+        bytes.extend(number.to_le_bytes());
+    }
+    let made = scene(&bytes);
+    assert_eq!(made.clouds[0].colours, [[65_535; 3], [65_535, 0, 13_107]]);
+    assert_eq!(made.repairs["colours_made"], 1);
+    let packed = text("element vertex 1\nproperty uint packed_position", "7\n");
+    assert!(refusal(&packed).contains("splats are compressed"));
 }

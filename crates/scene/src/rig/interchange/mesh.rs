@@ -13,6 +13,7 @@ use glam::DVec3;
 
 use super::super::entries::usual_surface;
 use super::super::error::{NEXT, RigFault};
+use super::foreign_text::text_of;
 use super::warp_map::WarpMap;
 
 /// Rows of the display: a mesh does not tell them.
@@ -43,13 +44,10 @@ struct WarpMesh {
     nodes: Vec<MeshNode>,
 }
 
-/// Reads a mesh.
-pub(in super::super) fn read(bytes: &[u8]) -> Result<Rig, RigFault> {
-    let text = std::str::from_utf8(bytes).map_err(|error| {
-        let place = format!("byte {}", error.valid_up_to());
-        RigFault::new(&place, "is no text", NEXT)
-    })?;
-    let mesh = WarpMesh::of(text)?;
+/// Reads a mesh, and says what of it is left out.
+pub(in super::super) fn read(bytes: &[u8]) -> Result<(Rig, Vec<String>), RigFault> {
+    let text = text_of(bytes)?;
+    let (mesh, notes) = WarpMesh::of(&text.replace("\r\n", "\n").replace('\r', "\n"))?;
     let aspect = mesh
         .nodes
         .iter()
@@ -82,11 +80,12 @@ pub(in super::super) fn read(bytes: &[u8]) -> Result<Rig, RigFault> {
     let alpha = is_dimmed.then(|| AlphaMap::new(size, drawn.light.clone()));
     let bent = bent.and_then(|bent| bent.bend(&mut panel, alpha));
     bent.map_err(|what| RigFault::new("", what, NEXT))?;
-    Ok(Rig {
+    let rig = Rig {
         panels: vec![panel],
         ipd: 0.063,
         screen: Some(SCREEN),
-    })
+    };
+    Ok((rig, notes))
 }
 
 /// What the pixels of a display show, row by row from above; not a number where nothing is drawn.
@@ -97,22 +96,70 @@ struct DrawnMesh {
     is_mirrored: bool,
 }
 
+/// A line without what is meant for people: from `#` or `//` on, or all of it after `;` or `%` at
+/// its start.
+fn without_comment(line: &str) -> &str {
+    let end = [line.find('#'), line.find("//")]
+        .into_iter()
+        .flatten()
+        .min();
+    let line = line[..end.unwrap_or(line.len())].trim();
+    if line.starts_with([';', '%']) {
+        ""
+    } else {
+        line
+    }
+}
+
+/// The words of a line, parted by blanks, or by commas or semicolons where these make as many as
+/// there are to be at most; one more where there are more.
+fn words(line: &str, most: usize) -> Vec<&str> {
+    let of = |parts: &[char]| -> Vec<&str> {
+        let is_end = |it: char| it.is_whitespace() || parts.contains(&it);
+        let words = line.split(is_end).filter(|it| !it.is_empty());
+        words.take(most + 1).collect()
+    };
+    let by_blanks = of(&[]);
+    let ends = |it: &&&str| it.ends_with([',', ';']);
+    match by_blanks.len() == 1 || by_blanks.iter().any(|it| ends(&it)) {
+        true => of(&[',', ';']),
+        false => by_blanks,
+    }
+}
+
+/// A number, with a point or a comma before its fraction.
+fn number(word: &&str) -> Option<f64> {
+    word.parse()
+        .or_else(|_| word.replace(',', ".").parse())
+        .ok()
+}
+
 impl WarpMesh {
-    fn of(text: &str) -> Result<Self, RigFault> {
-        let lines = (1..).zip(text.lines());
-        let mut lines = lines.filter(|(_, line)| !line.trim().is_empty());
-        let mut next = |what: &'static str, count: usize| {
+    /// Of text whose lines end in line feeds; with what is left out of it.
+    fn of(text: &str) -> Result<(Self, Vec<String>), RigFault> {
+        let lines = (1..).zip(text.lines().map(without_comment));
+        let mut lines = lines.filter(|(_, line)| !line.is_empty()).peekable();
+        // Some write the type before the counts, in their line.
+        let is_one = lines
+            .peek()
+            .is_some_and(|(_, line)| words(line, 3).len() == 3);
+        let mut next = |what: &'static str, counts: std::ops::RangeInclusive<usize>| {
             let Some((line, text)) = lines.next() else {
                 return Err(RigFault::new("", format!("ends before {what}"), NEXT));
             };
-            let words = text.split_whitespace().take(8);
-            let numbers: Option<Vec<f64>> = words.map(|it| it.parse().ok()).collect();
-            let sound = numbers.filter(|it| it.len() == count && it.iter().all(|n| n.is_finite()));
+            let numbers: Option<Vec<f64>> = words(text, *counts.end()).iter().map(number).collect();
+            let sound = numbers.filter(|it| {
+                counts.contains(&it.len()) && it.iter().all(|number| number.is_finite())
+            });
             let fault = || RigFault::new(&format!("line {line}"), format!("is not {what}"), NEXT);
             sound.map(|it| (line, it)).ok_or_else(fault)
         };
-        next("the type of the picture", 1)?;
-        let (line, counts) = next("columns and rows of nodes", 2)?;
+        if !is_one {
+            next("the type of the picture", 1..=1)?;
+        }
+        let own = 2 + usize::from(is_one);
+        let (line, counts) = next("columns and rows of nodes", own..=own)?;
+        let counts = &counts[own - 2..];
         let is_count = |it: &f64| it.fract() == 0.0 && (2.0..=1e5).contains(it);
         let [columns, rows] = [counts[0] as usize, counts[1] as usize];
         if !counts.iter().all(is_count) || columns * rows > MOST_NODES {
@@ -122,7 +169,7 @@ impl WarpMesh {
         }
         let mut nodes = Vec::new();
         for _ in 0..columns * rows {
-            let (line, five) = next("x, y, u, v and i of a node", 5)?;
+            let (line, five) = next("x, y, u, v and i of a node", 4..=5)?;
             if five.iter().any(|it| it.abs() > LARGEST) {
                 let what = format!("a node has numbers above {LARGEST}");
                 return Err(RigFault::new(&format!("line {line}"), what, NEXT));
@@ -131,10 +178,13 @@ impl WarpMesh {
                 line,
                 at: [five[0], five[1]],
                 shows: [five[2], five[3]],
-                light: five[4],
+                light: five.get(4).copied().unwrap_or(1.0),
             });
         }
-        Ok(Self { columns, nodes })
+        let behind = lines.next().map(|(line, _)| {
+            format!("line {line} and what follows lie behind the nodes and are not read")
+        });
+        Ok((Self { columns, nodes }, behind.into_iter().collect()))
     }
 
     /// Its triangles, two a cell, of lit nodes.

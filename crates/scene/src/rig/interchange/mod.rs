@@ -4,6 +4,7 @@
 //! light of a wall; [`written_mpcdi`] and [`written_toml`] write.
 
 mod archive;
+mod foreign_text;
 pub(super) mod mesh;
 pub(super) mod mpcdi;
 mod mpcdi_files;

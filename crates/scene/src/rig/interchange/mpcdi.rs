@@ -3,16 +3,17 @@
 //! VESA, Multiple Projection Common Data Interchange 2.0 (2015). Writers disagree in the case of
 //! names, in where `fileset` stands, and in zipping at all: all of these are read.
 
-use foveal_core::view::panel::rig::{MOST_PANELS, Rig};
+use foveal_core::view::panel::rig::{MOST_PANELS, Panel, Rig};
 
 use super::super::checked;
 use super::super::entries::{
     EyeEntry, OutputEntry, PanelEntry, PoseEntry, PoseOrder, RigEntries, RigFormat, ScanoutEntry,
     TangentsEntry,
 };
-use super::super::error::{NEXT, RigFault, WrongKey};
+use super::super::error::{RigFault, WrongKey};
 use super::super::pfm::ReadBeside;
 use super::archive::Archive;
+use super::foreign_text::{text_of, without_doctype};
 use super::mpcdi_files::{MpcdiFiles, MpcdiFilling, named};
 use super::space_map::SpaceMap;
 use super::warp_map::WarpMap;
@@ -20,6 +21,12 @@ use super::xml::{XmlElement, parse};
 
 /// Most bytes of the document.
 const MOST_XML: u64 = 1 << 24;
+/// Most documents of an archive that are tried beside the first.
+const MOST_OTHERS: usize = 16;
+/// What of a share of a buffer rounding may add.
+const ROUNDED: f64 = 1e-3;
+/// Pixels by which a region may differ from its share of the buffer.
+const NEAR_SHARE: f64 = 1.5;
 /// Largest angle from the axis, in degrees.
 const WIDEST: f64 = 89.9;
 
@@ -38,24 +45,56 @@ pub(in super::super) fn read(
     beside: ReadBeside<'_>,
     eye: Option<[f64; 3]>,
 ) -> Result<MpcdiRig, RigFault> {
+    if !Archive::is_one(bytes) {
+        return read_document(bytes, MpcdiFiles::Beside(beside), eye);
+    }
     let whole = |what: String| RigFault::new("", what, "export it again");
-    let (text, files) = match Archive::is_one(bytes) {
-        true => {
-            let mut archive = Archive::open(bytes).map_err(whole)?;
-            let name = archive.xml_name();
-            let name = name.ok_or_else(|| whole("the archive holds no .xml".to_owned()))?;
-            let text = archive.read(&name, MOST_XML);
-            let text = text.map_err(|what| whole(format!("{name:?} {what}")))?;
-            (text, MpcdiFiles::Zipped(archive))
-        }
-        false => (bytes.to_vec(), MpcdiFiles::Beside(beside)),
+    let mut archive = Archive::open(bytes).map_err(whole)?;
+    let names = archive.xml_names();
+    let Some(first) = names.first().cloned() else {
+        return Err(whole("the archive holds no .xml".to_owned()));
     };
-    let text = String::from_utf8(text).map_err(|error| {
-        let place = format!("byte {}", error.utf8_error().valid_up_to());
-        RigFault::new(&place, "is no text in UTF-8", NEXT)
-    })?;
-    let text = text.trim_start_matches('\u{feff}');
-    let document = parse(text)?;
+    let mut read = |name: &str| {
+        let text = archive.read("", name, MOST_XML);
+        text.map_err(|what| whole(format!("{name:?} {what}")))
+    };
+    let (mut name, mut text) = (first.clone(), read(&first)?.0);
+    // Others may lie beside it that are no MPCDI.
+    for other in names.iter().skip(1).take(MOST_OTHERS) {
+        if is_mpcdi(&text) {
+            break;
+        }
+        if let Ok((bytes, _)) = read(other)
+            && is_mpcdi(&bytes)
+        {
+            (name, text) = (other.clone(), bytes);
+        }
+    }
+    let folder = name
+        .rsplit_once(['/', '\\'])
+        .map_or("", |(folder, _)| folder);
+    let files = MpcdiFiles::Zipped(archive, folder.to_owned());
+    read_document(&text, files, eye)
+}
+
+/// Whether bytes are a document whose first element is that of an MPCDI.
+fn is_mpcdi(bytes: &[u8]) -> bool {
+    let Ok(text) = text_of(bytes) else {
+        return false;
+    };
+    let text = without_doctype(&text);
+    let document = parse(&text);
+    document.is_ok_and(|document| XmlElement::root(&document).is_called("mpcdi"))
+}
+
+fn read_document(
+    bytes: &[u8],
+    files: MpcdiFiles<'_>,
+    eye: Option<[f64; 3]>,
+) -> Result<MpcdiRig, RigFault> {
+    let text = text_of(bytes)?;
+    let text = without_doctype(&text);
+    let document = parse(&text)?;
     let mut filling = MpcdiFilling::of(files, eye);
     let rig = MpcdiDocument::of(XmlElement::root(&document))?.rig(&mut filling)?;
     let notes = filling.notes;
@@ -92,6 +131,8 @@ struct MpcdiRegion<'a> {
     origin: [u32; 2],
     /// Width over height of the buffer.
     aspect: f64,
+    /// Columns and rows of the buffer, where it tells them.
+    buffer: Option<[f64; 2]>,
 }
 
 impl<'a> MpcdiDocument<'a> {
@@ -115,6 +156,13 @@ impl<'a> MpcdiDocument<'a> {
                     return Err(element.fault("", what));
                 }
                 regions.push(MpcdiRegion::of(buffer, element, regions.len() + 1)?);
+            }
+        }
+        let mut known = std::collections::HashSet::new();
+        for (number, region) in (1..).zip(&mut regions) {
+            if !known.insert(region.id.to_lowercase()) {
+                region.id = format!("{}-{number}", region.id);
+                known.insert(region.id.to_lowercase());
             }
         }
         match regions.is_empty() {
@@ -149,7 +197,8 @@ impl<'a> MpcdiDocument<'a> {
         };
         let nothing = |_: &str| Err("is not read".to_owned());
         let mut rig =
-            checked::rig(&entries, &nothing).map_err(|wrong| self.fault(&wrong, &spaces))?;
+            checked::placed(&entries, &nothing).map_err(|wrong| self.fault(&wrong, &spaces))?;
+        self.note_places(&rig.panels, &mut filling.notes);
         let all = self.regions.iter().zip(spaces).zip(&mut rig.panels);
         for ((region, space), panel) in all {
             let Some(set) = self.files_of(region) else {
@@ -169,6 +218,35 @@ impl<'a> MpcdiDocument<'a> {
             panel.black = filling.black((region.element, region.size), set)?;
         }
         Ok(rig)
+    }
+
+    /// What is odd about the places of regions in their buffers, and stays as it is.
+    fn note_places(&self, panels: &[Panel], notes: &mut Vec<String>) {
+        for region in &self.regions {
+            let id = &region.id;
+            if region
+                .element
+                .attribute("id")
+                .is_some_and(|own| !own.is_empty() && own != id)
+            {
+                notes.push(format!(
+                    "region {id:?} is called so here: its id is there twice"
+                ));
+            }
+            if let Some([w, h]) = region.other_share() {
+                let [own_w, own_h] = region.size;
+                notes.push(format!(
+                    "region {id:?} has {own_w} x {own_h} pixels, and its share of the buffer is \
+                     {w} x {h}: it is placed by its share"
+                ));
+            }
+        }
+        for (one, other) in checked::overlaps(panels) {
+            notes.push(format!(
+                "region {:?} lies over {:?} in the output of {:?}",
+                panels[one].id, panels[other].id, panels[one].output.surface
+            ));
+        }
     }
 
     /// The points that a region lights, where a map tells them.
@@ -251,9 +329,10 @@ impl<'a> MpcdiRegion<'a> {
         let mut part = [0.0, 0.0, 1.0, 1.0];
         for (k, name) in ["x", "y", "xSize", "ySize"].into_iter().enumerate() {
             part[k] = number(element, name)?.unwrap_or(part[k]);
-            if !(0.0..=1.0).contains(&part[k]) {
+            if !(-ROUNDED..=1.0 + ROUNDED).contains(&part[k]) {
                 return Err(element.fault(name, format!("{} is no share of 0 to 1", part[k])));
             }
+            part[k] = part[k].clamp(0.0, 1.0);
         }
         let mut size = [0; 2];
         for (k, name) in ["xResolution", "yResolution"].into_iter().enumerate() {
@@ -265,10 +344,11 @@ impl<'a> MpcdiRegion<'a> {
                     "neither it nor its buffer tells how many pixels there are",
                 )
             })?;
-            if pixels.fract() != 0.0 || !(1.0..=1e6).contains(&pixels) {
+            let whole = pixels.round();
+            if (pixels - whole).abs() > ROUNDED || !(1.0..=1e6).contains(&whole) {
                 return Err(element.fault(name, format!("{pixels} is no count of pixels")));
             }
-            size[k] = pixels as u32;
+            size[k] = whole as u32;
         }
         // A buffer without pixels is no picture: each region is a display by itself.
         let picture = whole[0].zip(whole[1]);
@@ -293,7 +373,16 @@ impl<'a> MpcdiRegion<'a> {
             size,
             origin: origin.map(|at| at.round().clamp(0.0, 1e6) as u32),
             aspect: (w / h).clamp(1e-3, 1e3),
+            buffer: picture.map(|(w, h)| [w, h]),
         })
+    }
+
+    /// Columns and rows of its share of the buffer, where it has others.
+    fn other_share(&self) -> Option<[f64; 2]> {
+        let buffer = self.buffer?;
+        let share = [0, 1].map(|k| buffer[k] * self.part[k + 2]);
+        let is_other = |k: usize| (share[k] - f64::from(self.size[k])).abs() > NEAR_SHARE;
+        (is_other(0) || is_other(1)).then(|| share.map(f64::round))
     }
 
     fn entry(&self, pose: PoseEntry, tangents: TangentsEntry) -> PanelEntry {

@@ -33,21 +33,34 @@ pub(super) type SizedRegion<'a> = (XmlElement<'a>, [u32; 2]);
 
 /// Where the files of an MPCDI lie: in it, or beside a bare document.
 pub(super) enum MpcdiFiles<'a> {
-    Zipped(Archive<'a>),
+    /// With the folder of the document, from which names count.
+    Zipped(Archive<'a>, String),
     Beside(ReadBeside<'a>),
 }
 
 impl MpcdiFiles<'_> {
-    fn read(&mut self, name: &str, most: u64) -> Result<Vec<u8>, String> {
-        match self {
-            Self::Zipped(archive) => archive.read(name, most),
-            Self::Beside(read) => {
-                let bytes = read(name)?;
-                match bytes.len() as u64 > most {
-                    true => Err(format!("is longer than the {most} bytes it can need")),
-                    false => Ok(bytes),
-                }
-            }
+    /// The bytes of a file, and whether it lies in another place than its name says.
+    fn read(&mut self, name: &str, most: u64) -> Result<(Vec<u8>, bool), String> {
+        let read = match self {
+            Self::Zipped(archive, folder) => return archive.read(folder, name, most),
+            Self::Beside(read) => read,
+        };
+        let parts = name.split(['/', '\\']);
+        let parts: Vec<&str> = parts.filter(|part| !matches!(*part, "" | ".")).collect();
+        let own = parts.join("/");
+        let last = parts.last().copied().unwrap_or_default();
+        let found = match read(&own) {
+            Err(_) if last != own => read(last).map(|it| (it, true)),
+            found => found.map(|it| (it, false)),
+        };
+        // What is said of the name as it stands.
+        let (bytes, is_elsewhere) = match found {
+            Ok(found) => found,
+            Err(_) => (read(name)?, false),
+        };
+        match bytes.len() as u64 > most {
+            true => Err(format!("is longer than the {most} bytes it can need")),
+            false => Ok((bytes, is_elsewhere)),
         }
     }
 }
@@ -86,6 +99,18 @@ impl<'a> MpcdiFilling<'a> {
         Ok(())
     }
 
+    /// The bytes of a file that a map names.
+    fn read(&mut self, path: &str, most: u64) -> Result<Vec<u8>, String> {
+        let (bytes, is_elsewhere) = self.files.read(path, most)?;
+        if is_elsewhere {
+            let path = shortened(path);
+            self.notes.push(format!(
+                "{path}: is not there; the file of that name elsewhere is taken"
+            ));
+        }
+        Ok(bytes)
+    }
+
     /// What a float map tells.
     pub(super) fn floats<T>(
         &mut self,
@@ -96,7 +121,7 @@ impl<'a> MpcdiFilling<'a> {
         self.take((region, size), 1)?;
         let path = map.said("path").unwrap_or_default();
         let most = u64::from(size[0]) * u64::from(size[1]) * 12 + HEADER;
-        let found = self.files.read(path, most).and_then(|bytes| read(&bytes));
+        let found = self.read(path, most).and_then(|bytes| read(&bytes));
         found.map_err(|what| map.fault("path", format!("{} {what}", shortened(path))))
     }
 
@@ -117,7 +142,7 @@ impl<'a> MpcdiFilling<'a> {
             return Err(map.fault("gammaEmbedded", format!("{gamma} is not 0.01 to 100")));
         }
         let most = u64::from(size[0]) * u64::from(size[1]) * 8 + PNG_BESIDE;
-        let found = self.files.read(path, most);
+        let found = self.read(path, most);
         let found = found.and_then(|bytes| alpha::read(&bytes, size, gamma));
         let found = found.map_err(|what| map.fault("path", format!("{} {what}", shortened(path))));
         found.map(Some)

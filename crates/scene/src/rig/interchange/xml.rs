@@ -89,7 +89,14 @@ impl<'a> XmlElement<'a> {
         let Some(text) = self.said(name) else {
             return Ok(None);
         };
-        let number = text.parse().ok().filter(|it: &f64| it.is_finite());
+        // Programs write commas where their users do.
+        let is_comma = text.matches(',').count() == 1 && !text.contains('.');
+        let plain = if is_comma {
+            text.replace(',', ".")
+        } else {
+            text.to_owned()
+        };
+        let number = plain.parse().ok().filter(|it: &f64| it.is_finite());
         let text: String = text.chars().take(40).collect();
         number
             .map(Some)

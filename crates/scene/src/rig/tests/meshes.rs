@@ -22,7 +22,8 @@ fn text(shows: impl Fn([f64; 2]) -> [f64; 3]) -> String {
 }
 
 fn read(text: &str) -> Result<Rig, String> {
-    mesh::read(text.as_bytes()).map_err(|fault| fault.to_string())
+    let read = mesh::read(text.as_bytes()).map(|(rig, _)| rig);
+    read.map_err(|fault| fault.to_string())
 }
 
 /// What a pixel shows of a picture of 400 x 300 pixels.
@@ -144,6 +145,47 @@ fn what_is_no_mesh_or_folds_is_refused_by_its_line() {
         over.push_str(&format!("-1 {y} 0 0 1\n1 {y} 1 1 1\n"));
     }
     assert!(read(&over).unwrap_err().contains("folds"));
+}
+
+#[test]
+fn however_a_program_wrote_the_lines_it_is_the_same_mesh() {
+    let sound = text(|[x, y]| [x * 0.9, y, 0.5]);
+    let expected = read(&sound).unwrap();
+    let last = |it: &str| it.trim_end().rsplit_once(' ').unwrap().0.to_owned();
+    let bright = read(&text(|[x, y]| [x * 0.9, y, 1.0])).unwrap();
+    let commented: String = sound
+        .lines()
+        .map(|line| format!("# before\n  {line}\t// behind\n\n"))
+        .collect();
+    let (head, nodes) = sound.split_at(6);
+    let cases = [
+        sound.replace('\n', "\r\n"),
+        sound.replace('\n', "\r"),
+        format!("\u{feff}{sound}"),
+        commented,
+        format!("; made by hand\n% too\n{}", sound.replace(' ', " \t ")),
+        sound.replace(' ', ", "),
+        sound.replace(' ', ";"),
+        sound.replace('.', ","),
+        format!("2 5 4\n{nodes}"),
+        format!("2.0\n5.0 4.0\n{nodes}"),
+    ];
+    assert_eq!(head, "2\n5 4\n");
+    for text in cases {
+        assert_eq!(read(&text).as_ref(), Ok(&expected), "{text}");
+    }
+    let without_light: String = nodes.lines().map(|line| last(line) + "\n").collect();
+    assert_eq!(read(&format!("{head}{without_light}")), Ok(bright));
+    let sixteen: Vec<u8> = format!("\u{feff}{sound}")
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    assert_eq!(mesh::read(&sixteen).map(|it| it.0), Ok(expected));
+    let (_, notes) = mesh::read(format!("{sound}1 2 3 4 5\n").as_bytes()).unwrap();
+    assert_eq!(
+        notes,
+        ["line 23 and what follows lie behind the nodes and are not read"]
+    );
 }
 
 proptest! {

@@ -6,6 +6,7 @@ mod building;
 mod bytes;
 mod choosing;
 mod conditions;
+mod degenerate;
 mod drawing;
 mod fovea;
 mod memory;
@@ -34,14 +35,14 @@ pub(crate) struct SceneBenchArgs {
     #[arg(value_name = "FILE|PACK")]
     inputs: Vec<PathBuf>,
     /// Rows to measure, by number or name: closed, bytes, build, decode, choose, triangles,
-    /// selection, first-picture, worth, fovea, memory, points (default: all, as far as the scene
+    /// selection, first-picture, worth, fovea, memory, points, degenerate (default: all, as far as the scene
     /// has what they measure).
     #[arg(long, value_name = "ROW,..", value_delimiter = ',')]
     only: Vec<String>,
     /// Turns of what is timed; 1 to 100.
     #[arg(long, value_name = "N", default_value_t = 3)]
     runs: usize,
-    /// Leave out the fovea, which takes some minutes.
+    /// Leave out the fovea, which takes some minutes, and what degenerates.
     #[arg(long)]
     fast: bool,
     /// What draws the pictures.
@@ -51,6 +52,9 @@ pub(crate) struct SceneBenchArgs {
     #[arg(long)]
     json: bool,
 }
+
+/// What `--fast` leaves out.
+const SLOW: [&str; 2] = ["fovea", "degenerate"];
 
 type Measure = fn(&Subject, &BenchConditions) -> anyhow::Result<Vec<BenchRow>>;
 
@@ -65,7 +69,7 @@ struct Measured {
 }
 
 /// All rows; they are numbered from 1.
-const ROWS: [Measured; 12] = [
+const ROWS: [Measured; 13] = [
     of_triangles(without_pictures("closed", bytes::closed)),
     of_triangles(without_pictures("bytes", bytes::of_leaves)),
     of_triangles(without_pictures("build", building::build)),
@@ -78,6 +82,7 @@ const ROWS: [Measured; 12] = [
     with_pictures("fovea", fovea::bytes_to_fovea),
     with_pictures("memory", memory::memory),
     with_pictures("points", points::points),
+    without_pictures("degenerate", degenerate::degenerate),
 ];
 
 const fn of_triangles(measured: Measured) -> Measured {
@@ -154,7 +159,7 @@ impl SceneBenchArgs {
             )));
         }
         let is_asked = |number: usize| match self.only.is_empty() {
-            true => !(self.fast && ROWS[number].name == "fovea"),
+            true => !(self.fast && SLOW.contains(&ROWS[number].name)),
             false => self.only.iter().any(|asked| is(asked, number)),
         };
         let numbers = (0..ROWS.len()).filter(|number| is_asked(*number));

@@ -3,6 +3,9 @@
 use glam::DVec3;
 use serde_json::json;
 
+use super::super::super::files::Nowhere;
+use super::super::super::single::SceneFile;
+use super::super::super::{SceneFormat, Up};
 use super::made::{F32, Made, SQUARE, U8, U16, f32_bytes};
 use super::scene;
 
@@ -169,4 +172,75 @@ fn two_accessors_may_share_a_view_in_turns() {
     let mesh = &scene(&made).meshes[0];
     assert_eq!(mesh.positions[2], DVec3::new(1.0, 1.0, 0.0));
     assert_eq!(mesh.normals, [[0.0, 0.0, 1.0]; 4]);
+}
+
+/// A file as the whole reader reads it, with what it leaves out.
+fn whole(made: &Made) -> crate::source::SourceScene {
+    let bytes = made.glb();
+    let file = SceneFile {
+        name: "a",
+        format: SceneFormat::Gltf,
+        up: Up::Y,
+        bytes: &bytes,
+    };
+    file.read(&mut Nowhere).unwrap()
+}
+
+#[test]
+fn corners_that_are_not_there_or_nowhere_cost_their_triangles() {
+    for bad in [f32::NAN, f32::INFINITY] {
+        let mut made = Made::empty();
+        let [a, b, c, d] = SQUARE;
+        let positions = made.positions(&[a, b, c, d, [bad, 0.0, 0.0]]);
+        let corners = [0, 1, 2, 0, 2, 3, 0, 1, 4, 0, 1, 5];
+        let indices = made.accessor(U8, "SCALAR", 12, &corners);
+        let uvs = [[0.0, 0.0], [bad, 0.0], [1.0, 1.0], [0.0, 1.0], [bad; 2]];
+        let uvs = made.accessor(F32, "VEC2", 5, &f32_bytes(uvs.as_flattened()));
+        let colours = made.accessor(F32, "VEC3", 5, &f32_bytes(&[f32::NAN; 15]));
+        made.json["materials"] = json!([
+            {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}
+        ]);
+        made.json["textures"] = json!([{"source": 0}]);
+        made.json["images"] = json!([{"uri": "none.png"}]);
+        made.primitive(json!({
+            "attributes": {"POSITION": positions, "TEXCOORD_0": uvs, "COLOR_0": colours},
+            "indices": indices, "material": 0,
+        }));
+        let scene = whole(&made);
+        assert_eq!(scene.meshes[0].triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(scene.meshes[0].colours, [[1.0; 4]; 4]);
+        let all = [
+            ("triangles_without_place", 1),
+            ("triangles_out_of_range", 1),
+            ("uvs_made", 1),
+            ("colours_made", 5),
+        ];
+        for (name, times) in all {
+            assert_eq!(scene.repairs[name], times, "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_fan_that_turns_back_over_itself_is_filled_as_an_outline() {
+    let mut made = Made::empty();
+    // An arrow, and a fan round its tip.
+    let arrow = [
+        [2.0, 0.0, 0.0],
+        [3.0, 2.0, 0.0],
+        [0.0, 0.0, 0.0],
+        [3.0, -2.0, 0.0],
+    ];
+    let arrow = [arrow[1], arrow[2], arrow[3], arrow[0]];
+    let positions = made.positions(&arrow);
+    made.primitive(json!({"attributes": {"POSITION": positions}, "mode": 6}));
+    let scene = whole(&made);
+    assert_eq!(scene.repairs["concave_fans_filled"], 1);
+    let mesh = &scene.meshes[0];
+    let area = |it: &[u32; 3]| {
+        let [a, b, c] = it.map(|at| mesh.positions[at as usize]);
+        (b - a).cross(c - a).z / 2.0
+    };
+    assert!((mesh.triangles.iter().map(area).sum::<f64>() - 4.0).abs() < 1e-9);
+    assert!(mesh.triangles.iter().all(|it| area(it) > 0.0));
 }

@@ -116,10 +116,10 @@ fn instances_that_differ_in_number_or_have_no_end_are_refused() {
     assert!(said.contains("node 0: its instances have [3, 2]"), "{said}");
     let mut made = instanced();
     let node = made.json["nodes"][0].clone();
-    made.json["nodes"] = json!(vec![node; 12_000]);
-    made.json["scenes"][0]["nodes"] = json!((0..12_000).collect::<Vec<u32>>());
+    made.json["nodes"] = json!(vec![node; 90_000]);
+    made.json["scenes"][0]["nodes"] = json!((0..90_000).collect::<Vec<u32>>());
     let said = super::refusal(&made.glb());
-    assert!(said.contains("more than 32768 places"), "{said}");
+    assert!(said.contains("more than 262144 places"), "{said}");
 }
 
 #[test]
@@ -212,4 +212,13 @@ fn no_cut_and_no_flip_of_a_byte_panics() {
     cut_and_flip(SceneFormat::Gltf, &made.glb());
     let inline = format!("data:;base64,{}", STANDARD.encode(&made.binary));
     cut_and_flip(SceneFormat::Gltf, &made.gltf(&inline));
+}
+
+#[test]
+fn a_buffer_shorter_than_said_shows_what_is_there() {
+    let mut made = Made::square();
+    made.json["buffers"][0]["byteLength"] = json!(1000);
+    let scene = scene(&made);
+    assert_eq!(scene.meshes[0].triangles.len(), 2);
+    assert_eq!(scene.repairs["short_buffers"], 1);
 }

@@ -1,0 +1,213 @@
+//! How does JSON that people's programs write become JSON by the letter?
+//!
+//! Only what is no glTF as it stands comes here. Mended are numbers such as `81.0` where a whole
+//! one is asked for, line breaks in texts, members that are `null`, numbers of nothing (`-1`),
+//! commas before a closing bracket, comments, and numbers that JSON has not (`NaN`).
+
+/// Members whose value is the number of something: below 0 they name nothing.
+const NUMBERS: [&[u8]; 12] = [
+    b"mesh",
+    b"skin",
+    b"camera",
+    b"material",
+    b"indices",
+    b"bufferView",
+    b"source",
+    b"sampler",
+    b"scene",
+    b"skeleton",
+    b"NORMAL",
+    b"COLOR_0",
+];
+/// The largest whole number that a `float` of 64 bits tells exactly.
+const MOST_EXACT: f64 = 9_007_199_254_740_992.0;
+
+/// The text with what can be mended, and how much of it was.
+pub(super) fn mended(json: &[u8]) -> (Vec<u8>, usize) {
+    let mut writer = Writer {
+        out: Vec::with_capacity(json.len()),
+        mended: 0,
+        comma: false,
+        member: None,
+    };
+    let mut rest = json;
+    while let Some((first, behind)) = rest.split_first() {
+        rest = match first {
+            b'"' => writer.text(rest),
+            b',' => {
+                writer.mended += usize::from(writer.comma);
+                writer.comma = true;
+                behind
+            }
+            b'{' | b'[' => {
+                writer.begin();
+                writer.member = None;
+                writer.out.push(*first);
+                behind
+            }
+            b'}' | b']' => {
+                writer.mended += usize::from(writer.comma);
+                writer.comma = false;
+                writer.out.push(*first);
+                behind
+            }
+            b':' => {
+                writer.out.push(b':');
+                behind
+            }
+            b'/' if behind.starts_with(b"/") => {
+                writer.mended += 1;
+                after(behind, b"\n")
+            }
+            b'/' if behind.starts_with(b"*") => {
+                writer.mended += 1;
+                after(behind, b"*/")
+            }
+            blank if blank.is_ascii_whitespace() || *blank == 0 => behind,
+            _ => writer.word(rest),
+        };
+    }
+    (writer.out, writer.mended)
+}
+
+struct Writer {
+    out: Vec<u8>,
+    mended: usize,
+    /// Whether a comma was read that is not written yet.
+    comma: bool,
+    /// Where in `out` the member begins whose value is next, and where its name.
+    member: Option<(usize, usize)>,
+}
+
+impl Writer {
+    /// Writes the comma before a value or a name.
+    fn begin(&mut self) {
+        if std::mem::take(&mut self.comma) {
+            match self.out.last() {
+                Some(b'{' | b'[') | None => self.mended += 1,
+                Some(_) => self.out.push(b','),
+            }
+        }
+    }
+
+    /// Writes a text, and gives what follows it.
+    fn text<'a>(&mut self, json: &'a [u8]) -> &'a [u8] {
+        let start = self.out.len();
+        self.begin();
+        let begun = self.out.len();
+        self.out.push(b'"');
+        let mut rest = &json[1..];
+        while let Some((first, behind)) = rest.split_first() {
+            rest = behind;
+            match first {
+                b'"' => break,
+                b'\\' => {
+                    self.out.push(b'\\');
+                    if let Some((escaped, behind)) = rest.split_first() {
+                        self.out.push(*escaped);
+                        rest = behind;
+                    }
+                }
+                control if *control < b' ' => {
+                    self.mended += 1;
+                    self.out.push(b' ');
+                }
+                other => self.out.push(*other),
+            }
+        }
+        self.out.push(b'"');
+        let next = rest.iter().find(|byte| !byte.is_ascii_whitespace());
+        self.member = (next == Some(&b':')).then_some((start, begun));
+        rest
+    }
+
+    /// Writes a number or a word of letters, and gives what follows it.
+    fn word<'a>(&mut self, json: &'a [u8]) -> &'a [u8] {
+        let ends = |byte: &u8| b",:{}[]\"/".contains(byte) || byte.is_ascii_whitespace();
+        let end = json.iter().position(ends).unwrap_or(json.len()).max(1);
+        let (word, rest) = json.split_at(end);
+        let number = std::str::from_utf8(word)
+            .ok()
+            .and_then(|it| it.parse::<f64>().ok());
+        let member = self.member.take();
+        let name = member.map(|(_, begun)| self.out[begun..].to_vec());
+        let is_of_one = |name: &Vec<u8>| {
+            let name = name.strip_prefix(b"\"").unwrap_or(name);
+            NUMBERS
+                .iter()
+                .any(|it| name.starts_with(it) && name[it.len()..].starts_with(b"\":"))
+        };
+        let names_nothing =
+            number.is_some_and(|it| it < 0.0) && name.is_some_and(|it| is_of_one(&it));
+        let is_none = word == b"null" || names_nothing || number.is_some_and(|it| !it.is_finite());
+        if let (true, Some((start, _))) = (is_none, member) {
+            self.mended += 1;
+            self.out.truncate(start);
+            return rest;
+        }
+        self.begin();
+        match number {
+            Some(number) if !number.is_finite() => {
+                self.mended += 1;
+                self.out.push(b'0');
+            }
+            Some(number)
+                if word.iter().any(|byte| b".eE".contains(byte))
+                    && number.fract() == 0.0
+                    && number.abs() < MOST_EXACT =>
+            {
+                self.mended += 1;
+                self.out.extend((number as i64).to_string().bytes());
+            }
+            _ => self.out.extend(word),
+        }
+        rest
+    }
+}
+
+/// What follows the first of these bytes.
+fn after<'a>(json: &'a [u8], end: &[u8]) -> &'a [u8] {
+    let at = json.windows(end.len()).position(|it| it == end);
+    at.map_or(&[], |at| &json[at + end.len()..])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_people_write_becomes_json() {
+        for (said, told, count) in [
+            (
+                r#"{"a": [1, 2.5, "x"], "b": {}}"#,
+                r#"{"a":[1,2.5,"x"],"b":{}}"#,
+                0,
+            ),
+            (r#"{"count": 81.0, "e": 1e2}"#, r#"{"count":81,"e":100}"#, 2),
+            ("{\"uri\": \"a\nb\\\"c\"}", "{\"uri\":\"a b\\\"c\"}", 1),
+            (r#"{"a": null, "b": 1, "c": null}"#, r#"{"b":1}"#, 3),
+            (r#"{"a": [null, 1]}"#, r#"{"a":[null,1]}"#, 0),
+            (r#"{"mesh": -1, "weight": -1}"#, r#"{"weight":-1}"#, 1),
+            (r#"[1, 2, ]"#, "[1,2]", 1),
+            (
+                "{\"a\": 1, // one\n \"b\": 2 /* two */}",
+                r#"{"a":1,"b":2}"#,
+                2,
+            ),
+            (r#"{"a": NaN, "b": [NaN, -inf]}"#, r#"{"b":[0,0]}"#, 3),
+        ] {
+            let (found, mended) = mended(said.as_bytes());
+            assert_eq!(String::from_utf8_lossy(&found), told, "{said}");
+            assert_eq!(mended, count, "{said}");
+        }
+    }
+
+    #[test]
+    fn whatever_comes_ends() {
+        for said in [
+            "", "\"", "\"\\", ",,,", "{{{", "]", "/*", "//", "/", "\u{1}", ":", "nul",
+        ] {
+            mended(said.as_bytes());
+        }
+    }
+}

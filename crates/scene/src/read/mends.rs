@@ -1,0 +1,130 @@
+//! What was mended in a file, how often, and where first?
+
+use std::collections::BTreeMap;
+
+use super::sound::count;
+use super::text::shortened;
+use crate::source::SourceScene;
+
+/// A kind of mend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Mend {
+    /// Its name in `repairs`.
+    pub(super) name: &'static str,
+    /// What was found, in the plural, and what was done.
+    pub(super) what: &'static str,
+}
+
+/// A triangle, or a face, names vertices that are not there.
+pub(super) const OUT_OF_RANGE: Mend = Mend {
+    name: "triangles_out_of_range",
+    what: "faces that name vertices that do not exist are left out",
+};
+/// A corner is at NaN or infinity.
+pub(super) const NO_PLACE: Mend = Mend {
+    name: "triangles_without_place",
+    what: "triangles with a corner that is NaN or infinite are left out",
+};
+/// The same of a point.
+pub(super) const POINT_WITHOUT_PLACE: Mend = Mend {
+    name: "points_without_place",
+    what: "points that are NaN or infinite, or do not exist, are left out",
+};
+/// A place on a texture is NaN or infinity.
+pub(super) const UV_MADE: Mend = Mend {
+    name: "uvs_made",
+    what: "texture coordinates that are no numbers are taken from neighbouring vertices",
+};
+/// A face names a place on a texture that is not there.
+pub(super) const UV_NOT_FOUND: Mend = Mend {
+    name: "uvs_not_found",
+    what: "texture coordinates that faces name do not exist: left out",
+};
+/// A face names a normal that is not there.
+pub(super) const NORMAL_NOT_FOUND: Mend = Mend {
+    name: "normals_not_found",
+    what: "normals that faces name do not exist: made from the faces",
+};
+/// A colour is NaN.
+pub(super) const COLOUR_MADE: Mend = Mend {
+    name: "colours_made",
+    what: "colours that are no numbers are shown white",
+};
+/// The file ends before all rows that it announces.
+pub(super) const ROW_MISSING: Mend = Mend {
+    name: "rows_missing",
+    what: "rows that the file announces are missing; the others are shown",
+};
+/// More rows than announced.
+pub(super) const ROW_BEYOND: Mend = Mend {
+    name: "rows_beyond_count",
+    what: "rows beyond the number that the file announces are shown",
+};
+/// A line, or a word of it, has no meaning where it stands.
+pub(super) const LINE_BROKEN: Mend = Mend {
+    name: "lines_broken",
+    what: "lines that cannot be read as their format wants are left out",
+};
+/// A row has more words than it should.
+pub(super) const WORDS_BEYOND: Mend = Mend {
+    name: "rows_too_long",
+    what: "rows have more values than announced; the rest of each is left out",
+};
+/// A coordinate is missing.
+pub(super) const FLAT: Mend = Mend {
+    name: "coordinates_made",
+    what: "vertices without a third coordinate are at 0",
+};
+/// A number is written with a comma.
+pub(super) const COMMA: Mend = Mend {
+    name: "decimal_commas",
+    what: "numbers with a decimal comma are read as with a point",
+};
+/// An outline cannot be filled.
+pub(super) const CROSSING: Mend = Mend {
+    name: "faces_crossing_themselves",
+    what: "faces whose outline crosses itself are filled as well as can be",
+};
+/// A fan of glTF turns back over itself.
+pub(super) const FAN_FILLED: Mend = Mend {
+    name: "concave_fans_filled",
+    what: "fans of triangles that turn back over themselves are filled as outlines",
+};
+/// An outline has too many corners.
+pub(super) const NOT_FILLED: Mend = Mend {
+    name: "faces_too_large",
+    what: "concave faces with too many corners are drawn as fans, which may cover too much; \
+           triangulate them where they were made",
+};
+/// Faces count vertices from 0.
+pub(super) const FROM_ZERO: Mend = Mend {
+    name: "faces_from_zero",
+    what: "faces that count vertices from 0 are read so",
+};
+
+/// All mends of a file: how often each kind was needed, and where first.
+#[derive(Debug, Default)]
+pub(super) struct Mends(BTreeMap<Mend, (usize, String)>);
+
+impl Mends {
+    /// Counts a mend; `place` says where, and is asked for the first of its kind alone.
+    pub(super) fn add(&mut self, mend: Mend, times: usize, place: impl FnOnce() -> String) {
+        if times > 0 {
+            self.0.entry(mend).or_insert_with(|| (0, place())).0 += times;
+        }
+    }
+
+    /// How often a mend was needed.
+    pub(super) fn times(&self, mend: Mend) -> usize {
+        self.0.get(&mend).map_or(0, |(times, _)| *times)
+    }
+
+    /// Tells a scene of them: by number, and in words for people.
+    pub(super) fn tell(self, file: &str, scene: &mut SourceScene) {
+        for (mend, (times, place)) in self.0 {
+            count(&mut scene.repairs, mend.name, times);
+            let file = shortened(file);
+            scene.remark(format!("{file}: {}: {times}, the first {place}", mend.what));
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! What does a corner of a face name, before or behind it in the file?
+
+use super::super::mends::{FROM_ZERO, Mends};
+
+/// Stands for a number that is not given.
+const NONE: u32 = u32::MAX;
+/// Stands for one that nothing can have.
+const LOST: u32 = u32::MAX - 1;
+
+/// What a corner of a face names, by numbers of lines.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Corner {
+    pub(super) place: u32,
+    pub(super) uv: Option<u32>,
+    pub(super) normal: Option<u32>,
+}
+
+/// The same as a face says it: place, place on a texture and normal, counted from 0; maybe none,
+/// and maybe of what is not there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct FaceCorner([u32; 3]);
+
+impl FaceCorner {
+    /// Whether all that it names is among so many.
+    pub(super) fn is_there(self, counts: [usize; 3]) -> bool {
+        let [place, uv, normal] = self.0;
+        let is_in = |number: u32, count: usize| number == NONE || (number as usize) < count;
+        place != NONE && is_in(place, counts[0]) && is_in(uv, counts[1]) && is_in(normal, counts[2])
+    }
+
+    /// What it names among so many; `None` without a place. Counts places on textures and normals
+    /// that are not there.
+    pub(super) fn of(self, counts: [usize; 3], lost: &mut [usize; 2]) -> Option<Corner> {
+        let named = |k: usize| {
+            let number = self.0[k];
+            ((number as usize) < counts[k]).then_some(number)
+        };
+        for k in [1, 2] {
+            lost[k - 1] += usize::from(self.0[k] != NONE && named(k).is_none());
+        }
+        Some(Corner {
+            place: named(0)?,
+            uv: named(1),
+            normal: named(2),
+        })
+    }
+}
+
+/// Faces that name what did not stand before them, and what shows how vertices are counted.
+#[derive(Debug)]
+pub(super) struct Late {
+    /// The number of the first vertex.
+    first: u32,
+    corners: Vec<FaceCorner>,
+    /// The corners of each face, its material and its line.
+    faces: Vec<(u32, u32, usize)>,
+    next: [usize; 2],
+    /// Whether a face names vertex 0, or counts back.
+    zero: bool,
+    back: bool,
+    /// The largest number that a face gave a vertex.
+    most: u32,
+}
+
+impl Default for Late {
+    fn default() -> Self {
+        Self::of(1)
+    }
+}
+
+impl Late {
+    /// None yet, of a file whose first vertex has this number.
+    pub(super) fn of(first: u32) -> Self {
+        Self {
+            first,
+            corners: Vec::new(),
+            faces: Vec::new(),
+            next: [0; 2],
+            zero: false,
+            back: false,
+            most: 0,
+        }
+    }
+
+    /// What `place`, `place/texture`, `place//normal` or `place/texture/normal` names, where so many
+    /// of each stand before it.
+    pub(super) fn corner(&mut self, word: &str, counts: [usize; 3]) -> FaceCorner {
+        let mut named = [LOST, NONE, NONE];
+        for ((k, part), count) in (0..3).zip(word.split('/')).zip(counts) {
+            if part.is_empty() {
+                continue;
+            }
+            let number = whole(part);
+            if k == 0 {
+                self.zero |= number == Some(0);
+                self.back |= number.is_some_and(|it| it < 0);
+                let most = number.and_then(|it| u32::try_from(it).ok());
+                self.most = self.most.max(most.unwrap_or(0));
+            }
+            named[k] = match number {
+                // Some programs write 0 for none.
+                Some(0) if k > 0 && self.first > 0 => NONE,
+                Some(number) if number < 0 => from_zero(number + count as i64),
+                Some(number) => from_zero(number - i64::from(self.first)),
+                None => LOST,
+            };
+        }
+        FaceCorner(named)
+    }
+
+    /// Adds a face.
+    pub(super) fn push(&mut self, face: &[FaceCorner], material: u32, line: usize) {
+        self.corners.extend(face);
+        self.faces.push((face.len() as u32, material, line));
+    }
+
+    /// The next face in the order of the file: its corners, its material and its line.
+    pub(super) fn pop(&mut self, face: &mut Vec<FaceCorner>) -> Option<(u32, usize)> {
+        let [at, begin] = self.next;
+        let (corners, material, line) = *self.faces.get(at)?;
+        let end = begin + corners as usize;
+        face.clear();
+        face.extend_from_slice(&self.corners[begin..end]);
+        self.next = [at + 1, end];
+        Some((material, line))
+    }
+
+    /// Whether faces count vertices from 0 though they were read as counting from 1: one names
+    /// vertex 0, and none the last.
+    pub(super) fn counts_from_zero(&self, vertices: usize) -> bool {
+        self.first == 1 && self.zero && !self.back && (self.most as usize) < vertices
+    }
+
+    /// Tells how vertices were counted.
+    pub(super) fn tell(&self, mends: &mut Mends) {
+        mends.add(FROM_ZERO, usize::from(self.first == 0), || {
+            "vertex is 0".to_owned()
+        });
+    }
+}
+
+fn from_zero(number: i64) -> u32 {
+    u32::try_from(number).map_or(LOST, |it| it.min(LOST))
+}
+
+/// A whole number, maybe written as `1.0` or `1e+05`.
+fn whole(word: &str) -> Option<i64> {
+    const MOST: f64 = (1_u64 << 32) as f64;
+    if let Ok(number) = word.parse::<i64>() {
+        return Some(number.clamp(-(MOST as i64), MOST as i64));
+    }
+    let number = word.parse::<f64>().ok()?;
+    (number.fract() == 0.0 && number.abs() <= MOST).then_some(number as i64)
+}

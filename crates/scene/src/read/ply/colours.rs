@@ -1,0 +1,244 @@
+//! Which colours do the vertices, points and faces of a PLY file have?
+
+use std::collections::HashMap;
+
+use super::super::colour::{Depth, Full, lighten};
+use super::header::{Element, Property, Scalar};
+use crate::source::{Repairs, SourceMesh};
+
+/// What the first coefficient of a splat's colour counts for: the spherical harmonic of degree 0.
+const OF_SPLAT: f64 = 0.282_094_79;
+/// Codes of clouds have sixteen bits.
+const MOST_CODE: f64 = 65_535.0;
+/// What belongs to no part of a colour.
+const NONE: usize = usize::MAX;
+
+/// Where in the rows of an element its colours are.
+pub(super) struct ColourColumns {
+    /// For each property red, green, blue or alpha as 0 to 3, or none.
+    parts: Vec<usize>,
+    /// The value that would stand for all light by the kind of its numbers.
+    usual: f64,
+    is_splat: bool,
+}
+
+/// Which part of a colour a property is, in lower case, and whether of a splat.
+fn part(name: &str) -> Option<(usize, bool)> {
+    let part = match name {
+        "red" | "r" | "diffuse_red" | "red_diffuse" => (0, false),
+        "green" | "g" | "diffuse_green" | "green_diffuse" => (1, false),
+        "blue" | "b" | "diffuse_blue" | "blue_diffuse" => (2, false),
+        "alpha" | "a" | "diffuse_alpha" => (3, false),
+        "f_dc_0" => (0, true),
+        "f_dc_1" => (1, true),
+        "f_dc_2" => (2, true),
+        _ => return None,
+    };
+    Some(part)
+}
+
+impl ColourColumns {
+    /// Of an element; none where it has no colours.
+    pub(super) fn of(element: &Element) -> Option<Self> {
+        let of_kind = |wanted: bool| {
+            let mut usual = 1.0;
+            let mut met = [false; 4];
+            let column = |property: &Property| {
+                let Property::One { name, scalar } = property else {
+                    return NONE;
+                };
+                match part(&name.to_ascii_lowercase()) {
+                    Some((at, is_splat)) if is_splat == wanted && !met[at] => {
+                        met[at] = true;
+                        if at < 3 {
+                            usual = scalar.full();
+                        }
+                        at
+                    }
+                    _ => NONE,
+                }
+            };
+            let parts: Vec<usize> = element.properties.iter().map(column).collect();
+            (met[..3] == [true; 3]).then_some(Self {
+                parts,
+                usual,
+                is_splat: wanted,
+            })
+        };
+        of_kind(false).or_else(|| of_kind(true))
+    }
+
+    /// Which part of a colour the property of a number is.
+    pub(super) fn part(&self, property: usize) -> Option<usize> {
+        self.parts.get(property).copied().filter(|it| *it != NONE)
+    }
+}
+
+/// The colours of rows, as the file has them.
+#[derive(Default)]
+pub(super) struct PlyColours {
+    raw: Vec<[f32; 4]>,
+    depth: Depth,
+    usual: f64,
+    most_alpha: f32,
+    is_splats: bool,
+}
+
+impl PlyColours {
+    pub(super) fn new(columns: &ColourColumns) -> Self {
+        Self {
+            usual: columns.usual,
+            is_splats: columns.is_splat,
+            ..Self::default()
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.raw.len()
+    }
+
+    /// Adds a colour; `false` if it is none, and will be white. An alpha below 0 is not said.
+    pub(super) fn add(&mut self, mut colour: [f64; 4]) -> bool {
+        if self.is_splats {
+            colour = colour.map(|it| (0.5 + OF_SPLAT * it).clamp(0.0, 1.0));
+            colour[3] = -1.0;
+        }
+        let is_one = colour.iter().all(|it| it.is_finite());
+        if !is_one {
+            colour = [f64::NAN; 4];
+        }
+        let [red, green, blue, alpha] = colour;
+        self.depth.add([red, green, blue]);
+        self.most_alpha = self.most_alpha.max(alpha as f32);
+        self.raw.push(colour.map(|it| it as f32));
+        is_one
+    }
+
+    fn full(&self) -> Full {
+        match self.is_splats {
+            true => Depth::default().full(1.0),
+            false => self.depth.full(self.usual),
+        }
+    }
+
+    fn tell(&self, full: &Full, strays: usize, told: &mut Told) {
+        if self.is_splats {
+            told.remark("splats are drawn as points, each in its own colour from all sides");
+        }
+        let counts = (self.raw.len(), strays);
+        if let Some(remark) = full.tell(&told.what, counts, &mut told.repairs) {
+            told.remark(remark);
+        }
+    }
+
+    /// In linear light; white where there was no number.
+    pub(super) fn lights(mut self, told: &mut Told) -> Vec<[f32; 4]> {
+        let full = self.full();
+        let alpha = match self.most_alpha {
+            most if most <= 1.0 => 1.0,
+            most if most <= 255.0 => 255.0,
+            _ => self.usual.max(full.largest()),
+        };
+        for colour in &mut self.raw {
+            if colour[0].is_nan() {
+                *colour = [full.largest() as f32; 4];
+            }
+            if colour[3] < 0.0 {
+                colour[3] = alpha as f32;
+            }
+        }
+        let strays = lighten(&mut self.raw, &full, alpha);
+        self.tell(&full, strays, told);
+        self.raw
+    }
+
+    /// As codes of sixteen bits; one of eight bits becomes 257 times as much.
+    pub(super) fn codes(self, told: &mut Told) -> Vec<[u16; 3]> {
+        let full = self.full();
+        let mut strays = 0;
+        let code = |raw: &[f32; 4]| {
+            let parts = [0, 1, 2].map(|k| f64::from(raw[k]));
+            if parts[0].is_nan() {
+                return [u16::MAX; 3];
+            }
+            strays += usize::from(full.is_stray(parts));
+            let shares = full.shares(parts);
+            shares.map(|share| (share * MOST_CODE).round() as u16)
+        };
+        let codes = self.raw.iter().map(code).collect();
+        self.tell(&full, strays, told);
+        codes
+    }
+}
+
+/// What is said and counted while colours are read.
+pub(super) struct Told {
+    /// What the colours are of: vertices, points or faces of a file.
+    pub(super) what: String,
+    pub(super) repairs: Repairs,
+    pub(super) remarks: Vec<String>,
+}
+
+impl Told {
+    pub(super) fn of(what: String) -> Self {
+        Self {
+            what,
+            repairs: Repairs::new(),
+            remarks: Vec::new(),
+        }
+    }
+
+    fn remark(&mut self, remark: impl Into<String>) {
+        self.remarks.push(remark.into());
+    }
+}
+
+/// Gives each triangle the colour of its face, by the number of that: vertices between triangles of several colours stand
+/// there once for each.
+pub(super) fn colour_triangles(mesh: &mut SourceMesh, faces: &[u32], colours: &[[f32; 4]]) {
+    let mut of: HashMap<(u32, [u32; 4]), u32> = HashMap::with_capacity(mesh.positions.len());
+    let mut coloured = SourceMesh::default();
+    for (triangle, face) in mesh.triangles.iter_mut().zip(faces) {
+        let colour = colours.get(*face as usize).copied().unwrap_or([1.0; 4]);
+        for corner in triangle {
+            let at = *corner as usize;
+            let Some(position) = mesh.positions.get(at) else {
+                // What is none is left out with its triangle.
+                *corner = u32::MAX;
+                continue;
+            };
+            let next = coloured.positions.len() as u32;
+            let number = *of
+                .entry((*corner, colour.map(f32::to_bits)))
+                .or_insert(next);
+            if number == next {
+                coloured.positions.push(*position);
+                coloured.normals.extend(mesh.normals.get(at));
+                coloured.uvs.extend(mesh.uvs.get(at));
+                coloured.colours.push(colour);
+            }
+            *corner = number;
+        }
+    }
+    mesh.positions = coloured.positions;
+    mesh.normals = coloured.normals;
+    mesh.uvs = coloured.uvs;
+    mesh.colours = coloured.colours;
+}
+
+impl Scalar {
+    /// The value that would stand for all light.
+    fn full(self) -> f64 {
+        match self {
+            Self::I8 => f64::from(i8::MAX),
+            Self::U8 => f64::from(u8::MAX),
+            Self::I16 => f64::from(i16::MAX),
+            Self::U16 => f64::from(u16::MAX),
+            Self::I32 => f64::from(i32::MAX),
+            Self::U32 => f64::from(u32::MAX),
+            Self::I64 => i64::MAX as f64,
+            Self::U64 => u64::MAX as f64,
+            Self::F32 | Self::F64 => 1.0,
+        }
+    }
+}
