@@ -1,7 +1,7 @@
 //! What does the header of a LAS file say, and does it fit to the file?
 
 use super::super::error::Fault;
-use super::LasMends;
+use super::mends::LasMends;
 use foveal_core::units::counted;
 
 /// What mends counts.

@@ -5,7 +5,8 @@
 
 use super::super::error::Fault;
 use super::header::{LasHeader, half_at, word_at};
-use super::{LasMends, Records};
+use super::mends::LasMends;
+use super::records::Records;
 use foveal_core::units::counted;
 use laz::laszip::ChunkTable;
 use laz::{DecompressionSelection, LasZipDecompressor, LazItemType, LazVlr};
