@@ -1,8 +1,10 @@
 //! How is a pack read from a file?
 
+use crate::error::MediaError;
 use crate::pack::damage::Damage;
 use crate::pack::open_pack::OpenPack;
 pub use crate::pack::open_pack::PackFileError;
+use crate::tiles::decode::GroupDecoder;
 use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::chunk::split_chunk;
 use foveal_core::content::video::bytes::cue_table::{CUES, CueTable};
@@ -14,9 +16,14 @@ use foveal_core::content::video::bytes::signatures::{SIGNATURES, Signatures};
 use foveal_core::content::video::bytes::sound::{SOUND, SoundTable};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::pack::{PackError, check_crc};
+use foveal_core::units::one_line;
 use foveal_core::view::surface::Screen;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Pixels of the coarsest level that are decoded at most to check it, unless one group has more:
+/// a fraction of a second of work.
+const MOST_DECODED: u64 = 64 << 20;
 
 /// An open pack: description and index in memory, chunks read when they are asked for.
 #[derive(Debug)]
@@ -167,7 +174,63 @@ impl PackFile {
             done += u64::from(self.pack.entry(unit).bytes);
             progress(done, self.bytes());
         }
+        if damage.is_empty() {
+            self.decode_coarsest(&mut damage);
+        }
         damage
+    }
+
+    /// Decodes chunks of the coarsest level, without which nothing is shown: the first groups, the
+    /// last, and some between, as many as a limit of pixels allows.
+    fn decode_coarsest(&self, damage: &mut Damage) {
+        let (about, grid) = (self.pack.description(), self.pack.grid());
+        let level = grid.coarsest();
+        let tiles = grid.tiles_in_level(level);
+        let length = about.groups[usize::from(level)].max(1);
+        let groups = about.frames.div_ceil(length);
+        let tile_pixels = (0..tiles).map(|rank| {
+            let [w, h] = grid.tile_size(grid.tile_at(level, rank));
+            u64::from(w) * u64::from(h)
+        });
+        let group_pixels = tile_pixels.sum::<u64>() * u64::from(length.min(about.frames));
+        let most = (MOST_DECODED / group_pixels.max(1)).clamp(1, u64::from(groups)) as u32;
+        for turn in 0..most {
+            // Evenly spread, with the first and the last.
+            let last = u64::from(most.max(2) - 1);
+            let group = (u64::from(turn) * u64::from(groups - 1) / last) as u32;
+            for rank in 0..tiles {
+                damage.add(
+                    self.decode_unit(self.pack.unit(grid.tile_at(level, rank), group * length)),
+                );
+            }
+        }
+    }
+
+    /// Decodes all pictures of a chunk.
+    fn decode_unit(&self, unit: UnitId) -> Result<(), PackFileError> {
+        let frames = self.pack.frames_of(unit);
+        let tile = self.pack.tile_of(unit);
+        let chunk = self.read_chunk(unit)?;
+        let parts = split_chunk(&chunk, frames.len());
+        let parts = parts.map_err(|source| self.open.format(source))?;
+        let decode = || {
+            let size = self.pack.grid().tile_size(tile);
+            let mut decoder = GroupDecoder::new(self.pack.description().codec, size)?;
+            for (number, part) in frames.clone().zip(parts) {
+                decoder.decode(part, i64::from(number))?;
+            }
+            Ok::<_, MediaError>(())
+        };
+        decode().map_err(|error| {
+            self.open.format(PackError {
+                field: format!(
+                    "chunk of level {}, frames from {}",
+                    tile.level, frames.start
+                ),
+                found: one_line(&error.to_string()),
+                expected: "pictures that decode".to_owned(),
+            })
+        })
     }
 }
 

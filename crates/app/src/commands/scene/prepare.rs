@@ -14,6 +14,7 @@ use foveal_scene::build::{BuildOptions, Built, build};
 use foveal_scene::read::{ReadOptions, Up, read, texels};
 use foveal_scene::source::SourceScene;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -43,6 +44,9 @@ pub(crate) struct PrepareSceneArgs {
     /// Bits of a vertex's place along the largest side of its object, 10 to 16.
     #[arg(long, value_name = "N", default_value_t = 14)]
     bits: u8,
+    /// Refuse what would be mended or left out.
+    #[arg(long)]
+    strict: bool,
     /// Keep every texel of textures as it is, in PNG in place of JPEG.
     #[arg(long)]
     exact: bool,
@@ -70,7 +74,7 @@ struct Estimate {
     #[serde(rename = "prepare_s")]
     seconds: f64,
     bytes: u64,
-    repairs: std::collections::BTreeMap<String, u64>,
+    repairs: BTreeMap<String, u64>,
 }
 
 /// What `--json` prints.
@@ -107,8 +111,10 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
     let Some(claim) = claim else {
         return args.say_what_is_there(out, &identity);
     };
+    args.refuse_mended(&source.repairs)?;
     source.remarks.iter().for_each(|remark| output::say(remark));
     let built = args.build(&source, jobs)?;
+    args.refuse_mended(&built.repairs)?;
     let description = args.description(&source, &built, identity);
     refuse_too_long(&description)?;
     drop(source);
@@ -141,6 +147,25 @@ fn refuse_too_long(description: &SceneDescription) -> anyhow::Result<()> {
 }
 
 impl PrepareSceneArgs {
+    /// Where it is strict, what had to be mended is named and refused.
+    fn refuse_mended(&self, repairs: &BTreeMap<String, u64>) -> anyhow::Result<()> {
+        let told: Vec<String> = repairs
+            .iter()
+            .filter(|(_, count)| **count > 0)
+            .map(|(what, count)| format!("{}: {count}", what.replace('_', " ")))
+            .collect();
+        if self.strict && !told.is_empty() {
+            let names = self.inputs.iter().map(|input| input.display().to_string());
+            bail!(
+                "{}: would have to be mended ({}); leave --strict out to have it mended and told \
+                 of",
+                names.collect::<Vec<_>>().join(", "),
+                told.join(", ")
+            );
+        }
+        Ok(())
+    }
+
     fn read(&self) -> anyhow::Result<SourceScene> {
         let inputs: Vec<&Path> = self.inputs.iter().map(PathBuf::as_path).collect();
         let options = ReadOptions {

@@ -2,6 +2,9 @@
 //!
 //! Inputs are made here, after what users of other players, viewers and converters reported.
 
+mod film_file;
+mod films;
+
 use crate::support::done;
 
 #[test]
