@@ -21,7 +21,7 @@ use foveal_core::view::surface::Screen;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Pixels of the coarsest level that are decoded at most to check it, unless one group has more:
+/// Pixels of the coarsest level that are decoded at most to check it, unless two pictures have more:
 /// a fraction of a second of work.
 const MOST_DECODED: u64 = 64 << 20;
 
@@ -167,56 +167,53 @@ impl PackFile {
         for unit in self.pack.units() {
             let frames = self.pack.frames_of(unit).len();
             let checked = self.read_chunk(unit).and_then(|chunk| {
-                let parts = split_chunk(&chunk, frames).map(|parts| parts.len());
-                parts.map_err(|source| self.open.format(source))
+                let parts = split_chunk(&chunk, frames);
+                let parts = parts.map_err(|source| self.open.format(source))?;
+                match self.is_decoded(unit) {
+                    true => self.decode_unit(unit, &parts),
+                    false => Ok(()),
+                }
             });
             damage.add(checked);
             done += u64::from(self.pack.entry(unit).bytes);
             progress(done, self.bytes());
         }
-        if damage.is_empty() {
-            self.decode_coarsest(&mut damage);
-        }
         damage
     }
 
-    /// Decodes chunks of the coarsest level, without which nothing is shown: the first groups, the
-    /// last, and some between, as many as a limit of pixels allows.
-    fn decode_coarsest(&self, damage: &mut Damage) {
+    /// Whether the pictures of a chunk are decoded where it is checked: of the coarsest level,
+    /// without which nothing is shown, the first group, the last and as many evenly between as a
+    /// limit of pixels allows.
+    fn is_decoded(&self, unit: UnitId) -> bool {
         let (about, grid) = (self.pack.description(), self.pack.grid());
-        let level = grid.coarsest();
-        let tiles = grid.tiles_in_level(level);
-        let length = about.groups[usize::from(level)].max(1);
-        let groups = about.frames.div_ceil(length);
-        let tile_pixels = (0..tiles).map(|rank| {
-            let [w, h] = grid.tile_size(grid.tile_at(level, rank));
-            u64::from(w) * u64::from(h)
-        });
-        let group_pixels = tile_pixels.sum::<u64>() * u64::from(length.min(about.frames));
-        let most = (MOST_DECODED / group_pixels.max(1)).clamp(1, u64::from(groups)) as u32;
-        for turn in 0..most {
-            // Evenly spread, with the first and the last.
-            let last = u64::from(most.max(2) - 1);
-            let group = (u64::from(turn) * u64::from(groups - 1) / last) as u32;
-            for rank in 0..tiles {
-                damage.add(
-                    self.decode_unit(self.pack.unit(grid.tile_at(level, rank), group * length)),
-                );
-            }
+        let tile = self.pack.tile_of(unit);
+        if tile.level != grid.coarsest() {
+            return false;
         }
+        let length = about.groups[usize::from(tile.level)].max(1);
+        let groups = u64::from(about.frames.div_ceil(length));
+        let tiles = u64::from(grid.tiles_in_level(tile.level));
+        let [w, h] = grid.tile_size(tile).map(u64::from);
+        let group_pixels = tiles * w * h * u64::from(length.min(about.frames));
+        let most = (MOST_DECODED / group_pixels.max(1)).clamp(2, groups.max(2));
+        let group = u64::from(self.pack.frames_of(unit).start / length);
+        // The group is the first of its share of all, or the last one.
+        group + 1 == groups || group * most % groups < most
     }
 
-    /// Decodes all pictures of a chunk.
-    fn decode_unit(&self, unit: UnitId) -> Result<(), PackFileError> {
+    /// Decodes the pictures of a chunk.
+    fn decode_unit(&self, unit: UnitId, parts: &[&[u8]]) -> Result<(), PackFileError> {
         let frames = self.pack.frames_of(unit);
         let tile = self.pack.tile_of(unit);
-        let chunk = self.read_chunk(unit)?;
-        let parts = split_chunk(&chunk, frames.len());
-        let parts = parts.map_err(|source| self.open.format(source))?;
+        let grid = self.pack.grid();
+        let size = grid.tile_size(tile);
+        // Of large pictures a group alone may be beyond the limit.
+        let [w, h] = size.map(u64::from);
+        let level_pixels = u64::from(grid.tiles_in_level(tile.level)) * w * h;
+        let most = (MOST_DECODED / 2 / level_pixels.max(1)).max(1) as usize;
         let decode = || {
-            let size = self.pack.grid().tile_size(tile);
             let mut decoder = GroupDecoder::new(self.pack.description().codec, size)?;
-            for (number, part) in frames.clone().zip(parts) {
+            for (number, part) in frames.clone().zip(parts).take(most) {
                 decoder.decode(part, i64::from(number))?;
             }
             Ok::<_, MediaError>(())

@@ -8,10 +8,12 @@ use foveal_core::view::picture::Picture;
 use crate::error::MediaError;
 use crate::plain_file::open_plain;
 use crate::read::deinterlace::Deinterlace;
+use crate::read::heif_still::HeifStill;
 use crate::read::large_still::LargeStill;
 use crate::read::mended::Mended;
 use crate::read::source::SourceInfo;
 use crate::read::stream_input::StreamInput;
+use crate::read::webp_input::WebPInput;
 
 /// How a file is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,6 +51,8 @@ pub struct VideoInput {
 enum Source {
     Stream(Box<StreamInput>),
     Still(Box<LargeStill>),
+    Heif(Box<HeifStill>),
+    WebP(Box<WebPInput>),
 }
 
 impl VideoInput {
@@ -68,9 +72,14 @@ impl VideoInput {
     pub fn open_with(path: &Path, options: ReadOptions) -> Result<Self, MediaError> {
         // Opening a pipe would wait for somebody to write into it.
         let bytes = file_bytes(path)?;
-        let source = match LargeStill::open(path)? {
-            Some(still) => Source::Still(Box::new(still)),
-            None => Source::Stream(Box::new(StreamInput::open(path, bytes, options)?)),
+        let source = if let Some(still) = LargeStill::open(path)? {
+            Source::Still(Box::new(still))
+        } else if let Some(still) = HeifStill::open(path, bytes)? {
+            Source::Heif(Box::new(still))
+        } else if let Some(animation) = WebPInput::open(path, bytes)? {
+            Source::WebP(Box::new(animation))
+        } else {
+            Source::Stream(Box::new(StreamInput::open(path, bytes, options)?))
         };
         Ok(Self { source })
     }
@@ -81,6 +90,8 @@ impl VideoInput {
         match &self.source {
             Source::Stream(stream) => &stream.info,
             Source::Still(still) => still.info(),
+            Source::Heif(still) => still.info(),
+            Source::WebP(animation) => animation.info(),
         }
     }
 
@@ -89,7 +100,7 @@ impl VideoInput {
     pub(crate) fn first_stamp_ns(&self) -> i64 {
         match &self.source {
             Source::Stream(stream) => stream.first_stamp_ns,
-            Source::Still(_) => 0,
+            Source::Still(_) | Source::Heif(_) | Source::WebP(_) => 0,
         }
     }
 
@@ -102,6 +113,8 @@ impl VideoInput {
                 is_transparent: still.has_seen_through(),
                 ..Mended::default()
             },
+            Source::Heif(_) => Mended::default(),
+            Source::WebP(animation) => animation.mended(),
         }
     }
 
@@ -110,7 +123,8 @@ impl VideoInput {
     pub(crate) fn last_ns(&self) -> Option<i64> {
         match &self.source {
             Source::Stream(stream) => stream.last_ns(),
-            Source::Still(_) => None,
+            Source::WebP(animation) => animation.last_ns(),
+            Source::Still(_) | Source::Heif(_) => None,
         }
     }
 
@@ -127,6 +141,11 @@ impl VideoInput {
                 picture,
                 time_ns: 0,
             })),
+            Source::Heif(still) => Ok(still.picture().map(|picture| TimedPicture {
+                picture,
+                time_ns: 0,
+            })),
+            Source::WebP(animation) => animation.next_frame(),
         }
     }
 }

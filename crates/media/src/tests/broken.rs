@@ -177,10 +177,16 @@ fn a_change_of_size_is_told_with_its_frame() {
     let pictures = pictures.unwrap();
     assert!(pictures.len() == 6 && pictures.iter().all(fits));
     let mended = input.mended();
-    assert_eq!((mended.resized, mended.sizes), (3, Some([[64, 48], [48, 64]])));
+    assert_eq!(
+        (mended.resized, mended.sizes),
+        (3, Some([[64, 48], [48, 64]]))
+    );
     // Upright in the middle, with black on both sides.
     let upright = &pictures[4].picture;
-    assert_eq!((upright.planes[0][24 * 64], upright.planes[0][24 * 64 + 63]), (0, 0));
+    assert_eq!(
+        (upright.planes[0][24 * 64], upright.planes[0][24 * 64 + 63]),
+        (0, 0)
+    );
     assert!(upright.planes[0][24 * 64 + 45] > 20);
     let error = read_strictly(&film).unwrap_err();
     assert!(
@@ -259,9 +265,15 @@ fn damage_in_the_middle_is_told_with_its_frame() {
         let (input, pictures) = read(&film);
         let mended = input.mended();
         let [shown, bad] = [pictures.unwrap().len() as u64, mended.damaged + mended.lost];
-        assert!(bad > 0 && (35..=40).contains(&shown), "{ending} {shown} {mended:?}");
+        assert!(
+            bad > 0 && (35..=40).contains(&shown),
+            "{ending} {shown} {mended:?}"
+        );
         let (first, time_ns) = mended.first_damaged.unwrap_or_default();
-        assert!(mended.damaged == 0 || (5..35).contains(&first) && time_ns > 0, "{mended:?}");
+        assert!(
+            mended.damaged == 0 || (5..35).contains(&first) && time_ns > 0,
+            "{mended:?}"
+        );
         let frames = read_strictly(&film).map(|pictures| pictures.len());
         assert!(
             matches!(frames, Err(MediaError::Broken { frame: 5..35, .. })),

@@ -176,3 +176,42 @@ pub(super) fn trimmed(from: &str, to: &str, skipped: usize, early: i64) {
     }
     output.write_trailer().unwrap();
 }
+
+/// The bytes of one picture as an encoder of video codes it.
+pub(super) fn coded(
+    encoder: &str,
+    (format, size): (Pixel, [u32; 2]),
+    code: impl Fn(usize, u32, u32) -> u8,
+) -> Vec<u8> {
+    av::init().unwrap();
+    let coder = encoder::find_by_name(encoder).unwrap();
+    let mut video = codec::Context::new_with_codec(coder)
+        .encoder()
+        .video()
+        .unwrap();
+    video.set_width(size[0]);
+    video.set_height(size[1]);
+    video.set_format(format);
+    video.set_time_base((1, 25));
+    video.set_color_range(av::color::Range::JPEG);
+    let options: Dictionary = [("cpu-used", "8"), ("crf", "10"), ("b", "0")]
+        .into_iter()
+        .collect();
+    let mut video = video.open_as_with(coder, options).unwrap();
+    let mut frame = Video::new(format, size[0], size[1]);
+    for p in 0..frame.planes() {
+        let stride = frame.stride(p);
+        for (at, sample) in frame.data_mut(p).iter_mut().enumerate() {
+            *sample = code(p, (at % stride) as u32, (at / stride) as u32);
+        }
+    }
+    frame.set_pts(Some(0));
+    video.send_frame(&frame).unwrap();
+    video.send_eof().unwrap();
+    let mut bytes = Vec::new();
+    let mut packet = Packet::empty();
+    while video.receive_packet(&mut packet).is_ok() {
+        bytes.extend_from_slice(packet.data().unwrap_or_default());
+    }
+    bytes
+}

@@ -2,8 +2,10 @@
 //!
 //! Inputs are made here, after what users of other players, viewers and converters reported.
 
+mod cameras;
 mod film_file;
 mod films;
+mod stills;
 
 use crate::support::done;
 
