@@ -24,6 +24,7 @@ has_libclang              libclang-dev        clang-devel           clang       
 has_library:libavcodec    libavcodec-dev      ffmpeg-free-devel     ffmpeg             ffmpeg
 has_library:libavformat   libavformat-dev     ffmpeg-free-devel     ffmpeg             ffmpeg
 has_library:libavdevice   libavdevice-dev     ffmpeg-free-devel     ffmpeg             ffmpeg
+has_library:libavfilter   libavfilter-dev     ffmpeg-free-devel     ffmpeg             ffmpeg
 has_library:libavutil     libavutil-dev       ffmpeg-free-devel     ffmpeg             ffmpeg
 has_library:libswscale    libswscale-dev      ffmpeg-free-devel     ffmpeg             ffmpeg
 has_library:libswresample libswresample-dev   ffmpeg-free-devel     ffmpeg             ffmpeg

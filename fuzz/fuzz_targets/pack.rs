@@ -63,6 +63,9 @@ fn good_pack() -> Vec<u8> {
         },
         identity: None,
         loss: None,
+        last_frame_s: None,
+        remarks: Vec::new(),
+        repairs: Default::default(),
         tables: Vec::new(),
     };
     let grid = description.grid(Screen::default());

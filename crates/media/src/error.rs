@@ -4,12 +4,22 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+/// What to do where the system refuses to open a file, by what it says.
+#[must_use]
+pub fn next_after(reason: &str) -> &'static str {
+    // EMFILE of this program, ENFILE of all: the path is as it should be.
+    match reason.contains("Too many open files") || reason.contains("os error 23") {
+        true => "close other programs or files, or allow more with `ulimit -n 4096`",
+        false => "check the path and the permissions",
+    }
+}
+
 /// Why a file could not be read, coded or written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum MediaError {
     /// The file cannot be opened at all.
-    #[error("{}: cannot be opened: {reason}; check the path and the permissions", path.display())]
+    #[error("{}: cannot be opened: {reason}; {}", path.display(), next_after(reason))]
     Open {
         /// The file.
         path: PathBuf,

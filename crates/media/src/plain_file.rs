@@ -4,7 +4,7 @@
 //! meshes: `cargo xtask tidy` refuses other openings.
 
 use std::fs::{File, Metadata, OpenOptions};
-use std::io::{Error, ErrorKind, Read, Result};
+use std::io::{Error, ErrorKind, Read, Result, Seek, SeekFrom};
 use std::path::Path;
 
 /// Opens a file for reading. What is opened is judged, not what lay there before, and opening waits
@@ -52,6 +52,18 @@ pub fn first_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
     let mut first = Vec::new();
     open_plain(path)?.0.take(most).read_to_end(&mut first)?;
     Ok(first)
+}
+
+/// The last bytes of a plain file, at most `most` of them.
+///
+/// # Errors
+/// As there.
+pub fn last_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
+    let (mut file, there) = open_plain(path)?;
+    file.seek(SeekFrom::Start(there.len().saturating_sub(most)))?;
+    let mut last = Vec::new();
+    file.take(most).read_to_end(&mut last)?;
+    Ok(last)
 }
 
 /// Opens a device or a pipe for writing, which takes bytes as they come. A pipe that nobody reads

@@ -70,14 +70,12 @@ impl SourceView {
     /// A decoded picture of this source.
     #[must_use]
     pub fn of<'a>(&self, picture: &'a Picture) -> SourcePicture<'a> {
-        let eyes = match self.part {
-            Some(part) => {
-                let black = if self.colour.full_range { 0 } else { 16 };
-                let whole = part.whole_of(picture, black);
-                Cow::Owned(self.eyes.split(&whole).into_owned())
-            }
-            None => self.eyes.split(picture),
-        };
+        let mut eyes = self.eyes.split(picture);
+        if let Some(part) = self.part {
+            let black = if self.colour.full_range { 0 } else { 16 };
+            let whole = eyes.iter().map(|eye| part.whole_of(eye, black));
+            eyes = Cow::Owned(whole.collect());
+        }
         let pictures = match self.surround {
             Surround::Cube(layout) => eyes
                 .iter()

@@ -14,6 +14,7 @@ use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
 use foveal_media::sphere::{Coverage, face_size_for};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -69,6 +70,9 @@ pub(crate) struct PackInfo {
     bytes_per_level: Vec<u64>,
     /// What preparing lost; null where nobody measured.
     loss: Option<Loss>,
+    /// What was mended or left out of the source, by name.
+    repairs: BTreeMap<String, u64>,
+    remarks: Vec<String>,
     source: String,
     source_bytes: u64,
     generator: String,
@@ -115,12 +119,24 @@ impl SoundInfo {
     }
 }
 
+/// A line for everything that was mended, with its count, and for every remark.
+pub(crate) fn remarks_told(repairs: &BTreeMap<String, u64>, remarks: &[String]) -> String {
+    let mut text = String::new();
+    for (what, count) in repairs {
+        let _ = writeln!(text, "{}: {count}", one_line(&what.replace('_', " ")));
+    }
+    for remark in remarks {
+        let _ = writeln!(text, "{}", one_line(remark));
+    }
+    text
+}
+
 /// How long a video lasts; `None` of a picture.
 pub(crate) fn seconds_of(file: &PackFile) -> anyhow::Result<Option<f64>> {
     let about = file.pack().description();
     let times = file.frame_times()?;
     let last = times.last().map_or(0.0, |&ns| ns as f64 / 1e9);
-    Ok((!about.is_still()).then_some(last + 1.0 / about.fps()))
+    Ok((!about.is_still()).then_some(last + about.last_frame_s()))
 }
 
 impl PackInfo {
@@ -156,6 +172,8 @@ impl PackInfo {
             bytes: file.bytes(),
             bytes_per_level: pack.index().bytes_per_level(),
             loss: about.loss,
+            repairs: about.repairs.clone(),
+            remarks: about.remarks.clone(),
             source: about.source.name.clone(),
             source_bytes: about.source.bytes,
             generator: about.generator.clone(),
@@ -217,7 +235,7 @@ impl PackInfo {
                 }
             );
         }
-        text
+        text + &remarks_told(&self.repairs, &self.remarks)
     }
 
     /// How it surrounds the eye, in words.

@@ -20,6 +20,7 @@ use foveal_media::prepare::{
     Event, PreparationPlan, PrepareError, PrepareSettings, ProjectionChoice, SpherePack,
     StereoChoice, Witness, pack_identity_of, prepare_resumable, rehearse,
 };
+use foveal_media::read::deinterlace::Deinterlace;
 use foveal_media::tiles::encode_settings::Speed;
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -50,6 +51,16 @@ enum StereoName {
     Sbs,
     /// Top and bottom.
     Tb,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum DeinterlaceName {
+    /// A picture of each frame, at the frame rate.
+    Frames,
+    /// A picture of each field, at twice the rate: motion stays as smooth as it was taken.
+    Fields,
+    /// Frames stay as they are, with combs where things move.
+    Off,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -98,6 +109,13 @@ pub(crate) struct PrepareVideoArgs {
     preset: Option<SystemPreset>,
     #[command(flatten)]
     codec: CodecOptions,
+    /// Interlaced film: what becomes of the two fields of a frame.
+    #[arg(long, value_enum, value_name = "NAME", default_value = "frames")]
+    deinterlace: DeinterlaceName,
+    /// Refuse what would be mended: damaged, missing or cut frames, broken tags, time stamps that
+    /// fail to rise.
+    #[arg(long)]
+    strict: bool,
     /// Leave the sound out.
     #[arg(long)]
     no_sound: bool,
@@ -197,7 +215,9 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
 impl PrepareVideoArgs {
     fn plan(&self) -> anyhow::Result<PreparationPlan> {
         let settings = self.settings()?;
-        let info = VideoInput::open(&self.input)?.info().clone();
+        let info = VideoInput::open_with(&self.input, settings.reading())?
+            .info()
+            .clone();
         PreparationPlan::new(&self.input, &info, &settings).map_err(|error| match error {
             PrepareError::Grid(GridError::Size(..)) => {
                 anyhow!("{}: {error}; make it smaller", self.input.display())
@@ -269,6 +289,12 @@ impl PrepareVideoArgs {
                 StereoName::Mono => StereoChoice::Mono,
                 StereoName::Sbs => StereoChoice::SideBySide,
                 StereoName::Tb => StereoChoice::TopBottom,
+            },
+            strict: self.strict,
+            deinterlace: match self.deinterlace {
+                DeinterlaceName::Frames => Deinterlace::Frames,
+                DeinterlaceName::Fields => Deinterlace::Fields,
+                DeinterlaceName::Off => Deinterlace::Off,
             },
             sound: !self.no_sound,
             pack_projection: match self.pack_projection {

@@ -444,7 +444,8 @@ const MAX_VIEW_SIDE: u32 = 8192;
 const DEFAULT_VIEW_WIDTH: u32 = 1920;
 
 impl ViewOptions {
-    /// The view of `surface`: flat content fills it, a cube is seen with the field of view.
+    /// The view of `surface`: flat content lies in it as large as it fits, a cube is seen with the
+    /// field of view.
     pub(crate) fn eye_view(&self, surface: &Surface) -> anyhow::Result<EyeView> {
         let fov = self.fov()?;
         let size = match self.view {
@@ -452,7 +453,7 @@ impl ViewOptions {
             None => self.default_size(surface)?,
         };
         Ok(match surface.projection {
-            Projection::Flat => EyeView::filling(surface, size),
+            Projection::Flat => EyeView::holding(surface, size),
             Projection::Cube | Projection::Equirect => {
                 let field = Field::of_larger_side(fov, size);
                 EyeView {

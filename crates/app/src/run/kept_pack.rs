@@ -10,7 +10,9 @@ use std::path::Path;
 
 /// How `source` would be prepared.
 pub(crate) fn plan_of(source: &Path, settings: &PrepareSettings) -> anyhow::Result<Plan> {
-    let info = VideoInput::open(source)?.info().clone();
+    let info = VideoInput::open_with(source, settings.reading())?
+        .info()
+        .clone();
     Ok(Plan::new(source, &info, settings)?)
 }
 

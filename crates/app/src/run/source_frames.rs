@@ -12,7 +12,8 @@ use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{
     PreparationPlan as Plan, PrepareSettings, ProjectionChoice, SpherePack, StereoChoice,
 };
-use foveal_media::{SourceInfo, SourceView, VideoInput};
+use foveal_media::read::deinterlace::Deinterlace;
+use foveal_media::{ReadOptions, SourceInfo, SourceView, VideoInput};
 use std::path::{Path, PathBuf};
 
 /// A source that is read on from frame to frame.
@@ -35,9 +36,11 @@ const RATE_TOLERANCE: f64 = 1e-3;
 impl SourceFrames {
     /// The source of a pack, whose flat content fills `screen`; refuses another video.
     pub(crate) fn open(source: &Path, pack: &PackFile, screen: Screen) -> anyhow::Result<Self> {
-        let input = VideoInput::open(source)?;
-        let (info, about) = (input.info(), pack.pack().description());
-        let plan = plan_like(source, info, about).filter(|_| is_of(info, about));
+        let about = pack.pack().description();
+        let reading = reading_like(source, about)?;
+        let input = VideoInput::open_with(source, reading)?;
+        let info = input.info();
+        let plan = plan_like((source, reading), info, about).filter(|_| is_of(info, about));
         let Some(plan) = plan else {
             bail!(WrongUsage(format!(
                 "{}: has {}, and {} was made from {}; give the file that it was made from",
@@ -58,7 +61,7 @@ impl SourceFrames {
         screen: Screen,
         jobs: usize,
     ) -> anyhow::Result<Self> {
-        let input = VideoInput::open(source)?;
+        let input = VideoInput::open_with(source, plan.reading)?;
         Ok(Self {
             source: source.to_owned(),
             pack: pack.path().to_owned(),
@@ -124,6 +127,24 @@ impl SourceFrames {
     }
 }
 
+/// How the source of a pack is read so that its frames are the pack's: film that was deinterlaced
+/// is counted in it, with twice the rate where each field became a picture.
+fn reading_like(source: &Path, about: &Description) -> anyhow::Result<ReadOptions> {
+    let of = |deinterlace| ReadOptions {
+        deinterlace,
+        ..ReadOptions::default()
+    };
+    if !about.repairs.contains_key("deinterlaced_frames") {
+        return Ok(of(Deinterlace::Off));
+    }
+    let frames = VideoInput::open_with(source, of(Deinterlace::Frames))?;
+    let is_of_fields = about.fps() > 1.5 * rate_of(frames.info());
+    Ok(of(match is_of_fields {
+        true => Deinterlace::Fields,
+        false => Deinterlace::Frames,
+    }))
+}
+
 /// Whether a pack may be of a video: of the same size and rate, and as long, or of its beginning.
 fn is_of(info: &SourceInfo, about: &Description) -> bool {
     let rate = rate_of(info) / about.fps();
@@ -139,7 +160,11 @@ fn is_of(info: &SourceInfo, about: &Description) -> bool {
 /// The preparation that makes faces like those of a pack, which does not tell how the video
 /// surrounds the eyes; none where no projection does. Faces of another size are those of another
 /// way to make them.
-fn plan_like(source: &Path, info: &SourceInfo, about: &Description) -> Option<Plan> {
+fn plan_like(
+    (source, reading): (&Path, ReadOptions),
+    info: &SourceInfo,
+    about: &Description,
+) -> Option<Plan> {
     let projections = [
         ProjectionChoice::Auto,
         ProjectionChoice::Flat,
@@ -169,6 +194,7 @@ fn plan_like(source: &Path, info: &SourceInfo, about: &Description) -> Option<Pl
             levels: Some(about.levels),
             ratio: about.ratio,
             codec: about.codec,
+            deinterlace: reading.deinterlace,
             ..PrepareSettings::default()
         };
         Plan::new(source, info, &settings).ok()

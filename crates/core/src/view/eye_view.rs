@@ -110,6 +110,25 @@ impl EyeView {
         }
     }
 
+    /// The view of `size` pixels in which flat content is as large as it fits in its own shape, in
+    /// the middle; what is about the same shape it fills exactly.
+    #[must_use]
+    pub fn holding(surface: &Surface, size: [u32; 2]) -> Self {
+        let filling = Self::filling(surface, size);
+        // Half the tangent of a pixel, along each axis if the content filled it.
+        let steps = [0, 1].map(|k| surface.tangents[k] / f64::from(size[k].max(1)));
+        let step = steps[0].max(steps[1]);
+        // Pixels that would stay empty: less than one is rounding.
+        let empty = [0, 1].map(|k| f64::from(size[k]) * (1.0 - steps[k] / step));
+        if empty.iter().all(|pixels| *pixels < 1.0) {
+            return filling;
+        }
+        Self {
+            field: Field::symmetric(size.map(|side| f64::from(side) * step)),
+            ..filling
+        }
+    }
+
     /// The view of `size` pixels of flat content from `corner` on, pixel for pixel.
     #[must_use]
     pub fn of_part(surface: &Surface, corner: [u32; 2], size: [u32; 2]) -> Self {

@@ -72,6 +72,9 @@ impl Made {
             },
             identity: None,
             loss: None,
+            last_frame_s: None,
+            remarks: Vec::new(),
+            repairs: Default::default(),
             tables: Vec::new(),
         }
     }

@@ -61,6 +61,9 @@ fn small_pack() -> VideoPack {
         },
         identity: None,
         loss: None,
+        last_frame_s: None,
+        remarks: Vec::new(),
+        repairs: Default::default(),
         tables: Vec::new(),
     };
     let grid = description.grid(Screen::default());

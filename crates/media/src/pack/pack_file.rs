@@ -1,8 +1,10 @@
 //! How is a pack read from a file?
 
+use crate::error::MediaError;
 use crate::pack::damage::Damage;
 use crate::pack::open_pack::OpenPack;
 pub use crate::pack::open_pack::PackFileError;
+use crate::tiles::decode::GroupDecoder;
 use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::chunk::split_chunk;
 use foveal_core::content::video::bytes::cue_table::{CUES, CueTable};
@@ -14,9 +16,14 @@ use foveal_core::content::video::bytes::signatures::{SIGNATURES, Signatures};
 use foveal_core::content::video::bytes::sound::{SOUND, SoundTable};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::pack::{PackError, check_crc};
+use foveal_core::units::one_line;
 use foveal_core::view::surface::Screen;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Pixels of the coarsest level that are decoded at most to check it, unless two pictures have more:
+/// a fraction of a second of work.
+const MOST_DECODED: u64 = 64 << 20;
 
 /// An open pack: description and index in memory, chunks read when they are asked for.
 #[derive(Debug)]
@@ -160,14 +167,67 @@ impl PackFile {
         for unit in self.pack.units() {
             let frames = self.pack.frames_of(unit).len();
             let checked = self.read_chunk(unit).and_then(|chunk| {
-                let parts = split_chunk(&chunk, frames).map(|parts| parts.len());
-                parts.map_err(|source| self.open.format(source))
+                let parts = split_chunk(&chunk, frames);
+                let parts = parts.map_err(|source| self.open.format(source))?;
+                match self.is_decoded(unit) {
+                    true => self.decode_unit(unit, &parts),
+                    false => Ok(()),
+                }
             });
             damage.add(checked);
             done += u64::from(self.pack.entry(unit).bytes);
             progress(done, self.bytes());
         }
         damage
+    }
+
+    /// Whether the pictures of a chunk are decoded where it is checked: of the coarsest level,
+    /// without which nothing is shown, the first group, the last and as many evenly between as a
+    /// limit of pixels allows.
+    fn is_decoded(&self, unit: UnitId) -> bool {
+        let (about, grid) = (self.pack.description(), self.pack.grid());
+        let tile = self.pack.tile_of(unit);
+        if tile.level != grid.coarsest() {
+            return false;
+        }
+        let length = about.groups[usize::from(tile.level)].max(1);
+        let groups = u64::from(about.frames.div_ceil(length));
+        let tiles = u64::from(grid.tiles_in_level(tile.level));
+        let [w, h] = grid.tile_size(tile).map(u64::from);
+        let group_pixels = tiles * w * h * u64::from(length.min(about.frames));
+        let most = (MOST_DECODED / group_pixels.max(1)).clamp(2, groups.max(2));
+        let group = u64::from(self.pack.frames_of(unit).start / length);
+        // The group is the first of its share of all, or the last one.
+        group + 1 == groups || group * most % groups < most
+    }
+
+    /// Decodes the pictures of a chunk.
+    fn decode_unit(&self, unit: UnitId, parts: &[&[u8]]) -> Result<(), PackFileError> {
+        let frames = self.pack.frames_of(unit);
+        let tile = self.pack.tile_of(unit);
+        let grid = self.pack.grid();
+        let size = grid.tile_size(tile);
+        // Of large pictures a group alone may be beyond the limit.
+        let [w, h] = size.map(u64::from);
+        let level_pixels = u64::from(grid.tiles_in_level(tile.level)) * w * h;
+        let most = (MOST_DECODED / 2 / level_pixels.max(1)).max(1) as usize;
+        let decode = || {
+            let mut decoder = GroupDecoder::new(self.pack.description().codec, size)?;
+            for (number, part) in frames.clone().zip(parts).take(most) {
+                decoder.decode(part, i64::from(number))?;
+            }
+            Ok::<_, MediaError>(())
+        };
+        decode().map_err(|error| {
+            self.open.format(PackError {
+                field: format!(
+                    "chunk of level {}, frames from {}",
+                    tile.level, frames.start
+                ),
+                found: one_line(&error.to_string()),
+                expected: "pictures that decode".to_owned(),
+            })
+        })
     }
 }
 

@@ -91,14 +91,11 @@ impl Cutter {
         } else {
             picture
         };
-        let whole;
-        let picture = if let Some(part) = self.part {
-            whole = part.whole_of(picture, self.black());
-            &whole
-        } else {
-            picture
-        };
-        let eyes = self.eyes.split(picture);
+        let mut eyes = self.eyes.split(picture);
+        if let Some(part) = self.part {
+            let whole = eyes.iter().map(|eye| part.whole_of(eye, self.black()));
+            eyes = Cow::Owned(whole.collect());
+        }
         let faces = self.faces_of(&eyes);
         match self.grid.cut {
             Cut::Tile(_) => self.cut_pyramid(faces),

@@ -6,6 +6,7 @@
 
 mod cutter;
 pub(crate) mod error;
+mod findings;
 mod identity;
 mod notes;
 mod plan;
@@ -33,7 +34,8 @@ use crate::pack::name_claim::NameClaim;
 use crate::pack::pack_file::PackFileError;
 use crate::pack::pack_writer::PackWriter;
 use crate::parallel::in_parallel;
-use crate::read::input::{TimedPicture, VideoInput};
+use crate::read::input::{ReadOptions, TimedPicture, VideoInput};
+use crate::read::mended::Mended;
 use crate::tiles::encode::encode_group;
 use crate::tiles::encode_settings::EncodeSettings;
 use cutter::Cutter;
@@ -49,7 +51,7 @@ use identity::{FileStamp, identity_of};
 use notes::Notes;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use time_notes::{length_of, time_notes};
+use time_notes::length_of;
 
 /// Frames that are read ahead while others are coded: a group of the finest level, so that reading
 /// the next one never leaves a core idle, where that many fit into memory for it.
@@ -211,16 +213,19 @@ fn write_pack(
     let coded = code(input, &mut coder, None, &mut writer, &mut progress);
     let Coder { times, notes, .. } = coder;
     let fps = plan.description.fps();
-    let (sound, mut said) = match coded.is_ok() && plan.has_sound {
-        true => sound::sound_of(input, length_of(&times, fps)),
-        false => (None, Vec::new()),
+    let sound = match coded.is_ok() && plan.has_sound {
+        true => sound::sound_of(input, length_of(&times, fps), plan.reading),
+        false => sound::Heard::default(),
     };
     if FileStamp::of(input) != before {
         return Err(PrepareError::Changed(input.display().to_string()));
     }
-    let most = u64::from(plan.most_frames.unwrap_or(MAX_FRAMES));
-    let of = plan.frames.map(|of| of.min(most));
-    said.extend(time_notes(&times, fps, coded?, of));
+    let found = findings::findings(plan, &times, &coded?, &sound);
+    let sound = sound.table;
+    if plan.reading.strict {
+        found.refuse(input)?;
+    }
+    found.tell_in(&mut description);
     description.frames = times.len() as u32;
     let mut tables = vec![SideTable {
         name: FRAME_TIMES.to_owned(),
@@ -238,7 +243,7 @@ fn write_pack(
     Ok(Prepared {
         description,
         bytes,
-        warnings: said,
+        warnings: found.warnings,
     })
 }
 
@@ -263,15 +268,16 @@ fn code(
     most_frames: Option<u32>,
     sink: &mut dyn Sink,
     progress: &mut dyn FnMut(Progress),
-) -> Result<u64, PrepareError> {
+) -> Result<ReadThrough, PrepareError> {
     let plan = coder.plan;
     let most = most_frames.or(plan.most_frames).unwrap_or(MAX_FRAMES);
     let known = coder.times.clone();
     let of = plan.frames.map(|of| of.min(u64::from(most)));
     let mut progress = |frames, bytes| progress(Progress { frames, of, bytes });
     let (send, receive) = sync_channel(read_ahead(plan.description.source.size));
-    let repaired = std::thread::scope(|scope| {
-        let reading = move || read_frames(input, &known, &send, most);
+    let reading = plan.reading;
+    let through = std::thread::scope(|scope| {
+        let reading = move || read_frames((input, reading), &known, &send, most);
         let reader = std::thread::Builder::new().spawn_scoped(scope, reading);
         let reader = reader.map_err(|source| MediaError::Thread {
             what: "reading",
@@ -292,7 +298,7 @@ fn code(
     if coder.times.is_empty() {
         return Err(PrepareError::NoFrames(input.display().to_string()));
     }
-    Ok(repaired)
+    Ok(through)
 }
 
 /// Frames of 4:2:0 of this size that are read ahead.
@@ -301,16 +307,24 @@ fn read_ahead([width, height]: [u32; 2]) -> usize {
     (READ_AHEAD_BYTES / frame_bytes).clamp(LEAST_READ_AHEAD, READ_AHEAD) as usize
 }
 
-/// Hands over the frames after those whose times are known already; returns how many time stamps
-/// were repaired.
+/// What was found of an input once it was read.
+struct ReadThrough {
+    mended: Mended,
+    /// How long the last frame is shown, in nanoseconds, where the input was read to its end and
+    /// tells.
+    last_ns: Option<i64>,
+}
+
+/// Hands over the frames after those whose times are known already.
 fn read_frames(
-    input: &Path,
+    (input, reading): (&Path, ReadOptions),
     known: &[i64],
     send: &SyncSender<TimedPicture>,
     most: u32,
-) -> Result<u64, PrepareError> {
+) -> Result<ReadThrough, PrepareError> {
     let changed = || PrepareError::Changed(input.display().to_string());
-    let mut video = VideoInput::open(input)?;
+    let mut video = VideoInput::open_with(input, reading)?;
+    let mut is_at_end = false;
     for number in 0..most as usize {
         let frame = video.next_frame()?;
         match (known.get(number), frame) {
@@ -321,10 +335,16 @@ fn read_frames(
                     break;
                 }
             }
-            (None, None) => break,
+            (None, None) => {
+                is_at_end = true;
+                break;
+            }
         }
     }
-    Ok(video.repaired_stamps())
+    Ok(ReadThrough {
+        mended: video.mended(),
+        last_ns: video.last_ns().filter(|_| is_at_end),
+    })
 }
 
 fn code_frames(

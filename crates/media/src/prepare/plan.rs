@@ -4,6 +4,7 @@ use super::error::PrepareError;
 use super::rates::{describe, rates_of};
 use super::remarks::Remarks;
 use super::settings::{FACE_SIZES, PrepareSettings, SpherePack};
+use crate::read::input::ReadOptions;
 use crate::read::source::{Sound, SourceInfo};
 use crate::sphere::{Coverage, face_size_for};
 use crate::surround::cube_layout::CubeLayout;
@@ -17,6 +18,7 @@ use foveal_core::content::video::bytes::rate::QualityScale;
 use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 use foveal_core::view::picture::Colour;
 use foveal_core::view::surface::{Mapping, Projection, Screen, Surface};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What will be made of an input.
@@ -49,6 +51,12 @@ pub struct PreparationPlan {
     pub(super) most_frames: Option<u32>,
     pub(super) source_chroma_left: bool,
     pub(super) stretch_to_full_range: bool,
+    /// How the input is read.
+    pub reading: ReadOptions,
+    /// Frames that the container tells of these pictures.
+    pub(super) frames_told: Option<u64>,
+    /// Whether its remarks tell of what is transparent.
+    pub(super) tells_of_transparency: bool,
 }
 
 /// Levels of a pack unless asked for otherwise or the picture is tiny.
@@ -74,6 +82,7 @@ impl PreparationPlan {
             .unwrap_or_else(|| default_levels(surface, settings.ratio));
         let cut = settings.cut.unwrap_or(Cut::pyramid_for(&surface));
         let grid = TileGrid::new(surface, cut, levels, settings.ratio)?;
+        refuse_broken(input, info, settings)?;
         remarks.warnings.extend(losses(info));
         remarks.notes.extend(sound_note(info, settings.sound));
         remarks.notes.extend(format_note(info));
@@ -108,8 +117,12 @@ impl PreparationPlan {
             source: source_of(input, info),
             identity: None,
             loss: None,
+            last_frame_s: None,
+            remarks: Vec::new(),
+            repairs: passed_over(info),
             tables: Vec::new(),
         };
+        description.remarks = remarks.all().into_iter().map(str::to_owned).collect();
         describe(&rates, &mut description);
         Ok(Self {
             description,
@@ -128,6 +141,9 @@ impl PreparationPlan {
             most_frames: settings.most_frames,
             source_chroma_left: info.colour.chroma_left,
             stretch_to_full_range,
+            reading: settings.reading(),
+            frames_told: info.frames_told,
+            tells_of_transparency: info.transparency.is_some(),
         })
     }
 }
@@ -146,7 +162,12 @@ impl PreparationPlan {
 
     /// Everything but the input and the program that the bytes of the pack depend on, as text.
     pub(super) fn what_decides_the_bytes(&self) -> String {
-        let about = &self.description;
+        // Remarks tell of what decides, and decide nothing.
+        let about = &Description {
+            remarks: Vec::new(),
+            repairs: Default::default(),
+            ..self.description.clone()
+        };
         format!(
             "{:?}",
             (
@@ -159,7 +180,11 @@ impl PreparationPlan {
                     &self.rates
                 ),
                 (self.speed, self.most_frames, self.has_sound),
-                (self.source_chroma_left, self.stretch_to_full_range),
+                (
+                    self.source_chroma_left,
+                    self.stretch_to_full_range,
+                    self.reading.deinterlace,
+                ),
             )
         )
     }
@@ -170,16 +195,39 @@ fn stretches(info: &SourceInfo, settings: &PrepareSettings) -> bool {
     settings.codec == Codec::Jpeg && !info.colour.full_range
 }
 
+/// What a file says of itself that cannot be used is passed over, unless that is not wanted.
+fn refuse_broken(
+    input: &Path,
+    info: &SourceInfo,
+    settings: &PrepareSettings,
+) -> Result<(), PrepareError> {
+    let boxes = info
+        .broken_boxes
+        .iter()
+        .map(|it| format!("its {} box {}", it.name, it.what));
+    let mut broken = info.tags.broken.iter().cloned().chain(boxes);
+    match broken.next().filter(|_| settings.strict) {
+        None => Ok(()),
+        Some(what) => Err(PrepareError::Strict(input.display().to_string(), what)),
+    }
+}
+
+/// What was passed over of the input, by name.
+fn passed_over(info: &SourceInfo) -> BTreeMap<String, u64> {
+    let counts = [
+        ("broken_tags", info.tags.broken.len()),
+        ("broken_boxes", info.broken_boxes.len()),
+    ];
+    let there = counts.into_iter().filter(|(_, count)| *count > 0);
+    there
+        .map(|(name, count)| (name.to_owned(), count as u64))
+        .collect()
+}
+
 /// What of the input does not reach the pack.
 fn losses(info: &SourceInfo) -> Vec<String> {
     let mut losses = Vec::new();
     losses.extend(info.transparency.map(|what| what.words().to_owned()));
-    if let Some([width, height]) = info.pixel_aspect {
-        losses.push(format!(
-            "its pixels are {width}:{height} and are taken as square; make them so first with \
-             `ffmpeg -i FILE -vf scale=iw*sar:ih,setsar=1 OUT`"
-        ));
-    }
     if info.is_hdr {
         losses.push("its high dynamic range curve is kept and shown as if it were none".to_owned());
     }
@@ -367,14 +415,13 @@ mod tests {
         let plain = VideoInput::open(&clip).unwrap().info().clone();
         assert!(losses(&plain).is_empty() && format_note(&plain).is_none());
         let info = SourceInfo {
-            pixel_aspect: Some([16, 11]),
             is_hdr: true,
             transparency: Some(Transparency::OverBlack),
             pixel_format: "yuva420p10le".to_owned(),
             ..plain
         };
         let said = losses(&info).join("; ");
-        for word in ["16:11", "high dynamic range", "black"] {
+        for word in ["high dynamic range", "black"] {
             assert!(said.contains(word), "{word} in {said}");
         }
         assert!(format_note(&info).unwrap().contains("yuva420p10le"));

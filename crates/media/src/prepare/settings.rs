@@ -1,5 +1,7 @@
 //! What can be asked of a preparation?
 
+use crate::read::deinterlace::Deinterlace;
+use crate::read::input::ReadOptions;
 use crate::tiles::encode_settings::Speed;
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::grid::tile_grid::Cut;
@@ -15,6 +17,10 @@ pub struct PrepareSettings {
     pub projection: ProjectionChoice,
     /// Where in a frame the pictures of the eyes lie.
     pub stereo: StereoChoice,
+    /// Whether what would be mended is refused.
+    pub strict: bool,
+    /// What becomes of interlaced film.
+    pub deinterlace: Deinterlace,
     /// Whether its sound comes along.
     pub sound: bool,
     /// How a pack shows what lies all around.
@@ -47,6 +53,8 @@ impl Default for PrepareSettings {
         Self {
             projection: ProjectionChoice::Auto,
             stereo: StereoChoice::Auto,
+            strict: false,
+            deinterlace: Deinterlace::default(),
             sound: true,
             pack_projection: SpherePack::Cube,
             mapping: None,
@@ -59,6 +67,17 @@ impl Default for PrepareSettings {
             speed: Speed::Default,
             jobs: 1,
             most_frames: None,
+        }
+    }
+}
+
+impl PrepareSettings {
+    /// How the input is read.
+    #[must_use]
+    pub fn reading(&self) -> ReadOptions {
+        ReadOptions {
+            strict: self.strict,
+            deinterlace: self.deinterlace,
         }
     }
 }

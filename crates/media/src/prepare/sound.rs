@@ -1,7 +1,7 @@
 //! How does the sound of a video become the side table `sound`?
 
 use crate::ffmpeg::{start, wants_more};
-use crate::read::input::VideoInput;
+use crate::read::input::{ReadOptions, VideoInput};
 use crate::read::sound_reader::SoundReader;
 use av::format::{Sample, sample};
 use av::{ChannelLayout, Packet, encoder, frame};
@@ -13,24 +13,34 @@ use std::path::Path;
 /// Bits a second and channel: transparent to most people.
 const BIT_RATE: usize = 64_000;
 
-/// The sound of `input` from its first frame on, for `seconds`, and what a person should know of
-/// it. Sound that is missing or broken is noted, never an error; what is lost is silent.
-pub(super) fn sound_of(input: &Path, seconds: f64) -> (Option<SoundTable>, Vec<String>) {
-    let mut notes = Vec::new();
-    let table = coded(input, seconds, &mut notes);
-    let table = table.unwrap_or_else(|why| {
-        notes.push(format!("its sound is left out: {why}"));
-        None
-    });
-    (table, notes)
+/// What became of the sound.
+#[derive(Default)]
+pub(super) struct Heard {
+    /// As it is coded; none where there is none, or none of it can be read.
+    pub(super) table: Option<SoundTable>,
+    /// What a person should know of it.
+    pub(super) notes: Vec<String>,
+    /// Packets that could not be read.
+    pub(super) damaged: u64,
+}
+
+/// The sound of `input`, which is read like this, from its first frame on, for `seconds`. Sound
+/// that is missing or broken is noted, never an error; what is lost is silent.
+pub(super) fn sound_of(input: &Path, seconds: f64, reading: ReadOptions) -> Heard {
+    let mut heard = Heard::default();
+    match coded((input, reading), seconds, &mut heard) {
+        Ok(table) => heard.table = table,
+        Err(why) => heard.notes.push(format!("its sound is left out: {why}")),
+    }
+    heard
 }
 
 fn coded(
-    input: &Path,
+    (input, reading): (&Path, ReadOptions),
     seconds: f64,
-    notes: &mut Vec<String>,
+    said: &mut Heard,
 ) -> Result<Option<SoundTable>, String> {
-    let video = VideoInput::open(input).map_err(|e| e.to_string())?;
+    let video = VideoInput::open_with(input, reading).map_err(|e| e.to_string())?;
     let origin_ns = video.first_stamp_ns();
     drop(video);
     let Some(mut reader) = SoundReader::open(input, origin_ns)? else {
@@ -44,7 +54,8 @@ fn coded(
             Ok(Some(samples)) => samples,
             Ok(None) => break,
             Err(why) => {
-                notes.push(format!(
+                said.damaged += 1;
+                said.notes.push(format!(
                     "its sound breaks off and is silent from there on: {why}"
                 ));
                 break;
@@ -57,7 +68,8 @@ fn coded(
     }
     if reader.damaged > 0 {
         let damaged = reader.damaged;
-        notes.push(format!(
+        said.damaged += u64::from(damaged);
+        said.notes.push(format!(
             "its sound is damaged and silent in {}",
             counted(damaged, "packet")
         ));

@@ -16,9 +16,17 @@ pub(super) fn length_of(times: &[i64], fps: f64) -> f64 {
     times.last().map_or(0.0, |&last| last as f64 / 1e9) + 1.0 / fps
 }
 
+/// What is odd.
+pub(super) struct TimeNotes {
+    /// In words.
+    pub(super) said: Vec<String>,
+    /// Whether frames are missing at the end.
+    pub(super) ends_early: bool,
+}
+
 /// What a person should know of the times of frames in nanoseconds, nominally `fps` a second,
 /// `repaired` of which came from stamps that did not rise; the container told of `of` frames.
-pub(super) fn time_notes(times: &[i64], fps: f64, repaired: u64, of: Option<u64>) -> Vec<String> {
+pub(super) fn time_notes(times: &[i64], fps: f64, repaired: u64, of: Option<u64>) -> TimeNotes {
     let lengths = times
         .windows(2)
         .map(|pair| (pair[1] - pair[0]) as f64 / 1e9);
@@ -46,8 +54,13 @@ pub(super) fn time_notes(times: &[i64], fps: f64, repaired: u64, of: Option<u64>
             counted(repaired, "time")
         ));
     }
-    notes.extend(of.and_then(|of| end_note(times, fps, of as f64)));
-    notes
+    let end = of.and_then(|of| end_note(times, fps, of as f64));
+    let ends_early = end.is_some();
+    notes.extend(end);
+    TimeNotes {
+        said: notes,
+        ends_early,
+    }
 }
 
 /// Whether it ends well before `of` frames, in number and in time.
@@ -71,14 +84,14 @@ mod tests {
     #[test]
     fn a_jump_is_told_with_its_frame_and_even_or_slow_times_are_not() {
         let even: Vec<i64> = (0..9).map(|n| n * 40_000_000).collect();
-        assert!(time_notes(&even, 25.0, 0, Some(10)).is_empty());
+        assert!(time_notes(&even, 25.0, 0, Some(10)).said.is_empty());
         let slow: Vec<i64> = (0..9).map(|n| n * 5_000_000_000).collect();
-        assert!(time_notes(&slow, 0.2, 0, None).is_empty());
+        assert!(time_notes(&slow, 0.2, 0, None).said.is_empty());
         let mut jumps = even;
         jumps[4..]
             .iter_mut()
             .for_each(|time| *time += 7_000_000_000);
-        let told = time_notes(&jumps, 25.0, 2, Some(9)).join("\n");
+        let told = time_notes(&jumps, 25.0, 2, Some(9)).said.join("\n");
         assert!(told.contains("frame 3 stands for 7.04 s;"), "{told}");
         assert!(told.contains("fail to rise 2 times"), "{told}");
     }
@@ -86,7 +99,7 @@ mod tests {
     #[test]
     fn an_end_well_before_what_the_container_tells_is_told() {
         let even: Vec<i64> = (0..50).map(|n| n * 40_000_000).collect();
-        let told = |of| time_notes(&even, 25.0, 0, Some(of)).join("\n");
+        let told = |of| time_notes(&even, 25.0, 0, Some(of)).said.join("\n");
         assert!(
             told(100).contains("after 50 of about 100 frames"),
             "{}",
@@ -95,6 +108,6 @@ mod tests {
         assert!([0, 40, 50, 52].into_iter().all(|of| told(of).is_empty()));
         // Fewer frames than estimated, as they stand for longer, are no end.
         let sparse: Vec<i64> = (0..50).map(|n| n * 80_000_000).collect();
-        assert!(time_notes(&sparse, 25.0, 0, Some(100)).is_empty());
+        assert!(time_notes(&sparse, 25.0, 0, Some(100)).said.is_empty());
     }
 }

@@ -22,6 +22,8 @@ pub(crate) struct FrameConversion {
     colour: Colour,
     /// For frames of one layout, and whether they have alpha.
     steps: Option<(Steps, bool)>,
+    /// Whether a pixel so far could be seen through.
+    has_seen_through: bool,
 }
 
 /// Conversions before and after the turn.
@@ -48,12 +50,18 @@ impl FrameConversion {
             is_jpeg,
             colour,
             steps: None,
+            has_seen_through: false,
         })
     }
 
     /// How frames are turned.
     pub(crate) fn orientation(&self) -> Orientation {
         self.orientation
+    }
+
+    /// Whether a pixel of the frames so far could be seen through.
+    pub(crate) fn has_seen_through(&self) -> bool {
+        self.has_seen_through
     }
 
     /// The colour of every picture that comes out.
@@ -78,7 +86,7 @@ impl FrameConversion {
         };
         let mut current = run_all(&mut steps.0, frame)?;
         if current.format() == Pixel::YUVA444P {
-            put_over_black(&mut current, self.colour.full_range);
+            self.has_seen_through |= put_over_black(&mut current, self.colour.full_range);
         }
         if !self.orientation.is_upright() {
             current = turn(&current, self.orientation)?;
@@ -141,12 +149,16 @@ fn run_all(steps: &mut [Converter], frame: &Video) -> Result<Video, String> {
         .try_fold(first.run(frame)?, |current, step| step.run(&current))
 }
 
-/// Makes a frame of YUVA 4:4:4 what is seen of it before black.
-fn put_over_black(frame: &mut Video, full_range: bool) {
+/// Makes a frame of YUVA 4:4:4 what is seen of it before black; whether any of it is seen through.
+fn put_over_black(frame: &mut Video, full_range: bool) -> bool {
     let [w, h] = [frame.width() as usize, frame.height() as usize];
     let black = [if full_range { 0 } else { 16 }, 128, 128];
     let stride = frame.stride(3);
     let alpha: Vec<u8> = frame.data(3).to_vec();
+    let mut rows = alpha.chunks(stride).take(h);
+    if rows.all(|row| row[..w].iter().all(|alpha| *alpha == 255)) {
+        return false;
+    }
     for (p, black) in black.into_iter().enumerate() {
         let step = frame.stride(p);
         let rows = frame.data_mut(p).chunks_mut(step).take(h);
@@ -156,6 +168,7 @@ fn put_over_black(frame: &mut Video, full_range: bool) {
             }
         }
     }
+    true
 }
 
 /// A code value seen through `alpha` before another, to the nearest whole one.

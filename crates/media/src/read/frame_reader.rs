@@ -12,6 +12,7 @@ use ffmpeg_next as av;
 use crate::error::MediaError;
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
 use crate::read::cut_short::is_cut_matroska;
+use crate::read::mending::{Beginning, Mending};
 use crate::read::opening::{open_input, read_packet};
 use crate::read::source;
 use crate::surround::spherical_boxes::broken_boxes_of;
@@ -22,13 +23,30 @@ const MOST_THREADS: usize = 16;
 /// Decoders that otherwise conceal damage, in silence or, with threads, at times. Others (TIFF's)
 /// take it as an order to refuse harmless oddities.
 const TOLD_TO_EXPLODE: [Id; 4] = [Id::H264, Id::HEVC, Id::MJPEG, Id::PNG];
-/// A stream that was cut out of a longer one may begin with packets that lean on what is gone; so
-/// many are passed over before the first frame.
-const MOST_EARLY_ERRORS: u32 = 64;
 
 /// What a transport stream tells of a packet whose counter jumps.
 const LOST: &str = "its data are incomplete, or two streams were joined here, which \
                     `ffmpeg -i FILE OUT.mkv` mends";
+
+/// Why no more frames come.
+#[derive(Clone, Debug)]
+pub(crate) enum Break {
+    /// The file ends before it should; the frames before it have come.
+    Ends(String),
+    /// Data are damaged: a reader that mends goes on.
+    Damaged(String),
+    /// The file changes while it is read, or nothing can be made of it.
+    Fails(String),
+}
+
+impl Break {
+    /// In words.
+    pub(crate) fn reason(self) -> String {
+        match self {
+            Self::Ends(reason) | Self::Damaged(reason) | Self::Fails(reason) => reason,
+        }
+    }
+}
 
 /// The video stream of an open file.
 pub(crate) struct FrameReader {
@@ -36,20 +54,23 @@ pub(crate) struct FrameReader {
     stream: usize,
     decoder: decoder::Video,
     /// Why the packets ended before the file did; told once the good frames are out.
-    failure: Option<String>,
+    failure: Option<Break>,
     /// The container does not report that it is cut, so that this is told at its end.
     is_cut: bool,
     path: PathBuf,
     bytes: u64,
-    /// Whether a frame has come out.
-    has_begun: bool,
-    early_errors: u32,
-    early_error: Option<String>,
+    beginning: Beginning,
+    /// There where damage is concealed and counted.
+    mending: Option<Mending>,
+    /// Stamp and duration of the packet that is shown last.
+    last_packet: Option<(i64, i64)>,
 }
 
 impl FrameReader {
-    /// Opens the file, which is `bytes` long, and the decoder of its video stream.
-    pub(crate) fn open(path: &Path, bytes: u64) -> Result<Self, MediaError> {
+    /// Opens the file, which is `bytes` long, and the decoder of its video stream. A reader that
+    /// `mends` shows what is damaged as far as it can be restored, on one thread; any other breaks
+    /// off there.
+    pub(crate) fn open(path: &Path, bytes: u64, mends: bool) -> Result<Self, MediaError> {
         start();
         let cannot_open = |reason| MediaError::Open {
             path: path.to_owned(),
@@ -84,12 +105,17 @@ impl FrameReader {
                 "it does not say how its pictures are coded".to_owned(),
             ));
         }
-        let decoder = open_decoder(&stream).map_err(|e| MediaError::Unsupported {
+        // A picture that is damaged is refused: there is no other that shows what is missing.
+        let mends = mends && !source::is_image_format(&input);
+        let unsupported = |e| MediaError::Unsupported {
             path: path.to_owned(),
             field: "the video codec",
             found: format!("{:?} ({e})", stream.parameters().id()).to_lowercase(),
             next: "convert the file with `ffmpeg -i FILE OUT.mp4`, or check that it is whole",
-        })?;
+        };
+        let explodes = TOLD_TO_EXPLODE.contains(&stream.parameters().id());
+        let decoder = open_decoder(&stream, explodes && !mends, !mends).map_err(unsupported)?;
+        let judge = (mends && explodes).then(|| open_decoder(&stream, true, false).ok());
         let stream = stream.index();
         let is_cut = is_cut_matroska(path, bytes);
         Ok(Self {
@@ -100,9 +126,9 @@ impl FrameReader {
             is_cut,
             path: path.to_owned(),
             bytes,
-            has_begun: false,
-            early_errors: 0,
-            early_error: None,
+            beginning: Beginning::default(),
+            mending: mends.then(|| Mending::new(judge.flatten())),
+            last_packet: None,
         })
     }
 
@@ -126,71 +152,126 @@ impl FrameReader {
         self.input.stream(self.stream)
     }
 
+    /// Whether damage is concealed and counted.
+    pub(crate) fn mends(&self) -> bool {
+        self.mending.is_some()
+    }
+
+    /// Frames at the beginning that could not be shown, frames that are damaged and shown, and
+    /// packets after the first frame that became none.
+    pub(crate) fn damage(&self) -> [u64; 3] {
+        let first = self.beginning.first();
+        let [damaged, lost] = self.mending.as_ref().map_or([0; 2], |it| it.counts(first));
+        [self.beginning.dropped(), damaged, lost]
+    }
+
+    /// How long the last picture is shown, in ticks of the stream, as far as the file tells.
+    pub(crate) fn last_duration(&self) -> Option<i64> {
+        let duration = self.last_packet.map(|(_, duration)| duration);
+        duration.filter(|ticks| *ticks > 0)
+    }
+
     /// The next frame in the order of display, None after the last. Frames before a break are
     /// delivered first, then the break is told once.
-    pub(crate) fn next_frame(&mut self) -> Result<Option<Video>, String> {
+    pub(crate) fn next_frame(&mut self) -> Result<Option<Video>, Break> {
         loop {
-            match self.step() {
-                Ok(Step::Fed) => {}
-                Ok(Step::Frame(frame)) => {
-                    self.has_begun = true;
-                    return Ok(Some(frame));
-                }
-                Ok(Step::End) => {
-                    let early = self.early_error.take().filter(|_| !self.has_begun);
-                    return self.failure.take().or(early).map_or(Ok(None), Err);
-                }
-                Err(reason) if !self.has_begun && self.early_errors < MOST_EARLY_ERRORS => {
-                    self.early_errors += 1;
-                    self.early_error = Some(reason);
-                }
-                Err(reason) => return Err(reason),
+            match self.step()? {
+                Step::Fed => {}
+                Step::Frame(frame) => return Ok(Some(frame)),
+                Step::End => return self.failure.take().map_or(Ok(None), Err),
             }
         }
     }
 
-    fn step(&mut self) -> Result<Step, String> {
+    fn step(&mut self) -> Result<Step, Break> {
         let mut frame = Video::empty();
         match self.decoder.receive_frame(&mut frame) {
-            Ok(()) if frame.is_corrupt() || frame.has_decode_errors() => {
-                Err("the decoder had to guess parts of the picture".to_owned())
+            Ok(()) => {
+                let is_flagged = frame.is_corrupt() || frame.has_decode_errors();
+                let has_begun = self.beginning.has_begun();
+                let is_shown = match &mut self.mending {
+                    None if is_flagged => {
+                        let why = "the decoder had to guess parts of the picture";
+                        return Err(Break::Damaged(why.to_owned()));
+                    }
+                    None => true,
+                    Some(mending) => mending.takes(&frame, is_flagged, has_begun),
+                };
+                if !is_shown {
+                    return Ok(Step::Fed);
+                }
+                self.beginning.shown(&frame);
+                Ok(Step::Frame(frame))
             }
-            Ok(()) => Ok(Step::Frame(frame)),
             Err(av::Error::Eof) => Ok(Step::End),
             Err(e) if wants_more(e) => self.feed().map(|()| Step::Fed),
-            Err(e) => Err(e.to_string()),
+            Err(e) => self.refused(None, &e).map(|()| Step::Fed),
+        }
+    }
+
+    /// The decoder refused what it was given.
+    fn refused(&mut self, stamp: Option<i64>, error: &av::Error) -> Result<(), Break> {
+        match &mut self.mending {
+            None => Err(Break::Damaged(error.to_string())),
+            Some(mending) => match mending.refuse(stamp) {
+                true => Ok(()),
+                false => Err(Break::Fails(error.to_string())),
+            },
         }
     }
 
     /// Gives the decoder one packet of the stream, or tells it that there are no more.
-    fn feed(&mut self) -> Result<(), String> {
+    fn feed(&mut self) -> Result<(), Break> {
         loop {
             // A fresh packet each time: av_read_frame overwrites without freeing.
             let mut packet = Packet::empty();
-            match read_packet(&mut packet, &mut self.input) {
-                Ok(true) if packet.stream() != self.stream => {}
-                Ok(true) if packet.is_corrupt() => return self.end(Some(LOST)),
-                // Some containers hold packets without data, which decoders refuse.
-                Ok(true) if packet.size() == 0 => {}
-                Ok(true) => return self.decoder.send_packet(&packet).map_err(|e| e.to_string()),
-                Ok(false) if self.is_cut => return self.end(Some("it ends too early")),
-                Ok(false) if self.has_shrunk() => {
-                    return self.end(Some("it was cut while it was read"));
+            let failure = match read_packet(&mut packet, &mut self.input) {
+                Ok(true) if packet.stream() != self.stream => continue,
+                Ok(true) if packet.is_corrupt() && self.mending.is_none() => {
+                    Some(Break::Damaged(LOST.to_owned()))
                 }
-                Ok(false) => return self.end(None),
-                Err(why) => return self.end(Some(&why)),
-            }
+                // Some containers hold packets without data, which decoders refuse.
+                Ok(true) if packet.size() == 0 => continue,
+                Ok(true) => return self.send(&packet),
+                Ok(false) if self.is_cut => Some(Break::Ends("it ends too early".to_owned())),
+                Ok(false) if self.has_shrunk() => {
+                    Some(Break::Fails("it was cut while it was read".to_owned()))
+                }
+                Ok(false) => None,
+                Err(_) if self.has_shrunk() => {
+                    Some(Break::Fails("it was cut while it was read".to_owned()))
+                }
+                Err(why) => Some(Break::Ends(why)),
+            };
+            self.failure = failure;
+            return self
+                .decoder
+                .send_eof()
+                .map_err(|e| Break::Fails(e.to_string()));
+        }
+    }
+
+    fn send(&mut self, packet: &Packet) -> Result<(), Break> {
+        let stamp = packet.pts().or(packet.dts());
+        if !is_discarded(packet) {
+            self.beginning.fed(stamp).map_err(Break::Fails)?;
+        }
+        if let Some(stamp) = stamp.filter(|it| self.last_packet.is_none_or(|(last, _)| *it > last))
+        {
+            self.last_packet = Some((stamp, packet.duration()));
+        }
+        if let Some(mending) = &mut self.mending {
+            mending.judge(packet, stamp);
+        }
+        match self.decoder.send_packet(packet) {
+            Ok(()) => Ok(()),
+            Err(error) => self.refused(stamp, &error),
         }
     }
 
     /// Whether the file is shorter than when it was opened.
     fn has_shrunk(&self) -> bool {
         std::fs::metadata(&self.path).is_ok_and(|there| there.len() < self.bytes)
-    }
-
-    fn end(&mut self, failure: Option<&str>) -> Result<(), String> {
-        self.failure = failure.map(str::to_owned);
-        self.decoder.send_eof().map_err(|e| e.to_string())
     }
 }
 
@@ -199,6 +280,15 @@ enum Step {
     Frame(Video),
     Fed,
     End,
+}
+
+/// Whether a packet is decoded and not shown, as an edit list asks.
+#[allow(unsafe_code)] // ffmpeg-next has no name for the flag.
+fn is_discarded(packet: &Packet) -> bool {
+    use av::packet::Ref;
+    // SAFETY: the packet is alive; the field is a plain number.
+    let flags = unsafe { (*packet.as_ptr()).flags };
+    flags & av::ffi::AV_PKT_FLAG_DISCARD != 0
 }
 
 /// The box for which FFmpeg does not open the file, if that is why.
@@ -215,17 +305,26 @@ fn refused_box(path: &Path) -> Option<MediaError> {
     })
 }
 
-fn open_decoder(stream: &Stream) -> Result<decoder::Video, av::Error> {
+fn open_decoder(
+    stream: &Stream,
+    explodes: bool,
+    has_threads: bool,
+) -> Result<decoder::Video, av::Error> {
     let mut context = av::codec::Context::from_parameters(stream.parameters())?;
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let count = if has_threads {
+        cores.min(MOST_THREADS)
+    } else {
+        1
+    };
     context.set_threading(threading::Config {
         kind: threading::Type::Frame,
-        count: cores.min(MOST_THREADS),
+        count,
         ..Default::default()
     });
     let mut decoder = context.decoder();
     decoder.set_packet_time_base(stream.time_base());
-    if TOLD_TO_EXPLODE.contains(&decoder.id()) {
+    if explodes {
         decoder.check(decoder::Check::EXPLODE);
     }
     decoder.video()

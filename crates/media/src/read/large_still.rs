@@ -16,7 +16,7 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 use crate::error::MediaError;
 use crate::plain_file::open_plain;
 use crate::read::deliver::over;
-use crate::read::source::{SourceInfo, Transparency};
+use crate::read::source::SourceInfo;
 use crate::read::still_tags::StillTags;
 use crate::write::picture_from_rgba::PlanesOfRows;
 
@@ -45,6 +45,7 @@ pub(crate) struct LargeStill {
     kind: Kind,
     info: SourceInfo,
     is_read: bool,
+    has_seen_through: bool,
 }
 
 impl LargeStill {
@@ -72,8 +73,7 @@ impl LargeStill {
     pub(crate) fn open_any(path: &Path) -> Option<Self> {
         let bytes = std::fs::metadata(path).ok()?.len();
         let png = || Some((Kind::Png, head_of_png(path)?));
-        let (kind, (size, has_alpha)) =
-            png().or_else(|| Some((Kind::Jpeg, head_of_jpeg(path)?)))?;
+        let (kind, size) = png().or_else(|| Some((Kind::Jpeg, head_of_jpeg(path)?)))?;
         let codec = match kind {
             Kind::Png => "png",
             Kind::Jpeg => "mjpeg",
@@ -85,16 +85,19 @@ impl LargeStill {
             height,
             frame_rate: [25, 1],
             frames: Some(1),
+            frames_told: None,
             seconds: None,
             colour: COLOUR,
             spherical: None,
             stereo: None,
             tags,
             broken_boxes: Vec::new(),
+            camera: None,
             sound: None,
-            transparency: has_alpha.then_some(Transparency::OverBlack),
+            transparency: None,
             pixel_aspect: None,
             is_hdr: false,
+            is_interlaced: false,
             codec: codec.to_owned(),
             pixel_format: "rgb24".to_owned(),
             bytes,
@@ -105,7 +108,13 @@ impl LargeStill {
             kind,
             info,
             is_read: false,
+            has_seen_through: false,
         })
+    }
+
+    /// Whether pixels of it, once read, can be seen through.
+    pub(crate) fn has_seen_through(&self) -> bool {
+        self.has_seen_through
     }
 
     /// What is known of it.
@@ -122,7 +131,7 @@ impl LargeStill {
         let orientation = self.info.tags.orientation;
         let size = orientation.turned_size([self.info.width, self.info.height]);
         let read = match self.kind {
-            Kind::Png => read_png(&self.path, size),
+            Kind::Png => read_png(&self.path, size, &mut self.has_seen_through),
             Kind::Jpeg => read_jpeg(&self.path, size),
         };
         let read = read.map(|picture| orientation.turned(picture));
@@ -181,14 +190,12 @@ fn png_reader(path: &Path) -> Option<png::Reader<BufReader<File>>> {
     decoder.read_info().ok()
 }
 
-/// Size, and whether there is transparency.
-fn head_of_png(path: &Path) -> Option<([u32; 2], bool)> {
+fn head_of_png(path: &Path) -> Option<[u32; 2]> {
     let reader = png_reader(path)?;
-    let has_alpha = reader.output_color_type().0.samples() % 2 == 0;
-    Some(([reader.info().width, reader.info().height], has_alpha))
+    Some([reader.info().width, reader.info().height])
 }
 
-fn read_png(path: &Path, size: [u32; 2]) -> Result<Picture, String> {
+fn read_png(path: &Path, size: [u32; 2], is_clear: &mut bool) -> Result<Picture, String> {
     let mut reader = png_reader(path).ok_or("its head changed while it was read")?;
     if reader.info().interlaced {
         return Err(
@@ -201,6 +208,8 @@ fn read_png(path: &Path, size: [u32; 2]) -> Result<Picture, String> {
     while planes.rows < size[1] {
         match reader.next_row().map_err(|e| e.to_string())? {
             Some(row) if channels.is_multiple_of(2) => {
+                let mut pixels = row.data().chunks_exact(channels);
+                *is_clear |= pixels.any(|pixel| pixel[channels - 1] < 255);
                 planes.push(&over_black(row.data(), channels), channels);
             }
             Some(row) => planes.push(row.data(), channels),
@@ -232,9 +241,9 @@ fn jpeg_decoder(path: &Path) -> Option<JpegDecoder<BufReader<File>>> {
     Some(decoder)
 }
 
-fn head_of_jpeg(path: &Path) -> Option<([u32; 2], bool)> {
+fn head_of_jpeg(path: &Path) -> Option<[u32; 2]> {
     let (w, h) = jpeg_decoder(path)?.dimensions()?;
-    Some(([u32::try_from(w).ok()?, u32::try_from(h).ok()?], false))
+    Some([u32::try_from(w).ok()?, u32::try_from(h).ok()?])
 }
 
 fn read_jpeg(path: &Path, size: [u32; 2]) -> Result<Picture, String> {

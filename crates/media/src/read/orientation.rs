@@ -61,6 +61,19 @@ impl Orientation {
         })
     }
 
+    /// This, and then another.
+    pub(crate) fn then(self, next: Self) -> Self {
+        let [mirror_x, mirror_y] = match next.transpose {
+            true => [self.mirror_y, self.mirror_x],
+            false => [self.mirror_x, self.mirror_y],
+        };
+        Self {
+            transpose: self.transpose != next.transpose,
+            mirror_x: mirror_x != next.mirror_x,
+            mirror_y: mirror_y != next.mirror_y,
+        }
+    }
+
     /// Whether pictures stay as they are.
     pub(crate) fn is_upright(self) -> bool {
         self == Self::default()

@@ -1,12 +1,15 @@
 //! What is known of a source before it is read through?
 
+use av::ffi;
 use av::format::context::Input;
 use av::format::stream::{Disposition, Stream};
+use av::frame::Video;
 use av::media::Type;
 use ffmpeg_next as av;
 use foveal_core::view::picture::Colour;
 
 use crate::read::still_tags::StillTags;
+use crate::surround::camera::Camera;
 use crate::surround::spherical::{Spherical, Stereo};
 use crate::surround::spherical_boxes::BrokenBox;
 
@@ -26,6 +29,9 @@ pub struct SourceInfo {
     pub frame_rate: [i32; 2],
     /// Number of frames as far as the container tells; an estimate.
     pub frames: Option<u64>,
+    /// The same where the container tells it of these pictures, and not of the whole file: what
+    /// is less was cut off.
+    pub frames_told: Option<u64>,
     /// Length in seconds as far as the container tells; an estimate.
     pub seconds: Option<f64>,
     /// Colour of the pictures as delivered.
@@ -38,6 +44,8 @@ pub struct SourceInfo {
     pub tags: StillTags,
     /// What it says of projection and eyes that cannot be used.
     pub broken_boxes: Vec<BrokenBox>,
+    /// The camera whose raw file it is, if it is one.
+    pub camera: Option<Camera>,
     /// Its best sound stream, if it has any.
     pub sound: Option<Sound>,
     /// What becomes of its transparency, where it has any.
@@ -46,6 +54,8 @@ pub struct SourceInfo {
     pub pixel_aspect: Option<[i32; 2]>,
     /// True when code values follow a high dynamic range curve (PQ or HLG).
     pub is_hdr: bool,
+    /// Whether its first frame is of two fields.
+    pub is_interlaced: bool,
     /// FFmpeg's name of the codec, as `h264`.
     pub codec: String,
     /// FFmpeg's name of the source's pixel format, as `yuv420p10le`.
@@ -144,22 +154,85 @@ pub(crate) fn frame_rate_of(stream: &Stream) -> [i32; 2] {
 pub(crate) fn seconds_of(input: &Input, stream: &Stream) -> Option<f64> {
     let tick = f64::from(stream.time_base());
     let own = stream.duration() as f64 * tick;
-    let whole = input.duration() as f64 / f64::from(av::ffi::AV_TIME_BASE);
+    let whole = input.duration() as f64 / f64::from(ffi::AV_TIME_BASE);
     [own, whole]
         .into_iter()
         .find(|seconds| *seconds > 0.0 && seconds.is_finite())
 }
 
-/// Number of frames that the container names, or else length times rate.
-pub(crate) fn frames_of(stream: &Stream, seconds: Option<f64>, rate: [i32; 2]) -> Option<u64> {
-    match u64::try_from(stream.frames()) {
-        Ok(frames) if frames > 0 => Some(frames),
-        _ => seconds.map(|s| {
-            (s * f64::from(rate[0]) / f64::from(rate[1]))
-                .round()
-                .max(1.0) as u64
-        }),
+/// Number of frames by length and rate.
+pub(crate) fn frames_of(seconds: Option<f64>, rate: [i32; 2]) -> Option<u64> {
+    let [frames, per] = rate.map(f64::from);
+    seconds.map(|s| (s * frames / per).round().max(1.0) as u64)
+}
+
+/// Number of frames that the container tells of this stream, without those that it says are not
+/// to be shown.
+#[allow(unsafe_code)] // ffmpeg-next tells neither the index of a stream nor how lengths were found.
+pub(crate) fn frames_told(input: &Input, stream: &Stream, rate: [i32; 2]) -> Option<u64> {
+    // SAFETY: the context and its stream are alive, and nothing reads on in this call; an entry is
+    // null or lies in the stream's index.
+    let (discarded, entries, is_guess) = unsafe {
+        let stream = stream.as_ptr().cast_mut();
+        let entries = ffi::avformat_index_get_entries_count(stream).max(0);
+        let is_discarded = |at: &i32| {
+            let entry = ffi::avformat_index_get_entry(stream, *at).as_ref();
+            entry.is_some_and(|it| it.flags() & ffi::AVINDEX_DISCARD_FRAME != 0)
+        };
+        let is_guess = (*input.as_ptr()).duration_estimation_method
+            == ffi::AVDurationEstimationMethod::AVFMT_DURATION_FROM_BITRATE;
+        let discarded = (0..entries).filter(is_discarded).count() as u64;
+        (discarded, entries as u64, is_guess)
+    };
+    let own = stream.duration() as f64 * f64::from(stream.time_base());
+    let own = Some(own).filter(|seconds| *seconds > 0.0 && seconds.is_finite() && !is_guess);
+    let by_length = frames_of(own, rate);
+    match u64::try_from(stream.frames())
+        .ok()
+        .filter(|frames| *frames > 0)
+    {
+        // An edit list shows a part of the samples.
+        Some(frames) if discarded > 0 && entries >= frames => Some(entries - discarded),
+        Some(frames) => Some(by_length.map_or(frames, |by_length| by_length.min(frames))),
+        None => by_length,
     }
+    .map(|frames| frames.max(1))
+}
+
+/// Largest number of a pixel's shape that is told: finer differences nobody sees.
+const FINEST_SHAPE: i32 = 4096;
+/// Widest and narrowest pixel that is believed.
+const WIDEST_PIXEL: f64 = 8.0;
+
+/// The shape of a stream's pixels by container and codec, as FFmpeg weighs them; `None` where they
+/// are square, nothing is said, or what is said cannot be meant.
+#[allow(unsafe_code)] // ffmpeg-next has no such call.
+pub(crate) fn pixel_aspect_of(input: &Input, stream: &Stream, first: &Video) -> Option<[i32; 2]> {
+    // SAFETY: all three are alive, and none of them is written to.
+    let guess = unsafe {
+        ffi::av_guess_sample_aspect_ratio(
+            input.as_ptr().cast_mut(),
+            stream.as_ptr().cast_mut(),
+            first.as_ptr().cast_mut(),
+        )
+    };
+    let shape = av::Rational::from(guess);
+    if shape.0 <= 0 || shape.1 <= 0 {
+        return None;
+    }
+    let (mut w, mut h) = (0, 0);
+    // A field of HEVC is a picture of half the height.
+    let is_field = first.is_interlaced() && stream.parameters().id() == av::codec::Id::HEVC;
+    let rows = if is_field { 2 } else { 1 };
+    // SAFETY: writes the two numbers.
+    unsafe {
+        let most = i64::from(FINEST_SHAPE);
+        let (wide, high) = (i64::from(shape.0), i64::from(shape.1) * rows);
+        ffi::av_reduce(&raw mut w, &raw mut h, wide, high, most);
+    }
+    let shape = f64::from(w) / f64::from(h.max(1));
+    let is_meant = w > 0 && h > 0 && (1.0 / WIDEST_PIXEL..=WIDEST_PIXEL).contains(&shape);
+    (is_meant && w != h).then_some([w, h])
 }
 
 /// Whether the demuxer reads single images.

@@ -8,7 +8,8 @@ const NS_PER_SECOND: i128 = 1_000_000_000;
 
 /// Turns time stamps into strictly rising times since the first frame.
 pub(crate) struct FileTimeline {
-    tick: Rational,
+    /// Numerator and denominator in seconds.
+    tick: [i128; 2],
     frame_ns: i64,
     /// Stamp, in nanoseconds, of time 0.
     origin_ns: Option<i128>,
@@ -22,7 +23,7 @@ impl FileTimeline {
     /// trusted to be positive.
     pub(crate) fn new(tick: Rational, frame_rate: [i32; 2]) -> Self {
         let [frames, seconds] = frame_rate.map(|n| i64::from(n.max(1)));
-        let tick = Rational(tick.0.max(1), tick.1.max(1));
+        let tick = [tick.0, tick.1].map(|number| i128::from(number.max(1)));
         let frame_ns = (seconds * 1_000_000_000 / frames).max(1);
         Self {
             tick,
@@ -30,6 +31,15 @@ impl FileTimeline {
             origin_ns: None,
             last_ns: None,
             repaired: 0,
+        }
+    }
+
+    /// The same whose stamps count halves of the unit.
+    pub(crate) fn of_halves(self) -> Self {
+        let [num, den] = self.tick;
+        Self {
+            tick: [num, 2 * den],
+            ..self
         }
     }
 
@@ -80,7 +90,7 @@ impl FileTimeline {
     }
 
     fn ns_from_ticks(&self, ticks: i64) -> i128 {
-        let [num, den] = [self.tick.0, self.tick.1].map(i128::from);
+        let [num, den] = self.tick;
         (i128::from(ticks) * num * NS_PER_SECOND).div_euclid(den)
     }
 }

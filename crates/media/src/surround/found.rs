@@ -65,12 +65,20 @@ pub(crate) fn surround_of(
     let wrong = |why: String| PrepareError::Option(format!("{}: {why}", input.display()));
     let words = NameWords::of(input);
     let frame = [info.width, info.height];
+    let is_auto = settings.projection == ProjectionChoice::Auto;
+    if let Some(camera) = info.camera.filter(|it| is_auto && it.is_certain()) {
+        return Err(wrong(camera.words(false)));
+    }
     let eyes = eyes_of(info, settings, &words, remarks).map_err(wrong)?;
     let eye_size = eyes.eye_size(frame).map_err(wrong)?;
+    let pixel = info
+        .pixel_aspect
+        .map_or([1, 1], |it| it.map(|side| side.max(1) as u32));
     let found = Found {
         info,
         words: &words,
         eye_size,
+        shape: [0, 1].map(|k| u64::from(eye_size[k]) * u64::from(pixel[k])),
         two_eyes: eyes.eyes() > 1,
     };
     let surround = match settings.projection {
@@ -80,9 +88,15 @@ pub(crate) fn surround_of(
         ProjectionChoice::Cube => Surround::Cube(found.cube(remarks).map_err(wrong)?),
         ProjectionChoice::Auto => found.surround(remarks).map_err(wrong)?,
     };
-    let placed = found.placed(settings, remarks).map_err(wrong)?;
-    let part = placed.map(|placed| placed.part);
+    let part = match found.bounds(settings, remarks).map_err(wrong)? {
+        Some(part) => Some(part),
+        None => {
+            let placed = found.placed(settings, remarks).map_err(wrong)?;
+            placed.map(|placed| placed.part)
+        }
+    };
     let front_deg = part.map_or(0.0, |part| part.middle_deg(eye_size[0]));
+    let shown_size = eye_size;
     let eye_size = part.map_or(eye_size, |part| part.whole);
     remarks.warnings.extend(info.tags.broken.iter().cloned());
     for BrokenBox { name, at, what, .. } in &info.broken_boxes {
@@ -96,18 +110,27 @@ pub(crate) fn surround_of(
             "the turn of the sphere in its metadata ({turn}) is not applied"
         ));
     }
-    if eyes.eyes() == 1 {
-        remarks.warnings.extend(stretch_of(surround, eye_size));
+    let shape = [0, 1].map(|k| f64::from(eye_size[k]) * f64::from(pixel[k]));
+    if eyes.eyes() == 1 && part.is_none() {
+        remarks
+            .warnings
+            .extend(stretch_of(surround, eye_size, shape));
     }
     let mut pixel_aspect = [1, 1];
-    if eyes.eyes() > 1 {
+    if surround == Surround::Flat && info.pixel_aspect.is_some() {
+        pixel_aspect = pixel;
+        remarks.note(format!(
+            "its pixels are {}:{}, and shown so",
+            pixel[0], pixel[1]
+        ));
+    } else if eyes.eyes() > 1 {
         pixel_aspect = squeeze_of(surround, eye_size, remarks);
     }
     Ok(SurroundOfEyes {
         surround,
         eyes,
         eye_size,
-        part: part.filter(|part| !part.is_whole(frame)),
+        part: part.filter(|part| !part.is_whole(shown_size)),
         front_deg,
         pixel_aspect,
     })
@@ -204,6 +227,8 @@ struct Found<'a> {
     info: &'a SourceInfo,
     words: &'a NameWords,
     eye_size: [u32; 2],
+    /// Width and height of one eye's picture as it is to be shown, to each other.
+    shape: [u64; 2],
     two_eyes: bool,
 }
 
@@ -263,17 +288,45 @@ impl Found<'_> {
         }
         let whole = placed.part.whole;
         if whole != self.eye_size {
-            let share = |k: usize| f64::from(self.eye_size[k]) / f64::from(whole[k]);
-            remarks.note(format!(
-                "it covers {:.0}° x {:.0}° of the sphere, whose whole is {}x{} pixels; the rest is \
-                 black",
-                share(0) * 360.0,
-                share(1) * 180.0,
-                whole[0],
-                whole[1]
-            ));
+            remarks.note(self.covered(whole));
         }
         Ok(Some(placed))
+    }
+
+    /// Where the bounds of spherical metadata put the picture, where these count.
+    fn bounds(
+        &self,
+        settings: &PrepareSettings,
+        remarks: &mut Remarks,
+    ) -> Result<Option<SpherePart>, String> {
+        let is_asked = settings.projection == ProjectionChoice::Auto;
+        let Some(spherical) = self.info.spherical.filter(|it| is_asked && !it.is_half()) else {
+            return Ok(None);
+        };
+        let SphericalProjection::EquirectPart { cut } = spherical.projection else {
+            return Ok(None);
+        };
+        let part = SpherePart::within(self.eye_size, cut).map_err(|why| {
+            format!(
+                "the bounds in its spherical metadata (sv3d) cannot be meant: {why}; mend them, \
+                 or give --projection: equirect if it is the whole sphere, flat if it is none"
+            )
+        })?;
+        remarks.note(self.covered(part.whole));
+        Ok(Some(part))
+    }
+
+    /// How much of the sphere the picture covers, in words.
+    fn covered(&self, whole: [u32; 2]) -> String {
+        let share = |k: usize| f64::from(self.eye_size[k]) / f64::from(whole[k]);
+        format!(
+            "it covers {:.0}° x {:.0}° of the sphere, whose whole is {}x{} pixels; the rest is \
+             black",
+            share(0) * 360.0,
+            share(1) * 180.0,
+            whole[0],
+            whole[1]
+        )
     }
 
     fn by_metadata(
@@ -291,19 +344,21 @@ impl Found<'_> {
                 Ok(Surround::Equirect(Coverage::FrontHalf))
             }
             SphericalProjection::Cube { .. } => Ok(Surround::Cube(self.cube(remarks)?)),
-            SphericalProjection::EquirectPart { .. } => Err(
-                "shows a part of a sphere by its metadata, which cannot be prepared; make it whole \
-                 with FFmpeg's filter pad, or give --projection flat"
-                    .to_owned(),
-            ),
+            SphericalProjection::EquirectPart { .. } => {
+                remarks.note("a part of a sphere by its spherical metadata".to_owned());
+                Ok(Surround::Equirect(Coverage::Full))
+            }
         }
     }
 
     fn by_name_and_size(&self, remarks: &mut Remarks) -> Result<Surround, String> {
+        if let Some(camera) = self.info.camera {
+            return Err(camera.words(self.two_eyes));
+        }
         let [w, h] = self.eye_size;
-        let is = |columns: u64, rows: u64| u64::from(w) * rows == u64::from(h) * columns;
+        let is = |columns: u64, rows: u64| self.shape[0] * rows == self.shape[1] * columns;
         let mut taken = |what: &str, named: bool| {
-            let shape = shape_of(self.eye_size);
+            let shape = shape_of(self.shape);
             let why = match (named, self.two_eyes) {
                 (true, true) => format!("its name and each eye's {shape} size"),
                 (true, false) => format!("its name and {shape} size"),
@@ -356,8 +411,8 @@ impl Found<'_> {
     /// Whether an eye's picture has the shape of a whole sphere, and something else speaks for one:
     /// the name, a second eye, or its width. `foveal prepare video --help` tells this rule.
     fn is_sphere(&self, named: bool) -> bool {
-        let [w, h] = self.eye_size.map(u64::from);
-        let is_wide = w >= u64::from(SPHERE_WIDTH);
+        let [w, h] = self.shape;
+        let is_wide = self.eye_size[0] >= SPHERE_WIDTH;
         match self.two_eyes {
             _ if w == 2 * h => named || self.two_eyes || is_wide,
             // Squeezed to half the height, or to half the width.
@@ -385,7 +440,7 @@ fn by_photo_sphere(sphere: &PhotoSphere, remarks: &mut Remarks) -> Surround {
 }
 
 /// Width to height in the smallest whole numbers.
-fn shape_of([w, h]: [u32; 2]) -> String {
+fn shape_of([w, h]: [u64; 2]) -> String {
     let (mut a, mut b) = (w.max(1), h);
     while b > 0 {
         (a, b) = (b, a % b);
@@ -394,13 +449,13 @@ fn shape_of([w, h]: [u32; 2]) -> String {
 }
 
 /// A sphere of another shape than its angles, which is taken as it was asked for.
-fn stretch_of(surround: Surround, [w, h]: [u32; 2]) -> Option<String> {
+fn stretch_of(surround: Surround, [w, h]: [u32; 2], shape: [f64; 2]) -> Option<String> {
     let (name, columns) = match surround {
         Surround::Equirect(Coverage::Full) => ("the whole sphere", 2.0),
         Surround::Equirect(Coverage::FrontHalf) => ("half a sphere", 1.0),
         _ => return None,
     };
-    let shape = f64::from(w) / f64::from(h.max(1));
+    let shape = shape[0] / shape[1].max(1.0);
     ((shape / columns).ln().abs() > STRETCHED.ln()).then(|| {
         format!(
             "its {w}x{h} pixels are stretched over {name}, whose shape is {columns}:1; pad it \

@@ -1,5 +1,6 @@
 //! How an input surrounds the eyes: by metadata, name and size.
 
+pub mod camera;
 pub mod cube_layout;
 pub mod eye_layout;
 pub(crate) mod found;

@@ -3,6 +3,22 @@
 use crate::surround::eye_layout::{EyeLayout, Packing};
 use std::path::Path;
 
+/// Words that say that something is a whole sphere; numbers may follow.
+const SPHERES: [&str; 12] = [
+    "equirect",
+    "equirectangular",
+    "erp",
+    "latlong",
+    "pano",
+    "panos",
+    "panoramas",
+    "panoramic",
+    "photosphere",
+    "sphere",
+    "spheres",
+    "spherical",
+];
+
 /// The words of a name: runs of letters and digits, in small letters.
 pub(super) struct NameWords {
     name: String,
@@ -55,8 +71,11 @@ impl NameWords {
 
     /// Whether the name says that it is a whole sphere.
     pub(super) fn names_sphere(&self) -> bool {
-        let words = ["equirect", "pano", "sphere"];
-        words.iter().any(|word| self.name.contains(word)) || names_a_full_turn(&self.name)
+        let is = |word: &String| {
+            let word = word.trim_end_matches(|c: char| c.is_ascii_digit());
+            SPHERES.contains(&word) || word.ends_with("panorama")
+        };
+        self.words.iter().any(is) || names_a_full_turn(&self.name)
     }
 
     /// Whether the name says that it is the faces of a cube.
@@ -127,6 +146,26 @@ mod tests {
                 right_first,
             };
             assert_eq!(words(name).eyes(), Some(expected), "{name}");
+        }
+        for name in [
+            "my_pano.jpg",
+            "Pano-01.jpg",
+            "pano3.jpg",
+            "Kugelpanorama.jpg",
+            "IMG_1_equirectangular.png",
+            "a sphere.mp4",
+        ] {
+            assert!(words(name).names_sphere(), "{name}");
+        }
+        for name in [
+            "atmosphere.mp4",
+            "hemisphere.mp4",
+            "hispano.mkv",
+            "biospheres.mp4",
+            "timpano.jpg",
+            "spheredome.mp4",
+        ] {
+            assert!(!words(name).names_sphere(), "{name}");
         }
         for name in ["about.mp4", "tubes.mp4", "lrx.mp4", "a__b.mp4", ""] {
             assert_eq!(words(name).eyes(), None, "{name}");

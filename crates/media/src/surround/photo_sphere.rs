@@ -4,7 +4,7 @@
 
 use roxmltree::{Document, Node, NodeType};
 
-use crate::surround::sphere_part::SpherePart;
+use crate::surround::sphere_part::{MOST_PIXELS, MOST_SIDE, SpherePart};
 
 const NAMESPACE: &str = "http://ns.google.com/photos/1.0/panorama/";
 /// Across and down: of the whole, of what was cut from it, and where that begins.
@@ -22,9 +22,6 @@ const NAMES: [[&str; 3]; 2] = [
 ];
 /// More nodes than any XMP packet has.
 const MOST_NODES: u32 = 100_000;
-/// Most pixels of a whole sphere, and of a side: what stills may have.
-const MOST_PIXELS: u64 = 1 << 30;
-const MOST_SIDE: f64 = (1 << 17) as f64;
 /// Pixels by which sizes that were scaled and rounded may be off.
 const ROUNDED: f64 = 1.5;
 

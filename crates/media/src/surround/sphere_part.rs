@@ -2,6 +2,10 @@
 
 use foveal_core::view::picture::{Picture, plane_size};
 
+/// Most pixels of a whole sphere, and of a side: what stills may have.
+pub(super) const MOST_PIXELS: u64 = 1 << 30;
+pub(super) const MOST_SIDE: f64 = (1 << 17) as f64;
+
 /// A picture's place on the equirectangular picture of the whole sphere that it was cut from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SpherePart {
@@ -13,6 +17,35 @@ pub struct SpherePart {
 }
 
 impl SpherePart {
+    /// The place of a picture of `size` on a whole of which `cut` is missing at the left, top, right
+    /// and bottom, as parts of the whole, 0 to 1. The error says what cannot be.
+    pub(crate) fn within(size: [u32; 2], cut: [f64; 4]) -> Result<Self, String> {
+        let [left, top, right, bottom] = cut;
+        let missing = [left + right, top + bottom];
+        if cut.iter().any(|side| !(0.0..1.0).contains(side)) || missing.iter().any(|it| *it >= 1.0)
+        {
+            return Err(format!("they cut off {cut:?}"));
+        }
+        let whole = [0, 1].map(|k| (f64::from(size[k]) / (1.0 - missing[k])).round());
+        if whole.iter().any(|side| *side > MOST_SIDE) || whole[0] * whole[1] > MOST_PIXELS as f64 {
+            return Err(format!(
+                "the whole sphere would have {} x {} pixels, more than {MOST_PIXELS}",
+                whole[0], whole[1]
+            ));
+        }
+        // Even, so that chroma stays on its luma, and so that the picture does not reach below.
+        let even = |place: f64| 2.0 * (place / 2.0).round();
+        let lowest = 2.0 * ((whole[1] - f64::from(size[1])) / 2.0).floor();
+        let at = [
+            even(left * whole[0]).rem_euclid(whole[0]),
+            even(top * whole[1]).min(lowest),
+        ];
+        Ok(Self {
+            whole: whole.map(|side| side as u32),
+            at: at.map(|place| place as u32 & !1),
+        })
+    }
+
     /// Whether a picture of this size is the whole as it stands.
     #[must_use]
     pub fn is_whole(&self, size: [u32; 2]) -> bool {

@@ -8,7 +8,7 @@ use foveal_core::view::picture::Picture;
 use crate::pack::pack_file::PackFile;
 use crate::prepare::ProjectionChoice;
 use crate::tests::scenes::{
-    Scratch, VIDEO, group, prepared, raw, read, settings, write_clip, write_raw,
+    Scratch, VIDEO, group, prepared, raw, read, read_strictly, settings, write_clip, write_raw,
 };
 use crate::{ClipCodec, ClipFormat, ClipWriter, MediaError, VideoInput};
 
@@ -26,10 +26,7 @@ fn a_truncated_file_is_told_with_file_frame_and_time_after_its_good_frames() {
         let whole = std::fs::read(&*write_clip(ending, codec, &pictures)).unwrap();
         for tenths in [1, 3, 5, 7, 9] {
             let cut = Scratch::holding(ending, &whole[..whole.len() * tenths / 10]);
-            let error = match VideoInput::open(&cut) {
-                Err(error) => error,
-                Ok(_) => read(&cut).1.unwrap_err(),
-            };
+            let error = read_strictly(&cut).unwrap_err();
             let what = format!("{ending} {codec:?} {tenths}/10: {error}");
             assert!(what.contains(&cut.display().to_string()), "{what}");
             match error {
@@ -37,6 +34,13 @@ fn a_truncated_file_is_told_with_file_frame_and_time_after_its_good_frames() {
                     assert!(frame > 0 && frame < 40, "{what}");
                     // Where the cut takes a B-frame, the frames after it have been shown.
                     assert!((seconds - frame as f64 / 25.0).abs() < 0.1, "{what}");
+                    // Unless that is refused, what is there is shown.
+                    let (input, pictures) = read(&cut);
+                    let (shown, mended) = (pictures.unwrap().len() as u64, input.mended());
+                    assert!((frame..40).contains(&shown), "{shown}: {what}");
+                    let [damaged, lost] = [mended.damaged, mended.lost];
+                    let is_cut = mended.breaks_off.is_some();
+                    assert!(is_cut || damaged + lost <= 2, "{what}: {mended:?}");
                 }
                 MediaError::NotVideo { .. } | MediaError::NoFrames { .. } => {
                     assert!(tenths < 5, "{what}");
@@ -167,7 +171,24 @@ fn a_change_of_size_is_told_with_its_frame() {
         let file = raw("mjpeg", "mjpeg", Pixel::YUVJ420P, size);
         bytes.extend(std::fs::read(&*write_raw(&file, 3, |_, _, x, _| x as u8)).unwrap());
     }
-    let error = read(&Scratch::holding("mjpeg", &bytes)).1.unwrap_err();
+    let film = Scratch::holding("mjpeg", &bytes);
+    let (input, pictures) = read(&film);
+    let fits = |it: &crate::TimedPicture| [it.picture.width, it.picture.height] == [64, 48];
+    let pictures = pictures.unwrap();
+    assert!(pictures.len() == 6 && pictures.iter().all(fits));
+    let mended = input.mended();
+    assert_eq!(
+        (mended.resized, mended.sizes),
+        (3, Some([[64, 48], [48, 64]]))
+    );
+    // Upright in the middle, with black on both sides.
+    let upright = &pictures[4].picture;
+    assert_eq!(
+        (upright.planes[0][24 * 64], upright.planes[0][24 * 64 + 63]),
+        (0, 0)
+    );
+    assert!(upright.planes[0][24 * 64 + 45] > 20);
+    let error = read_strictly(&film).unwrap_err();
     assert!(
         matches!(
             error,
@@ -240,9 +261,20 @@ fn damage_in_the_middle_is_told_with_its_frame() {
         for byte in &mut bytes[middle..middle + 300] {
             *byte ^= 0x5A;
         }
-        let frames = read(&Scratch::holding(ending, &bytes))
-            .1
-            .map(|pictures| pictures.len());
+        let film = Scratch::holding(ending, &bytes);
+        let (input, pictures) = read(&film);
+        let mended = input.mended();
+        let [shown, bad] = [pictures.unwrap().len() as u64, mended.damaged + mended.lost];
+        assert!(
+            bad > 0 && (35..=40).contains(&shown),
+            "{ending} {shown} {mended:?}"
+        );
+        let (first, time_ns) = mended.first_damaged.unwrap_or_default();
+        assert!(
+            mended.damaged == 0 || (5..35).contains(&first) && time_ns > 0,
+            "{mended:?}"
+        );
+        let frames = read_strictly(&film).map(|pictures| pictures.len());
         assert!(
             matches!(frames, Err(MediaError::Broken { frame: 5..35, .. })),
             "{ending} {codec:?} {frames:?}"

@@ -17,7 +17,7 @@ use crate::read::frame::new_frame;
 use crate::tiles::encoder::new_encoder;
 use crate::write::frame_file::{FrameFile, ReadyEncoder};
 use crate::write::write_clip::{ClipCodec, ClipFormat, ClipWriter};
-use crate::{MediaError, TimedPicture, VideoInput};
+use crate::{MediaError, ReadOptions, TimedPicture, VideoInput};
 
 /// Limited-range BT.709 with chroma on the left.
 pub(crate) const VIDEO: Colour = Colour {
@@ -174,7 +174,19 @@ pub(crate) fn raw(
 
 /// All pictures of the file, or how it breaks off.
 pub(crate) fn read(path: &Path) -> (VideoInput, Result<Vec<TimedPicture>, MediaError>) {
-    let mut input = VideoInput::open(path).unwrap();
+    read_all(VideoInput::open(path).unwrap())
+}
+
+/// The same without mending.
+pub(crate) fn read_strictly(path: &Path) -> Result<Vec<TimedPicture>, MediaError> {
+    let options = ReadOptions {
+        strict: true,
+        ..ReadOptions::default()
+    };
+    read_all(VideoInput::open_with(path, options)?).1
+}
+
+fn read_all(mut input: VideoInput) -> (VideoInput, Result<Vec<TimedPicture>, MediaError>) {
     let mut pictures = Vec::new();
     loop {
         match input.next_frame() {

@@ -7,6 +7,15 @@ use thiserror::Error;
 /// What to do about a file that breaks its own format.
 pub(super) const EXPORT_AGAIN: &str = "copy the file again if it was cut short, or export it again";
 
+/// What to do where the system refuses to open a file, by what it says.
+fn next_after(reason: &str) -> &'static str {
+    // EMFILE of this program, ENFILE of all: the path is as it should be.
+    match reason.contains("Too many open files") || reason.contains("os error 23") {
+        true => "close other programs or files, or allow more with `ulimit -n 4096`",
+        false => "check the path and the permissions",
+    }
+}
+
 /// Why no scene could be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -24,7 +33,7 @@ pub enum ReadError {
         path: PathBuf,
     },
     /// The file cannot be opened or read.
-    #[error("{}: cannot be read: {reason}; check the path and the permissions", path.display())]
+    #[error("{}: cannot be read: {reason}; {}", path.display(), next_after(reason))]
     Open {
         /// The file.
         path: PathBuf,

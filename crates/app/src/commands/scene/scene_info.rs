@@ -1,5 +1,6 @@
 //! What is in the pack of a scene?
 
+use crate::commands::info::remarks_told;
 use crate::report::output;
 use foveal_core::content::scene::description::JoinedParts;
 use foveal_core::content::scene::unit_table::UnitKind;
@@ -172,12 +173,6 @@ impl SceneInfo {
         for (level, bytes) in self.bytes_per_level.iter().enumerate() {
             let _ = writeln!(text, "level {level}: {}", output::size(*bytes));
         }
-        for (what, count) in &self.repairs {
-            let _ = writeln!(text, "{}: {count}", one_line(&what.replace('_', " ")));
-        }
-        for remark in &self.remarks {
-            let _ = writeln!(text, "{}", one_line(remark));
-        }
-        text
+        text + &remarks_told(&self.repairs, &self.remarks)
     }
 }

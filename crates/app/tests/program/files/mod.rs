@@ -3,7 +3,10 @@
 //! Inputs are made here, after what users of other players, viewers and converters reported.
 
 mod assemblies;
+mod cameras;
 mod colours;
+mod film_file;
+mod films;
 mod gltf;
 mod las;
 mod layouts;
@@ -12,6 +15,7 @@ mod numbers;
 mod outliers;
 mod paths;
 mod row;
+mod stills;
 
 use crate::support::done;
 

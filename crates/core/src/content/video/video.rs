@@ -193,7 +193,7 @@ impl Content for Video {
     }
 
     fn timeline(&self) -> Timeline {
-        let period = Seconds(1.0 / self.pack.description().fps());
+        let period = Seconds(self.pack.description().last_frame_s());
         Timeline::new(&self.frame_times(), period)
     }
 

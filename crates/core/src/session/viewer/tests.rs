@@ -59,6 +59,9 @@ fn video(frames: u32) -> Video {
         },
         identity: None,
         loss: None,
+        last_frame_s: None,
+        remarks: Vec::new(),
+        repairs: Default::default(),
         tables: Vec::new(),
     };
     let mut builder = begin_pack(&about);

@@ -11,6 +11,7 @@ use crate::view::surface::{
     Mapping, Projection, Screen, Surface, all_faces, are_all_faces, is_one_eye, one_eye,
 };
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Most frames in a pack.
 pub const MAX_FRAMES: u32 = 1 << 24;
@@ -75,6 +76,15 @@ pub struct Description {
     /// What preparing lost; absent where nobody measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub loss: Option<Loss>,
+    /// How long the last frame is shown, in seconds; a period of the frame rate if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last_frame_s: Option<f64>,
+    /// What a person should know: what was assumed, mended or left out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub remarks: Vec<String>,
+    /// What was mended or left out of the source, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub repairs: BTreeMap<String, u64>,
     /// Side tables.
     #[serde(default)]
     pub tables: Vec<TableEntry>,
@@ -118,6 +128,9 @@ pub struct Source {
     /// Codec of the source.
     pub codec: String,
 }
+
+/// Longest time that a last frame may be shown, in seconds: a day.
+const LONGEST_LAST_S: f64 = 86_400.0;
 
 /// Most decibels that are told: more than a picture of 16K has where one code differs by one.
 const MOST_DECIBELS: f64 = 150.0;
@@ -212,6 +225,13 @@ impl Description {
         if let Some(loss) = self.loss {
             loss.check()?;
         }
+        if let Some(last) = self
+            .last_frame_s
+            .filter(|it| !(0.0..=LONGEST_LAST_S).contains(it))
+        {
+            let expected = format!("0 to {LONGEST_LAST_S} s");
+            return Err(PackError::new("description.last_frame_s", last, expected));
+        }
         let in_range = self.groups.iter().all(|g| (1..=MAX_GROUP).contains(g));
         if !in_range || self.groups.windows(2).any(|pair| pair[1] % pair[0] != 0) {
             let expected = format!("1 to {MAX_GROUP}, each a multiple of the one before");
@@ -255,6 +275,12 @@ impl Description {
     /// Whether it is a picture: of one frame there is no time.
     pub fn is_still(&self) -> bool {
         self.frames == 1
+    }
+
+    /// How long the last frame is shown, in seconds.
+    #[must_use]
+    pub fn last_frame_s(&self) -> f64 {
+        self.last_frame_s.unwrap_or(1.0 / self.fps())
     }
 
     /// Frames per second.

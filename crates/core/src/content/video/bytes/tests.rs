@@ -45,6 +45,9 @@ fn description() -> Description {
         },
         identity: None,
         loss: None,
+        last_frame_s: None,
+        remarks: Vec::new(),
+        repairs: Default::default(),
         tables: vec![],
     }
 }

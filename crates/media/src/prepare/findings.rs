@@ -1,0 +1,130 @@
+//! What does only the reading of an input show, and how is a pack told of it?
+
+use super::ReadThrough;
+use super::error::PrepareError;
+use super::plan::PreparationPlan;
+use super::sound::Heard;
+use super::time_notes::{length_of, time_notes};
+use foveal_core::content::video::bytes::description::{Description, MAX_FRAMES};
+use foveal_core::units::counted;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Bytes of remarks, and of one, that a description has room for once its length is decided.
+const MOST_BYTES: usize = 900;
+const MOST_OF_ONE: usize = 400;
+/// What is done to every film of its kind, and is no damage.
+const NO_DAMAGE: [&str; 1] = ["deinterlaced_frames"];
+/// By how much the last frame must be shown longer than others, or shorter, to be told.
+const UNLIKE: f64 = 0.05;
+/// Codecs of animations, which say of every picture how long it is shown.
+const ANIMATIONS: [&str; 3] = ["gif", "apng", "webp"];
+
+/// What reading showed.
+pub(super) struct Findings {
+    /// What a person should know that no plan could tell.
+    pub(super) warnings: Vec<String>,
+    repairs: BTreeMap<String, u64>,
+    last_frame_s: Option<f64>,
+}
+
+/// What the reading of a planned input showed, whose frames are shown at `times`.
+pub(super) fn findings(
+    plan: &PreparationPlan,
+    times: &[i64],
+    through: &ReadThrough,
+    sound: &Heard,
+) -> Findings {
+    let fps = plan.description.fps();
+    let ReadThrough { mended, last_ns } = through;
+    let most = u64::from(plan.most_frames.unwrap_or(MAX_FRAMES));
+    // What does not come at the start is told of as that, and not as an end.
+    let left_out = mended.dropped_at_start + mended.lost;
+    let of = plan
+        .frames_told
+        .map(|of| of.saturating_sub(left_out).min(most));
+    let of = of.filter(|_| mended.breaks_off.is_none());
+    let mut warnings = sound.notes.clone();
+    warnings.extend(mended.remarks(times.len() as u64, length_of(times, fps)));
+    if mended.is_transparent && !plan.tells_of_transparency {
+        warnings.push("what is transparent in it is shown over black".to_owned());
+    }
+    let notes = time_notes(times, fps, mended.repaired_stamps, of);
+    let mut repairs = mended.repairs();
+    if notes.ends_early {
+        repairs.insert("cut_short".to_owned(), 1);
+    }
+    if sound.damaged > 0 {
+        repairs.insert("damaged_sound_packets".to_owned(), sound.damaged);
+    }
+    warnings.extend(notes.said);
+    Findings {
+        warnings,
+        repairs,
+        last_frame_s: last_frame_s(plan, times, *last_ns),
+    }
+}
+
+/// How long the last frame is shown, where that is told and is not a period.
+fn last_frame_s(plan: &PreparationPlan, times: &[i64], last_ns: Option<i64>) -> Option<f64> {
+    let codec = plan.description.source.codec.as_str();
+    let period = 1.0 / plan.description.fps();
+    let seconds = last_ns.filter(|ns| *ns > 0)? as f64 / 1e9;
+    let is_long = seconds > period * (1.0 + UNLIKE);
+    let is_short = seconds < period * (1.0 - UNLIKE) && ANIMATIONS.contains(&codec);
+    (times.len() > 1 && (is_long || is_short)).then_some(seconds.min(86_400.0))
+}
+
+impl Findings {
+    /// Refuses what was mended, and names all of it.
+    pub(super) fn refuse(&self, input: &Path) -> Result<(), PrepareError> {
+        let damage = self
+            .repairs
+            .iter()
+            .filter(|(name, _)| !NO_DAMAGE.contains(&name.as_str()));
+        let damage: Vec<String> = damage
+            .map(|(name, count)| format!("{}: {count}", name.replace('_', " ")))
+            .collect();
+        match damage.is_empty() {
+            true => Ok(()),
+            false => Err(PrepareError::Strict(
+                input.display().to_string(),
+                format!("would have to be mended ({})", damage.join(", ")),
+            )),
+        }
+    }
+
+    /// Writes it into a description, after what the plan told.
+    pub(super) fn tell_in(&self, description: &mut Description) {
+        let mut left = MOST_BYTES;
+        let mut untold = 0;
+        for warning in &self.warnings {
+            let text: String = warning.chars().take(MOST_OF_ONE).collect();
+            match left.checked_sub(serde_length(&text)) {
+                Some(rest) => {
+                    left = rest;
+                    description.remarks.push(text);
+                }
+                None => untold += 1,
+            }
+        }
+        if untold > 0 {
+            let text = format!("{} more when it was prepared", counted(untold, "remark"));
+            description.remarks.push(text);
+        }
+        for (name, count) in &self.repairs {
+            *description.repairs.entry(name.clone()).or_default() += count;
+        }
+        description.last_frame_s = self.last_frame_s;
+    }
+}
+
+/// Bytes of a text in JSON, at most: with quotes and a comma, escapes counted as long as they get.
+fn serde_length(text: &str) -> usize {
+    let of = |c: char| match c {
+        '"' | '\\' => 2,
+        c if c.is_control() => 6,
+        c => c.len_utf8(),
+    };
+    text.chars().map(of).sum::<usize>() + 3
+}

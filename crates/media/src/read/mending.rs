@@ -1,0 +1,187 @@
+//! Which frames of a damaged stream are not what they were meant to be?
+
+use std::collections::BTreeSet;
+
+use av::frame::Video;
+use av::{Packet, decoder};
+use ffmpeg_next as av;
+
+/// Packets that may come to nothing before the first frame: two minutes at 25 frames a second,
+/// more than any distance of key frames that is used.
+const MOST_EARLY: usize = 3000;
+/// Frames after the first within which some may follow in the file that were to be shown before
+/// it: more than any decoder reorders.
+const MOST_LATE: u32 = 32;
+/// Damaged frames that are left out while no good one has come.
+const MOST_LEFT_OUT: u64 = 64;
+/// Stamps of damaged packets that are kept until their frames come out.
+const MOST_KEPT: usize = 4096;
+/// Errors in a row after which a decoder takes nothing more.
+const MOST_ERRORS: u32 = 10_000;
+
+/// The packets round the first frame.
+#[derive(Default)]
+pub(crate) struct Beginning {
+    /// Stamps of packets before the first frame came out.
+    early: Vec<Option<i64>>,
+    /// Stamp of the first frame, once it came out.
+    first: Option<Option<i64>>,
+    late: u32,
+    dropped: u64,
+}
+
+impl Beginning {
+    /// Takes note of a packet that is to be shown. The error says that there were too many without
+    /// a frame.
+    pub(crate) fn fed(&mut self, stamp: Option<i64>) -> Result<(), String> {
+        match self.first {
+            None if self.early.len() >= MOST_EARLY => {
+                return Err(format!(
+                    "none of its first {MOST_EARLY} packets can be decoded"
+                ));
+            }
+            None => self.early.push(stamp),
+            Some(first) if self.late < MOST_LATE => {
+                self.late += 1;
+                self.dropped += u64::from(is_before(stamp, first));
+            }
+            Some(_) => {}
+        }
+        Ok(())
+    }
+
+    /// Takes note of a frame that is shown.
+    pub(crate) fn shown(&mut self, frame: &Video) {
+        if self.first.is_some() {
+            return;
+        }
+        let first = frame.pts();
+        let early = std::mem::take(&mut self.early);
+        let before = early.into_iter().filter(|stamp| is_before(*stamp, first));
+        self.dropped = before.count() as u64;
+        self.first = Some(first);
+    }
+
+    /// Whether a frame has come out.
+    pub(crate) fn has_begun(&self) -> bool {
+        self.first.is_some()
+    }
+
+    /// Stamp of the first frame, as far as it has one.
+    pub(crate) fn first(&self) -> Option<i64> {
+        self.first.flatten()
+    }
+
+    /// Packets that were to be shown before the first frame, and are not.
+    pub(crate) fn dropped(&self) -> u64 {
+        self.dropped
+    }
+}
+
+fn is_before(stamp: Option<i64>, first: Option<i64>) -> bool {
+    matches!((stamp, first), (Some(stamp), Some(first)) if stamp < first)
+}
+
+/// Counts what is concealed. Decoders that conceal tell little of it, so another one that refuses
+/// damage reads the same packets.
+pub(crate) struct Mending {
+    judge: Option<decoder::Video>,
+    /// Stamps of damaged packets whose frames have not come out.
+    waiting: BTreeSet<i64>,
+    /// Damaged packets without stamps.
+    unstamped: u64,
+    /// Damaged frames that were shown, and those left out before the first good one.
+    damaged: u64,
+    left_out: u64,
+    errors_in_a_row: u32,
+}
+
+impl Mending {
+    /// With a decoder that refuses damage, where the one that shows does not tell of it.
+    pub(crate) fn new(judge: Option<decoder::Video>) -> Self {
+        Self {
+            judge,
+            waiting: BTreeSet::new(),
+            unstamped: 0,
+            damaged: 0,
+            left_out: 0,
+            errors_in_a_row: 0,
+        }
+    }
+
+    /// Looks whether a packet is damaged.
+    pub(crate) fn judge(&mut self, packet: &Packet, stamp: Option<i64>) {
+        let mut is_bad = packet.is_corrupt();
+        if let Some(judge) = &mut self.judge {
+            is_bad |= judge.send_packet(packet).is_err();
+            loop {
+                match judge.receive_frame(&mut Video::empty()) {
+                    Ok(()) => {}
+                    Err(av::Error::Eof) => break,
+                    Err(error) if crate::ffmpeg::wants_more(error) => break,
+                    Err(_) => {
+                        is_bad = true;
+                        break;
+                    }
+                }
+            }
+        }
+        if is_bad {
+            self.note(stamp);
+        }
+    }
+
+    fn note(&mut self, stamp: Option<i64>) {
+        match stamp {
+            Some(stamp) => {
+                self.waiting.insert(stamp);
+                if self.waiting.len() > MOST_KEPT {
+                    self.waiting.pop_first();
+                }
+            }
+            None => self.unstamped += 1,
+        }
+    }
+
+    /// The decoder that shows refused a packet; false where it takes nothing any more.
+    pub(crate) fn refuse(&mut self, stamp: Option<i64>) -> bool {
+        self.errors_in_a_row += 1;
+        if stamp.is_some() || self.judge.is_none() {
+            self.note(stamp);
+        }
+        self.errors_in_a_row <= MOST_ERRORS
+    }
+
+    /// Whether a frame that came out is to be shown: a damaged one is, unless nothing before it
+    /// was good.
+    pub(crate) fn takes(&mut self, frame: &Video, is_flagged: bool, has_begun: bool) -> bool {
+        self.errors_in_a_row = 0;
+        let was_bad = frame
+            .pts()
+            .is_some_and(|stamp| self.waiting.contains(&stamp));
+        if !was_bad && !is_flagged {
+            return true;
+        }
+        if !has_begun && self.left_out < MOST_LEFT_OUT {
+            self.left_out += 1;
+            return false;
+        }
+        if let Some(stamp) = frame.pts() {
+            self.waiting.remove(&stamp);
+        }
+        self.damaged += 1;
+        true
+    }
+
+    /// Damaged frames that were shown, and damaged packets that became none, of which those before
+    /// the first frame are told of elsewhere.
+    pub(crate) fn counts(&self, first: Option<i64>) -> [u64; 2] {
+        let lost = self
+            .waiting
+            .iter()
+            .filter(|stamp| first.is_none_or(|it| **stamp >= it));
+        // Without stamps nobody knows which frame is meant.
+        let unstamped = self.unstamped.saturating_sub(self.damaged);
+        [self.damaged, lost.count() as u64 + unstamped]
+    }
+}
