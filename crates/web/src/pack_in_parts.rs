@@ -82,7 +82,8 @@ impl<'a> Head<'a> {
             return Ok(Vec::new());
         };
         let tables = [Some(about.units_table()?), about.objects_table()?];
-        let mut stretches = vec![header.index_offset..header.index_offset + header.index_bytes];
+        let index = header.index_offset..header.index_offset + header.index_bytes;
+        let mut stretches = Vec::from([index]);
         for table in tables.into_iter().flatten() {
             let place = table.offset..table.offset.saturating_add(table.bytes);
             if place.end > header.file_bytes {

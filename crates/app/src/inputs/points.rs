@@ -30,8 +30,8 @@ pub(super) const FORMATS: &[Format] = &[
                 told: "left out, `repairs.bytes_behind_points`",
             },
             Finding {
-                found: "fewer points than the header counts, as where a file was cut short; damaged \
-                        chunks of LAZ",
+                found: "fewer points than the header counts, as in a file that was cut short, and \
+                        damaged chunks of LAZ",
                 outcome: Mended,
                 told: "those that are there, `repairs.missing_points`",
             },

@@ -17,8 +17,9 @@ const SMALL: usize = 1 << 14;
 const MOST_TRIANGLES: usize = 1 << 18;
 /// Bits of the grid of a bundle.
 pub(super) const BITS: u8 = 16;
-/// How much coarser the grid may be for the smallest part than one of its own.
-const COARSER: f64 = 8.0;
+/// How many times as large as its smallest part a bundle may be, so that this part still has the
+/// grid of at least 2^10 places that an object may have by itself.
+const MOST_SPREAD: f64 = (1_u32 << (BITS - 10)) as f64;
 /// How many times the bytes of one mesh in many places copies of it may take.
 const COPIES: usize = 2;
 /// Bytes of a triangle, of a place, and of what is told of an object, about.
@@ -48,9 +49,8 @@ struct SourcePart {
 /// What all parts of a bundle have in common: normals, two sides, no light.
 type PartLooks = [bool; 3];
 
-/// Joins the small parts of a scene, if it has very many, so that their own grids of so many `bits`
-/// would be at most so much finer.
-pub(super) fn bundles(source: &SourceScene, bits: u8) -> Bundles {
+/// Joins the small parts of a scene, if it has very many.
+pub(super) fn bundles(source: &SourceScene) -> Bundles {
     let small = source.objects.par_iter().enumerate();
     let small = small.map(|(number, object)| parts_of(source, number, object));
     let small: Vec<Option<(PartLooks, Vec<SourcePart>)>> = small.collect();
@@ -65,10 +65,9 @@ pub(super) fn bundles(source: &SourceScene, bits: u8) -> Bundles {
     for (looks, parts) in small.into_iter().flatten() {
         alike.entry(looks).or_default().extend(parts);
     }
-    let most_steps = COARSER * f64::from(1_u32 << BITS) / f64::from(1_u32 << bits);
     let mut joined = Vec::new();
     for parts in alike.into_values() {
-        split(parts, most_steps, &mut joined);
+        split(parts, &mut joined);
     }
     joined.retain(|parts| parts.len() > 1);
     // An object whose places went several ways is whole only where none is left.
@@ -156,7 +155,7 @@ impl SourcePart {
 
 /// Splits parts, by size where these differ much, else in space, until their grid is fine enough
 /// for the smallest.
-fn split(mut parts: Vec<SourcePart>, most_steps: f64, into: &mut Vec<Vec<SourcePart>>) {
+fn split(mut parts: Vec<SourcePart>, into: &mut Vec<Vec<SourcePart>>) {
     let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let (low, high) = parts
         .iter()
@@ -167,7 +166,7 @@ fn split(mut parts: Vec<SourcePart>, most_steps: f64, into: &mut Vec<Vec<SourceP
         .fold(f64::INFINITY, f64::min);
     let most = parts.iter().map(SourcePart::extent).fold(0.0, f64::max);
     let triangles: usize = parts.iter().map(|it| it.triangles).sum();
-    let is_fine = extent(low, high) <= most_steps * least;
+    let is_fine = extent(low, high) <= MOST_SPREAD * least;
     if parts.len() < 2 || (is_fine && triangles <= MOST_TRIANGLES) {
         if !parts.is_empty() {
             into.push(parts);
@@ -191,8 +190,8 @@ fn split(mut parts: Vec<SourcePart>, most_steps: f64, into: &mut Vec<Vec<SourceP
         let rest = parts.split_off(parts.len() / 2);
         (parts, rest)
     };
-    split(halves.0, most_steps, into);
-    split(halves.1, most_steps, into);
+    split(halves.0, into);
+    split(halves.1, into);
 }
 
 /// The mesh of parts where they stand.
@@ -273,12 +272,12 @@ mod tests {
     fn blocks(count: usize) -> SourceScene {
         let mut scene = SourceScene::default();
         for number in 0..count {
-            let size = if number % 50 == 0 { 0.05 } else { 0.5 };
+            let size = if number.is_multiple_of(50) { 0.05 } else { 0.5 };
             scene
                 .meshes
                 .push(block([size, 0.8 * size, size + 0.01 * (number % 9) as f64]));
             let at = [number % 20, number / 20 % 20, number / 400].map(|it| it as f64);
-            let mirror = if number % 7 == 0 { -1.0 } else { 1.0 };
+            let mirror = if number.is_multiple_of(7) { -1.0 } else { 1.0 };
             let turn = DMat3::from_diagonal(DVec3::new(mirror, 1.0, 1.0));
             scene.objects.push(SourceObject {
                 name: format!("block {number}"),
@@ -295,9 +294,9 @@ mod tests {
         let built = build(&source, &BuildOptions::default(), &|_, _| ()).unwrap();
         let triangles: u64 = built.objects.iter().map(|it| it.leaf_triangles).sum();
         assert_eq!(triangles, 3000 * 12);
-        assert!(built.objects.len() < 60, "{}", built.objects.len());
+        assert!(built.objects.len() < 70, "{}", built.objects.len());
         let roots = built.units.iter().filter(|it| it.row.needs.is_empty());
-        assert!(roots.count() < 60);
+        assert!(roots.count() < 70);
         let mut names: Vec<String> = built.parts.iter().flatten().cloned().collect();
         let apart = built
             .objects
@@ -311,7 +310,7 @@ mod tests {
         assert_eq!(names, expected);
         // No part is on a grid that is too coarse for it.
         for object in &built.objects {
-            assert!(object.grid.step < 0.05 / 128.0 || object.bounds.radius > 1.0);
+            assert!(object.grid.step < 0.05 / 1000.0 || object.bounds.radius > 1.0);
         }
         let few = build(&blocks(200), &BuildOptions::default(), &|_, _| ()).unwrap();
         assert_eq!(few.objects.len(), 200);
@@ -320,7 +319,7 @@ mod tests {
     #[test]
     fn a_joined_part_lies_as_it_lay_and_shows_the_same_side() {
         let source = blocks(300);
-        let found = bundles(&source, 14);
+        let found = bundles(&source);
         assert!(found.is_joined.iter().filter(|it| **it).count() > 290);
         let volume = |mesh: &SourceMesh| -> f64 {
             let six = mesh.triangles.iter().map(|it| {
@@ -352,7 +351,7 @@ mod tests {
             ..large.objects[0].clone()
         });
         source.meshes.extend(large.meshes);
-        let found = bundles(&source, 14);
+        let found = bundles(&source);
         assert!(!found.is_joined[7] && !found.is_joined[400] && found.is_joined[8]);
     }
 }

@@ -152,7 +152,7 @@ fn on_grids(
     options: &BuildOptions,
     shown: &ShownImages,
 ) -> Result<(Vec<GridMesh>, JoinedParts), BuildError> {
-    let bundles = bundles::bundles(source, options.bits);
+    let bundles = bundles::bundles(source);
     let objects = source.objects.iter().zip(&bundles.is_joined);
     let apart = objects.filter(|(_, is_joined)| !**is_joined);
     let apart: Vec<_> = apart.map(|(object, _)| object).collect();

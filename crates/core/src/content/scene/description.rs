@@ -5,10 +5,7 @@ use crate::content::images::wrap::Wrap;
 use crate::content::mesh::payload::Attributes;
 use crate::content::points::payload::PointAttributes;
 use crate::content::scene::lighting::LAMP_DIRECTION;
-use crate::content::scene::object_table::{
-    NAMES, NAMES_VERSION, OBJECTS, OBJECTS_VERSION, read_objects, write_names, write_objects,
-};
-use crate::pack::{Identity, PackError, SideTable, TableEntry, check_crc};
+use crate::pack::{Identity, PackError, TableEntry};
 use glam::{DAffine3, DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -17,8 +14,8 @@ pub const KIND: &str = "scene";
 /// Most objects of a scene: a row of the table of units tells one in 16 bits, of which the last
 /// stands for all.
 pub const MOST_OBJECTS: usize = 65_535;
-/// Bytes of a description beyond which its objects go into a side table.
-const LONG: usize = 1 << 15;
+/// What the description needs whose objects lie in a side table of that name.
+pub const OBJECTS: &str = "objects";
 /// Most levels of a scene.
 const MOST_LEVELS: usize = 40;
 /// Most textures of a scene.
@@ -395,7 +392,6 @@ impl SceneDescription {
                     "none beside their table",
                 ));
             }
-            about.objects_table()?;
             return about.check_rest().map(|()| about);
         }
         about.check()?;
@@ -403,67 +399,8 @@ impl SceneDescription {
     }
 
     /// Whether its objects and textures lie in a side table.
-    fn has_object_table(&self) -> bool {
+    pub(super) fn has_object_table(&self) -> bool {
         self.needs.iter().any(|need| need == OBJECTS)
-    }
-
-    /// Where the side table of its objects lies, if it has one.
-    ///
-    /// # Errors
-    /// It needs one and there is none, or one of another version.
-    pub fn objects_table(&self) -> Result<Option<&TableEntry>, PackError> {
-        if !self.has_object_table() {
-            return Ok(None);
-        }
-        let table = self.tables.iter().find(|table| table.name == OBJECTS);
-        match table.filter(|table| table.version == OBJECTS_VERSION) {
-            Some(table) => Ok(Some(table)),
-            None => {
-                let found = table.map_or("none".to_owned(), |it| format!("version {}", it.version));
-                let expected = format!("version {OBJECTS_VERSION}");
-                Err(PackError::new("tables.objects", found, expected))
-            }
-        }
-    }
-
-    /// The same with the objects and textures of its side table; `table` is nothing where it has
-    /// none.
-    ///
-    /// # Errors
-    /// The table is damaged, or a number in it is out of range.
-    pub fn with_objects(mut self, table: &[u8]) -> Result<Self, PackError> {
-        let Some(entry) = self.objects_table()? else {
-            return Ok(self);
-        };
-        check_crc(&format!("side table {OBJECTS}"), table, entry.crc32c)?;
-        (self.objects, self.textures) = read_objects(table)?;
-        self.check()?;
-        Ok(self)
-    }
-
-    /// The description as it is written, and side tables: of its objects where it would be long,
-    /// and of names that have no place in it.
-    #[must_use]
-    pub fn parted(mut self) -> (Self, Vec<SideTable>) {
-        let length = serde_json::to_vec(&self).map_or(0, |json| json.len());
-        let table = |name: &str, version, bytes| SideTable {
-            name: name.to_owned(),
-            version,
-            bytes,
-        };
-        let mut tables = Vec::new();
-        if length > LONG || !self.parts.iter().all(Vec::is_empty) {
-            let names = write_names(&self.objects, &self.parts);
-            tables.push(table(NAMES, NAMES_VERSION, names));
-        }
-        if length > LONG {
-            let objects = write_objects(&self.objects, &self.textures);
-            tables.push(table(OBJECTS, OBJECTS_VERSION, objects));
-            (self.objects, self.textures) = (Vec::new(), Vec::new());
-            self.needs.push(OBJECTS.to_owned());
-        }
-        self.parts = Vec::new();
-        (self, tables)
     }
 
     /// Triangles, points and texels at the finest level, each once.
@@ -500,7 +437,7 @@ impl SceneDescription {
         clouds.fold(0, u64::saturating_add)
     }
 
-    fn check(&self) -> Result<(), PackError> {
+    pub(super) fn check(&self) -> Result<(), PackError> {
         within("objects", self.objects.len(), MOST_OBJECTS)?;
         within("textures", self.textures.len() + 1, MOST_TEXTURES + 1)?;
         self.textures.iter().try_for_each(SceneTexture::check)?;

@@ -4,7 +4,7 @@
 //! `docs/formats/pack.md` is normative.
 
 use super::description::{
-    Cloud, Grid, MOST_OBJECTS, ObjectBounds, SceneObject, SceneTexture, Texturing,
+    Cloud, Grid, MOST_OBJECTS, OBJECTS, ObjectBounds, SceneObject, SceneTexture, Texturing,
 };
 use crate::content::bits::{push_varint, read_varint};
 use crate::content::images::wrap::Wrap;
@@ -14,9 +14,7 @@ use crate::pack::PackError;
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// Name of the side table, and what a description that leaves objects to it needs.
-pub const OBJECTS: &str = "objects";
-/// Version of its layout.
+/// Version of the layout of the table of objects.
 pub const OBJECTS_VERSION: u32 = 1;
 
 /// Name of the side table of names.
@@ -494,13 +492,13 @@ mod tests {
                 bits: 14,
             },
             attributes: Attributes {
-                normals: number % 2 == 0,
-                colours: number % 3 == 0,
+                normals: number.is_multiple_of(2),
+                colours: number.is_multiple_of(3),
                 textured: number == 4,
             },
             colour: [0.1, 0.2, 0.3, 1.0],
-            two_sided: number % 5 == 0,
-            unlit: number % 7 == 0,
+            two_sided: number.is_multiple_of(5),
+            unlit: number.is_multiple_of(7),
             placements: places.iter().map(DAffine3::to_cols_array).collect(),
             points: (number == 3).then(|| Cloud {
                 least: [-5, 1 << 33, 7],

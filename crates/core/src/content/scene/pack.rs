@@ -1,6 +1,9 @@
 //! Which units are in the pack of a scene, and where are their bytes?
 
-use super::description::{KIND, SceneDescription, SceneObject};
+use super::description::{KIND, OBJECTS, SceneDescription, SceneObject};
+use super::object_table::{
+    NAMES, NAMES_VERSION, OBJECTS_VERSION, read_objects, write_names, write_objects,
+};
 use super::unit_table::{OF_ALL, UNITS, UNITS_VERSION, UnitKind, UnitRow, read_units, write_units};
 use crate::content::images::payload::ImagePage;
 use crate::content::images::shape::TextureShape;
@@ -25,6 +28,9 @@ const MOST_STANDS: u64 = 1 << 24;
 /// unit.
 const MOST_PAGES_FREE: u64 = 1 << 20;
 const MOST_PAGES_OF_UNIT: u64 = 16;
+
+/// Bytes of a description beyond which its objects go into a side table.
+const LONG: usize = 1 << 15;
 
 /// Description, index and table of units of a scene pack: everything but the chunks.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +75,7 @@ impl ScenePack {
             return Err(PackError::new("index_bytes", header.index_bytes, expected));
         }
         description.units_table()?;
+        description.objects_table()?;
         Ok(description)
     }
 
@@ -391,6 +398,65 @@ fn check_textures_of(unit: &MeshUnit, object: &SceneObject) -> Result<(), PackEr
 }
 
 impl SceneDescription {
+    /// Where the side table of its objects lies, if it has one.
+    ///
+    /// # Errors
+    /// It needs one and there is none, or one of another version.
+    pub fn objects_table(&self) -> Result<Option<&TableEntry>, PackError> {
+        if !self.has_object_table() {
+            return Ok(None);
+        }
+        let table = self.tables.iter().find(|table| table.name == OBJECTS);
+        match table.filter(|table| table.version == OBJECTS_VERSION) {
+            Some(table) => Ok(Some(table)),
+            None => {
+                let found = table.map_or("none".to_owned(), |it| format!("version {}", it.version));
+                let expected = format!("version {OBJECTS_VERSION}");
+                Err(PackError::new("tables.objects", found, expected))
+            }
+        }
+    }
+
+    /// The same with the objects and textures of its side table; `table` is nothing where it has
+    /// none.
+    ///
+    /// # Errors
+    /// The table is damaged, or a number in it is out of range.
+    pub fn with_objects(mut self, table: &[u8]) -> Result<Self, PackError> {
+        let Some(entry) = self.objects_table()? else {
+            return Ok(self);
+        };
+        check_crc(&format!("side table {OBJECTS}"), table, entry.crc32c)?;
+        (self.objects, self.textures) = read_objects(table)?;
+        self.check()?;
+        Ok(self)
+    }
+
+    /// The description as it is written, and side tables: of its objects where it would be long,
+    /// and of names that have no place in it.
+    #[must_use]
+    pub fn parted(mut self) -> (Self, Vec<SideTable>) {
+        let length = serde_json::to_vec(&self).map_or(0, |json| json.len());
+        let table = |name: &str, version, bytes| SideTable {
+            name: name.to_owned(),
+            version,
+            bytes,
+        };
+        let mut tables = Vec::new();
+        if length > LONG || !self.parts.iter().all(Vec::is_empty) {
+            let names = write_names(&self.objects, &self.parts);
+            tables.push(table(NAMES, NAMES_VERSION, names));
+        }
+        if length > LONG {
+            let objects = write_objects(&self.objects, &self.textures);
+            tables.push(table(OBJECTS, OBJECTS_VERSION, objects));
+            (self.objects, self.textures) = (Vec::new(), Vec::new());
+            self.needs.push(OBJECTS.to_owned());
+        }
+        self.parts = Vec::new();
+        (self, tables)
+    }
+
     /// Where the table of units lies.
     ///
     /// # Errors

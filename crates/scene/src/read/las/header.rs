@@ -1,7 +1,7 @@
 //! What does the header of a LAS file say, and does it fit to the file?
 
 use super::super::error::Fault;
-use super::LasMends;
+use super::mends::LasMends;
 use foveal_core::units::counted;
 
 /// What mends counts.
@@ -169,7 +169,12 @@ impl LasHeader {
                 count
             }
         };
-        if u32::try_from(count.min(held.max(1))).is_err() {
+        let there = if self.is_packed {
+            count
+        } else {
+            count.min(held)
+        };
+        if u32::try_from(there).is_err() {
             let next = "cut the file into tiles of less than 4 thousand million points";
             return Err(Fault::unsupported(format!("{count} points"), next));
         }

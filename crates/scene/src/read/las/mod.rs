@@ -5,7 +5,9 @@
 //! COPC file is a LAZ file with a hierarchy, which is not needed here.
 
 mod header;
+mod mends;
 mod packed;
+mod records;
 #[cfg(test)]
 mod tests;
 
@@ -13,10 +15,11 @@ use super::colour::mend_codes;
 use super::error::Fault;
 use super::outliers;
 use super::text::shortened;
-use crate::source::{Repairs, SourceCloud, SourceScene};
-use foveal_core::units::counted;
+use crate::source::{SourceCloud, SourceScene};
 use glam::DAffine3;
-use header::{LasHeader, Layout};
+use header::LasHeader;
+use mends::LasMends;
+use records::Records;
 
 /// Reads a LAS or LAZ file into one cloud called `name`.
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
@@ -51,91 +54,4 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     };
     scene.clouds = outliers::clouds_on_grid(cloud, &mut scene);
     Ok(scene)
-}
-
-/// What of a file was mended or left out.
-#[derive(Debug, Default)]
-struct LasMends {
-    remarks: Vec<String>,
-    repairs: Repairs,
-}
-
-impl LasMends {
-    fn remark(&mut self, remark: String) {
-        self.remarks.push(remark);
-    }
-
-    fn count(&mut self, name: &str, times: u64) {
-        *self.repairs.entry(name.to_owned()).or_default() += times;
-    }
-
-    /// A number in the header that the rest of the file contradicts.
-    fn stale_count(&mut self, remark: String) {
-        self.remark(remark);
-        self.count("stale_counts", 1);
-    }
-
-    /// So many points of all that the header counts are not there.
-    fn miss(&mut self, missing: u64, all: u64, why: &str) {
-        if missing > 0 {
-            self.remark(format!("{missing} of {all} points are missing: {why}"));
-            self.count("missing_points", missing);
-        }
-    }
-
-    /// So many bytes lie behind the points that the header counts, and belong to nothing.
-    fn leave_behind(&mut self, bytes: usize, points: u64) {
-        if bytes > 0 {
-            self.remark(format!(
-                "{} behind the {points} points that the header counts are left out",
-                counted(bytes, "byte")
-            ));
-            self.count("bytes_behind_points", bytes as u64);
-        }
-    }
-}
-
-/// Takes out of records what is kept of a point.
-struct Records {
-    layout: Layout,
-    has_waves: bool,
-    cloud: SourceCloud,
-}
-
-impl Records {
-    fn new(layout: Layout) -> Self {
-        Self {
-            layout,
-            has_waves: layout.has_waves,
-            cloud: SourceCloud::default(),
-        }
-    }
-
-    /// Number of points so far.
-    fn len(&self) -> usize {
-        self.cloud.places.len()
-    }
-
-    /// Forgets all points but the first so many.
-    fn truncate(&mut self, points: usize) {
-        let cloud = &mut self.cloud;
-        cloud.places.truncate(points);
-        cloud.intensities.truncate(points);
-        cloud.classes.truncate(points);
-        cloud.colours.truncate(points);
-    }
-
-    /// Adds a record, which is as long as its layout.
-    fn add(&mut self, record: &[u8]) {
-        let cloud = &mut self.cloud;
-        cloud
-            .places
-            .push([0, 4, 8].map(|at| header::word_at(record, at) as i32));
-        cloud.intensities.push(header::half_at(record, 12));
-        cloud.classes.push(self.layout.class_of(record));
-        if let Some(at) = self.layout.colour {
-            let colour = [at, at + 2, at + 4].map(|at| header::half_at(record, at));
-            cloud.colours.push(colour);
-        }
-    }
 }

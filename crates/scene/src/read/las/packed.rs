@@ -5,7 +5,8 @@
 
 use super::super::error::Fault;
 use super::header::{LasHeader, half_at, word_at};
-use super::{LasMends, Records};
+use super::mends::LasMends;
+use super::records::Records;
 use foveal_core::units::counted;
 use laz::laszip::ChunkTable;
 use laz::{DecompressionSelection, LasZipDecompressor, LazItemType, LazVlr};
@@ -123,6 +124,11 @@ impl Packed<'_> {
         mends: &mut LasMends,
     ) -> Result<(), Fault> {
         let all: u64 = chunks.iter().map(|chunk| chunk.points).sum();
+        let bytes: usize = chunks.iter().map(|chunk| chunk.bytes.len()).sum();
+        if all > self.most_points(bytes) {
+            let what = format!("its chunks {all}, which cannot be in {bytes} bytes");
+            return Err(header.wrong_count(&what));
+        }
         let is_open = self.vlr.chunk_size() == ANY_SIZE;
         if all < header.count && self.packing == Packing::Chunks && !is_open {
             // How many the last chunk has is not known then.

@@ -6,6 +6,7 @@ mod meshes;
 mod points;
 mod refused;
 mod walls;
+mod writers;
 
 use std::path::{Path, PathBuf};
 

@@ -35,8 +35,8 @@ pub(crate) struct SceneBenchArgs {
     #[arg(value_name = "FILE|PACK")]
     inputs: Vec<PathBuf>,
     /// Rows to measure, by number or name: closed, bytes, build, decode, choose, triangles,
-    /// selection, first-picture, worth, fovea, memory, points, degenerate (default: all, as far as the scene
-    /// has what they measure).
+    /// selection, first-picture, worth, fovea, memory, points, degenerate (default: all, as far as
+    /// the scene has what they measure).
     #[arg(long, value_name = "ROW,..", value_delimiter = ',')]
     only: Vec<String>,
     /// Turns of what is timed; 1 to 100.
