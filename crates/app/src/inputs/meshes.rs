@@ -124,8 +124,8 @@ pub(super) const FORMATS: &[Format] = &[
 
 const PLY: &[Finding] = &[
     Finding {
-        found: "colours of vertices from 0 to 255 as `int`, `float` or `double`, or of another depth \
-                than their numbers",
+        found: "colours of vertices from 0 to 255 as `int`, `float` or `double`, or of another \
+                depth than their numbers",
         outcome: Mended,
         told: "the largest code is taken for all light, `colours_rescaled`",
     },

@@ -234,10 +234,10 @@ fn part_mesh(scene: &mut SourceScene, number: usize, shown: usize) -> Option<Sou
         let what = match (is_beyond, is_cut) {
             (true, _) => "left out",
             (false, true) => {
-                "an object of their own with a coarser step, which leaves a gap of up to that \
-                 where they meet"
+                "an object of their own, on a grid with a coarser step: narrow ones vanish on it, \
+                 and there is a gap of up to a step where they meet"
             }
-            (false, false) => "an object of their own with a coarser step",
+            (false, false) => "an object of their own, on a grid of their own",
         };
         scene.remark(format!(
             "{far_triangles} triangles of {name:?} lie far from its others, about {place}: they \
