@@ -74,8 +74,11 @@ fn squares(side: u32, has_palette: bool) -> Vec<u8> {
     file
 }
 
+/// Vertices, their places on a texture, and triangles.
+type Grid = (Vec<[f64; 2]>, Vec<[f64; 2]>, Vec<[u32; 3]>);
+
 /// Vertices (i/8, j/8) and 128 triangles, whose places on a texture are a part of it.
-fn grid(part: f64, begin: f64) -> (Vec<[f64; 2]>, Vec<[f64; 2]>, Vec<[u32; 3]>) {
+fn grid(part: f64, begin: f64) -> Grid {
     let places = (0..81).map(|k| [f64::from(k % 9) / 8.0, f64::from(k / 9) / 8.0]);
     let places: Vec<[f64; 2]> = places.collect();
     let uvs = places.iter().map(|it| it.map(|along| along * part + begin));

@@ -174,6 +174,10 @@ fn read_cut(
         left -= points;
         let begin = length - usize::try_from(behind).unwrap_or(0).min(length);
         let begin = if chunk.is_open { begin } else { length };
+        // The first point of a chunk is not packed.
+        if begin < header.record_bytes {
+            break;
+        }
         rest = there.get(begin..);
     }
     Ok(())
