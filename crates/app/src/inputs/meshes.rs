@@ -177,6 +177,11 @@ const PLY: &[Finding] = &[
         told: "the rest is left out, `rows_too_long`; what is missing is NaN",
     },
     Finding {
+        found: "rows beyond those announced",
+        outcome: Mended,
+        told: "left out, `rows_left_out`",
+    },
+    Finding {
         found: "no x, y and z; no end of the header",
         outcome: Refused,
         told: "there is nothing to show",
