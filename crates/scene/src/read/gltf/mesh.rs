@@ -46,7 +46,7 @@ pub(super) struct MeshReader<'a> {
     pub(super) spent: usize,
 }
 
-/// MeshPoints of a mesh: where they lie, and their colours in linear light.
+/// Points of a mesh: where they lie, and their colours in linear light.
 #[derive(Default)]
 pub(super) struct MeshPoints {
     positions: Vec<DVec3>,
