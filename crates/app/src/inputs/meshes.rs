@@ -124,8 +124,8 @@ pub(super) const FORMATS: &[Format] = &[
 
 const PLY: &[Finding] = &[
     Finding {
-        found: "colours of vertices from 0 to 255 as `int`, `float` or `double`, or of another depth \
-                than their numbers",
+        found: "colours of vertices from 0 to 255 as `int`, `float` or `double`, or of another \
+                depth than their numbers",
         outcome: Mended,
         told: "the largest code is taken for all light, `colours_rescaled`",
     },
@@ -175,6 +175,11 @@ const PLY: &[Finding] = &[
         found: "rows of text with more or fewer values than announced",
         outcome: Mended,
         told: "the rest is left out, `rows_too_long`; what is missing is NaN",
+    },
+    Finding {
+        found: "rows beyond those announced",
+        outcome: Mended,
+        told: "left out, `rows_left_out`",
     },
     Finding {
         found: "no x, y and z; no end of the header",

@@ -46,7 +46,8 @@ pub(super) const FORMATS: &[Format] = &[Format {
         Finding {
             found: "a picture that is cut short, damaged, or claims more than its bytes can hold",
             outcome: Refused,
-            told: "left out by its name, `repairs.missing_images`: the surface has its colour alone",
+            told: "left out by its name, `repairs.missing_images`: the surface has its colour \
+                   alone",
         },
     ],
 }];

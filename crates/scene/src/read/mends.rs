@@ -60,6 +60,11 @@ pub(super) const ROW_BEYOND: Mend = Mend {
     name: "rows_beyond_count",
     what: "rows beyond the number that the file announces are shown",
 };
+/// The same where they are not shown.
+pub(super) const ROW_LEFT: Mend = Mend {
+    name: "rows_left_out",
+    what: "rows beyond the number that the file announces are left out",
+};
 /// A line, or a word of it, has no meaning where it stands.
 pub(super) const LINE_BROKEN: Mend = Mend {
     name: "lines_broken",

@@ -12,7 +12,6 @@ mod mangle;
 mod mends;
 mod obj;
 mod outliers;
-mod pictures;
 mod place;
 mod ply;
 mod polygon;
@@ -25,7 +24,7 @@ mod text;
 use std::path::Path;
 
 pub use error::ReadError;
-pub use place::Up;
+pub use place::{ReadOptions, Up};
 
 pub use single::SceneFormat;
 pub use sound::KEPT;
@@ -33,16 +32,6 @@ pub use sound::KEPT;
 use crate::source::SourceScene;
 use files::Nowhere;
 use single::{SceneFile, read_file};
-
-/// What is to be known of files beside what they say.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ReadOptions {
-    /// Which axis points up in all of them; if not given, the one that is usual for the format: z
-    /// in STL, LAS and LAZ, y in all others.
-    pub up: Option<Up>,
-    /// Whether files are opened that lie outside the folder of the file that names them.
-    pub allow_outside: bool,
-}
 
 /// Whether a file's name ends as one that [`read`] reads: .glb, .gltf, .obj, .ply, .stl, .las
 /// or .laz.
@@ -55,7 +44,8 @@ pub fn is_scene_file(file: &Path) -> bool {
 /// for those that it names.
 ///
 /// Refused are files that break their format, or that have neither triangle nor point. A file that
-/// one names elsewhere is looked for in its folder; without pictures, surfaces have their colour. Memory is a small multiple of the files' bytes, whatever they claim.
+/// one names elsewhere is looked for in its folder; without pictures, surfaces have their colour.
+/// Memory is a small multiple of the files' bytes, whatever they claim.
 ///
 /// ```
 /// use foveal_scene::read::{ReadOptions, read};
@@ -78,7 +68,7 @@ pub fn read(inputs: &[&Path], options: &ReadOptions) -> Result<SourceScene, Read
             false => read_file(path, options)?,
         });
     }
-    pictures::leave_out_pictures(&mut scene);
+    image::pictures::leave_out_pictures(&mut scene);
     Ok(scene)
 }
 

@@ -155,62 +155,115 @@ fn told(place: DVec3) -> String {
     along.join(", ")
 }
 
-/// Makes what lies far in meshes objects of their own.
+/// Makes what lies far in meshes objects of their own, and leaves out what lies nowhere.
 pub(super) fn part_meshes(scene: &mut SourceScene) {
     for number in 0..scene.meshes.len() {
-        let mut parts = 0;
-        let mut at = number;
-        while let Some(far) = part_mesh(scene, at, number) {
-            parts += 1;
+        leave_out_beyond(scene, number);
+        let (mut parts, mut at) = (Vec::new(), number);
+        while parts.len() + 1 < MOST_PARTS
+            && let Some((far, is_cut)) = part_mesh(scene, at, number)
+        {
             at = scene.meshes.len();
             scene.meshes.push(far);
+            parts.push((at, is_cut));
+        }
+        for (part, (mesh, is_cut)) in parts.into_iter().enumerate() {
+            tell_part(scene, (number, mesh), is_cut);
             let shown = scene.objects.iter().filter(|it| it.mesh == number);
             let objects: Vec<SourceObject> = shown
                 .map(|it| SourceObject {
-                    name: format!("{}, far part {parts}", it.name),
-                    mesh: at,
+                    name: format!("{}, far part {}", it.name, part + 1),
+                    mesh,
                     placements: it.placements.clone(),
                 })
                 .collect();
             scene.objects.extend(objects);
-            if parts + 1 == MOST_PARTS {
-                break;
-            }
         }
     }
 }
 
-/// Takes out of a mesh what lies far; it is that of objects which show mesh `shown`, or a part.
-fn part_mesh(scene: &mut SourceScene, number: usize, shown: usize) -> Option<SourceMesh> {
+/// The name of the first object that shows a mesh, for people.
+fn name_of(scene: &SourceScene, mesh: usize) -> String {
+    let mut objects = scene.objects.iter();
+    let shown = objects.find(|it| it.mesh == mesh);
+    shown.map_or(String::new(), |it| shortened(&it.name))
+}
+
+/// Leaves out triangles so far away that nothing is placed there, unless all are.
+fn leave_out_beyond(scene: &mut SourceScene, number: usize) {
+    let mesh = &scene.meshes[number];
+    let is_beyond = |it: &DVec3| it.abs().max_element() > FARTHEST;
+    if !mesh.positions.iter().any(is_beyond) {
+        return;
+    }
+    let is_out = |corner: &u32| is_beyond(&mesh.positions[*corner as usize]);
+    let stays: Vec<bool> = mesh
+        .triangles
+        .iter()
+        .map(|it| !it.iter().any(is_out))
+        .collect();
+    let lost = stays.iter().filter(|it| !**it).count();
+    if lost == stays.len() {
+        return;
+    }
+    let name = name_of(scene, number);
+    scene.meshes[number].keep_triangles(&stays);
+    count(&mut scene.repairs, "outlier_triangles_left_out", lost);
+    scene.remark(format!(
+        "{lost} triangles of {name:?} have a corner more than {FARTHEST:e} from the origin: they \
+         are left out"
+    ));
+}
+
+/// Tells of a part of a mesh that was made another one, if it lies far enough to matter.
+fn tell_part(scene: &mut SourceScene, (near, far): (usize, usize), is_cut: bool) {
+    let of = |mesh: usize| bounds(scene.meshes[mesh].positions.iter().copied());
+    let [low, high] = of(far);
+    if ratio(of(near), [low, high]) < TOLD {
+        return;
+    }
+    let triangles = scene.meshes[far].triangles.len();
+    let what = match is_cut {
+        true => {
+            ", whose step is coarser: narrow ones vanish on it, and there is a gap of up to a step \
+             where they meet"
+        }
+        false => "",
+    };
+    scene.remark(format!(
+        "{triangles} triangles of {:?} lie far from its others, about {}: they are an object with \
+         a grid of its own{what}",
+        name_of(scene, near),
+        told((low + high) / 2.0),
+    ));
+    count(&mut scene.repairs, "outlier_triangles", triangles);
+}
+
+/// Takes out of a mesh what lies far, and tells whether that was joined to the rest. The mesh is
+/// that of objects which show mesh `shown`, or a part of it.
+fn part_mesh(scene: &mut SourceScene, number: usize, shown: usize) -> Option<(SourceMesh, bool)> {
     let mesh = &scene.meshes[number];
     let all = bounds(mesh.positions.iter().copied());
     let bulk = Bulk::of(mesh.positions.len(), all, &|at| mesh.positions[at])?;
     let is_far: Vec<bool> = mesh.positions.iter().map(|it| !bulk.holds(*it)).collect();
     let corners = |triangle: &[u32; 3]| triangle.map(|it| is_far[it as usize]);
-    let all = mesh.triangles.len();
-    let far = mesh
+    let stays: Vec<bool> = mesh
         .triangles
         .iter()
-        .filter(|it| corners(it).contains(&true));
-    let far_triangles = far.count();
-    let mixed = |it: &&[u32; 3]| corners(it).contains(&true) && corners(it).contains(&false);
-    let is_cut = mesh.triangles.iter().filter(mixed).count() > 0;
+        .map(|it| !corners(it).contains(&true))
+        .collect();
+    let far_triangles = stays.iter().filter(|it| !**it).count();
+    let is_mixed = |it: &[u32; 3]| corners(it).contains(&true) && corners(it).contains(&false);
+    let is_cut = mesh.triangles.iter().any(is_mixed);
     let of = |wanted: bool| {
         let places = mesh.positions.iter().zip(&is_far);
-        places
-            .filter(move |(_, far)| **far == wanted)
-            .map(|it| *it.0)
+        bounds(places.filter(|(_, far)| **far == wanted).map(|it| *it.0))
     };
-    let (near, far) = (bounds(of(false)), bounds(of(true)));
-    let times = ratio(near, far);
-    let mut objects = scene.objects.iter();
-    let name = objects.find(|it| it.mesh == shown);
-    let name = name.map_or(String::new(), |it| shortened(&it.name));
-    let place = told((far[0] + far[1]) / 2.0);
-    let is_beyond = far[0].abs().max(far[1].abs()).max_element() > FARTHEST;
-    let is_little = far_triangles as f64 <= MOST_CUT * all as f64;
-    if is_cut && !is_beyond && (times < CUT || !is_little) {
+    let times = ratio(of(false), of(true));
+    let is_little = far_triangles as f64 <= MOST_CUT * stays.len() as f64;
+    if is_cut && (times < CUT || !is_little) {
         if times >= TOLD && number == shown {
+            let name = name_of(scene, shown);
             let share = times.round();
             scene.remark(format!(
                 "{name:?} reaches {share} times as far as most of its vertices lie: these have \
@@ -219,37 +272,13 @@ fn part_mesh(scene: &mut SourceScene, number: usize, shown: usize) -> Option<Sou
         }
         return None;
     }
-    if far_triangles == 0 || far_triangles == all {
+    if far_triangles == 0 || far_triangles == stays.len() {
         return None;
     }
-    let is_near: Vec<bool> = mesh
-        .triangles
-        .iter()
-        .map(|it| !corners(it).contains(&true))
-        .collect();
     let mut out = mesh.clone();
-    out.keep_triangles(&is_near.iter().map(|it| !it).collect::<Vec<_>>());
-    scene.meshes[number].keep_triangles(&is_near);
-    if times >= TOLD {
-        let what = match (is_beyond, is_cut) {
-            (true, _) => "left out",
-            (false, true) => {
-                "an object of their own with a coarser step, which leaves a gap of up to that \
-                 where they meet"
-            }
-            (false, false) => "an object of their own with a coarser step",
-        };
-        scene.remark(format!(
-            "{far_triangles} triangles of {name:?} lie far from its others, about {place}: they \
-             are {what}"
-        ));
-        let counted = match is_beyond {
-            true => "outlier_triangles_left_out",
-            false => "outlier_triangles",
-        };
-        count(&mut scene.repairs, counted, far_triangles);
-    }
-    (!is_beyond).then_some(out)
+    out.keep_triangles(&stays.iter().map(|it| !it).collect::<Vec<_>>());
+    scene.meshes[number].keep_triangles(&stays);
+    Some((out, is_cut))
 }
 
 /// Clouds of points that lie anywhere: one, or several where some lie far from the others. As many

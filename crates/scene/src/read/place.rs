@@ -18,6 +18,16 @@ pub enum Up {
     Z,
 }
 
+/// What is to be known of files beside what they say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// Which axis points up in all of them; if not given, the one that is usual for the format: z
+    /// in STL, LAS and LAZ, y in all others.
+    pub up: Option<Up>,
+    /// Whether files are opened that lie outside the folder of the file that names them.
+    pub allow_outside: bool,
+}
+
 /// Turns a file's world so that y points up.
 pub(super) fn turn_up(scene: &mut SourceScene, up: Up) {
     if up == Up::Y {

@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use super::ReadOptions;
 use super::error::{Fault, ReadError};
 use super::files::{NamedFile, OnDisk};
 use super::mends::Mends;
-use super::place::{self, Up};
+use super::place::{self, ReadOptions, Up};
 use super::search::Folder;
 use super::text::utf8_of;
 use super::{gltf, las, obj, outliers, ply, sound, stl};

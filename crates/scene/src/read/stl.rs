@@ -124,6 +124,7 @@ impl Solid {
         let read = if is_all { there } else { claimed.min(there) };
         let beyond = read.saturating_sub(claimed);
         self.mends.add(mends::ROW_BEYOND, beyond, place(claimed));
+        self.mends.add(mends::ROW_LEFT, there - read, place(read));
         (0..read).try_for_each(|index| {
             let at = index * TRIANGLE_BYTES;
             self.add_binary(&rows[at..], at)

@@ -39,7 +39,7 @@ pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
     let mut rest = single_lines(bytes);
     std::iter::from_fn(move || {
         let mut line = rest.next()?;
-        while line.text.trim_end().ends_with('\\') && !has_text(&line.text) {
+        while line.text.trim_ascii_end().ends_with('\\') && !has_text(&line.text) {
             let Some(next) = rest.next() else { break };
             let mut joined = line.text.into_owned();
             joined.truncate(joined.trim_end().len() - 1);
@@ -101,17 +101,25 @@ impl<'a> Words<'a> {
 
     /// The next word.
     pub(super) fn next(&mut self) -> Option<&'a str> {
-        let word = self.peek();
-        let begin = self.rest.len() - self.rest.trim_ascii_start().len();
-        self.rest = &self.rest[begin + word.len()..];
-        (!word.is_empty()).then_some(word)
+        let [begin, end] = self.first();
+        let word = &self.rest[begin..end];
+        self.rest = &self.rest[end..];
+        (begin < end).then_some(word)
     }
 
     /// The next word, or none, without taking it.
     pub(super) fn peek(&self) -> &'a str {
-        let rest = self.rest.trim_ascii_start();
-        let end = rest.bytes().position(|byte| byte.is_ascii_whitespace());
-        &rest[..end.unwrap_or(rest.len())]
+        let [begin, end] = self.first();
+        &self.rest[begin..end]
+    }
+
+    /// Where the next word begins and ends.
+    fn first(&self) -> [usize; 2] {
+        let bytes = self.rest.as_bytes();
+        let begin = bytes.iter().position(|byte| !byte.is_ascii_whitespace());
+        let begin = begin.unwrap_or(bytes.len());
+        let length = bytes[begin..].iter().position(u8::is_ascii_whitespace);
+        [begin, length.map_or(bytes.len(), |length| begin + length)]
     }
 
     /// All that is left of the line, without blanks at both ends.
@@ -123,6 +131,9 @@ impl<'a> Words<'a> {
     /// Leaves out a comment at the end of the line: from a `#` on that is not within a number, such
     /// as `1.#QNAN`.
     pub(super) fn leave_out_comment(&mut self) {
+        if !self.rest.as_bytes().contains(&b'#') {
+            return;
+        }
         let is_begin = |(at, _): &(usize, &str)| !self.rest[..*at].ends_with('.');
         if let Some((at, _)) = self.rest.match_indices('#').find(is_begin) {
             self.rest = &self.rest[..at];

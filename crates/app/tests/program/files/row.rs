@@ -18,7 +18,8 @@ impl Row {
         for (number, name) in names.iter().enumerate() {
             let x = 1.5 * number as f64;
             site += &format!(
-                "[[input]]\nfile = {name:?}\nup = \"y\"\nplace = [{{ translation = [{x}, 0, 0] }}]\n"
+                "[[input]]\nfile = {name:?}\nup = \"y\"\n\
+                 place = [{{ translation = [{x}, 0, 0] }}]\n"
             );
         }
         let site = folder.holding("row.toml", site.as_bytes());

@@ -13,11 +13,10 @@ use glam::{DAffine3, DMat3, DVec3};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use super::ReadOptions;
 use super::colour::linear_from_encoded;
 use super::error::{Fault, ReadError};
 use super::files::OnDisk;
-use super::place::{self, MOST_PLACES, Up};
+use super::place::{self, MOST_PLACES, ReadOptions, Up};
 use super::single::{SceneFormat, read_named};
 use super::text::shortened;
 use crate::source::SourceScene;

@@ -25,7 +25,7 @@ pub(super) struct Buffers<'a> {
     pub(super) total: usize,
     /// How many bytes were unpacked.
     pub(super) unpacked: u64,
-    /// How many have fewer bytes than the file says; what names those that are not there is refused.
+    /// How many have fewer bytes than the file says; views of those that are not there are refused.
     pub(super) short: usize,
 }
 

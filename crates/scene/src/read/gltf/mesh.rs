@@ -41,19 +41,19 @@ pub(super) struct MeshReader<'a> {
     /// The colour of each material.
     pub(super) factors: Vec<[f32; 4]>,
     /// The points of the mesh that was read last.
-    pub(super) points: Points,
+    pub(super) points: MeshPoints,
     /// Vertices and corners that were read.
     pub(super) spent: usize,
 }
 
 /// Points of a mesh: where they lie, and their colours in linear light.
 #[derive(Default)]
-pub(super) struct Points {
+pub(super) struct MeshPoints {
     positions: Vec<DVec3>,
     colours: Vec<[f32; 4]>,
 }
 
-impl Points {
+impl MeshPoints {
     /// As clouds; none where there are no points.
     pub(super) fn clouds(&self, name: &str, scene: &mut SourceScene) -> Vec<SourceCloud> {
         if self.positions.is_empty() {
@@ -97,7 +97,7 @@ impl MeshReader<'_> {
             let what = format!("there are only {} meshes", meshes.len());
             return Err(Fault::at(format!("mesh {number}"), what));
         };
-        self.points = Points::default();
+        self.points = MeshPoints::default();
         let mut mesh = SourceMesh::default();
         let mut met = HashMap::new();
         for (index, primitive) in said.primitives.iter().enumerate() {

@@ -26,7 +26,7 @@ use accessor::Accessors;
 use buffers::Buffers;
 use container::Parsed;
 use json::{Document, GltfMaterial};
-use mesh::{MeshReader, Points};
+use mesh::{MeshPoints, MeshReader};
 use textures::{TextureReader, uv_set};
 
 /// Reads a `.gltf` or `.glb` file; objects without a name are called `name` and a number.
@@ -53,7 +53,7 @@ pub(super) fn read(
         mends: Mends::default(),
         filler: Filler::default(),
         factors: materials.iter().map(|it| it.colour).collect(),
-        points: Points::default(),
+        points: MeshPoints::default(),
         spent: 0,
     };
     let mut object_of: HashMap<u32, usize> = HashMap::new();

@@ -1,5 +1,7 @@
 //! What does a corner of a face name, before or behind it in the file?
 
+use std::collections::HashMap;
+
 use super::super::mends::{FROM_ZERO, Mends};
 
 /// Stands for a number that is not given.
@@ -43,6 +45,64 @@ impl FaceCorner {
             uv: named(1),
             normal: named(2),
         })
+    }
+}
+
+/// Most vertices of one place that are looked through one by one.
+const MOST_OF_PLACE: usize = 12;
+
+/// The vertices of the mesh, by what corners name.
+#[derive(Debug, Default)]
+pub(super) struct Vertices {
+    /// The newest vertex of each place, or [`NONE`].
+    newest: Vec<u32>,
+    /// For each vertex the one of its place before it, and its numbers of `vt` and `vn`.
+    all: Vec<[u32; 3]>,
+    /// Those of places that have many.
+    more: HashMap<Corner, u32>,
+}
+
+impl Vertices {
+    /// The vertex of a corner, and whether it is new.
+    pub(super) fn of(&mut self, corner: Corner) -> (u32, bool) {
+        let place = corner.place as usize;
+        if place >= self.newest.len() {
+            self.newest.resize(place + 1, NONE);
+        }
+        let numbers = [corner.uv, corner.normal].map(|it| it.unwrap_or(NONE));
+        let mut at = self.newest[place];
+        let mut met = 0;
+        while at != NONE && met < MOST_OF_PLACE {
+            let [before, uv, normal] = self.all[at as usize];
+            if [uv, normal] == numbers {
+                return (at, false);
+            }
+            (at, met) = (before, met + 1);
+        }
+        let next = self.all.len() as u32;
+        if at != NONE {
+            let vertex = *self.more.entry(corner).or_insert(next);
+            if vertex != next {
+                return (vertex, false);
+            }
+            self.all.push([NONE; 3]);
+        } else {
+            self.all.push([self.newest[place], numbers[0], numbers[1]]);
+            self.newest[place] = next;
+        }
+        (next, true)
+    }
+
+    /// Number of vertices.
+    pub(super) fn len(&self) -> usize {
+        self.all.len()
+    }
+
+    /// The places that have a vertex.
+    pub(super) fn places(&self) -> impl Iterator<Item = u32> {
+        let all = (0..).zip(&self.newest);
+        all.filter(|(_, vertex)| **vertex != NONE)
+            .map(|(place, _)| place)
     }
 }
 

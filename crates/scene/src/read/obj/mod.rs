@@ -25,7 +25,7 @@ use super::text::{Words, lines, shortened, utf8_of};
 use crate::source::{
     Material, MaterialTexture, SourceImage, SourceMesh, SourceObject, SourceScene,
 };
-use corners::{Corner, FaceCorner, Late};
+use corners::{Corner, FaceCorner, Late, Vertices};
 use mtl::Library;
 use points::Points;
 
@@ -65,7 +65,7 @@ struct Reader<'a> {
     /// What `vt` lines say.
     uvs: Vec<[f32; 2]>,
     /// The vertex of the mesh for each place, texture place and normal.
-    vertices: HashMap<Corner, u32>,
+    vertices: Vertices,
     polygons: Polygons,
     /// The corners of the face that is being read, and the vertices of the mesh that they are.
     face: Vec<FaceCorner>,
@@ -90,6 +90,8 @@ struct Reader<'a> {
 const MOST_LIBRARIES: usize = 256;
 /// Stands for no colour until all are read.
 const UNSAID: [f32; 4] = [-1.0; 4];
+/// Numbers of 32 bits, of which the last two stand for none.
+const MOST_VERTICES: usize = u32::MAX as usize - 2;
 
 impl Reader<'_> {
     fn new(first: u32, folder: &'_ mut dyn Folder) -> Reader<'_> {
@@ -102,7 +104,7 @@ impl Reader<'_> {
             normals: Vec::new(),
             uvs: Vec::new(),
             images: HashMap::new(),
-            vertices: HashMap::new(),
+            vertices: Vertices::default(),
             polygons: Polygons::default(),
             face: Vec::new(),
             outline: Vec::new(),
@@ -165,8 +167,11 @@ impl Reader<'_> {
             "vt" => {
                 let (u, v) = (next(words), words.any_number().unwrap_or(0.0));
                 // Here 0 is at the bottom of pictures.
-                self.uvs
-                    .push([u, 1.0 - v].map(|along| along.clamp(-1e6, 1e6) as f32));
+                let place = [u, 1.0 - v].map(|along| match along.is_finite() {
+                    true => along.clamp(-1e6, 1e6) as f32,
+                    false => f32::NAN,
+                });
+                self.uvs.push(place);
             }
             "p" => self.points.read(words, self.places.len()),
             "l" => {
@@ -247,10 +252,12 @@ impl Reader<'_> {
                 self.mends.add(mends::OUT_OF_RANGE, 1, place);
                 return Ok(());
             };
-            let next = u32::try_from(self.mesh.positions.len())
-                .map_err(|_| Fault::line(line, "there are more vertices than 4294967295"))?;
-            let vertex = *self.vertices.entry(corner).or_insert(next);
-            if vertex == next {
+            if self.vertices.len() >= MOST_VERTICES {
+                let what = format!("there are more vertices than {MOST_VERTICES}");
+                return Err(Fault::line(line, what));
+            }
+            let (vertex, is_new) = self.vertices.of(corner);
+            if is_new {
                 self.add_vertex(corner);
             }
             self.outline.push(vertex);
@@ -444,12 +451,11 @@ impl Reader<'_> {
 
     /// Adds the points that are shown, and counts the vertices that nothing shows.
     fn add_points(&mut self, name: &str) {
-        let has_faces = self.mends.times(mends::OUT_OF_RANGE) > 0 || !self.vertices.is_empty();
+        let has_faces = self.mends.times(mends::OUT_OF_RANGE) > 0 || self.vertices.len() > 0;
         let points = std::mem::take(&mut self.points);
         let shown = points.shown(&self.places, has_faces, &mut self.mends);
         let mut used = vec![false; self.places.len()];
-        let named = self.vertices.keys().map(|corner| corner.place);
-        for place in named.chain(shown.iter().copied()) {
+        for place in self.vertices.places().chain(shown.iter().copied()) {
             used[place as usize] = true;
         }
         let unused = used.iter().filter(|used| !**used).count();

@@ -193,8 +193,8 @@ impl Told {
     }
 }
 
-/// Gives each triangle the colour of its face, by the number of that: vertices between triangles of several colours stand
-/// there once for each.
+/// Gives each triangle the colour of its face, by the number of that: vertices between triangles of
+/// several colours stand there once for each.
 pub(super) fn colour_triangles(mesh: &mut SourceMesh, faces: &[u32], colours: &[[f32; 4]]) {
     let mut of: HashMap<(u32, [u32; 4]), u32> = HashMap::with_capacity(mesh.positions.len());
     let mut coloured = SourceMesh::default();

@@ -40,6 +40,11 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         numbers.end();
     }
     reader.add_mends(&numbers);
+    if let Some(last) = header.elements.last() {
+        let left = numbers.rows_left(last);
+        let place = || numbers.place();
+        reader.mends.add(mends::ROW_LEFT, left, place);
+    }
     let polygons = std::mem::take(&mut reader.polygons);
     polygons.fill(&mut reader.mesh, &mut reader.mends);
     let mut scene = SourceScene::default();

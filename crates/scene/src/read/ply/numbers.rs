@@ -146,6 +146,25 @@ impl<'a> Numbers<'a> {
         self.at = self.at.max(end);
     }
 
+    /// How many rows, at most, stand behind those of the last element.
+    pub(super) fn rows_left(&self, last: &Element) -> usize {
+        let rest = &self.bytes[self.at..];
+        if self.encoding == Encoding::Text {
+            let lines = rest.split(|byte| matches!(byte, b'\n' | b'\r'));
+            let is_row = |line: &&[u8]| line.iter().any(u8::is_ascii_alphanumeric);
+            return lines.filter(is_row).count();
+        }
+        // Zeros and blanks fill up.
+        let end = rest
+            .iter()
+            .rposition(|it| *it != 0 && !it.is_ascii_whitespace());
+        let least = last.properties.iter().map(|it| match it {
+            Property::One { scalar, .. } => scalar.bytes(),
+            Property::List { length, scalar, .. } => length.bytes() + 3 * scalar.bytes(),
+        });
+        end.map_or(0, |end| (end + 1) / least.sum::<usize>().max(1))
+    }
+
     fn left(&self) -> usize {
         self.bytes.len() - self.at
     }

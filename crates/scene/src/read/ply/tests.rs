@@ -228,6 +228,20 @@ fn rows_are_lines_where_the_first_is_one() {
 }
 
 #[test]
+fn rows_beyond_those_announced_are_left_out_and_told() {
+    for encoding in [Write::Text, Write::Little, Write::Big] {
+        let mut file = ply(encoding);
+        assert!(scene(&[&file[..], b"\n \0"].concat()).repairs.is_empty());
+        let more: &[u8] = match encoding {
+            Write::Text => b"3 0 1 2\n3 0 1 2\n",
+            _ => &[3; 26],
+        };
+        file.extend(more);
+        assert_eq!(scene(&file).repairs["rows_left_out"], 2);
+    }
+}
+
+#[test]
 fn headers_of_other_programs_are_read() {
     let plain = format!("element vertex 3\n{XYZ}\nelement face 1\n{FACE}");
     let rows = "0 0 0\n0 1 0\n1 0 0\n3 0 1 2\n";

@@ -2,9 +2,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::image::{is_animated, measured};
-use super::sound::count;
-use super::text::shortened;
+use super::super::sound::count;
+use super::super::text::shortened;
+use super::{is_animated, measured};
 use crate::source::{MaterialTexture, SourceScene};
 
 /// Texels of all pictures together, each as often as it is shown in another way, whatever their
@@ -16,7 +16,7 @@ const MOST_TEXELS_A_BYTE: u64 = 64;
 const MOST_NAMED: usize = 8;
 
 /// Leaves out pictures that are none, or too large, and says which.
-pub(super) fn leave_out_pictures(scene: &mut SourceScene) {
+pub(in crate::read) fn leave_out_pictures(scene: &mut SourceScene) {
     let mut left = MOST_TEXELS.saturating_add(MOST_TEXELS_A_BYTE.saturating_mul(scene.bytes));
     let mut sizes = HashMap::new();
     let mut shown = HashMap::new();
