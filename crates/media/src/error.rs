@@ -4,11 +4,14 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+/// Whether the system opens no more files, of this program (EMFILE) or of all (ENFILE).
+pub(crate) fn is_system_full(reason: &str) -> bool {
+    reason.contains("Too many open files") || reason.contains("os error 23")
+}
+
 /// What to do where the system refuses to open a file, by what it says.
-#[must_use]
-pub fn next_after(reason: &str) -> &'static str {
-    // EMFILE of this program, ENFILE of all: the path is as it should be.
-    match reason.contains("Too many open files") || reason.contains("os error 23") {
+fn next_after(reason: &str) -> &'static str {
+    match is_system_full(reason) {
         true => "close other programs or files, or allow more with `ulimit -n 4096`",
         false => "check the path and the permissions",
     }

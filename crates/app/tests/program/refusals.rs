@@ -63,13 +63,19 @@ fn a_codec_that_nobody_knows_is_refused() {
 }
 
 #[test]
-fn a_video_cut_within_a_frame_is_refused_with_its_place() {
+fn a_video_cut_within_a_frame_is_shown_up_to_there_and_where_strict_refused_with_its_place() {
     let folder = Folder::new();
     let whole = write_clip(&folder, "whole.mkv", &noisy_clip([128, 96], 20));
     let bytes = std::fs::read(&whole).unwrap();
     let cut = folder.holding("cut.mkv", &bytes[..bytes.len() * 6 / 10]);
     let words = ["cut.mkv", "broken at frame 1", "copy the file again"];
-    refuse(&folder, &cut, &words);
+    let out = folder.name("cut.foveal");
+    let strict = ["prepare", "video", &cut, "--out", &out, "--strict"];
+    refused(1, &strict, &words);
+    assert!(!Path::new(&out).exists());
+    let told = json(&["prepare", "video", &cut, "--out", &out, "--no-loss"]);
+    assert_eq!(told["repairs"]["cut_short"], 1, "{told}");
+    assert!(told["frames"].as_u64().unwrap() >= 10, "{told}");
     // What was asked for lies before the cut.
     let out = folder.name("start.foveal");
     let start = ["prepare", "video", &cut, "--out", &out, "--frames", "5"];

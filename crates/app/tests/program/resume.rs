@@ -99,7 +99,9 @@ fn why_a_preparation_stopped_is_told_before_what_it_keeps() {
     let cut = folder.holding("cut.mkv", &bytes[..bytes.len() * 9 / 10]);
     let out = folder.name("a.foveal");
     let words = ["broken at frame", "a.foveal.partial and its journal keep"];
-    let prepare = ["prepare", "video", &cut, "--out", &out, "--tile", "64"];
+    let prepare = [
+        "prepare", "video", &cut, "--out", &out, "--tile", "64", "--strict",
+    ];
     let said = refused(1, &prepare, &words).stderr;
     let [why, kept] = words.map(|word| said.find(word).unwrap());
     assert!(why < kept, "{said}");

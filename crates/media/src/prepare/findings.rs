@@ -51,6 +51,20 @@ pub(super) fn findings(
     }
     let notes = time_notes(times, fps, mended.repaired_stamps, of);
     let mut repairs = mended.repairs();
+    let missing = match mended.damaged + mended.lost {
+        0 => 0,
+        _ => missing_frames(times, fps),
+    };
+    if missing > 0 {
+        repairs.insert("missing_frames".to_owned(), missing);
+        warnings.push(format!(
+            "about {} missing where it is damaged; the frame before stays there",
+            match missing {
+                1 => "1 frame is".to_owned(),
+                more => format!("{more} frames are"),
+            }
+        ));
+    }
     if notes.ends_early {
         repairs.insert("cut_short".to_owned(), 1);
     }
@@ -63,6 +77,20 @@ pub(super) fn findings(
         repairs,
         last_frame_s: last_frame_s(plan, times, *last_ns),
     }
+}
+
+/// Frames that a film of one rate lacks between others.
+fn missing_frames(times: &[i64], fps: f64) -> u64 {
+    let lengths = times
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]) as f64 / 1e9 * fps);
+    let lengths: Vec<f64> = lengths.collect();
+    let even = lengths.iter().filter(|it| (0.9..1.1).contains(*it)).count();
+    if even * 4 < lengths.len() * 3 {
+        return 0;
+    }
+    let gaps = lengths.iter().filter(|it| **it > 1.5);
+    gaps.map(|it| it.round() as u64 - 1).sum()
 }
 
 /// How long the last frame is shown, where that is told and is not a period.

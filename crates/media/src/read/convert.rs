@@ -26,7 +26,7 @@ pub(crate) struct Layout {
     pub(crate) chroma_left: bool,
 }
 
-/// A prepared conversion between two layouts of the same size.
+/// A prepared conversion between two layouts.
 pub(crate) struct Converter {
     context: *mut ffi::SwsContext,
     from: Layout,
@@ -42,7 +42,6 @@ impl Converter {
     /// Refuses formats that swscale cannot read or write, and sizes that it cannot hold.
     #[allow(unsafe_code)] // ffmpeg-next can set neither chroma positions nor colour matrices.
     pub(crate) fn new(from: Layout, to: Layout) -> Result<Self, String> {
-        assert_eq!(from.size, to.size, "a conversion keeps the size");
         // SAFETY: allocates or returns null, which is checked.
         let context = unsafe { ffi::sws_alloc_context() };
         if context.is_null() {
@@ -55,6 +54,7 @@ impl Converter {
             | ffi::SWS_FULL_CHR_H_INT
             | ffi::SWS_FULL_CHR_H_INP;
         let [width, height] = from.size.map(i64::from);
+        let [to_width, to_height] = to.size.map(i64::from);
         this.set(c"srcw", width)?;
         this.set(c"srch", height)?;
         this.set(c"src_format", format_number(from.format))?;
@@ -63,8 +63,8 @@ impl Converter {
             if from.chroma_left { 0 } else { CHROMA_BETWEEN },
         )?;
         this.set(c"src_v_chr_pos", CHROMA_BETWEEN)?;
-        this.set(c"dstw", width)?;
-        this.set(c"dsth", height)?;
+        this.set(c"dstw", to_width)?;
+        this.set(c"dsth", to_height)?;
         this.set(c"dst_format", format_number(to.format))?;
         this.set(
             c"dst_h_chr_pos",

@@ -9,7 +9,7 @@ use av::frame::Video;
 use av::{Packet, decoder};
 use ffmpeg_next as av;
 
-use crate::error::MediaError;
+use crate::error::{MediaError, is_system_full};
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
 use crate::read::cut_short::is_cut_matroska;
 use crate::read::mending::{Beginning, Mending};
@@ -68,9 +68,13 @@ pub(crate) struct FrameReader {
 
 impl FrameReader {
     /// Opens the file, which is `bytes` long, and the decoder of its video stream. A reader that
-    /// `mends` shows what is damaged as far as it can be restored, on one thread; any other breaks
-    /// off there.
-    pub(crate) fn open(path: &Path, bytes: u64, mends: bool) -> Result<Self, MediaError> {
+    /// mends shows what is damaged as far as it can be restored, on one thread, but for so many
+    /// frames before the first good one; without `most_left_out` a reader breaks off there.
+    pub(crate) fn open(
+        path: &Path,
+        bytes: u64,
+        most_left_out: Option<u64>,
+    ) -> Result<Self, MediaError> {
         start();
         let cannot_open = |reason| MediaError::Open {
             path: path.to_owned(),
@@ -81,8 +85,10 @@ impl FrameReader {
             path: path.to_owned(),
             reason,
         };
-        let input = open_input(&absolute)
-            .map_err(|reason| refused_box(path).unwrap_or_else(|| not_video(reason)))?;
+        let input = open_input(&absolute).map_err(|reason| match is_system_full(&reason) {
+            true => cannot_open(reason),
+            false => refused_box(path).unwrap_or_else(|| not_video(reason)),
+        })?;
         // Lists make FFmpeg read files that nobody named here.
         if matches!(input.format().name(), "hls" | "concat" | "dash") {
             return Err(not_video(
@@ -106,7 +112,8 @@ impl FrameReader {
             ));
         }
         // A picture that is damaged is refused: there is no other that shows what is missing.
-        let mends = mends && !source::is_image_format(&input);
+        let most_left_out = most_left_out.filter(|_| !source::is_image_format(&input));
+        let mends = most_left_out.is_some();
         let unsupported = |e| MediaError::Unsupported {
             path: path.to_owned(),
             field: "the video codec",
@@ -127,7 +134,7 @@ impl FrameReader {
             path: path.to_owned(),
             bytes,
             beginning: Beginning::default(),
-            mending: mends.then(|| Mending::new(judge.flatten())),
+            mending: most_left_out.map(|most| Mending::new(judge.flatten(), most)),
             last_packet: None,
         })
     }

@@ -12,6 +12,7 @@ use crate::read::deinterlace::{Deinterlace, Deinterlacer};
 use crate::read::frame_reader::{Break, FrameReader};
 use crate::read::input::ReadOptions;
 use crate::read::mended::Mended;
+use crate::read::mending::MOST_LEFT_OUT;
 use crate::read::source;
 
 /// A frame, and its stamp in halves of the stream's ticks.
@@ -46,14 +47,23 @@ impl Frames {
             path: path.to_owned(),
             reason,
         };
-        let mut reader = FrameReader::open(path, bytes, false)?;
+        let mut reader = FrameReader::open(path, bytes, None)?;
         let mut first = reader.next_frame();
-        if matches!(first, Err(Break::Damaged(_))) && !options.strict {
-            let mending = FrameReader::open(path, bytes, true)?;
-            if mending.mends() {
-                reader = mending;
-                first = reader.next_frame();
+        // Where no frame is good, damaged ones are shown.
+        for most_left_out in [MOST_LEFT_OUT, 0] {
+            let Err(Break::Damaged(why)) = &first else {
+                break;
+            };
+            let why = why.clone();
+            let mending = FrameReader::open(path, bytes, Some(most_left_out))?;
+            if options.strict || !mending.mends() {
+                break;
             }
+            reader = mending;
+            first = match reader.next_frame() {
+                Ok(None) => Err(Break::Damaged(why)),
+                next => next,
+            };
         }
         let first = match first {
             Ok(Some(first)) => first,
@@ -206,7 +216,7 @@ impl Frames {
 
     /// Goes on where the reader broke off, with one that mends.
     fn begin_mending(&mut self, reason: String) -> Result<(), Break> {
-        let opened = FrameReader::open(self.reader.path(), self.bytes, true);
+        let opened = FrameReader::open(self.reader.path(), self.bytes, Some(MOST_LEFT_OUT));
         let mut reader = opened.map_err(|error| Break::Fails(error.to_string()))?;
         if !reader.mends() {
             return Err(Break::Fails(reason));

@@ -13,7 +13,7 @@ const MOST_EARLY: usize = 3000;
 /// it: more than any decoder reorders.
 const MOST_LATE: u32 = 32;
 /// Damaged frames that are left out while no good one has come.
-const MOST_LEFT_OUT: u64 = 64;
+pub(crate) const MOST_LEFT_OUT: u64 = 64;
 /// Stamps of damaged packets that are kept until their frames come out.
 const MOST_KEPT: usize = 4096;
 /// Errors in a row after which a decoder takes nothing more.
@@ -93,18 +93,21 @@ pub(crate) struct Mending {
     /// Damaged frames that were shown, and those left out before the first good one.
     damaged: u64,
     left_out: u64,
+    most_left_out: u64,
     errors_in_a_row: u32,
 }
 
 impl Mending {
-    /// With a decoder that refuses damage, where the one that shows does not tell of it.
-    pub(crate) fn new(judge: Option<decoder::Video>) -> Self {
+    /// With a decoder that refuses damage, where the one that shows does not tell of it; so many
+    /// damaged frames before the first good one are left out.
+    pub(crate) fn new(judge: Option<decoder::Video>, most_left_out: u64) -> Self {
         Self {
             judge,
             waiting: BTreeSet::new(),
             unstamped: 0,
             damaged: 0,
             left_out: 0,
+            most_left_out,
             errors_in_a_row: 0,
         }
     }
@@ -156,13 +159,15 @@ impl Mending {
     /// was good.
     pub(crate) fn takes(&mut self, frame: &Video, is_flagged: bool, has_begun: bool) -> bool {
         self.errors_in_a_row = 0;
+        // A decoder that conceals flags frames beside the damaged ones too.
+        let is_flagged = is_flagged && (self.judge.is_none() || frame.is_corrupt());
         let was_bad = frame
             .pts()
             .is_some_and(|stamp| self.waiting.contains(&stamp));
         if !was_bad && !is_flagged {
             return true;
         }
-        if !has_begun && self.left_out < MOST_LEFT_OUT {
+        if !has_begun && self.left_out < self.most_left_out {
             self.left_out += 1;
             return false;
         }

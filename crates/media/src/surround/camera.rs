@@ -178,7 +178,7 @@ pub(crate) fn shows_two_fisheyes(picture: &Picture, black: u8) -> bool {
             .into_iter()
             .flat_map(|share| ring(*centre, share));
         let lit = places.filter(|[x, y]| luma(*x, *y) > LIT).count();
-        lit > 3 * 72 * 3 / 5
+        lit > 3 * 72 * 7 / 10
     });
     if !is_lit {
         return false;

@@ -142,6 +142,10 @@ fn the_bytes_of_a_lossless_pack_are_what_they_always_were() {
         format!("{before}{after}")
     };
     let json = without(&without(json.trim_end(), "source"), "identity");
+    // Remarks are words for people, and may change.
+    let told = "\"remarks\":[\"taken for flat by its size\",\"it has no sound\"],";
+    assert!(json.contains(told), "{json}");
+    let json = json.replace(told, "");
     let hashed = [json.as_bytes(), &bytes[data..]].concat();
     let expected = "a268eefe5d64c54c467d448cf46fac85852336876810cbd13aa8eb685464c761";
     assert_eq!(sha256_hex(&hashed), expected);
@@ -193,7 +197,10 @@ fn a_preparation_that_fails_leaves_what_was_there_and_nothing_else() {
     let clip = flat_clip();
     let whole = bytes_of(&clip);
     let cut = Scratch::holding("mkv", &whole[..whole.len() * 2 / 3]);
-    let settings = settings(ProjectionChoice::Flat, Codec::Vp9);
+    let settings = PrepareSettings {
+        strict: true,
+        ..settings(ProjectionChoice::Flat, Codec::Vp9)
+    };
     let plan = plan_of(&cut, &settings).unwrap();
     let out = Scratch::new("foveal");
     let refuse = |when: &str| {

@@ -134,7 +134,7 @@ fn a_part_of_a_sphere_lies_where_the_bounds_of_its_metadata_put_it() {
     let folder = Folder::new();
     let film = folder.name("part.mp4");
     Film {
-        size: [128, 64],
+        size: [96, 64],
         frames: 2,
         ..Film::default()
     }

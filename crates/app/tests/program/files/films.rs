@@ -144,6 +144,12 @@ fn damage_in_the_middle_is_concealed_counted_and_refused_where_that_is_asked() {
             frames: 30,
             size: [96, 64],
             gop: 10,
+            // Other codes may be damaged without anything that shows it.
+            options: if encoder == "libx264" {
+                &[("x264-params", "cabac=0")]
+            } else {
+                &[]
+            },
             ..Film::default()
         };
         film.write(&whole, moving);
@@ -201,7 +207,7 @@ fn a_circle_stays_a_circle_whoever_says_how_wide_pixels_are() {
     for (name, encoder, container, stream) in [
         ("a.mkv", "libx264", in_container, in_stream),
         ("a.mp4", "libx264", in_container, in_stream),
-        ("b.mov", "prores", in_container, in_stream),
+        ("b.mov", "prores", in_container, in_container),
         ("b.webm", "libvpx-vp9", in_container, in_stream),
         ("c.mkv", "libx264", in_stream, in_container),
         ("c.mp4", "mpeg4", in_container, in_stream),

@@ -278,7 +278,7 @@ fn animations_are_played_with_the_times_of_all_their_pictures() {
 fn alpha_that_is_opaque_everywhere_is_no_transparency() {
     let folder = Folder::new();
     let pixels: Vec<u8> = (0..64 * 64u32)
-        .flat_map(|at| [at as u8, 90, 40, 255])
+        .flat_map(|at| [40 + at as u8 % 64 * 2; 3].into_iter().chain([255]))
         .collect();
     let mut webp = Vec::new();
     WebPEncoder::new(&mut webp)

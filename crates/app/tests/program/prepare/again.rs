@@ -145,7 +145,8 @@ fn force_replaces_a_pack_once_the_new_one_is_whole() {
     done(&prepare(&other, &out));
     let kept = Kept::of(&out);
     let force = |input| [&prepare(input, &out)[..], &["--force"]].concat();
-    refused(1, &force(&cut), &["broken at frame"]);
+    let strict = [&force(&cut)[..], &["--strict"]].concat();
+    refused(1, &strict, &["broken at frame"]);
     kept.assert();
     let replaced = json(&force(&clip));
     assert_eq!(replaced["already_there"], json!(false));
