@@ -76,8 +76,8 @@ impl MapOptions {
 }
 
 impl Library {
-    /// Adds the materials of a file, and returns the numbers of lines that say nothing that a colour
-    /// can be; these are left out.
+    /// Adds the materials of a file, and returns the numbers of lines that say nothing that a
+    /// colour can be; these are left out.
     pub(super) fn read(&mut self, bytes: &[u8]) -> Vec<usize> {
         let mut broken = Vec::new();
         let mut current: Option<Material> = None;

@@ -6,7 +6,7 @@
 use super::super::text::number_of;
 use super::header::{Element, Encoding, PlyHeader, Property, Scalar};
 
-/// Of so many elements it is found out whether rows are lines, for which the file is looked through.
+/// Of so many elements it is found out whether rows are lines: the file is looked through for it.
 const MOST_LOOKED_AT: usize = 16;
 
 /// The rows of a file, read number by number.
@@ -169,8 +169,8 @@ impl<'a> Numbers<'a> {
         self.bytes.len() - self.at
     }
 
-    /// The next number, NaN where a word is none or the line of a row ends before; `None` at the end
-    /// of the file.
+    /// The next number, NaN where a word is none or the line of a row ends before; `None` at the
+    /// end of the file.
     pub(super) fn number(&mut self, scalar: Scalar) -> Option<f64> {
         match self.encoding {
             Encoding::Text => {
