@@ -238,7 +238,7 @@ fn messages_are_bounded_whatever_they_quote() {
     let pack = folder.name("a.foveal");
     for input in [&long, &odd] {
         let ran = foveal(&["prepare", "scene", input, "--out", &pack, "--json"]);
-        assert_refused(&ran, 1, &["line 1", "a coordinate is", "export it again"]);
+        assert_refused(&ran, 1, &["nothing to draw", "the first is vertex 1"]);
         assert!(
             ran.stderr.len() < 1000 && ran.stdout.len() < 1000,
             "{}",

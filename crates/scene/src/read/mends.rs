@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use super::sound::count;
 use super::text::shortened;
 use crate::source::SourceScene;
 
@@ -68,7 +67,7 @@ pub(super) const ROW_LEFT: Mend = Mend {
 /// A line, or a word of it, has no meaning where it stands.
 pub(super) const LINE_BROKEN: Mend = Mend {
     name: "lines_broken",
-    what: "lines that cannot be read as their format wants are left out",
+    what: "lines with words that their format does not have, or that are no numbers, are left out",
 };
 /// A row has more words than it should.
 pub(super) const WORDS_BEYOND: Mend = Mend {
@@ -127,7 +126,7 @@ impl Mends {
     /// Tells a scene of them: by number, and in words for people.
     pub(super) fn tell(self, file: &str, scene: &mut SourceScene) {
         for (mend, (times, place)) in self.0 {
-            count(&mut scene.repairs, mend.name, times);
+            *scene.repairs.entry(mend.name.to_owned()).or_default() += times as u64;
             let file = shortened(file);
             scene.remark(format!("{file}: {}: {times}, the first {place}", mend.what));
         }

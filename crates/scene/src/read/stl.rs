@@ -191,6 +191,8 @@ impl Solid {
             }
             let place = || format!("in line {last}");
             self.mends.add(mends::COMMA, words.commas, place);
+            let broken = usize::from(words.is_broken);
+            self.mends.add(mends::LINE_BROKEN, broken, place);
         }
         // Of a loop that was cut off the last corner may be cut too.
         let is_cut = !has_end || !corners.is_empty();

@@ -88,6 +88,8 @@ pub(super) struct Words<'a> {
     rest: &'a str,
     /// How many numbers had a decimal comma.
     pub(super) commas: usize,
+    /// Whether a word should have been a number, and was none.
+    pub(super) is_broken: bool,
 }
 
 impl<'a> Words<'a> {
@@ -96,6 +98,7 @@ impl<'a> Words<'a> {
             line: line.number,
             rest: &line.text,
             commas: 0,
+            is_broken: false,
         }
     }
 
@@ -143,7 +146,9 @@ impl<'a> Words<'a> {
     /// The next word as a number; NaN where it is none.
     pub(super) fn any_number(&mut self) -> Option<f64> {
         let word = self.next()?;
-        Some(number_of(word, &mut self.commas).unwrap_or(f64::NAN))
+        let number = number_of(word, &mut self.commas);
+        self.is_broken |= number.is_none();
+        Some(number.unwrap_or(f64::NAN))
     }
 
     /// The next word as a finite number, if there is one; `what` names it in the error.

@@ -154,7 +154,7 @@ fn textures_of_which_a_part_is_seen_are_prepared_and_drawn() {
         );
         let seen = picture(&folder);
         let of = |k: usize| {
-            let is_strong = |at: &[u32; 2]| seen.at(*at)[k] > 3 * seen.at(*at)[1 - k].max(20);
+            let is_strong = |at: &[u32; 2]| seen.at(*at)[k] / 3 > seen.at(*at)[1 - k].max(20);
             seen.places().filter(is_strong).count()
         };
         assert!(of(0) > 500 && of(1) > 500, "{} {}", of(0), of(1));

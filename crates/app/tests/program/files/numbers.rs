@@ -87,6 +87,14 @@ fn an_obj_loses_no_more_than_what_is_no_number_or_not_there() {
     for (before, behind, expected) in files {
         check(&folder, "a.obj", &square(before, behind), expected);
     }
+    let from_zero = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 0 1 2\nf 0 2 3\n";
+    let expected = (2, 0, "faces_from_zero");
+    check(&folder, "a.obj", from_zero.as_bytes(), expected);
+}
+
+#[test]
+fn an_obj_is_read_in_any_encoding_and_with_any_ends_of_lines() {
+    let folder = Folder::new();
     let text = String::from_utf8(square("# Gr\u{fc}n", "")).unwrap();
     let of = |mark: &str, to: fn(u16) -> [u8; 2]| -> Vec<u8> {
         format!("{mark}{text}")
@@ -104,13 +112,6 @@ fn an_obj_loses_no_more_than_what_is_no_number_or_not_there() {
     ] {
         check(&folder, "a.obj", &file, (2, 0, ""));
     }
-    let from_zero = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 0 1 2\nf 0 2 3\n";
-    check(
-        &folder,
-        "a.obj",
-        from_zero.as_bytes(),
-        (2, 0, "faces_from_zero"),
-    );
 }
 
 #[test]

@@ -89,9 +89,8 @@ pub(super) fn read(
             placements: vec![shown.world_from_mesh],
         });
     }
-    let default = meshes.without_material;
     let mut used = scene.meshes.iter().flat_map(|mesh| &mesh.materials);
-    let is_used = used.any(|it| *it == default);
+    let is_used = used.any(|it| *it == meshes.without_material);
     materials.extend(is_used.then(Material::default));
     scene.repairs.extend(meshes.repairs);
     meshes.remarks.into_iter().for_each(|it| scene.remark(it));

@@ -10,7 +10,7 @@ const NONE: u32 = u32::MAX;
 const LOST: u32 = u32::MAX - 1;
 
 /// What a corner of a face names, by numbers of lines.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Corner {
     pub(super) place: u32,
     pub(super) uv: Option<u32>,
@@ -142,8 +142,8 @@ impl Late {
         }
     }
 
-    /// What `place`, `place/texture`, `place//normal` or `place/texture/normal` names, where so many
-    /// of each stand before it.
+    /// What `place`, `place/texture`, `place//normal` or `place/texture/normal` names, where so
+    /// many of each stand before it.
     pub(super) fn corner(&mut self, word: &str, counts: [usize; 3]) -> FaceCorner {
         let mut named = [LOST, NONE, NONE];
         for ((k, part), count) in (0..3).zip(word.split('/')).zip(counts) {

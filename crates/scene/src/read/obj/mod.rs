@@ -1,7 +1,7 @@
 //! How is an OBJ file read?
 //!
-//! Its objects and groups become one mesh, so that surfaces stay closed between them; its points, or
-//! the vertices of a file without faces, become a cloud. Source: Wavefront, "Object Files (.obj)",
+//! Its objects and groups become one mesh, so that surfaces stay closed between them; its points,
+//! or the vertices of a file without faces, become a cloud. Source: Wavefront, "Object Files (.obj)",
 //! version 3.0.
 
 mod corners;
@@ -27,7 +27,7 @@ use crate::source::{
 };
 use corners::{Corner, FaceCorner, Late, Vertices};
 use mtl::Library;
-use points::Points;
+use points::NamedPoints;
 
 /// Reads an OBJ file into one object called `name`.
 pub(super) fn read(
@@ -72,7 +72,7 @@ struct Reader<'a> {
     outline: Vec<u32>,
     /// Faces that name what did not stand before them.
     late: Late,
-    points: Points,
+    points: NamedPoints,
     mends: Mends,
     /// The pictures that were read, by name; `None` for one that is missing.
     images: HashMap<String, Option<usize>>,
@@ -109,7 +109,7 @@ impl Reader<'_> {
             face: Vec::new(),
             outline: Vec::new(),
             late: Late::of(first),
-            points: Points::default(),
+            points: NamedPoints::default(),
             mends: Mends::default(),
             library: Library::default(),
             libraries: HashSet::new(),
@@ -138,6 +138,8 @@ impl Reader<'_> {
             let at = words.line;
             let place = || format!("in line {at}");
             self.mends.add(mends::COMMA, words.commas, place);
+            let broken = usize::from(words.is_broken);
+            self.mends.add(mends::LINE_BROKEN, broken, place);
             return Ok(());
         }
         match keyword {

@@ -8,7 +8,7 @@ use crate::build::codes_from_linear;
 
 /// What `p` and `l` lines name, by numbers of vertices from 0.
 #[derive(Debug, Default)]
-pub(super) struct Points {
+pub(super) struct NamedPoints {
     points: Vec<u32>,
     of_lines: Vec<u32>,
     /// Points that are none, and the line of the first.
@@ -16,7 +16,7 @@ pub(super) struct Points {
     first_lost: usize,
 }
 
-impl Points {
+impl NamedPoints {
     /// Reads the words of a `p` line, before which so many vertices stand.
     pub(super) fn read(&mut self, words: &mut Words<'_>, vertices: usize) {
         while let Some(word) = words.next() {

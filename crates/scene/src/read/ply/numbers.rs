@@ -6,18 +6,22 @@
 use super::super::text::number_of;
 use super::header::{Element, Encoding, PlyHeader, Property, Scalar};
 
-/// Of so many elements it is found out whether rows are lines, for which the file is looked through.
+/// Of so many elements it is found out whether rows are lines: the file is looked through for it.
 const MOST_LOOKED_AT: usize = 16;
+/// Lists of so many numbers are believed without a look at their line.
+const FEW: f64 = 64.0;
 
 /// The rows of a file, read number by number.
 pub(super) struct Numbers<'a> {
     encoding: Encoding,
     bytes: &'a [u8],
     at: usize,
-    /// Where the row ends that is a line of its own.
-    row_end: Option<usize>,
+    /// Whether each row is a line of its own.
+    has_lines: bool,
     /// Of the number before, counted from 1; text only.
     line: usize,
+    /// Whether a row was begun, of which there may be more.
+    is_begun: bool,
     /// How many elements were begun.
     begun: usize,
     /// Rows that had more words than they should, and that had a list of no length.
@@ -49,8 +53,9 @@ impl<'a> Numbers<'a> {
             encoding: header.encoding,
             bytes,
             at: header.end,
-            row_end: None,
+            has_lines: false,
             line: header.lines + 1,
+            is_begun: false,
             begun: 0,
             too_long: Lines::default(),
             broken: Lines::default(),
@@ -68,7 +73,7 @@ impl<'a> Numbers<'a> {
 
     /// Begins the rows of an element.
     pub(super) fn begin(&mut self, element: &Element) {
-        self.row_end = None;
+        self.has_lines = false;
         self.begun += 1;
         if self.encoding != Encoding::Text || self.begun > MOST_LOOKED_AT {
             return;
@@ -94,8 +99,7 @@ impl<'a> Numbers<'a> {
         }
         let found = said.count();
         // More words are more of the row, unless several rows share a line.
-        let is_row = found == needed || found > needed && self.has_lines(element.count);
-        self.row_end = is_row.then_some(self.at);
+        self.has_lines = found == needed || found > needed && self.lines_reach(element.count);
     }
 
     fn words(&self, at: usize) -> impl Iterator<Item = &'a str> + Clone + use<'a> {
@@ -107,7 +111,7 @@ impl<'a> Numbers<'a> {
     }
 
     /// Whether there are so many lines with words.
-    fn has_lines(&self, count: u64) -> bool {
+    fn lines_reach(&self, count: u64) -> bool {
         let lines = self.bytes[self.at..].split(|byte| matches!(byte, b'\n' | b'\r'));
         let full = lines.filter(|line| !line.trim_ascii().is_empty());
         full.take(usize::try_from(count).unwrap_or(usize::MAX))
@@ -117,33 +121,38 @@ impl<'a> Numbers<'a> {
 
     /// Begins a row of the element.
     pub(super) fn begin_row(&mut self) {
-        if let Some(end) = self.row_end {
-            self.leave_row(end);
-            self.skip_blank();
-            let is_sign = |sign: &u8| matches!(sign, b'#' | b'/' | b'c');
-            while self.bytes.get(self.at).is_some_and(is_sign)
-                && self.words(self.at).next().is_some_and(is_comment)
-            {
-                self.at += end_of_line(&self.bytes[self.at..]);
-                self.skip_blank();
-            }
-            self.row_end = Some(self.at + end_of_line(&self.bytes[self.at..]));
+        if !self.has_lines {
+            return;
         }
+        self.leave_row();
+        self.skip_blank();
+        let is_sign = |sign: &u8| matches!(sign, b'#' | b'/' | b'c');
+        while self.bytes.get(self.at).is_some_and(is_sign)
+            && self.words(self.at).next().is_some_and(is_comment)
+        {
+            self.at += end_of_line(&self.bytes[self.at..]);
+            self.skip_blank();
+        }
+        self.is_begun = true;
     }
 
     /// Ends the rows of an element.
     pub(super) fn end(&mut self) {
-        if let Some(end) = self.row_end.take() {
-            self.leave_row(end);
+        if self.has_lines {
+            self.leave_row();
         }
+        self.has_lines = false;
     }
 
     /// Leaves out what is left of a row.
-    fn leave_row(&mut self, end: usize) {
-        if self.at < end && self.words(self.at).next().is_some() {
+    fn leave_row(&mut self) {
+        let rest = &self.bytes[self.at..];
+        let rest = &rest[..end_of_line(rest)];
+        if self.is_begun && !rest.trim_ascii().is_empty() {
             self.too_long.add(self.line);
+            self.at += rest.len();
         }
-        self.at = self.at.max(end);
+        self.is_begun = false;
     }
 
     /// How many rows, at most, stand behind those of the last element.
@@ -169,13 +178,13 @@ impl<'a> Numbers<'a> {
         self.bytes.len() - self.at
     }
 
-    /// The next number, NaN where a word is none or the line of a row ends before; `None` at the end
-    /// of the file.
+    /// The next number, NaN where a word is none or the line of a row ends before; `None` at the
+    /// end of the file.
     pub(super) fn number(&mut self, scalar: Scalar) -> Option<f64> {
         match self.encoding {
             Encoding::Text => {
                 let Some(word) = self.next_word() else {
-                    let is_short = self.row_end.is_some() && self.left() > 0;
+                    let is_short = self.has_lines && self.left() > 0;
                     return is_short.then_some(f64::NAN);
                 };
                 Some(number_of(word, &mut self.commas).unwrap_or(f64::NAN))
@@ -196,26 +205,24 @@ impl<'a> Numbers<'a> {
             Encoding::Text => 1,
             _ => scalar.bytes(),
         };
+        let mut most = self.left() / least;
         // A row of a line of its own has no more than stands there.
-        let room = self
-            .row_end
-            .unwrap_or(self.bytes.len())
-            .saturating_sub(self.at);
-        let most = room / least;
+        if self.has_lines && said > FEW {
+            most = end_of_line(&self.bytes[self.at..]);
+        }
         if said >= 0.0 && said <= most as f64 && said.fract() == 0.0 {
             return Some(said as usize);
         }
-        match self.row_end {
-            Some(end) if end < self.bytes.len() => {
-                self.broken.add(self.line);
-                self.at = end;
-                Some(0)
-            }
-            _ => {
-                self.at = self.bytes.len();
-                None
-            }
+        let end = match self.has_lines {
+            true => self.at + end_of_line(&self.bytes[self.at..]),
+            false => self.bytes.len(),
+        };
+        self.at = end;
+        if end == self.bytes.len() {
+            return None;
         }
+        self.broken.add(self.line);
+        Some(0)
     }
 
     pub(super) fn skip(&mut self, property: &Property) -> Option<()> {
@@ -244,15 +251,15 @@ impl<'a> Numbers<'a> {
     }
 
     fn next_word(&mut self) -> Option<&'a str> {
-        match self.row_end {
-            Some(end) => {
-                let row = self.bytes.get(self.at..end)?;
-                self.at += row.iter().take_while(|it| it.is_ascii_whitespace()).count();
+        match self.has_lines {
+            true => {
+                let rest = &self.bytes[self.at..];
+                let is_blank = |it: &&u8| matches!(it, b' ' | b'\t');
+                self.at += rest.iter().take_while(is_blank).count();
             }
-            None => self.skip_blank(),
+            false => self.skip_blank(),
         }
-        let end = self.row_end.unwrap_or(self.bytes.len());
-        let rest = &self.bytes[self.at..end];
+        let rest = &self.bytes[self.at..];
         let length = rest.iter().position(u8::is_ascii_whitespace);
         let word = &rest[..length.unwrap_or(rest.len())];
         self.at += word.len();
