@@ -10,7 +10,7 @@ const NONE: u32 = u32::MAX;
 const LOST: u32 = u32::MAX - 1;
 
 /// What a corner of a face names, by numbers of lines.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Corner {
     pub(super) place: u32,
     pub(super) uv: Option<u32>,
