@@ -1,8 +1,8 @@
 //! How is an OBJ file read?
 //!
 //! Its objects and groups become one mesh, so that surfaces stay closed between them; its points,
-//! or the vertices of a file without faces, become a cloud. Source: Wavefront, "Object Files (.obj)",
-//! version 3.0.
+//! or the vertices of a file without faces, become a cloud. Source: Wavefront, "Object Files
+//! (.obj)", version 3.0.
 
 mod corners;
 mod mtl;
