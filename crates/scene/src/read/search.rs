@@ -286,7 +286,7 @@ mod tests {
             ("C:\\Users\\me\\wood.png", "wood.png"),
             ("C:\\Users\\me\\sub\\wood.png", "sub/wood.png"),
             ("../textures/wood.png", "wood.png"),
-            ("/Users/me/SUB/wood.png", "sub/wood.png"),
+            ("/Volumes/me/SUB/wood.png", "sub/wood.png"),
             ("file:///C:/me/wood.png", "wood.png"),
             ("https://example.com/a/wood.png?size=2", "wood.png"),
             ("WOOD.png", "wood.png"),

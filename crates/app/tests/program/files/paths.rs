@@ -38,7 +38,7 @@ fn a_picture_is_found_by_its_name_wherever_it_lay() {
         ("windows", "C:\\work\\tex\\wood.png"),
         ("up", "../textures/wood.png"),
         ("quoted", "\"two words.png\""),
-        ("home", "/Users/me/wood.png"),
+        ("home", "/Volumes/me/wood.png"),
         ("case", "Wood.PNG"),
         ("inner", "D:\\x\\Textures\\Stone.png"),
         ("usual", "stone.PNG"),
@@ -49,7 +49,7 @@ fn a_picture_is_found_by_its_name_wherever_it_lay() {
         square(&folder, name, picture);
     }
     folder.holding("lib/own.mtl", b"newmtl a\nmap_Kd own.png\n");
-    holding_square(&folder, "own", "/Users/me/lib/own.mtl");
+    holding_square(&folder, "own", "/Volumes/me/lib/own.mtl");
     let names = [
         "plain.obj",
         "windows.obj",
