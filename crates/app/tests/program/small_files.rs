@@ -159,7 +159,7 @@ fn places_of_a_scene_file_are_counted_while_they_are_read() {
     let pack = folder.name("a.foveal");
     let prepare = ["prepare", "scene", &many, "--out", &pack];
     let ran = limited(600_000, 256, &prepare);
-    assert_refused(&ran, 1, &["many.toml", "line 3", "more than 32768 places"]);
+    assert_refused(&ran, 1, &["many.toml", "line 3", "more than 262144 places"]);
     let other = format!(
         "[[input]]\nfile = \"a.obj\"\nother = [{}]",
         "[],".repeat(3_000_000)

@@ -89,7 +89,8 @@ fn a_page_shows_a_scene_whose_objects_lie_in_a_table() {
     let (head, mut rest) = beginning(&tabled);
     let last = rest.len() - 1;
     rest[last] ^= 1;
-    let options = Options::parse(r#"{"name":"a","policy":"viewport","size":[64,40]}"#).unwrap();
+    let text = r#"{"name":"a","policy":"viewport","size":[64,40],"screenSize":[64,40]}"#;
+    let options = Options::parse(text).unwrap();
     let refused = PagePlayer::new(&head, &rest, &options, None).map(|_| ());
     assert!(refused.unwrap_err().contains("objects"));
 }

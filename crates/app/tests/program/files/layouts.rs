@@ -101,7 +101,9 @@ fn regions_of_other_resolutions_than_their_shares_are_placed_by_these_and_told()
     // An overlap is told, and drawn.
     let file = folder.holding("more.xml", document(100, "").as_bytes());
     let out = folder.name("maps");
-    let ran = done(&["panels", "map", &file, "--source", "320x120", "--out", &out]);
+    let ran = done(&[
+        "panels", "map", &file, "--format", "seed", "--source", "320x120", "--out", &out,
+    ]);
     assert!(
         ran.stderr.contains("\"b\" lies over \"a\""),
         "{}",

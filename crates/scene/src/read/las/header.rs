@@ -101,12 +101,12 @@ impl LasHeader {
     /// on, is noted in `mends`.
     pub(super) fn parse(bytes: &[u8], mends: &mut LasMends) -> Result<Self, Fault> {
         if !bytes.starts_with(b"LASF") {
-            let what = "the file does not begin with LASF, as LAS and LAZ files do";
-            return Err(Fault::at("byte 0", what));
+            return Err(Fault::at("byte 0", "a LAS file begins with `LASF`"));
         }
         if bytes.len() < HEADER_BYTES[0] {
             let what = format!(
-                "the file ends within its header of at least {} bytes",
+                "the file ends after {} of {} bytes of its header",
+                bytes.len(),
                 HEADER_BYTES[0]
             );
             return Err(Fault::at(format!("byte {}", bytes.len()), what));
