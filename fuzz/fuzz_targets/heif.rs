@@ -4,7 +4,7 @@
 
 use std::io::Cursor;
 
-use foveal_media::read::heif_boxes::read_heif;
+use foveal_media::read::still::heif_boxes::read_heif;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {

@@ -5,7 +5,7 @@
 
 use std::io::Cursor;
 
-use foveal_media::read::still_tags::StillTags;
+use foveal_media::read::still::still_tags::StillTags;
 use foveal_media::surround::photo_sphere::PhotoSphere;
 use libfuzzer_sys::fuzz_target;
 

@@ -18,7 +18,8 @@ pub mod write;
 #[cfg(test)]
 mod tests;
 
-pub use crate::read::input::{ReadOptions, TimedPicture, VideoInput};
+pub use crate::read::input::VideoInput;
+pub use crate::read::options::{ReadOptions, TimedPicture};
 pub use crate::read::source::SourceInfo;
 pub use crate::surround::spherical::{Spherical, SphericalProjection, Stereo, StereoLayout};
 pub use crate::tiles::decode::GroupDecoder;

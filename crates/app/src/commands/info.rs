@@ -2,6 +2,7 @@
 
 use crate::commands::scene::scene_info::SceneInfo;
 use crate::report::output;
+use crate::report::remarks::remarks_told;
 use clap::Args;
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::bytes::description::{Description, Loss};
@@ -117,18 +118,6 @@ impl SoundInfo {
             bytes: packets.map(<[u8]>::len).sum(),
         }
     }
-}
-
-/// A line for everything that was mended, with its count, and for every remark.
-pub(crate) fn remarks_told(repairs: &BTreeMap<String, u64>, remarks: &[String]) -> String {
-    let mut text = String::new();
-    for (what, count) in repairs {
-        let _ = writeln!(text, "{}: {count}", one_line(&what.replace('_', " ")));
-    }
-    for remark in remarks {
-        let _ = writeln!(text, "{}", one_line(remark));
-    }
-    text
 }
 
 /// How long a video lasts; `None` of a picture.

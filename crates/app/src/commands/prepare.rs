@@ -20,7 +20,7 @@ use foveal_media::prepare::{
     Event, PreparationPlan, PrepareError, PrepareSettings, ProjectionChoice, SpherePack,
     StereoChoice, Witness, pack_identity_of, prepare_resumable, rehearse,
 };
-use foveal_media::read::deinterlace::Deinterlace;
+use foveal_media::read::film::deinterlace::Deinterlace;
 use foveal_media::tiles::encode_settings::Speed;
 use indicatif::ProgressBar;
 use serde::Serialize;

@@ -5,7 +5,8 @@ use super::format::{Finding, Format};
 
 pub(super) const FORMATS: &[Format] = &[Format {
     name: "Video",
-    read: "Whatever the FFmpeg in the program decodes. `--strict` refuses all that is *mended* here.",
+    read: "Whatever the FFmpeg in the program decodes. `--strict` refuses all that is *mended* \
+           here.",
     rows: &[
         Finding {
             found: "a stream that begins in the middle: cut at any packet, or an open group of \
@@ -42,8 +43,8 @@ pub(super) const FORMATS: &[Format] = &[Format {
         Finding {
             found: "interlaced frames (MPEG-2, H.264, ..)",
             outcome: Remarked,
-            told: "deinterlaced by bwdif at the frame rate, with `--deinterlace fields` at the rate \
-                   of fields; `repairs.deinterlaced_frames`",
+            told: "deinterlaced by bwdif at the frame rate, with `--deinterlace fields` at the \
+                   rate of fields; `repairs.deinterlaced_frames`",
         },
         Finding {
             found: "interlaced HEVC",

@@ -10,4 +10,5 @@ pub(crate) mod out_of_memory;
 pub(crate) mod output;
 pub(crate) mod picture_file;
 pub(crate) mod plot;
+pub(crate) mod remarks;
 pub(crate) mod visible;

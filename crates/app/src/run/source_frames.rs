@@ -12,7 +12,7 @@ use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{
     PreparationPlan as Plan, PrepareSettings, ProjectionChoice, SpherePack, StereoChoice,
 };
-use foveal_media::read::deinterlace::Deinterlace;
+use foveal_media::read::film::deinterlace::Deinterlace;
 use foveal_media::{ReadOptions, SourceInfo, SourceView, VideoInput};
 use std::path::{Path, PathBuf};
 

@@ -21,8 +21,8 @@ use foveal_core::view::surface::Screen;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Pixels of the coarsest level that are decoded at most to check it, unless two pictures have more:
-/// a fraction of a second of work.
+/// Pixels of the coarsest level that are decoded at most to check it, unless two pictures have
+/// more: a fraction of a second of work.
 const MOST_DECODED: u64 = 64 << 20;
 
 /// An open pack: description and index in memory, chunks read when they are asked for.

@@ -1,14 +1,16 @@
 //! What does only the reading of an input show, and how is a pack told of it?
 
-use super::ReadThrough;
+pub(super) mod time_notes;
+
 use super::error::PrepareError;
 use super::plan::PreparationPlan;
-use super::sound::Heard;
-use super::time_notes::{length_of, time_notes};
+use super::sound::SoundFound;
+use crate::read::film::mended::Mended;
 use foveal_core::content::video::bytes::description::{Description, MAX_FRAMES};
 use foveal_core::units::counted;
 use std::collections::BTreeMap;
 use std::path::Path;
+use time_notes::{length_of, time_notes};
 
 /// Bytes of remarks, and of one, that a description has room for once its length is decided.
 const MOST_BYTES: usize = 900;
@@ -19,6 +21,14 @@ const NO_DAMAGE: [&str; 1] = ["deinterlaced_frames"];
 const UNLIKE: f64 = 0.05;
 /// Codecs of animations, which say of every picture how long it is shown.
 const ANIMATIONS: [&str; 3] = ["gif", "apng", "webp"];
+
+/// What was found of an input once it was read.
+pub(super) struct ReadThrough {
+    pub(super) mended: Mended,
+    /// How long the last frame is shown, in nanoseconds, where the input was read to its end and
+    /// tells.
+    pub(super) last_ns: Option<i64>,
+}
 
 /// What reading showed.
 pub(super) struct Findings {
@@ -33,7 +43,7 @@ pub(super) fn findings(
     plan: &PreparationPlan,
     times: &[i64],
     through: &ReadThrough,
-    sound: &Heard,
+    sound: &SoundFound,
 ) -> Findings {
     let fps = plan.description.fps();
     let ReadThrough { mended, last_ns } = through;

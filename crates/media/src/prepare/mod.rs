@@ -20,7 +20,6 @@ mod sound;
 #[cfg(test)]
 mod speed_tests;
 mod sphere_levels;
-mod time_notes;
 
 pub use crate::surround::found::Surround;
 pub use error::PrepareError;
@@ -34,11 +33,13 @@ use crate::pack::name_claim::NameClaim;
 use crate::pack::pack_file::PackFileError;
 use crate::pack::pack_writer::PackWriter;
 use crate::parallel::in_parallel;
-use crate::read::input::{ReadOptions, TimedPicture, VideoInput};
-use crate::read::mended::Mended;
+use crate::read::input::VideoInput;
+use crate::read::options::{ReadOptions, TimedPicture};
 use crate::tiles::encode::encode_group;
 use crate::tiles::encode_settings::EncodeSettings;
 use cutter::Cutter;
+use findings::time_notes::length_of;
+use findings::{ReadThrough, findings};
 use foveal_core::content::video::bytes::description::MAX_FRAMES;
 use foveal_core::content::video::bytes::description::{Description, Loss};
 use foveal_core::content::video::bytes::frame_times::FRAME_TIMES;
@@ -51,7 +52,6 @@ use identity::{FileStamp, identity_of};
 use notes::Notes;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use time_notes::length_of;
 
 /// Frames that are read ahead while others are coded: a group of the finest level, so that reading
 /// the next one never leaves a core idle, where that many fit into memory for it.
@@ -215,12 +215,12 @@ fn write_pack(
     let fps = plan.description.fps();
     let sound = match coded.is_ok() && plan.has_sound {
         true => sound::sound_of(input, length_of(&times, fps), plan.reading),
-        false => sound::Heard::default(),
+        false => sound::SoundFound::default(),
     };
     if FileStamp::of(input) != before {
         return Err(PrepareError::Changed(input.display().to_string()));
     }
-    let found = findings::findings(plan, &times, &coded?, &sound);
+    let found = findings(plan, &times, &coded?, &sound);
     let sound = sound.table;
     if plan.reading.strict {
         found.refuse(input)?;
@@ -305,14 +305,6 @@ fn code(
 fn read_ahead([width, height]: [u32; 2]) -> usize {
     let frame_bytes = (u64::from(width) * u64::from(height) * 3 / 2).max(1);
     (READ_AHEAD_BYTES / frame_bytes).clamp(LEAST_READ_AHEAD, READ_AHEAD) as usize
-}
-
-/// What was found of an input once it was read.
-struct ReadThrough {
-    mended: Mended,
-    /// How long the last frame is shown, in nanoseconds, where the input was read to its end and
-    /// tells.
-    last_ns: Option<i64>,
 }
 
 /// Hands over the frames after those whose times are known already.

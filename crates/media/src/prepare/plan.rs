@@ -4,7 +4,7 @@ use super::error::PrepareError;
 use super::rates::{describe, rates_of};
 use super::remarks::Remarks;
 use super::settings::{FACE_SIZES, PrepareSettings, SpherePack};
-use crate::read::input::ReadOptions;
+use crate::read::options::ReadOptions;
 use crate::read::source::{Sound, SourceInfo};
 use crate::sphere::{Coverage, face_size_for};
 use crate::surround::cube_layout::CubeLayout;
@@ -77,21 +77,14 @@ impl PreparationPlan {
         let found = surround_of(input, info, settings, &mut remarks)?;
         let surround = found.surround;
         let surface = surface_as_asked(&found, settings)?;
-        let levels = settings
-            .levels
-            .unwrap_or_else(|| default_levels(surface, settings.ratio));
+        let levels = levels_as_asked(surface, settings);
         let cut = settings.cut.unwrap_or(Cut::pyramid_for(&surface));
         let grid = TileGrid::new(surface, cut, levels, settings.ratio)?;
         refuse_broken(input, info, settings)?;
-        remarks.warnings.extend(losses(info));
-        remarks.notes.extend(sound_note(info, settings.sound));
-        remarks.notes.extend(format_note(info));
+        remark_on(info, settings, &mut remarks);
         let stretch_to_full_range = stretches(info, settings);
-        let colour = Colour {
-            full_range: info.colour.full_range || stretch_to_full_range,
-            chroma_left: info.colour.chroma_left && !is_resampled(surround, &surface),
-            ..info.colour
-        };
+        let is_moved = is_resampled(surround, &surface);
+        let colour = colour_of(info, stretch_to_full_range, is_moved);
         let rates = rates_of(settings, info.looks_still, levels)?;
         let frame_rate = info.frame_rate.map(|n| n.max(1) as u32);
         let mut description = Description {
@@ -118,11 +111,10 @@ impl PreparationPlan {
             identity: None,
             loss: None,
             last_frame_s: None,
-            remarks: Vec::new(),
+            remarks: remarks.all().into_iter().map(str::to_owned).collect(),
             repairs: passed_over(info),
             tables: Vec::new(),
         };
-        description.remarks = remarks.all().into_iter().map(str::to_owned).collect();
         describe(&rates, &mut description);
         Ok(Self {
             description,
@@ -193,6 +185,26 @@ impl PreparationPlan {
 /// JPEG stores planes as full range whatever the source has.
 fn stretches(info: &SourceInfo, settings: &PrepareSettings) -> bool {
     settings.codec == Codec::Jpeg && !info.colour.full_range
+}
+
+/// The colour of a pack of an input.
+fn colour_of(info: &SourceInfo, is_stretched: bool, chroma_moves: bool) -> Colour {
+    Colour {
+        full_range: info.colour.full_range || is_stretched,
+        chroma_left: info.colour.chroma_left && !chroma_moves,
+        ..info.colour
+    }
+}
+
+fn levels_as_asked(surface: Surface, settings: &PrepareSettings) -> u8 {
+    let usual = || default_levels(surface, settings.ratio);
+    settings.levels.unwrap_or_else(usual)
+}
+
+fn remark_on(info: &SourceInfo, settings: &PrepareSettings, remarks: &mut Remarks) {
+    remarks.warnings.extend(losses(info));
+    remarks.notes.extend(sound_note(info, settings.sound));
+    remarks.notes.extend(format_note(info));
 }
 
 /// What a file says of itself that cannot be used is passed over, unless that is not wanted.

@@ -1,7 +1,7 @@
 //! What can be asked of a preparation?
 
-use crate::read::deinterlace::Deinterlace;
-use crate::read::input::ReadOptions;
+use crate::read::film::deinterlace::Deinterlace;
+use crate::read::options::ReadOptions;
 use crate::tiles::encode_settings::Speed;
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::grid::tile_grid::Cut;

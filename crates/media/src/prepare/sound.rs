@@ -1,7 +1,8 @@
 //! How does the sound of a video become the side table `sound`?
 
 use crate::ffmpeg::{start, wants_more};
-use crate::read::input::{ReadOptions, VideoInput};
+use crate::read::input::VideoInput;
+use crate::read::options::ReadOptions;
 use crate::read::sound_reader::SoundReader;
 use av::format::{Sample, sample};
 use av::{ChannelLayout, Packet, encoder, frame};
@@ -15,7 +16,7 @@ const BIT_RATE: usize = 64_000;
 
 /// What became of the sound.
 #[derive(Default)]
-pub(super) struct Heard {
+pub(super) struct SoundFound {
     /// As it is coded; none where there is none, or none of it can be read.
     pub(super) table: Option<SoundTable>,
     /// What a person should know of it.
@@ -26,8 +27,8 @@ pub(super) struct Heard {
 
 /// The sound of `input`, which is read like this, from its first frame on, for `seconds`. Sound
 /// that is missing or broken is noted, never an error; what is lost is silent.
-pub(super) fn sound_of(input: &Path, seconds: f64, reading: ReadOptions) -> Heard {
-    let mut heard = Heard::default();
+pub(super) fn sound_of(input: &Path, seconds: f64, reading: ReadOptions) -> SoundFound {
+    let mut heard = SoundFound::default();
     match coded((input, reading), seconds, &mut heard) {
         Ok(table) => heard.table = table,
         Err(why) => heard.notes.push(format!("its sound is left out: {why}")),
@@ -38,7 +39,7 @@ pub(super) fn sound_of(input: &Path, seconds: f64, reading: ReadOptions) -> Hear
 fn coded(
     (input, reading): (&Path, ReadOptions),
     seconds: f64,
-    said: &mut Heard,
+    said: &mut SoundFound,
 ) -> Result<Option<SoundTable>, String> {
     let video = VideoInput::open_with(input, reading).map_err(|e| e.to_string())?;
     let origin_ns = video.first_stamp_ns();

@@ -3,35 +3,15 @@
 use std::io::ErrorKind;
 use std::path::Path;
 
-use foveal_core::view::picture::Picture;
-
 use crate::error::MediaError;
 use crate::plain_file::open_plain;
-use crate::read::deinterlace::Deinterlace;
-use crate::read::heif_still::HeifStill;
-use crate::read::large_still::LargeStill;
-use crate::read::mended::Mended;
+use crate::read::film::mended::Mended;
+use crate::read::film::stream_input::StreamInput;
+use crate::read::options::{ReadOptions, TimedPicture};
 use crate::read::source::SourceInfo;
-use crate::read::stream_input::StreamInput;
-use crate::read::webp_input::WebPInput;
-
-/// How a file is read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ReadOptions {
-    /// Whether damage ends it, in place of being concealed and counted.
-    pub strict: bool,
-    /// What becomes of interlaced film.
-    pub deinterlace: Deinterlace,
-}
-
-/// A picture and the time at which it is shown.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TimedPicture {
-    /// Upright, 8-bit 4:2:0, with the size and the colour of [`SourceInfo`].
-    pub picture: Picture,
-    /// Nanoseconds after the first picture; rises strictly.
-    pub time_ns: i64,
-}
+use crate::read::still::heif_still::HeifStill;
+use crate::read::still::large_still::LargeStill;
+use crate::read::still::webp_input::WebPInput;
 
 /// An open video or image file, read from front to back.
 ///
@@ -131,9 +111,9 @@ impl VideoInput {
     /// The next picture in the order of display; None after the last.
     ///
     /// # Errors
-    /// The file changes while it is read; where reading is strict, also: it breaks off, its data are
-    /// damaged, or the picture size changes. The error names the frame. Pictures before it have been
-    /// delivered.
+    /// The file changes while it is read; where reading is strict, also: it breaks off, its data
+    /// are damaged, or the picture size changes. The error names the frame. Pictures before it have
+    /// been delivered.
     pub fn next_frame(&mut self) -> Result<Option<TimedPicture>, MediaError> {
         match &mut self.source {
             Source::Stream(stream) => stream.next_frame(),

@@ -10,7 +10,7 @@ use ffmpeg_next as av;
 use foveal_core::content::video::bytes::sound::SOUND_RATE;
 
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
-use crate::read::opening::{open_input, read_packet};
+use crate::read::film::opening::{open_input, read_packet};
 
 /// What comes out: floating point, interleaved.
 const OUT: Sample = Sample::F32(sample::Type::Packed);

@@ -8,7 +8,7 @@ use av::media::Type;
 use ffmpeg_next as av;
 use foveal_core::view::picture::Colour;
 
-use crate::read::still_tags::StillTags;
+use crate::read::still::still_tags::StillTags;
 use crate::surround::camera::Camera;
 use crate::surround::spherical::{Spherical, Stereo};
 use crate::surround::spherical_boxes::BrokenBox;

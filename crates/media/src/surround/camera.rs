@@ -45,7 +45,7 @@ const LIT: u8 = 36;
 
 impl Camera {
     /// The camera that stored a file, by its name and by what it holds.
-    pub(crate) fn of(path: &Path, input: &Input, size: [u32; 2]) -> Option<Self> {
+    pub(crate) fn of(path: &Path, input: &Input, size: [u32; 2], is_still: bool) -> Option<Self> {
         let ending = path.extension().and_then(|it| it.to_str());
         let ending = ending.unwrap_or_default().to_lowercase();
         let kinds = input.streams().map(|it| it.parameters().medium());
@@ -68,7 +68,6 @@ impl Camera {
         let is_double = tracks > 1 && size[0] == size[1] || size[0] == 2 * size[1];
         let length = INSTA_TRAILER.len() as u64;
         let is_insta = is_double && last_bytes(path, length).is_ok_and(|it| it == INSTA_TRAILER);
-        let is_still = crate::read::source::is_image_format(input);
         let stored = match is_still {
             true => Self::InstaPicture,
             false => Self::InstaFilm(fisheyes),

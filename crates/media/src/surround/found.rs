@@ -98,18 +98,7 @@ pub(crate) fn surround_of(
     let front_deg = part.map_or(0.0, |part| part.middle_deg(eye_size[0]));
     let shown_size = eye_size;
     let eye_size = part.map_or(eye_size, |part| part.whole);
-    remarks.warnings.extend(info.tags.broken.iter().cloned());
-    for BrokenBox { name, at, what, .. } in &info.broken_boxes {
-        remarks.warn(format!(
-            "its {name} box, at byte {at}, {what}, and is passed over; give --projection or \
-             --stereo if the guess is wrong"
-        ));
-    }
-    if let Some(turn) = info.spherical.as_ref().and_then(turn_of) {
-        remarks.warn(format!(
-            "the turn of the sphere in its metadata ({turn}) is not applied"
-        ));
-    }
+    warn_of_metadata(info, remarks);
     let shape = [0, 1].map(|k| f64::from(eye_size[k]) * f64::from(pixel[k]));
     if eyes.eyes() == 1 && part.is_none() {
         remarks
@@ -134,6 +123,22 @@ pub(crate) fn surround_of(
         front_deg,
         pixel_aspect,
     })
+}
+
+/// What its metadata say and what is not done by them.
+fn warn_of_metadata(info: &SourceInfo, remarks: &mut Remarks) {
+    remarks.warnings.extend(info.tags.broken.iter().cloned());
+    for BrokenBox { name, at, what, .. } in &info.broken_boxes {
+        remarks.warn(format!(
+            "its {name} box, at byte {at}, {what}, and is passed over; give --projection or \
+             --stereo if the guess is wrong"
+        ));
+    }
+    if let Some(turn) = info.spherical.as_ref().and_then(turn_of) {
+        remarks.warn(format!(
+            "the turn of the sphere in its metadata ({turn}) is not applied"
+        ));
+    }
 }
 
 /// Yaw, pitch and roll in words; `None` where the sphere is not turned.

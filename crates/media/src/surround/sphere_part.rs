@@ -17,8 +17,8 @@ pub struct SpherePart {
 }
 
 impl SpherePart {
-    /// The place of a picture of `size` on a whole of which `cut` is missing at the left, top, right
-    /// and bottom, as parts of the whole, 0 to 1. The error says what cannot be.
+    /// The place of a picture of `size` on a whole of which `cut` is missing at the left, top,
+    /// right and bottom, as parts of the whole, 0 to 1. The error says what cannot be.
     pub(crate) fn within(size: [u32; 2], cut: [f64; 4]) -> Result<Self, String> {
         let [left, top, right, bottom] = cut;
         let missing = [left + right, top + bottom];

@@ -1,7 +1,7 @@
 //! What is in the pack of a scene?
 
-use crate::commands::info::remarks_told;
 use crate::report::output;
+use crate::report::remarks::remarks_told;
 use foveal_core::content::scene::description::JoinedParts;
 use foveal_core::content::scene::unit_table::UnitKind;
 use foveal_core::pack::unit::UnitId;

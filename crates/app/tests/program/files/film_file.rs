@@ -66,7 +66,7 @@ impl Film<'_> {
         video.set_frame_rate(Some((25, 1)));
         video.set_gop(self.gop);
         video.set_max_b_frames(self.b_frames);
-        video.set_bit_rate(4_000_000);
+        video.set_bit_rate(500_000);
         let mut flags = Flags::BITEXACT;
         if self.top_first.is_some() {
             flags |= Flags::INTERLACED_DCT | Flags::INTERLACED_ME;

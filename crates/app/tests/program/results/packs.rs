@@ -81,8 +81,12 @@ fn a_pack_is_told_of_as_documented() {
     let larger = write_clip(&folder, "b.mkv", &waves([64, 48], 1));
     let judged = folder.name("judged.foveal");
     let lossy = json(&["prepare", "video", &larger, "--fast", "--out", &judged]);
-    agrees("prepare video", &[&tiles, &cells, &lossy, &dry]);
-    let info = [&pack, &grid, &judged].map(|pack| json(&["info", pack]));
+    let whole = std::fs::read(write_clip(&folder, "c.mkv", &waves([64, 48], 9))).unwrap();
+    let cut = folder.holding("cut.mkv", &whole[..whole.len() / 2]);
+    let mended = folder.name("mended.foveal");
+    let cut = json(&["prepare", "video", &cut, "--fast", "--out", &mended]);
+    agrees("prepare video", &[&tiles, &cells, &lossy, &cut, &dry]);
+    let info = [&pack, &grid, &judged, &mended].map(|pack| json(&["info", pack]));
     agrees("info", &info.each_ref());
 
     let whole = json(&["verify", &pack]);

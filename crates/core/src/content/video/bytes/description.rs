@@ -167,6 +167,19 @@ impl Description {
         is_good.then_some(()).ok_or_else(error)
     }
 
+    fn check_told(&self) -> Result<(), PackError> {
+        if let Some(loss) = self.loss {
+            loss.check()?;
+        }
+        match self.last_frame_s {
+            Some(last) if !(0.0..=LONGEST_LAST_S).contains(&last) => {
+                let expected = format!("0 to {LONGEST_LAST_S} s");
+                Err(PackError::new("description.last_frame_s", last, expected))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Whether every field is in range.
     pub fn check(&self) -> Result<(), PackError> {
         self.grid(Screen::default())
@@ -222,16 +235,7 @@ impl Description {
             let found = counted(self.bit_rates.len(), "rate");
             return Err(PackError::new("description.bit_rates", found, expected));
         }
-        if let Some(loss) = self.loss {
-            loss.check()?;
-        }
-        if let Some(last) = self
-            .last_frame_s
-            .filter(|it| !(0.0..=LONGEST_LAST_S).contains(it))
-        {
-            let expected = format!("0 to {LONGEST_LAST_S} s");
-            return Err(PackError::new("description.last_frame_s", last, expected));
-        }
+        self.check_told()?;
         let in_range = self.groups.iter().all(|g| (1..=MAX_GROUP).contains(g));
         if !in_range || self.groups.windows(2).any(|pair| pair[1] % pair[0] != 0) {
             let expected = format!("1 to {MAX_GROUP}, each a multiple of the one before");

@@ -8,11 +8,11 @@ use av::frame::Video;
 use ffmpeg_next as av;
 
 use crate::error::MediaError;
-use crate::read::deinterlace::{Deinterlace, Deinterlacer};
-use crate::read::frame_reader::{Break, FrameReader};
-use crate::read::input::ReadOptions;
-use crate::read::mended::Mended;
-use crate::read::mending::MOST_LEFT_OUT;
+use crate::read::film::deinterlace::{Deinterlace, Deinterlacer};
+use crate::read::film::frame_reader::{Break, FrameReader};
+use crate::read::film::mended::Mended;
+use crate::read::film::mending::MOST_LEFT_OUT;
+use crate::read::options::ReadOptions;
 use crate::read::source;
 
 /// A frame, and its stamp in halves of the stream's ticks.

@@ -21,9 +21,9 @@ use crate::plain_file::open_plain;
 use crate::read::convert::{Converter, Layout};
 use crate::read::deliver::{FrameConversion, layout_of};
 use crate::read::frame::new_frame;
-use crate::read::heif_boxes::{Heif, Tiled, bytes_of, read_heif};
 use crate::read::source::{SourceInfo, Transparency};
-use crate::read::still_tags::StillTags;
+use crate::read::still::heif_boxes::{Heif, Tiled, bytes_of, read_heif};
+use crate::read::still::still_tags::StillTags;
 use crate::surround::photo_sphere::PhotoSphere;
 
 /// Most bytes of a coded picture, or of what describes it.

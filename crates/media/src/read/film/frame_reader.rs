@@ -11,9 +11,9 @@ use ffmpeg_next as av;
 
 use crate::error::{MediaError, is_system_full};
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
-use crate::read::cut_short::is_cut_matroska;
-use crate::read::mending::{Beginning, Mending};
-use crate::read::opening::{open_input, read_packet};
+use crate::read::film::cut_short::is_cut_matroska;
+use crate::read::film::mending::{Beginning, Mending};
+use crate::read::film::opening::{open_input, read_packet};
 use crate::read::source;
 use crate::surround::spherical_boxes::broken_boxes_of;
 
@@ -196,6 +196,10 @@ impl FrameReader {
             Ok(()) => {
                 let is_flagged = frame.is_corrupt() || frame.has_decode_errors();
                 let has_begun = self.beginning.has_begun();
+                let is_fresh = self.beginning.is_fresh();
+                if let Some(mending) = self.mending.as_mut().filter(|_| is_fresh && !is_flagged) {
+                    mending.forgive(&frame);
+                }
                 let is_shown = match &mut self.mending {
                     None if is_flagged => {
                         let why = "the decoder had to guess parts of the picture";

@@ -12,21 +12,26 @@ const MOST_MISSING: f64 = 0.05;
 const MOST_FRAMES_MISSING: f64 = 2.0;
 
 /// Seconds until the last frame has been shown.
-pub(super) fn length_of(times: &[i64], fps: f64) -> f64 {
+pub(in crate::prepare) fn length_of(times: &[i64], fps: f64) -> f64 {
     times.last().map_or(0.0, |&last| last as f64 / 1e9) + 1.0 / fps
 }
 
 /// What is odd.
-pub(super) struct TimeNotes {
+pub(in crate::prepare) struct TimeNotes {
     /// In words.
-    pub(super) said: Vec<String>,
+    pub(in crate::prepare) said: Vec<String>,
     /// Whether frames are missing at the end.
-    pub(super) ends_early: bool,
+    pub(in crate::prepare) ends_early: bool,
 }
 
 /// What a person should know of the times of frames in nanoseconds, nominally `fps` a second,
 /// `repaired` of which came from stamps that did not rise; the container told of `of` frames.
-pub(super) fn time_notes(times: &[i64], fps: f64, repaired: u64, of: Option<u64>) -> TimeNotes {
+pub(in crate::prepare) fn time_notes(
+    times: &[i64],
+    fps: f64,
+    repaired: u64,
+    of: Option<u64>,
+) -> TimeNotes {
     let lengths = times
         .windows(2)
         .map(|pair| (pair[1] - pair[0]) as f64 / 1e9);

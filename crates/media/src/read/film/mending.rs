@@ -12,6 +12,8 @@ const MOST_EARLY: usize = 3000;
 /// Frames after the first within which some may follow in the file that were to be shown before
 /// it: more than any decoder reorders.
 const MOST_LATE: u32 = 32;
+/// Frames after the first that may ask for what lies before the stream's beginning.
+const FRESH: u32 = 16;
 /// Damaged frames that are left out while no good one has come.
 pub(crate) const MOST_LEFT_OUT: u64 = 64;
 /// Stamps of damaged packets that are kept until their frames come out.
@@ -28,6 +30,7 @@ pub(crate) struct Beginning {
     first: Option<Option<i64>>,
     late: u32,
     dropped: u64,
+    shown: u32,
 }
 
 impl Beginning {
@@ -52,6 +55,7 @@ impl Beginning {
 
     /// Takes note of a frame that is shown.
     pub(crate) fn shown(&mut self, frame: &Video) {
+        self.shown = self.shown.saturating_add(1);
         if self.first.is_some() {
             return;
         }
@@ -65,6 +69,12 @@ impl Beginning {
     /// Whether a frame has come out.
     pub(crate) fn has_begun(&self) -> bool {
         self.first.is_some()
+    }
+
+    /// Whether a stream that begins in the middle is at its beginning, where frames are whole and
+    /// yet ask for others that are gone to be kept or forgotten.
+    pub(crate) fn is_fresh(&self) -> bool {
+        self.dropped > 0 && self.shown < FRESH
     }
 
     /// Stamp of the first frame, as far as it has one.
@@ -153,6 +163,13 @@ impl Mending {
             self.note(stamp);
         }
         self.errors_in_a_row <= MOST_ERRORS
+    }
+
+    /// Forgets that the packet of a frame was found damaged.
+    pub(crate) fn forgive(&mut self, frame: &Video) {
+        if let Some(stamp) = frame.pts() {
+            self.waiting.remove(&stamp);
+        }
     }
 
     /// Whether a frame that came out is to be shown: a damaged one is, unless nothing before it

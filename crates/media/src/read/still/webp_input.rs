@@ -9,10 +9,10 @@ use image_webp::WebPDecoder;
 use crate::error::MediaError;
 use crate::plain_file::{first_bytes, read_plain};
 use crate::read::deliver::over;
-use crate::read::input::TimedPicture;
-use crate::read::mended::Mended;
+use crate::read::film::mended::Mended;
+use crate::read::options::TimedPicture;
 use crate::read::source::{SourceInfo, Transparency};
-use crate::read::still_tags::StillTags;
+use crate::read::still::still_tags::StillTags;
 use crate::write::picture_from_rgba::picture_from_rgba;
 
 /// Most bytes of a file, and most pixels of its pictures.

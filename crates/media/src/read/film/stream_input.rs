@@ -13,15 +13,15 @@ use foveal_core::view::picture::Picture;
 use crate::error::MediaError;
 use crate::read::convert::{Converter, Layout};
 use crate::read::deliver::{FrameConversion, has_alpha};
+use crate::read::film::frame_reader::{Break, FrameReader};
+use crate::read::film::frames::Frames;
+use crate::read::film::mended::Mended;
+use crate::read::film::timeline::FileTimeline;
 use crate::read::frame::{frame_from_picture, picture_from_frame};
-use crate::read::frame_reader::{Break, FrameReader};
-use crate::read::frames::Frames;
-use crate::read::input::{ReadOptions, TimedPicture};
-use crate::read::mended::Mended;
+use crate::read::options::{ReadOptions, TimedPicture};
 use crate::read::orientation::Orientation;
 use crate::read::source::{self, SourceInfo, Transparency};
-use crate::read::still_tags::StillTags;
-use crate::read::timeline::FileTimeline;
+use crate::read::still::still_tags::StillTags;
 use crate::surround::camera::{Camera, may_be_two_fisheyes, shows_two_fisheyes};
 use crate::surround::sphere_part::SpherePart;
 use crate::surround::spherical::{side_data_of, spherical_of, stereo_of};
@@ -235,6 +235,7 @@ fn describe(
             reader.path(),
             reader.input(),
             [first.width(), first.height()],
+            is_image,
         ),
         sound: source::sound_of(reader.input()),
         transparency: has_second_stream.then_some(Transparency::NotRead),

@@ -17,7 +17,7 @@ use crate::error::MediaError;
 use crate::plain_file::open_plain;
 use crate::read::deliver::over;
 use crate::read::source::SourceInfo;
-use crate::read::still_tags::StillTags;
+use crate::read::still::still_tags::StillTags;
 use crate::write::picture_from_rgba::PlanesOfRows;
 
 /// Most pixels of a picture, with its margin of 128 a side, that FFmpeg's decoders take.
