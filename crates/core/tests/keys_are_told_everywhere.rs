@@ -91,7 +91,7 @@ fn a_key_that_a_document_names_is_in_the_table() {
     for path in [
         "README.md",
         "docs/concepts/browser.md",
-        "docs/concepts/video.md",
+        "docs/concepts/watching.md",
     ] {
         let text = read(path);
         for rest in text.split("<kbd>").skip(1) {

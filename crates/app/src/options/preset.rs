@@ -1,7 +1,7 @@
 //! What does `--preset` set?
 //!
 //! A preset stands for options of a published system; an option that is given itself wins.
-//! docs/concepts/video.md lists what each sets.
+//! docs/concepts/kastner.md lists what each sets.
 
 use crate::gaze_source::preset_of;
 use crate::options::policy::{CutOptions, MappingName, PolicyOptions};

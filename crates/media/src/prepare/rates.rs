@@ -54,7 +54,7 @@ pub(super) fn describe(rates: &[Rate], description: &mut Description) {
 
 /// Of film, 40 to 44 dB in every codec on natural video; and of a still, which is looked at for
 /// long and from near: what coding takes from its finest level is then 0.15 JOD at most, also where
-/// a pixel is drawn four times as wide (docs/concepts/video.md).
+/// a pixel is drawn four times as wide (docs/concepts/preparing.md).
 fn default_quantisers(codec: Codec) -> [u8; 2] {
     match codec {
         Codec::Vp9 => [24, 4],
