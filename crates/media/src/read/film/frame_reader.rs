@@ -197,7 +197,7 @@ impl FrameReader {
                 let is_flagged = frame.is_corrupt() || frame.has_decode_errors();
                 let has_begun = self.beginning.has_begun();
                 let is_fresh = self.beginning.is_fresh();
-                if let Some(mending) = self.mending.as_mut().filter(|_| is_fresh && !is_flagged) {
+                if let Some(mending) = self.mending.as_mut().filter(|_| is_fresh) {
                     mending.forgive(&frame);
                 }
                 let is_shown = match &mut self.mending {
