@@ -105,7 +105,10 @@ mod tests {
 
     #[test]
     fn the_document_of_scripts_names_every_key_that_is_more_than_a_character() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/concepts/watching.md");
+        let path = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../docs/concepts/watching.md"
+        );
         let text = std::fs::read_to_string(path).unwrap();
         let names = NAMED.map(|(_, script, _)| script).join(" ");
         let told = format!("one character, or {names}, or any\n");
