@@ -46,7 +46,7 @@ enum Command {
     #[command(mut_arg("policy", |policy| {
         policy.help(
             "How levels are chosen: by viewport, or with --demo by perceptual, of scenes by \
-             eccentricity, if not given",
+             acuity (eccentricity with --link), if not given",
         )
     }))]
     View(commands::view::ViewArgs),
@@ -85,7 +85,7 @@ enum Prepare {
     /// 3D files of one scene: meshes (glTF, OBJ, PLY, STL) and laser scans (LAS, LAZ, PLY).
     Scene(commands::scene::prepare::PrepareSceneArgs),
     /// Which formats are read, and what comes of what their files hold.
-    Formats,
+    Formats(commands::formats::FormatsArgs),
 }
 
 fn main() -> ExitCode {
@@ -104,9 +104,7 @@ fn main() -> ExitCode {
     let result = match cli.command {
         Command::Prepare(Prepare::Video(args)) => commands::prepare::run(&args),
         Command::Prepare(Prepare::Scene(args)) => commands::scene::prepare::run(&args),
-        Command::Prepare(Prepare::Formats) => {
-            report::output::result(false, &(), &inputs::markdown())
-        }
+        Command::Prepare(Prepare::Formats(args)) => commands::formats::run(&args),
         Command::Info(args) => commands::info::run(&args),
         Command::Verify(args) => commands::verify::run(&args),
         Command::Select(args) => commands::select::run(&args),

@@ -3,6 +3,7 @@
 pub(crate) mod bench;
 pub(crate) mod demo;
 pub(crate) mod evaluate;
+pub(crate) mod formats;
 pub(crate) mod gaze;
 pub(crate) mod info;
 pub(crate) mod panels;

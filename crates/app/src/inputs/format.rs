@@ -1,6 +1,7 @@
 //! What is a row of the table of formats?
 
 /// What the program does with the files of one format.
+#[derive(serde::Serialize)]
 pub(crate) struct Format {
     /// As its users name it, with the ends of its file names.
     pub name: &'static str,
@@ -11,6 +12,7 @@ pub(crate) struct Format {
 }
 
 /// Something a file may hold that another program would stumble over.
+#[derive(serde::Serialize)]
 pub(crate) struct Finding {
     pub found: &'static str,
     pub outcome: Outcome,
@@ -19,7 +21,8 @@ pub(crate) struct Finding {
 }
 
 /// What comes of it.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
 pub(crate) enum Outcome {
     /// Shown as it was meant, without a word.
     Read,

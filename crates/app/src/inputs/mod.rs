@@ -12,7 +12,7 @@ mod stills;
 mod textures;
 mod video;
 
-use format::Format;
+pub(crate) use format::Format;
 use std::fmt::Write;
 
 const ALL: [&[Format]; 8] = [
@@ -26,14 +26,19 @@ const ALL: [&[Format]; 8] = [
     panels::FORMATS,
 ];
 
+/// The table.
+pub(crate) fn all() -> impl Iterator<Item = &'static Format> {
+    ALL.iter().copied().flatten()
+}
+
 /// The table as Markdown.
 pub(crate) fn markdown() -> String {
     let mut text = "# Inputs\n\n\
-        What is read of each format, and what comes of what files really hold. *Mended* is \
+        What is read of each format, and how irregular files are handled. *Mended* is \
         counted by name in `repairs`, *remarked* is told in `remarks`; `prepare` and `info` show \
         both. `foveal prepare formats` prints this page.\n"
         .to_owned();
-    for format in ALL.iter().copied().flatten() {
+    for format in all() {
         let _ = write!(text, "\n## {}\n\n{}\n", format.name, format.read);
         if !format.rows.is_empty() {
             text += "\n| found | | what is shown, and told |\n|---|---|---|\n";

@@ -31,6 +31,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Quality of pages as JPEG, on the scale of the Independent JPEG Group: what photographs of
 /// surfaces are mostly stored with, so that a page is no larger than its part of the source.
 const JPEG_QUALITY: u8 = 85;
+/// Side of a block of a JPEG, and what its samples may be off on average, in codes.
+const BLOCK: usize = 8;
+const MOST_OFF: u32 = 24;
 /// How luma is told of for a signature.
 const GREY: Colour = Colour {
     matrix: Matrix::Bt709,
@@ -353,19 +356,22 @@ impl Texture {
         (place, region): (PagePlace, &ShownRegion),
         picture: &TexturePicture,
     ) -> Result<BuiltPage, PackError> {
-        let codec = match self.exact || self.about.cutoff.is_some() {
-            true => PageCodec::Png,
-            false => PageCodec::Jpeg,
-        };
-        let file = match codec {
-            PageCodec::Png => png_of(picture, self.about.cutoff.is_some()),
-            PageCodec::Jpeg => jpeg_of(picture),
-        };
-        let file = file.map_err(|found| PackError {
+        let failed = |found| PackError {
             field: "page of a texture".to_owned(),
             found,
             expected: "a file".to_owned(),
-        })?;
+        };
+        let jpeg = match self.exact || self.about.cutoff.is_some() {
+            true => None,
+            false => Some(jpeg_of(picture).map_err(failed)?),
+        };
+        let (codec, file) = match jpeg.filter(|file| comes_back(file, picture)) {
+            Some(file) => (PageCodec::Jpeg, file),
+            None => {
+                let file = png_of(picture, self.about.cutoff.is_some());
+                (PageCodec::Png, file.map_err(failed)?)
+            }
+        };
         let is_root = place.level == shape.root();
         let texel_of_coarser = region.texel * f64::from(1_u32 << (place.level + 1));
         let [columns, rows] = shape.page_size(place).unwrap_or_default();
@@ -435,6 +441,33 @@ fn jpeg_of(picture: &TexturePicture) -> Result<Vec<u8>, String> {
     let written = encoder.encode(&rgb_of(picture), columns, rows, ColorType::Rgb);
     written.map_err(|error| error.to_string())?;
     Ok(file)
+}
+
+/// Whether the decoder that shows a JPEG makes the picture of it again: of plain pictures with next
+/// to no bytes it loses the last blocks.
+fn comes_back(file: &[u8], picture: &TexturePicture) -> bool {
+    let all = picture.size[0] * picture.size[1];
+    let decoded = PictureRows::open(file).and_then(|mut rows| {
+        let mut texels = Vec::new();
+        while texels.len() < all as usize {
+            texels.extend(rows.next(BLOCK as u32).filter(|some| !some.is_empty())?);
+        }
+        Some(texels)
+    });
+    let Some(decoded) = decoded.filter(|it| it.len() == all as usize) else {
+        return false;
+    };
+    let columns = picture.size[0] as usize;
+    let mut errors = BTreeMap::<[usize; 2], [u32; 2]>::new();
+    for (at, (is, was)) in decoded.iter().zip(&picture.texels).enumerate() {
+        let block = errors
+            .entry([at / columns / BLOCK, at % columns / BLOCK])
+            .or_default();
+        let off = (0..3).map(|k| u32::from(is[k].abs_diff(was[k])));
+        block[0] += off.sum::<u32>();
+        block[1] += 3;
+    }
+    errors.values().all(|[off, of]| *off <= MOST_OFF * of)
 }
 
 fn png_of(picture: &TexturePicture, has_alpha: bool) -> Result<Vec<u8>, String> {

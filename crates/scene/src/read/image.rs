@@ -260,7 +260,9 @@ impl<'a> PictureRows<'a> {
                 }
             }
             Format::Jpeg => {
-                let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), jpeg_options());
+                // Otherwise what is missing would be grey.
+                let options = jpeg_options().set_strict_mode(true);
+                let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), options);
                 RowSource::Whole(decoder.decode().ok()?, ColorType::Rgb)
             }
             Format::Bmp => whole(|bytes| Some((bmp::decode(bytes)?, ColorType::Rgba)))?,

@@ -23,7 +23,7 @@ const TOLD: f64 = 16.0;
 const CUT: f64 = 256.0;
 const MOST_CUT: f64 = 0.5;
 /// Few points so many times as far away are no part of what was scanned.
-const NO_ECHO: f64 = 100.0;
+const NO_ECHO: f64 = 4.0;
 const FEW_POINTS: f64 = 0.01;
 /// Farther away nothing is placed.
 const FARTHEST: f64 = 1e14;

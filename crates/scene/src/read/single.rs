@@ -7,7 +7,7 @@ use super::files::{NamedFile, OnDisk};
 use super::mends::Mends;
 use super::place::{self, ReadOptions, Up};
 use super::search::Folder;
-use super::text::utf8_of;
+use super::text::{shortened, utf8_of};
 use super::{gltf, las, obj, outliers, ply, sound, stl};
 use crate::source::SourceScene;
 
@@ -41,12 +41,51 @@ impl SceneFormat {
         }
     }
 
+    /// The format that the first bytes of a file tell; none where these say nothing.
+    fn of_content(bytes: &[u8]) -> Option<Self> {
+        match bytes {
+            [b'g', b'l', b'T', b'F', ..] => Some(Self::Gltf),
+            [b'L', b'A', b'S', b'F', ..] => Some(Self::Las),
+            [b'p', b'l', b'y', b'\n' | b'\r', ..] => Some(Self::Ply),
+            _ if is_binary_stl(bytes) => Some(Self::Stl),
+            _ => {
+                let head = &bytes[..bytes.len().min(MOST_HEAD)];
+                let mut lines = head.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+                let is_text = head
+                    .iter()
+                    .all(|byte| *byte >= b' ' || byte.is_ascii_whitespace());
+                let is_vertex = |line: &[u8]| line.starts_with(b"v ") && line.len() > 6;
+                (is_text && lines.any(is_vertex)).then_some(Self::Obj)
+            }
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Gltf => "glTF",
+            Self::Obj => "OBJ",
+            Self::Ply => "PLY",
+            Self::Stl => "STL",
+            Self::Las => "LAS",
+        }
+    }
+
     pub(super) fn up(self) -> Up {
         match self {
             Self::Stl | Self::Las => Up::Z,
             Self::Gltf | Self::Obj | Self::Ply => Up::Y,
         }
     }
+}
+
+/// So many bytes at the beginning of a file tell whether it is OBJ.
+const MOST_HEAD: usize = 1024;
+
+/// Whether a file is as long as a binary STL file of as many triangles as it says.
+fn is_binary_stl(bytes: &[u8]) -> bool {
+    let count = bytes.get(80..84).and_then(|it| it.try_into().ok());
+    let count = count.map_or(0, |it| u64::from(u32::from_le_bytes(it)));
+    count > 0 && bytes.len() as u64 == 84 + 50 * count
 }
 
 /// Reads a 3D file, whose objects without a name are called as the file is.
@@ -74,7 +113,8 @@ pub(super) fn read_named(
         bytes,
         mut folder,
     } = named;
-    let format = SceneFormat::of(&path).ok_or_else(|| unknown_ending(&path))?;
+    let ending = SceneFormat::of(&path).ok_or_else(|| unknown_ending(&path))?;
+    let format = SceneFormat::of_content(&bytes).unwrap_or(ending);
     let stem = path.file_stem().map(|stem| stem.to_string_lossy());
     let stem = stem.as_deref().unwrap_or("object");
     let file = SceneFile {
@@ -92,6 +132,14 @@ pub(super) fn read_named(
         sound::count(&mut one.repairs, &name, times as usize);
     }
     folder.remarks.into_iter().for_each(|it| one.remark(it));
+    if format != ending {
+        one.remark(format!(
+            "{:?} holds {}, whatever its name says, and is read as that",
+            shortened(&path.file_name().unwrap_or_default().to_string_lossy()),
+            format.name()
+        ));
+        sound::count(&mut one.repairs, "files_of_another_format", 1);
+    }
     Ok(one)
 }
 

@@ -8,10 +8,12 @@ use super::mends::{COLOUR_MADE, Mends, NO_PLACE, OUT_OF_RANGE, UV_MADE};
 use crate::source::{Repairs, SourceCloud, SourceMesh, keep};
 
 /// Names in `repairs` of what is counted because it may be a mistake, and stays as it is.
-pub const KEPT: [&str; 3] = [
+pub const KEPT: [&str; 5] = [
     "duplicate_vertices",
     "mixed_winding_edges",
     "non_manifold_edges",
+    "unused_vertices",
+    "zero_area_triangles",
 ];
 
 /// Counts what was repaired under a name.

@@ -246,7 +246,12 @@ fn remove_stale(site: &Site, out: &Path, earlier: &serde_json::Value) -> anyhow:
     let stale = listed_files(earlier).into_iter();
     for name in stale.filter(|name| !site.files.contains_key(name)) {
         let path = out.join(name);
+        let is_pack = path.extension().is_some_and(|ending| ending == "foveal");
         match std::fs::remove_file(&path) {
+            Ok(()) if is_pack => output::say(&format!(
+                "{}: was in the earlier site and is removed; name it too to keep it",
+                path.display()
+            )),
             Err(error) if error.kind() != ErrorKind::NotFound => {
                 return Err(error).with_context(|| {
                     format!(

@@ -71,7 +71,7 @@ impl WindowPlayer {
             (
                 "shown",
                 format!(
-                    "{:.1} % of {all} triangles and points",
+                    "{:.1} % of {all} triangles, points and texels",
                     figures.share * 100.0
                 ),
             ),

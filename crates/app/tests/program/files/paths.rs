@@ -11,7 +11,10 @@ fn square(folder: &Folder, name: &str, picture: &str) {
         &format!("{name}.mtl"),
         format!("newmtl a\nmap_Kd {picture}\n").as_bytes(),
     );
-    let library = format!("C:\\Users\\me\\models\\{name}.mtl");
+    let library = match name {
+        "windows" => "C:\\Users\\me\\models\\windows.mtl".to_owned(),
+        _ => format!("{name}.mtl"),
+    };
     holding_square(folder, name, &library);
 }
 
@@ -72,7 +75,7 @@ fn a_picture_is_found_by_its_name_wherever_it_lay() {
     row.assert_remarks(&["C:", "wood.png", "is taken for it"]);
     row.assert_remarks(&["no \"Wood.PNG\"", "\"wood.png\", which is taken"]);
     row.assert_remarks(&["Stone.png", "textures/stone.PNG"]);
-    assert!(row.mended("files_found_elsewhere") >= 12, "{}", row.told);
+    assert!(row.mended("files_found_elsewhere") >= 9, "{}", row.told);
     assert_eq!(row.mended("files_found_by_case"), 1, "{}", row.told);
 }
 

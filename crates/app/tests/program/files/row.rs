@@ -32,7 +32,7 @@ impl Row {
             "--out",
             &out,
             "--view",
-            "600x60",
+            "600x200",
             "--frames",
             "1",
             "--policy",

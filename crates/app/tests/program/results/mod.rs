@@ -135,12 +135,15 @@ fn every_command_that_has_results_is_documented_and_checked() {
         if help.lines().any(|line| line.trim().starts_with("--json")) {
             commands.insert(words.join(" "));
         }
-        let inner = help.split_once("Commands:\n").map_or("", |(_, list)| list);
+        // The first list has a column of tasks before the names.
+        let (begin, indent) = match words.is_empty() {
+            true => ("<COMMAND>\n\n", 10),
+            false => ("Commands:\n", 2),
+        };
+        let inner = help.split_once(begin).map_or("", |(_, list)| list);
         for line in inner.lines().take_while(|line| !line.trim().is_empty()) {
             // A description may go on in the next line.
-            let name = line
-                .strip_prefix("  ")
-                .filter(|line| !line.starts_with(' '));
+            let name = line.get(indent..).filter(|line| !line.starts_with(' '));
             let name = name.and_then(|line| line.split(' ').next());
             let known = name.filter(|name| *name != "help");
             open.extend(known.map(|name| [&words[..], &[name.to_owned()]].concat()));

@@ -89,6 +89,8 @@ fn a_pack_is_told_of_as_documented() {
     let info = [&pack, &grid, &judged, &mended].map(|pack| json(&["info", pack]));
     agrees("info", &info.each_ref());
 
+    agrees("prepare formats", &[&json(&["prepare", "formats"])]);
+
     let whole = json(&["verify", &pack]);
     let mut bytes = std::fs::read(&pack).unwrap();
     let last = bytes.len() - 1;

@@ -28,6 +28,9 @@ const TOLD_TO_EXPLODE: [Id; 4] = [Id::H264, Id::HEVC, Id::MJPEG, Id::PNG];
 const LOST: &str = "its data are incomplete, or two streams were joined here, which \
                     `ffmpeg -i FILE OUT.mkv` mends";
 
+/// Errors in a row from a decoder that has no more packets, after which nothing more comes.
+const MOST_AT_END: u32 = 64;
+
 /// Why no more frames come.
 #[derive(Clone, Debug)]
 pub(crate) enum Break {
@@ -55,6 +58,8 @@ pub(crate) struct FrameReader {
     decoder: decoder::Video,
     /// Why the packets ended before the file did; told once the good frames are out.
     failure: Option<Break>,
+    /// Errors since the decoder was told that there are no more packets, once it was.
+    errors_at_end: Option<u32>,
     /// The container does not report that it is cut, so that this is told at its end.
     is_cut: bool,
     path: PathBuf,
@@ -130,6 +135,7 @@ impl FrameReader {
             stream,
             decoder,
             failure: None,
+            errors_at_end: None,
             is_cut,
             path: path.to_owned(),
             bytes,
@@ -206,7 +212,7 @@ impl FrameReader {
                         return Err(Break::Damaged(why.to_owned()));
                     }
                     None => true,
-                    Some(mending) => mending.takes(&frame, is_flagged, has_begun),
+                    Some(mending) => mending.takes(&frame, is_flagged && !is_fresh, has_begun),
                 };
                 if !is_shown {
                     return Ok(Step::Fed);
@@ -216,7 +222,15 @@ impl FrameReader {
             }
             Err(av::Error::Eof) => Ok(Step::End),
             Err(e) if wants_more(e) => self.feed().map(|()| Step::Fed),
-            Err(e) => self.refused(None, &e).map(|()| Step::Fed),
+            Err(e) => match (&mut self.errors_at_end, &self.mending) {
+                // It may tell of a damaged last frame for ever.
+                (Some(MOST_AT_END), Some(_)) => Ok(Step::End),
+                (Some(errors), Some(_)) => {
+                    *errors += 1;
+                    Ok(Step::Fed)
+                }
+                _ => self.refused(None, &e).map(|()| Step::Fed),
+            },
         }
     }
 
@@ -255,6 +269,7 @@ impl FrameReader {
                 Err(why) => Some(Break::Ends(why)),
             };
             self.failure = failure;
+            self.errors_at_end = Some(0);
             return self
                 .decoder
                 .send_eof()

@@ -38,6 +38,8 @@ pub(crate) struct Frames {
     deinterlaced: u64,
     interlaced: u64,
     breaks_off: Option<String>,
+    /// Whether damage after the first frame made another reader go on.
+    mends_since_damage: bool,
 }
 
 impl Frames {
@@ -94,6 +96,7 @@ impl Frames {
             deinterlaced: 0,
             interlaced: 0,
             breaks_off: None,
+            mends_since_damage: false,
         })
     }
 
@@ -116,6 +119,9 @@ impl Frames {
     /// What was mended so far.
     pub(crate) fn mended(&self) -> Mended {
         let [dropped_at_start, damaged, lost] = self.reader.damage();
+        let is_told = dropped_at_start + damaged + lost > 0;
+        // Something made the first reader stop.
+        let damaged = damaged.max(u64::from(self.mends_since_damage && !is_told));
         Mended {
             dropped_at_start,
             damaged,
@@ -236,6 +242,7 @@ impl Frames {
         }
         // The frames that were taken are taken.
         self.reader = reader;
+        self.mends_since_damage = true;
         Ok(())
     }
 }

@@ -105,6 +105,8 @@ pub(crate) struct Mending {
     left_out: u64,
     most_left_out: u64,
     errors_in_a_row: u32,
+    /// Frames that the decoder that shows flags, and the judge finds nothing wrong with.
+    flagged: u64,
 }
 
 impl Mending {
@@ -119,6 +121,7 @@ impl Mending {
             left_out: 0,
             most_left_out,
             errors_in_a_row: 0,
+            flagged: 0,
         }
     }
 
@@ -177,7 +180,9 @@ impl Mending {
     pub(crate) fn takes(&mut self, frame: &Video, is_flagged: bool, has_begun: bool) -> bool {
         self.errors_in_a_row = 0;
         // A decoder that conceals flags frames beside the damaged ones too.
-        let is_flagged = is_flagged && (self.judge.is_none() || frame.is_corrupt());
+        let is_sure = is_flagged && (self.judge.is_none() || frame.is_corrupt());
+        self.flagged += u64::from(is_flagged && !is_sure);
+        let is_flagged = is_sure;
         let was_bad = frame
             .pts()
             .is_some_and(|stamp| self.waiting.contains(&stamp));
@@ -204,6 +209,11 @@ impl Mending {
             .filter(|stamp| first.is_none_or(|it| **stamp >= it));
         // Without stamps nobody knows which frame is meant.
         let unstamped = self.unstamped.saturating_sub(self.damaged);
-        [self.damaged, lost.count() as u64 + unstamped]
+        let lost = lost.count() as u64 + unstamped;
+        match (self.damaged, lost) {
+            // What only one of both decoders finds is damaged all the same.
+            (0, 0) => [self.flagged, 0],
+            found => found.into(),
+        }
     }
 }
