@@ -158,7 +158,7 @@ fn scans_that_are_damaged_are_refused_with_place_and_what_to_do() {
             "behind the end",
         ),
         ("none.las", file(Vec::new(), false), "no points"),
-        ("else.las", b"ply\n".to_vec(), "begins with `LASF`"),
+        ("else.las", b"else\n".to_vec(), "begins with `LASF`"),
     ] {
         let scan = folder.holding(name, &bytes);
         let Ran { code, stderr, .. } =

@@ -176,8 +176,10 @@ fn places_of_a_scene_file_are_counted_while_they_are_read() {
     assert_eq!(honest["placements"].as_u64(), Some(8000), "{honest}");
     let more =
         honest["peak_memory_bytes"].as_u64().unwrap() - few["peak_memory_bytes"].as_u64().unwrap();
-    // Reading takes at most ten times the file; a place in the scene and its pack is the rest.
-    assert!(more < 10 * text.len() as u64 + 8000 * 2500, "{more}");
+    // Reading takes at most ten times the file, a place in the scene some hundred bytes. Tables
+    // that only many places need take the rest, however many there are.
+    let most = 10 * text.len() as u64 + 8000 * 200 + (32 << 20);
+    assert!(more < most, "{more}");
 }
 
 #[test]

@@ -270,10 +270,11 @@ impl FrameReader {
             };
             self.failure = failure;
             self.errors_at_end = Some(0);
-            return self
-                .decoder
-                .send_eof()
-                .map_err(|e| Break::Fails(e.to_string()));
+            return match self.decoder.send_eof() {
+                Ok(()) => Ok(()),
+                // It says so of the last frame; those that it still holds come.
+                Err(error) => self.refused(None, &error),
+            };
         }
     }
 
