@@ -3,6 +3,10 @@
 use super::format::Outcome::{Mended, Read, Refused, Remarked};
 use super::format::{Finding, Format};
 
+/// The same of scans and of clouds.
+const FAR_POINTS: &str = "few points far beyond all others (1 % at most, 4 times as far), or such \
+     as stand for no echo (-9999, 1e10)";
+
 pub(super) const FORMATS: &[Format] = &[
     Format {
         name: "LAS and LAZ",
@@ -19,7 +23,7 @@ pub(super) const FORMATS: &[Format] = &[
                 told: "the largest code is taken for all light, `repairs.colours_rescaled`",
             },
             Finding {
-                found: "points far away that stand for no echo (-9999, 1e10)",
+                found: FAR_POINTS,
                 outcome: Mended,
                 told: "left out, `repairs.outlier_points_left_out`; the remark says how many and \
                        where",
@@ -94,7 +98,7 @@ pub(super) const FORMATS: &[Format] = &[
                 told: "white, `repairs.colours_made`",
             },
             Finding {
-                found: "points far away that stand for no echo (-9999, 1e10)",
+                found: FAR_POINTS,
                 outcome: Mended,
                 told: "left out, `repairs.outlier_points_left_out`; the remark says how many and \
                        where",
