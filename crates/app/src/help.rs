@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 /// Commands by what a person wants to do.
 const TASKS: [(&str, &[&str]); 6] = [
-    ("Prepare", &["prepare", "info", "verify"]),
+    ("Prepare", &["prepare", "calibrate", "info", "verify"]),
     ("Watch", &["view", "demo"]),
     ("Publish", &["export", "serve"]),
     (

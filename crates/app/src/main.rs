@@ -38,6 +38,8 @@ enum Command {
     Info(commands::info::InfoArgs),
     /// Check every byte of a pack.
     Verify(commands::verify::VerifyArgs),
+    /// Judge a pack's content, so that a target is met exactly.
+    Calibrate(commands::calibrate::CalibrateArgs),
     /// Show which levels a policy would choose, without content.
     Select(commands::select::SelectArgs),
     /// Play a pack without a window: pictures, figures and a log.
@@ -107,6 +109,7 @@ fn main() -> ExitCode {
         Command::Prepare(Prepare::Formats(args)) => commands::formats::run(&args),
         Command::Info(args) => commands::info::run(&args),
         Command::Verify(args) => commands::verify::run(&args),
+        Command::Calibrate(args) => commands::calibrate::run(&args),
         Command::Select(args) => commands::select::run(&args),
         Command::Simulate(args) => commands::simulate::run(&args),
         Command::View(args) => commands::view::run(&args),

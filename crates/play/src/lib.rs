@@ -28,5 +28,5 @@ pub use live::{LiveOptions, LivePack, LivePlayer, Stepped};
 pub use look::Look;
 pub use player::{Player, PlayerOptions};
 pub use rendered_worth::worth_both_ways;
-pub use report::FrameReport;
+pub use report::{ExpectedLoss, FrameReport};
 pub use scene_player::{ScenePlayer, ScenePlayerOptions, SceneReport};

@@ -5,7 +5,7 @@
 use crate::decoding::Decoding;
 use crate::error::PlayError;
 use crate::look::Look;
-use crate::report::FrameReport;
+use crate::report::{ExpectedLoss, FrameReport};
 use crate::step::step;
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
@@ -21,6 +21,7 @@ use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::glance::Glance;
 use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::{EyeState, Parameters};
+use foveal_core::perception::visible_loss::quality_of_jod;
 use foveal_core::session::actions::{Cache, Now, Pace, SessionAction, SessionEvent};
 use foveal_core::session::bounds::Bounds;
 use foveal_core::session::log::{SessionFrame, SessionHead};
@@ -160,12 +161,28 @@ impl Player {
         &self.options.config
     }
 
-    /// Whether the losses that are expected of frames foretell a score: not where a link limits
-    /// what is bought, as they leave out what is loaded outside the view.
+    /// Whether the losses that are expected of frames foretell a score: where a link limits what is
+    /// bought only if a judge saw the content while it was prepared.
     #[must_use]
     pub fn knows_score(&self) -> bool {
         let spends = self.config().policy.spends_a_budget();
-        !(spends && self.options.bytes_per_s.is_finite())
+        self.video.calibration().is_some() || !(spends && self.options.bytes_per_s.is_finite())
+    }
+
+    /// Whether a link buys no more because what was bought reaches the target; `None` where nothing
+    /// is bought, or for no target.
+    #[must_use]
+    pub fn stopped_at_target(&self) -> Option<bool> {
+        let spends = self.config().policy.spends_a_budget();
+        let buys = spends && self.options.bytes_per_s.is_finite();
+        (buys && self.config().target.is_some()).then(|| self.session.has_reached())
+    }
+
+    /// Bytes that a link brings in this time; `None` without one.
+    #[must_use]
+    pub fn bytes_in(&self, time: Seconds) -> Option<f64> {
+        let bytes = self.options.bytes_per_s * time.0;
+        bytes.is_finite().then_some(bytes)
     }
 
     /// The tiles of the pack.
@@ -200,6 +217,12 @@ impl Player {
     #[must_use]
     pub fn time(&self, frame: u32) -> Seconds {
         Seconds(self.times_ns[frame as usize] as f64 / 1e9)
+    }
+
+    /// Frames of a round.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.times_ns.len()
     }
 
     /// Length of a round: the last frame lasts as long as frames do.
@@ -274,8 +297,8 @@ impl Player {
             session,
             gaze,
             gaze_error_deg: look.gaze_is_known.then(|| off.to_degrees()),
-            detail_share: judged.map(|[share, _]| share),
-            expected_loss: judged.map(|[_, loss]| loss),
+            detail_share: judged.map(|(share, _)| share),
+            expected: judged.map(|(_, expected)| expected),
             view,
             views,
             histogram: histogram(self.grid(), &tiles),
@@ -488,10 +511,11 @@ impl Player {
         gaze: &GazeSample,
         views: &[EyeView],
         shown: &LevelMap,
-    ) -> Option<[f64; 2]> {
+    ) -> Option<(f64, ExpectedLoss)> {
         use foveal_core::content::video::units::VideoUnits;
         let (judge, meter) = self.judge.as_ref()?;
         let (video, grid) = (&*self.video, self.grid());
+        let rule = self.options.config.policy.expectation();
         if !video.has_signatures() {
             return None;
         }
@@ -501,13 +525,19 @@ impl Player {
             state: EyeState::Steady,
         });
         let through = |glance: Glance| {
-            let losses = meter.losses(grid, video, frame, &glance);
+            let losses = meter.losses(grid, video, frame, &glance).of(shown);
             let gains = judge.gains(grid, video, frame, &glance);
-            (gains, losses.pooled(shown))
+            let scale = video.scale(glance.view.as_ref());
+            let jod = scale.expected(rule, &losses).jod;
+            let quality = quality_of_jod(jod);
+            (gains, ExpectedLoss { losses, quality })
         };
-        let (gains, losses): (Vec<Gains>, Vec<f64>) = glances.map(through).unzip();
+        let (gains, losses): (Vec<Gains>, Vec<ExpectedLoss>) = glances.map(through).unzip();
         let gained = Gains::highest(gains).share(grid, shown);
-        Some([gained, losses.into_iter().fold(0.0, f64::max)])
+        let most = losses
+            .into_iter()
+            .max_by(|a, b| a.quality.total_cmp(&b.quality));
+        most.map(|most| (gained, most))
     }
 
     /// What shows the picture where the head is turned to, at least one view.

@@ -1,10 +1,21 @@
 //! What did one frame take?
 
+use foveal_core::content::video::calibration::ZoneLosses;
 use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::session::log::SessionFrame;
 use foveal_core::view::eye_view::EyeView;
 use std::time::Duration;
+
+/// What is expected to be lost of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExpectedLoss {
+    /// As signatures foretell it.
+    pub losses: ZoneLosses,
+    /// The quality difference that a judge is expected to find, as
+    /// [`jod_lost`](foveal_core::perception::visible_loss::jod_lost) takes it.
+    pub quality: f64,
+}
 
 /// What one frame took.
 #[derive(Clone, Debug)]
@@ -18,9 +29,8 @@ pub struct FrameReport {
     /// Share of the detail that this eye could see that was shown; `None` where the pack does not
     /// tell what its units add, or judging was not asked for.
     pub detail_share: Option<f64>,
-    /// Quality difference to every finest tile that is expected of what was shown, as
-    /// [`expected_jod`](foveal_core::content::calibration::expected_jod) takes it.
-    pub expected_loss: Option<f64>,
+    /// What signatures foretell that is lost beside every finest tile, in the view where most is.
+    pub expected: Option<ExpectedLoss>,
     /// What showed it: the first of the views.
     pub view: EyeView,
     /// All of them: one, or one a panel.

@@ -4,12 +4,15 @@ use crate::commands::scene::scene_info::SceneInfo;
 use crate::report::output;
 use crate::report::remarks::remarks_told;
 use clap::Args;
+use foveal_core::content::calibration::Expectation;
+use foveal_core::content::policy::DEFAULT_TARGET;
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::bytes::description::{Description, Loss};
 use foveal_core::content::video::bytes::rate::QualityScale;
 use foveal_core::content::video::bytes::sound::{SOUND_RATE, SoundTable};
+use foveal_core::content::video::calibration::{Calibration, CalibrationRow};
 use foveal_core::content::video::grid::tile_grid::Cut;
-use foveal_core::units::{counted, one_line};
+use foveal_core::units::{Ppd, counted, one_line};
 use foveal_core::view::surface::{Mapping, Projection};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
@@ -71,6 +74,8 @@ pub(crate) struct PackInfo {
     bytes_per_level: Vec<u64>,
     /// What preparing lost; null where nobody measured.
     loss: Option<Loss>,
+    /// What the judge found of the content; null where nobody judged it.
+    pub(crate) calibration: Option<CalibrationInfo>,
     /// What was mended or left out of the source, by name.
     repairs: BTreeMap<String, u64>,
     remarks: Vec<String>,
@@ -120,6 +125,82 @@ impl SoundInfo {
     }
 }
 
+/// What the judge found of the content of a pack.
+#[derive(Debug, Serialize)]
+pub(crate) struct CalibrationInfo {
+    rows: Vec<CalibrationRowInfo>,
+    gazes: u16,
+    frames: u16,
+    #[serde(skip)]
+    of: Calibration,
+}
+
+#[derive(Debug, Serialize)]
+struct CalibrationRowInfo {
+    policy: &'static str,
+    ppd: f64,
+    zone: &'static str,
+    bound: f64,
+    jod_mean: f64,
+    jod_sd: f64,
+    pixels_share: f64,
+    bytes: u64,
+}
+
+/// Scores of which `info` tells what they take.
+const TOLD_TARGETS: [f64; 2] = [9.5, 9.0];
+/// Parts of the picture: the whole, then its zones.
+const PARTS: [&str; 4] = ["whole", "under_5_deg", "from_5_to_20_deg", "over_20_deg"];
+
+impl CalibrationInfo {
+    fn new(of: Calibration) -> Self {
+        let row = |row: &CalibrationRow| CalibrationRowInfo {
+            policy: row.rule.policy().name(),
+            ppd: row.ppd,
+            zone: PARTS[row.zone.map_or(0, |zone| zone + 1)],
+            bound: row.bound,
+            jod_mean: row.jod_mean,
+            jod_sd: row.jod_sd,
+            pixels_share: row.pixels_share,
+            bytes: row.bytes,
+        };
+        Self {
+            rows: of.rows().iter().map(row).collect(),
+            gazes: of.gazes,
+            frames: of.frames,
+            of,
+        }
+    }
+
+    /// The cheaper rule at the target that is chosen for by default, and its share of the pixels:
+    /// in the largest view that was judged.
+    pub(crate) fn at_default_target(&self) -> Option<(&'static str, f64)> {
+        let (rule, share) = self.of.cheaper(DEFAULT_TARGET, None)?;
+        Some((rule.policy().name(), share))
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        for ppd in self.of.densities(Expectation::ByLoss) {
+            for target in TOLD_TARGETS {
+                let share = |rule: Expectation| {
+                    let share = self.of.share_at(rule, target, Some(Ppd(ppd)))?;
+                    let percent = 100.0 * share.min(1.0);
+                    Some(format!("{} {percent:.1} %", rule.policy().name()))
+                };
+                let rules = [Expectation::ByLoss, Expectation::Elsewise];
+                let shares: Vec<String> = rules.into_iter().filter_map(share).collect();
+                let _ = writeln!(
+                    text,
+                    "{target} JOD at {ppd:.1} pixels per degree takes of the pixels: {}",
+                    shares.join(", ")
+                );
+            }
+        }
+        text
+    }
+}
+
 /// How long a video lasts; `None` of a picture.
 pub(crate) fn seconds_of(file: &PackFile) -> anyhow::Result<Option<f64>> {
     let about = file.pack().description();
@@ -161,6 +242,8 @@ impl PackInfo {
             bytes: file.bytes(),
             bytes_per_level: pack.index().bytes_per_level(),
             loss: about.loss,
+            // What is wrong with it `verify` says; a player does without.
+            calibration: file.calibration().ok().flatten().map(CalibrationInfo::new),
             repairs: about.repairs.clone(),
             remarks: about.remarks.clone(),
             source: about.source.name.clone(),
@@ -198,6 +281,9 @@ impl PackInfo {
             output::size(self.source_bytes),
         );
         text += &self.loss_told();
+        if let Some(calibration) = &self.calibration {
+            text += &calibration.text();
+        }
         if let Some(sound) = &self.sound {
             let _ = writeln!(
                 text,

@@ -1,6 +1,7 @@
 //! One module a command: what it takes, what it does, what it says.
 
 pub(crate) mod bench;
+pub(crate) mod calibrate;
 pub(crate) mod demo;
 pub(crate) mod evaluate;
 pub(crate) mod formats;

@@ -1,16 +1,19 @@
 //! How does a person turn a video into a pack?
 
-use crate::commands::info::PackInfo;
+use crate::commands::info::{CalibrationInfo, PackInfo};
 use crate::options::codec::CodecOptions;
 use crate::options::policy::{CutOptions, MappingName};
 use crate::options::preset::SystemPreset;
 use crate::report::output::{self, WrongUsage, out_of_range};
+use crate::run::calibrate::{Extent, calibrate};
 use crate::run::kept_pack::{remark, warn};
 use crate::run::loss::loss_of;
 use crate::run::pack_place::{if_taken, pack_at};
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
+use foveal_core::content::policy::DEFAULT_TARGET;
 use foveal_core::content::video::bytes::description::Loss;
+use foveal_core::content::video::calibration::Calibration;
 use foveal_core::content::video::grid::tile_grid::GridError;
 use foveal_core::units::counted;
 use foveal_media::VideoInput;
@@ -61,6 +64,27 @@ enum DeinterlaceName {
     Fields,
     /// Frames stay as they are, with combs where things move.
     Off,
+}
+
+/// How much of the content is judged for what `--target` chooses by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CalibrateName {
+    /// Nothing: targets are then met by constants that fit most content.
+    Off,
+    /// As much as a minute of a processor allows.
+    Usual,
+    /// Five gazes, all densities and bounds.
+    Thorough,
+}
+
+impl CalibrateName {
+    pub(crate) fn extent(self) -> Option<Extent> {
+        match self {
+            Self::Off => None,
+            Self::Usual => Some(Extent::Usual),
+            Self::Thorough => Some(Extent::Thorough),
+        }
+    }
 }
 
 #[derive(Clone, Debug, Args)]
@@ -123,6 +147,10 @@ pub(crate) struct PrepareVideoArgs {
     /// nine gazes.
     #[arg(long)]
     no_loss: bool,
+    /// Which score the content has at which bound, for the pack to tell (about a minute of a
+    /// processor): what --target chooses by.
+    #[arg(long, value_enum, value_name = "EXTENT", default_value = "usual")]
+    calibrate: CalibrateName,
     /// Twice as fast, larger files.
     #[arg(long, conflicts_with = "small")]
     fast: bool,
@@ -174,6 +202,12 @@ struct Done<'a> {
     pack: &'a PackInfo,
     /// Whether an earlier run had made it, so that nothing was written.
     already_there: bool,
+    /// The share of the pixels that 9.5 JOD takes, and the rule that takes it; null where nobody
+    /// judged the content.
+    target_pixels_share: Option<f64>,
+    target_policy: Option<&'static str>,
+    /// Seconds that judging it took.
+    calibrate_s: f64,
 }
 
 pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
@@ -196,7 +230,7 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
             out.display(),
             args.input.display()
         );
-        return args.say_done(&pack, true, &text);
+        return args.say_done(&pack, None, &text);
     }
     if out.extension().is_none_or(|ending| ending != "foveal") {
         let usual = "a pack usually ends in .foveal, by which it is found among other files";
@@ -205,11 +239,11 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
     remark(&args.input, &plan.remarks);
     let begun = Instant::now();
     let claim = NameClaim::of(out, if_taken(there.as_ref()))?;
-    args.prepare((out, claim), &plan)?;
+    let calibrate_s = args.prepare((out, claim), &plan)?;
     let seconds = begun.elapsed().as_secs_f64();
     let pack = PackInfo::new(&PackFile::open(out)?)?;
     let text = format!("{}: {seconds:.1} s\n{}", out.display(), pack.text());
-    args.say_done(&pack, false, &text)
+    args.say_done(&pack, Some(calibrate_s), &text)
 }
 
 impl PrepareVideoArgs {
@@ -234,7 +268,7 @@ impl PrepareVideoArgs {
         &self,
         (out, claim): (&Path, NameClaim),
         plan: &PreparationPlan,
-    ) -> anyhow::Result<()> {
+    ) -> anyhow::Result<f64> {
         let mut guide = Guide {
             args: self,
             plan,
@@ -242,10 +276,11 @@ impl PrepareVideoArgs {
             bar: output::bar(plan.frames, output::Counting::Frames),
             jobs: output::jobs(self.jobs)?,
             has_begun: false,
+            calibrate_s: 0.0,
         };
         let prepared = prepare_resumable(&self.input, claim, plan, !self.no_resume, &mut guide);
         guide.bar.finish_and_clear();
-        let has_begun = guide.has_begun;
+        let (has_begun, calibrate_s) = (guide.has_begun, guide.calibrate_s);
         let partial = partial_path(out);
         let prepared = prepared.map_err(|error| match has_begun && partial.exists() {
             true => anyhow!(
@@ -257,15 +292,29 @@ impl PrepareVideoArgs {
             false => error.into(),
         })?;
         warn(&self.input, &prepared.warnings);
-        Ok(())
+        Ok(calibrate_s)
     }
 
-    fn say_done(&self, pack: &PackInfo, already_there: bool, text: &str) -> anyhow::Result<()> {
+    /// Tells of a pack; of one that is new, how long judging it took.
+    fn say_done(&self, pack: &PackInfo, new: Option<f64>, text: &str) -> anyhow::Result<()> {
+        let calibration = pack.calibration.as_ref();
+        let at_target = calibration.and_then(CalibrationInfo::at_default_target);
+        let text = match at_target {
+            Some((policy, share)) => format!(
+                "{text}\n{DEFAULT_TARGET} JOD takes {:.1} % of the pixels of this content, by \
+                 {policy}",
+                100.0 * share.min(1.0)
+            ),
+            None => text.to_owned(),
+        };
         let done = Done {
             pack,
-            already_there,
+            already_there: new.is_none(),
+            target_pixels_share: at_target.map(|(_, share)| share),
+            target_policy: at_target.map(|(policy, _)| policy),
+            calibrate_s: new.unwrap_or(0.0),
         };
-        output::result(self.json, &done, text)
+        output::result(self.json, &done, &text)
     }
 
     fn settings(&self) -> anyhow::Result<PrepareSettings> {
@@ -372,6 +421,7 @@ struct Guide<'a> {
     bar: ProgressBar,
     jobs: usize,
     has_begun: bool,
+    calibrate_s: f64,
 }
 
 impl Witness for Guide<'_> {
@@ -399,6 +449,24 @@ impl Witness for Guide<'_> {
             warn(input, &[text]);
             None
         })
+    }
+
+    fn calibration_of(&mut self, pack: &Path) -> Option<Calibration> {
+        let extent = self.args.calibrate.extent()?;
+        let input = &self.args.input;
+        let begun = Instant::now();
+        let found = calibrate(pack, extent, self.jobs);
+        self.calibrate_s = begun.elapsed().as_secs_f64();
+        let found = found.unwrap_or_else(|error| {
+            let why = output::told(&error);
+            let text = format!("the pack cannot be calibrated: {why}");
+            warn(input, &[text]);
+            None
+        })?;
+        if let Some(left_out) = found.left_out {
+            output::say(&format!("{}: {left_out}", input.display()));
+        }
+        Some(found.calibration)
     }
 }
 

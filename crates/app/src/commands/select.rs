@@ -216,7 +216,9 @@ impl SelectArgs {
             with.policy = preset.policy(&self.policy, surface.projection);
         }
         // Without content no unit can be weighed.
-        with.policy.policy = with.policy.policy.or(Some(Policy::Acuity));
+        with.policy = with
+            .policy
+            .under(with.policy.named().unwrap_or(Policy::Acuity));
         with
     }
 

@@ -19,8 +19,9 @@ use crate::run::run_folder::{LOG, TABLE};
 use anyhow::bail;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::bytes::description::Description;
+use foveal_core::perception::visible_loss::{BEST_JOD, jod_lost};
 use foveal_core::session::log::{SessionLogPart, sha256_hex};
-use foveal_core::units::counted;
+use foveal_core::units::{Seconds, counted};
 use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::head_pose::HeadPose;
@@ -48,6 +49,8 @@ const NO_EXPECTED_JOD: &str = "foveal: under --link no score is expected (expect
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct RunSummary {
     pub(crate) policy: String,
+    /// The same where it was left to the content; null where it was named.
+    pub(crate) policy_chosen: Option<&'static str>,
     pub(crate) frames: usize,
     pub(crate) pixels_share_mean: f64,
     pub(crate) pixels_share_max: f64,
@@ -71,6 +74,10 @@ pub(crate) struct RunSummary {
     /// The score against every finest tile that signatures foretell, in JOD; null for packs
     /// without, and under a link.
     pub(crate) expected_jod: Option<f64>,
+    /// Whether buying stopped because the target was reached; null without a link or a target.
+    pub(crate) stopped_at_target: Option<bool>,
+    /// Bytes that the link could have brought besides; null without one.
+    pub(crate) unspent_bytes: Option<u64>,
     pub(crate) gpu_bytes: u64,
     /// The same over the finest level whole, as 8-bit 4:2:0, and as three 32-bit floats a pixel.
     pub(crate) gpu_share: f64,
@@ -101,6 +108,8 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let args = &args.with_preset(about.projection);
     let args = &args.on_rig(rig.as_ref(), about)?;
     let panels = rig.map(|rig| rig.panels);
+    let (args, policy_chosen) = args.for_content(&file)?;
+    let args = &args;
     let config = args.config()?;
     let showing = args.showing(config.policy)?;
     args.check_length(about)?;
@@ -151,6 +160,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let jods = scores.as_ref().map(|scores| scores.jods.as_slice());
     tell_expectation(&player);
     let summary = RunSummary {
+        policy_chosen,
         intermediate_pixels: panels.as_deref().map(intermediate_pixels),
         panels: panels.map(|panels| PlayedPanel::all(&panels, jods)),
         score: scores.map(|scores| scores.lowest),
@@ -208,13 +218,30 @@ impl SimulateArgs {
         }
     }
 
+    /// These options with the rule that is cheaper for this content, where none was asked for; and
+    /// its name.
+    fn for_content(&self, file: &PackFile) -> anyhow::Result<(Self, Option<&'static str>)> {
+        if self.watching.link.is_some() {
+            return Ok((self.clone(), None));
+        }
+        let surface = file.pack().description().grid(self.view.screen).surface;
+        let view = self.view.eye_view(&surface)?;
+        let calibration = file.calibration().ok().flatten();
+        let (policy, chosen) = self.policy.for_content(calibration.as_ref(), &view)?;
+        let with = Self {
+            policy,
+            ..self.clone()
+        };
+        Ok((with, chosen.map(Policy::name)))
+    }
+
     /// These options with those that panels stand for.
     fn on_rig(&self, rig: Option<&ShownRig>, about: &Description) -> anyhow::Result<Self> {
         let mut with = self.clone();
         let Some(rig) = rig else {
             return Ok(with);
         };
-        if self.policy.policy == Some(Policy::Sampled) {
+        if self.policy.named() == Some(Policy::Sampled) {
             bail!(WrongUsage(SAMPLES_ONE_VIEW.to_owned()));
         }
         if let Some(screen) = self.panels.screen(rig, about.flat_shape())? {
@@ -360,9 +387,11 @@ pub(crate) fn summarise(
     let (surface, gpu_bytes) = (player.grid().surface, player.drawer().gpu_bytes());
     let gpu_share_of = |bytes: u64| gpu_bytes as f64 / bytes as f64;
     let detail = reports.iter().map(|r| r.detail_share).sum::<Option<f64>>();
-    let loss = reports.iter().map(|r| r.expected_loss).sum::<Option<f64>>();
+    let quality = reports.iter().map(|r| Some(r.expected?.quality));
+    let quality = quality.sum::<Option<f64>>();
     RunSummary {
         policy,
+        policy_chosen: None,
         frames: reports.len(),
         pixels_share_mean: reports.iter().map(|r| r.share).sum::<f64>() / count,
         pixels_share_max: reports.iter().map(|r| r.share).fold(0.0, f64::max),
@@ -378,9 +407,11 @@ pub(crate) fn summarise(
         gaze_error_deg_mean: mean_of_known(reports.iter().map(|r| r.gaze_error_deg)),
         detail_share_mean: detail.map(|sum| sum / count),
         target: player.config().target,
-        expected_jod: loss
+        expected_jod: quality
             .filter(|_| player.knows_score())
-            .map(|sum| player.config().policy.expectation().jod(sum / count)),
+            .map(|sum| BEST_JOD - jod_lost(sum / count)),
+        stopped_at_target: player.stopped_at_target(),
+        unspent_bytes: unspent(reports, player),
         gpu_bytes,
         gpu_share: gpu_share_of(surface.bytes_of_planes()),
         gpu_share_of_floats: gpu_share_of(surface.pixels() * FLOATS_BYTES),
@@ -390,6 +421,15 @@ pub(crate) fn summarise(
         panels: None,
         intermediate_pixels: None,
     }
+}
+
+/// Bytes that a link brings in the time of a run and that nothing was fetched for.
+fn unspent(reports: &[FrameReport], player: &Player) -> Option<u64> {
+    let [first, last] = [reports.first()?, reports.last()?].map(|report| report.session.time_s.0);
+    let period = player.length().0 / player.frames().max(1) as f64;
+    let brought = player.bytes_in(Seconds(last - first + period))?;
+    let fetched: u64 = reports.iter().map(|report| report.new_bytes).sum();
+    Some((brought - fetched as f64).max(0.0) as u64)
 }
 
 /// The mean of what is known; `None` where nothing is.
@@ -405,7 +445,7 @@ impl RunSummary {
              {:.1} MPix decoded\n\
              decoding {:.1} ms a frame (95th percentile {:.1}), {}, {}, {}, {}, \
              {:.2} MB on the GPU ({:.1} % of the finest level in 4:2:0, {:.1} % in 32-bit floats)\n\
-             {}{}{}{}{}{}",
+             {}{}{}{}{}{}{}",
             counted(self.frames, "frame"),
             self.policy,
             self.pixels_share_mean * 100.0,
@@ -430,6 +470,13 @@ impl RunSummary {
                 .map_or(String::new(), |error| format!(
                     "mean error of the expected gaze: {error:.2}°\n"
                 )),
+            match (self.stopped_at_target, self.unspent_bytes) {
+                (Some(true), Some(bytes)) => format!(
+                    "stopped at target: {} of the link were not spent\n",
+                    output::size(bytes)
+                ),
+                _ => String::new(),
+            },
             self.decoded_on.text(),
             self.score.as_ref().map_or(String::new(), ScoreReport::text),
             self.panels

@@ -10,6 +10,7 @@ use foveal_core::content::policy::{
     DEFAULT_TARGET, EdgeRule, ImportanceSource, MASK_SIDE, MaskConfig, Policy, PolicyConfig,
     STEADINESS,
 };
+use foveal_core::content::video::calibration::Calibration;
 use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 use foveal_core::perception::acuity::AcuityModel;
 use foveal_core::perception::measured::acuity::MeasuredAcuity;
@@ -25,6 +26,31 @@ pub(crate) fn policy_parser() -> impl TypedValueParser<Value = Policy> {
     let value = |policy: Policy| PossibleValue::new(policy.name()).help(policy.facts().help);
     let names = Policy::ALL.map(value);
     PossibleValuesParser::new(names).try_map(|name| Policy::named(&name).ok_or("no policy"))
+}
+
+/// The value of `--policy`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PolicyChoice {
+    /// The rule that shows fewer pixels at the target, as far as a pack tells.
+    Auto,
+    Is(Policy),
+}
+
+/// Reads a policy by its name, or auto.
+fn policy_choice_parser() -> impl TypedValueParser<Value = PolicyChoice> {
+    const AUTO: &str = "auto";
+    let value = |policy: Policy| PossibleValue::new(policy.name()).help(policy.facts().help);
+    let auto = PossibleValue::new(AUTO).help(
+        "whichever of perceptual and acuity shows fewer pixels of this content at the target, as \
+         its pack tells",
+    );
+    let names = [auto].into_iter().chain(Policy::ALL.map(value));
+    PossibleValuesParser::new(names).try_map(|name| match name == AUTO {
+        true => Ok(PolicyChoice::Auto),
+        false => Policy::named(&name)
+            .map(PolicyChoice::Is)
+            .ok_or("no policy"),
+    })
 }
 
 /// The value of `--acuity`.
@@ -59,11 +85,11 @@ pub(crate) enum EdgeRuleName {
 /// Which rule chooses levels.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PolicyOptions {
-    /// How levels are chosen (default: perceptual; acuity where a pack does not tell what its units
-    /// add, for a scene where nothing limits bytes, and with --acuity, --slope or --safety-disc; or
-    /// the preset's).
-    #[arg(long, value_parser = policy_parser())]
-    pub(crate) policy: Option<Policy>,
+    /// How levels are chosen (default: auto; perceptual with --link; acuity where a pack does not
+    /// tell what its units add, for a scene where nothing limits bytes, and with --acuity, --slope
+    /// or --safety-disc; or the preset's).
+    #[arg(long, value_parser = policy_choice_parser())]
+    policy: Option<PolicyChoice>,
     /// The score in JOD that what is shown is expected to keep against every finest tile, 1 to
     /// 9.99: where within --link buying stops, else what levels are chosen for; none for what is
     /// worth anything (default: 9.5 for acuity and perceptual, else none).
@@ -228,13 +254,40 @@ impl PolicyOptions {
             true => Policy::Acuity,
             false => Policy::Perceptual,
         };
-        self.policy.unwrap_or(usual)
+        self.named().unwrap_or(usual)
+    }
+
+    /// The policy that was asked for by its name.
+    pub(crate) fn named(&self) -> Option<Policy> {
+        match self.policy {
+            Some(PolicyChoice::Is(policy)) => Some(policy),
+            Some(PolicyChoice::Auto) | None => None,
+        }
+    }
+
+    /// The same, and the policy that was chosen if nobody named one: of content that a judge saw
+    /// the rule that shows fewer pixels at the target in a view of this density.
+    pub(crate) fn for_content(
+        &self,
+        calibration: Option<&Calibration>,
+        view: &EyeView,
+    ) -> anyhow::Result<(Self, Option<Policy>)> {
+        let is_open = self.named().is_none() && self.policy() == Policy::Perceptual;
+        let (Some(calibration), true) = (calibration, is_open) else {
+            return Ok((self.clone(), None));
+        };
+        let ppd = view.as_seen().least_ppd();
+        let target = self.target(Policy::Perceptual)?;
+        let cheaper = target.and_then(|target| calibration.cheaper(target, Some(ppd)));
+        let policy = cheaper.map(|(rule, _)| rule.policy());
+        let with = policy.map_or_else(|| self.clone(), |policy| self.under(policy));
+        Ok((with, policy))
     }
 
     /// The same parameters for this policy.
     pub(crate) fn under(&self, policy: Policy) -> Self {
         Self {
-            policy: Some(policy),
+            policy: Some(PolicyChoice::Is(policy)),
             ..self.clone()
         }
     }
@@ -242,7 +295,7 @@ impl PolicyOptions {
     /// The same where these panels show it and nobody said how: what many people look at at once
     /// is as fine everywhere as its pixels can show.
     pub(crate) fn seen_by_many(&self, panels: &[Panel]) -> Self {
-        let is_usual = self.policy.is_none() && self.policy() == Policy::Perceptual;
+        let is_usual = self.named().is_none() && self.policy() == Policy::Perceptual;
         match is_usual && panels.iter().all(|panel| panel.is_for_both) {
             true => self.under(Policy::Viewport),
             false => self.clone(),
@@ -308,6 +361,7 @@ impl PolicyOptions {
             saliency: self.saliency == Switch::On,
             importance: self.importance.into(),
             target: self.target(policy)?,
+            bound: None,
             together: false,
         })
     }

@@ -57,8 +57,7 @@ impl SystemPreset {
 
     /// How levels are chosen on content of a projection.
     pub(crate) fn policy(self, given: &PolicyOptions, projection: Projection) -> PolicyOptions {
-        let mut options = given.clone();
-        options.policy = given.policy.or(Some(self.rule(projection)));
+        let mut options = given.under(given.named().unwrap_or(self.rule(projection)));
         options.samples = given.samples.or(Some(KASTNER_SAMPLES));
         options
     }

@@ -162,6 +162,9 @@ pub struct PolicyConfig {
     /// `acuity` as above, and what is worth anything is bought.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<f64>,
+    /// `perceptual`: the visible loss that no cell may pass, in the place of what keeps the target.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bound: Option<f64>,
     /// Through several views: whether tiles cover the finest level of every cell at once. Else
     /// those of each view cover what it asks for, and a cell becomes as fine as any of them makes
     /// it: as sessions without panels do.
@@ -214,6 +217,7 @@ impl PolicyConfig {
             saliency: false,
             importance: ImportanceSource::default(),
             target: None,
+            bound: None,
             together: false,
         }
     }

@@ -114,13 +114,7 @@ impl PackBuilder {
         let index_bytes = tail.len() as u64;
         let mut entries = Vec::new();
         for table in tables {
-            entries.push(TableEntry {
-                name: table.name.clone(),
-                version: table.version,
-                offset: self.at + tail.len() as u64,
-                bytes: table.bytes.len() as u64,
-                crc32c: crc32c::crc32c(&table.bytes),
-            });
+            entries.push(entry_of(table, self.at + tail.len() as u64));
             tail.extend_from_slice(&table.bytes);
         }
         let header = Header {
@@ -169,6 +163,45 @@ impl PackHead {
     pub fn described_as(self, json: Vec<u8>) -> Result<Self, PackError> {
         let head = head_of(json, Header::parse(&self.head)?)?;
         Ok(Self { head, ..self })
+    }
+
+    /// The same without the side table of this entry, which must lie behind all others; its bytes
+    /// are still in the tail.
+    pub(crate) fn without_last(mut self, entry: &TableEntry) -> Result<Self, PackError> {
+        let header = Header::parse(&self.head)?;
+        let header = Header {
+            file_bytes: header.file_bytes - entry.bytes,
+            ..header
+        };
+        let json = self.head.split_off(HEADER_BYTES);
+        let head = head_of(json, header)?;
+        Ok(Self { head, ..self })
+    }
+
+    /// The same with another side table behind all others. `describe` writes the description with
+    /// its entry, in as much room.
+    pub fn with_table(
+        mut self,
+        table: &SideTable,
+        describe: impl FnOnce(TableEntry) -> Result<Vec<u8>, PackError>,
+    ) -> Result<Self, PackError> {
+        let mut header = Header::parse(&self.head)?;
+        let entry = entry_of(table, header.file_bytes);
+        header.file_bytes += entry.bytes;
+        self.tail.extend_from_slice(&table.bytes);
+        let head = head_of(describe(entry)?, header)?;
+        Ok(Self { head, ..self })
+    }
+}
+
+/// The entry of a side table that lies at `offset`.
+fn entry_of(table: &SideTable, offset: u64) -> TableEntry {
+    TableEntry {
+        name: table.name.clone(),
+        version: table.version,
+        offset,
+        bytes: table.bytes.len() as u64,
+        crc32c: crc32c::crc32c(&table.bytes),
     }
 }
 

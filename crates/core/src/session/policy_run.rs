@@ -183,6 +183,12 @@ impl PolicyRun {
         self.running.as_ref()?.0.expected_jod()
     }
 
+    /// Whether what was bought last reaches the score that is asked for.
+    pub(super) fn has_reached(&self) -> bool {
+        let has_reached = |(scheduler, _): &(Scheduler, _)| scheduler.has_reached();
+        self.running.as_ref().is_some_and(has_reached)
+    }
+
     /// Whether what was asked for waits for what it needs, and something else stands in.
     pub(super) fn waits(&self) -> bool {
         self.awaited.is_some() && self.scene.iter().all(|asset| asset.may_become_ready())
@@ -212,9 +218,8 @@ impl PolicyRun {
             let has_waited = self.using == self.asked && self.last.is_some() && !self.keeps(now);
             return self.is_ready(frames) || has_waited;
         }
-        let has_reached = |(scheduler, _): &(Scheduler, _)| scheduler.has_reached();
         let saves_up = self.budget.as_ref().is_some_and(|budget| !budget.is_done());
-        self.spends() && saves_up && !self.running.as_ref().is_some_and(has_reached)
+        self.spends() && saves_up && !self.has_reached()
     }
 
     /// Whether the choice for `now` could be another than for `before`.

@@ -1,5 +1,6 @@
 //! A pack from and to a file, and what an unfinished one is good for.
 
+mod calibrated_copy;
 pub mod content_tag;
 pub mod damage;
 pub(crate) mod journal_file;
@@ -8,3 +9,5 @@ mod open_pack;
 pub mod pack_file;
 pub(crate) mod pack_writer;
 pub mod scene_file;
+
+pub use calibrated_copy::write_calibrated;

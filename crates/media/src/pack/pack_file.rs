@@ -6,6 +6,7 @@ use crate::pack::open_pack::OpenPack;
 pub use crate::pack::open_pack::PackFileError;
 use crate::tiles::decode::GroupDecoder;
 use foveal_core::content::video::Video;
+use foveal_core::content::video::bytes::calibration_table::CALIBRATION;
 use foveal_core::content::video::bytes::chunk::split_chunk;
 use foveal_core::content::video::bytes::cue_table::{CUES, CueTable};
 use foveal_core::content::video::bytes::frame_times::{
@@ -14,6 +15,7 @@ use foveal_core::content::video::bytes::frame_times::{
 use foveal_core::content::video::bytes::pack::VideoPack;
 use foveal_core::content::video::bytes::signatures::{SIGNATURES, Signatures};
 use foveal_core::content::video::bytes::sound::{SOUND, SoundTable};
+use foveal_core::content::video::calibration::Calibration;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::pack::{PackError, check_crc};
 use foveal_core::units::one_line;
@@ -74,6 +76,11 @@ impl PackFile {
                 added.map_err(|source| self.open.format(source))?;
             }
         }
+        // A player does without: what it chooses for is then expected by constants.
+        if let (Some(table), Ok(Some(_))) = (video.table(CALIBRATION), self.calibration()) {
+            let added = video.add_table(CALIBRATION, self.open.read_table(table)?);
+            added.map_err(|source| self.open.format(source))?;
+        }
         Ok(Arc::new(video))
     }
 
@@ -132,6 +139,14 @@ impl PackFile {
         self.parse_table(SOUND, |version, bytes| SoundTable::parse(version, &bytes))
     }
 
+    /// What the judge found of the content, from the side table `calibration`; `None` where the
+    /// pack has none.
+    pub fn calibration(&self) -> Result<Option<Calibration>, PackFileError> {
+        self.parse_table(CALIBRATION, |version, bytes| {
+            Calibration::parse(version, &bytes)
+        })
+    }
+
     fn parse_table<T>(
         &self,
         name: &str,
@@ -162,6 +177,7 @@ impl PackFile {
             damage.add(self.signatures());
             damage.add(self.cues());
             damage.add(self.sound());
+            damage.add(self.calibration());
         }
         let mut done = 0;
         for unit in self.pack.units() {

@@ -4,8 +4,11 @@ use crate::pack::damage::Damage;
 use crate::pack::journal_file::JournalFile;
 use crate::pack::name_claim::{IfTaken, NameClaim, cannot_begin};
 use crate::pack::pack_file::{PackFile, PackFileError};
-use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile, with_loss};
+use foveal_core::content::video::bytes::build::{
+    begin_pack, finish_pack, push_tile, with_calibration, with_loss,
+};
 use foveal_core::content::video::bytes::description::{Description, Loss};
+use foveal_core::content::video::calibration::Calibration;
 use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_core::pack::PackBuilder;
 use foveal_core::pack::{ChunkName, Identity, JournalStep, PackError, PackHead, SideTable};
@@ -26,6 +29,15 @@ pub(crate) struct PackWriter {
     /// Chunks that it tells of.
     journalled: usize,
     is_whole: bool,
+}
+
+/// What only a whole pack shows.
+#[derive(Default)]
+pub(crate) struct Inspected {
+    /// What preparing lost.
+    pub(crate) loss: Option<Loss>,
+    /// Which score its content has at which bound.
+    pub(crate) calibration: Option<Calibration>,
 }
 
 /// A writer, what was good of a pack that was begun before, and what a person should know of it.
@@ -168,14 +180,18 @@ impl PackWriter {
         self,
         description: Description,
         tables: &[SideTable],
-        loss_of: &mut dyn FnMut(&Path) -> Option<Loss>,
+        inspect: &mut dyn FnMut(&Path) -> Inspected,
     ) -> Result<(Description, u64), PackFileError> {
         let mut loss = None;
         let finish = |builder| finish_pack(builder, description.clone(), tables);
-        let look = |parts, partial: &Path| {
-            loss = loss_of(partial);
-            match loss {
-                Some(loss) => with_loss(parts, loss),
+        let look = |mut parts, partial: &Path| {
+            let found = inspect(partial);
+            loss = found.loss;
+            if let Some(loss) = loss {
+                parts = with_loss(parts, loss)?;
+            }
+            match found.calibration {
+                Some(calibration) => with_calibration(parts, &calibration),
                 None => Ok(parts),
             }
         };
@@ -189,7 +205,7 @@ impl PackWriter {
     }
 
     /// Writes what `finish` makes of all chunks, makes it durable and gives it its final name.
-    /// Before that `look` sees the whole pack, and may describe it otherwise, and `check` reads it
+    /// Before that `look` sees the whole pack, may describe it otherwise and add to its end, and `check` reads it
     /// back and tells what of it is damaged. Returns its bytes.
     pub(crate) fn end(
         mut self,
@@ -207,8 +223,11 @@ impl PackWriter {
         let whole = self.file.write_all(&parts.tail);
         let whole = whole.and_then(|()| self.write_head(&parts.head));
         whole.map_err(|source| self.refused(source))?;
+        let written = parts.tail.len();
         let parts = look(parts, self.claim.partial()).map_err(format(self.claim.path()))?;
-        let on_disk = self.write_head(&parts.head);
+        let on_disk = self.file.seek(SeekFrom::Start(chunk_bytes + written as u64));
+        let on_disk = on_disk.and_then(|_| self.file.write_all(&parts.tail[written..]));
+        let on_disk = on_disk.and_then(|()| self.write_head(&parts.head));
         let on_disk = on_disk.and_then(|()| self.file.get_ref().sync_all());
         on_disk.map_err(|source| self.refused(source))?;
         let damage = check(self.claim.partial()).map_err(|error| self.unreadable(&error))?;

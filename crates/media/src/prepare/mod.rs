@@ -31,7 +31,7 @@ pub use settings::{PrepareSettings, ProjectionChoice, Quality, SpherePack, Stere
 use crate::MediaError;
 use crate::pack::name_claim::NameClaim;
 use crate::pack::pack_file::PackFileError;
-use crate::pack::pack_writer::PackWriter;
+use crate::pack::pack_writer::{Inspected, PackWriter};
 use crate::parallel::in_parallel;
 use crate::read::input::VideoInput;
 use crate::read::options::{ReadOptions, TimedPicture};
@@ -44,6 +44,7 @@ use foveal_core::content::video::bytes::description::MAX_FRAMES;
 use foveal_core::content::video::bytes::description::{Description, Loss};
 use foveal_core::content::video::bytes::frame_times::FRAME_TIMES;
 use foveal_core::content::video::bytes::sound::SOUND;
+use foveal_core::content::video::calibration::Calibration;
 use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_core::pack::order::hilbert_distance;
 use foveal_core::pack::{JournalStep, SideTable};
@@ -157,6 +158,11 @@ pub trait Witness {
     fn loss_of(&mut self, _pack: &Path) -> Option<Loss> {
         None
     }
+
+    /// What a judge finds of the same pack, for it to hold, or none.
+    fn calibration_of(&mut self, _pack: &Path) -> Option<Calibration> {
+        None
+    }
 }
 
 impl<F: FnMut(Event)> Witness for F {
@@ -238,8 +244,11 @@ fn write_pack(
         version: 1,
         bytes: sound.write(),
     }));
-    let mut loss_of = |pack: &Path| witness.loss_of(pack);
-    let (description, bytes) = writer.finish(description, &tables, &mut loss_of)?;
+    let mut inspect = |pack: &Path| Inspected {
+        loss: witness.loss_of(pack),
+        calibration: witness.calibration_of(pack),
+    };
+    let (description, bytes) = writer.finish(description, &tables, &mut inspect)?;
     Ok(Prepared {
         description,
         bytes,

@@ -320,7 +320,7 @@ impl Content<'_> {
                 let test = picture(&mut trial.player)?;
                 let place = view.size.map(|side| f64::from(side / 2));
                 trial.engine.frame(&reference, &test, place)?;
-                trial.loss += report.expected_loss.unwrap_or_default();
+                trial.loss += report.expected.map_or(0.0, |it| it.losses.whole());
                 trial.share += report.share;
                 trial.level_changes += report.level_changes;
             }

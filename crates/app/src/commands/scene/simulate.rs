@@ -279,7 +279,7 @@ impl SimulateArgs {
         // All that is worth anything is all: it is a choice only where bytes are few.
         let usual = match is_limited {
             true => self.policy.policy(),
-            false => self.policy.policy.unwrap_or(Policy::Acuity),
+            false => self.policy.named().unwrap_or(Policy::Acuity),
         };
         let config = self.policy.config_of(usual)?;
         let name = config.policy.name();

@@ -262,10 +262,11 @@ impl Demand for VideoDemand {
         };
         let jod = || {
             let meter = self.meter.get_or_init(meter);
-            let expectation = self.config.policy.expectation();
+            let rule = self.config.policy.expectation();
             let through = |glance: Glance| {
                 let losses = meter.losses(&self.grid, &*self.content, last.frame, &glance);
-                expectation.jod(losses.pooled(&last.levels))
+                let scale = self.content.scale(glance.view.as_ref());
+                scale.expected(rule, &losses.of(&last.levels)).jod
             };
             last.moment
                 .glances()

@@ -3,6 +3,7 @@
 //! From signatures alone: contrast that the finer steps would add, seen by the eye at that place,
 //! pooled as the judge pools ([`visible_loss`](crate::perception::visible_loss)).
 
+use crate::content::video::calibration::{ZONES, ZoneBounds, ZoneLosses, zone_of};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::places::{APART_DEG, CellPlace, Cells, SharedPlaces, Sighted};
 use crate::content::video::grid::tile_grid::TileGrid;
@@ -37,22 +38,29 @@ const FINEST_OCTAVES_UP: f64 = 0.7;
 pub struct Losses {
     cells: usize,
     /// Sums over the places of a cell of pixels x loss^beta, by level, then by rank of the left
-    /// eye's cell; nothing is lost at level 0.
-    sums: Vec<f64>,
+    /// eye's cell, in each zone; nothing is lost at level 0.
+    sums: Vec<[f64; ZONES]>,
+    /// The same over the bound of each place, where zones have their own; else empty.
+    bounded: Vec<f64>,
     /// Pixels of the display that show a cell, by rank; of cells beside the view, that would.
     pixels: Vec<f64>,
     /// Whether a cell is in view, by rank. One beside it counts nothing in the whole, but is seen
     /// fading into the picture if it is too coarse.
     in_view: Vec<bool>,
-    /// All pixels that show a cell in view.
-    shown: f64,
+    /// All pixels that show a cell in view, in each zone.
+    shown: [f64; ZONES],
 }
 
 impl Losses {
-    /// Whether a cell may be shown at `level` where no cell may lose more than `bound`.
+    /// Whether a cell may be shown at `level` where no cell may lose more than `bound`; where zones
+    /// have their own bounds, more than that many times its zone's.
     #[must_use]
     pub fn is_within(&self, rank: usize, level: u8, bound: f64) -> bool {
-        let sum = self.sums[usize::from(level) * self.cells + rank];
+        let at = usize::from(level) * self.cells + rank;
+        let sum = match self.bounded.is_empty() {
+            true => self.sums[at].iter().sum(),
+            false => self.bounded[at],
+        };
         sum <= self.pixels[rank] * libm::pow(bound, SPACE_EXPONENT)
     }
 
@@ -64,29 +72,56 @@ impl Losses {
         !self.in_view[rank]
     }
 
+    /// What a picture loses whose cells are shown at these levels, beside the finest.
+    #[must_use]
+    pub fn of(&self, shown: &LevelMap) -> ZoneLosses {
+        let mut all = ZoneLosses {
+            pixels: self.shown,
+            ..ZoneLosses::default()
+        };
+        for (rank, level) in shown.levels().iter().enumerate() {
+            let of_cell = self.sum(rank, *level);
+            all.sums = core::array::from_fn(|zone| all.sums[zone] + of_cell[zone]);
+        }
+        all
+    }
+
     /// The quality difference of a picture whose cells are shown at these levels, to the finest.
     #[must_use]
     pub fn pooled(&self, shown: &LevelMap) -> f64 {
-        let at = |(rank, level): (usize, &u8)| self.sum(rank, *level);
-        self.quality(shown.levels().iter().enumerate().map(at).sum())
+        self.of(shown).whole()
     }
 
-    /// The quality difference of a sum over all cells.
+    /// What a cell adds to the sums at a level.
     #[must_use]
-    pub(crate) fn quality(&self, sum: f64) -> f64 {
-        if self.shown <= 0.0 {
-            return 0.0;
-        }
-        libm::pow(sum.max(0.0) / self.shown, 1.0 / SPACE_EXPONENT)
-    }
-
-    /// What a cell adds to the sum at a level.
-    #[must_use]
-    pub(crate) fn sum(&self, rank: usize, level: u8) -> f64 {
+    pub(crate) fn sum(&self, rank: usize, level: u8) -> [f64; ZONES] {
         if self.in_view[rank] {
             self.sums[usize::from(level) * self.cells + rank]
         } else {
-            0.0
+            [0.0; ZONES]
+        }
+    }
+}
+
+/// What losses are asked of.
+#[derive(Clone, Copy, Debug)]
+pub struct Around<'a> {
+    /// Who looks, through which view.
+    pub glance: &'a Glance,
+    /// How far a head may turn while the eye stays.
+    pub room: Radians,
+    /// What no cell may lose, where each zone has its own bound.
+    pub bounds: Option<ZoneBounds>,
+}
+
+impl<'a> Around<'a> {
+    /// What is in view, without bounds.
+    #[must_use]
+    pub fn only(glance: &'a Glance) -> Self {
+        Self {
+            glance,
+            room: Radians(0.0),
+            bounds: None,
         }
     }
 }
@@ -134,26 +169,35 @@ impl LossMeter {
         frame: u32,
         glance: &Glance,
     ) -> Losses {
-        self.losses_around(grid, content, frame, (glance, Radians(0.0)))
+        self.losses_around(grid, content, frame, &Around::only(glance))
     }
 
-    /// The same with what a head that turns by up to `room` brings into view, as far as it tells
-    /// which levels are within a bound: only what is in view counts in the whole.
+    /// The same with what a head that turns brings into view, as far as it tells which levels are
+    /// within a bound: only what is in view counts in the whole.
     #[must_use]
     pub fn losses_around(
         &self,
         grid: &TileGrid,
         content: &dyn VideoUnits,
         frame: u32,
-        (glance, room): (&Glance, Radians),
+        around: &Around<'_>,
     ) -> Losses {
+        let Around {
+            glance,
+            room,
+            bounds,
+        } = *around;
         let cells = grid.tiles_of_left_eye(0).count();
         let mut losses = Losses {
             cells,
-            sums: vec![0.0; cells * usize::from(grid.levels)],
+            sums: vec![[0.0; ZONES]; cells * usize::from(grid.levels)],
+            bounded: match bounds {
+                Some(_) => vec![0.0; cells * usize::from(grid.levels)],
+                None => Vec::new(),
+            },
             pixels: vec![0.0; cells],
             in_view: vec![false; cells],
-            shown: 0.0,
+            shown: [0.0; ZONES],
         };
         let spread = SpreadTable::new(glance.gaze.spread);
         let sighted = Sighted::new(glance);
@@ -183,14 +227,21 @@ impl LossMeter {
             for place in places {
                 let pixels = sighted.pixels(place);
                 losses.pixels[rank] += pixels;
-                losses.shown += if in_view { pixels } else { 0.0 };
+                let eccentricity = glance.eccentricity(place.direction);
+                let zone = zone_of(eccentricity);
+                losses.shown[zone] += if in_view { pixels } else { 0.0 };
+                let bound = bounds.map(|bounds| bounds.at(spread.effective(eccentricity)));
+                let of_bound = bound.map(|bound| libm::pow(bound, -SPACE_EXPONENT));
                 let sensed = self.sensed(&sighted, &spread, glance, place);
                 for (level, octaves) in (1..).zip(&octaves) {
                     let seen = sensed.iter().zip(octaves).map(|(s, o)| s.difference(o));
                     let seen: f64 = seen.sum();
                     if seen > 0.0 {
-                        let loss = libm::pow(seen, SPACE_EXPONENT);
-                        losses.sums[level * cells + rank] += pixels * loss;
+                        let loss = pixels * libm::pow(seen, SPACE_EXPONENT);
+                        losses.sums[level * cells + rank][zone] += loss;
+                        if let Some(of_bound) = of_bound {
+                            losses.bounded[level * cells + rank] += loss * of_bound;
+                        }
                     }
                 }
             }

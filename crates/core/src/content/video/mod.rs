@@ -1,6 +1,7 @@
 //! Video: pictures in time, as tiles of several levels.
 
 pub mod bytes;
+pub mod calibration;
 pub mod demand;
 pub mod grid;
 pub mod losses;

@@ -7,6 +7,7 @@
 
 use crate::content::demand::Offer;
 use crate::content::policy::PolicyConfig;
+use crate::content::video::calibration::{Scale, ZoneLosses};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::content::video::losses::{LossMeter, Losses};
@@ -50,6 +51,8 @@ struct Horizon {
     gains: Gains,
     /// Through each view, where buying stops at a score.
     losses: Vec<Losses>,
+    /// What brings these to scores, through each view.
+    scales: Vec<Scale>,
     /// What is held for it and worth showing.
     shown: LevelMap,
     /// How far each view is from the score, with what this round would buy.
@@ -60,17 +63,15 @@ struct Horizon {
 #[derive(Clone, Debug)]
 struct Goal {
     levels: LevelMap,
-    /// What is lost at these levels, summed over cells.
-    lost: f64,
+    /// What is lost at these levels.
+    lost: ZoneLosses,
 }
 
 impl Goal {
     fn new(losses: &Losses, shown: &LevelMap) -> Self {
-        let cells = shown.levels().iter().enumerate();
-        let lost = cells.map(|(rank, level)| losses.sum(rank, *level)).sum();
         Self {
             levels: shown.clone(),
-            lost,
+            lost: losses.of(shown),
         }
     }
 
@@ -79,7 +80,10 @@ impl Goal {
         for cell in grid.cells_under(tile) {
             let (rank, was) = (grid.rank(cell) as usize, self.levels.level(grid, cell));
             if tile.level < was {
-                self.lost += losses.sum(rank, tile.level) - losses.sum(rank, was);
+                let [less, more] = [tile.level, was].map(|level| losses.sum(rank, level));
+                for (lost, (less, more)) in self.lost.sums.iter_mut().zip(less.iter().zip(more)) {
+                    *lost += less - more;
+                }
                 self.levels.refine(grid, cell, tile.level);
             }
         }
@@ -161,6 +165,10 @@ impl Purchases {
                     weight,
                     shown: self.shown(content, frame, &gains),
                     losses: losses.into_iter().flatten().collect(),
+                    scales: moment
+                        .glances()
+                        .map(|glance| content.scale(glance.view.as_ref()))
+                        .collect(),
                     gains,
                     goals: Vec::new(),
                 }
@@ -335,9 +343,10 @@ impl Purchases {
 impl Horizon {
     /// Whether a score is asked for, and reached through every view with what this round would buy.
     fn is_reached(&self, config: &PolicyConfig) -> bool {
-        let mut views = self.goals.iter().zip(&self.losses);
-        let reaches = |target: f64, (goal, losses): (&Goal, &Losses)| {
-            config.policy.expectation().jod(losses.quality(goal.lost)) >= target
+        let mut views = self.goals.iter().zip(&self.scales);
+        let rule = config.policy.expectation();
+        let reaches = |target: f64, (goal, scale): (&Goal, &Scale)| {
+            scale.expected(rule, &goal.lost).for_target() >= target
         };
         let asked = config.target.filter(|_| !self.goals.is_empty());
         asked.is_some_and(|target| views.all(|view| reaches(target, view)))

@@ -1,10 +1,12 @@
 //! What do choices know of prepared video, beside how it is cut?
 
+use crate::content::video::calibration::Scale;
 use crate::content::video::grid::places::SharedPlaces;
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::pack::unit::UnitId;
 use crate::perception::measures::contrast::Signature;
 use crate::perception::measures::cues::Cues;
+use crate::view::eye_view::EyeView;
 
 /// Numbers, sizes and measures of the units of a video. A unit shows a tile over a group of frames.
 pub trait VideoUnits: core::fmt::Debug + Send + Sync {
@@ -24,6 +26,11 @@ pub trait VideoUnits: core::fmt::Debug + Send + Sync {
     fn places(&self, grid: &TileGrid) -> Option<&SharedPlaces> {
         let _ = grid;
         None
+    }
+    /// From what signatures foretell of it to the judge's scores, in this view.
+    fn scale(&self, view: Option<&EyeView>) -> Scale {
+        let _ = view;
+        Scale::usual()
     }
 }
 

@@ -1,11 +1,13 @@
 //! Which parts of a video's pack have been loaded?
 
+use super::bytes::calibration_table::CALIBRATION;
 use super::bytes::chunk::split_chunk;
 use super::bytes::cue_table::{CUES, CueTable};
 use super::bytes::frame_times::{FRAME_TIMES, nominal_times, parse_frame_times};
 use super::bytes::pack::VideoPack;
 use super::bytes::signatures::{SIGNATURES, Signatures};
 use super::bytes::sound::{SOUND, SoundTable};
+use super::calibration::{Calibration, Scale};
 use super::demand::VideoDemand;
 use super::grid::places::SharedPlaces;
 use super::grid::tile_grid::{Tile, TileGrid};
@@ -19,6 +21,7 @@ use crate::pack::{PackError, TableEntry, check_crc};
 use crate::perception::measures::contrast::Signature;
 use crate::perception::measures::cues::Cues;
 use crate::units::Seconds;
+use crate::view::eye_view::EyeView;
 use crate::view::surface::Screen;
 use crate::view::timeline::Timeline;
 use core::ops::Range;
@@ -37,6 +40,7 @@ pub struct Video {
     signatures: OnceLock<Signatures>,
     cues: OnceLock<CueTable>,
     sound: OnceLock<SoundTable>,
+    calibration: OnceLock<Calibration>,
     lost: RwLock<Lost>,
     places: SharedPlaces,
 }
@@ -61,6 +65,7 @@ impl Video {
             signatures: OnceLock::new(),
             cues: OnceLock::new(),
             sound: OnceLock::new(),
+            calibration: OnceLock::new(),
             lost: RwLock::default(),
             places: SharedPlaces::default(),
         }
@@ -90,6 +95,12 @@ impl Video {
     #[must_use]
     pub fn sound(&self) -> Option<&SoundTable> {
         self.sound.get()
+    }
+
+    /// What the judge found of it, once its table has been loaded.
+    #[must_use]
+    pub fn calibration(&self) -> Option<&Calibration> {
+        self.calibration.get()
     }
 
     /// The entry of a side table; `None` where the pack has none of that name.
@@ -122,6 +133,9 @@ impl Video {
             }
             SOUND => {
                 let _ = self.sound.set(SoundTable::parse(version, &bytes)?);
+            }
+            CALIBRATION => {
+                let _ = self.calibration.set(Calibration::parse(version, &bytes)?);
             }
             _ => {}
         }
@@ -300,5 +314,11 @@ impl VideoUnits for Video {
 
     fn places(&self, grid: &TileGrid) -> Option<&SharedPlaces> {
         (*grid == self.grid).then_some(&self.places)
+    }
+
+    fn scale(&self, view: Option<&EyeView>) -> Scale {
+        let ppd = view.map(|view| view.as_seen().least_ppd());
+        let scale = |calibration: &Calibration| calibration.at(ppd);
+        self.calibration.get().map_or_else(Scale::usual, scale)
     }
 }

@@ -58,7 +58,8 @@ impl Gains {
         for cell in grid.tiles_of(0) {
             let rank = grid.rank(grid.for_left_eye(cell)) as usize;
             for level in 0..grid.coarsest() {
-                let removed = losses.sum(rank, level + 1) - losses.sum(rank, level);
+                let [more, less] = [level + 1, level].map(|level| losses.sum(rank, level));
+                let removed = more.iter().sum::<f64>() - less.iter().sum::<f64>();
                 let at = usize::from(level) * self.cells + grid.rank(cell) as usize;
                 if self.steps[at] <= 0.0 && removed > 0.0 {
                     self.steps[at] = NEXT_TO_NOTHING * removed;

@@ -71,6 +71,13 @@ impl Session {
         self.run.expected_jod()
     }
 
+    /// Whether what was bought last reaches the score that is asked for, so that more bytes would
+    /// buy nothing; false where nothing is bought.
+    #[must_use]
+    pub fn has_reached(&self) -> bool {
+        self.run.has_reached()
+    }
+
     /// The head of the part of the log that a choice for `moment` belongs to.
     #[must_use]
     pub fn log_head(&self, moment: &Moment) -> SessionHead {

@@ -56,7 +56,7 @@ pub(super) fn before(args: &ViewArgs, rig: Option<&ShownRig>) -> anyhow::Result<
     let Some(rig) = rig else {
         return Ok(with);
     };
-    if with.policy.policy == Some(Policy::Sampled) {
+    if with.policy.named() == Some(Policy::Sampled) {
         bail!(WrongUsage(SAMPLES_ONE_VIEW.to_owned()));
     }
     if let Some(screen) = args.panels.screen(rig, shape)? {
@@ -74,7 +74,7 @@ pub(super) fn policy_of(args: &ViewArgs, pack: &LivePack) -> PolicyOptions {
         (true, LivePack::Scene(_)) if args.link.is_none() => Policy::Acuity,
         (true, LivePack::Scene(_)) => Policy::Eccentricity,
     };
-    args.policy.under(args.policy.policy.unwrap_or(usual))
+    args.policy.under(args.policy.named().unwrap_or(usual))
 }
 
 /// Says what is wrong with the options for this kind, before a window is there.

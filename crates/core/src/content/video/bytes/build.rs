@@ -1,11 +1,15 @@
 //! How do the tiles of a video become a pack?
 
+use super::calibration_table::CALIBRATION;
 use super::chunk::{chunk_name, join_chunk, named_chunk};
 use super::description::{Description, Loss};
 use super::needs::UNDERSTOOD;
 use super::pack::{numbers_of, unit_of};
+use crate::content::video::calibration::Calibration;
 use crate::content::video::grid::tile_grid::Tile;
-use crate::pack::{HEADER_BYTES, PackBuilder, PackError, PackHead, SideTable};
+use crate::pack::{
+    HEADER_BYTES, Header, PackBuilder, PackError, PackHead, SideTable, TableEntry,
+};
 use crate::view::surface::{Screen, are_all_faces, is_one_eye};
 use serde::Serialize;
 
@@ -86,6 +90,36 @@ pub fn with_loss(head: PackHead, loss: Loss) -> Result<PackHead, PackError> {
     };
     description.check()?;
     head.described_as(json_of(&description)?)
+}
+
+/// The same pack with a calibration behind all other tables, which only a finished pack can be
+/// judged for, in the place of an older one. Of an older one's bytes the head tells nothing any
+/// more: write the new one's, which end the tail, over them.
+///
+/// # Errors
+/// The older one does not lie behind all other tables, or the description has no room.
+pub fn with_calibration(
+    mut head: PackHead,
+    calibration: &Calibration,
+) -> Result<PackHead, PackError> {
+    let mut description = Description::parse(&head.head[HEADER_BYTES..])?;
+    let is_older = |table: &TableEntry| table.name == CALIBRATION;
+    if let Some(at) = description.tables.iter().position(is_older) {
+        let older = description.tables.remove(at);
+        if older.offset + older.bytes != Header::parse(&head.head)?.file_bytes {
+            return Err(PackError::new(
+                "side table calibration",
+                "tables behind it".to_owned(),
+                "the last of all",
+            ));
+        }
+        head = head.without_last(&older)?;
+    }
+    head.with_table(&calibration.to_table(), |entry| {
+        description.tables.push(entry);
+        description.check()?;
+        json_of(&description)
+    })
 }
 
 fn json_of(description: &Description) -> Result<Vec<u8>, PackError> {

@@ -1,6 +1,7 @@
 //! How video lies in a pack: its description, the numbers of its units, its side tables.
 
 pub mod build;
+pub mod calibration_table;
 pub mod chunk;
 pub mod codec;
 pub mod cue_table;

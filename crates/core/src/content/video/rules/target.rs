@@ -2,13 +2,15 @@
 //!
 //! A rule has one free number: the visible loss that no cell may pass (`perceptual`), or the slope
 //! by which acuity falls off (`acuity`). It is the largest at which the picture in view is expected
-//! to keep the score, by the signatures of what is in view.
+//! to keep the score, by the signatures of what is in view. Where a judge saw the content while it
+//! was prepared, the bound of each zone is looked up in what it found.
 
 use crate::content::calibration::{Expectation, slope_for};
 use crate::content::policy::{Policy, PolicyConfig};
+use crate::content::video::calibration::Scale;
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::tile_grid::TileGrid;
-use crate::content::video::losses::{LossMeter, Losses};
+use crate::content::video::losses::{Around, LossMeter, Losses};
 use crate::content::video::rules::known_acuity::KnownAcuity;
 use crate::content::video::rules::steady::SteadySelector;
 use crate::content::video::rules::still::{head_room, is_turned_view, stays};
@@ -41,6 +43,11 @@ const SLOPE_ANEW_HEAD_DEG: f64 = 15.0;
 const LEAST_SLOPE: f64 = 0.7;
 /// Slopes that are tried.
 const SLOPES: u32 = 8;
+/// Where a judge saw the content: the least slope that is tried, steps for each doubling, and how
+/// many.
+const LEAST_JUDGED_SLOPE: f64 = 0.0015;
+const JUDGED_SLOPE_STEPS: f64 = 4.0;
+const JUDGED_SLOPES: u32 = 33;
 /// Bounds that are tried: this many steps below and above the loss of the target.
 const BOUNDS: u32 = 40;
 
@@ -147,17 +154,32 @@ impl TargetSelector {
                 _ => {}
             }
         }
-        let around = (&looked, room);
-        let losses = self.meter.losses_around(&self.grid, content, frame, around);
+        let scale = content.scale(looked.view.as_ref());
+        let bounds = match (&self.rule, self.config.bound) {
+            (None, None) => scale.bounds(self.target),
+            _ => None,
+        };
+        let around = Around {
+            glance: &looked,
+            room,
+            bounds,
+        };
+        let losses = self
+            .meter
+            .losses_around(&self.grid, content, frame, &around);
         let (step, needed) = match self.rule.take() {
             Some(mut rule) => {
-                let step = self.slope(&rule, &losses, &looked, known);
-                rule.set_acuity(slope_of(self.target, step));
+                let step = self.slope(&rule, (&losses, &scale), &looked, known);
+                rule.set_acuity(self.slope_at(&scale, step));
                 let needed = rule.needed(&occasion, known);
                 self.rule = Some(rule);
                 (step, needed)
             }
-            None => self.by_bound(&losses),
+            None => match (bounds, self.config.bound) {
+                (Some(_), _) => (0, self.within(&losses, 1.0)),
+                (None, Some(bound)) => (0, self.within(&losses, bound)),
+                (None, None) => self.by_bound(&losses),
+            },
         };
         self.before = Some(Chosen {
             glance: looked,
@@ -178,7 +200,7 @@ impl TargetSelector {
     fn slope(
         &self,
         rule: &SteadySelector,
-        losses: &Losses,
+        (losses, scale): (&Losses, &Scale),
         glance: &Glance,
         known: &mut KnownAcuity,
     ) -> u32 {
@@ -188,12 +210,25 @@ impl TargetSelector {
             frame: 0,
             glance,
         };
-        self.largest(SLOPES, |step| {
-            exact.set_acuity(slope_of(self.target, step));
+        let slopes = match scale.is_measured(Expectation::Elsewise) {
+            true => JUDGED_SLOPES,
+            false => SLOPES,
+        };
+        self.largest(slopes, |step| {
+            exact.set_acuity(self.slope_at(scale, step));
             let mut levels = exact.levels_of(&occasion, known, |_| true);
             let _ = levels.cover(&self.grid);
-            Expectation::Elsewise.jod(losses.pooled(&levels))
+            let expected = scale.expected(Expectation::Elsewise, &losses.of(&levels));
+            expected.for_target()
         })
+    }
+
+    fn slope_at(&self, scale: &Scale, step: u32) -> AcuityModel {
+        if !scale.is_measured(Expectation::Elsewise) {
+            return slope_of(self.target, step);
+        }
+        let times = libm::exp2(f64::from(step) / JUDGED_SLOPE_STEPS);
+        AcuityModel::linear(LEAST_JUDGED_SLOPE * times)
     }
 
     /// Every cell takes the coarsest level whose loss stays within a bound.
@@ -203,13 +238,17 @@ impl TargetSelector {
             let _ = levels.cover(&self.grid);
             Expectation::ByLoss.jod(losses.pooled(&levels))
         });
+        (step, self.within(losses, bound_of(self.target, step)))
+    }
+
+    /// Levels within a bound, after what was shown before.
+    fn within(&self, losses: &Losses, bound: f64) -> LevelMap {
         let before = self.before.as_ref().map(|before| {
             let mut shown = before.needed.clone();
             let _ = shown.cover(&self.grid);
             shown
         });
-        let bound = bound_of(self.target, step);
-        (step, self.bounded(losses, bound, before.as_ref()))
+        self.bounded(losses, bound, before.as_ref())
     }
 
     /// Levels within a bound; a cell that was finer becomes coarser only when that is clearly

@@ -1,0 +1,89 @@
+//! How does a pack that was made before learn which score its content has at which bound?
+
+use crate::commands::info::PackInfo;
+use crate::report::output::{self, WrongUsage};
+use crate::run::calibrate::{Extent, calibrate};
+use crate::run::pack_place::{if_taken, pack_at};
+use anyhow::bail;
+use clap::Args;
+use foveal_media::pack::name_claim::NameClaim;
+use foveal_media::pack::pack_file::PackFile;
+use foveal_media::pack::scene_file::is_scene_pack;
+use foveal_media::pack::write_calibrated;
+use std::path::PathBuf;
+use std::time::Instant;
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct CalibrateArgs {
+    /// A pack of video.
+    pack: PathBuf,
+    /// The pack to write: the same, with what was found.
+    #[arg(long, value_name = "PACK")]
+    out: PathBuf,
+    /// Judge five gazes at all densities and bounds, whatever it takes.
+    #[arg(long)]
+    thorough: bool,
+    /// Threads (default: all cores).
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Replace another pack at --out, which stays until the new one is whole.
+    #[arg(long)]
+    force: bool,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
+    if is_scene_pack(&args.pack) {
+        bail!(WrongUsage(format!(
+            "{}: is a scene; only what is chosen of video is calibrated",
+            args.pack.display()
+        )));
+    }
+    let old = PackFile::open(&args.pack)?;
+    if old.signatures()?.is_none() {
+        bail!(
+            "{}: does not tell what its units add, so nothing is chosen for a score; prepare it \
+             anew from its source",
+            args.pack.display()
+        );
+    }
+    let is_same = |one: &PathBuf, other: &PathBuf| match (one.canonicalize(), other.canonicalize()) {
+        (Ok(one), Ok(other)) => one == other,
+        _ => false,
+    };
+    if is_same(&args.pack, &args.out) {
+        bail!(WrongUsage(format!(
+            "--out {}: is the pack itself; choose another name",
+            args.out.display()
+        )));
+    }
+    let there = pack_at(&args.out)?;
+    if there.is_some() && !args.force {
+        bail!(WrongUsage(format!(
+            "--out {}: is there already; choose another name, or give --force to replace it",
+            args.out.display()
+        )));
+    }
+    let claim = NameClaim::of(&args.out, if_taken(there.as_ref()))?;
+    let extent = match args.thorough {
+        true => Extent::Thorough,
+        false => Extent::Usual,
+    };
+    let begun = Instant::now();
+    let Some(found) = calibrate(&args.pack, extent, output::jobs(args.jobs)?)? else {
+        bail!(
+            "{}: its pictures are too small for a score, so nothing can be calibrated",
+            args.pack.display()
+        );
+    };
+    if let Some(left_out) = &found.left_out {
+        output::say(&format!("{}: {left_out}", args.pack.display()));
+    }
+    write_calibrated(&args.pack, claim, &found.calibration)?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let pack = PackInfo::new(&PackFile::open(&args.out)?)?;
+    let text = format!("{}: {seconds:.1} s\n{}", args.out.display(), pack.text());
+    output::result(args.json, &pack, &text)
+}
