@@ -64,10 +64,14 @@ impl Drop for Folder {
     }
 }
 
-/// The program with these arguments, ready to run.
+/// The program with these arguments, ready to run. Videos are prepared without calibration, which
+/// takes most of a minute, unless the arguments ask for it.
 pub(crate) fn command(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_foveal"));
     command.args(arguments);
+    if arguments.starts_with(&["prepare", "video"]) && !arguments.contains(&"--calibrate") {
+        command.args(["--calibrate", "off"]);
+    }
     command
 }
 

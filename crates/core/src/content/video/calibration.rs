@@ -3,7 +3,7 @@
 //! While a pack is prepared its content is shown at several bounds to eyes that look at several
 //! places, and the judge scores what they see. These scores lie in the pack and bring what
 //! signatures foretell to the judge's scale for this content
-//! (docs/decisions/0027-packs-know-their-score.md).
+//! (docs/decisions/0028-packs-know-their-score.md).
 
 use crate::content::calibration::Expectation;
 use crate::perception::visible_loss::{
@@ -448,3 +448,6 @@ fn along(points: &[[f64; 2]], x: f64, slope: f64) -> Option<f64> {
     let ([xa, ya], [xb, yb]) = (points[above - 1], points[above]);
     Some(ya + (yb - ya) * (x - xa) / (xb - xa))
 }
+
+#[cfg(test)]
+mod tests;
