@@ -48,10 +48,14 @@ use foveal_core::content::video::calibration::Calibration;
 use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_core::pack::order::hilbert_distance;
 use foveal_core::pack::{JournalStep, SideTable};
+use foveal_core::perception::measures::cues::Cues;
 use foveal_core::view::picture::Picture;
 use identity::{FileStamp, identity_of};
 use notes::Notes;
+use notes::decoded_groups::{DecodedGroups, ShownGroup};
 use std::path::Path;
+use std::sync::Mutex;
+use std::sync::PoisonError;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 /// Frames that are read ahead while others are coded: a group of the finest level, so that reading
@@ -107,6 +111,13 @@ struct CodedGroup {
     tile: Tile,
     first_frame: u32,
     access_units: Vec<Vec<u8>>,
+}
+
+/// What came of one group of one tile.
+struct CodedTile {
+    access_units: Vec<Vec<u8>>,
+    cues: Option<Cues>,
+    shown: ShownGroup,
 }
 
 /// What came of a preparation.
@@ -372,6 +383,7 @@ struct Coder<'a> {
     /// Of each level, by rank of the tile, the pictures of the group that is being filled.
     waiting: Vec<Vec<Vec<Picture>>>,
     coded: Vec<CodedGroup>,
+    shown: DecodedGroups,
     notes: Notes,
     times: Vec<i64>,
     /// Times that [`Self::step`] has told.
@@ -382,14 +394,15 @@ struct Coder<'a> {
 
 impl<'a> Coder<'a> {
     fn new(plan: &'a PreparationPlan) -> Self {
-        let grid = plan.grid;
+        let (grid, about) = (plan.grid, &plan.description);
         let empty = |level| vec![Vec::new(); grid.tiles_in_level(level) as usize];
         Self {
             plan,
             cutter: Cutter::new(plan),
             waiting: (0..grid.levels).map(empty).collect(),
             coded: Vec::new(),
-            notes: Notes::new(&grid, plan.description.colour),
+            shown: DecodedGroups::new(&grid, about.colour, about.codec, &about.groups),
+            notes: Notes::new(&grid, about.colour),
             times: Vec::new(),
             told: 0,
             frames: 0,
@@ -451,33 +464,30 @@ impl<'a> Coder<'a> {
     }
 
     /// Codes what waits of these levels, finest first, as one piece of work: between levels no
-    /// thread waits for the others.
+    /// thread waits for the others. Then measures what the finer ones among them add.
     fn code_levels(&mut self, levels: &[u8]) -> Result<(), PrepareError> {
-        let tiles_of = |&level: &u8| {
-            let waiting = &self.waiting[usize::from(level)];
-            let ranks = (0..).zip(waiting).filter(|(_, group)| !group.is_empty());
-            ranks.map(move |(rank, group)| (level, rank, group))
-        };
-        let tiles: Vec<(u8, u32, &Vec<Picture>)> = levels.iter().flat_map(tiles_of).collect();
-        let units = in_parallel(self.plan.jobs, tiles.len(), |k| {
-            let (level, _, group) = tiles[k];
-            let settings = self.settings_of(level);
-            (
-                encode_group(&settings, group),
-                self.notes.measure(level, group),
-            )
-        });
-        let places: Vec<_> = tiles
-            .iter()
-            .map(|(level, rank, group)| (*level, *rank, group.len() as u32))
-            .collect();
+        let mut tiles = Vec::new();
         for level in levels {
             let waiting = &mut self.waiting[usize::from(*level)];
-            waiting.iter_mut().for_each(Vec::clear);
+            let full = (0..).zip(waiting).filter(|(_, group)| !group.is_empty());
+            tiles.extend(full.map(|(rank, group)| {
+                let group = std::mem::take(group);
+                (*level, rank, group.len() as u32, Mutex::new(group))
+            }));
         }
-        for ((level, rank, length), (access_units, measured)) in places.into_iter().zip(units) {
-            let access_units = access_units?;
-            self.notes.push(level, measured);
+        let coded = in_parallel(self.plan.jobs, tiles.len(), |k| {
+            let (level, _, _, group) = &tiles[k];
+            let mut group = group.lock().unwrap_or_else(PoisonError::into_inner);
+            self.code_tile(*level, std::mem::take(&mut *group))
+        });
+        for ((level, rank, length, _), tile) in tiles.into_iter().zip(coded) {
+            let CodedTile {
+                access_units,
+                cues,
+                shown,
+            } = tile?;
+            self.notes.push_cues(cues);
+            self.shown.push(level, rank, shown);
             self.bytes += access_units
                 .iter()
                 .map(|unit| unit.len() as u64 + 4)
@@ -488,7 +498,22 @@ impl<'a> Coder<'a> {
                 access_units,
             });
         }
+        for level in levels {
+            let signatures = self.shown.measured(*level, self.plan.jobs);
+            let finer = level.saturating_sub(1);
+            self.notes.push_signatures(finer, &signatures);
+        }
         Ok(())
+    }
+
+    /// Codes one group of one tile, and lets go of its pictures.
+    fn code_tile(&self, level: u8, group: Vec<Picture>) -> Result<CodedTile, PrepareError> {
+        let access_units = encode_group(&self.settings_of(level), &group)?;
+        Ok(CodedTile {
+            cues: self.notes.cues(level, &group),
+            shown: self.shown.decoded(&access_units, group)?,
+            access_units,
+        })
     }
 
     fn settings_of(&self, level: u8) -> EncodeSettings {

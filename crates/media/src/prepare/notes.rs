@@ -1,18 +1,19 @@
 //! What is noted of every unit while it is coded, so that it can be valued without decoding?
 
+pub(super) mod decoded_groups;
+
 use foveal_core::content::video::bytes::cue_table::{CUES, CUES_VERSION};
 use foveal_core::content::video::bytes::signatures::{SIGNATURES, SIGNATURES_VERSION};
 use foveal_core::content::video::grid::tile_grid::TileGrid;
 use foveal_core::pack::SideTable;
+use foveal_core::perception::measures::contrast::Signature;
+use foveal_core::perception::measures::cues::Cues;
 use foveal_core::perception::measures::saliency::cues_of;
-use foveal_core::perception::measures::signature::signature_of;
 use foveal_core::view::picture::{Colour, Picture};
 
 /// Rows of the side tables `signatures` and `cues` that are known so far.
 pub(super) struct Notes {
     colour: Colour,
-    coarsest: u8,
-    ratio: u32,
     /// Of each level, in the order of its units: groups, in a group by rank.
     signatures: Vec<Vec<u8>>,
     cues: Vec<u8>,
@@ -20,19 +21,10 @@ pub(super) struct Notes {
     told: Vec<usize>,
 }
 
-/// What was measured of one unit, as it lies in the tables; empty where a table has no such row.
-#[derive(Default)]
-pub(super) struct Measured {
-    signature: Vec<u8>,
-    cues: Vec<u8>,
-}
-
 impl Notes {
     pub(super) fn new(grid: &TileGrid, colour: Colour) -> Self {
         Self {
             colour,
-            coarsest: grid.coarsest(),
-            ratio: grid.ratio,
             signatures: vec![Vec::new(); usize::from(grid.levels)],
             cues: Vec::new(),
             told: vec![0; usize::from(grid.levels) + 1],
@@ -61,26 +53,21 @@ impl Notes {
         fits
     }
 
-    /// Measures one tile over one group of frames.
-    pub(super) fn measure(&self, level: u8, group: &[Picture]) -> Measured {
-        let (Some(first), Some(last)) = (group.first(), group.last()) else {
-            return Measured::default();
-        };
-        let mut measured = Measured::default();
-        if level < self.coarsest {
-            let signature = signature_of(first, self.colour, self.ratio);
-            measured.signature = signature.to_bytes().to_vec();
-        }
-        if level == 0 {
-            measured.cues = cues_of(first, last, self.colour).to_bytes().to_vec();
-        }
-        measured
+    /// The cues of one tile over one group of frames; none where a unit has none.
+    pub(super) fn cues(&self, level: u8, group: &[Picture]) -> Option<Cues> {
+        let (first, last) = (group.first()?, group.last()?);
+        (level == 0).then(|| cues_of(first, last, self.colour))
     }
 
-    /// Takes the rows of the next unit of `level`.
-    pub(super) fn push(&mut self, level: u8, measured: Measured) {
-        self.signatures[usize::from(level)].extend(measured.signature);
-        self.cues.extend(measured.cues);
+    /// Takes the cues of the next unit.
+    pub(super) fn push_cues(&mut self, cues: Option<Cues>) {
+        self.cues.extend(cues.iter().flat_map(Cues::to_bytes));
+    }
+
+    /// Takes the signatures of the next units of `level`.
+    pub(super) fn push_signatures(&mut self, level: u8, signatures: &[Signature]) {
+        let rows = signatures.iter().flat_map(Signature::to_bytes);
+        self.signatures[usize::from(level)].extend(rows);
     }
 
     /// The side tables: rows in the order of the units that have one.

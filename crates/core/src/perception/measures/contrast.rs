@@ -1,8 +1,8 @@
 //! How much contrast does a refinement add, told in twelve bytes?
 //!
-//! For every unit that refines, what its first picture shows that the next coarser level does not.
-//! With it a step can be valued for any gaze without decoding anything. `docs/formats/pack.md` is
-//! normative.
+//! For every unit that refines, what its pictures show that the next coarser level does not, as
+//! both are decoded. With it a step can be valued for any gaze without decoding anything.
+//! `docs/formats/pack.md` is normative.
 
 /// Octaves of spatial frequency that a signature tells of: the one that the step adds, and those
 /// below it that it changes.
@@ -43,6 +43,20 @@ impl Signature {
     pub const BYTES: usize = 4 * SIGNATURE_BANDS;
     /// Bytes of a signature of version 1.
     pub const BYTES_V1: usize = 3 * SIGNATURE_BANDS;
+
+    /// Of each octave what that of the two tells whose norm is larger: of several pictures of a
+    /// unit, where each octave gains most. Of what comes late no less is told than if it had been
+    /// there from the first picture on.
+    #[must_use]
+    pub fn strongest(self, other: Self) -> Self {
+        let band = |index: usize| {
+            let [one, other] = [self.bands[index], other.bands[index]];
+            if other.norm > one.norm { other } else { one }
+        };
+        Self {
+            bands: [0, 1, 2].map(band),
+        }
+    }
 
     /// The signature as it lies in the table. Contrasts are coded logarithmically: off by at most
     /// 2.2 %, and 0 below 7e-5.

@@ -12,6 +12,33 @@ pub const MAX_BANDS: usize = 8;
 /// Shortest side that still has a band.
 const MIN_SIDE: u32 = 4;
 
+/// What pictures are computed in: double precision, or single where many are measured.
+pub trait Sample:
+    Copy
+    + From<f32>
+    + Into<f64>
+    + core::ops::Add<Output = Self>
+    + core::ops::Sub<Output = Self>
+    + core::ops::Mul<Output = Self>
+    + core::ops::Div<Output = Self>
+{
+    /// Its distance from 0.
+    #[must_use]
+    fn size(self) -> Self;
+}
+
+impl Sample for f32 {
+    fn size(self) -> Self {
+        self.abs()
+    }
+}
+
+impl Sample for f64 {
+    fn size(self) -> Self {
+        self.abs()
+    }
+}
+
 /// One picture's contrasts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pyramid {
@@ -108,7 +135,7 @@ fn pixels([w, h]: [u32; 2]) -> usize {
 ///
 /// Along each row first, then down the columns: each row is filtered once.
 #[must_use]
-pub fn halved(fine: &[f64], size: [u32; 2]) -> (Vec<f64>, [u32; 2]) {
+pub fn halved<S: Sample>(fine: &[S], size: [u32; 2]) -> (Vec<S>, [u32; 2]) {
     let [w, h] = size.map(|side| side as usize);
     let coarse_size = half_size(size);
     let [cw, ch] = coarse_size.map(|side| side as usize);
@@ -118,18 +145,27 @@ pub fn halved(fine: &[f64], size: [u32; 2]) -> (Vec<f64>, [u32; 2]) {
     }
     let mut coarse = Vec::with_capacity(cw * ch);
     for y in 0..ch {
-        let [a, b, c, d] = four_around(y, h).map(|row| &along[row * cw..][..cw]);
-        coarse.extend((0..cw).map(|x| tap([a[x], b[x], c[x], d[x]])));
+        let [a, b, c, d] = four_around(y, h).map(|row| along[row * cw..][..cw].iter());
+        let rows = a.zip(b).zip(c.zip(d));
+        coarse.extend(rows.map(|((a, b), (c, d))| tap([*a, *b, *c, *d])));
     }
     (coarse, coarse_size)
 }
 
-fn tap([a, b, c, d]: [f64; 4]) -> f64 {
-    (a + 3.0 * (b + c) + d) / 8.0
+#[inline(always)]
+fn tap<S: Sample>([a, b, c, d]: [S; 4]) -> S {
+    (a + S::from(3.0) * (b + c) + d) / S::from(8.0)
+}
+
+/// A quarter of the way from one sample to the next.
+#[inline(always)]
+fn between<S: Sample>(near: S, far: S) -> S {
+    S::from(0.75) * near + S::from(0.25) * far
 }
 
 /// Appends every second place of a row, filtered.
-fn halve_row(row: &[f64], out: &mut Vec<f64>) {
+#[inline(always)]
+fn halve_row<S: Sample>(row: &[S], out: &mut Vec<S>) {
     let (w, half) = (row.len(), row.len().div_ceil(2));
     let clamped = |x: usize| tap(four_around(x, w).map(|column| row[column]));
     out.push(clamped(0));
@@ -142,6 +178,7 @@ fn halve_row(row: &[f64], out: &mut Vec<f64>) {
 }
 
 /// The four fine samples that one coarse sample covers, of `count`; the border repeats.
+#[inline(always)]
 pub(crate) fn four_around(coarse: usize, count: usize) -> [usize; 4] {
     let first = 2 * coarse;
     [first.saturating_sub(1), first, first + 1, first + 2].map(|fine| fine.min(count - 1))
@@ -149,7 +186,7 @@ pub(crate) fn four_around(coarse: usize, count: usize) -> [usize; 4] {
 
 /// A coarse level at a finer level's size: bilinear between centres of cells.
 #[must_use]
-pub fn doubled(coarse: &[f64], coarse_size: [u32; 2], fine_size: [u32; 2]) -> Vec<f64> {
+pub fn doubled<S: Sample>(coarse: &[S], coarse_size: [u32; 2], fine_size: [u32; 2]) -> Vec<S> {
     let [cw, ch] = coarse_size.map(|side| side as usize);
     let [w, h] = fine_size.map(|side| side as usize);
     let mut along = Vec::with_capacity(w * ch);
@@ -158,35 +195,33 @@ pub fn doubled(coarse: &[f64], coarse_size: [u32; 2], fine_size: [u32; 2]) -> Ve
     }
     let mut fine = Vec::with_capacity(w * h);
     for y in 0..h {
-        let [near, far] = two_around(y, ch).map(|row| &along[row * w..][..w]);
-        fine.extend(
-            near.iter()
-                .zip(far)
-                .map(|(near, far)| 0.75 * near + 0.25 * far),
-        );
+        let [near, far] = two_around(y, ch).map(|row| along[row * w..][..w].iter());
+        fine.extend(near.zip(far).map(|(near, far)| between(*near, *far)));
     }
     fine
 }
 
 /// Appends a row at `width` places, bilinear.
-fn double_row(row: &[f64], width: usize, out: &mut Vec<f64>) {
+#[inline(always)]
+fn double_row<S: Sample>(row: &[S], width: usize, out: &mut Vec<S>) {
     let count = row.len();
     let place = |x: usize| {
         let [near, far] = two_around(x, count);
-        0.75 * row[near] + 0.25 * row[far]
+        between(row[near], row[far])
     };
     out.push(place(0));
     let done = 1 + 2 * (count - 1).min((width - 1) / 2);
     let before = out.len();
-    out.resize(before + done - 1, 0.0);
+    out.resize(before + done - 1, S::from(0.0));
     for (pair, places) in row.windows(2).zip(out[before..].chunks_exact_mut(2)) {
-        places[0] = 0.75 * pair[0] + 0.25 * pair[1];
-        places[1] = 0.75 * pair[1] + 0.25 * pair[0];
+        places[0] = between(pair[0], pair[1]);
+        places[1] = between(pair[1], pair[0]);
     }
     out.extend((done..width).map(place));
 }
 
 /// The coarse sample that a fine one lies in, and the one that it lies next to, of `count`.
+#[inline(always)]
 fn two_around(fine: usize, count: usize) -> [usize; 2] {
     let near = fine / 2;
     let far = if fine.is_multiple_of(2) {

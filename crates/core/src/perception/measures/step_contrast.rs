@@ -1,7 +1,14 @@
 //! How much contrast, octave by octave, does one picture show that another does not?
 
 use crate::perception::measures::contrast::{BandContrast, SIGNATURE_BANDS, Signature};
-use crate::perception::measures::pyramid::{band_gain, bands_of, doubled, half_size, halved};
+use crate::perception::measures::pyramid::{
+    Sample, band_gain, bands_of, doubled, half_size, halved,
+};
+
+/// Texels that are added side by side.
+const LANES: usize = 8;
+/// Texels whose sums are kept in the precision of the pictures.
+const BLOCK: usize = 2048;
 
 /// Contrasts of pictures before and after a step, gathered over all their pixels that count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,23 +31,42 @@ impl StepContrast {
     ///
     /// # Panics
     /// When there are not as many values as pixels.
-    pub fn add(
+    pub fn add(&mut self, pictures: [Vec<f64>; 2], mut counts: Vec<bool>, size: [u32; 2]) {
+        let pixels = size[0] as usize * size[1] as usize;
+        assert!(counts.len() == pixels, "one value for every pixel");
+        self.add_octaves(pictures, size, |sums, before, after, size| {
+            sums.add(before, after, &counts);
+            counts = any_of_four(&counts, size);
+        });
+    }
+
+    /// The same where every pixel counts.
+    ///
+    /// # Panics
+    /// When there are not as many values as pixels.
+    pub fn add_whole<S: Sample>(&mut self, pictures: [Vec<S>; 2], size: [u32; 2]) {
+        self.add_octaves(pictures, size, |sums, before, after, _| {
+            sums.add_whole(before, after);
+        });
+    }
+
+    /// Gives `add` the pictures before and after the step, octave by octave, as luminance and its
+    /// local mean.
+    fn add_octaves<S: Sample>(
         &mut self,
-        [mut before, mut after]: [Vec<f64>; 2],
-        mut counts: Vec<bool>,
+        [mut before, mut after]: [Vec<S>; 2],
         mut size: [u32; 2],
+        mut add: impl FnMut(&mut BandSums, [&[S]; 2], [&[S]; 2], [u32; 2]),
     ) {
         let pixels = size[0] as usize * size[1] as usize;
-        let lengths = [before.len(), after.len(), counts.len()];
-        assert!(lengths == [pixels; 3], "one value for every pixel");
-        let bands = bands_of(size);
-        for sums in self.bands.iter_mut().take(bands) {
+        let lengths = [before.len(), after.len()];
+        assert!(lengths == [pixels; 2], "one value for every pixel");
+        for sums in self.bands.iter_mut().take(bands_of(size)) {
             let (coarse_before, coarse_size) = halved(&before, size);
             let (coarse_after, _) = halved(&after, size);
             let mean_before = doubled(&coarse_before, coarse_size, size);
             let mean_after = doubled(&coarse_after, coarse_size, size);
-            sums.add([&before, &mean_before], [&after, &mean_after], &counts);
-            counts = any_of_four(&counts, size);
+            add(sums, [&before, &mean_before], [&after, &mean_after], size);
             (before, after, size) = (coarse_before, coarse_after, coarse_size);
         }
     }
@@ -76,6 +102,41 @@ impl BandSums {
         }
     }
 
+    /// Adds all texels, several side by side.
+    fn add_whole<S: Sample>(
+        &mut self,
+        [before, mean_before]: [&[S]; 2],
+        [after, mean_after]: [&[S]; 2],
+    ) {
+        let all = [before, mean_before, after, mean_after];
+        for start in (0..before.len()).step_by(BLOCK) {
+            let end = (start + BLOCK).min(before.len());
+            let [b, mean_b, a, mean_a] = all.map(|it| it[start..end].as_chunks::<LANES>());
+            let mut lanes = [[S::from(0.0); LANES]; 4];
+            let sides = b.0.iter().zip(mean_b.0).zip(a.0.iter().zip(mean_a.0));
+            for ((b, mean_b), (a, mean_a)) in sides {
+                for lane in 0..LANES {
+                    let terms = terms(b[lane], mean_b[lane], a[lane], mean_a[lane]);
+                    for (lanes, term) in lanes.iter_mut().zip(terms) {
+                        lanes[lane] = lanes[lane] + term;
+                    }
+                }
+            }
+            let rest = b.1.iter().zip(mean_b.1).zip(a.1.iter().zip(mean_a.1));
+            for ((b, mean_b), (a, mean_a)) in rest {
+                for (lanes, term) in lanes.iter_mut().zip(terms(*b, *mean_b, *a, *mean_a)) {
+                    lanes[0] = lanes[0] + term;
+                }
+            }
+            let sums = lanes.map(|lanes| lanes.into_iter().map(Into::into).sum::<f64>());
+            for (sum, of_block) in self.sizes.iter_mut().zip(sums) {
+                *sum += of_block;
+            }
+            self.fourth_powers += sums[3];
+        }
+        self.texels += before.len() as u64;
+    }
+
     fn means(&self, gain: f64) -> BandContrast {
         let count = self.texels.max(1) as f64;
         let [before, after, difference] = self.sizes.map(|sum| sum / gain / count);
@@ -86,6 +147,16 @@ impl BandSums {
             norm: (self.fourth_powers / count).sqrt().sqrt() / gain,
         }
     }
+}
+
+/// Of one texel, the sizes of contrast before and after and of their difference, and the fourth
+/// power of that.
+#[inline(always)]
+fn terms<S: Sample>(before: S, mean_before: S, after: S, mean_after: S) -> [S; 4] {
+    let b = (before - mean_before) / mean_before;
+    let a = (after - mean_after) / mean_after;
+    let square = (a - b) * (a - b);
+    [b.size(), a.size(), (a - b).size(), square * square]
 }
 
 /// For each texel of the next coarser octave whether one of the up to four in it counts.

@@ -10,8 +10,10 @@ use crate::units::counted;
 
 /// Name of the side table.
 pub const SIGNATURES: &str = "signatures";
-/// Version of its layout. Version 1 had no norms, and is read.
-pub const SIGNATURES_VERSION: u32 = 2;
+/// Version of its layout and meaning. Version 1 had no norms; 1 and 2 told of the first picture of
+/// a unit before it was coded. Both are read.
+pub const SIGNATURES_VERSION: u32 = 3;
+
 /// The signatures of a pack.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Signatures {
