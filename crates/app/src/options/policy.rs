@@ -36,6 +36,16 @@ pub(crate) enum PolicyChoice {
     Is(Policy),
 }
 
+impl PolicyChoice {
+    /// The policy that was named.
+    pub(crate) fn named(self) -> Option<Policy> {
+        match self {
+            Self::Is(policy) => Some(policy),
+            Self::Auto => None,
+        }
+    }
+}
+
 /// Reads a policy by its name, or auto.
 fn policy_choice_parser() -> impl TypedValueParser<Value = PolicyChoice> {
     const AUTO: &str = "auto";
@@ -259,10 +269,7 @@ impl PolicyOptions {
 
     /// The policy that was asked for by its name.
     pub(crate) fn named(&self) -> Option<Policy> {
-        match self.policy {
-            Some(PolicyChoice::Is(policy)) => Some(policy),
-            Some(PolicyChoice::Auto) | None => None,
-        }
+        self.policy.and_then(PolicyChoice::named)
     }
 
     /// The same, and the policy that was chosen if nobody named one: of content that a judge saw

@@ -2,6 +2,7 @@
 
 use clap::ArgMatches;
 use clap::parser::ValueSource;
+use crate::options::policy::PolicyChoice;
 use foveal_core::content::policy::Policy;
 use foveal_media::pack::scene_file::is_scene_pack;
 use std::collections::BTreeSet;
@@ -29,7 +30,8 @@ pub(crate) fn unused_options(matches: &ArgMatches) -> Vec<String> {
     }
     let pack = given.try_get_one::<PathBuf>("pack").ok().flatten();
     let is_scene = name == "simulate" && pack.is_some_and(|pack| is_scene_pack(pack));
-    let policy = given.get_one::<Policy>("policy").copied();
+    let policy = given.get_one::<PolicyChoice>("policy");
+    let policy = policy.and_then(|choice| choice.named());
     let is_given = |id| {
         let known = given.try_contains_id(id).is_ok();
         known && given.value_source(id) == Some(ValueSource::CommandLine)

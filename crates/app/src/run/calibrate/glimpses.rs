@@ -43,9 +43,9 @@ const SPHERE_GAZES: [[f64; 4]; 5] = [
 /// Gazes of [`Extent::Usual`].
 const USUAL_GAZES: usize = 3;
 /// Pixels that it draws and judges at most: about 45 s of a processor.
-const USUAL_PIXELS: f64 = 100e6;
+const USUAL_PIXELS: f64 = 90e6;
 /// Bounds and slopes that a glimpse is drawn at, and the finest level.
-const DRAWN_AT: f64 = 9.0;
+const DRAWN_AT: f64 = 10.0;
 
 /// Views of one density.
 pub(super) struct Density {

@@ -8,58 +8,69 @@ use foveal_core::content::calibration::{Expectation, slope_for};
 use foveal_core::content::video::calibration::{CalibrationRow, ZONES};
 use foveal_core::perception::visible_loss::{BEST_JOD, JOD_EXPONENT};
 
-/// The scores that are looked for, in this order; the first twice, as the first guess is rough.
-const WANTED: [f64; 5] = [9.5, 9.5, 9.0, 9.75, 9.3];
-/// How many of them, by bound and by slope.
-const USUAL: [usize; 2] = [4, 3];
-const THOROUGH: [usize; 2] = [5, 5];
+/// The scores that are looked for, the default target first.
+const WANTED: [f64; 4] = [9.5, 9.0, 9.75, 9.3];
+/// How near to one of them a score counts as found, in JOD.
+const FOUND_WITHIN: f64 = 0.12;
+/// How many values are tried at most: bounds, and slopes.
+const USUAL: [usize; 2] = [5, 4];
+const THOROUGH: [usize; 2] = [8, 8];
 /// How the score that is lost grows with the slope, as an exponent: from the constants of core.
 const SLOPE_EXPONENT: f64 = 1.25;
-/// The least that counts as lost, in JOD.
-const LEAST_LOST: f64 = 0.02;
+/// Values that are tried: of bounds, and of slopes.
+const BOUNDS: [f64; 2] = [1e-2, 1e6];
+const SLOPES: [f64; 2] = [0.0015, 0.35];
+/// Below this, in JOD, it does not matter how little is lost.
+const NEXT_TO_NOTHING: f64 = 0.02;
 /// Steps are at most by this factor.
-const MOST_STEP: f64 = 16.0;
+const MOST_STEP: f64 = 8.0;
 
 /// Looks for the bounds of one rule at one density.
 pub(super) struct Search {
     rule: Expectation,
-    wanted: &'static [f64],
+    most: usize,
     found: Vec<(f64, Found)>,
 }
 
 impl Search {
     pub(super) fn new(rule: Expectation, extent: Extent) -> Self {
-        let counts = match extent {
+        let [bounds, slopes] = match extent {
             Extent::Usual => USUAL,
             Extent::Thorough => THOROUGH,
         };
-        let count = match rule {
-            Expectation::ByLoss => counts[0],
-            Expectation::Elsewise => counts[1],
-        };
         Self {
             rule,
-            wanted: &WANTED[..count],
+            most: match rule {
+                Expectation::ByLoss => bounds,
+                Expectation::Elsewise => slopes,
+            },
             found: Vec::new(),
         }
     }
 
-    /// The next value to be judged.
+    /// The next value to be judged; `None` where nothing is left to be found.
     pub(super) fn next(&self) -> Option<f64> {
-        let wanted = *self.wanted.get(self.found.len())?;
         if self.found.is_empty() {
             return Some(match self.rule {
-                Expectation::ByLoss => self.rule.told(wanted),
-                Expectation::Elsewise => slope_for(wanted),
+                Expectation::ByLoss => self.rule.told(WANTED[0]),
+                Expectation::Elsewise => slope_for(WANTED[0]),
             });
         }
-        let value = self.value_for(wanted);
-        // What was judged already tells nothing new.
-        let is_known = |known: f64| (value / known - 1.0).abs() < 0.02;
-        match self.found.iter().any(|(known, _)| is_known(*known)) {
-            true => Some(value * 0.5),
-            false => Some(value),
+        if self.found.len() >= self.most {
+            return None;
         }
+        let is_missing = |wanted: &f64| {
+            let is_near = |(_, found): &(f64, Found)| {
+                (mean(&found.jods) - wanted).abs() <= FOUND_WITHIN
+            };
+            !self.found.iter().any(is_near)
+        };
+        let is_new = |value: &f64| {
+            let is_known = |(known, _): &(f64, Found)| (value / known - 1.0).abs() < 0.03;
+            !self.found.iter().any(is_known)
+        };
+        let missing = WANTED.into_iter().filter(is_missing);
+        missing.map(|wanted| self.value_for(wanted)).find(is_new)
     }
 
     pub(super) fn learn(&mut self, value: f64, found: Found) {
@@ -71,35 +82,35 @@ impl Search {
         self.found
     }
 
-    /// The value at which a score is expected after what was found.
+    /// The value at which a score is expected after what was found: between two along logarithms,
+    /// else from the nearest on by a law.
     fn value_for(&self, wanted: f64) -> f64 {
-        let ln_lost = |jod: f64| (BEST_JOD - jod).max(LEAST_LOST).ln();
-        let points = self.found.iter();
-        let points: Vec<[f64; 2]> = points
-            .map(|(value, found)| [value.ln(), ln_lost(mean(&found.jods))])
-            .collect();
-        let asked = ln_lost(wanted);
-        let exponent = match self.rule {
-            Expectation::ByLoss => JOD_EXPONENT,
-            Expectation::Elsewise => SLOPE_EXPONENT,
-        };
-        let around = points.windows(2).find(|pair| {
-            (pair[0][1] - asked) * (pair[1][1] - asked) <= 0.0 && pair[0][1] < pair[1][1]
+        let asked = (BEST_JOD - wanted).ln();
+        let points = self.found.iter().map(|(value, found)| {
+            let lost = BEST_JOD - mean(&found.jods);
+            [value.ln(), lost.max(NEXT_TO_NOTHING).ln()]
         });
-        let ln_value = match around {
-            Some(pair) => {
-                let share = (asked - pair[0][1]) / (pair[1][1] - pair[0][1]);
-                pair[0][0] + share * (pair[1][0] - pair[0][0])
-            }
-            None => {
-                let off = |point: &[f64; 2]| (point[1] - asked).abs();
-                let nearest = points.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-                let nearest = nearest.copied().unwrap_or_default();
-                let most = MOST_STEP.ln();
-                nearest[0] + ((asked - nearest[1]) / exponent).clamp(-most, most)
-            }
+        let (below, above): (Vec<[f64; 2]>, Vec<[f64; 2]>) =
+            points.partition(|point| point[1] < asked);
+        let (exponent, [least, most]) = match self.rule {
+            Expectation::ByLoss => (JOD_EXPONENT, BOUNDS),
+            Expectation::Elsewise => (SLOPE_EXPONENT, SLOPES),
         };
-        ln_value.exp()
+        let by_law = |point: &[f64; 2]| point[0] + (asked - point[1]) / exponent;
+        let ln_value = match (below.last(), above.first()) {
+            (Some(low), Some(high)) if low[1] > NEXT_TO_NOTHING.ln() => {
+                let share = (asked - low[1]) / (high[1] - low[1]);
+                low[0] + share * (high[0] - low[0])
+            }
+            // Where next to nothing is lost, how little tells nothing of what lies beyond.
+            (Some(low), Some(high)) => {
+                by_law(high).max(low[0] + 0.3 * (high[0] - low[0]))
+            }
+            (Some(low), None) => by_law(low).min(low[0] + MOST_STEP.ln()),
+            (None, Some(high)) => by_law(high).max(high[0] - MOST_STEP.ln()),
+            (None, None) => 0.0,
+        };
+        ln_value.exp().clamp(least, most)
     }
 }
 

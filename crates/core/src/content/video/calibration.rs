@@ -22,6 +22,9 @@ pub const ZONE_BELOW_JOD: f64 = 0.25;
 /// The least that counts as lost: half of what scores are rounded to.
 const LEAST_LOST_JOD: f64 = 0.005;
 
+/// Scores are told of up to where so many times less is lost than at the best that was found.
+const MOST_BEYOND: f64 = 1.5;
+
 /// The zone of an eccentricity: 0 under 5°, 1 from 5° to 20°, 2 beyond.
 #[must_use]
 pub fn zone_of(eccentricity: Radians) -> usize {
@@ -305,8 +308,13 @@ impl Curves {
         along(&points, libm::log(BEST_JOD - target), 1.0 / JOD_EXPONENT)
     }
 
-    /// Logarithm of the share of the pixels at which the whole has a score.
+    /// Logarithm of the share of the pixels at which the whole has a score; `None` of one that is
+    /// far above all that were found.
     fn pixels_at(&self, target: f64) -> Option<f64> {
+        let best = self.whole.first()?.lost_jod;
+        if libm::log(BEST_JOD - target) < best - libm::log(MOST_BEYOND) {
+            return None;
+        }
         let points = self.whole.iter();
         let points: Vec<[f64; 2]> = points.map(|it| [it.lost_jod, it.pixels]).collect();
         along(&points, libm::log(BEST_JOD - target), 0.0)

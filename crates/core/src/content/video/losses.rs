@@ -221,8 +221,10 @@ impl LossMeter {
             let octaves_a_step = grid.ratio.trailing_zeros() as usize;
             let footprints = places.iter().map(|place| sighted.footprint(place));
             let footprint = footprints.fold(f64::INFINITY, f64::min);
-            let octaves = lost_octaves(&signatures, octaves_a_step, |step| {
-                drawn_share(step, footprint, octaves_a_step)
+            let is_noisy = content.tells_of_noise();
+            let octaves = lost_octaves(&signatures, octaves_a_step, |step, octave| match is_noisy {
+                true => octave_share(octave, footprint),
+                false => drawn_share(step, footprint, octaves_a_step),
             });
             for place in places {
                 let pixels = sighted.pixels(place);
@@ -292,28 +294,34 @@ fn drawn_share(step: usize, footprint: f64, octaves_a_step: usize) -> f64 {
     (step as f64 + 1.0 - libm::log2(footprint) / octaves_a_step as f64).clamp(0.0, 1.0)
 }
 
+/// How much is drawn of an octave, 0 the finest of level 0, where a pixel of the display covers
+/// `footprint` level-0 pixels on a side. Levels that such a view shows in place of each other differ
+/// in lower octaves by the noise that each was coded with.
+fn octave_share(octave: usize, footprint: f64) -> f64 {
+    (octave as f64 + 1.0 - libm::log2(footprint)).clamp(0.0, 1.0)
+}
+
 /// What each level but the finest loses of each octave, from the signatures of its steps, finest
-/// first, and from how much of a step is drawn; a step is `octaves_a_step` octaves.
+/// first, and from how much is drawn of an octave of a step; a step is `octaves_a_step` octaves.
 fn lost_octaves(
     signatures: &[Signature],
     octaves_a_step: usize,
-    drawn: impl Fn(usize) -> f64,
+    drawn: impl Fn(usize, usize) -> f64,
 ) -> Vec<[LostOctave; MOST_OCTAVES]> {
     let mut lost = [0.0; MOST_OCTAVES];
     let mut whole = [0.0; MOST_OCTAVES];
     let level = |(step, signature): (usize, &Signature)| {
         let mut kept = [0.0; MOST_OCTAVES];
         let first = step * octaves_a_step;
-        let drawn = drawn(step);
         for (band, octave) in signature.bands.iter().zip(first..MOST_OCTAVES) {
             // Errors of single steps are of the same detail at different places.
-            lost[octave] = libm::hypot(lost[octave], drawn * band.norm);
+            lost[octave] = libm::hypot(lost[octave], drawn(step, octave) * band.norm);
             if step == 0 || octave + octaves_a_step >= first + SIGNATURE_BANDS {
                 whole[octave] = band.after;
             }
             kept[octave] = band.before.min(whole[octave]);
         }
-        let leak = LEAK * drawn * signature.bands[0].norm;
+        let leak = LEAK * drawn(step, first) * signature.bands[0].norm;
         for lost in lost.iter_mut().skip(first + SIGNATURE_BANDS) {
             *lost = libm::hypot(*lost, leak);
         }

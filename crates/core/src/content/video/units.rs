@@ -20,6 +20,11 @@ pub trait VideoUnits: core::fmt::Debug + Send + Sync {
     fn has_signatures(&self) -> bool;
     /// What a unit adds to the next coarser level; `None` for the coarsest.
     fn signature(&self, unit: UnitId) -> Option<Signature>;
+    /// Whether signatures tell of the noise of coding, which a view that shows content smaller than
+    /// it is does not average away.
+    fn tells_of_noise(&self) -> bool {
+        false
+    }
     /// What in it might draw the eye; `None` where that is not known.
     fn cues(&self, unit: UnitId) -> Option<Cues>;
     /// The places of the cells of `grid` for all who choose from it; `None` where each makes them.

@@ -308,6 +308,10 @@ impl VideoUnits for Video {
         self.signatures.get()?.of(unit)
     }
 
+    fn tells_of_noise(&self) -> bool {
+        self.signatures.get().is_some_and(Signatures::tell_of_noise)
+    }
+
     fn cues(&self, unit: UnitId) -> Option<Cues> {
         self.cues.get()?.of(unit)
     }

@@ -14,12 +14,17 @@ pub const SIGNATURES: &str = "signatures";
 /// a unit before it was coded. Both are read.
 pub const SIGNATURES_VERSION: u32 = 3;
 
+/// The first version that was measured on decoded pictures.
+const FIRST_DECODED: u32 = 3;
+
 /// The signatures of a pack.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Signatures {
     rows: Vec<u8>,
     /// Bytes of a row: version 1 has shorter ones.
     row: usize,
+    /// Whether they tell of decoded pictures of both levels, and so of the noise of coding.
+    tell_of_noise: bool,
     /// The first unit that has one: those of the coarsest level refine nothing.
     first: u32,
 }
@@ -44,7 +49,18 @@ impl Signatures {
                 ),
             ));
         }
-        Ok(Self { rows, row, first })
+        Ok(Self {
+            rows,
+            row,
+            tell_of_noise: version >= FIRST_DECODED,
+            first,
+        })
+    }
+
+    /// Whether they tell of the noise of coding.
+    #[must_use]
+    pub fn tell_of_noise(&self) -> bool {
+        self.tell_of_noise
     }
 
     /// The signature of a unit; `None` for the coarsest level.
