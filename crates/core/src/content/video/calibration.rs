@@ -22,6 +22,8 @@ pub const ZONE_BELOW_JOD: f64 = 0.25;
 /// The least that counts as lost: half of what scores are rounded to.
 const LEAST_LOST_JOD: f64 = 0.005;
 
+/// Less than this is lost by chance, in JOD.
+const LEAST_TELLING_JOD: f64 = 0.05;
 /// Scores are told of up to where so many times less is lost than at the best that was found.
 const MOST_BEYOND: f64 = 1.5;
 
@@ -278,6 +280,13 @@ impl Point {
     }
 }
 
+impl Point {
+    /// Whether enough is lost to tell what is lost beyond.
+    fn tells(&self) -> bool {
+        self.lost_jod > libm::log(LEAST_TELLING_JOD)
+    }
+}
+
 /// Scores of each part of the picture, bounds rising.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Curves {
@@ -294,18 +303,35 @@ impl Curves {
         }
     }
 
-    /// Logarithm of the JOD that a zone loses at a foretold loss.
+    /// Logarithm of the JOD that a zone loses at a foretold loss; beyond what was found of it, at
+    /// least what the whole picture loses there.
     fn lost_at(&self, zone: usize, loss: f64) -> Option<f64> {
-        let points = self.zone(zone).iter();
-        let points: Vec<[f64; 2]> = points.map(|it| [it.loss, it.lost_jod]).collect();
-        along(&points, libm::log(loss.max(f64::MIN_POSITIVE)), JOD_EXPONENT)
+        let loss = libm::log(loss.max(f64::MIN_POSITIVE));
+        let of = |points: &[Point]| {
+            let points: Vec<[f64; 2]> = points.iter().map(|it| [it.loss, it.lost_jod]).collect();
+            along(&points, loss, JOD_EXPONENT)
+        };
+        let points = self.zone(zone);
+        match points.last() {
+            Some(last) if loss > last.loss && !last.tells() => of(&self.whole),
+            _ => of(points),
+        }
     }
 
-    /// Logarithm of the bound at which a zone has a score.
+    /// Logarithm of the bound at which a zone has a score, at most twice the largest that was
+    /// judged; of a zone that lost nothing, that of the whole picture.
     fn bound_at(&self, zone: usize, target: f64) -> Option<f64> {
-        let points = self.zone(zone).iter();
-        let points: Vec<[f64; 2]> = points.map(|it| [it.lost_jod, it.bound]).collect();
-        along(&points, libm::log(BEST_JOD - target), 1.0 / JOD_EXPONENT)
+        let of = |points: &[Point]| {
+            let most = points.last()?.bound + core::f64::consts::LN_2;
+            let points: Vec<[f64; 2]> = points.iter().map(|it| [it.lost_jod, it.bound]).collect();
+            let bound = along(&points, libm::log(BEST_JOD - target), 1.0 / JOD_EXPONENT)?;
+            Some(bound.min(most))
+        };
+        let points = self.zone(zone);
+        match points.last()?.tells() {
+            true => of(points),
+            false => of(&self.whole),
+        }
     }
 
     /// Logarithm of the share of the pixels at which the whole has a score; `None` of one that is
