@@ -175,16 +175,7 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     };
     let is_written_otherwise =
         !replayed.same && before == after && log.parts.len() == again.parts.len();
-    let verdict = match (replayed.same, is_written_otherwise) {
-        (true, _) => "the same selection again",
-        (_, true) => "the same selection, written otherwise",
-        _ => "another selection",
-    };
-    let text = format!(
-        "{}: {verdict}\nsha256 {}",
-        counted(replayed.frames, "frame"),
-        replayed.replay_sha256
-    );
+    let text = replayed.text(is_written_otherwise);
     if replayed.same {
         return output::result(args.json, &replayed, &text);
     }
@@ -201,4 +192,28 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<()> {
          log as it was written, and the program that wrote it"
     );
     output::result_that_fails(args.json, &replayed, &text, error)
+}
+
+impl Replayed {
+    fn text(&self, is_written_otherwise: bool) -> String {
+        let frames = self.frames;
+        let verdict = match (self.same, is_written_otherwise) {
+            (true, _) if frames == 1 => "replayed: the selection is identical".to_owned(),
+            (true, _) => format!("replayed: all {frames} selections are identical"),
+            (_, true) => format!(
+                "replayed: the selections are identical ({}), but the log is written differently",
+                counted(frames, "frame")
+            ),
+            _ => format!(
+                "replayed: {} of {} different",
+                counted(self.differing_frames, "selection"),
+                if self.differing_frames == 1 {
+                    format!("{frames} is")
+                } else {
+                    format!("{frames} are")
+                }
+            ),
+        };
+        format!("{verdict}\nsha256 {}", self.replay_sha256)
+    }
 }

@@ -26,7 +26,7 @@ use foveal_core::view::axes::yaw_pitch_from_direction;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::head_pose::HeadPose;
 use foveal_core::view::mounted::MountedPanel;
-use foveal_core::view::surface::Projection;
+use foveal_core::view::surface::{Projection, Surface};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::is_scene_pack;
 use foveal_play::{FrameReport, Player, PlayerOptions};
@@ -41,7 +41,7 @@ use std::time::{Duration, Instant};
 /// A pixel as three 32-bit floats, which is what Kastner 2016 (table 5.4) counts shares of.
 const FLOATS_BYTES: u64 = 12;
 /// Why `expected_jod` is null under a link.
-const NO_EXPECTED_JOD: &str = "foveal: under --link no score is expected (expected_jod is null): \
+const NO_EXPECTED_JOD: &str = "under --link no score is expected (expected_jod is null): \
                                the expectation leaves out what is loaded outside the view and \
                                what uniform leaves; --score measures it";
 
@@ -166,7 +166,33 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         score: scores.map(|scores| scores.lowest),
         ..summarise(policy.to_owned(), &reports, &mut player, &session)
     };
+    tell_outside(&reports, &surface);
+    summary.tell_missed();
     output::result(args.json, &summary, &summary.text(&args.out))
+}
+
+/// Says where the eye looks beside flat content.
+fn tell_outside(reports: &[FrameReport], surface: &Surface) {
+    if surface.projection != Projection::Flat || surface.slant.is_some() {
+        return;
+    }
+    let is_outside = |report: &&FrameReport| {
+        let at = report.gaze.gaze_in_content;
+        let ahead = (-at.z).max(0.0);
+        let beyond = |along: f64, k: usize| along.abs() > surface.tangents[k] * ahead;
+        beyond(at.x, 0) || beyond(at.y, 1)
+    };
+    let outside = reports.iter().filter(is_outside).count();
+    if outside > 0 {
+        let reach = surface.tangents.map(|it| it.atan().to_degrees());
+        output::say(&format!(
+            "warning: in {outside} of {} the gaze lies outside the picture, which reaches {:.1}° to \
+             each side and {:.1}° up and down",
+            counted(reports.len(), "frame"),
+            reach[0],
+            reach[1]
+        ));
+    }
 }
 
 impl SimulateArgs {
@@ -439,13 +465,30 @@ fn mean_of_known(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
 }
 
 impl RunSummary {
+    /// Says where the target is not reached, by the score where there is one.
+    fn tell_missed(&self) {
+        let Some(target) = self.target else { return };
+        let scored = self.score.as_ref().map(|it| ("score", it.jod));
+        let expected = self.expected_jod.map(|jod| ("expected score", jod));
+        let Some((what, jod)) = scored.or(expected) else {
+            return;
+        };
+        // To the last digit that is shown.
+        if jod < target - 0.005 {
+            output::say(&format!(
+                "warning: --target {target} is missed: the {what} is {jod:.2} JOD; a higher \
+                 --target or --policy viewport shows more"
+            ));
+        }
+    }
+
     fn text(&self, out: &Path) -> String {
         format!(
-            "{} under {}: {:.2} % of the pixels (most {:.2} %), {:.2} MB fetched, \
+            "{} under {}: {:.2} % of the pixels of the finest level (most {:.2} %), {:.2} MB fetched, \
              {:.1} MPix decoded\n\
              decoding {:.1} ms a frame (95th percentile {:.1}), {}, {}, {}, {}, \
              {:.2} MB on the GPU ({:.1} % of the finest level in 4:2:0, {:.1} % in 32-bit floats)\n\
-             {}{}{}{}{}{}{}",
+             {}{}{}{}{}{}{}written to {}",
             counted(self.frames, "frame"),
             self.policy,
             self.pixels_share_mean * 100.0,
@@ -466,6 +509,12 @@ impl RunSummary {
                     "{:.1} % of the detail that the eye could see\n",
                     share * 100.0,
                 )),
+            match self.pixels_share_max > 1.0 {
+                true =>
+                    "(more than 100 %: tiles of coarser levels count too, and of sampled views \
+                         every sample, also where the view has more pixels than the video)\n",
+                false => "",
+            },
             self.gaze_error_deg_mean
                 .map_or(String::new(), |error| format!(
                     "mean error of the expected gaze: {error:.2}°\n"

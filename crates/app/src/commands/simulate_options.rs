@@ -104,10 +104,12 @@ pub(crate) struct SimulateArgs {
     /// counts from where the route looks, and stays within 20 degrees of it.
     #[arg(long, value_name = "R", default_value = "still")]
     pub(crate) route: String,
-    /// Scenes: bytes that can be spent in each interval, as 100KB, in the place of --link.
+    /// Scenes: bytes that may be fetched between one picture and the next, as 100KB; a fixed
+    /// allowance in place of the rate of --link.
     #[arg(long, value_name = "BYTES", value_parser = parse_budget)]
     pub(crate) budget: Option<u64>,
-    /// Scenes and stills: time from one picture to the next, in ms (default: 33.3).
+    /// Scenes and stills: time from one picture to the next, as 200ms, 1 to 10000 ms
+    /// (default: 33.3, 30 pictures a second).
     #[arg(long, value_name = "MS", value_parser = parse_interval)]
     pub(crate) interval: Option<Seconds>,
     /// Scenes: most memory on the GPU.

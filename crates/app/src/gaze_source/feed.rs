@@ -51,10 +51,7 @@ impl GazeFeed {
                     format!("--gaze {choice}: cannot listen there; choose another port or host")
                 })?;
                 socket.set_read_timeout(Some(POLL))?;
-                say(&format!(
-                    "foveal: {choice} listens on {}",
-                    socket.local_addr()?
-                ));
+                say(&format!("{choice} listens on {}", socket.local_addr()?));
                 Ok(Self::Datagrams(socket, SourceHolder::default()))
             }
             LiveChoice::WebSocket(url) => Ok(Self::WebSocket(Box::new(WebSocketFeed {

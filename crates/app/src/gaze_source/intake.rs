@@ -83,7 +83,7 @@ impl Intake {
 
     fn tell_of_clock(&self) {
         say(&format!(
-            "foveal: {}: the sender's clock leaps or stands, so what it sends is dated by when it \
+            "warning: {}: the sender's clock leaps or stands, so what it sends is dated by when it \
              arrives, until the clock goes as time does; is t_s in seconds?",
             self.name
         ));
@@ -92,7 +92,7 @@ impl Intake {
     fn skip(&mut self, why: &str) {
         if self.skipped == 0 {
             say(&format!(
-                "foveal: {}: skipped what is no gaze ({}); others like it are only counted",
+                "warning: {}: skipped what is no gaze ({}); others like it are only counted",
                 self.name,
                 one_line(why)
             ));

@@ -139,7 +139,7 @@ impl Drop for Live {
                 untimed,
             } = counts;
             say(&format!(
-                "foveal: {}: skipped {} without a gaze, {foreign} of other senders, {late} that \
+                "warning: {}: skipped {} without a gaze, {foreign} of other senders, {late} that \
                  came after newer ones, and {} that nobody took in time; its clock began anew {}, \
                  and {} were dated by their arrival",
                 self.name,
@@ -180,7 +180,7 @@ fn receive(name: &str, mut feed: GazeFeed, shared: &Shared) {
         let now = shared.elapsed();
         if let Received::Lost(why) = &received {
             say(&format!(
-                "foveal: {name}: connection lost ({why}); trying again"
+                "warning: {name}: connection lost ({why}); trying again"
             ));
         }
         let mut inner = shared.lock();
@@ -188,7 +188,7 @@ fn receive(name: &str, mut feed: GazeFeed, shared: &Shared) {
             inner.foreign += 1;
             if inner.foreign == 1 {
                 say(&format!(
-                    "foveal: {name}: {sender} sends too, and is left out while the first goes on; \
+                    "warning: {name}: {sender} sends too, and is left out while the first goes on; \
                      others like it are only counted"
                 ));
             }

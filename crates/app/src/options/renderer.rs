@@ -19,7 +19,8 @@ pub(crate) enum RendererName {
 pub(crate) fn open_device(name: RendererName) -> anyhow::Result<DrawDevice> {
     Ok(match name {
         RendererName::Gpu => {
-            DrawDevice::Gpu(Gpu::open_blocking().context("or give --renderer cpu")?)
+            let gpu = Gpu::open_blocking();
+            DrawDevice::Gpu(gpu.context("no GPU can draw; --renderer cpu needs none")?)
         }
         RendererName::Cpu => DrawDevice::Twin,
         RendererName::None => DrawDevice::Nothing,

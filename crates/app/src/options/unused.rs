@@ -42,7 +42,7 @@ pub(crate) fn unused_options(matches: &ArgMatches) -> Vec<String> {
     let of_tiles = of_tiles.filter(|id| *id != "eye" || !has_panels);
     let of_tiles = of_tiles.map(|id| {
         let option = id.replace('_', "-");
-        format!("foveal: --{option} changes nothing for a scene; it is for video")
+        format!("warning: --{option} changes nothing for a scene; it is for video")
     });
     let is_free_scene = is_scene && !["link", "budget"].into_iter().any(is_given);
     let policy = policy.unwrap_or(match is_of_acuity || is_free_scene || name == "select" {
@@ -62,7 +62,7 @@ pub(crate) fn unused_options(matches: &ArgMatches) -> Vec<String> {
             let of = Policy::ALL.iter().filter(|policy| goes_by(policy, id));
             let names: Vec<&str> = of.map(|policy| policy.name()).collect();
             format!(
-                "foveal: --{} changes nothing with --policy {}; it is for {}",
+                "warning: --{} changes nothing with --policy {}; it is for {}",
                 id.replace('_', "-"),
                 policy.name(),
                 names.join(", "),

@@ -17,7 +17,7 @@ pub(crate) fn tell(bytes: usize) {
     let mut line = Line::default();
     let told = writeln!(
         line,
-        "foveal: there is no memory left: {bytes} bytes more cannot be had; {NEXT}"
+        "error: there is no memory left: {bytes} bytes more cannot be had; {NEXT}"
     );
     if told.is_ok() {
         line.send(2);

@@ -88,7 +88,7 @@ pub(crate) fn out_of_range(option: &str, found: impl ToString, range: &str) -> W
 /// Says why the command failed, under `--json` also on stdout: 2 for wrong usage, 1 for anything
 /// else.
 pub(crate) fn fail(error: &anyhow::Error) -> ExitCode {
-    say(&format!("foveal: {}", told(error)));
+    say(&format!("error: {}", told(error)));
     print_fault(&Fault::of(error, called()));
     ExitCode::from(if error.is::<WrongUsage>() { 2 } else { 1 })
 }
@@ -150,7 +150,7 @@ const MAX_TEXT_BYTES: u64 = 1 << 30;
 pub(crate) fn read_text(path: &Path, what: &str) -> anyhow::Result<String> {
     let unread = || format!("{}: cannot be read as {what}", path.display());
     let bytes = told_apart(read_plain(path, MAX_TEXT_BYTES), (path, what), unread)?;
-    String::from_utf8(bytes).with_context(unread)
+    String::from_utf8(bytes).map_err(|_| anyhow!("{}: is no text; give {what}", path.display()))
 }
 
 /// Longest file of settings, in bytes: its parser keeps some fifty times as many.

@@ -75,6 +75,40 @@ pub(crate) fn make_room(out: &Path, panels: &[&str], inputs: &[&Path]) -> anyhow
     Ok(())
 }
 
+/// Removes the pictures that an older run left in these folders of `out`, and says so.
+pub(crate) fn clear_pictures<'a>(
+    out: &Path,
+    folders: impl IntoIterator<Item = &'a str>,
+) -> anyhow::Result<()> {
+    let mut files = Vec::new();
+    for folder in folders.into_iter().filter(|name| is_plain_name(name)) {
+        files.extend(files_of_run(&out.join(folder)));
+    }
+    if files.is_empty() {
+        return Ok(());
+    }
+    output::say(&format!(
+        "{}: {} of an older run removed",
+        out.display(),
+        counted(files.len(), "picture")
+    ));
+    for file in &files {
+        std::fs::remove_file(file)
+            .with_context(|| format!("{}: of an older run, cannot be removed", file.display()))?;
+    }
+    Ok(())
+}
+
+/// How many other pictures than these lie in a folder.
+pub(crate) fn other_pictures(out: &Path, own: &[PathBuf]) -> usize {
+    let entries = std::fs::read_dir(out).into_iter().flatten().flatten();
+    let paths = entries.map(|entry| entry.path());
+    let is_picture = |path: &PathBuf| path.extension().is_some_and(|it| it == "png");
+    paths
+        .filter(|path| is_picture(path) && !own.contains(path))
+        .count()
+}
+
 /// The files of a run that lie in a folder.
 fn files_of_run(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();

@@ -42,6 +42,7 @@ mod refusals;
 mod results;
 mod resume;
 mod runs;
+mod said;
 mod scene;
 mod scene_file;
 mod scene_sides;

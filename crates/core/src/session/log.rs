@@ -20,6 +20,7 @@ use crate::view::panel::rig::MOST_PANELS;
 use crate::view::surface::Eye;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use serde_json::error::Category;
 use thiserror::Error;
 
 /// Version of the log's format.
@@ -432,6 +433,27 @@ impl SessionFrame {
     }
 }
 
+/// What is wrong with a line, and what to do, in words for people.
+fn why_no_line(line: usize, error: &serde_json::Error) -> String {
+    const NEXT: &str = "take the log as it was written";
+    let what = if line == 1 {
+        "the head of a session log"
+    } else {
+        "a frame of a session log"
+    };
+    match error.classify() {
+        Category::Syntax => format!("is no JSON, and so not {what}; {NEXT}"),
+        Category::Eof | Category::Io => format!("is cut off, and so not {what}; {NEXT}"),
+        Category::Data => {
+            let text = error.to_string();
+            // Lines are parsed one by one, so the parser's own line is always 1.
+            let (said, _) = text.rsplit_once(" at line 1 column").unwrap_or((&text, ""));
+            let said = said.replace('`', "\"");
+            format!("is not {what}: column {}: {said}; {NEXT}", error.column())
+        }
+    }
+}
+
 impl SessionLogPart {
     /// Reads a log; refuses lines that are not what [`Self::write`] writes, naming the line.
     pub fn parse(text: &str) -> Result<Self, SessionError> {
@@ -439,9 +461,9 @@ impl SessionLogPart {
         let Some((_, first)) = lines.next() else {
             return Err(SessionError::Empty);
         };
-        let wrong = |line, e: serde_json::Error| SessionError::Line {
+        let wrong = |line, error: serde_json::Error| SessionError::Line {
             line,
-            why: e.to_string(),
+            why: why_no_line(line, &error),
         };
         // What another version has is not known.
         if let Ok(Versioned {

@@ -249,7 +249,7 @@ fn losses(info: &SourceInfo) -> Vec<String> {
 /// Every pack has the same pixel format.
 fn format_note(info: &SourceInfo) -> Option<String> {
     let is_kept = ["yuv420p", "yuvj420p"].contains(&info.pixel_format.as_str());
-    (!is_kept).then(|| format!("{} is brought to 8-bit 4:2:0", info.pixel_format))
+    (!is_kept).then(|| format!("{} is converted to 8-bit 4:2:0", info.pixel_format))
 }
 
 fn source_of(input: &Path, info: &SourceInfo) -> Source {

@@ -409,7 +409,7 @@ impl Found<'_> {
             () if is(3, 2) && w >= SPHERE_WIDTH => "; give --projection cube if it is six faces",
             () => "",
         };
-        remarks.note(format!("taken for flat by its size{hint}"));
+        remarks.note(format!("treated as flat, judging by its size{hint}"));
         Ok(Surround::Flat)
     }
 

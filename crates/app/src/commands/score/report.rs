@@ -179,7 +179,7 @@ fn mode_name(mode: Mode) -> &'static str {
 fn zone_text(name: &str, zone: Option<Zone>) -> String {
     match zone {
         Some(zone) => format!(
-            "  {name} {:.3} ({:.1} % of the pixels)",
+            "  {name} {:.3} ({:.1} % of the view)",
             zone.jod,
             zone.pixels_share * 100.0
         ),

@@ -173,7 +173,7 @@ async fn serve(args: &ServeArgs, place: ServedPlace) -> anyhow::Result<()> {
     });
     if is_open {
         output::say(
-            "foveal: pages elsewhere can read what is served here; --host NAME answers to that \
+            "warning: pages elsewhere can read what is served here; --host NAME answers to that \
              name alone",
         );
     }

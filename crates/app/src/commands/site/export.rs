@@ -104,7 +104,7 @@ fn tell_damage(packs: &[PathBuf]) -> anyhow::Result<()> {
         }
         if let Some(first) = damage.first().first() {
             output::say(&format!(
-                "foveal: {first} ({} in all; the site shows the rest of it)",
+                "warning: {first} ({} in all; the site shows the rest of it)",
                 counted(damage.places(), "damaged place")
             ));
         }

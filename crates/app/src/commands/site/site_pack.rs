@@ -70,7 +70,7 @@ impl SitePack {
         let is_flat = file.pack().grid().surface.projection == Projection::Flat;
         (is_flat && source > 0 && file.bytes() > source).then(|| {
             format!(
-                "foveal: {}: {}, and its source {}; flat video on an ordinary link mostly costs \
+                "warning: {}: {}, and its source {}; flat video on an ordinary link mostly costs \
                  more bytes as a pack (docs/concepts/policies.md says what gains)",
                 file.path().display(),
                 output::size(file.bytes()),

@@ -102,6 +102,6 @@ fn sound_of(pack: &LivePack) -> Option<Samples> {
     let LivePack::Video(file, _) = pack else {
         return None;
     };
-    let damaged = |error: anyhow::Error| output::say(&format!("foveal: {error:#}; no sound"));
+    let damaged = |error: anyhow::Error| output::say(&format!("warning: {error:#}; no sound"));
     Samples::of_pack(file).map_err(damaged).ok().flatten()
 }

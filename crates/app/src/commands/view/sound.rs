@@ -217,7 +217,7 @@ impl Shared {
             state.discards = true;
             state.heard.forget();
             crate::report::output::say(
-                "foveal: sound: the device takes sound faster than it can be heard; the picture \
+                "warning: sound: the device takes sound faster than it can be heard; the picture \
                  goes on without",
             );
         }
@@ -264,7 +264,7 @@ impl Shared {
             _ if !state.broken => {
                 state.broken = true;
                 state.heard.forget();
-                crate::report::output::say(&format!("foveal: sound: {error}; trying again"));
+                crate::report::output::say(&format!("warning: sound: {error}; trying again"));
             }
             _ => {}
         }

@@ -49,6 +49,7 @@ pub(crate) fn run(ready: Ready) -> anyhow::Result<Summary> {
             let reason = reason.rsplit(".rs:").next().unwrap_or_default();
             let reason =
                 reason.trim_start_matches(|c: char| c.is_ascii_digit() || ": ".contains(c));
+            let reason = reason.trim_end_matches('.');
             anyhow!(
                 "no window can be opened: {reason}; run it where there is a display, or under \
              xvfb-run, or use `foveal simulate`, which needs none"

@@ -22,6 +22,8 @@ const BOUNDS: [f64; 2] = [1e-2, 1e6];
 const SLOPES: [f64; 2] = [0.0015, 0.35];
 /// Below this, in JOD, it does not matter how little is lost.
 const NEXT_TO_NOTHING: f64 = 0.02;
+/// The bound that is tried first: about what 9.5 JOD takes of most content.
+const FIRST_BOUND: f64 = 400.0;
 /// Steps are at most by this factor.
 const MOST_STEP: f64 = 8.0;
 
@@ -52,7 +54,7 @@ impl Search {
     pub(super) fn next(&self) -> Option<f64> {
         if self.found.is_empty() {
             return Some(match self.rule {
-                Expectation::ByLoss => self.rule.told(WANTED[0]),
+                Expectation::ByLoss => FIRST_BOUND,
                 Expectation::Elsewise => slope_for(WANTED[0]),
             });
         }

@@ -70,7 +70,7 @@ fn what_matters_is_said_first_and_marked() {
         "{said}"
     );
     let ordinary = |word: &str| lines[warnings..].iter().any(|line| line.contains(word));
-    assert!(ordinary("taken for flat") && ordinary("4:2:0"), "{said}");
+    assert!(ordinary("treated as flat") && ordinary("4:2:0"), "{said}");
     let estimate = json(&["prepare", "video", &clip, "--dry-run"]);
     let said = |key: &str, word: &str| {
         let said = estimate[key].as_array().unwrap();

@@ -318,11 +318,11 @@ impl Curves {
         }
     }
 
-    /// Logarithm of the bound at which a zone has a score, at most twice the largest that was
-    /// judged; of a zone that lost nothing, that of the whole picture.
+    /// Logarithm of the bound at which a zone has a score, at most the largest that was judged, as
+    /// all of it may become coarse beyond; of a zone that lost nothing, that of the whole picture.
     fn bound_at(&self, zone: usize, target: f64) -> Option<f64> {
         let of = |points: &[Point]| {
-            let most = points.last()?.bound + core::f64::consts::LN_2;
+            let most = points.last()?.bound;
             let points: Vec<[f64; 2]> = points.iter().map(|it| [it.lost_jod, it.bound]).collect();
             let bound = along(&points, libm::log(BEST_JOD - target), 1.0 / JOD_EXPONENT)?;
             Some(bound.min(most))

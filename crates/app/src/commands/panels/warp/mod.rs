@@ -13,6 +13,7 @@ use crate::gaze_source::interrupted;
 use crate::report::output;
 use crate::report::output::say_replaced;
 use crate::report::picture_file::write_png;
+use crate::run::run_folder::{clear_pictures, other_pictures};
 use anyhow::Context;
 use args::WarpArgs;
 use device::{WarpDevice, most_side, opened};
@@ -153,6 +154,9 @@ fn to_files(
             true => out.join(name).join(format!("frame_{frames:05}.png")),
             false => out.join(format!("{name}.png")),
         };
+        if frames == 0 {
+            tell_older(out, several, &names_of(&layout, &atlas, panels))?;
+        }
         write_surfaces(&layout, &atlas, &file)?;
         let bare = filled.bare.as_ref().map(|it| it.fill(&frame.picture));
         let bare = bare.transpose()?;
@@ -177,6 +181,40 @@ fn to_files(
         laid: filled.laid,
         judges,
     })
+}
+
+/// The names of all pictures of a frame.
+fn names_of(layout: &SentLayout, atlas: &RgbaImage, panels: &[&Panel]) -> Vec<String> {
+    let surfaces = layout.surfaces(atlas).into_iter().map(|(name, _)| name);
+    surfaces
+        .chain(panels.iter().map(|panel| panel.id.clone()))
+        .collect()
+}
+
+/// Removes frames of an older run, and says which pictures in the folder are not of this one.
+fn tell_older(out: &Path, several: bool, names: &[String]) -> anyhow::Result<()> {
+    if several {
+        clear_pictures(out, names.iter().map(String::as_str))?;
+    }
+    let own: Vec<PathBuf> = match several {
+        true => Vec::new(),
+        false => names
+            .iter()
+            .map(|name| out.join(format!("{name}.png")))
+            .collect(),
+    };
+    let others = other_pictures(out, &own);
+    if others > 0 {
+        output::say(&format!(
+            "warning: {}: {} there, which this run does not write",
+            out.display(),
+            match others {
+                1 => "one other picture is".to_owned(),
+                _ => format!("{others} other pictures are"),
+            }
+        ));
+    }
+    Ok(())
 }
 
 /// Whether the user ended what is live, which has no end of its own.
@@ -247,7 +285,7 @@ impl WarpResult {
             let percent = 100.0 * self.multi_probe_share;
             let _ = writeln!(
                 text,
-                "Feline takes several samples of {percent:.1} % of pixels"
+                "{percent:.1} % of the panel pixels are stretched, and take several samples"
             );
         }
         text.extend(self.eye_blur.iter().map(EyeReport::text));

@@ -71,6 +71,6 @@ pub(in crate::commands::view) fn usable(
 
 /// The device that plays these samples; one that cannot be had is told of.
 pub(in crate::commands::view) fn open_sound(samples: Samples, length: Seconds) -> Option<Sound> {
-    let quiet = |error: anyhow::Error| say(&format!("foveal: {error}; no sound"));
+    let quiet = |error: anyhow::Error| say(&format!("warning: {error}; no sound"));
     Sound::open(samples, length).map_err(quiet).ok()
 }

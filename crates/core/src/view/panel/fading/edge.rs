@@ -29,6 +29,8 @@ pub(super) struct LitPanel<'a> {
 pub(super) struct EdgePiece {
     /// Its number among those of its panel.
     pub(super) number: usize,
+    /// The side of the panel that it lies on, from 0; always 0 where the panel is lit in part.
+    pub(super) side: usize,
     /// Unit directions of its ends.
     pub(super) ends: [DVec3; 2],
     /// Unit normal, to the lit side, of the plane through the eye and its ends.
@@ -78,10 +80,15 @@ impl<'a> LitPanel<'a> {
         let [columns, rows] = self.cells;
         let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
         let mut pieces = Vec::new();
+        let has_sides = cells.clone().all(|it| self.is_lit(it));
         for cell in cells.filter(|it| self.is_lit(*it)) {
             for (axis, is_last) in [(0, false), (0, true), (1, false), (1, true)] {
                 if !self.is_lit_beside(cell, axis, is_last) {
+                    let first = pieces.len();
                     self.add_side(cell, (axis, is_last), &mut pieces);
+                    for piece in pieces[first..].iter_mut().filter(|_| has_sides) {
+                        piece.side = 2 * axis + usize::from(is_last);
+                    }
                 }
             }
         }
@@ -161,6 +168,7 @@ impl<'a> LitPanel<'a> {
             let middle = (ends[0] + ends[1]).normalize_or_zero();
             pieces.push(EdgePiece {
                 number: pieces.len(),
+                side: 0,
                 ends,
                 inward: normal * normal.dot(inner).signum(),
                 half_pixel: middle.distance(inner) * 0.5 / inward,

@@ -21,6 +21,8 @@ const NEAR: f64 = 4.0;
 const NEXT: f64 = 1.5;
 /// A part of a chart of so many nodes on a side is not divided further.
 const SMALLEST_PART: usize = 8;
+/// Sides of a panel.
+const SIDES: usize = 4;
 /// Kinds of edges: those that other panels cover, and all.
 const COVERED: usize = 0;
 const ALL: usize = 1;
@@ -38,11 +40,15 @@ pub struct FadeField {
     pub step: f64,
     /// Columns and rows of nodes, each at least 2.
     pub size: [usize; 2],
-    /// Radians, row by row: to the nearest edge that another panel covers, and to the nearest of
-    /// all; negative outside, and no larger than is needed.
+    /// Radians, row by row: how far inside the edges that other panels cover, and to the nearest of
+    /// all; negative outside, and no larger than is needed. The first is the width of the fade times
+    /// the product, over the sides of the panel, of the shares of it that the edges are away: so no
+    /// share of light changes twice as fast where two sides meet.
     pub nodes: Vec<[f32; 2]>,
     /// The largest number of each kind.
     most: [f64; 2],
+    /// Radians of the fade.
+    width: f64,
     /// Nodes beside the lit part, until it is known which edges are covered.
     beside: Vec<NodeBeside>,
 }
@@ -51,6 +57,7 @@ pub struct FadeField {
 #[derive(Clone, Debug, PartialEq)]
 struct NodeBeside {
     index: usize,
+    direction: DVec3,
     /// The nearest piece of the edge.
     piece: usize,
     /// The unit direction as far inside.
@@ -86,6 +93,7 @@ impl FadeField {
             size: [2; 2],
             nodes: Vec::new(),
             most: [0.0; 2],
+            width,
             beside: Vec::new(),
         };
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -119,18 +127,40 @@ impl FadeField {
 
     /// Takes in which pieces of the edge other panels cover.
     pub(super) fn cover(&mut self, pieces: &[EdgePiece]) {
+        let beside = core::mem::take(&mut self.beside);
+        let mut shares = vec![self.width; self.nodes.len()];
+        for side in 0..SIDES {
+            let of_side = pieces.iter().filter(|it| it.side == side).copied();
+            let of_side: Vec<EdgePiece> = of_side.collect();
+            if of_side.is_empty() {
+                continue;
+            }
+            self.fill_covered(&of_side, &beside);
+            for (share, node) in shares.iter_mut().zip(&self.nodes) {
+                *share *= (f64::from(node[COVERED]) / self.width).min(1.0);
+            }
+        }
+        for (node, share) in self.nodes.iter_mut().zip(shares) {
+            node[COVERED] = share as f32;
+        }
+    }
+
+    /// Distances from the covered pieces of one side.
+    fn fill_covered(&mut self, pieces: &[EdgePiece], beside: &[NodeBeside]) {
         self.fill(COVERED, pieces);
         // Across an edge that no panel covers, distances from the others go on as in a mirror:
         // what is linear between nodes is then right up to the edge.
-        for node in core::mem::take(&mut self.beside) {
+        for node in beside {
             let is_covered = pieces
                 .binary_search_by_key(&node.piece, |it| it.number)
                 .is_ok();
-            if !is_covered && !pieces.is_empty() {
-                let angle = signed_angle(pieces, node.mirrored);
-                let most = self.most[COVERED];
-                self.nodes[node.index][COVERED] = angle.clamp(-most, most) as f32;
-            }
+            // Beyond the end of a side, round a corner, its own line goes on.
+            let angle = match is_covered {
+                true => nearest(pieces, node.direction).map_or(0.0, |it| libm::asin(it.1[1])),
+                false => signed_angle(pieces, node.mirrored),
+            };
+            let most = self.most[COVERED];
+            self.nodes[node.index][COVERED] = angle.clamp(-most, most) as f32;
         }
     }
 
@@ -226,6 +256,7 @@ impl FadeField {
         };
         self.beside.push(NodeBeside {
             index: node[1] * self.size[0] + node[0],
+            direction,
             piece: piece.number,
             mirrored: direction - piece.inward * (2.0 * piece.inward.dot(direction)),
         });
