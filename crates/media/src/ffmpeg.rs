@@ -5,7 +5,9 @@ use std::sync::OnceLock;
 
 use ffmpeg_next as av;
 
-/// Registers FFmpeg's error texts and silences its own log; every entry into FFmpeg calls this
+use crate::read::film::decoder_log::begin_to_listen;
+
+/// Registers FFmpeg's error texts and has its log listened to, not printed; every entry into FFmpeg calls this
 /// first.
 pub(crate) fn start() {
     static STARTED: OnceLock<()> = OnceLock::new();
@@ -13,6 +15,7 @@ pub(crate) fn start() {
         // It only registers devices and error texts, and always returns Ok.
         let _ = av::init();
         av::log::set_level(av::log::Level::Quiet);
+        begin_to_listen();
     });
 }
 

@@ -1,19 +1,28 @@
-//! Does a Matroska file end before it says that it does?
+//! Does a file end before it says that it does?
 //!
-//! FFmpeg reads a cut Matroska or WebM file to where it breaks off and reports a normal end. Other
-//! containers report the cut by themselves.
+//! FFmpeg reads some files to where they break off and reports a normal end. Other containers
+//! report the cut by themselves.
 
 use crate::plain_file::first_bytes;
+use crate::read::film::animation_end::cut_animation;
 use std::path::Path;
 
 /// Identifiers of the two elements that every Matroska file begins with (RFC 8794, RFC 9559).
-const EBML: u64 = 0x1A45_DFA3;
-const SEGMENT: u64 = 0x1853_8067;
+pub(crate) const EBML: u64 = 0x1A45_DFA3;
+pub(crate) const SEGMENT: u64 = 0x1853_8067;
 /// The file's first element is shorter than this, bytes.
 const MOST_HEADER_BYTES: u64 = 4096;
 
+/// Why the file of a format, by FFmpeg's name of it, is not whole; none where nothing says so.
+pub(crate) fn why_cut(path: &Path, bytes: u64, format: &str) -> Option<String> {
+    match format {
+        "apng" | "gif" => cut_animation(path),
+        _ => is_cut_matroska(path, bytes).then(|| "it ends too early".to_owned()),
+    }
+}
+
 /// Whether the file is Matroska and shorter than its header says; false where it cannot be read.
-pub(crate) fn is_cut_matroska(path: &Path, bytes: u64) -> bool {
+fn is_cut_matroska(path: &Path, bytes: u64) -> bool {
     let head = first_bytes(path, MOST_HEADER_BYTES).unwrap_or_default();
     declared_matroska_bytes(&head).is_some_and(|declared| declared > bytes)
 }

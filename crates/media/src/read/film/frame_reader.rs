@@ -11,10 +11,12 @@ use ffmpeg_next as av;
 
 use crate::error::{MediaError, is_system_full};
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
-use crate::read::film::cut_short::is_cut_matroska;
-use crate::read::film::mending::{Beginning, Mending};
+use crate::read::film::cut_short::why_cut;
+use crate::read::film::decoder_log::DecoderLog;
+use crate::read::film::mending::{Beginning, Mending, Place};
 use crate::read::film::opening::{open_input, read_packet};
 use crate::read::source;
+use crate::surround::clean_aperture::{CleanAperture, clean_aperture_of};
 use crate::surround::spherical_boxes::broken_boxes_of;
 
 /// More threads than this only cost memory: each holds a frame.
@@ -56,12 +58,14 @@ pub(crate) struct FrameReader {
     input: Input,
     stream: usize,
     decoder: decoder::Video,
+    /// Told by the decoder, which is gone before it.
+    log: DecoderLog,
     /// Why the packets ended before the file did; told once the good frames are out.
     failure: Option<Break>,
     /// Errors since the decoder was told that there are no more packets, once it was.
     errors_at_end: Option<u32>,
-    /// The container does not report that it is cut, so that this is told at its end.
-    is_cut: bool,
+    /// Why it is cut, where the container does not report that at its end.
+    why_cut: Option<String>,
     path: PathBuf,
     bytes: u64,
     beginning: Beginning,
@@ -69,6 +73,11 @@ pub(crate) struct FrameReader {
     mending: Option<Mending>,
     /// Stamp and duration of the packet that is shown last.
     last_packet: Option<(i64, i64)>,
+    /// The packet that the decoder has taken last.
+    last_place: Option<Place>,
+    /// Where the last packet ends in the file.
+    last_end: Option<u64>,
+    aperture: Option<CleanAperture>,
 }
 
 impl FrameReader {
@@ -126,22 +135,30 @@ impl FrameReader {
             next: "convert the file with `ffmpeg -i FILE OUT.mp4`, or check that it is whole",
         };
         let explodes = TOLD_TO_EXPLODE.contains(&stream.parameters().id());
-        let decoder = open_decoder(&stream, explodes && !mends, !mends).map_err(unsupported)?;
-        let judge = (mends && explodes).then(|| open_decoder(&stream, true, false).ok());
+        let log = DecoderLog::default();
+        let decoder = open_decoder(&stream, explodes && !mends, !mends, Some(&log));
+        let decoder = decoder.map_err(unsupported)?;
+        let judge = (mends && explodes).then(|| open_decoder(&stream, true, false, None).ok());
         let stream = stream.index();
-        let is_cut = is_cut_matroska(path, bytes);
+        let why_cut = why_cut(path, bytes, input.format().name());
+        let is_mp4 = input.format().name().contains("mp4");
+        let aperture = is_mp4.then(|| clean_aperture_of(path)).flatten();
         Ok(Self {
             input,
             stream,
             decoder,
+            log,
             failure: None,
             errors_at_end: None,
-            is_cut,
+            why_cut,
             path: path.to_owned(),
             bytes,
             beginning: Beginning::default(),
             mending: most_left_out.map(|most| Mending::new(judge.flatten(), most)),
             last_packet: None,
+            last_place: None,
+            last_end: None,
+            aperture,
         })
     }
 
@@ -184,6 +201,11 @@ impl FrameReader {
         duration.filter(|ticks| *ticks > 0)
     }
 
+    /// The part of its pictures that the container says is to be shown, if it says that.
+    pub(crate) fn aperture(&self) -> Option<&CleanAperture> {
+        self.aperture.as_ref()
+    }
+
     /// The next frame in the order of display, None after the last. Frames before a break are
     /// delivered first, then the break is told once.
     pub(crate) fn next_frame(&mut self) -> Result<Option<Video>, Break> {
@@ -198,7 +220,9 @@ impl FrameReader {
 
     fn step(&mut self) -> Result<Step, Break> {
         let mut frame = Video::empty();
-        match self.decoder.receive_frame(&mut frame) {
+        let received = self.decoder.receive_frame(&mut frame);
+        self.listen()?;
+        match received {
             Ok(()) => {
                 let is_flagged = frame.is_corrupt() || frame.has_decode_errors();
                 let has_begun = self.beginning.has_begun();
@@ -218,6 +242,9 @@ impl FrameReader {
                     return Ok(Step::Fed);
                 }
                 self.beginning.shown(&frame);
+                if let Some(aperture) = &self.aperture {
+                    aperture.apply(&mut frame);
+                }
                 Ok(Step::Frame(frame))
             }
             Err(av::Error::Eof) => Ok(Step::End),
@@ -234,11 +261,29 @@ impl FrameReader {
         }
     }
 
+    /// Takes note of what the decoder has told since this was called.
+    fn listen(&mut self) -> Result<(), Break> {
+        if !self.log.has_heard() {
+            return Ok(());
+        }
+        match (&mut self.mending, self.last_place) {
+            (None, _) => {
+                let why = "the decoder had to guess parts of the picture";
+                Err(Break::Damaged(why.to_owned()))
+            }
+            (Some(mending), Some(place)) if !self.beginning.is_fresh() => {
+                mending.note(place);
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The decoder refused what it was given.
-    fn refused(&mut self, stamp: Option<i64>, error: &av::Error) -> Result<(), Break> {
+    fn refused(&mut self, place: Option<Place>, error: &av::Error) -> Result<(), Break> {
         match &mut self.mending {
             None => Err(Break::Damaged(error.to_string())),
-            Some(mending) => match mending.refuse(stamp) {
+            Some(mending) => match mending.refuse(place) {
                 true => Ok(()),
                 false => Err(Break::Fails(error.to_string())),
             },
@@ -258,7 +303,10 @@ impl FrameReader {
                 // Some containers hold packets without data, which decoders refuse.
                 Ok(true) if packet.size() == 0 => continue,
                 Ok(true) => return self.send(&packet),
-                Ok(false) if self.is_cut => Some(Break::Ends("it ends too early".to_owned())),
+                Ok(false) if self.why_cut.is_some() => self.why_cut.clone().map(Break::Ends),
+                Ok(false) if self.has_rest() => {
+                    Some(Break::Ends("it ends within a picture".to_owned()))
+                }
                 Ok(false) if self.has_shrunk() => {
                     Some(Break::Fails("it was cut while it was read".to_owned()))
                 }
@@ -280,20 +328,31 @@ impl FrameReader {
 
     fn send(&mut self, packet: &Packet) -> Result<(), Break> {
         let stamp = packet.pts().or(packet.dts());
+        let place = Place::of_packet(packet);
+        self.last_place = Some(place);
+        let end = packet.position() as i64 + packet.size() as i64;
+        self.last_end = u64::try_from(end).ok().filter(|_| packet.position() >= 0);
         if !is_discarded(packet) {
-            self.beginning.fed(stamp).map_err(Break::Fails)?;
+            self.beginning.fed(place).map_err(Break::Fails)?;
         }
         if let Some(stamp) = stamp.filter(|it| self.last_packet.is_none_or(|(last, _)| *it > last))
         {
             self.last_packet = Some((stamp, packet.duration()));
         }
         if let Some(mending) = &mut self.mending {
-            mending.judge(packet, stamp);
+            mending.judge(packet, place);
         }
         match self.decoder.send_packet(packet) {
-            Ok(()) => Ok(()),
-            Err(error) => self.refused(stamp, &error),
+            Ok(()) => self.listen(),
+            Err(error) => self.refused(Some(place), &error),
         }
+    }
+
+    /// Whether a file of pictures without an index ends with a part of one, which FFmpeg takes for
+    /// its end.
+    fn has_rest(&self) -> bool {
+        self.input.format().name() == "yuv4mpegpipe"
+            && self.last_end.is_some_and(|end| end < self.bytes)
     }
 
     /// Whether the file is shorter than when it was opened.
@@ -336,8 +395,12 @@ fn open_decoder(
     stream: &Stream,
     explodes: bool,
     has_threads: bool,
+    log: Option<&DecoderLog>,
 ) -> Result<decoder::Video, av::Error> {
     let mut context = av::codec::Context::from_parameters(stream.parameters())?;
+    if let Some(log) = log {
+        log.listen(&mut context);
+    }
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let count = if has_threads {
         cores.min(MOST_THREADS)
@@ -351,7 +414,10 @@ fn open_decoder(
     });
     let mut decoder = context.decoder();
     decoder.set_packet_time_base(stream.time_base());
-    if explodes {
+    if explodes && stream.parameters().id() == Id::HEVC {
+        // Some encoders say what a picture is to come to.
+        decoder.check(decoder::Check::EXPLODE | decoder::Check::CRC);
+    } else if explodes {
         decoder.check(decoder::Check::EXPLODE);
     }
     decoder.video()

@@ -21,13 +21,52 @@ const MOST_KEPT: usize = 4096;
 /// Errors in a row after which a decoder takes nothing more.
 const MOST_ERRORS: u32 = 10_000;
 
+/// What tells which packet a frame came of, in the order of display where that is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Place {
+    /// Its stamp.
+    Stamp(i64),
+    /// Where it lies in a file without stamps.
+    Byte(i64),
+    /// Nothing.
+    Unknown,
+}
+
+impl Place {
+    pub(crate) fn of_packet(packet: &Packet) -> Self {
+        let stamp = packet.pts().map(Self::Stamp);
+        stamp.unwrap_or_else(|| Self::of_byte(packet.position() as i64))
+    }
+
+    fn of_frame(frame: &Video) -> Self {
+        let stamp = frame.pts().map(Self::Stamp);
+        stamp.unwrap_or_else(|| Self::of_byte(frame.packet().position))
+    }
+
+    fn of_byte(at: i64) -> Self {
+        match at {
+            0.. => Self::Byte(at),
+            _ => Self::Unknown,
+        }
+    }
+
+    fn is_before(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Stamp(one), Self::Stamp(other)) | (Self::Byte(one), Self::Byte(other)) => {
+                one < other
+            }
+            _ => false,
+        }
+    }
+}
+
 /// The packets round the first frame.
 #[derive(Default)]
 pub(crate) struct Beginning {
-    /// Stamps of packets before the first frame came out.
-    early: Vec<Option<i64>>,
-    /// Stamp of the first frame, once it came out.
-    first: Option<Option<i64>>,
+    /// Packets before the first frame came out.
+    early: Vec<Place>,
+    /// The first frame, once it came out.
+    first: Option<Place>,
     late: u32,
     dropped: u64,
     shown: u32,
@@ -36,17 +75,17 @@ pub(crate) struct Beginning {
 impl Beginning {
     /// Takes note of a packet that is to be shown. The error says that there were too many without
     /// a frame.
-    pub(crate) fn fed(&mut self, stamp: Option<i64>) -> Result<(), String> {
+    pub(crate) fn fed(&mut self, place: Place) -> Result<(), String> {
         match self.first {
             None if self.early.len() >= MOST_EARLY => {
                 return Err(format!(
                     "none of its first {MOST_EARLY} packets can be decoded"
                 ));
             }
-            None => self.early.push(stamp),
+            None => self.early.push(place),
             Some(first) if self.late < MOST_LATE => {
                 self.late += 1;
-                self.dropped += u64::from(is_before(stamp, first));
+                self.dropped += u64::from(place.is_before(first));
             }
             Some(_) => {}
         }
@@ -59,9 +98,9 @@ impl Beginning {
         if self.first.is_some() {
             return;
         }
-        let first = frame.pts();
+        let first = Place::of_frame(frame);
         let early = std::mem::take(&mut self.early);
-        let before = early.into_iter().filter(|stamp| is_before(*stamp, first));
+        let before = early.into_iter().filter(|place| place.is_before(first));
         self.dropped = before.count() as u64;
         self.first = Some(first);
     }
@@ -77,9 +116,9 @@ impl Beginning {
         self.dropped > 0 && self.shown < FRESH
     }
 
-    /// Stamp of the first frame, as far as it has one.
-    pub(crate) fn first(&self) -> Option<i64> {
-        self.first.flatten()
+    /// The first frame.
+    pub(crate) fn first(&self) -> Option<Place> {
+        self.first
     }
 
     /// Packets that were to be shown before the first frame, and are not.
@@ -88,18 +127,14 @@ impl Beginning {
     }
 }
 
-fn is_before(stamp: Option<i64>, first: Option<i64>) -> bool {
-    matches!((stamp, first), (Some(stamp), Some(first)) if stamp < first)
-}
-
 /// Counts what is concealed. Decoders that conceal tell little of it, so another one that refuses
 /// damage reads the same packets.
 pub(crate) struct Mending {
     judge: Option<decoder::Video>,
-    /// Stamps of damaged packets whose frames have not come out.
-    waiting: BTreeSet<i64>,
-    /// Damaged packets without stamps.
-    unstamped: u64,
+    /// Damaged packets whose frames have not come out.
+    waiting: BTreeSet<Place>,
+    /// Damaged packets of which nothing tells which they are.
+    unknown: u64,
     /// Damaged frames that were shown, and those left out before the first good one.
     damaged: u64,
     left_out: u64,
@@ -116,7 +151,7 @@ impl Mending {
         Self {
             judge,
             waiting: BTreeSet::new(),
-            unstamped: 0,
+            unknown: 0,
             damaged: 0,
             left_out: 0,
             most_left_out,
@@ -126,7 +161,7 @@ impl Mending {
     }
 
     /// Looks whether a packet is damaged.
-    pub(crate) fn judge(&mut self, packet: &Packet, stamp: Option<i64>) {
+    pub(crate) fn judge(&mut self, packet: &Packet, place: Place) {
         let mut is_bad = packet.is_corrupt();
         if let Some(judge) = &mut self.judge {
             is_bad |= judge.send_packet(packet).is_err();
@@ -143,36 +178,35 @@ impl Mending {
             }
         }
         if is_bad {
-            self.note(stamp);
+            self.note(place);
         }
     }
 
-    fn note(&mut self, stamp: Option<i64>) {
-        match stamp {
-            Some(stamp) => {
-                self.waiting.insert(stamp);
-                if self.waiting.len() > MOST_KEPT {
-                    self.waiting.pop_first();
-                }
-            }
-            None => self.unstamped += 1,
+    /// Takes note of a damaged packet.
+    pub(crate) fn note(&mut self, place: Place) {
+        if place == Place::Unknown {
+            self.unknown += 1;
+            return;
+        }
+        self.waiting.insert(place);
+        if self.waiting.len() > MOST_KEPT {
+            self.waiting.pop_first();
         }
     }
 
     /// The decoder that shows refused a packet; false where it takes nothing any more.
-    pub(crate) fn refuse(&mut self, stamp: Option<i64>) -> bool {
+    pub(crate) fn refuse(&mut self, place: Option<Place>) -> bool {
         self.errors_in_a_row += 1;
-        if stamp.is_some() || self.judge.is_none() {
-            self.note(stamp);
+        let place = place.unwrap_or(Place::Unknown);
+        if place != Place::Unknown || self.judge.is_none() {
+            self.note(place);
         }
         self.errors_in_a_row <= MOST_ERRORS
     }
 
     /// Forgets that the packet of a frame was found damaged.
     pub(crate) fn forgive(&mut self, frame: &Video) {
-        if let Some(stamp) = frame.pts() {
-            self.waiting.remove(&stamp);
-        }
+        self.waiting.remove(&Place::of_frame(frame));
     }
 
     /// Whether a frame that came out is to be shown: a damaged one is, unless nothing before it
@@ -183,9 +217,8 @@ impl Mending {
         let is_sure = is_flagged && (self.judge.is_none() || frame.is_corrupt());
         self.flagged += u64::from(is_flagged && !is_sure);
         let is_flagged = is_sure;
-        let was_bad = frame
-            .pts()
-            .is_some_and(|stamp| self.waiting.contains(&stamp));
+        let place = Place::of_frame(frame);
+        let was_bad = self.waiting.contains(&place);
         if !was_bad && !is_flagged {
             return true;
         }
@@ -193,23 +226,21 @@ impl Mending {
             self.left_out += 1;
             return false;
         }
-        if let Some(stamp) = frame.pts() {
-            self.waiting.remove(&stamp);
-        }
+        self.waiting.remove(&place);
         self.damaged += 1;
         true
     }
 
     /// Damaged frames that were shown, and damaged packets that became none, of which those before
     /// the first frame are told of elsewhere.
-    pub(crate) fn counts(&self, first: Option<i64>) -> [u64; 2] {
+    pub(crate) fn counts(&self, first: Option<Place>) -> [u64; 2] {
         let lost = self
             .waiting
             .iter()
-            .filter(|stamp| first.is_none_or(|it| **stamp >= it));
-        // Without stamps nobody knows which frame is meant.
-        let unstamped = self.unstamped.saturating_sub(self.damaged);
-        let lost = lost.count() as u64 + unstamped;
+            .filter(|place| first.is_none_or(|it| !place.is_before(it)));
+        // Nobody knows which frame is meant.
+        let unknown = self.unknown.saturating_sub(self.damaged);
+        let lost = lost.count() as u64 + unknown;
         match (self.damaged, lost) {
             // What only one of both decoders finds is damaged all the same.
             (0, 0) => [self.flagged, 0],

@@ -1,6 +1,9 @@
 //! Films and streams: packets to frames, and what is mended on the way.
 
+pub mod animation_end;
+pub mod clusters;
 pub(crate) mod cut_short;
+pub(crate) mod decoder_log;
 pub mod deinterlace;
 pub(crate) mod frame_reader;
 pub(crate) mod frames;

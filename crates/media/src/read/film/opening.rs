@@ -14,7 +14,7 @@ use av::format::context::Input;
 use ffmpeg_next as av;
 
 /// Most bytes that are read for a packet, or to open a file.
-const MOST_BYTES: i64 = 1 << 30;
+const MOST_BYTES: i64 = 1 << 28;
 /// The same of a picture, which is one packet.
 const MOST_OF_PICTURE: i64 = 1 << 32;
 

@@ -54,11 +54,24 @@ impl StreamInput {
         let first = frames.first().ok_or_else(|| no_frames("it is empty"))?;
         let reader = frames.reader();
         let stream = reader.stream().ok_or_else(|| no_frames("it is gone"))?;
-        let tags = match source::is_image_format(reader.input()) {
+        let mut tags = match source::is_image_format(reader.input()) {
             true => StillTags::of(path),
             false => StillTags::default(),
         };
-        let orientation = orientation_of(path, &stream)?.unwrap_or(tags.orientation);
+        let orientation = match display_matrix_of(&stream, first) {
+            None => tags.orientation,
+            Some(matrix) => {
+                let (orientation, odd) = Orientation::from_display_matrix(&matrix);
+                tags.broken.extend(odd);
+                orientation
+            }
+        };
+        if let Some(aperture) = reader.aperture() {
+            match aperture.remark() {
+                Ok(note) => tags.notes.extend(note),
+                Err(broken) => tags.broken.push(broken),
+            }
+        }
         let is_jpeg = reader.decoder().id() == av::codec::Id::MJPEG;
         let conversion = FrameConversion::new(first, orientation, is_jpeg).map_err(|found| {
             let (path, field) = (path.to_owned(), "the colour matrix");
@@ -219,6 +232,10 @@ fn describe(
     let told = source::frames_told(reader.input(), stream, frame_rate);
     let guessed = || source::frames_of(seconds, frame_rate).or(is_image.then_some(1));
     let aspect = source::pixel_aspect_of(reader.input(), stream, first);
+    let aspect = match reader.aperture() {
+        Some(aperture) => aperture.aspect(aspect),
+        None => aspect,
+    };
     SourceInfo {
         width,
         height,
@@ -284,18 +301,11 @@ fn look_at(info: &mut SourceInfo, first: &Video, conversion: &mut FrameConversio
     }
 }
 
-/// As the container says; `None` where it says nothing.
-fn orientation_of(path: &Path, stream: &Stream) -> Result<Option<Orientation>, MediaError> {
-    let Some(matrix) = side_data_of(stream, Type::DisplayMatrix) else {
-        return Ok(None);
+/// As the container says, else the first frame.
+fn display_matrix_of(stream: &Stream, first: &Video) -> Option<Vec<u8>> {
+    let of_frame = || {
+        let data = first.side_data(av::frame::side_data::Type::DisplayMatrix)?;
+        Some(data.data().to_vec())
     };
-    let orientation = Orientation::from_display_matrix(&matrix);
-    orientation
-        .map(Some)
-        .ok_or_else(|| MediaError::Unsupported {
-            path: path.to_owned(),
-            field: "the display rotation",
-            found: "not a multiple of 90 degrees".to_owned(),
-            next: "turn the pictures themselves with `ffmpeg -i FILE OUT.mp4`",
-        })
+    side_data_of(stream, Type::DisplayMatrix).or_else(of_frame)
 }
