@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use ffmpeg_next as av;
 
-use crate::read::film::decoder_log::begin_to_listen;
+use crate::read::film::damage_log::begin_to_listen;
 
 /// Registers FFmpeg's error texts and has its log listened to, not printed; every entry into FFmpeg calls this
 /// first.

@@ -27,10 +27,12 @@ pub fn why_cut(file: &mut (impl Read + Seek)) -> Option<String> {
         [b'G', b'I', b'F', ..] => {
             let end = file.seek(SeekFrom::End(0)).ok()?;
             file.seek(SeekFrom::Start(10)).ok()?;
-            // The parts of a whole picture are all there, or reading fails.
-            gif(file, end)
-                .is_none()
-                .then(|| "it ends within a picture".to_owned())
+            match gif(file, end) {
+                // The parts of a whole picture are all there, or reading fails.
+                None => Some("it ends within a picture".to_owned()),
+                Some(false) => Some("something in it is no part of a picture".to_owned()),
+                Some(true) => None,
+            }
         }
         _ => None,
     }
@@ -84,14 +86,14 @@ fn png(file: &mut (impl Read + Seek)) -> Option<String> {
 }
 
 /// Goes through a GIF from the flags of its screen on, up to its end mark or the end of the file
-/// between two pictures; none where it ends within one.
-fn gif(file: &mut (impl Read + Seek), end: u64) -> Option<()> {
+/// between two pictures; none where it ends within one, false where something is no part of one.
+fn gif(file: &mut (impl Read + Seek), end: u64) -> Option<bool> {
     let flags = byte(file)?;
     skip(file, 2 + table(flags), end)?;
     loop {
         match byte(file) {
-            // Nothing is missing of what came, and what is no part is passed over.
-            None | Some(b';') => return Some(()),
+            // Nothing is missing of what came.
+            None | Some(b';') => return Some(true),
             Some(b'!') => {
                 byte(file)?;
             }
@@ -100,7 +102,7 @@ fn gif(file: &mut (impl Read + Seek), end: u64) -> Option<()> {
                 let flags = byte(file)?;
                 skip(file, table(flags) + 1, end)?;
             }
-            Some(_) => return Some(()),
+            Some(_) => return Some(false),
         }
         loop {
             match byte(file)? {

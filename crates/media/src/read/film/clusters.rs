@@ -86,7 +86,7 @@ struct Walk<F> {
 impl<F: Read + Seek> Walk<F> {
     fn file(&mut self) -> std::io::Result<()> {
         self.end = self.file.seek(SeekFrom::End(0))?;
-        self.go(0)?;
+        self.file.seek(SeekFrom::Start(0))?;
         let header = self.head()?;
         let Some((EBML, Some(end))) = header.map(|it| (it.id, it.end)) else {
             return Ok(());

@@ -12,8 +12,9 @@ use ffmpeg_next as av;
 use crate::error::{MediaError, is_system_full};
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
 use crate::read::film::cut_short::why_cut;
-use crate::read::film::decoder_log::DecoderLog;
-use crate::read::film::mending::{Beginning, Mending, Place};
+use crate::read::film::damage_log::DamageLog;
+use crate::read::film::holes::Pieces;
+use crate::read::film::mending::{Beginning, Judge, Mending, Place};
 use crate::read::film::opening::{open_input, read_packet};
 use crate::read::source;
 use crate::surround::clean_aperture::{CleanAperture, clean_aperture_of};
@@ -29,6 +30,10 @@ const TOLD_TO_EXPLODE: [Id; 4] = [Id::H264, Id::HEVC, Id::MJPEG, Id::PNG];
 /// What a transport stream tells of a packet whose counter jumps.
 const LOST: &str = "its data are incomplete, or two streams were joined here, which \
                     `ffmpeg -i FILE OUT.mkv` mends";
+
+/// What is told of a container of which a part was passed over, and of a packet with a hole.
+const PASSED_OVER: &str = "a part of it is none of its format";
+const HOLE: &str = "a part of a picture is gone, with zeros in its place";
 
 /// Errors in a row from a decoder that has no more packets, after which nothing more comes.
 const MOST_AT_END: u32 = 64;
@@ -58,8 +63,11 @@ pub(crate) struct FrameReader {
     input: Input,
     stream: usize,
     decoder: decoder::Video,
-    /// Told by the decoder, which is gone before it.
-    log: DecoderLog,
+    /// Told by the decoder and who reads the file, which are gone before them.
+    log: DamageLog,
+    file_log: DamageLog,
+    pieces: Pieces,
+    is_h264: bool,
     /// Why the packets ended before the file did; told once the good frames are out.
     failure: Option<Break>,
     /// Errors since the decoder was told that there are no more packets, once it was.
@@ -99,10 +107,14 @@ impl FrameReader {
             path: path.to_owned(),
             reason,
         };
-        let input = open_input(&absolute).map_err(|reason| match is_system_full(&reason) {
-            true => cannot_open(reason),
-            false => refused_box(path).unwrap_or_else(|| not_video(reason)),
-        })?;
+        let (log, file_log) = (DamageLog::of_decoder(), DamageLog::of_container());
+        let input =
+            open_input(&absolute, Some(&file_log)).map_err(|reason| {
+                match is_system_full(&reason) {
+                    true => cannot_open(reason),
+                    false => refused_box(path).unwrap_or_else(|| not_video(reason)),
+                }
+            })?;
         // Lists make FFmpeg read files that nobody named here.
         if matches!(input.format().name(), "hls" | "concat" | "dash") {
             return Err(not_video(
@@ -135,10 +147,14 @@ impl FrameReader {
             next: "convert the file with `ffmpeg -i FILE OUT.mp4`, or check that it is whole",
         };
         let explodes = TOLD_TO_EXPLODE.contains(&stream.parameters().id());
-        let log = DecoderLog::default();
-        let decoder = open_decoder(&stream, explodes && !mends, !mends, Some(&log));
+        let is_h264 = stream.parameters().id() == Id::H264;
+        let pieces = Pieces::of(stream.parameters().id(), &extra_of(&stream));
+        let decoder = open_decoder(&stream, explodes && !mends, !mends, &log);
         let decoder = decoder.map_err(unsupported)?;
-        let judge = (mends && explodes).then(|| open_decoder(&stream, true, false, None).ok());
+        let judge = match mends && explodes {
+            true => Judge::of(|log| open_decoder(&stream, true, false, log).ok()),
+            false => None,
+        };
         let stream = stream.index();
         let why_cut = why_cut(path, bytes, input.format().name());
         let is_mp4 = input.format().name().contains("mp4");
@@ -148,13 +164,16 @@ impl FrameReader {
             stream,
             decoder,
             log,
+            file_log,
+            pieces,
+            is_h264,
             failure: None,
             errors_at_end: None,
             why_cut,
             path: path.to_owned(),
             bytes,
             beginning: Beginning::default(),
-            mending: most_left_out.map(|most| Mending::new(judge.flatten(), most)),
+            mending: most_left_out.map(|most| Mending::new(judge, most)),
             last_packet: None,
             last_place: None,
             last_end: None,
@@ -193,6 +212,11 @@ impl FrameReader {
         let first = self.beginning.first();
         let [damaged, lost] = self.mending.as_ref().map_or([0; 2], |it| it.counts(first));
         [self.beginning.dropped(), damaged, lost]
+    }
+
+    /// Whether something was found that is no damage after all.
+    pub(crate) fn has_forgiven(&self) -> bool {
+        self.mending.as_ref().is_some_and(Mending::has_forgiven)
     }
 
     /// How long the last picture is shown, in ticks of the stream, as far as the file tells.
@@ -295,7 +319,14 @@ impl FrameReader {
         loop {
             // A fresh packet each time: av_read_frame overwrites without freeing.
             let mut packet = Packet::empty();
-            let failure = match read_packet(&mut packet, &mut self.input) {
+            let read = read_packet(&mut packet, &mut self.input);
+            if self.file_log.has_heard() {
+                match &mut self.mending {
+                    None => return Err(Break::Damaged(PASSED_OVER.to_owned())),
+                    Some(mending) => mending.note(Place::Unknown),
+                }
+            }
+            let failure = match read {
                 Ok(true) if packet.stream() != self.stream => continue,
                 Ok(true) if packet.is_corrupt() && self.mending.is_none() => {
                     Some(Break::Damaged(LOST.to_owned()))
@@ -332,6 +363,10 @@ impl FrameReader {
         self.last_place = Some(place);
         let end = packet.position() as i64 + packet.size() as i64;
         self.last_end = u64::try_from(end).ok().filter(|_| packet.position() >= 0);
+        let bytes = packet.data().unwrap_or_default();
+        if self.is_h264 && self.beginning.is_nothing() && self.pieces.leans_on_others(bytes) {
+            self.beginning.opens();
+        }
         if !is_discarded(packet) {
             self.beginning.fed(place).map_err(Break::Fails)?;
         }
@@ -339,8 +374,12 @@ impl FrameReader {
         {
             self.last_packet = Some((stamp, packet.duration()));
         }
-        if let Some(mending) = &mut self.mending {
-            mending.judge(packet, place);
+        let has_hole = self.pieces.has_hole(bytes);
+        let is_open = self.beginning.is_open();
+        match &mut self.mending {
+            None if has_hole => return Err(Break::Damaged(HOLE.to_owned())),
+            None => {}
+            Some(mending) => mending.judge(packet, (place, has_hole), is_open),
         }
         match self.decoder.send_packet(packet) {
             Ok(()) => self.listen(),
@@ -366,6 +405,22 @@ enum Step {
     Frame(Video),
     Fed,
     End,
+}
+
+/// What the container says of how a stream is coded.
+#[allow(unsafe_code)] // ffmpeg-next has no name for it.
+fn extra_of(stream: &Stream) -> Vec<u8> {
+    // SAFETY: the parameters are alive as long as the stream is; their bytes, where there are any,
+    // are as many as they say.
+    unsafe {
+        let raw = (*stream.as_ptr()).codecpar;
+        match ((*raw).extradata, usize::try_from((*raw).extradata_size)) {
+            (bytes, Ok(length)) if !bytes.is_null() => {
+                std::slice::from_raw_parts(bytes, length).to_vec()
+            }
+            _ => Vec::new(),
+        }
+    }
 }
 
 /// Whether a packet is decoded and not shown, as an edit list asks.
@@ -395,12 +450,10 @@ fn open_decoder(
     stream: &Stream,
     explodes: bool,
     has_threads: bool,
-    log: Option<&DecoderLog>,
+    log: &DamageLog,
 ) -> Result<decoder::Video, av::Error> {
     let mut context = av::codec::Context::from_parameters(stream.parameters())?;
-    if let Some(log) = log {
-        log.listen(&mut context);
-    }
+    log.listen_to_decoder(&mut context);
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let count = if has_threads {
         cores.min(MOST_THREADS)

@@ -123,7 +123,7 @@ impl Frames {
     /// What was mended so far.
     pub(crate) fn mended(&self) -> Mended {
         let [dropped_at_start, damaged, lost] = self.reader.damage();
-        let is_told = dropped_at_start + damaged + lost > 0;
+        let is_told = dropped_at_start + damaged + lost > 0 || self.reader.has_forgiven();
         // Something made the first reader stop.
         let damaged = damaged.max(u64::from(self.mends_since_damage && !is_told));
         Mended {

@@ -6,6 +6,8 @@ use av::frame::Video;
 use av::{Packet, decoder};
 use ffmpeg_next as av;
 
+use crate::read::film::damage_log::DamageLog;
+
 /// Packets that may come to nothing before the first frame: two minutes at 25 frames a second,
 /// more than any distance of key frames that is used.
 const MOST_EARLY: usize = 3000;
@@ -68,6 +70,8 @@ pub(crate) struct Beginning {
     /// The first frame, once it came out.
     first: Option<Place>,
     late: u32,
+    /// Whether the first packet leans on others, which are gone.
+    is_open: bool,
     dropped: u64,
     shown: u32,
 }
@@ -90,6 +94,21 @@ impl Beginning {
             Some(_) => {}
         }
         Ok(())
+    }
+
+    /// Whether nothing was taken note of.
+    pub(crate) fn is_nothing(&self) -> bool {
+        self.first.is_none() && self.early.is_empty()
+    }
+
+    /// Takes note that the first packet may lean on others before it.
+    pub(crate) fn opens(&mut self) {
+        self.is_open = true;
+    }
+
+    /// Whether frames still come that may ask for others before the beginning.
+    pub(crate) fn is_open(&self) -> bool {
+        self.is_open && self.shown < FRESH
     }
 
     /// Takes note of a frame that is shown.
@@ -127,10 +146,53 @@ impl Beginning {
     }
 }
 
+/// A decoder that refuses damage, and what it says.
+pub(crate) struct Judge {
+    decoder: decoder::Video,
+    log: DamageLog,
+}
+
+impl Judge {
+    pub(crate) fn of(open: impl FnOnce(&DamageLog) -> Option<decoder::Video>) -> Option<Self> {
+        let log = DamageLog::of_judge();
+        open(&log).map(|decoder| Self { decoder, log })
+    }
+
+    fn finds(&mut self, packet: &Packet) -> Verdict {
+        let mut is_bad = self.decoder.send_packet(packet).is_err();
+        loop {
+            match self.decoder.receive_frame(&mut Video::empty()) {
+                Ok(()) => {}
+                Err(av::Error::Eof) => break,
+                Err(error) if crate::ffmpeg::wants_more(error) => break,
+                Err(_) => {
+                    is_bad = true;
+                    break;
+                }
+            }
+        }
+        match (is_bad, self.log.has_heard()) {
+            (false, _) => Verdict::Good,
+            (true, false) => Verdict::LacksOthers,
+            (true, true) => Verdict::Bad,
+        }
+    }
+}
+
+/// What is wrong with a packet.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Good,
+    /// That pictures before it are missing, and no more.
+    LacksOthers,
+    Bad,
+}
+
 /// Counts what is concealed. Decoders that conceal tell little of it, so another one that refuses
 /// damage reads the same packets.
 pub(crate) struct Mending {
-    judge: Option<decoder::Video>,
+    judge: Option<Judge>,
+    has_forgiven: bool,
     /// Damaged packets whose frames have not come out.
     waiting: BTreeSet<Place>,
     /// Damaged packets of which nothing tells which they are.
@@ -147,9 +209,10 @@ pub(crate) struct Mending {
 impl Mending {
     /// With a decoder that refuses damage, where the one that shows does not tell of it; so many
     /// damaged frames before the first good one are left out.
-    pub(crate) fn new(judge: Option<decoder::Video>, most_left_out: u64) -> Self {
+    pub(crate) fn new(judge: Option<Judge>, most_left_out: u64) -> Self {
         Self {
             judge,
+            has_forgiven: false,
             waiting: BTreeSet::new(),
             unknown: 0,
             damaged: 0,
@@ -160,26 +223,26 @@ impl Mending {
         }
     }
 
-    /// Looks whether a packet is damaged.
-    pub(crate) fn judge(&mut self, packet: &Packet, place: Place) {
-        let mut is_bad = packet.is_corrupt();
-        if let Some(judge) = &mut self.judge {
-            is_bad |= judge.send_packet(packet).is_err();
-            loop {
-                match judge.receive_frame(&mut Video::empty()) {
-                    Ok(()) => {}
-                    Err(av::Error::Eof) => break,
-                    Err(error) if crate::ffmpeg::wants_more(error) => break,
-                    Err(_) => {
-                        is_bad = true;
-                        break;
-                    }
-                }
-            }
-        }
-        if is_bad {
+    /// Looks whether a packet is damaged, as one with a hole is. Where a stream is open at its
+    /// beginning, it is not for that pictures before it are missing.
+    pub(crate) fn judge(
+        &mut self,
+        packet: &Packet,
+        (place, has_hole): (Place, bool),
+        is_open: bool,
+    ) {
+        let verdict = self.judge.as_mut().map(|judge| judge.finds(packet));
+        let is_forgiven = is_open && verdict == Some(Verdict::LacksOthers);
+        self.has_forgiven |= is_forgiven;
+        let is_bad = verdict.is_some_and(|it| it != Verdict::Good) && !is_forgiven;
+        if is_bad || packet.is_corrupt() || has_hole {
             self.note(place);
         }
+    }
+
+    /// Whether something was found that is no damage after all.
+    pub(crate) fn has_forgiven(&self) -> bool {
+        self.has_forgiven
     }
 
     /// Takes note of a damaged packet.

@@ -13,6 +13,8 @@ use av::ffi;
 use av::format::context::Input;
 use ffmpeg_next as av;
 
+use crate::read::film::damage_log::DamageLog;
+
 /// Most bytes that are read for a packet, or to open a file.
 const MOST_BYTES: i64 = 1 << 28;
 /// The same of a picture, which is one packet.
@@ -88,9 +90,10 @@ fn is_picture(context: &ffi::AVFormatContext) -> bool {
     name.is_some_and(|name| name == c"image2" || name.to_bytes().ends_with(b"_pipe"))
 }
 
-/// Opens a file and finds its streams. The error says why that is not done.
+/// Opens a file and finds its streams; what is told of it meanwhile and later, the log hears, if there is one, which
+/// must outlive it. The error says why that is not done.
 #[allow(unsafe_code)] // ffmpeg-next takes options or an interruption, not both.
-pub(crate) fn open_input(path: &Path) -> Result<Input, String> {
+pub(crate) fn open_input(path: &Path, log: Option<&DamageLog>) -> Result<Input, String> {
     let name = path.to_str().and_then(|it| CString::new(it).ok());
     let name = name.ok_or("its name cannot be told to FFmpeg")?;
     let mut options = av::Dictionary::new();
@@ -106,6 +109,9 @@ pub(crate) fn open_input(path: &Path) -> Result<Input, String> {
         let mut context = ffi::avformat_alloc_context();
         if context.is_null() {
             return Err("there is no memory for it".to_owned());
+        }
+        if let Some(log) = log {
+            log.listen_to_container(&mut *context);
         }
         (*context).interrupt_callback = ffi::AVIOInterruptCB {
             callback: Some(is_interrupted),
