@@ -22,7 +22,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
         },
         Finding {
             found: "damage that a decoder only logs (a missing reference of HEVC, a slice of FFV1), a \
-                    picture of HEVC that its own checksum refuses, 32 zeros in a row in coded data",
+                    picture of HEVC that its own checksum refuses, a hole of zeros in coded data",
             outcome: Mended,
             told: "the same",
         },
@@ -99,8 +99,8 @@ pub(super) const FORMATS: &[Format] = &[Format {
         },
         Finding {
             found: "pixels whose shape changes",
-            outcome: Remarked,
-            told: "shown in that of the first frame",
+            outcome: Mended,
+            told: "shown in that of the first frame, `repairs.reshaped_frames`",
         },
         Finding {
             found: "pictures whose size changes",

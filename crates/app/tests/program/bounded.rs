@@ -286,7 +286,16 @@ fn a_file_of_a_tebibyte_of_nothing_is_refused_in_little_memory() {
     }
     for ending in ["mjpeg", "h264", "ts"] {
         let path = sparse(&format!("nothing.{ending}"));
-        let ran = within([60, 3_000_000], &["prepare", "video", &path, "--estimate"]);
+        let ran = within(
+            [60, 3_000_000],
+            &[
+                "prepare",
+                "video",
+                &path,
+                "--out",
+                &folder.name("nothing.foveal"),
+            ],
+        );
         assert_refused(&ran, 1, &[&format!("nothing.{ending}")]);
     }
 }

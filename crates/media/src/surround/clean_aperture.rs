@@ -44,6 +44,12 @@ fn part(numbers: [u32; 8], coded: [u32; 2]) -> Option<[u32; 4]> {
         let (length, whole) = (ratio(k)?, f64::from(coded[k]));
         let first = ((whole - length) / 2.0 + ratio(k + 2)?).round();
         let length = length.round();
+        // Half a pixel is rounded away.
+        let first = match (first, first + length - whole) {
+            (-1.0, _) => 0.0,
+            (_, 1.0) => first - 1.0,
+            _ => first,
+        };
         let fits = length >= 1.0 && first >= 0.0 && first + length <= whole;
         fits.then_some([first as u32, length as u32])
     };

@@ -214,7 +214,7 @@ fn maps_of_other_sizes_than_their_regions_are_brought_to_them_and_told() {
         let most = far.fold(0.0_f32, f32::max);
         assert!(most < 2e-6, "{name}: {most}");
         let grey = |file: &Option<Vec<u8>>| {
-            let file = std::io::Cursor::new(file.clone().unwrap());
+            let file = Cursor::new(file.clone().unwrap());
             let mut reader = png::Decoder::new(file).read_info().unwrap();
             let mut samples = vec![0; reader.output_buffer_size().unwrap()];
             reader.next_frame(&mut samples).unwrap();

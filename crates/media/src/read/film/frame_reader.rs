@@ -147,6 +147,7 @@ impl FrameReader {
             next: "convert the file with `ffmpeg -i FILE OUT.mp4`, or check that it is whole",
         };
         let explodes = TOLD_TO_EXPLODE.contains(&stream.parameters().id());
+        let is_hevc = stream.parameters().id() == Id::HEVC;
         let is_h264 = stream.parameters().id() == Id::H264;
         let pieces = Pieces::of(stream.parameters().id(), &extra_of(&stream));
         let decoder = open_decoder(&stream, explodes && !mends, !mends, &log);
@@ -173,7 +174,7 @@ impl FrameReader {
             path: path.to_owned(),
             bytes,
             beginning: Beginning::default(),
-            mending: most_left_out.map(|most| Mending::new(judge, most)),
+            mending: most_left_out.map(|most| Mending::new(judge, most, is_hevc)),
             last_packet: None,
             last_place: None,
             last_end: None,

@@ -220,12 +220,18 @@ impl Frames {
                     self.breaks_off = Some(reason);
                     return Ok(None);
                 }
+                // What lies behind a picture is none.
+                Err(Break::Damaged(_)) if self.taken > 0 && self.is_image() => return Ok(None),
                 Err(Break::Damaged(reason)) if !self.options.strict && !self.reader.mends() => {
                     self.begin_mending(reason)?;
                 }
                 Err(stop) => return Err(stop),
             }
         }
+    }
+
+    fn is_image(&self) -> bool {
+        source::is_image_format(self.reader.input())
     }
 
     /// Goes on where the reader broke off, with one that mends.

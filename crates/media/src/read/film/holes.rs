@@ -1,13 +1,15 @@
 //! Is a part of a coded picture gone, with zeros in its place?
 //!
 //! Copies that break off and blocks of a disk that cannot be read leave zeros. Decoders of entropy
-//! codes take them for pictures, but no encoder writes many in a row.
+//! codes take them for pictures. In units of H.264 and HEVC three in a row are forbidden; other
+//! encoders write some dozens where nothing moves, and never a block of a disk.
 
 use av::codec::Id;
 use ffmpeg_next as av;
 
-/// So many zeros in a row are a hole.
-const HOLE: usize = 32;
+/// So many zeros in a row are a hole in a unit of H.264 or HEVC, and in other packets.
+const IN_UNIT: usize = 32;
+const IN_PACKET: usize = 512;
 /// A run that long holds a whole block of this length.
 const BLOCK: usize = 16;
 
@@ -50,11 +52,11 @@ impl Pieces {
         let ends = |run: &[u8], rest: &[u8]| rest.len() > run.len();
         match self {
             Self::Unknown => false,
-            Self::Whole => hole(packet).is_some(),
-            Self::Padded => hole(packet).is_some_and(|[_, end]| end < packet.len()),
+            Self::Whole => hole(packet, IN_PACKET).is_some(),
+            Self::Padded => hole(packet, IN_PACKET).is_some_and(|[_, end]| end < packet.len()),
             Self::StartCodes => {
                 let mut rest = packet;
-                while let Some([_, end]) = hole(rest) {
+                while let Some([_, end]) = hole(rest, IN_UNIT) {
                     rest = &rest[end..];
                     if !matches!(rest.first(), None | Some(1)) {
                         return true;
@@ -71,7 +73,7 @@ impl Pieces {
                         .fold(0, |sum, byte| sum << 8 | usize::from(*byte));
                     let (unit, next) = after.split_at(length.min(after.len()));
                     // What fills a unit up is at its end.
-                    if hole(unit).is_some_and(|[_, end]| ends(&unit[..end], unit)) {
+                    if hole(unit, IN_UNIT).is_some_and(|[_, end]| ends(&unit[..end], unit)) {
                         return true;
                     }
                     rest = next;
@@ -121,8 +123,8 @@ impl Pieces {
     }
 }
 
-/// Where the first hole begins and ends.
-fn hole(bytes: &[u8]) -> Option<[usize; 2]> {
+/// Where the first run of at least so many zeros begins and ends.
+fn hole(bytes: &[u8], least: usize) -> Option<[usize; 2]> {
     let mut from = 0;
     loop {
         let block = bytes[from..]
@@ -133,7 +135,7 @@ fn hole(bytes: &[u8]) -> Option<[usize; 2]> {
         let begin = at - before.count();
         let zeros = bytes[begin..].iter().take_while(|byte| **byte == 0);
         let end = begin + zeros.count();
-        if end - begin >= HOLE {
+        if end - begin >= least {
             return Some([begin, end]);
         }
         from = end;
@@ -146,7 +148,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn with_zeros(at: usize, length: usize) -> Vec<u8> {
-        let mut bytes = vec![7; 200];
+        let mut bytes = vec![7; 1000];
         bytes[at..at + length].fill(0);
         bytes
     }
@@ -154,30 +156,28 @@ mod tests {
     #[test]
     fn a_run_of_zeros_is_a_hole_but_for_what_fills_up() {
         for at in 0..40 {
-            assert!(Pieces::Whole.has_hole(&with_zeros(at, 48)), "{at}");
-            assert!(!Pieces::Whole.has_hole(&with_zeros(at, 31)), "{at}");
+            assert!(Pieces::Whole.has_hole(&with_zeros(at, 530)), "{at}");
+            assert!(!Pieces::Whole.has_hole(&with_zeros(at, 500)), "{at}");
         }
-        assert!(!Pieces::Padded.has_hole(&with_zeros(150, 50)));
-        assert!(Pieces::Padded.has_hole(&with_zeros(140, 50)));
-        let unit = |at, length| [&[0, 0, 0, 200][..], &with_zeros(at, length)].concat();
-        let two = [unit(150, 50), unit(3, 4)].concat();
+        assert!(!Pieces::Padded.has_hole(&with_zeros(400, 600)));
+        assert!(Pieces::Padded.has_hole(&with_zeros(400, 560)));
+        let unit = |at, length| [&1000_u32.to_be_bytes()[..], &with_zeros(at, length)].concat();
+        let two = [unit(950, 50), unit(3, 4)].concat();
         assert!(!Pieces::Lengths(4).has_hole(&two));
-        assert!(Pieces::Lengths(4).has_hole(&[two, unit(20, 40)].concat()));
+        assert!(Pieces::Lengths(4).has_hole(&[two, unit(20, 48)].concat()));
         let mut codes = with_zeros(20, 60);
         codes[80] = 1;
         assert!(!Pieces::StartCodes.has_hole(&codes));
-        assert!(Pieces::StartCodes.has_hole(&[codes, with_zeros(9, 33)].concat()));
-        assert!(!Pieces::Unknown.has_hole(&[0; 99]));
-        let scan = |at| {
-            [
-                &[0; 64][..],
-                &[0xff, 0xda],
-                &with_zeros(at, 50),
-                &[0xff, 0xd9],
-            ]
-            .concat()
-        };
-        assert!(Pieces::Jpeg.has_hole(&scan(30)) && !Pieces::Jpeg.has_hole(&[0; 99]));
+        assert!(Pieces::StartCodes.has_hole(&[codes, with_zeros(9, 48)].concat()));
+        assert!(!Pieces::Unknown.has_hole(&[0; 999]));
+        let scan = [
+            &[0; 600][..],
+            &[0xff, 0xda],
+            &with_zeros(30, 600),
+            &[0xff, 0xd9],
+        ]
+        .concat();
+        assert!(Pieces::Jpeg.has_hole(&scan) && !Pieces::Jpeg.has_hole(&[0; 999]));
     }
 
     proptest! {

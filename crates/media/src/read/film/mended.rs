@@ -50,6 +50,7 @@ impl Mended {
             ("time_stamps", self.repaired_stamps),
             ("deinterlaced_frames", self.deinterlaced),
             ("resized_frames", self.resized),
+            ("reshaped_frames", self.reshaped),
         ];
         let there = all.into_iter().filter(|(_, count)| *count > 0);
         there

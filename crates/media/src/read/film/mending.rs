@@ -201,6 +201,9 @@ pub(crate) struct Mending {
     damaged: u64,
     left_out: u64,
     most_left_out: u64,
+    /// Whether the decoder makes frames up from where a stream begins in the middle, so that all
+    /// are left out before the first that leans on none.
+    needs_key: bool,
     errors_in_a_row: u32,
     /// Frames that the decoder that shows flags, and the judge finds nothing wrong with.
     flagged: u64,
@@ -209,7 +212,7 @@ pub(crate) struct Mending {
 impl Mending {
     /// With a decoder that refuses damage, where the one that shows does not tell of it; so many
     /// damaged frames before the first good one are left out.
-    pub(crate) fn new(judge: Option<Judge>, most_left_out: u64) -> Self {
+    pub(crate) fn new(judge: Option<Judge>, most_left_out: u64, needs_key: bool) -> Self {
         Self {
             judge,
             has_forgiven: false,
@@ -218,6 +221,7 @@ impl Mending {
             damaged: 0,
             left_out: 0,
             most_left_out,
+            needs_key,
             errors_in_a_row: 0,
             flagged: 0,
         }
@@ -282,7 +286,8 @@ impl Mending {
         let is_flagged = is_sure;
         let place = Place::of_frame(frame);
         let was_bad = self.waiting.contains(&place);
-        if !was_bad && !is_flagged {
+        let is_made_up = self.needs_key && !has_begun && !frame.is_key();
+        if !was_bad && !is_flagged && !is_made_up {
             return true;
         }
         if !has_begun && self.left_out < self.most_left_out {
