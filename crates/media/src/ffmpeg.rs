@@ -7,8 +7,8 @@ use ffmpeg_next as av;
 
 use crate::read::film::damage_log::begin_to_listen;
 
-/// Registers FFmpeg's error texts and has its log listened to, not printed; every entry into FFmpeg calls this
-/// first.
+/// Registers FFmpeg's error texts and has its log listened to, not printed; every entry into FFmpeg
+/// calls this first.
 pub(crate) fn start() {
     static STARTED: OnceLock<()> = OnceLock::new();
     STARTED.get_or_init(|| {

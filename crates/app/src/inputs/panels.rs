@@ -57,7 +57,7 @@ pub(super) const FORMATS: &[Format] = &[
                 "a number behind it, which is said",
             ),
             found(
-                "a map of fewer or more values than its region has pixels, up to four times as many",
+                "a map of fewer values than its region has pixels, or up to four times more",
                 Remarked,
                 "a geometryWarpFile is interpolated, an alphaMap or betaMap resampled",
             ),

@@ -21,8 +21,9 @@ pub(super) const FORMATS: &[Format] = &[Format {
                    `repairs.lost_packets`",
         },
         Finding {
-            found: "damage that a decoder only logs (a missing reference of HEVC, a slice of FFV1), a \
-                    picture of HEVC that its own checksum refuses, a hole of zeros in coded data",
+            found: "damage that a decoder only logs (a missing reference of HEVC, a slice of \
+                    FFV1), a picture of HEVC that its own checksum refuses, a hole of zeros in \
+                    coded data (32 in H.264 and HEVC, 512 in VP8, VP9, AV1 and MJPEG)",
             outcome: Mended,
             told: "the same",
         },
@@ -41,7 +42,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
         Finding {
             found: "even time stamps with a hole in a few places",
             outcome: Remarked,
-            told: "the frame before stays there; where there is damage too, `repairs.missing_frames`",
+            told: "the frame before stays there; where there is damage, `repairs.missing_frames`",
         },
         Finding {
             found: "frames that last for hours between others",

@@ -81,12 +81,12 @@ impl CleanAperture {
     }
 
     /// What a person should know of it; the error says that it is passed over.
-    pub(crate) fn remark(&self) -> Result<Option<String>, String> {
+    pub(crate) fn remark(&self) -> Result<String, String> {
         let [w, h] = self.coded;
         match self.part {
-            Some([_, _, width, height]) => Ok(Some(format!(
+            Some([_, _, width, height]) => Ok(format!(
                 "its clean aperture (clap) is shown, {width}x{height} of {w}x{h} pixels"
-            ))),
+            )),
             None => Err(format!(
                 "its clean aperture (clap) is no part of its {w}x{h} pixels, and is passed over"
             )),

@@ -157,6 +157,23 @@ fn fading([columns, rows]: [u32; 2]) -> Vec<u8> {
     file
 }
 
+/// The floats of a map of 80 x 60 pixels.
+fn floats(bytes: &Option<Vec<u8>>) -> Vec<f32> {
+    let bytes = bytes.as_ref().unwrap();
+    let from = bytes.len() - 80 * 60 * 12;
+    let four = |it: &[u8]| f32::from_le_bytes(it.try_into().unwrap());
+    bytes[from..].chunks_exact(4).map(four).collect()
+}
+
+/// The samples of a PNG, in bytes.
+fn grey(file: &Option<Vec<u8>>) -> Vec<u8> {
+    let file = Cursor::new(file.clone().unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut samples = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut samples).unwrap();
+    samples
+}
+
 #[test]
 fn maps_of_other_sizes_than_their_regions_are_brought_to_them_and_told() {
     let folder = Folder::new();
@@ -198,12 +215,6 @@ fn maps_of_other_sizes_than_their_regions_are_brought_to_them_and_told() {
         ] {
             assert!(said.contains(&words), "{name}: {words}: {said}");
         }
-        let floats = |bytes: &Option<Vec<u8>>| -> Vec<f32> {
-            let bytes = bytes.as_ref().unwrap();
-            let from = bytes.len() - 80 * 60 * 12;
-            let four = |it: &[u8]| f32::from_le_bytes(it.try_into().unwrap());
-            bytes[from..].chunks_exact(4).map(four).collect()
-        };
         let far = |(k, (one, other)): (usize, (&f32, &f32))| match k % 3 {
             2 => 0.0,
             _ => (one - other).abs(),
@@ -213,13 +224,6 @@ fn maps_of_other_sizes_than_their_regions_are_brought_to_them_and_told() {
         let far = pairs.iter().zip(&others).enumerate().map(far);
         let most = far.fold(0.0_f32, f32::max);
         assert!(most < 2e-6, "{name}: {most}");
-        let grey = |file: &Option<Vec<u8>>| {
-            let file = Cursor::new(file.clone().unwrap());
-            let mut reader = png::Decoder::new(file).read_info().unwrap();
-            let mut samples = vec![0; reader.output_buffer_size().unwrap()];
-            reader.next_frame(&mut samples).unwrap();
-            samples
-        };
         let (one, other) = (grey(&alpha), grey(&shares));
         assert_eq!(one.len(), other.len());
         let middle = 2 * (80 * 30 + 40);

@@ -67,7 +67,7 @@ pub(crate) struct FrameReader {
     log: DamageLog,
     file_log: DamageLog,
     pieces: Pieces,
-    is_h264: bool,
+    codec: Id,
     /// Why the packets ended before the file did; told once the good frames are out.
     failure: Option<Break>,
     /// Errors since the decoder was told that there are no more packets, once it was.
@@ -97,34 +97,7 @@ impl FrameReader {
         bytes: u64,
         most_left_out: Option<u64>,
     ) -> Result<Self, MediaError> {
-        start();
-        let cannot_open = |reason| MediaError::Open {
-            path: path.to_owned(),
-            reason,
-        };
-        let absolute = path_for_ffmpeg(path).map_err(cannot_open)?;
-        let not_video = |reason| MediaError::NotVideo {
-            path: path.to_owned(),
-            reason,
-        };
-        let (log, file_log) = (DamageLog::of_decoder(), DamageLog::of_container());
-        let input =
-            open_input(&absolute, Some(&file_log)).map_err(|reason| {
-                match is_system_full(&reason) {
-                    true => cannot_open(reason),
-                    false => refused_box(path).unwrap_or_else(|| not_video(reason)),
-                }
-            })?;
-        // Lists make FFmpeg read files that nobody named here.
-        if matches!(input.format().name(), "hls" | "concat" | "dash") {
-            return Err(not_video(
-                "it is a list of other files; give one of them".to_owned(),
-            ));
-        }
-        // FFmpeg draws text files as pictures of a terminal; nobody means that.
-        if input.format().name() == "tty" {
-            return Err(not_video("it is a text file".to_owned()));
-        }
+        let (input, file_log) = film_at(path)?;
         let Some(stream) = source::video_stream(&input) else {
             let found = source::stream_kinds(&input);
             return Err(MediaError::NoVideoStream {
@@ -132,11 +105,6 @@ impl FrameReader {
                 found,
             });
         };
-        if stream.parameters().id() == Id::None {
-            return Err(not_video(
-                "it does not say how its pictures are coded".to_owned(),
-            ));
-        }
         // A picture that is damaged is refused: there is no other that shows what is missing.
         let most_left_out = most_left_out.filter(|_| !source::is_image_format(&input));
         let mends = most_left_out.is_some();
@@ -146,10 +114,10 @@ impl FrameReader {
             found: format!("{:?} ({e})", stream.parameters().id()).to_lowercase(),
             next: "convert the file with `ffmpeg -i FILE OUT.mp4`, or check that it is whole",
         };
-        let explodes = TOLD_TO_EXPLODE.contains(&stream.parameters().id());
-        let is_hevc = stream.parameters().id() == Id::HEVC;
-        let is_h264 = stream.parameters().id() == Id::H264;
-        let pieces = Pieces::of(stream.parameters().id(), &extra_of(&stream));
+        let codec = stream.parameters().id();
+        let explodes = TOLD_TO_EXPLODE.contains(&codec);
+        let log = DamageLog::of_decoder();
+        let pieces = Pieces::of(codec, &extra_of(&stream));
         let decoder = open_decoder(&stream, explodes && !mends, !mends, &log);
         let decoder = decoder.map_err(unsupported)?;
         let judge = match mends && explodes {
@@ -167,14 +135,14 @@ impl FrameReader {
             log,
             file_log,
             pieces,
-            is_h264,
+            codec,
             failure: None,
             errors_at_end: None,
             why_cut,
             path: path.to_owned(),
             bytes,
             beginning: Beginning::default(),
-            mending: most_left_out.map(|most| Mending::new(judge, most, is_hevc)),
+            mending: most_left_out.map(|most| Mending::new(judge, most, codec == Id::HEVC)),
             last_packet: None,
             last_place: None,
             last_end: None,
@@ -365,7 +333,10 @@ impl FrameReader {
         let end = packet.position() as i64 + packet.size() as i64;
         self.last_end = u64::try_from(end).ok().filter(|_| packet.position() >= 0);
         let bytes = packet.data().unwrap_or_default();
-        if self.is_h264 && self.beginning.is_nothing() && self.pieces.leans_on_others(bytes) {
+        if self.codec == Id::H264
+            && self.beginning.is_nothing()
+            && self.pieces.leans_on_others(bytes)
+        {
             self.beginning.opens();
         }
         if !is_discarded(packet) {
@@ -406,6 +377,43 @@ enum Step {
     Frame(Video),
     Fed,
     End,
+}
+
+/// Opens a film, and says what is told of it meanwhile and later, which must outlive it.
+fn film_at(path: &Path) -> Result<(Input, DamageLog), MediaError> {
+    start();
+    let cannot_open = |reason| MediaError::Open {
+        path: path.to_owned(),
+        reason,
+    };
+    let absolute = path_for_ffmpeg(path).map_err(cannot_open)?;
+    let not_video = |reason| MediaError::NotVideo {
+        path: path.to_owned(),
+        reason,
+    };
+    let log = DamageLog::of_container();
+    let input =
+        open_input(&absolute, Some(&log)).map_err(|reason| match is_system_full(&reason) {
+            true => cannot_open(reason),
+            false => refused_box(path).unwrap_or_else(|| not_video(reason)),
+        })?;
+    // Lists make FFmpeg read files that nobody named here.
+    if matches!(input.format().name(), "hls" | "concat" | "dash") {
+        return Err(not_video(
+            "it is a list of other files; give one of them".to_owned(),
+        ));
+    }
+    // FFmpeg draws text files as pictures of a terminal; nobody means that.
+    if input.format().name() == "tty" {
+        return Err(not_video("it is a text file".to_owned()));
+    }
+    let has_codec = |stream: Stream| stream.parameters().id() != Id::None;
+    if source::video_stream(&input).is_some_and(|stream| !has_codec(stream)) {
+        return Err(not_video(
+            "it does not say how its pictures are coded".to_owned(),
+        ));
+    }
+    Ok((input, log))
 }
 
 /// What the container says of how a stream is coded.

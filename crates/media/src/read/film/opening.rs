@@ -113,8 +113,8 @@ fn nothing(most: i64) -> String {
     format!("{} MiB of it hold nothing to show", most >> 20)
 }
 
-/// Opens a file and finds its streams; what is told of it meanwhile and later, the log hears, if there is one, which
-/// must outlive it. The error says why that is not done.
+/// Opens a file and finds its streams. The log, if there is one, hears what is told of it meanwhile
+/// and later, and must outlive it. The error says why it is not opened.
 #[allow(unsafe_code)] // ffmpeg-next takes options or an interruption, not both.
 pub(crate) fn open_input(path: &Path, log: Option<&DamageLog>) -> Result<Input, String> {
     let name = path.to_str().and_then(|it| CString::new(it).ok());

@@ -23,6 +23,7 @@ use crate::read::orientation::Orientation;
 use crate::read::source::{self, SourceInfo, Transparency};
 use crate::read::still::still_tags::StillTags;
 use crate::surround::camera::{Camera, may_be_two_fisheyes, shows_two_fisheyes};
+use crate::surround::clean_aperture::CleanAperture;
 use crate::surround::sphere_part::SpherePart;
 use crate::surround::spherical::{side_data_of, spherical_of, stereo_of};
 use crate::surround::spherical_boxes::{Ffmpeg, broken_boxes_of};
@@ -58,20 +59,7 @@ impl StreamInput {
             true => StillTags::of(path),
             false => StillTags::default(),
         };
-        let orientation = match display_matrix_of(&stream, first) {
-            None => tags.orientation,
-            Some(matrix) => {
-                let (orientation, odd) = Orientation::from_display_matrix(&matrix);
-                tags.broken.extend(odd);
-                orientation
-            }
-        };
-        if let Some(aperture) = reader.aperture() {
-            match aperture.remark() {
-                Ok(note) => tags.notes.extend(note),
-                Err(broken) => tags.broken.push(broken),
-            }
-        }
+        let orientation = oriented(reader, (&stream, first), &mut tags);
         let is_jpeg = reader.decoder().id() == av::codec::Id::MJPEG;
         let conversion = FrameConversion::new(first, orientation, is_jpeg).map_err(|found| {
             let (path, field) = (path.to_owned(), "the colour matrix");
@@ -299,6 +287,26 @@ fn look_at(info: &mut SourceInfo, first: &Video, conversion: &mut FrameConversio
         let is_still = info.looks_still;
         info.camera = Some(Camera::TwoFisheyes { is_still });
     }
+}
+
+/// How a film wants its pictures laid, and what is odd about that and what is shown of them, which
+/// is put to what its tags say.
+fn oriented(
+    reader: &FrameReader,
+    (stream, first): (&Stream, &Video),
+    tags: &mut StillTags,
+) -> Orientation {
+    match reader.aperture().map(CleanAperture::remark) {
+        None => {}
+        Some(Ok(note)) => tags.notes.push(note),
+        Some(Err(broken)) => tags.broken.push(broken),
+    }
+    let Some(matrix) = display_matrix_of(stream, first) else {
+        return tags.orientation;
+    };
+    let (orientation, odd) = Orientation::from_display_matrix(&matrix);
+    tags.broken.extend(odd);
+    orientation
 }
 
 /// As the container says, else the first frame.
