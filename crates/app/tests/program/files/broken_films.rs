@@ -121,8 +121,6 @@ fn a_display_matrix_that_no_picture_can_follow_is_followed_as_near_as_it_goes() 
             Some(48) => "48x64",
             _ => "64x48",
         };
-        let file = folder.name(&name);
-        prepared(&folder, &file, &[]);
         let picture = frame_picture(&shown(&folder, view), 0);
         assert_eq!(lit(&picture), corners, "{number}");
     }
@@ -147,8 +145,6 @@ fn a_clean_aperture_is_what_is_shown() {
     let told = told_of(&folder, "clap.mp4", &clap([48, 48, -8, 0]), false);
     assert_eq!([&told["width"], &told["height"]], [48, 48], "{told}");
     assert!(remarks(&told).contains("48x48 of 64x48"), "{told}");
-    let file = folder.name("clap.mp4");
-    prepared(&folder, &file, &[]);
     let picture = frame_picture(&shown(&folder, "48x48"), 0);
     let is_lit = |at| picture.at(at)[0] > 110;
     assert!(is_lit([28, 8]) && !is_lit([37, 8]) && !is_lit([8, 28]));
@@ -201,13 +197,11 @@ fn an_animation_or_bare_film_that_is_cut_in_its_last_frame_says_so() {
         let told = told_of(&folder, &format!("whole-{name}"), &whole, false);
         assert_eq!(told["frames"], 10, "{name}: {told}");
         assert_eq!(repair(&told, "cut_short"), 0, "{name}: {told}");
-        for cut in [60, 200] {
-            let name = format!("cut-{cut}-{name}");
-            let told = told_of(&folder, &name, &whole[..whole.len() - cut], true);
-            assert_eq!(told["frames"], 9, "{name}: {told}");
-            assert_eq!(repair(&told, "cut_short"), 1, "{name}: {told}");
-            assert!(remarks(&told).contains("breaks off after 9"), "{told}");
-        }
+        let cut = format!("cut-{name}");
+        let told = told_of(&folder, &cut, &whole[..whole.len() - 60], true);
+        assert_eq!(told["frames"], 9, "{name}: {told}");
+        assert_eq!(repair(&told, "cut_short"), 1, "{name}: {told}");
+        assert!(remarks(&told).contains("breaks off after 9"), "{told}");
         if name == "a.apng" {
             let mut more = whole;
             let at = inside(&more, &[b"acTL"]);
@@ -281,16 +275,14 @@ fn damage_in_hevc_and_vp9_is_told_where_anything_tells_of_it() {
     for (name, encoder, options, is_hole) in [
         // A checksum of every picture.
         ("hash.mp4", "libx265", &hash[..], false),
-        ("hash.ts", "libx265", &hash[..], false),
         // Zeros where data were.
-        ("hole.mp4", "libx265", &plain[..], true),
         ("hole.mkv", "libx265", &plain[..], true),
         ("hole.webm", "libvpx-vp9", &fast[..], true),
         ("vp9.mp4", "libvpx-vp9", &fast[..], true),
     ] {
         let film = Film {
             encoder,
-            frames: 30,
+            frames: 20,
             size: [320, 192],
             gop: 10,
             options,
