@@ -128,7 +128,7 @@ mod tests {
         assert_eq!(told(704, 480, 0, 0), Some([8, 2, 704, 480]));
         assert_eq!(told(100, 486, -310, 0), Some([0, 0, 100, 486]));
         assert_eq!(told(720, 486, 0, 0), Some([0, 0, 720, 486]));
-        for (w, x) in [(721, 0), (0, 0), (704, 9), (704, -9)] {
+        for (w, x) in [(721, 0), (0, 0), (704, 10), (704, -10)] {
             assert_eq!(told(w, 486, x, 0), None, "{w} {x}");
         }
         assert_eq!(part([704, 0, 480, 1, 0, 1, 0, 1], coded), None);

@@ -64,9 +64,9 @@ fn png(file: &mut (impl Read + Seek)) -> Option<String> {
             b"fdAT" => {
                 gap |= word(8) != next;
                 next = word(8).wrapping_add(1);
-                has_data |= !is_cut;
+                has_data = !is_cut;
             }
-            b"IDAT" => has_data |= !is_cut,
+            b"IDAT" => has_data = !is_cut,
             _ => {}
         }
         if is_cut {
@@ -75,7 +75,7 @@ fn png(file: &mut (impl Read + Seek)) -> Option<String> {
         at = file.seek(SeekFrom::Start(after)).ok()?;
     }
     let told = told?;
-    let whole = begun - u32::from(begun > 0 && (is_cut || !has_data));
+    let whole = begun - u32::from(begun > 0 && !has_data);
     if whole < told {
         return Some(format!(
             "it tells of {} and holds {whole}",

@@ -223,10 +223,10 @@ impl<F: Read + Seek> Walk<F> {
             return Ok(None);
         }
         let Some((id, _)) = self.number()? else {
-            return Ok(Some(self.none(at)));
+            return Ok((self.at < self.end).then(|| self.none(at)));
         };
         let Some((marked, length)) = self.number()? else {
-            return Ok(Some(self.none(at)));
+            return Ok((self.at < self.end).then(|| self.none(at)));
         };
         let size = marked & !(1 << (7 * length));
         let is_unknown = size == (1 << (7 * length)) - 1;
@@ -359,7 +359,7 @@ mod tests {
         }
         assert_eq!(found(&whole), [3, 0]);
         let at = whole.len() - 60;
-        let gone = [&whole[..at], &whole[at + 5..]].concat();
+        let gone = [&whole[..at], &whole[at + 3..]].concat();
         assert_eq!(found(&gone)[1], 1);
     }
 
